@@ -1,0 +1,35 @@
+"""The exceptions a caller may meet. Every text is one plain sentence: what was wrong, what to do.
+
+KeyposeError
+├── VideoError      a video that cannot be read, or a frame that is not there
+├── CameraError     a camera that cannot project
+├── BodyError       a body that is not a tree of solid parts
+├── SessionError    a session file, its keyframes or its video do not fit together
+└── FormatError     a reference or motion file that cannot be read or written
+"""
+
+from __future__ import annotations
+
+
+class KeyposeError(Exception):
+    """Something the user can mend; the text is one sentence and needs no traceback."""
+
+
+class VideoError(KeyposeError):
+    """The video, or one frame of it, cannot be read."""
+
+
+class CameraError(KeyposeError):
+    """The camera's numbers do not describe a camera."""
+
+
+class BodyError(KeyposeError):
+    """The body's parts do not form a tree of solid shapes."""
+
+
+class SessionError(KeyposeError):
+    """A session cannot be read, or its parts do not fit together."""
+
+
+class FormatError(KeyposeError):
+    """A file in an outside format cannot be read or written."""

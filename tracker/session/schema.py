@@ -1,0 +1,204 @@
+"""The session file's contents, version 1: plain numbers, validated once at the door.
+
+Every text of an error names the field and what is allowed. Lengths are metres, angles radians,
+rotations unit quaternions [w, x, y, z] of a part in its parent's frame.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal, Self, TypeAlias
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, field_validator, model_validator
+
+from tracker.body import Body, Name
+from tracker.camera import Camera
+from tracker.geometry import quaternion_wxyz, rotation_from_quaternion
+from tracker.pose import Pose, pose_transforms
+from tracker.skeleton import Skeleton
+
+SCHEMA_VERSION = 1
+
+FrameIndex: TypeAlias = Annotated[int, Field(ge=0, le=100_000_000)]
+Quaternion: TypeAlias = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
+Position: TypeAlias = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
+Pixel: TypeAlias = tuple[FiniteFloat, FiniteFloat]
+Method: TypeAlias = Literal["keypose", "paper"]
+Quality: TypeAlias = Literal["full", "fast", "preview"]
+
+
+class _Frozen(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class VideoReference(_Frozen):
+    """Which video the session is about, and how to know that it is that one."""
+
+    path: Annotated[str, Field(min_length=1)] = Field(
+        description="Path of the video, relative to the session file or absolute."
+    )
+    fingerprint: str = Field(description="Content fingerprint; empty when not yet known.")
+    frame_count: Annotated[int, Field(ge=1)]
+    width: Annotated[int, Field(ge=2)]
+    height: Annotated[int, Field(ge=2)]
+
+
+class Keyframe(_Frozen):
+    """A pose that a person set at one frame. It is never changed by tracking."""
+
+    frame: FrameIndex
+    time_s: FiniteFloat = Field(description="Time of the frame from the video's first, seconds.")
+    root_m: Position = Field(description="The root part's origin in the camera frame, metres.")
+    rotations_wxyz: dict[Name, Quaternion] = Field(
+        description="Each part's rotation in its parent's frame; parts left out are at rest."
+    )
+
+    @field_validator("rotations_wxyz")
+    @classmethod
+    def _are_rotations(cls, rotations: dict[str, Quaternion]) -> dict[str, Quaternion]:
+        for name, q in rotations.items():
+            if abs(math.sqrt(sum(c * c for c in q)) - 1.0) > 1e-3:
+                raise ValueError(f"the rotation of {name!r} is not a unit quaternion [w, x, y, z]")
+        return rotations
+
+    @classmethod
+    def of(cls, skeleton: Skeleton, pose: Pose, frame: int, time_s: float) -> Keyframe:
+        """The keyframe of a pose."""
+        quaternions = quaternion_wxyz(pose.Rs_parent_part)
+        names = skeleton.body.names
+        return cls(
+            frame=frame,
+            time_s=time_s,
+            root_m=_triple(pose.p_camera_root),
+            rotations_wxyz={n: _quad(q) for n, q in zip(names, quaternions, strict=True)},
+        )
+
+    def pose(self, skeleton: Skeleton) -> Pose:
+        """The pose it holds."""
+        at_rest = (1.0, 0.0, 0.0, 0.0)
+        names = skeleton.body.names
+        quaternions = np.array([self.rotations_wxyz.get(name, at_rest) for name in names])
+        return Pose(rotation_from_quaternion(quaternions), np.array(self.root_m))
+
+
+class IgnoreMask(_Frozen):
+    """A polygon, in pixels of the video, whose pixels are kept out over a range of frames."""
+
+    polygon: Annotated[tuple[Pixel, ...], Field(min_length=3)]
+    first_frame: FrameIndex
+    last_frame: FrameIndex
+    note: str = ""
+
+    @model_validator(mode="after")
+    def _runs_forward(self) -> Self:
+        if self.last_frame < self.first_frame:
+            raise ValueError("last_frame must not be before first_frame")
+        return self
+
+
+class TrackSettings(_Frozen):
+    """How to track. The defaults are right for most videos."""
+
+    method: Method = "keypose"
+    quality: Quality = Field(default="full", description="How much work `keypose` does.")
+    static_camera: bool = Field(
+        default=False,
+        description="The camera stands still: a background plate keeps foreign pixels out.",
+    )
+    passes: Annotated[int, Field(ge=1, le=50)] | None = Field(
+        default=None, description="Passes over a segment; the method's own number when left out."
+    )
+
+
+class SegmentSummary(_Frozen):
+    """What tracking found for the stretch between two keyframes."""
+
+    first_frame: FrameIndex
+    last_frame: FrameIndex
+    verdict: Literal["good", "check", "lost"]
+    words: str
+    scores: tuple[float, ...] = Field(description="Score of the start and after every pass.")
+    best_pass: int
+    closing_error: float = Field(description="Distance from the second keyframe, radians, metres.")
+
+
+class Results(_Frozen):
+    """Where the tracked motion lies, and what was found."""
+
+    tracks: str = Field(description="File of the trajectories, beside the session file.")
+    method: Method
+    quality: Quality
+    segments: tuple[SegmentSummary, ...]
+
+
+class Session(_Frozen):
+    """Everything about one video: the camera, the body, the keyframes, the settings, the results."""
+
+    schema_version: Literal[1] = SCHEMA_VERSION
+    video: VideoReference
+    camera: Camera
+    body: Body
+    keyframes: tuple[Keyframe, ...] = ()
+    ignore_masks: tuple[IgnoreMask, ...] = ()
+    settings: TrackSettings = TrackSettings()
+    results: Results | None = None
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        size, video = (self.camera.width, self.camera.height), self.video
+        if size != (video.width, video.height):
+            raise ValueError(
+                f"camera is for {size[0]}×{size[1]} pixels but the video has "
+                f"{video.width}×{video.height}; the sizes must agree"
+            )
+        _demand_sorted(self.keyframes)
+        skeleton = Skeleton.of(self.body)
+        for keyframe in self.keyframes:
+            _demand_in_video(keyframe, video.frame_count)
+            _demand_before_camera(keyframe, skeleton)
+        return self
+
+
+def _demand_sorted(keyframes: tuple[Keyframe, ...]) -> None:
+    frames = [k.frame for k in keyframes]
+    for before, after in zip(frames, frames[1:], strict=False):
+        if before == after:
+            raise ValueError(f"keyframes: frame {before} has two keyframes; one is allowed")
+        if before > after:
+            raise ValueError(f"keyframes: frame {after} stands after {before}; sort them by frame")
+
+
+def _demand_in_video(keyframe: Keyframe, frame_count: int) -> None:
+    if keyframe.frame >= frame_count:
+        raise ValueError(
+            f"keyframes: frame {keyframe.frame} is beyond the video, "
+            f"whose frames are 0 to {frame_count - 1}"
+        )
+
+
+def _demand_before_camera(keyframe: Keyframe, skeleton: Skeleton) -> None:
+    names = skeleton.body.names
+    unknown = sorted(set(keyframe.rotations_wxyz) - set(names))
+    if unknown:
+        raise ValueError(
+            f"keyframes: frame {keyframe.frame} poses {unknown[0]!r}, which the body does not "
+            f"have; its parts are {', '.join(names)}"
+        )
+    z = pose_transforms(skeleton, keyframe.pose(skeleton))[:, 2, 3]
+    if z.min() <= 0.05:
+        part = names[int(np.argmin(z))]
+        raise ValueError(
+            f"keyframes: frame {keyframe.frame} has {part!r} behind the camera; "
+            "every joint needs a depth of more than 0.05 m"
+        )
+
+
+def _triple(values: np.ndarray) -> Position:
+    x, y, z = (float(v) for v in values)
+    return x, y, z
+
+
+def _quad(values: np.ndarray) -> Quaternion:
+    w, x, y, z = (float(v) for v in values)
+    return w, x, y, z
