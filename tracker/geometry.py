@@ -19,7 +19,7 @@ Array: TypeAlias = NDArray[np.float64]
 
 def frozen(values: ArrayLike) -> Array:
     """A read-only float copy, so that a result cannot change under those who hold it."""
-    array = np.array(values, dtype=np.float64)
+    array = np.array(values, dtype=np.float64, order="C")
     array.setflags(write=False)
     return array
 
@@ -58,9 +58,7 @@ def rotation_from_euler(z: float, y: float, x: float) -> Array:
 def euler_from_rotation(rotations: ArrayLike) -> Array:
     """Angles (..., 3) as [z, y, x] in radians with R = Qz Qy Qx; y within ±pi/2."""
     rotations = np.asarray(rotations, dtype=np.float64)
-    flat = Rotation.from_matrix(rotations.reshape(-1, 3, 3)).as_euler(
-        "ZYX", suppress_warnings=True
-    )
+    flat = Rotation.from_matrix(rotations.reshape(-1, 3, 3)).as_euler("ZYX", suppress_warnings=True)
     return flat.reshape(*rotations.shape[:-2], 3)
 
 

@@ -7,7 +7,8 @@ rotations unit quaternions [w, x, y, z] of a part in its parent's frame.
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, Self, TypeAlias
+from itertools import pairwise
+from typing import Annotated, Final, Literal, Self, TypeAlias
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, field_validator, model_validator
@@ -18,11 +19,12 @@ from tracker.geometry import quaternion_wxyz, rotation_from_quaternion
 from tracker.pose import Pose, pose_transforms
 from tracker.skeleton import Skeleton
 
-SCHEMA_VERSION = 1
+SCHEMA_VERSION: Final = 1
 
 FrameIndex: TypeAlias = Annotated[int, Field(ge=0, le=100_000_000)]
 Quaternion: TypeAlias = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
-Position: TypeAlias = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
+Metres: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e5, le=1e5)]
+Position: TypeAlias = tuple[Metres, Metres, Metres]
 Pixel: TypeAlias = tuple[FiniteFloat, FiniteFloat]
 Method: TypeAlias = Literal["keypose", "paper"]
 Quality: TypeAlias = Literal["full", "fast", "preview"]
@@ -118,22 +120,28 @@ class SegmentSummary(_Frozen):
     last_frame: FrameIndex
     verdict: Literal["good", "check", "lost"]
     words: str
-    scores: tuple[float, ...] = Field(description="Score of the start and after every pass.")
+    scores: tuple[FiniteFloat | None, ...] = Field(
+        description="Score of the start and after every pass; null where nothing was seen."
+    )
     best_pass: int
-    closing_error: float = Field(description="Distance from the second keyframe, radians, metres.")
+    closing_error: FiniteFloat | None = Field(
+        description="Distance from the second keyframe, radians, metres; null when not finite."
+    )
 
 
 class Results(_Frozen):
     """Where the tracked motion lies, and what was found."""
 
-    tracks: str = Field(description="File of the trajectories, beside the session file.")
+    tracks: Annotated[str, Field(pattern=r"^tracks-[0-9a-f]{12}\.npz$")] = Field(
+        description="File of the trajectories, beside the session file."
+    )
     method: Method
     quality: Quality
     segments: tuple[SegmentSummary, ...]
 
 
 class Session(_Frozen):
-    """Everything about one video: the camera, the body, the keyframes, the settings, the results."""
+    """All about one video: the camera, the body, the keyframes, the settings, the results."""
 
     schema_version: Literal[1] = SCHEMA_VERSION
     video: VideoReference
@@ -162,7 +170,7 @@ class Session(_Frozen):
 
 def _demand_sorted(keyframes: tuple[Keyframe, ...]) -> None:
     frames = [k.frame for k in keyframes]
-    for before, after in zip(frames, frames[1:], strict=False):
+    for before, after in pairwise(frames):
         if before == after:
             raise ValueError(f"keyframes: frame {before} has two keyframes; one is allowed")
         if before > after:

@@ -1,0 +1,1 @@
+"""The ways to use Keypose: the command line and its pictures."""

@@ -1,0 +1,78 @@
+"""The command line: `keypose COMMAND …`.
+
+Exit codes: 0 done; 1 tracking was lost somewhere; 2 the input cannot be used, said in one sentence
+on stderr; 130 interrupted; 141 nobody reads the output any more.
+"""
+
+from __future__ import annotations
+
+import argparse
+import io
+import os
+import sys
+from collections.abc import Sequence
+from typing import NoReturn
+
+from app.commands import evaluate, export, info, schema, shot, track
+from tracker.errors import KeyposeError
+
+BAD_INPUT = 2
+INTERRUPTED = 130
+NO_READER = 141
+
+_EXAMPLES = """\
+examples:
+  keypose info jump.mp4
+  keypose track jump/session.json
+  keypose shot jump/session.json --frame 40 --view all --out frame40.png
+  keypose export jump/session.json --format bvh --out motion
+"""
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one sentence instead of a page of usage."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(BAD_INPUT, f"{_sentence(f'{self.prog}: {message}')} See {self.prog} --help.\n")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code; --help and wrong arguments raise SystemExit."""
+    if isinstance(sys.stdout, io.TextIOWrapper):  # a file name may hold what a terminal cannot show
+        sys.stdout.reconfigure(errors="backslashreplace")
+    try:
+        arguments = parser().parse_args(argv)
+        code: int = arguments.run(arguments)
+        sys.stdout.flush()
+        return code
+    except KeyposeError as error:
+        print(_sentence(str(error)), file=sys.stderr)
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except BrokenPipeError:
+        # What is still buffered would raise once more when the interpreter closes stdout.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return NO_READER
+
+
+def parser() -> argparse.ArgumentParser:
+    """The grammar of the command line."""
+    top = _Parser(
+        prog="keypose",
+        description="3D motion from ordinary video: pose a body at a few frames, the tracker "
+        "finds the rest.",
+        epilog=_EXAMPLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    commands = top.add_subparsers(metavar="COMMAND", required=True)
+    for command in (track, evaluate, shot, export, info, schema):
+        command.add(commands)
+    return top
+
+
+def _sentence(text: str) -> str:
+    """The text on one line, without control characters a file name or a field might bring."""
+    line = " ".join(text.split())
+    line = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in line)
+    return line if line.endswith((".", "?", "!")) else f"{line}."

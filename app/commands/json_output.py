@@ -1,0 +1,28 @@
+"""JSON on stdout: strict, in ASCII, with null for what is not a finite number."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from collections.abc import Mapping
+from typing import Any
+
+
+def print_json(value: object, *, indent: int | None = None) -> None:
+    """One document on a line of its own (or indented), sent at once."""
+    print(json.dumps(plain(value), allow_nan=False, indent=indent), flush=True)
+
+
+def plain(value: Any) -> Any:
+    """Dataclasses, mappings and sequences as JSON's own types."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        fields = dataclasses.fields(value)
+        return {field.name: plain(getattr(value, field.name)) for field in fields}
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else None
+    return value

@@ -1,0 +1,62 @@
+"""Drift correction of a segment: the accumulated motion made to meet the second keyframe.
+
+DRIFT §3. The equations, and where they differ from the printed ones, are in the loops.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.geometry import Array
+from tracker.kernels.closing import close_segment
+from tracker.pose import Pose
+from tracker.trajectory import Trajectory
+
+
+@dataclass(frozen=True, eq=False)
+class Motions:
+    """Where the motion of every frame of a trajectory leads: the pose at the next frame.
+
+    Rs_parent_part: (n, P, 3, 3), ps_camera_root: (n, 3), for frames 0 … n − 1 of the trajectory.
+    """
+
+    Rs_parent_part: Array
+    ps_camera_root: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Closed:
+    """A trajectory that meets both keyframes.
+
+    rounds: (P,) rounds in which each part's X was found; −1 where the motions left no single X
+    (a full turn) and the rest was spread along one axis.
+    """
+
+    trajectory: Trajectory
+    rounds: NDArray[np.int64]
+
+
+def correct_drift(trajectory: Trajectory, motions: Motions, end: Pose) -> Closed:
+    """Accumulate the motions from the trajectory's first pose and close on `end`."""
+    R, t = trajectory.Rs_parent_part, trajectory.ps_camera_root
+    R_out, t_out = np.empty_like(R), np.empty_like(t)
+    rounds = np.empty(R.shape[1], np.int64)
+    close_segment(
+        R, t, motions.Rs_parent_part, motions.ps_camera_root,
+        end.Rs_parent_part, end.p_camera_root, R_out, t_out, rounds,
+    )  # fmt: skip
+    return Closed(Trajectory(trajectory.first_frame, R_out, t_out), rounds)
+
+
+def closing_error(trajectory: Trajectory, start: Pose, end: Pose) -> float:
+    """Largest difference of the trajectory's ends from the keyframes: matrix entries and metres."""
+    gaps = [
+        trajectory.Rs_parent_part[0] - start.Rs_parent_part,
+        trajectory.Rs_parent_part[-1] - end.Rs_parent_part,
+        trajectory.ps_camera_root[0] - start.p_camera_root,
+        trajectory.ps_camera_root[-1] - end.p_camera_root,
+    ]
+    return float(max(np.abs(gap).max() for gap in gaps))

@@ -1,0 +1,118 @@
+"""The motion as BVH (Biovision hierarchy), which animation programs read.
+
+World of the file: x to the picture's right, y up, z from the scene toward the camera; its origin is
+the camera. It is the camera frame turned by half a turn about x, F = diag(1, −1, −1). Every part's
+frame is turned likewise, R' = F R F and offset' = F offset, so that in the rest pose all frames of
+the file are parallel to its world, and a body that stands has its legs along −y.
+
+Lengths are centimetres, angles degrees. Channels: position, then Z, Y, X rotation for the root;
+Z, Y, X rotation for the others: R' = Rz·Ry·Rx, as the order of the channels says. The root's offset
+is zero: its channels hold the whole position. A part without children ends in its farthest landmark
+or, when it has none, in the end of its shape. Frames are evenly spaced, as BVH knows nothing else.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from tracker.body import Part
+from tracker.errors import FormatError
+from tracker.geometry import Array, euler_from_rotation
+from tracker.shapes import Box
+from tracker.skeleton import Skeleton
+from tracker.trajectory import Trajectory
+
+FLIP = np.array([1.0, -1.0, -1.0])
+"""The diagonal of F."""
+
+CM_PER_M = 100.0
+DECIMALS = 6
+
+
+def bvh(skeleton: Skeleton, trajectory: Trajectory, seconds_per_frame: float) -> str:
+    """The text of the file. FormatError when the time between frames is not positive."""
+    if not 0.0 < seconds_per_frame < np.inf:
+        raise FormatError("A BVH file needs a positive time between its frames.")
+    hierarchy = _part_lines(skeleton, 0, bvh_names(skeleton), indent="")
+    motion = [
+        "MOTION",
+        f"Frames: {len(trajectory)}",
+        f"Frame Time: {seconds_per_frame:.9f}",
+        *(_row(values) for values in _channels(skeleton, trajectory)),
+    ]
+    return "\n".join(["HIERARCHY", *hierarchy, *motion]) + "\n"
+
+
+def bvh_names(skeleton: Skeleton) -> tuple[str, ...]:
+    """The parts' names without blanks and braces, which would end a name in BVH."""
+    names: list[str] = []
+    for name in skeleton.body.names:
+        plain = re.sub(r"[\s{}]", "_", name)
+        while plain in names:
+            plain += "_"
+        names.append(plain)
+    return tuple(names)
+
+
+def end_site(part: Part) -> tuple[float, float, float]:
+    """Where a part without children ends, in its own frame, metres."""
+    if part.landmarks:
+        return max(part.landmarks.values(), key=lambda p: float(np.linalg.norm(p)))
+    shape = part.shape
+    if not isinstance(shape, Box):
+        return (0.0, max(shape.start_m, shape.end_m, key=abs), 0.0)
+    low, high = np.array(shape.low_m), np.array(shape.high_m)
+    reach = np.where(np.abs(high) >= np.abs(low), high, low)
+    longest = int(np.argmax(np.abs(reach)))
+    end = (low + high) / 2
+    end[longest] = reach[longest]
+    x, y, z = (float(value) for value in end)
+    return (x, y, z)
+
+
+def _part_lines(
+    skeleton: Skeleton, index: int, names: tuple[str, ...], indent: str
+) -> Iterator[str]:
+    is_root = skeleton.parents[index] < 0
+    offset = np.zeros(3) if is_root else skeleton.joints[index]
+    inner = f"{indent}  "
+    yield f"{indent}{'ROOT' if is_root else 'JOINT'} {names[index]}"
+    yield f"{indent}{{"
+    yield f"{inner}OFFSET {_row(_flipped_cm(offset))}"
+    rotations = "Zrotation Yrotation Xrotation"
+    if is_root:
+        yield f"{inner}CHANNELS 6 Xposition Yposition Zposition {rotations}"
+    else:
+        yield f"{inner}CHANNELS 3 {rotations}"
+    children = np.flatnonzero(skeleton.parents == index)
+    for child in children:
+        yield from _part_lines(skeleton, int(child), names, inner)
+    if not len(children):
+        end = _row(_flipped_cm(np.array(end_site(skeleton.body.parts[index]))))
+        yield from (f"{inner}End Site", f"{inner}{{", f"{inner}  OFFSET {end}", f"{inner}}}")
+    yield f"{indent}}}"
+
+
+def _channels(skeleton: Skeleton, trajectory: Trajectory) -> Array:
+    """(N, 3 + 3P): the root's position, then the angles of the parts in the file's order."""
+    Rs = FLIP[:, None] * trajectory.Rs_parent_part * FLIP
+    angles = np.rad2deg(euler_from_rotation(Rs))[:, list(_depth_first(skeleton, 0))]
+    positions = _flipped_cm(trajectory.ps_camera_root)
+    return np.concatenate([positions, angles.reshape(len(trajectory), -1)], axis=1)
+
+
+def _depth_first(skeleton: Skeleton, index: int) -> Iterator[int]:
+    yield index
+    for child in np.flatnonzero(skeleton.parents == index):
+        yield from _depth_first(skeleton, int(child))
+
+
+def _flipped_cm(points_m: Array) -> Array:
+    return np.asarray(points_m * FLIP * CM_PER_M)
+
+
+def _row(values: Sequence[float] | Array) -> str:
+    return " ".join(f"{round(float(v), DECIMALS) + 0.0:.{DECIMALS}f}" for v in values)

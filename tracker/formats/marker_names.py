@@ -1,0 +1,67 @@
+"""The usual names of joint markers, and where on the body they are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from tracker.errors import FormatError
+from tracker.evaluate import Place
+from tracker.shapes import Box, Shape
+from tracker.skeleton import Skeleton
+
+_LIMBS = {
+    "Shoulder": "upper_arm",
+    "Elbow": "forearm",
+    "Wrist": "hand",
+    "Hip": "thigh",
+    "Knee": "shin",
+    "Ankle": "foot",
+}
+
+JOINT_MARKERS = {
+    **{f"L{joint}": (f"left_{part}",) for joint, part in _LIMBS.items()},
+    **{f"R{joint}": (f"right_{part}",) for joint, part in _LIMBS.items()},
+    "Neck": ("neck",),
+    "hip": ("left_thigh", "right_thigh"),
+    "Hip": ("left_thigh", "right_thigh"),
+}
+"""Markers with the parts at whose joint they are, or in the middle of whose joints."""
+
+CENTRE_MARKERS = {"Head": "head"}
+"""Markers with the part in the middle of whose shape they are."""
+
+_ORIGIN = (0.0, 0.0, 0.0)
+
+
+def places_of(skeleton: Skeleton, names: Sequence[str], file: str) -> tuple[Place, ...]:
+    """Where on the body each named joint is; FormatError names the first one it does not have."""
+    return tuple(_place(skeleton, name, file) for name in names)
+
+
+def _place(skeleton: Skeleton, name: str, file: str) -> Place:
+    """A part's joint, a landmark, or a marker of the usual names, in this order."""
+    body = skeleton.body
+    if name in body.names:
+        return ((body.index(name), _ORIGIN),)
+    for i, part in enumerate(body.parts):
+        if name in part.landmarks:
+            return ((i, part.landmarks[name]),)
+    centred = CENTRE_MARKERS.get(name)
+    if centred in body.names:
+        i = body.index(centred)
+        return ((i, _centre(body.parts[i].shape)),)
+    parts = JOINT_MARKERS.get(name, ())
+    if parts and set(parts) <= set(body.names):
+        return tuple((body.index(part), _ORIGIN) for part in parts)
+    raise FormatError(
+        f"{file} names {name!r}, which is no joint of the body and no marker of it; its joints are "
+        f"{', '.join(body.names)}."
+    )
+
+
+def _centre(shape: Shape) -> tuple[float, float, float]:
+    """The middle of a shape in its part's frame, metres."""
+    if isinstance(shape, Box):
+        (x0, y0, z0), (x1, y1, z1) = shape.low_m, shape.high_m
+        return ((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2)
+    return (0.0, (shape.start_m + shape.end_m) / 2, 0.0)

@@ -1,0 +1,159 @@
+"""Drift correction of one segment: the motions made to meet the second keyframe (DRIFT §3).
+
+One small rotation X is found for each part with R_1 X R_2 X … R_n X = T_0⁻¹ T_n. In the tangent
+space the paper's nine equations are three: (Σ_j G_jᵀ) ξ = log(F_nᵀ T), G_j = R_{j+1} … R_n. The
+printed I + Y is not a rotation and cannot meet T to 1e-10; X = exp(ξ) does in a few rounds.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tracker.kernels import compiled
+from tracker.kernels.rigid import (
+    cleaned,
+    compose,
+    exponential,
+    logarithm,
+    product,
+    turned_back,
+)
+
+MOST_ROUNDS = 20
+MET = 1e-11
+"""Radians within which the end counts as met."""
+
+
+@compiled
+def solve_three(J, b, least, x):
+    """x ← J⁻¹ b for a 3×3 J by its cofactors; False where |det J| is below `least`."""
+    cofactors = np.empty((3, 3))
+    for i in range(3):
+        for k in range(3):
+            i1, i2, k1, k2 = (i + 1) % 3, (i + 2) % 3, (k + 1) % 3, (k + 2) % 3
+            cofactors[i, k] = J[i1, k1] * J[i2, k2] - J[i1, k2] * J[i2, k1]
+    det = J[0, 0] * cofactors[0, 0] + J[0, 1] * cofactors[0, 1] + J[0, 2] * cofactors[0, 2]
+    if not abs(det) >= least:
+        return False
+    for k in range(3):
+        x[k] = 0.0
+        for i in range(3):
+            x[k] += cofactors[i, k] * b[i] / det
+    return True
+
+
+@compiled
+def find_correction(M, T):
+    """Multiply the motions M (n, 3, 3) by one common X until their product is T (3, 3).
+
+    Rounds needed, or −1 where the system is singular (the motions make a full turn in between) or
+    the rounds run out; the caller then closes the gap in another way.
+    """
+    n = M.shape[0]
+    tail, J, gap = np.empty((3, 3)), np.empty((3, 3)), np.empty(3)
+    step, scratch, xi = np.empty((3, 3)), np.empty((2, 3, 3)), np.empty(3)
+    for rounds in range(MOST_ROUNDS):
+        tail[:] = np.eye(3)
+        J[:] = 0.0
+        for j in range(n - 1, -1, -1):
+            for a in range(3):
+                for b in range(3):
+                    J[a, b] += tail[b, a]
+            product(M[j], tail, step)
+            tail[:] = step
+        turned_back(tail, T, step)
+        logarithm(step, gap)
+        if max(abs(gap[0]), abs(gap[1]), abs(gap[2])) < MET:
+            return rounds
+        if not solve_three(J, gap, 1e-3 * n**3, xi):
+            return -1
+        for j in range(n):
+            compose(M[j], xi, scratch)
+    return -1
+
+
+@compiled
+def spread_gap(R, R_end):
+    """Close R (n + 1, 3, 3) on R_end: frame j is turned by j/n of the rotation that is missing."""
+    n = R.shape[0] - 1
+    gap, step, scratch = np.empty(3), np.empty((3, 3)), np.empty((2, 3, 3))
+    turned_back(R[n], R_end, step)
+    logarithm(step, gap)
+    for j in range(1, n + 1):
+        compose(R[j], gap * (j / n), scratch)
+
+
+@compiled
+def root_path(R, t, R_next, t_next, t_end, path):
+    """path (n + 1, 3) ← accumulated root positions, then shifted by (k/n) of what is missing.
+
+    Accumulated with the uncorrected rotations, as printed: t_0 + T_0 r_1 + T_0 R_1 r_2 + … (24).
+    """
+    n = R_next.shape[0]
+    turned, step, r = R[0, 0].copy(), np.empty((3, 3)), np.empty(3)
+    path[0] = t[0]
+    motion = np.empty((3, 3))
+    for j in range(n):
+        for a in range(3):
+            r[a] = 0.0
+            for b in range(3):
+                r[a] += R[j, 0, b, a] * (t_next[j, b] - t[j, b])
+        for a in range(3):
+            path[j + 1, a] = (
+                path[j, a] + turned[a, 0] * r[0] + turned[a, 1] * r[1] + turned[a, 2] * r[2]
+            )
+        turned_back(R[j, 0], R_next[j, 0], motion)
+        product(turned, motion, step)
+        turned[:] = step
+        cleaned(turned)
+    missing = t_end - path[n]
+    for j in range(1, n):
+        path[j] += missing * (j / n)
+    path[n] = t_end
+
+
+@compiled
+def close_segment(R, t, R_next, t_next, R_end, t_end, R_out, t_out, rounds):
+    """Accumulate a pass's motions from the first keyframe and correct their drift.
+
+    R, t: trajectory the motions start from; R_next, t_next (n, …): where each leads. R_out, t_out
+    (n + 1, …) ← the corrected trajectory, its ends exactly the keyframes; rounds (P,) ← rounds per
+    part, −1 where the gap was spread along its own axis instead.
+    """
+    n = R_next.shape[0]
+    root_path(R, t, R_next, t_next, t_end, t_out)
+    M, T = np.empty((n, 3, 3)), np.empty((3, 3))
+    for i in range(R.shape[1]):
+        for j in range(n):
+            turned_back(R[j, i], R_next[j, i], M[j])
+        turned_back(R[0, i], R_end[i], T)
+        whole = M.copy()
+        rounds[i] = find_correction(M, T)
+        if rounds[i] < 0:
+            M[:] = whole
+        R_out[0, i] = R[0, i]
+        for j in range(n):
+            product(R_out[j, i], M[j], R_out[j + 1, i])
+            cleaned(R_out[j + 1, i])
+        if rounds[i] < 0:
+            spread_gap(R_out[:, i], R_end[i])
+        R_out[n, i] = R_end[i]
+
+
+@compiled
+def blend(R_forward, t_forward, R_backward, t_backward, R, t):
+    """R, t ← from the forward chain to the backward one, each part along one axis, share j/n.
+
+    All in the order of the frames, (n + 1, P, 3, 3) and (n + 1, 3).
+    """
+    n = R.shape[0] - 1
+    turn, gap, step = np.empty((3, 3)), np.empty(3), np.empty((3, 3))
+    for j in range(n + 1):
+        share = j / n
+        for i in range(R.shape[1]):
+            turned_back(R_forward[j, i], R_backward[j, i], turn)
+            logarithm(turn, gap)
+            exponential(gap * share, step)
+            product(R_forward[j, i], step, R[j, i])
+            cleaned(R[j, i])
+        t[j] = (1 - share) * t_forward[j] + share * t_backward[j]

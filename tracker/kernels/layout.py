@@ -1,0 +1,66 @@
+"""What the loops are given: named tuples of plain arrays.
+
+S surface points, P parts, D degrees of freedom.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class BodyArrays(NamedTuple):
+    """A body and the points laid on its surface, sorted by part.
+
+    parents (P,) int64 · joints (P, 3) · dof_part, dof_turns, dof_axis (D,) int64 ·
+    deeper (D, D) int64: of two degrees of freedom on one chain the part further from the root,
+    −1 where neither hangs below the other · points, normals (S, 3) float32 in the part's frame ·
+    starts (P + 1,) int64: part i's points are starts[i] to starts[i + 1].
+    """
+
+    parents: NDArray[np.int64]
+    joints: NDArray[np.float64]
+    dof_part: NDArray[np.int64]
+    dof_turns: NDArray[np.int64]
+    dof_axis: NDArray[np.int64]
+    deeper: NDArray[np.int64]
+    points: NDArray[np.float32]
+    normals: NDArray[np.float32]
+    starts: NDArray[np.int64]
+
+
+class Lens(NamedTuple):
+    """A pinhole without distortion. With `perspective` 0 every point is divided by `distance`."""
+
+    fx: float
+    fy: float
+    cx: float
+    cy: float
+    perspective: int
+    distance: float
+
+
+class Sight(NamedTuple):
+    """When a surface point counts as seen.
+
+    cell: side of the occlusion buffer's cells, pixels (at least 1.5 times the points' spacing).
+    facing: smallest cosine between a point's normal and the direction to the camera.
+    tolerance: metres a point may lie behind the nearest foreign part of its cell.
+    """
+
+    cell: int
+    facing: float
+    tolerance: float
+
+
+class Prior(NamedTuple):
+    """How a motion is held to its prediction.
+
+    precision (D,): 1/σ² of each degree of freedom, radians or metres.
+    information: how many independent observations one surface point stands for.
+    """
+
+    precision: NDArray[np.float64]
+    information: float

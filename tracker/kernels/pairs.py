@@ -1,0 +1,224 @@
+"""One frame pair, a pass over a segment's pairs, and a chain that follows from one end.
+
+The motion x of a pair is held to its prediction: (q AᵀWA + Λ) δ = −(q AᵀW r + Λ x), solved again
+and again with the points warped to where they are then. This is DRIFT (10) with the 0/1 choice of
+directions replaced by σ²/(σ² + λ²): what the picture cannot tell follows the prediction, what it
+can tell does not.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tracker.kernels import compiled
+from tracker.kernels.chain import (
+    camera_twists,
+    move,
+    normal_equations,
+    place_parts,
+    solve_positive,
+    sum_subtrees,
+)
+from tracker.kernels.layout import Lens
+from tracker.kernels.rigid import cleaned, product, turned_back
+from tracker.kernels.seeing import pick, see
+from tracker.kernels.sums import (
+    BINS,
+    BLOCK,
+    HUBER,
+    HUBER_WIDTH,
+    capped_square,
+    robust_sigma,
+    sum_points,
+)
+
+FIRST_WIDTH = 20.0
+"""Huber width of the first solve, grey levels: before the residuals' own noise is known."""
+LONGEST_STEP = 0.5
+"""Largest component of one update, radians or metres; a longer one is shortened as a whole."""
+CAP = 15.0
+"""Grey levels at which a residual stops counting more in the capped score."""
+
+
+@compiled
+def scaled_lens(lens, scale):
+    """The lens of a pyramid level: pixel centres stay at integers."""
+    return Lens(
+        lens.fx * scale, lens.fy * scale, lens.cx * scale, lens.cy * scale,
+        lens.perspective, lens.distance,
+    )  # fmt: skip
+
+
+@compiled
+def shortened(step, longest):
+    """Shorten `step` in place to `longest`; its largest component, −1 where it is not finite."""
+    largest = 0.0
+    for d in range(step.shape[0]):
+        if not np.isfinite(step[d]):
+            return -1.0
+        largest = max(largest, abs(step[d]))
+    if largest > longest:
+        for d in range(step.shape[0]):
+            step[d] *= longest / largest
+    return largest
+
+
+@compiled
+def solve_pair(
+    body, chosen, grey, starts, R, t, x, picture, lens, prior, inner, stop, scratch_seen
+):  # fmt: skip
+    """Move R, t (the target's pose, started at the prediction) to where the picture shows it.
+
+    x (D,) is how far the motion has left the prediction, kept over pyramid levels. The mean
+    capped square of the residuals at the start comes back.
+    """
+    parts, dofs = body.parents.shape[0], body.dof_part.shape[0]
+    HR, Ho, N = np.empty((parts, 3, 3)), np.empty((parts, 3)), np.empty((parts, 6, 7))
+    S, A, b = np.empty((dofs, 6)), np.empty((dofs, dofs)), np.empty(dofs)
+    histogram, rows = np.empty(BINS, np.int32), np.empty((9, BLOCK), np.float32)
+    width, start = FIRST_WIDTH, 0.0
+    for k in range(inner):
+        place_parts(body, R, t, HR, Ho)
+        centre = Ho[0].copy()
+        points = sum_points(
+            body, chosen, grey, starts, HR, Ho, centre, picture, lens, scratch_seen, False,
+            HUBER, width, False, N, histogram, rows,
+        )  # fmt: skip
+        if k == 0:
+            start = capped_square(histogram, points, CAP)
+        sigma = robust_sigma(histogram, points)
+        width = HUBER_WIDTH * sigma
+        q = prior.information / (sigma * sigma)
+        for i in range(parts):
+            Ho[i] -= centre
+        camera_twists(body, HR, Ho, S)
+        sum_subtrees(body, N)
+        normal_equations(body, N, S, A, b)
+        for d in range(dofs):
+            b[d] = -(q * b[d] + prior.precision[d] * x[d])
+            for e in range(dofs):
+                A[d, e] *= q
+            A[d, d] += prior.precision[d]
+        if not solve_positive(A, b):
+            break
+        largest = shortened(b, LONGEST_STEP)
+        if largest < 0:
+            break
+        for d in range(dofs):
+            x[d] += b[d]
+        move(body, R, t, b)
+        if largest < stop:
+            break
+    return start
+
+
+@compiled
+def follow_pairs(
+    body, lens, sight, prior, pictures, slots, R, t, of, inner, stop, R_next, t_next
+):  # fmt: skip
+    """One pass: from every pose of a segment, the motion to the next frame (DRIFT §2.3).
+
+    R (n + 1, P, 3, 3), t (n + 1, 3) is the present trajectory; slots (n + 1,) tells where each
+    frame lies in `pictures`. Every pair starts from the trajectory's own pose, which keeps frames
+    independent. R_next (n, P, 3, 3), t_next (n, 3) ← where frame j's motion leads. The mean capped
+    square of the trajectory's own residuals comes back.
+    """
+    height, width = pictures.shape[1], pictures.shape[2]
+    parts, size = body.parents.shape[0], body.points.shape[0]
+    HR, Ho = np.empty((parts, 3, 3)), np.empty((parts, 3))
+    depth = np.empty((height // sight.cell + 2, width // sight.cell + 2), np.float32)
+    owner = np.empty(depth.shape, np.int16)
+    uvz, seen = np.empty((size, 3), np.float32), np.zeros(size, np.uint8)
+    chosen, grey = np.empty(size + 1, np.int32), np.empty(size + 1, np.float32)
+    starts, x = np.empty(parts + 1, np.int64), np.zeros(body.dof_part.shape[0])
+    score = 0.0
+    for j in range(R_next.shape[0]):
+        place_parts(body, R[j], t[j], HR, Ho)
+        see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
+        pick(body, uvz, seen, pictures[slots[j]], 1.0, of, 1, chosen, grey, starts)
+        R_next[j], t_next[j] = R[j + 1], t[j + 1]
+        x[:] = 0.0
+        score += solve_pair(
+            body, chosen, grey, starts, R_next[j], t_next[j], x, pictures[slots[j + 1]], lens,
+            prior, inner, stop, seen,
+        )  # fmt: skip
+    return score / R_next.shape[0]
+
+
+@compiled
+def predict_by_velocity(R, t, j):
+    """R[j + 1], t[j + 1] ← the pose after frame j if the last motion goes on."""
+    if j == 0:
+        R[1], t[1] = R[0], t[0]
+        return
+    turn = np.empty((3, 3))
+    for i in range(R.shape[1]):
+        turned_back(R[j - 1, i], R[j, i], turn)
+        product(R[j, i], turn, R[j + 1, i])
+        cleaned(R[j + 1, i])
+    for a in range(3):
+        t[j + 1, a] = 2 * t[j, a] - t[j - 1, a]
+
+
+@compiled
+def follow_chain(
+    body, lens, sight, prior, levels, slots, R, t, of, inner, stop
+):  # fmt: skip
+    """Follow the body frame by frame from R[0], t[0], coarse to fine, by constant velocity.
+
+    levels: pictures of the pyramid, finest first, (…, h, w, 4); slots (n + 1,) in the order in
+    which the frames are visited (backwards for a chain from the end). Fills R[1:], t[1:].
+    """
+    height, width = levels[0].shape[1], levels[0].shape[2]
+    parts, size = body.parents.shape[0], body.points.shape[0]
+    HR, Ho = np.empty((parts, 3, 3)), np.empty((parts, 3))
+    depth = np.empty((height // sight.cell + 2, width // sight.cell + 2), np.float32)
+    owner = np.empty(depth.shape, np.int16)
+    uvz, seen = np.empty((size, 3), np.float32), np.zeros(size, np.uint8)
+    chosen, grey = np.empty(size + 1, np.int32), np.empty(size + 1, np.float32)
+    starts, x = np.empty(parts + 1, np.int64), np.zeros(body.dof_part.shape[0])
+    for j in range(R.shape[0] - 1):
+        place_parts(body, R[j], t[j], HR, Ho)
+        see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
+        predict_by_velocity(R, t, j)
+        x[:] = 0.0
+        for level in range(len(levels) - 1, -1, -1):
+            scale = 0.5**level
+            every = 4 if level >= 2 else 1
+            kept = max(1, of // 2) if level >= 2 else of
+            pictures = levels[level]
+            pick(body, uvz, seen, pictures[slots[j]], scale, kept, every, chosen, grey, starts)
+            solve_pair(
+                body, chosen, grey, starts, R[j + 1], t[j + 1], x, pictures[slots[j + 1]],
+                scaled_lens(lens, scale), prior, inner, stop, seen,
+            )  # fmt: skip
+
+
+@compiled
+def mean_capped_square(body, lens, sight, pictures, slots, R, t, of, every, cap):
+    """Score of a trajectory: mean over its pairs of the mean min(r², cap²), grey levels squared.
+
+    r is the difference of brightness between a point seen in frame j and where the trajectory
+    carries it in frame j + 1.  DRIFT (4), per point and capped.
+    """
+    height, width = pictures.shape[1], pictures.shape[2]
+    parts, size = body.parents.shape[0], body.points.shape[0]
+    HR, Ho, N = np.empty((parts, 3, 3)), np.empty((parts, 3)), np.empty((parts, 6, 7))
+    depth = np.empty((height // sight.cell + 2, width // sight.cell + 2), np.float32)
+    owner = np.empty(depth.shape, np.int16)
+    uvz, seen = np.empty((size, 3), np.float32), np.zeros(size, np.uint8)
+    chosen, grey = np.empty(size + 1, np.int32), np.empty(size + 1, np.float32)
+    starts = np.empty(parts + 1, np.int64)
+    histogram, rows = np.empty(BINS, np.int32), np.empty((9, BLOCK), np.float32)
+    score = 0.0
+    for j in range(R.shape[0] - 1):
+        place_parts(body, R[j], t[j], HR, Ho)
+        see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
+        pick(body, uvz, seen, pictures[slots[j]], 1.0, of, every, chosen, grey, starts)
+        place_parts(body, R[j + 1], t[j + 1], HR, Ho)
+        points = sum_points(
+            body, chosen, grey, starts, HR, Ho, Ho[0].copy(), pictures[slots[j + 1]], lens, seen,
+            False, HUBER, FIRST_WIDTH, False, N, histogram, rows,
+        )  # fmt: skip
+        score += capped_square(histogram, points, cap)
+    return score / max(1, R.shape[0] - 1)

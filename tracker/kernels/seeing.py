@@ -1,0 +1,123 @@
+"""Which surface points a pose shows, and which of them to follow.
+
+No mesh is rasterised: a point is seen when its normal faces the camera and no other part owns its
+cell of a coarse buffer. So the same points are followed from frame to frame.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tracker.kernels import compiled
+
+f4 = np.float32
+
+
+@compiled
+def nearest_parts(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner):
+    """Project the points that face the camera; keep the nearest part of every cell.
+
+    Fills uvz (S, 3) float32: pixel and z; seen (S,) uint8: 1 where facing and inside the picture;
+    depth, owner (rows, columns): nearest z and its part.
+    """
+    depth[:] = f4(1e9)
+    owner[:] = -1
+    per_cell = f4(1) / f4(sight.cell)
+    flat = f4(1) / f4(lens.distance)
+    least = f4(sight.facing) * f4(sight.facing)
+    fx, fy, cx, cy = f4(lens.fx), f4(lens.fy), f4(lens.cx), f4(lens.cy)
+    for i in range(body.parents.shape[0]):
+        R, o = HR[i].astype(np.float32), Ho[i].astype(np.float32)
+        for q in range(body.starts[i], body.starts[i + 1]):
+            seen[q] = 0
+            a, b, c = body.points[q, 0], body.points[q, 1], body.points[q, 2]
+            x = R[0, 0] * a + R[0, 1] * b + R[0, 2] * c + o[0]
+            y = R[1, 0] * a + R[1, 1] * b + R[1, 2] * c + o[1]
+            z = R[2, 0] * a + R[2, 1] * b + R[2, 2] * c + o[2]
+            a, b, c = body.normals[q, 0], body.normals[q, 1], body.normals[q, 2]
+            toward = R[2, 0] * a + R[2, 1] * b + R[2, 2] * c
+            length, scale = f4(1), flat
+            if lens.perspective == 1:
+                toward = (
+                    toward * z
+                    + (R[0, 0] * a + R[0, 1] * b + R[0, 2] * c) * x
+                    + (R[1, 0] * a + R[1, 1] * b + R[1, 2] * c) * y
+                )
+                length, scale = x * x + y * y + z * z, f4(1) / z
+            if not (toward < 0 and z > f4(0.05)):
+                continue
+            u, v = fx * x * scale + cx, fy * y * scale + cy
+            if not (u >= 0 and v >= 0 and u < width - 1 and v < height - 1):
+                continue
+            column, row = int((u + f4(0.5)) * per_cell), int((v + f4(0.5)) * per_cell)
+            if z < depth[row, column]:
+                depth[row, column] = z
+                owner[row, column] = i
+            if toward * toward >= least * length:
+                uvz[q, 0], uvz[q, 1], uvz[q, 2] = u, v, z
+                seen[q] = 1
+
+
+@compiled
+def see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner):
+    """`nearest_parts`, then seen ← 0 where another part covers a point; the number still seen."""
+    nearest_parts(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
+    per_cell = f4(1) / f4(sight.cell)
+    count = 0
+    for i in range(body.parents.shape[0]):
+        for q in range(body.starts[i], body.starts[i + 1]):
+            if seen[q] == 0:
+                continue
+            column = int((uvz[q, 0] + f4(0.5)) * per_cell)
+            row = int((uvz[q, 1] + f4(0.5)) * per_cell)
+            if owner[row, column] != i and uvz[q, 2] > depth[row, column] + f4(sight.tolerance):
+                seen[q] = 0
+            else:
+                count += 1
+    return count
+
+
+@compiled
+def pick(body, uvz, seen, picture, scale, of, every, chosen, grey, starts):
+    """Choose which seen points to follow, with their brightness in the source picture.
+
+    Of every `of` neighbours (after taking each `every`-th point) the one with the largest gradient
+    is kept; points on pixels that may not be a source (channel 3 below 1) are left out. Fills
+    chosen (S,) int32, grey (S,) float32, starts (P + 1,) by part; `scale` is the pyramid level's.
+    """
+    height, width = picture.shape[0], picture.shape[1]
+    count = 0
+    for i in range(body.parents.shape[0]):
+        starts[i] = count
+        group, best = 0, f4(-1)
+        for q in range(body.starts[i], body.starts[i + 1], every):
+            if seen[q] == 0:
+                continue
+            u, v = uvz[q, 0] * f4(scale), uvz[q, 1] * f4(scale)
+            column, row = int(u + f4(0.5)), int(v + f4(0.5))
+            if column + 1 >= width or row + 1 >= height or picture[row, column, 3] < f4(1):
+                continue
+            gx, gy = picture[row, column, 1], picture[row, column, 2]
+            if group == 0 or gx * gx + gy * gy > best:
+                best = gx * gx + gy * gy
+                chosen[count] = q
+            group += 1
+            if group == of:
+                count += 1
+                group = 0
+        if group * 2 >= of:
+            count += 1
+    starts[body.parents.shape[0]] = count
+    for p in range(count):
+        grey[p] = brightness(picture, uvz[chosen[p], 0] * f4(scale), uvz[chosen[p], 1] * f4(scale))
+    return count
+
+
+@compiled
+def brightness(picture, u, v):
+    """Brightness between four pixels; u, v must leave room for the pixel right and below."""
+    column, row = min(int(u), picture.shape[1] - 2), min(int(v), picture.shape[0] - 2)
+    fu, fv = u - f4(column), v - f4(row)
+    upper = picture[row, column, 0] * (f4(1) - fu) + picture[row, column + 1, 0] * fu
+    lower = picture[row + 1, column, 0] * (f4(1) - fu) + picture[row + 1, column + 1, 0] * fu
+    return upper * (f4(1) - fv) + lower * fv

@@ -1,0 +1,182 @@
+"""Residuals and rows of the followed points, summed into one 6×7 block per part (DRIFT §2.3).
+
+For a point p = (x, y, z) seen at (u, v), g = ∂E/∂p has the components
+(fx E_u/z, fy E_v/z, −(x g_x + y g_y)/z); its row is [g, (p − c) × g] with c the centre that the
+twists are taken about: near the body, so that single precision does not cancel. The gradient is
+the target picture's, at the place where the point is at this moment.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tracker.kernels import compiled
+
+f4 = np.float32
+
+BLOCK = 256
+BINS = 256
+LEAST_SQUARES, HUBER, TUKEY = 0, 1, 2
+HUBER_WIDTH, TUKEY_WIDTH = 1.345, 4.685
+GAIN_CENTRE, GAIN_SCALE = 110.0, 0.02
+
+
+@compiled
+def gather(body, chosen, grey, first, last, R, o, c, picture, lens, seen, need_seen, rows):
+    """Fill rows (9, BLOCK) for points first..last of one part; the number that fall in the picture.
+
+    Rows 0–5: the row above · 6: residual · 7: brightness for a gain · 8: depth slot, unused.
+    """
+    height, width = picture.shape[0], picture.shape[1]
+    fx, fy, cx, cy = f4(lens.fx), f4(lens.fy), f4(lens.cx), f4(lens.cy)
+    flat = f4(1) / f4(lens.distance)
+    right, bottom = f4(width - 1), f4(height - 1)
+    flatly = lens.perspective == 0
+    count = 0
+    for p in range(first, last):
+        q = chosen[p]
+        if need_seen and seen[q] == 0:
+            continue
+        a, b, d = body.points[q, 0], body.points[q, 1], body.points[q, 2]
+        x = R[0, 0] * a + R[0, 1] * b + R[0, 2] * d + o[0]
+        y = R[1, 0] * a + R[1, 1] * b + R[1, 2] * d + o[1]
+        z = R[2, 0] * a + R[2, 1] * b + R[2, 2] * d + o[2]
+        s = flat if flatly else f4(1) / z
+        u, v = fx * x * s + cx, fy * y * s + cy
+        if not (u >= 0 and v >= 0 and u < right and v < bottom and z > f4(0.05)):
+            continue
+        column, row = np.uint64(u), np.uint64(v)
+        fu, fv = u - f4(column), v - f4(row)
+        w00, w10 = (f4(1) - fu) * (f4(1) - fv), fu * (f4(1) - fv)
+        w01, w11 = (f4(1) - fu) * fv, fu * fv
+        n00, n10 = picture[row, column], picture[row, column + np.uint64(1)]
+        n01 = picture[row + np.uint64(1), column]
+        n11 = picture[row + np.uint64(1), column + np.uint64(1)]
+        if n00[3] * w00 + n10[3] * w10 + n01[3] * w01 + n11[3] * w11 < f4(0.3):
+            continue
+        e = n00[0] * w00 + n10[0] * w10 + n01[0] * w01 + n11[0] * w11
+        eu = n00[1] * w00 + n10[1] * w10 + n01[1] * w01 + n11[1] * w11
+        ev = n00[2] * w00 + n10[2] * w10 + n01[2] * w01 + n11[2] * w11
+        gx, gy = eu * fx * s, ev * fy * s
+        gz = f4(0) if flatly else -(x * gx + y * gy) * s
+        x, y, z = x - c[0], y - c[1], z - c[2]
+        rows[0, count], rows[1, count], rows[2, count] = gx, gy, gz
+        rows[3, count] = y * gz - z * gy
+        rows[4, count] = z * gx - x * gz
+        rows[5, count] = x * gy - y * gx
+        rows[6, count] = e - grey[p]
+        rows[7, count] = (grey[p] - f4(GAIN_CENTRE)) * f4(GAIN_SCALE)
+        rows[8, count] = f4(1)
+        count += 1
+    return count
+
+
+@compiled
+def weigh(rows, count, loss, scale, weights, histogram):
+    """Robust weights of the residuals in rows[6], and their histogram in quarter grey levels."""
+    for k in range(count):
+        r = abs(rows[6, k])
+        histogram[min(int(r * f4(4)), BINS - 1)] += 1
+        weight = f4(1)
+        if loss == HUBER:
+            if r > scale:
+                weight = scale / r
+        elif loss == TUKEY:
+            rest = f4(1) - (r / scale) * (r / scale)
+            weight = rest * rest if rest > 0 else f4(0)
+        weights[k] = weight
+
+
+@compiled
+def add_products(rows, weights, count, columns, total):
+    """total (9, 9) += Σ w row rowᵀ over the first `columns` rows, upper triangle."""
+    for a in range(columns):
+        weighted = rows[a, :count] * weights[:count]
+        for b in range(a, columns):
+            s = f4(0)
+            for k in range(count):
+                s += weighted[k] * rows[b, k]
+            total[a, b] += s
+
+
+@compiled
+def without_gain(total):
+    """Remove a gain (column 7) and a bias (column 8) that explain the residuals best (Schur)."""
+    aa, bb, ab = total[7, 7] + 1e-3, total[8, 8] + 1e-3, total[7, 8]
+    det = aa * bb - ab * ab
+    for i in range(6):
+        gain = (bb * total[i, 7] - ab * total[i, 8]) / det
+        bias = (aa * total[i, 8] - ab * total[i, 7]) / det
+        for k in range(i, 7):
+            seventh = total[k, 7] if k < 7 else 0.0
+            total[i, k] -= gain * seventh + bias * total[k, 8]
+
+
+@compiled
+def sum_points(
+    body, chosen, grey, starts, HR, Ho, centre, picture, lens, seen, need_seen, loss, scale, gain,
+    N, histogram, rows,
+):  # fmt: skip
+    """N (P, 6, 7) ← Σ w row [rowᵀ, r] of every part; histogram of |r|; the number of points.
+
+    `loss` and `scale` choose the weights; `need_seen` drops points that the target pose hides
+    (`seen` (S,) uint8); `gain` lets each part be brighter or darker than its source.
+    """
+    total = np.empty((9, 9))
+    weights = np.empty(BLOCK, np.float32)
+    c = centre.astype(np.float32)
+    columns = 9 if gain else 7
+    histogram[:] = 0
+    points = 0
+    for i in range(body.parents.shape[0]):
+        R, o = HR[i].astype(np.float32), Ho[i].astype(np.float32)
+        total[:] = 0.0
+        first = starts[i]
+        while first < starts[i + 1]:
+            last = min(first + BLOCK, starts[i + 1])
+            count = gather(
+                body, chosen, grey, first, last, R, o, c, picture, lens, seen, need_seen, rows
+            )
+            weigh(rows, count, loss, f4(scale), weights, histogram)
+            add_products(rows, weights, count, columns, total)
+            points += count
+            first = last
+        if gain:
+            for a in range(7):
+                total[8, a] = total[a, 8]
+            without_gain(total)
+        for a in range(6):
+            for b in range(a, 7):
+                N[i, a, b] = total[a, b]
+                if b < 6:
+                    N[i, b, a] = total[a, b]
+    return points
+
+
+@compiled
+def median_residual(histogram, count):
+    """Median |r| in grey levels, linear inside its bin; the last bin stands for all beyond."""
+    half, below = 0.5 * count, 0.0
+    for k in range(BINS):
+        if below + histogram[k] >= half:
+            return (k + (half - below) / max(1, histogram[k])) * 0.25
+        below += histogram[k]
+    return 0.25 * BINS
+
+
+@compiled
+def robust_sigma(histogram, count):
+    """max(2 grey levels, 1.4826 MAD): noise of the residuals; 10 where there is hardly any data."""
+    if count <= 50:
+        return 10.0
+    return max(2.0, 1.4826 * median_residual(histogram, count))
+
+
+@compiled
+def capped_square(histogram, count, cap):
+    """Mean of min(r², cap²) in grey levels squared, from the histogram."""
+    s = 0.0
+    for k in range(BINS):
+        r = (k + 0.5) * 0.25
+        s += histogram[k] * min(r * r, cap * cap)
+    return s / max(1, count)

@@ -1,0 +1,128 @@
+"""Files that are either the old one or the new one, whole, whatever happens while they are written.
+
+A file is written beside its place, forced to the disk, and put there by one rename, which is
+forced to the disk as well.
+"""
+
+from __future__ import annotations
+
+import os
+import secrets
+from collections.abc import Iterable
+from contextlib import suppress
+from pathlib import Path
+
+from tracker.errors import FormatError, KeyposeError
+
+
+def write_file(
+    path: Path,
+    content: bytes,
+    *,
+    overwrite: bool = False,
+    keep_previous: bool = False,
+    error: type[KeyposeError] = FormatError,
+) -> None:
+    """Put the bytes at the path. A link is followed: what it points to is exchanged.
+
+    overwrite:     exchange a file that is there; otherwise that is an error.
+    keep_previous: the file that was there stays as `<name>.previous`.
+    error:         the kind of error raised, in one sentence, when the disk refuses.
+    """
+    path = Path(os.path.realpath(path))
+    temporary = path.with_name(f".{path.name}.{secrets.token_hex(6)}.part")
+    try:
+        try:
+            _write_through(temporary, content)
+            _place(temporary, path, overwrite, keep_previous)
+            _sync_folder(path.parent)
+        finally:
+            with suppress(OSError):
+                temporary.unlink()
+    except FileExistsError:
+        raise error(f"{str(path)!r} exists already and is not overwritten.") from None
+    except OSError as problem:
+        raise error(f"{str(path)!r} cannot be written: {problem.strerror or problem}.") from None
+
+
+def demand_folder(folder: Path, *, error: type[KeyposeError] = FormatError) -> None:
+    """Raise, in one sentence, unless files can be written to this folder (or it can be made).
+
+    For use before long work. A file is made and removed, which is the only sure test.
+    """
+    try:
+        nearest = next(p for p in (folder, *folder.absolute().parents) if p.exists())
+        probe = nearest / f".{secrets.token_hex(6)}.part"
+        _write_through(probe, b"")
+        probe.unlink()
+    except OSError as problem:
+        text = f"The folder {str(folder)!r} cannot be written to: {problem.strerror or problem}."
+        raise error(text) from None
+
+
+def demand_absent(paths: Iterable[Path], *, error: type[KeyposeError] = FormatError) -> None:
+    """Raise, in one sentence, when one of these files is there already."""
+    for path in paths:
+        if path.exists() or path.is_symlink():
+            raise error(f"{str(path)!r} exists already; choose another place or add --overwrite.")
+
+
+def make_folder(folder: Path, *, error: type[KeyposeError] = FormatError) -> None:
+    """Make the folder and those above it where they are missing; `error` in one sentence."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as problem:
+        text = f"The folder {str(folder)!r} cannot be made: {problem.strerror or problem}."
+        raise error(text) from None
+
+
+def _write_through(path: Path, content: bytes) -> None:
+    """Write a new file and force it to the disk."""
+    with path.open("xb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
+
+
+def _place(temporary: Path, path: Path, overwrite: bool, keep_previous: bool) -> None:
+    if not overwrite:
+        _place_new(temporary, path)
+        return
+    if path.exists():
+        temporary.chmod(path.stat().st_mode & 0o777)
+        if keep_previous:
+            _keep(path)
+    temporary.replace(path)
+
+
+def _place_new(temporary: Path, path: Path) -> None:
+    """Give the file its name, or raise FileExistsError when another was quicker."""
+    try:
+        path.hardlink_to(temporary)
+    except FileExistsError:
+        raise
+    except OSError:  # a file system without links: the look and the rename are two steps there
+        if path.exists():
+            raise FileExistsError from None
+        temporary.rename(path)
+
+
+def _keep(path: Path) -> None:
+    """`<name>.previous` becomes the present file, which itself stays where it is."""
+    spare = path.with_name(f".{path.name}.{secrets.token_hex(6)}.part")
+    try:
+        spare.hardlink_to(path)
+    except OSError:
+        _write_through(spare, path.read_bytes())
+    spare.replace(path.with_name(f"{path.name}.previous"))
+
+
+def _sync_folder(folder: Path) -> None:
+    """Force a rename to the disk; only POSIX systems open folders for that."""
+    if os.name != "posix":
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

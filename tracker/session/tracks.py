@@ -1,0 +1,251 @@
+"""The tracked motion on disk: `tracks-<hash>.npz` beside the session, written once, never changed.
+
+The file is a plain NumPy archive. Its bytes depend on its content alone (no clock, no compression),
+and its name on its bytes, so the same result is the same file. Frames run from the first tracked to
+the last; where a segment between them was not tracked, poses and diagnostics are NaN and ranks −1.
+
+    first_frame      ()              index of the first pose's video frame
+    part_names       (P,)            text
+    Rs_parent_part   (N, P, 3, 3)    rotations in the parents' frames
+    ps_camera_root   (N, 3)          metres
+    rank             (N−1,)          of the step from frame j to j + 1, as are the next three
+    singular_values  (N−1, D)
+    observability    (N−1, P)        0 to 1, NaN where nothing is tracked
+    residual         (N−1, P)        grey levels, NaN where unseen
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import shlex
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.errors import SessionError
+from tracker.geometry import Array, frozen, transpose
+from tracker.session.archive import archive_arrays, archive_bytes
+from tracker.session.atomic import write_file
+from tracker.session.schema import Results, SegmentSummary, Session
+from tracker.skeleton import Skeleton
+from tracker.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from tracker.track import SegmentResult, TrackResult
+
+KEYFRAME_TOLERANCE = 1e-4
+"""Radians and metres within which a tracked motion goes through a keyframe."""
+
+_POSES = ("Rs_parent_part", "ps_camera_root")
+_STEPS = ("singular_values", "observability", "residual")
+
+
+@dataclass(frozen=True, eq=False)
+class Tracks:
+    """The content of a tracks file, its fields as in the module's table, arrays read-only."""
+
+    first_frame: int
+    part_names: tuple[str, ...]
+    Rs_parent_part: Array
+    ps_camera_root: Array
+    rank: NDArray[np.int64]
+    singular_values: Array
+    observability: Array
+    residual: Array
+
+    def __post_init__(self) -> None:
+        for name in (*_POSES, *_STEPS):
+            object.__setattr__(self, name, frozen(getattr(self, name)))
+        rank = np.array(self.rank, dtype=np.int64)
+        rank.setflags(write=False)
+        object.__setattr__(self, "rank", rank)
+
+    @classmethod
+    def of(cls, result: TrackResult) -> Tracks:
+        """The finished segments of a result side by side, with gaps where some are missing."""
+        segments = sorted(result.segments, key=lambda s: s.trajectory.first_frame)
+        first = segments[0].trajectory.first_frame
+        count = max(s.trajectory.last_frame for s in segments) - first + 1
+        shapes = _shapes(count, result.skeleton.part_count, result.skeleton.dof_count)
+        arrays = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
+        rank = np.full(count - 1, -1)
+        for segment in segments:
+            _lay(segment, segment.trajectory.first_frame - first, arrays, rank)
+        return cls(first, result.skeleton.body.names, rank=rank, **arrays)
+
+    @property
+    def tracked(self) -> NDArray[np.bool_]:
+        """(N,) True for the frames that have a pose."""
+        return np.asarray(np.isfinite(self.ps_camera_root).all(axis=1))
+
+    @classmethod
+    def from_bytes(cls, content: bytes) -> Tracks:
+        """The content of a file's bytes; ValueError when they are not such a file."""
+        arrays = archive_arrays(content)
+        try:
+            names = tuple(str(name) for name in arrays.pop("part_names"))
+            first_frame = int(arrays.pop("first_frame"))
+            tracks = cls(first_frame, names, **arrays)
+        except (TypeError, KeyError):  # entries missing or unknown, or not of numbers
+            raise ValueError("its entries are not those of a tracks file") from None
+        tracks._check()
+        return tracks
+
+    def _check(self) -> None:
+        """ValueError unless all arrays have the shapes of the table and the rotations are such."""
+        frames, dofs = len(self.ps_camera_root), self.singular_values.shape[-1]
+        shapes = {**_shapes(frames, len(self.part_names), dofs), "rank": (frames - 1,)}
+        for name, shape in shapes.items():
+            found = getattr(self, name).shape
+            if found != shape:
+                raise ValueError(f"{name} has the shape {found} instead of {shape}")
+        Rs = self.Rs_parent_part[self.tracked]
+        if not np.allclose(Rs @ transpose(Rs), np.eye(3), atol=1e-6):
+            raise ValueError("Rs_parent_part holds matrices that are no rotations")
+
+    def to_bytes(self) -> bytes:
+        """The file's bytes."""
+        arrays: dict[str, NDArray[Any]] = {
+            "first_frame": np.array(self.first_frame, dtype="<i8"),
+            "part_names": np.array(self.part_names, dtype=np.str_),
+            "rank": self.rank.astype("<i8"),
+            **{name: getattr(self, name).astype("<f8") for name in (*_POSES, *_STEPS)},
+        }
+        return archive_bytes(arrays)
+
+
+def save_result(session: Session, session_path: Path, result: TrackResult) -> Session:
+    """Write the tracks file beside the session file; the session that refers to it, not yet saved.
+
+    SessionError when there is no segment to write or the disk refuses.
+    """
+    if not result.segments:
+        raise SessionError("There is no tracked segment to save.")
+    content = Tracks.of(result).to_bytes()
+    name = tracks_name(content)
+    place = session_path.parent / name
+    if not _holds(place, content):
+        write_file(place, content, overwrite=True, error=SessionError)
+    segments = sorted(result.segments, key=lambda s: s.trajectory.first_frame)
+    results = Results(
+        tracks=name,
+        method=result.settings.method,
+        quality=result.settings.quality,
+        segments=tuple(_summary(segment) for segment in segments),
+    )
+    return session.model_copy(update={"results": results})
+
+
+def load_tracks(session: Session, session_path: Path) -> Tracks:
+    """The session's tracks file. SessionError in one sentence when there is none or it is odd."""
+    again = f"run `keypose track {shlex.quote(str(session_path))}`"
+    if session.results is None:
+        raise SessionError(f"{session_path.name} has not been tracked yet: {again}.")
+    path = session_path.parent / session.results.tracks
+    tracks = _read(path)
+    if tracks.part_names != session.body.names:
+        raise SessionError(
+            f"{path.name} was tracked with other parts than the session's body has: {again} again."
+        )
+    return tracks
+
+
+def load_trajectory(session: Session, session_path: Path) -> Trajectory:
+    """The tracked motion. SessionError when there is none, or when frames inside it are missing."""
+    tracks = load_tracks(session, session_path)
+    gaps = np.flatnonzero(~tracks.tracked) + tracks.first_frame
+    if len(gaps):
+        raise SessionError(
+            f"{session_path.name} has not been tracked yet at frames {gaps[0]} to {gaps[-1]}: run "
+            f"`keypose track {shlex.quote(str(session_path))}`."
+        )
+    return Trajectory(tracks.first_frame, tracks.Rs_parent_part, tracks.ps_camera_root)
+
+
+def outdated_keyframes(session: Session, trajectory: Trajectory) -> tuple[int, ...]:
+    """Keyframes that the motion does not go through: they were set or changed after tracking."""
+    skeleton = Skeleton.of(session.body)
+    changed = []
+    for keyframe in session.keyframes:
+        i = keyframe.frame - trajectory.first_frame
+        if not 0 <= i < len(trajectory):
+            changed.append(keyframe.frame)
+            continue
+        pose = keyframe.pose(skeleton)
+        turn = np.abs(pose.Rs_parent_part - trajectory.Rs_parent_part[i]).max()
+        shift = np.abs(pose.p_camera_root - trajectory.ps_camera_root[i]).max()
+        if max(turn, shift) > KEYFRAME_TOLERANCE:
+            changed.append(keyframe.frame)
+    return tuple(changed)
+
+
+def _lay(
+    segment: SegmentResult, start: int, arrays: Mapping[str, Array], rank: NDArray[np.int64]
+) -> None:
+    """Copy a segment's arrays to their place among all frames."""
+    frames = slice(start, start + len(segment.trajectory))
+    steps = slice(frames.start, frames.stop - 1)
+    arrays["Rs_parent_part"][frames] = segment.trajectory.Rs_parent_part
+    arrays["ps_camera_root"][frames] = segment.trajectory.ps_camera_root
+    for name in _STEPS:
+        arrays[name][steps] = getattr(segment, name)
+    rank[steps] = segment.rank
+
+
+def _shapes(frames: int, parts: int, dofs: int) -> dict[str, tuple[int, ...]]:
+    return {
+        "Rs_parent_part": (frames, parts, 3, 3),
+        "ps_camera_root": (frames, 3),
+        "singular_values": (frames - 1, dofs),
+        "observability": (frames - 1, parts),
+        "residual": (frames - 1, parts),
+    }
+
+
+def _summary(segment: SegmentResult) -> SegmentSummary:
+    return SegmentSummary(
+        first_frame=segment.trajectory.first_frame,
+        last_frame=segment.trajectory.last_frame,
+        verdict=segment.verdict.kind,
+        words=segment.verdict.words,
+        scores=tuple(_finite(score) for score in segment.scores),
+        best_pass=segment.best_pass,
+        closing_error=_finite(segment.closing_error),
+    )
+
+
+def _finite(value: float) -> float | None:
+    """JSON has no NaN and no infinity."""
+    return float(value) if math.isfinite(value) else None
+
+
+def tracks_name(content: bytes) -> str:
+    """The name of a tracks file with these bytes."""
+    return f"tracks-{hashlib.sha256(content).hexdigest()[:12]}.npz"
+
+
+def _holds(path: Path, content: bytes) -> bool:
+    try:
+        return path.read_bytes() == content
+    except OSError:
+        return False
+
+
+def _read(path: Path) -> Tracks:
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise SessionError(
+            f"The tracks file {str(path)!r} cannot be read: {error.strerror or error}."
+        ) from None
+    try:
+        if path.name != tracks_name(content):
+            raise ValueError("its content does not fit its name")
+        return Tracks.from_bytes(content)
+    except ValueError as error:
+        raise SessionError(f"The tracks file {str(path)!r} is damaged: {error}.") from None

@@ -1,0 +1,24 @@
+"""Frames out of a video file or a folder of images: the only place where pictures are decoded.
+
+    with Video.open("jump.mp4") as video:
+        picture = video.frame(12)                       # (height, width, 3) uint8 RGB
+        for number, picture in video.frames(0, 30):     # picture is None where one is missing
+            ...
+
+A frame's number is its place in the order of presentation. It never shifts: a frame that cannot
+be decoded keeps its number and is reported missing.
+
+What a picture is:
+
+- upright: rotation and mirroring asked for by the file are applied here, once;
+- as stored otherwise: pixels that are not square stay so (`VideoInfo.pixel_aspect`), the two
+  fields of an interlaced frame stay woven (`VideoInfo.interlaced`);
+- 8-bit RGB without alpha, whatever the depth and colour model of the file.
+"""
+
+from __future__ import annotations
+
+from tracker.video.info import MissingFrame, VideoInfo
+from tracker.video.video import Video
+
+__all__ = ["MissingFrame", "Video", "VideoInfo"]

@@ -1,0 +1,139 @@
+"""Opening a media file, and its pictures in the order they are shown.
+
+Whatever the decoder throws is turned here into a VideoError of one sentence, or into a picture
+that is not there.
+"""
+
+from __future__ import annotations
+
+import stat
+from collections.abc import Iterator
+from pathlib import Path
+
+import av
+import av.error
+from av.container import InputContainer
+from av.video.stream import VideoStream
+
+from tracker.errors import VideoError
+
+# Only demuxers that read one local file. Playlists (HLS, DASH, concat) and numbered image
+# patterns would let a file name other files, or addresses on the network.
+_DEMUXERS = (
+    "mov,matroska,webm,avi,mpegts,mpeg,mpegvideo,m4v,h263,h264,hevc,vvc,vc1,dirac,ivf,obu,av1,"
+    "flv,asf,ogg,gif,apng,mjpeg,mjpeg_2000,yuv4mpegpipe,mxf,dv,nut,rm,wtv,swf,"
+    "png_pipe,jpeg_pipe,bmp_pipe,tiff_pipe,webp_pipe,ppm_pipe,pgm_pipe"
+)
+OPTIONS = {"format_whitelist": _DEMUXERS, "protocol_whitelist": "file"}
+
+# What a decoder hides in a damaged picture depends on how many threads share it. The number is
+# fixed so that every machine sees the same pictures.
+_THREADS = 4
+
+
+def open_container(path: Path) -> InputContainer:
+    """The file at `path`, opened. Raises VideoError when it is no readable media file."""
+    _check_file(path)
+    try:
+        return av.open(f"file:{path}", "r", options=OPTIONS)
+    except PermissionError as error:
+        raise not_permitted(path) from error
+    except av.error.FFmpegError as error:
+        raise VideoError(_unreadable(path)) from error
+
+
+def picture_stream(path: Path, container: InputContainer, threaded: bool = True) -> VideoStream:
+    """The first stream of moving pictures. Raises VideoError when there is none to decode."""
+    streams = [s for s in container.streams.video if not _is_cover(s)]
+    if not streams:
+        holds = "sound but no pictures" if container.streams.audio else "no pictures"
+        raise VideoError(f'"{path.name}" holds {holds}: choose a video with at least one frame.')
+    stream = streams[0]
+    # Without a decoder there is no context, whatever the annotation says.
+    if getattr(stream, "codec_context", None) is None:
+        raise VideoError(
+            f'"{path.name}" is coded in a way Keypose cannot decode: convert it to H.264 in MP4.'
+        )
+    stream.thread_type = "AUTO" if threaded else "NONE"
+    stream.codec_context.thread_count = _THREADS if threaded else 1
+    return stream
+
+
+def decode(
+    stream: VideoStream, packet: av.Packet[VideoStream] | None
+) -> list[av.VideoFrame | None]:
+    """What the decoder gives back for one packet (None: the end), None where it gave up."""
+    try:
+        return list(stream.codec_context.decode(packet))
+    except av.error.MemoryError:
+        raise
+    except av.error.FFmpegError:
+        return [None]
+
+
+def packets(
+    path: Path, container: InputContainer, stream: VideoStream
+) -> Iterator[av.Packet[VideoStream]]:
+    """The packets of the stream from here on, as far as the container can be read.
+
+    Raises VideoError when the file itself stops answering.
+    """
+    try:
+        for packet in container.demux(stream):
+            if packet.size:  # the last one is empty, and only tells the end
+                yield packet
+    except av.error.InvalidDataError:
+        return  # what follows the damage cannot be told apart from noise
+    except av.error.FFmpegError as error:
+        raise VideoError(
+            f'"{path.name}" could not be read to its end: check the disk or connection it is on.'
+        ) from error
+
+
+def decoded(
+    path: Path, container: InputContainer, stream: VideoStream
+) -> Iterator[av.VideoFrame | None]:
+    """Frames from here on in the order they are shown, None where the decoder gave up on one."""
+    for packet in packets(path, container, stream):
+        yield from decode(stream, packet)
+    yield from decode(stream, None)
+
+
+def not_permitted(path: Path) -> VideoError:
+    """The error for a file or folder whose owner does not let us in."""
+    return VideoError(
+        f'"{path.name}" may not be read: give yourself permission, or choose a copy you may read.'
+    )
+
+
+def _check_file(path: Path) -> None:
+    """Raises VideoError where a look at the file is enough to refuse it."""
+    try:
+        status = path.stat()
+    except PermissionError as error:
+        raise not_permitted(path) from error
+    except (OSError, ValueError) as error:
+        raise VideoError(f'There is no file "{path}": check the name and the folder.') from error
+    if not stat.S_ISREG(status.st_mode):
+        raise VideoError(f'"{path.name}" is neither a file nor a folder: choose a video file.')
+    if status.st_size == 0:
+        raise VideoError(f'"{path.name}" is empty: copy it again, or choose another video.')
+
+
+def _is_cover(stream: VideoStream) -> bool:
+    """True for the picture on a record's sleeve, which is no video."""
+    return av.stream.Disposition.attached_pic in stream.disposition
+
+
+def _unreadable(path: Path) -> str:
+    with path.open("rb") as file:
+        head = file.read(12)
+    if head[4:8] == b"ftyp":
+        return (
+            f'"{path.name}" is incomplete, its table of frames is absent or damaged: '
+            "copy it again from where it was recorded."
+        )
+    return (
+        f'"{path.name}" is not a video that Keypose can read: '
+        "choose a video file, or convert this one to H.264 in MP4."
+    )

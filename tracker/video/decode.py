@@ -1,0 +1,214 @@
+"""Pictures of a media file by number, decoding forward as little as will do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from pathlib import Path
+
+import av
+import av.error
+import numpy as np
+from av.container import InputContainer
+from av.video.stream import VideoStream
+
+from tracker.errors import VideoError
+from tracker.video.container import decoded, open_container, picture_stream
+from tracker.video.fingerprint import fingerprint_of_file
+from tracker.video.index import FrameIndex, index_from_decoding, index_from_packets, rate_of
+from tracker.video.info import VideoInfo, clock
+from tracker.video.picture import Picture, PictureMaker, orientation_of
+
+# Going on forward is worth this many more frames than a seek would decode.
+_SEEK_COST = 8
+
+
+class Surprise(Exception):
+    """The pictures are not what the packets promised: the index must be made by decoding."""
+
+
+@dataclass
+class _Run:
+    """One stretch of forward decoding."""
+
+    frames: Iterator[tuple[int, av.VideoFrame]]
+    origin: int  # which of the index's keys it began at
+    at: int = -1  # number of the frame decoded last
+
+
+class FileSource:
+    """The pictures of one media file. Not for use by two threads at once."""
+
+    def __init__(self, path: Path) -> None:
+        """Raises VideoError when the file holds no video that can be decoded."""
+        self._path = path
+        self._maker = PictureMaker()
+        self._container = open_container(path)
+        try:
+            self._stream = picture_stream(path, self._container)
+            index = index_from_packets(self._container, self._stream)
+            self._take(index or index_from_decoding(path))
+        except BaseException:
+            self._container.close()
+            raise
+        self._count_when_opened = self.info.frame_count
+
+    def _take(self, index: FrameIndex) -> None:
+        """Begin anew with this index."""
+        self._index = index
+        self._keys = frozenset(index.keys.tolist())
+        self._run: _Run | None = None
+        self._missing = set(index.missing)
+        self._reopen()
+        first = self._first_frame()
+        self._orientation = orientation_of(first)
+        self._stored_size = (first.width, first.height)
+        self._facts = _describe(self._path, self._container, self._stream, first, index)
+
+    @property
+    def info(self) -> VideoInfo:
+        return self._facts
+
+    def close(self) -> None:
+        self._container.close()
+
+    def fingerprint(self) -> str:
+        return fingerprint_of_file(self._path, self._count_when_opened)
+
+    def reindex(self) -> None:
+        """Make the index again, by decoding. Numbers of frames already seen may change."""
+        self._take(index_from_decoding(self._path, threaded=False))
+
+    def approach(self, number: int, since: int) -> Iterator[tuple[int, Picture]]:
+        """Decode up to frame `number`; gives the pictures met on the way from `since` on.
+
+        The last one given is the frame itself. When it is not, the frame is missing, and
+        `info.missing` says so from now on. Raises Surprise when the index cannot be right.
+        """
+        believed = not self._index.from_decoding
+        for run in self._runs(number):
+            self._run = run
+            for at, frame in run.frames:
+                run.at = at
+                good = self._is_good(frame)
+                if good and since <= at <= number:
+                    yield at, self._maker.picture(frame, self._orientation)
+                if good and at == number:
+                    return
+                if at >= number or (believed and not good):
+                    break
+        if believed:
+            raise Surprise
+        self._missing.add(number)
+        self._facts = replace(self._facts, missing=tuple(sorted(self._missing)))
+
+    def _runs(self, number: int) -> Iterator[_Run]:
+        """Stretches of decoding that may reach a frame, the best first.
+
+        A run that began earlier knows more of the past, so a frame that does not come, or comes
+        damaged, is tried again from the key before. When the index has seen the frame, the tries
+        go back as far as the beginning of the file.
+        """
+        keys = self._index.keys
+        key = int(np.searchsorted(keys, number, side="right")) - 1
+        latest = key
+        run = self._run
+        if run is not None and run.at < number and int(keys[key]) <= run.at + _SEEK_COST:
+            yield run
+            latest = min(key, run.origin - 1)
+        earliest = 0 if self._index.from_decoding else max(key - 1, 0)
+        for origin in _ever_earlier(key, earliest):
+            if origin <= latest:
+                yield self._start(origin)
+
+    def _start(self, origin: int) -> _Run:
+        """Begin decoding at one of the index's keys; the file's beginning is reached by opening."""
+        if origin > 0:
+            pts = int(self._index.pts[self._index.keys[origin]])
+            try:
+                self._container.seek(pts, stream=self._stream)
+                return _Run(self._numbered(synced=False), origin)
+            except av.error.FFmpegError:
+                origin = 0  # a container that cannot seek is read from its beginning
+        self._reopen()
+        return _Run(self._numbered(synced=True), origin)
+
+    def _reopen(self) -> None:
+        self._container.close()
+        self._container = open_container(self._path)
+        self._stream = picture_stream(self._path, self._container, self._index.threaded)
+
+    def _numbered(self, synced: bool) -> Iterator[tuple[int, av.VideoFrame]]:
+        """Frames from here on with their numbers. Until `synced`, all before a key is ignored:
+        right after a seek a decoder may show pictures built on others it has not seen."""
+        index = self._index
+        for count, frame in enumerate(decoded(self._path, self._container, self._stream)):
+            if frame is None:
+                continue
+            number = index.number_of(frame.pts) if index.named else count
+            synced = synced or number in self._keys
+            if not synced:
+                continue
+            if number is not None:
+                yield number, frame
+            elif not index.from_decoding:
+                raise Surprise
+
+    def _is_good(self, frame: av.VideoFrame) -> bool:
+        return not frame.is_corrupt and (frame.width, frame.height) == self._stored_size
+
+    def _first_frame(self) -> av.VideoFrame:
+        """The first sound frame; a damaged one where there is no other."""
+        damaged: av.VideoFrame | None = None
+        for frame in decoded(self._path, self._container, self._stream):
+            if frame is not None and not frame.is_corrupt:
+                return frame
+            damaged = damaged or frame
+        if damaged is None:
+            raise VideoError(
+                f'No frame of "{self._path.name}" can be decoded: copy it again, or convert it '
+                "to H.264 in MP4."
+            )
+        return damaged
+
+
+def _ever_earlier(key: int, earliest: int) -> Iterator[int]:
+    """`key`, the one before, then in steps that double, ending with `earliest`."""
+    back = 0
+    while key - back > earliest:
+        yield key - back
+        back = 2 * back + 1
+    yield earliest
+
+
+def _describe(
+    path: Path,
+    container: InputContainer,
+    stream: VideoStream,
+    first: av.VideoFrame,
+    index: FrameIndex,
+) -> VideoInfo:
+    orientation = orientation_of(first)
+    aspect = stream.sample_aspect_ratio or Fraction(1)
+    width, height = first.width, first.height
+    if orientation.transpose:
+        width, height, aspect = height, width, 1 / aspect
+    timing = clock(index.pts, index.time_base, rate_of(stream))
+    return VideoInfo(
+        path=path,
+        container=container.format.name.split(",")[0],
+        codec=stream.codec_context.codec.canonical_name,
+        width=width,
+        height=height,
+        frame_count=len(index.pts),
+        time_base=index.time_base,
+        pts=index.pts,
+        times_s=timing.times_s,
+        fps=timing.fps,
+        variable_rate=timing.variable,
+        rotation_deg=orientation.rotation_deg,
+        interlaced=first.interlaced_frame,
+        pixel_aspect=aspect,
+        missing=tuple(sorted(index.missing)),
+    )

@@ -1,0 +1,171 @@
+"""A folder of images, read as the frames of a video."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import av
+import av.error
+import numpy as np
+
+from tracker.errors import VideoError
+from tracker.video.container import OPTIONS, not_permitted
+from tracker.video.fingerprint import fingerprint_of_images
+from tracker.video.image_size import stored_size
+from tracker.video.info import VideoInfo, clock
+from tracker.video.picture import Orientation, Picture, PictureMaker, orientation_of
+
+SUFFIXES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".pgm")
+FPS = Fraction(30)  # a folder keeps no time; this is what is assumed
+
+
+class FolderSource:
+    """The images of one folder in natural order: frame_2 before frame_10."""
+
+    def __init__(self, path: Path) -> None:
+        """Raises VideoError when there are no images, or they are not all of one size."""
+        self._files = _images_in(path)
+        self._missing: set[int] = set()
+        self._maker = PictureMaker()
+        self._same_stored_size()
+        for number in range(len(self._files)):
+            frame = self._decode(number)
+            if frame is not None:
+                break
+        else:
+            raise VideoError(
+                f'No image in the folder "{path.name}" can be read: export them again as PNG.'
+            )
+        self._pattern = number
+        self._facts = self._describe(path, frame)
+
+    @property
+    def info(self) -> VideoInfo:
+        return self._facts
+
+    def close(self) -> None:
+        """Nothing stays open between two images."""
+
+    def fingerprint(self) -> str:
+        return fingerprint_of_images(self._files)
+
+    def reindex(self) -> None:
+        """The names in the folder are the index; it never surprises."""
+
+    def approach(self, number: int, since: int) -> Iterator[tuple[int, Picture]]:
+        """Gives frame `number`, or nothing when it is missing: `info.missing` then says so.
+
+        Raises VideoError when the image stands on its side and the others do not.
+        """
+        frame = self._decode(number)
+        if frame is None:
+            self._facts = replace(self._facts, missing=tuple(sorted(self._missing)))
+            return
+        picture = self._maker.picture(frame, orientation_of(frame))
+        if picture.shape[:2] != (self._facts.height, self._facts.width):
+            height, width = picture.shape[:2]
+            sizes = ((self._facts.width, self._facts.height), (width, height))
+            raise self._sizes_differ((self._pattern, number), sizes)
+        yield number, picture
+
+    def _decode(self, number: int) -> av.VideoFrame | None:
+        """One image; None, and counted as missing, when it cannot be decoded."""
+        content = _read(self._files[number])
+        try:
+            # From memory, so that the name cannot be mistaken for a pattern of many images.
+            with av.open(io.BytesIO(content), "r", options=OPTIONS) as container:
+                frame = next(container.decode(video=0), None)
+        except (av.error.FFmpegError, IndexError):  # IndexError: there is no picture in it
+            frame = None
+        if frame is None or frame.is_corrupt:
+            self._missing.add(number)
+            return None
+        return frame
+
+    def _same_stored_size(self) -> None:
+        first: tuple[int, tuple[int, int]] | None = None
+        for number, file in enumerate(self._files):
+            size = stored_size(_read(file, 64 * 1024))
+            if size is None:
+                continue  # a kind whose header we do not know: decoding will tell
+            first = first or (number, size)
+            if size != first[1]:
+                raise self._sizes_differ((first[0], number), (first[1], size))
+
+    def _sizes_differ(
+        self, numbers: tuple[int, int], sizes: tuple[tuple[int, int], tuple[int, int]]
+    ) -> VideoError:
+        (one, other), (size, other_size) = numbers, sizes
+        return VideoError(
+            f'"{self._files[one].name}" is {size[0]} × {size[1]} and "{self._files[other].name}" '
+            f"is {other_size[0]} × {other_size[1]} pixels: all images of a folder must be of one "
+            "size."
+        )
+
+    def _describe(self, path: Path, frame: av.VideoFrame) -> VideoInfo:
+        pts = np.arange(len(self._files), dtype=np.int64)
+        pts.setflags(write=False)
+        timing = clock(pts, 1 / FPS, FPS)
+        orientation: Orientation = orientation_of(frame)
+        width, height = frame.width, frame.height
+        if orientation.transpose:
+            width, height = height, width
+        return VideoInfo(
+            path=path,
+            container="images",
+            codec=self._files[self._pattern].suffix.lower().lstrip("."),
+            width=width,
+            height=height,
+            frame_count=len(pts),
+            time_base=1 / FPS,
+            pts=pts,
+            times_s=timing.times_s,
+            fps=timing.fps,
+            variable_rate=False,
+            rotation_deg=orientation.rotation_deg,
+            interlaced=False,
+            pixel_aspect=Fraction(1),
+            missing=tuple(sorted(self._missing)),
+        )
+
+
+def _images_in(path: Path) -> list[Path]:
+    try:
+        entries = list(path.iterdir())
+    except PermissionError as error:
+        raise not_permitted(path) from error
+    files = [
+        entry
+        for entry in entries
+        # Hidden ones are what a file manager leaves beside an image, not images.
+        if entry.suffix.lower() in SUFFIXES and not entry.name.startswith(".") and entry.is_file()
+    ]
+    if not files:
+        raise VideoError(
+            f'The folder "{path.name}" holds no images (PNG, JPEG, BMP, TIFF, WebP): '
+            "choose a folder of images, or a video file."
+        )
+    return sorted(files, key=lambda file: _natural(file.name))
+
+
+def _natural(name: str) -> tuple[list[tuple[int, str]], str]:
+    """A key that orders the numbers in a name by value; the name itself settles ties."""
+    pieces = re.findall(r"[0-9]+|[^0-9]+", name.casefold())
+    return [(int(p), "") if p[0] in "0123456789" else (-1, p) for p in pieces], name
+
+
+def _read(path: Path, length: int = -1) -> bytes:
+    try:
+        with path.open("rb") as file:
+            return file.read(length)
+    except PermissionError as error:
+        raise not_permitted(path) from error
+    except OSError as error:
+        raise VideoError(
+            f'"{path.name}" can no longer be read: put it back, or open the folder again.'
+        ) from error

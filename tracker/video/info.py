@@ -1,0 +1,64 @@
+"""What is known of a video before any of its frames is asked for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.errors import VideoError
+
+
+class MissingFrame(VideoError):
+    """One frame of the video cannot be decoded; the others can."""
+
+
+@dataclass(frozen=True, eq=False)
+class VideoInfo:
+    """The facts of a video. `pts` and `times_s` are read-only."""
+
+    path: Path
+    container: str  # "mov", "matroska", "images" …
+    codec: str
+    width: int  # of the upright picture, pixels as stored
+    height: int
+    frame_count: int
+    time_base: Fraction  # seconds per unit of pts
+    pts: NDArray[np.int64]  # (frame_count,) strictly increasing
+    times_s: NDArray[np.float64]  # (frame_count,) seconds since the first frame
+    fps: float  # mean rate
+    variable_rate: bool
+    rotation_deg: int  # turned by this much counter-clockwise to stand upright: 0, 90, 180, 270
+    interlaced: bool
+    pixel_aspect: Fraction  # width over height of one pixel of the upright picture
+    missing: tuple[int, ...]  # frames known so far to be undecodable, ascending
+
+
+@dataclass(frozen=True, eq=False)
+class Clock:
+    """When each frame is shown."""
+
+    times_s: NDArray[np.float64]  # (frames,) seconds since the first frame
+    fps: float
+    variable: bool
+
+
+def clock(pts: NDArray[np.int64], time_base: Fraction, nominal: Fraction) -> Clock:
+    """Times and rate of frames at `pts`; `nominal` is the rate the header tells, frames/s."""
+    ticks = (pts - pts[0]).astype(np.float64)
+    times_s = ticks * float(time_base)
+    times_s.setflags(write=False)
+    if len(pts) < 2:
+        return Clock(times_s, float(nominal), variable=False)
+    step = ticks[-1] / (len(pts) - 1)
+    # A coarse clock rounds each time to a tick, and a camera's own clock trembles a little.
+    wander = np.abs(ticks - step * np.arange(len(pts))).max()
+    variable = bool(wander > max(1.0, 0.02 * step))
+    fps = 1.0 / (step * float(time_base))
+    rounding = 1.0 / (ticks[-1] or 1.0)  # relative: one tick over the whole length
+    if not variable and abs(fps - float(nominal)) <= fps * rounding:
+        fps = float(nominal)
+    return Clock(times_s, fps, variable)

@@ -1,0 +1,70 @@
+"""From a decoded frame to the picture handed out: upright, 8-bit RGB, read-only."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import av
+import numpy as np
+from av.sidedata.sidedata import Type as SideDataType
+from av.video.reformatter import VideoReformatter
+from numpy.typing import NDArray
+
+Picture = NDArray[np.uint8]  # (height, width, 3) RGB
+
+
+@dataclass(frozen=True)
+class Orientation:
+    """How the stored picture is laid to stand upright: transposed first, then flipped."""
+
+    transpose: bool = False
+    flip_rows: bool = False
+    flip_columns: bool = False
+
+    @property
+    def rotation_deg(self) -> int:
+        """Degrees counter-clockwise; a mirrored picture counts as turned, then mirrored."""
+        if self.transpose:
+            return 90 if self.flip_rows else 270
+        return 180 if self.flip_columns else 0
+
+    def apply(self, stored: Picture) -> Picture:
+        """The upright picture; a view where that is possible."""
+        upright = stored.transpose(1, 0, 2) if self.transpose else stored
+        if self.flip_rows:
+            upright = upright[::-1]
+        if self.flip_columns:
+            upright = upright[:, ::-1]
+        return upright
+
+
+def orientation_of(frame: av.VideoFrame) -> Orientation:
+    """The orientation the frame's display matrix asks for, to the nearest quarter turn.
+
+    The matrix sends (x, y) to (a x + c y, b x + d y), in units of 1/65536.
+    """
+    attached: Any = frame.side_data  # annotated as less than it is
+    matrices = [data for data in attached if data.type == SideDataType.DISPLAYMATRIX]
+    if not matrices:
+        return Orientation()
+    a, b, _, c, d = np.frombuffer(bytes(matrices[0]), dtype=np.int32)[:5].tolist()
+    if abs(b) > abs(a):
+        return Orientation(transpose=True, flip_rows=b < 0, flip_columns=c < 0)
+    return Orientation(flip_rows=d < 0, flip_columns=a < 0)
+
+
+class PictureMaker:
+    """Makes pictures of frames. Keeps the conversion tables between frames: making them anew,
+    and threads to share the work, takes many times longer than the conversion itself."""
+
+    def __init__(self) -> None:
+        self._reformatter = VideoReformatter()
+
+    def picture(self, frame: av.VideoFrame, orientation: Orientation) -> Picture:
+        """The frame as an upright (height, width, 3) uint8 RGB picture, read-only."""
+        rgb = self._reformatter.reformat(frame, format="rgb24", threads=1)
+        stored = np.asarray(rgb.to_ndarray(), dtype=np.uint8)
+        picture = np.ascontiguousarray(orientation.apply(stored))
+        picture.setflags(write=False)
+        return picture

@@ -1,0 +1,149 @@
+"""Video: exact frames by number, from a file or a folder of images."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import Protocol, Self
+
+from tracker.errors import VideoError
+from tracker.video.cache import PictureCache
+from tracker.video.decode import FileSource, Surprise
+from tracker.video.folder import FolderSource
+from tracker.video.info import MissingFrame, VideoInfo
+from tracker.video.picture import Picture
+
+CACHE_BYTES = 256 * 1024 * 1024
+
+
+class _Source(Protocol):
+    """Where pictures come from."""
+
+    @property
+    def info(self) -> VideoInfo: ...
+    def approach(self, number: int, since: int) -> Iterator[tuple[int, Picture]]: ...
+    def reindex(self) -> None: ...
+    def fingerprint(self) -> str: ...
+    def close(self) -> None: ...
+
+
+class Video:
+    """The frames of one video. May be used by several threads; they take turns."""
+
+    def __init__(self, source: _Source, cache_bytes: int = CACHE_BYTES) -> None:
+        self._source = source
+        self._cache_bytes = cache_bytes
+        self._cache = PictureCache(cache_bytes)
+        self._lock = threading.RLock()
+        self._closed = False
+
+    @classmethod
+    def open(cls, path: str | Path, cache_bytes: int = CACHE_BYTES) -> Self:
+        """Open a video file, or a folder of images in natural order.
+
+        A file is indexed from its packets where they can be believed, which takes under a second
+        an hour; otherwise it is decoded once. Raises VideoError, one sentence, when it is no video.
+        """
+        path = Path(path)
+        try:
+            is_folder = path.is_dir()
+        except OSError:
+            is_folder = False  # opening it as a file will say what is wrong
+        return cls(FolderSource(path) if is_folder else FileSource(path), cache_bytes)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    @property
+    def info(self) -> VideoInfo:
+        """What is known now. `missing` may grow while frames are read; and a file that turns out
+        to hold other frames than its packets tell is indexed anew, whereupon all may change."""
+        return self._source.info
+
+    @property
+    def missing(self) -> tuple[int, ...]:
+        """Numbers of the frames known so far to be undecodable, ascending."""
+        return self.info.missing
+
+    def frame(self, index: int) -> Picture:
+        """Frame `index` as (height, width, 3) uint8 RGB, read-only.
+
+        What is decoded on the way is kept, as far as the cache reaches. Raises MissingFrame when
+        this frame cannot be decoded, VideoError when there is no such frame.
+        """
+        with self._lock:
+            frames_kept = self._cache_bytes // (3 * self.info.width * self.info.height)
+            picture = self._get(index, since=min(index, index - frames_kept + 1))
+        if picture is None:
+            raise MissingFrame(
+                f'Frame {index} of "{self.info.path.name}" is damaged and cannot be decoded: '
+                "use a frame beside it."
+            )
+        return picture
+
+    def frames(self, start: int, stop: int, step: int = 1) -> Iterator[tuple[int, Picture | None]]:
+        """(number, picture) of frames start, start + step … before stop; None for a missing one.
+
+        Decoded forward, once. `frame` may be called in between. Raises VideoError at once when
+        the range is not within the video.
+        """
+        if step < 1:
+            raise VideoError(f"A step of {step} frames leads nowhere: choose 1 or more.")
+        if start != stop:
+            self._check(start)
+            self._check(stop - 1)
+        return self._walk(start, stop, step)
+
+    def fingerprint(self) -> str:
+        """ "sha256:…" of the content, quick to make: equal for copies of the same video."""
+        return self._source.fingerprint()
+
+    def close(self) -> None:
+        """Let go of the file and the pictures; frames can no longer be asked for."""
+        with self._lock:
+            self._closed = True
+            self._cache.clear()
+            self._source.close()
+
+    def _walk(self, start: int, stop: int, step: int) -> Iterator[tuple[int, Picture | None]]:
+        number = start
+        # Asked anew each time: the count may change when the index had to be made again.
+        while number < min(stop, self.info.frame_count):
+            with self._lock:
+                picture = self._get(number, since=number)
+            yield number, picture
+            number += step
+
+    def _get(self, number: int, since: int) -> Picture | None:
+        """The picture, or None when missing; those met on the way from `since` on are kept."""
+        self._check(number)
+        picture = self._cache.get(number)
+        if picture is not None or number in self.missing:
+            return picture
+        try:
+            for met, picture in self._source.approach(number, since):
+                self._cache.put(met, picture)
+        except Surprise:
+            self._source.reindex()
+            self._cache.clear()
+            return self._get(number, since)
+        return self._cache.get(number)
+
+    def _check(self, number: int) -> None:
+        name, count = self.info.path.name, self.info.frame_count
+        if self._closed:
+            raise VideoError(f'"{name}" has been closed: open it again to read frames.')
+        if not 0 <= number < count:
+            raise VideoError(
+                f'"{name}" has no frame {number}: choose one between 0 and {count - 1}.'
+            )
