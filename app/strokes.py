@@ -69,9 +69,9 @@ def body_lines(mesh: BodyMesh, Ts_camera_part: Array, eye: Eye, seen: Raster) ->
     edges = BodyEdges.of(mesh)
     p_eye = mesh.posed(eye.T_eye_camera @ Ts_camera_part)
     toward = _facing(mesh, p_eye, eye)[edges.faces]
-    outline = toward[:, 0] != toward[:, 1]
+    outline = np.logical_xor(toward[:, 0], toward[:, 1])
     drawn = outline | edges.sharp
-    own_back = ~toward.any(axis=1)[drawn]
+    own_back = ~(toward[:, 0] | toward[:, 1])[drawn]
     ends = p_eye[edges.ends[drawn]]
     part = mesh.vertex_part[edges.ends[drawn, 0]]
     pieces, of_edge = _cut(*_before(ends, eye), eye)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import textwrap
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TypeAlias
 
-if TYPE_CHECKING:
-    Subcommands: TypeAlias = argparse._SubParsersAction[argparse.ArgumentParser]
+Subcommands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+
+WIDTH = 88
+"""Columns of a description, whose examples below it are kept as they are."""
 
 
 def add_command(
@@ -22,7 +25,7 @@ def add_command(
     command = commands.add_parser(
         name,
         help=description.split(". ")[0].rstrip("."),
-        description=description,
+        description=textwrap.fill(description, WIDTH),
         epilog=f"examples:\n{examples}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

@@ -59,12 +59,13 @@ def _facts(video: Video) -> dict[str, Any]:
 
 
 def _lines(facts: dict[str, Any]) -> list[str]:
+    last = facts["frame_count"] - 1
     rate = "varying, mean " if facts["variable_rate"] else ""
     lines = [
         facts["path"],
         f"  pictures     {facts['width']}×{facts['height']} pixels, {facts['codec']} in "
         f"{facts['container']}",
-        f"  frames       0 to {facts['frame_count'] - 1}, the last at {facts['last_frame_s']:.3f} s",
+        f"  frames       0 to {last}, the last at {facts['last_frame_s']:.3f} s",
         f"  rate         {rate}{facts['fps']:.3f} frames/s",
         f"  fingerprint  {facts['fingerprint']}",
     ]

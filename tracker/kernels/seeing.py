@@ -11,6 +11,8 @@ import numpy as np
 from tracker.kernels import compiled
 
 f4 = np.float32
+# Unsigned indices: signed ones are checked for counting from the end.
+X, Y, Z, USE = np.uint64(0), np.uint64(1), np.uint64(2), np.uint64(3)
 
 
 @compiled
@@ -26,51 +28,58 @@ def nearest_parts(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, ow
     flat = f4(1) / f4(lens.distance)
     least = f4(sight.facing) * f4(sight.facing)
     fx, fy, cx, cy = f4(lens.fx), f4(lens.fy), f4(lens.cx), f4(lens.cy)
+    eye, near = np.empty(3, np.float32), f4(lens.perspective)
     for i in range(body.parents.shape[0]):
         R, o = HR[i].astype(np.float32), Ho[i].astype(np.float32)
-        for q in range(body.starts[i], body.starts[i + 1]):
+        eye_in_part(HR[i], Ho[i], lens.perspective, eye)
+        for q in range(np.uint64(body.starts[i]), np.uint64(body.starts[i + 1])):
             seen[q] = 0
-            a, b, c = body.points[q, 0], body.points[q, 1], body.points[q, 2]
+            a, b, c = body.points[q, X], body.points[q, Y], body.points[q, Z]
+            sa, sb, sc = a * near - eye[0], b * near - eye[1], c * near - eye[2]
+            toward = body.normals[q, X] * sa + body.normals[q, Y] * sb + body.normals[q, Z] * sc
+            if not toward < 0:
+                continue
+            z = R[2, 0] * a + R[2, 1] * b + R[2, 2] * c + o[2]
+            if not z > f4(0.05):
+                continue
             x = R[0, 0] * a + R[0, 1] * b + R[0, 2] * c + o[0]
             y = R[1, 0] * a + R[1, 1] * b + R[1, 2] * c + o[1]
-            z = R[2, 0] * a + R[2, 1] * b + R[2, 2] * c + o[2]
-            a, b, c = body.normals[q, 0], body.normals[q, 1], body.normals[q, 2]
-            toward = R[2, 0] * a + R[2, 1] * b + R[2, 2] * c
-            length, scale = f4(1), flat
-            if lens.perspective == 1:
-                toward = (
-                    toward * z
-                    + (R[0, 0] * a + R[0, 1] * b + R[0, 2] * c) * x
-                    + (R[1, 0] * a + R[1, 1] * b + R[1, 2] * c) * y
-                )
-                length, scale = x * x + y * y + z * z, f4(1) / z
-            if not (toward < 0 and z > f4(0.05)):
-                continue
+            scale = f4(1) / z if lens.perspective == 1 else flat
             u, v = fx * x * scale + cx, fy * y * scale + cy
             if not (u >= 0 and v >= 0 and u < width - 1 and v < height - 1):
                 continue
-            column, row = int((u + f4(0.5)) * per_cell), int((v + f4(0.5)) * per_cell)
+            column, row = np.uint64((u + f4(0.5)) * per_cell), np.uint64((v + f4(0.5)) * per_cell)
             if z < depth[row, column]:
                 depth[row, column] = z
                 owner[row, column] = i
-            if toward * toward >= least * length:
-                uvz[q, 0], uvz[q, 1], uvz[q, 2] = u, v, z
+            if toward * toward >= least * (sa * sa + sb * sb + sc * sc):
+                uvz[q, X], uvz[q, Y], uvz[q, Z] = u, v, z
                 seen[q] = 1
+
+
+@compiled
+def eye_in_part(R, o, perspective, eye):
+    """eye (3) ← the camera's centre in a part's frame; for a telephoto camera, minus its axis."""
+    for a in range(3):
+        if perspective == 1:
+            eye[a] = -(R[0, a] * o[0] + R[1, a] * o[1] + R[2, a] * o[2])
+        else:
+            eye[a] = -R[2, a]
 
 
 @compiled
 def see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner):
     """`nearest_parts`, then seen ← 0 where another part covers a point; the number still seen."""
     nearest_parts(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
-    per_cell = f4(1) / f4(sight.cell)
+    per_cell, tolerance = f4(1) / f4(sight.cell), f4(sight.tolerance)
     count = 0
     for i in range(body.parents.shape[0]):
-        for q in range(body.starts[i], body.starts[i + 1]):
+        for q in range(np.uint64(body.starts[i]), np.uint64(body.starts[i + 1])):
             if seen[q] == 0:
                 continue
-            column = int((uvz[q, 0] + f4(0.5)) * per_cell)
-            row = int((uvz[q, 1] + f4(0.5)) * per_cell)
-            if owner[row, column] != i and uvz[q, 2] > depth[row, column] + f4(sight.tolerance):
+            column = np.uint64((uvz[q, X] + f4(0.5)) * per_cell)
+            row = np.uint64((uvz[q, Y] + f4(0.5)) * per_cell)
+            if owner[row, column] != i and uvz[q, Z] > depth[row, column] + tolerance:
                 seen[q] = 0
             else:
                 count += 1
@@ -86,18 +95,18 @@ def pick(body, uvz, seen, picture, scale, of, every, chosen, grey, starts):
     chosen (S,) int32, grey (S,) float32, starts (P + 1,) by part; `scale` is the pyramid level's.
     """
     height, width = picture.shape[0], picture.shape[1]
+    k, half = f4(scale), f4(0.5)
     count = 0
     for i in range(body.parents.shape[0]):
         starts[i] = count
         group, best = 0, f4(-1)
-        for q in range(body.starts[i], body.starts[i + 1], every):
+        for q in range(np.uint64(body.starts[i]), np.uint64(body.starts[i + 1]), np.uint64(every)):
             if seen[q] == 0:
                 continue
-            u, v = uvz[q, 0] * f4(scale), uvz[q, 1] * f4(scale)
-            column, row = int(u + f4(0.5)), int(v + f4(0.5))
-            if column + 1 >= width or row + 1 >= height or picture[row, column, 3] < f4(1):
+            column, row = np.uint64(uvz[q, X] * k + half), np.uint64(uvz[q, Y] * k + half)
+            if column + 1 >= width or row + 1 >= height or picture[row, column, USE] < f4(1):
                 continue
-            gx, gy = picture[row, column, 1], picture[row, column, 2]
+            gx, gy = picture[row, column, Y], picture[row, column, Z]
             if group == 0 or gx * gx + gy * gy > best:
                 best = gx * gx + gy * gy
                 chosen[count] = q
@@ -109,7 +118,7 @@ def pick(body, uvz, seen, picture, scale, of, every, chosen, grey, starts):
             count += 1
     starts[body.parents.shape[0]] = count
     for p in range(count):
-        grey[p] = brightness(picture, uvz[chosen[p], 0] * f4(scale), uvz[chosen[p], 1] * f4(scale))
+        grey[p] = brightness(picture, uvz[chosen[p], 0] * k, uvz[chosen[p], 1] * k)
     return count
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from tracker.kernels import compiled
 
 f4 = np.float32
+X, Y, Z, USE = np.uint64(0), np.uint64(1), np.uint64(2), np.uint64(3)
 
 BLOCK = 256
 BINS = 256
@@ -25,19 +26,20 @@ GAIN_CENTRE, GAIN_SCALE = 110.0, 0.02
 def gather(body, chosen, grey, first, last, R, o, c, picture, lens, seen, need_seen, rows):
     """Fill rows (9, BLOCK) for points first..last of one part; the number that fall in the picture.
 
-    Rows 0–5: the row above · 6: residual · 7: brightness for a gain · 8: depth slot, unused.
+    Rows 0–5: the row above · 6: residual · 7: brightness, for a gain · 8: one, for a bias.
     """
     height, width = picture.shape[0], picture.shape[1]
     fx, fy, cx, cy = f4(lens.fx), f4(lens.fy), f4(lens.cx), f4(lens.cy)
     flat = f4(1) / f4(lens.distance)
     right, bottom = f4(width - 1), f4(height - 1)
     flatly = lens.perspective == 0
+    flat_picture = picture.reshape(height * width, 4)
     count = 0
-    for p in range(first, last):
-        q = chosen[p]
+    for p in range(np.uint64(first), np.uint64(last)):
+        q = np.uint64(chosen[p])
         if need_seen and seen[q] == 0:
             continue
-        a, b, d = body.points[q, 0], body.points[q, 1], body.points[q, 2]
+        a, b, d = body.points[q, X], body.points[q, Y], body.points[q, Z]
         x = R[0, 0] * a + R[0, 1] * b + R[0, 2] * d + o[0]
         y = R[1, 0] * a + R[1, 1] * b + R[1, 2] * d + o[1]
         z = R[2, 0] * a + R[2, 1] * b + R[2, 2] * d + o[2]
@@ -49,25 +51,41 @@ def gather(body, chosen, grey, first, last, R, o, c, picture, lens, seen, need_s
         fu, fv = u - f4(column), v - f4(row)
         w00, w10 = (f4(1) - fu) * (f4(1) - fv), fu * (f4(1) - fv)
         w01, w11 = (f4(1) - fu) * fv, fu * fv
-        n00, n10 = picture[row, column], picture[row, column + np.uint64(1)]
-        n01 = picture[row + np.uint64(1), column]
-        n11 = picture[row + np.uint64(1), column + np.uint64(1)]
-        if n00[3] * w00 + n10[3] * w10 + n01[3] * w01 + n11[3] * w11 < f4(0.3):
+        k00 = row * np.uint64(width) + column
+        k10, k01 = k00 + np.uint64(1), k00 + np.uint64(width)
+        k11 = k01 + np.uint64(1)
+        use = (
+            flat_picture[k00, USE] * w00 + flat_picture[k10, USE] * w10
+            + flat_picture[k01, USE] * w01 + flat_picture[k11, USE] * w11
+        )  # fmt: skip
+        e = (
+            flat_picture[k00, X] * w00 + flat_picture[k10, X] * w10
+            + flat_picture[k01, X] * w01 + flat_picture[k11, X] * w11
+        )  # fmt: skip
+        eu = (
+            flat_picture[k00, Y] * w00 + flat_picture[k10, Y] * w10
+            + flat_picture[k01, Y] * w01 + flat_picture[k11, Y] * w11
+        )  # fmt: skip
+        ev = (
+            flat_picture[k00, Z] * w00 + flat_picture[k10, Z] * w10
+            + flat_picture[k01, Z] * w01 + flat_picture[k11, Z] * w11
+        )  # fmt: skip
+        if use < f4(0.3):
             continue
-        e = n00[0] * w00 + n10[0] * w10 + n01[0] * w01 + n11[0] * w11
-        eu = n00[1] * w00 + n10[1] * w10 + n01[1] * w01 + n11[1] * w11
-        ev = n00[2] * w00 + n10[2] * w10 + n01[2] * w01 + n11[2] * w11
         gx, gy = eu * fx * s, ev * fy * s
         gz = f4(0) if flatly else -(x * gx + y * gy) * s
-        x, y, z = x - c[0], y - c[1], z - c[2]
-        rows[0, count], rows[1, count], rows[2, count] = gx, gy, gz
-        rows[3, count] = y * gz - z * gy
-        rows[4, count] = z * gx - x * gz
-        rows[5, count] = x * gy - y * gx
-        rows[6, count] = e - grey[p]
-        rows[7, count] = (grey[p] - f4(GAIN_CENTRE)) * f4(GAIN_SCALE)
-        rows[8, count] = f4(1)
+        k = np.uint64(count)
+        rows[0, k], rows[1, k], rows[2, k] = x - c[0], y - c[1], z - c[2]
+        rows[3, k], rows[4, k], rows[5, k] = gx, gy, gz
+        rows[6, k] = e - grey[p]
+        rows[7, k] = (grey[p] - f4(GAIN_CENTRE)) * f4(GAIN_SCALE)
+        rows[8, k] = f4(1)
         count += 1
+    for k in range(count):  # apart, so that it vectorises
+        x, y, z = rows[0, k], rows[1, k], rows[2, k]
+        gx, gy, gz = rows[3, k], rows[4, k], rows[5, k]
+        rows[0, k], rows[1, k], rows[2, k] = gx, gy, gz
+        rows[3, k], rows[4, k], rows[5, k] = y * gz - z * gy, z * gx - x * gz, x * gy - y * gx
     return count
 
 

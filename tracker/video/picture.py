@@ -39,12 +39,26 @@ class Orientation:
         return upright
 
 
+# By quarter turns counter-clockwise.
+_TURNS = (
+    Orientation(),
+    Orientation(transpose=True, flip_rows=True),
+    Orientation(flip_rows=True, flip_columns=True),
+    Orientation(transpose=True, flip_columns=True),
+)
+
+
 def orientation_of(frame: av.VideoFrame) -> Orientation:
     """The orientation the frame's display matrix asks for, to the nearest quarter turn.
 
     The matrix sends (x, y) to (a x + c y, b x + d y), in units of 1/65536.
     """
-    attached: Any = frame.side_data  # annotated as less than it is
+    try:
+        attached: Any = frame.side_data  # annotated as less than it is
+    except ValueError:
+        # PyAV refuses the whole list when it holds a kind it has no name for, as photographs do.
+        # The turn is still told; a mirror is not.
+        return _TURNS[round(frame.rotation / 90) % 4]
     matrices = [data for data in attached if data.type == SideDataType.DISPLAYMATRIX]
     if not matrices:
         return Orientation()

@@ -1,0 +1,96 @@
+"""`keypose export`: the tracked motion for other programs."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.commands.arguments import Subcommands, add_command, add_overwrite, add_session
+from tracker.errors import FormatError
+
+if TYPE_CHECKING:
+    from tracker.geometry import Array
+    from tracker.session import Session
+    from tracker.trajectory import Trajectory
+
+_EXAMPLES = """\
+  keypose export session.json --format csv --out tables
+  keypose export session.json --format bvh --out motion --overwrite
+"""
+
+
+def add(commands: Subcommands) -> None:
+    text = (
+        "Write the tracked motion as joints.csv and angles.csv, or as motion.bvh. CSV: metres in "
+        "the camera frame (x right, y down, z forward) and degrees. BVH: centimetres, y up."
+    )
+    command = add_command(commands, "export", run, text, _EXAMPLES)
+    add_session(command)
+    command.add_argument("--format", choices=("csv", "bvh"), required=True)
+    command.add_argument(
+        "--out", metavar="DIR", type=Path, required=True, help="folder; made when it is missing"
+    )
+    add_overwrite(command)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from tracker.session.atomic import demand_absent, demand_folder, make_folder, write_file
+    from tracker.session.files import load_session
+    from tracker.session.tracks import load_trajectory, outdated_keyframes
+
+    session = load_session(arguments.session)
+    trajectory = load_trajectory(session, arguments.session)
+    files = _files(arguments.format, session, arguments.session, trajectory)
+    places = {arguments.out / name: text for name, text in files.items()}
+    if not arguments.overwrite:
+        demand_absent(places)
+    demand_folder(arguments.out)
+    make_folder(arguments.out)
+    for place, text in places.items():
+        write_file(place, text.encode(), overwrite=arguments.overwrite)
+        print(f"Written: {place}")
+    changed = outdated_keyframes(session, trajectory)
+    if changed:
+        frames = ", ".join(str(frame) for frame in changed)
+        print(f"Note: not tracked since these keyframes were changed: {frames}.", file=sys.stderr)
+    return 0
+
+
+def _files(
+    format_name: str, session: Session, session_path: Path, trajectory: Trajectory
+) -> dict[str, str]:
+    """The texts to write by file name."""
+    from tracker.formats.bvh import bvh
+    from tracker.formats.csv import angles_csv, joints_csv
+    from tracker.skeleton import Skeleton
+
+    skeleton = Skeleton.of(session.body)
+    times_s = _times_s(session, session_path)[trajectory.first_frame : trajectory.last_frame + 1]
+    if len(times_s) != len(trajectory):
+        raise FormatError("The tracked motion is longer than the video.")
+    if format_name == "bvh":
+        mean_s = float(times_s[-1] - times_s[0]) / (len(times_s) - 1)
+        return {"motion.bvh": bvh(skeleton, trajectory, mean_s)}
+    return {
+        "joints.csv": joints_csv(skeleton, trajectory, times_s),
+        "angles.csv": angles_csv(skeleton, trajectory, times_s),
+    }
+
+
+def _times_s(session: Session, session_path: Path) -> Array:
+    """The time of every frame; from the keyframes, with a word on it, when the video is gone."""
+    import numpy as np
+
+    from tracker.session.files import open_video_of, video_path
+
+    if video_path(session, session_path).exists():
+        with open_video_of(session, session_path) as video:
+            return video.info.times_s
+    print("Note: the video is missing; times are those between keyframes.", file=sys.stderr)
+    frames = [keyframe.frame for keyframe in session.keyframes]
+    times_s = [keyframe.time_s for keyframe in session.keyframes]
+    if len(frames) < 2 or min(np.diff(times_s)) <= 0:
+        raise FormatError("Without the video, two keyframes with ascending times are needed.")
+    return np.interp(np.arange(session.video.frame_count), frames, times_s)

@@ -1,0 +1,131 @@
+"""Following a track run: what it tells on the way, and what is left of it after Ctrl+C."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from tracker.track import (
+    PassFinished,
+    Progress,
+    SegmentFinished,
+    SegmentResult,
+    SegmentStarted,
+    TrackFinished,
+    TrackResult,
+    track_session,
+)
+
+from app.commands.json_output import print_json
+
+if TYPE_CHECKING:
+    from tracker.session import Session
+    from tracker.video import Video
+
+Report: TypeAlias = Callable[[Progress], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """The finished segments; `interrupted` when the person stopped before all were."""
+
+    result: TrackResult
+    interrupted: bool
+
+
+def follow(session: Session, video: Video, workers: int, as_json: bool) -> Run:
+    """Track, and tell on the way: JSON lines, a bar at a terminal, or a line per segment."""
+    from tracker.skeleton import Skeleton
+
+    finished: dict[int, SegmentResult] = {}
+    events = track_session(session, video, workers=workers)
+    with _reporter(session, as_json) as report:
+        try:
+            for event in events:
+                if isinstance(event, TrackFinished):
+                    return Run(event.result, interrupted=False)
+                if isinstance(event, SegmentFinished):
+                    finished[event.index] = event.result
+                report(event)
+        except (KeyboardInterrupt, BrokenPipeError):  # what is finished is kept either way
+            pass
+    segments = tuple(finished[index] for index in sorted(finished))
+    return Run(TrackResult(Skeleton.of(session.body), segments, session.settings), True)
+
+
+@contextmanager
+def _reporter(session: Session, as_json: bool) -> Iterator[Report]:
+    if as_json:
+        yield lambda event: print_json(_as_json(event))
+    elif sys.stderr.isatty():
+        with _bar(session) as report:
+            yield report
+    else:
+        yield _line
+
+
+def _line(event: Progress) -> None:
+    """One quiet line for each finished segment, for logs."""
+    if isinstance(event, SegmentFinished):
+        frames = event.result.trajectory
+        print(
+            f"segment {event.index + 1} of {event.count}, frames "
+            f"{frames.first_frame}–{frames.last_frame}: {event.result.verdict.kind}",
+            file=sys.stderr,
+            flush=True,
+        )
+
+
+@contextmanager
+def _bar(session: Session) -> Iterator[Report]:
+    """A bar that counts frames: a segment's share of passes done is that share of its frames."""
+    from tqdm import tqdm
+
+    total = session.keyframes[-1].frame - session.keyframes[0].frame
+    done: dict[int, float] = {}
+    with tqdm(total=total, unit="frame", file=sys.stderr, dynamic_ncols=True) as bar:
+
+        def report(event: Progress) -> None:
+            if isinstance(event, PassFinished):
+                done[event.index] = (len(event.trajectory) - 1) * event.number / max(event.of, 1)
+            elif isinstance(event, SegmentFinished):
+                done[event.index] = len(event.result.trajectory) - 1
+            bar.n = min(round(sum(done.values())), total)
+            bar.refresh()
+
+        yield report
+
+
+def _as_json(event: Progress) -> dict[str, Any]:
+    """The event without its arrays."""
+    if isinstance(event, SegmentStarted):
+        return {
+            "event": "segment_started",
+            "segment": event.index,
+            "of": event.count,
+            "first_frame": event.first_frame,
+            "last_frame": event.last_frame,
+        }
+    if isinstance(event, PassFinished):
+        return {
+            "event": "pass_finished",
+            "segment": event.index,
+            "pass": event.number,
+            "of": event.of,
+            "score": event.score,
+        }
+    assert isinstance(event, SegmentFinished)
+    result = event.result
+    return {
+        "event": "segment_finished",
+        "segment": event.index,
+        "of": event.count,
+        "verdict": result.verdict.kind,
+        "words": result.verdict.words,
+        "frames": result.verdict.frames,
+        "best_pass": result.best_pass,
+        "closing_error": result.closing_error,
+    }

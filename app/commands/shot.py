@@ -1,0 +1,117 @@
+"""`keypose shot`: a picture of the posed body, over the video or from the top, side and front."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.commands.arguments import (
+    Subcommands,
+    add_command,
+    add_overwrite,
+    add_session,
+    whole_number,
+)
+from tracker.errors import FormatError, SessionError
+
+if TYPE_CHECKING:
+    from app.palette import Picture
+    from tracker.pose import Pose
+    from tracker.session import Session
+    from tracker.skeleton import Skeleton
+
+_EXAMPLES = """\
+  keypose shot session.json --frame 40 --view main --out frame40.png
+  keypose shot session.json --frame 40 --view all --style wire --out views.png --overwrite
+"""
+
+
+def add(commands: Subcommands) -> None:
+    text = (
+        "Draw the body at one frame into a PNG file. The pose is the keyframe's where one is set "
+        "and the tracked one elsewhere; main is the video's frame with the body over it, without "
+        "the lens's distortion."
+    )
+    command = add_command(commands, "shot", run, text, _EXAMPLES)
+    add_session(command)
+    command.add_argument("--frame", metavar="N", type=whole_number(0), required=True)
+    views = ("main", "top", "side", "front", "all")
+    command.add_argument("--view", choices=views, default="main", help="default: main")
+    styles = ("wire", "solid", "both")
+    command.add_argument(
+        "--style", choices=styles, default="both", help="of the body over the video; default: both"
+    )
+    command.add_argument("--out", metavar="FILE.png", type=Path, required=True)
+    add_overwrite(command)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from tracker.session.atomic import demand_absent, demand_folder, write_file
+    from tracker.session.files import load_session
+    from tracker.skeleton import Skeleton
+
+    out: Path = arguments.out
+    if out.suffix.lower() != ".png":
+        raise FormatError(f"{str(out)!r} must end in .png, the format of the picture.")
+    session = load_session(arguments.session)
+    if not arguments.overwrite:
+        demand_absent([out])
+    demand_folder(out.parent)
+    skeleton = Skeleton.of(session.body)
+    pose = _pose(session, arguments.session, skeleton, arguments.frame)
+    picture = _picture(session, skeleton, pose, arguments)
+    write_file(out, _png(picture), overwrite=arguments.overwrite)
+    print(f"Written: {out}")
+    return 0
+
+
+def _pose(session: Session, session_path: Path, skeleton: Skeleton, frame: int) -> Pose:
+    """The pose to draw; SessionError when the frame is neither a keyframe nor tracked."""
+    from tracker.session.tracks import load_trajectory
+
+    if frame >= session.video.frame_count:
+        raise SessionError(
+            f"There is no frame {frame}; the video's frames are 0 to "
+            f"{session.video.frame_count - 1}."
+        )
+    for keyframe in session.keyframes:
+        if keyframe.frame == frame:
+            return keyframe.pose(skeleton)
+    trajectory = load_trajectory(session, session_path)
+    if not trajectory.first_frame <= frame <= trajectory.last_frame:
+        raise SessionError(
+            f"Frame {frame} is not tracked; the tracked frames are {trajectory.first_frame} to "
+            f"{trajectory.last_frame}."
+        )
+    return trajectory.pose(frame)
+
+
+def _picture(
+    session: Session, skeleton: Skeleton, pose: Pose, arguments: argparse.Namespace
+) -> Picture:
+    """The picture (H, W, 3) RGB; its height is the video's."""
+    from app.pictures import four_views, orthographic, overlay
+    from tracker.session.files import open_video_of
+
+    camera = session.camera.without_distortion()
+    size = (camera.width, camera.height)
+    if arguments.view not in ("main", "all"):
+        return orthographic(skeleton, pose, arguments.view, size)
+    with open_video_of(session, arguments.session) as video:
+        image = session.camera.rectify(video.frame(arguments.frame))
+    if arguments.view == "main":
+        return overlay(image, camera, skeleton, pose, arguments.style)
+    label = f"Frame {arguments.frame}"
+    return four_views(
+        image, camera, skeleton, pose, arguments.style, height=camera.height, label=label
+    )
+
+
+def _png(picture: Picture) -> bytes:
+    import cv2
+
+    good, content = cv2.imencode(".png", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
+    if not good:
+        raise FormatError("The picture cannot be written as PNG.")
+    return content.tobytes()

@@ -1,0 +1,164 @@
+"""`keypose track`: find the motion between the keyframes and keep it beside the session."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app.commands.arguments import (
+    Subcommands,
+    add_command,
+    add_overwrite,
+    add_session,
+    whole_number,
+)
+from app.commands.json_output import print_json
+from tracker.errors import SessionError
+
+if TYPE_CHECKING:
+    from app.commands.follow import Run
+    from tracker.session import Session
+
+DONE, LOST, INTERRUPTED = 0, 1, 130
+
+_EXAMPLES = """\
+  keypose track session.json
+  keypose track session.json --quality preview --workers 2 --out try
+  keypose track session.json --json > events.jsonl
+"""
+
+
+def add(commands: Subcommands) -> None:
+    text = (
+        "Track the motion between the keyframes. Results are written beside the session, which "
+        "then refers to them; with --out, a copy of the session and the results go to that folder "
+        "and the session stays as it is. Ctrl+C keeps the segments that are finished. The exit "
+        "code is 1 when tracking was lost somewhere."
+    )
+    command = add_command(commands, "track", run, text, _EXAMPLES)
+    add_session(command)
+    of_session = "; the session's own when left out"
+    command.add_argument("--method", choices=("keypose", "paper"), help=f"how{of_session}")
+    qualities = ("full", "fast", "preview")
+    command.add_argument("--quality", choices=qualities, help=f"how much work{of_session}")
+    command.add_argument("--out", metavar="DIR", type=Path, help="folder for session and results")
+    command.add_argument(
+        "--workers", metavar="N", type=whole_number(1), default=1, help="segments at a time"
+    )
+    command.add_argument(
+        "--json", action="store_true", help="print JSON lines: events, the summary last"
+    )
+    add_overwrite(command)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from app.commands.follow import follow
+    from tracker.session.files import load_session, open_video_of
+
+    session = load_session(arguments.session)
+    if len(session.keyframes) < 2:
+        raise SessionError(
+            f"{arguments.session.name} has {len(session.keyframes)} keyframes; tracking needs two."
+        )
+    _demand_place(arguments)
+    with open_video_of(session, arguments.session) as video:
+        found = follow(_with_settings(session, arguments), video, arguments.workers, arguments.json)
+    summary = _keep(session, found, arguments)
+    _tell(summary, arguments.json)
+    if found.interrupted:
+        return INTERRUPTED
+    return LOST if summary["lost"] else DONE
+
+
+def _with_settings(session: Session, arguments: argparse.Namespace) -> Session:
+    """The session with the settings asked for in this run; the file keeps its own."""
+    wanted = {"method": arguments.method, "quality": arguments.quality}
+    chosen = {name: value for name, value in wanted.items() if value is not None}
+    settings = session.settings.model_copy(update=chosen)
+    return session.model_copy(update={"settings": settings})
+
+
+def _demand_place(arguments: argparse.Namespace) -> None:
+    """Whether the results can be written is asked before the work, not after."""
+    from tracker.session.atomic import demand_absent, demand_folder
+
+    folder = arguments.session.parent if arguments.out is None else arguments.out
+    if arguments.out is not None and not arguments.overwrite:
+        demand_absent([_place(arguments)], error=SessionError)
+    demand_folder(folder, error=SessionError)
+
+
+def _place(arguments: argparse.Namespace) -> Path:
+    """The session file to write."""
+    out: Path | None = arguments.out
+    session_path: Path = arguments.session
+    return session_path if out is None else out / "session.json"
+
+
+def _keep(session: Session, found: Run, arguments: argparse.Namespace) -> dict[str, Any]:
+    """Write what was found, if anything; the summary of it."""
+    summary: dict[str, Any] = {"interrupted": found.interrupted, "session": None, "tracks": None}
+    summary |= {"segments_of": len(session.keyframes) - 1, "segments": [], "lost": False}
+    if not found.result.segments:
+        return summary
+    results = _write(session, found, arguments)
+    summary |= {
+        "session": str(_place(arguments)),
+        "tracks": str(_place(arguments).with_name(results.tracks)),
+        "segments": [segment.model_dump() for segment in results.segments],
+        "lost": any(segment.verdict == "lost" for segment in results.segments),
+    }
+    return summary
+
+
+def _write(session: Session, found: Run, arguments: argparse.Namespace) -> Any:
+    from tracker.session.atomic import make_folder, write_file
+    from tracker.session.files import load_session, save_session, session_json
+    from tracker.session.tracks import save_result
+
+    place = _place(arguments)
+    if arguments.out is None:
+        # The person may have gone on editing meanwhile: only the results are ours to change.
+        saved = save_result(load_session(place), place, found.result)
+        save_session(saved, place)
+        return saved.results
+    make_folder(arguments.out, error=SessionError)
+    saved = save_result(_moved(session, arguments), place, found.result)
+    write_file(
+        place,
+        session_json(saved),
+        overwrite=arguments.overwrite,
+        keep_previous=True,
+        error=SessionError,
+    )
+    return saved.results
+
+
+def _moved(session: Session, arguments: argparse.Namespace) -> Session:
+    """The session as it reads in another folder: its video's path starts from there."""
+    from tracker.session.files import video_path
+
+    path = str(video_path(session, arguments.session))
+    if not Path(session.video.path).is_absolute():
+        with suppress(ValueError):  # on another drive only the absolute path leads there
+            path = Path(os.path.relpath(path, arguments.out.absolute())).as_posix()
+    video = session.video.model_copy(update={"path": path})
+    return session.model_copy(update={"video": video})
+
+
+def _tell(summary: dict[str, Any], as_json: bool) -> None:
+    if as_json:
+        print_json({"event": "finished", **summary})
+        return
+    for segment in summary["segments"]:
+        print(f"frames {segment['first_frame']}–{segment['last_frame']}: {segment['words']}")
+    if summary["session"] is not None:
+        print(f"Written: {summary['tracks']}")
+        print(f"Written: {summary['session']}")
+    if summary["interrupted"]:
+        done, all_of_them = len(summary["segments"]), summary["segments_of"]
+        print(f"Interrupted: {done} of {all_of_them} segments are kept.", file=sys.stderr)
