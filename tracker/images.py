@@ -23,12 +23,12 @@ def prepare(grey: NDArray[np.uint8], usable: Picture | None, levels: int) -> lis
     what is ignored a rim is ignored too, as wide as blur and gradient reach.
     """
     current = cv2.GaussianBlur(grey.astype(np.float32), (0, 0), BLUR_PX)
-    use = np.ones_like(current) if usable is None else _grown(usable)
+    use = np.ones_like(current) if usable is None else _with_rim(usable)
     pyramid = []
     for level in range(levels):
         if level:
             current = cv2.pyrDown(current)
-            use = _grown(use)[::2, ::2] if usable is not None else np.ones_like(current)
+            use = _with_rim(use)[::2, ::2] if usable is not None else np.ones_like(current)
         gradients = (cv2.Scharr(current, cv2.CV_32F, du, 1 - du, scale=1 / 32.0) for du in (1, 0))
         pyramid.append(cv2.merge([current, *gradients, np.ascontiguousarray(use)]))
     return pyramid
@@ -43,9 +43,11 @@ def level_sizes(width: int, height: int, levels: int) -> list[tuple[int, int]]:
     return sizes
 
 
-def _grown(usable: Picture) -> Picture:
-    """The least usable value within two pixels."""
-    return np.asarray(cv2.erode(usable, np.ones((5, 5), np.uint8)), dtype=np.float32)
+def _with_rim(usable: Picture) -> Picture:
+    """The same with everything within two pixels of what is ignored ignored as well."""
+    ignored = (usable == IGNORED).astype(np.uint8)
+    near = cv2.dilate(ignored, np.ones((5, 5), np.uint8)) > 0
+    return np.where(near, np.float32(IGNORED), usable)
 
 
 @dataclass(frozen=True, eq=False)

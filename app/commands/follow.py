@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from app.commands.json_output import print_json
 from tracker.track import (
     PassFinished,
     Progress,
@@ -18,8 +19,6 @@ from tracker.track import (
     TrackResult,
     track_session,
 )
-
-from app.commands.json_output import print_json
 
 if TYPE_CHECKING:
     from tracker.session import Session
@@ -46,14 +45,18 @@ def follow(session: Session, video: Video, workers: int, as_json: bool) -> Run:
         try:
             for event in events:
                 if isinstance(event, TrackFinished):
-                    return Run(event.result, interrupted=False)
+                    return Run(event.result, interrupted=event.cancelled)
                 if isinstance(event, SegmentFinished):
                     finished[event.index] = event.result
                 report(event)
         except (KeyboardInterrupt, BrokenPipeError):  # what is finished is kept either way
             pass
-    segments = tuple(finished[index] for index in sorted(finished))
-    return Run(TrackResult(Skeleton.of(session.body), segments, session.settings), True)
+    result = TrackResult(
+        skeleton=Skeleton.of(session.body),
+        settings=session.settings,
+        segments=tuple(finished[index] for index in sorted(finished)),
+    )
+    return Run(result, interrupted=True)
 
 
 @contextmanager
@@ -90,7 +93,8 @@ def _bar(session: Session) -> Iterator[Report]:
 
         def report(event: Progress) -> None:
             if isinstance(event, PassFinished):
-                done[event.index] = (len(event.trajectory) - 1) * event.number / max(event.of, 1)
+                share = min((event.number + 1) / max(event.of, 1), 1.0)  # numbers start at 0
+                done[event.index] = (len(event.trajectory) - 1) * share
             elif isinstance(event, SegmentFinished):
                 done[event.index] = len(event.result.trajectory) - 1
             bar.n = min(round(sum(done.values())), total)

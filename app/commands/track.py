@@ -61,9 +61,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     session = load_session(arguments.session)
     if len(session.keyframes) < 2:
-        raise SessionError(
-            f"{arguments.session.name} has {len(session.keyframes)} keyframes; tracking needs two."
-        )
+        count = "one keyframe" if session.keyframes else "no keyframes"
+        raise SessionError(f"{arguments.session.name} has {count}; tracking needs two.")
     _demand_place(arguments)
     with open_video_of(session, arguments.session) as video:
         found = follow(_with_settings(session, arguments), video, arguments.workers, arguments.json)

@@ -23,10 +23,14 @@ def noise_volume(seed: int, side: int = 128) -> NDArray[np.float32]:
     without aliasing.
     """
     k = np.fft.fftfreq(side, 1 / side)
-    radius = np.sqrt(k[:, None, None] ** 2 + k[None, :, None] ** 2 + k[None, None, : side // 2 + 1] ** 2)
-    amplitude = np.maximum(radius, 1.0) ** -1.9 * np.exp(-((radius / 45) ** 2)) * (radius > 2)
+    radius = np.sqrt(
+        k[:, None, None] ** 2 + k[None, :, None] ** 2 + k[None, None, : side // 2 + 1] ** 2
+    )
+    amplitude = np.maximum(radius, 5.0) ** -1.8 * np.exp(-((radius / 45) ** 2)) * (radius > 2)
     white = np.random.default_rng(seed).standard_normal((side, side, side))
-    return _standardised(np.fft.irfftn(np.fft.rfftn(white) * amplitude, s=white.shape))
+    return _standardised(
+        np.fft.irfftn(np.fft.rfftn(white) * amplitude, s=white.shape, axes=(0, 1, 2))
+    )
 
 
 @cache
@@ -38,14 +42,14 @@ def backdrop(width: int, height: int, contrast: float, seed: int) -> NDArray[np.
     rows = np.arange(height)[:, None, None] / height
     floor = 1 / (1 + np.exp(-(rows - HORIZON) * height / 2))
     ground = WALL * (0.86 + 0.22 * rows) * (1 - floor) + FLOOR * (1.18 - 0.25 * (1 - rows)) * floor
-    return (ground + contrast * (grain[..., None] + 0.3 * tint)).astype(np.float32)
+    return (ground + contrast * (grain[..., None] + 0.12 * tint)).astype(np.float32)
 
 
 def _flat_noise(width: int, height: int, rng: np.random.Generator) -> NDArray[np.float32]:
     """(height, width) noise of deviation 1; its finest waves are 3 pixels long."""
     fy, fx = np.fft.fftfreq(height)[:, None], np.fft.rfftfreq(width)[None]
     frequency = np.hypot(fy, fx)
-    amplitude = np.maximum(frequency, 1 / 300) ** -1.3 * np.exp(-((frequency / 0.22) ** 2))
+    amplitude = np.maximum(frequency, 1 / 130) ** -1.3 * np.exp(-((frequency / 0.22) ** 2))
     amplitude[0, 0] = 0.0
     white = rng.standard_normal((height, width))
     return _standardised(np.fft.irfft2(np.fft.rfft2(white) * amplitude, s=white.shape))

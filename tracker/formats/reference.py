@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import math
 import zipfile
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
@@ -84,12 +85,14 @@ def _marks(path: Path, skeleton: Skeleton) -> JointReference:
 
 def _arrays(path: Path, skeleton: Skeleton) -> Trajectory | JointReference:
     try:
-        with np.load(path, allow_pickle=False) as archive:
-            if not isinstance(archive, np.lib.npyio.NpzFile):
-                raise ValueError("it holds one bare array")
+        loaded = np.load(path, allow_pickle=False)
+        if not isinstance(loaded, np.lib.npyio.NpzFile):
+            raise ValueError("it holds one bare array")
+        with loaded as archive:
             arrays = {name: archive[name] for name in archive.files}
-    except (ValueError, EOFError, zipfile.BadZipFile, NotImplementedError) as error:
-        raise FormatError(f"{path.name} is not an archive of plain arrays: {error}.") from None
+    except (ValueError, EOFError, zipfile.BadZipFile, zlib.error, NotImplementedError) as error:
+        why = str(error).rstrip(".")
+        raise FormatError(f"{path.name} is not an archive of plain arrays: {why}.") from None
     if "Rs_parent_part" in arrays:
         return _poses(path.name, arrays, skeleton)
     if "ps_camera_joint" in arrays:

@@ -50,17 +50,17 @@ def camera_twists(body, HR, Ho, S):
 
 @compiled
 def sum_subtrees(body, N):
-    """Add every part's sums N (P, 6, 7) to its parent's, leaves first."""
+    """Add every part's sums N (P, 7, 7) to its parent's, leaves first."""
     for i in range(body.parents.shape[0] - 1, 0, -1):
         parent = body.parents[i]
-        for a in range(6):
+        for a in range(7):
             for b in range(7):
                 N[parent, a, b] += N[i, a, b]
 
 
 @compiled
 def normal_equations(body, N, S, A, b):
-    """A (D, D) = AᵀA and b (D,) = Aᵀr from subtree sums N (P, 6, 7), column 6 holding Σ w r row."""
+    """A (D, D) = AᵀA and b (D,) = Aᵀr from subtree sums N (P, 7, 7), column 6 holding Σ w r row."""
     y = np.empty(6)
     for d in range(body.dof_part.shape[0]):
         i = body.dof_part[d]

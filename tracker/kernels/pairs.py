@@ -27,6 +27,7 @@ from tracker.kernels.sums import (
     BLOCK,
     HUBER,
     HUBER_WIDTH,
+    LEAST_SQUARES,
     capped_square,
     robust_sigma,
     sum_points,
@@ -64,36 +65,50 @@ def shortened(step, longest):
 
 
 @compiled
-def solve_pair(
-    body, chosen, grey, starts, R, t, x, picture, lens, prior, inner, stop, scratch_seen
+def linearise(
+    body, chosen, grey, starts, R, t, picture, lens, loss, width, N, histogram, A, b
 ):  # fmt: skip
+    """A (D, D) ← AᵀWA and b (D,) ← AᵀWr of the followed points at the target pose R, t.
+
+    N (P, 7, 7) ← the sums of every part and what hangs below it; histogram of |r|. The number of
+    points comes back.
+    """
+    parts = body.parents.shape[0]
+    HR, Ho, S = np.empty((parts, 3, 3)), np.empty((parts, 3)), np.empty((b.shape[0], 6))
+    rows, unseen = np.empty((9, BLOCK), np.float32), np.empty(0, np.uint8)
+    place_parts(body, R, t, HR, Ho)
+    centre = Ho[0].copy()
+    points = sum_points(
+        body, chosen, grey, starts, HR, Ho, centre, picture, lens, unseen, False, loss, width,
+        False, N, histogram, rows,
+    )  # fmt: skip
+    for i in range(parts):
+        Ho[i] -= centre
+    camera_twists(body, HR, Ho, S)
+    sum_subtrees(body, N)
+    normal_equations(body, N, S, A, b)
+    return points
+
+
+@compiled
+def solve_pair(body, chosen, grey, starts, R, t, x, picture, lens, prior, inner, stop):
     """Move R, t (the target's pose, started at the prediction) to where the picture shows it.
 
     x (D,) is how far the motion has left the prediction, kept over pyramid levels. The mean
     capped square of the residuals at the start comes back.
     """
-    parts, dofs = body.parents.shape[0], body.dof_part.shape[0]
-    HR, Ho, N = np.empty((parts, 3, 3)), np.empty((parts, 3)), np.empty((parts, 6, 7))
-    S, A, b = np.empty((dofs, 6)), np.empty((dofs, dofs)), np.empty(dofs)
-    histogram, rows = np.empty(BINS, np.int32), np.empty((9, BLOCK), np.float32)
+    dofs, N = body.dof_part.shape[0], np.empty((body.parents.shape[0], 7, 7))
+    A, b, histogram = np.empty((dofs, dofs)), np.empty(dofs), np.empty(BINS, np.int32)
     width, start = FIRST_WIDTH, 0.0
     for k in range(inner):
-        place_parts(body, R, t, HR, Ho)
-        centre = Ho[0].copy()
-        points = sum_points(
-            body, chosen, grey, starts, HR, Ho, centre, picture, lens, scratch_seen, False,
-            HUBER, width, False, N, histogram, rows,
-        )  # fmt: skip
+        points = linearise(
+            body, chosen, grey, starts, R, t, picture, lens, HUBER, width, N, histogram, A, b
+        )
         if k == 0:
             start = capped_square(histogram, points, CAP)
         sigma = robust_sigma(histogram, points)
         width = HUBER_WIDTH * sigma
         q = prior.information / (sigma * sigma)
-        for i in range(parts):
-            Ho[i] -= centre
-        camera_twists(body, HR, Ho, S)
-        sum_subtrees(body, N)
-        normal_equations(body, N, S, A, b)
         for d in range(dofs):
             b[d] = -(q * b[d] + prior.precision[d] * x[d])
             for e in range(dofs):
@@ -140,7 +155,7 @@ def follow_pairs(
         x[:] = 0.0
         score += solve_pair(
             body, chosen, grey, starts, R_next[j], t_next[j], x, pictures[slots[j + 1]], lens,
-            prior, inner, stop, seen,
+            prior, inner, stop,
         )  # fmt: skip
     return score / R_next.shape[0]
 
@@ -190,7 +205,7 @@ def follow_chain(
             pick(body, uvz, seen, pictures[slots[j]], scale, kept, every, chosen, grey, starts)
             solve_pair(
                 body, chosen, grey, starts, R[j + 1], t[j + 1], x, pictures[slots[j + 1]],
-                scaled_lens(lens, scale), prior, inner, stop, seen,
+                scaled_lens(lens, scale), prior, inner, stop,
             )  # fmt: skip
 
 
@@ -203,7 +218,7 @@ def mean_capped_square(body, lens, sight, pictures, slots, R, t, of, every, cap)
     """
     height, width = pictures.shape[1], pictures.shape[2]
     parts, size = body.parents.shape[0], body.points.shape[0]
-    HR, Ho, N = np.empty((parts, 3, 3)), np.empty((parts, 3)), np.empty((parts, 6, 7))
+    HR, Ho, N = np.empty((parts, 3, 3)), np.empty((parts, 3)), np.empty((parts, 7, 7))
     depth = np.empty((height // sight.cell + 2, width // sight.cell + 2), np.float32)
     owner = np.empty(depth.shape, np.int16)
     uvz, seen = np.empty((size, 3), np.float32), np.zeros(size, np.uint8)
@@ -222,3 +237,56 @@ def mean_capped_square(body, lens, sight, pictures, slots, R, t, of, every, cap)
         )  # fmt: skip
         score += capped_square(histogram, points, cap)
     return score / max(1, R.shape[0] - 1)
+
+
+@compiled
+def observe_pairs(
+    body, lens, sight, pictures, slots, R, t, A, residual, shown, sigma
+):  # fmt: skip
+    """What every frame pair of a trajectory tells about its motion.
+
+    A (n, D, D) ← AᵀWA at the trajectory itself, of all seen points; residual (n, P) ← root mean
+    square difference of brightness of each part's own points, grey levels (NaN without points);
+    shown (n, P) int64 ← number of points; sigma (n,) ← robust noise of the residuals.
+    """
+    height, width = pictures.shape[1], pictures.shape[2]
+    parts, size = body.parents.shape[0], body.points.shape[0]
+    HR, Ho, N = np.empty((parts, 3, 3)), np.empty((parts, 3)), np.empty((parts, 7, 7))
+    depth = np.empty((height // sight.cell + 2, width // sight.cell + 2), np.float32)
+    owner = np.empty(depth.shape, np.int16)
+    uvz, seen = np.empty((size, 3), np.float32), np.zeros(size, np.uint8)
+    chosen, grey = np.empty(size + 1, np.int32), np.empty(size + 1, np.float32)
+    starts, b = np.empty(parts + 1, np.int64), np.empty(body.dof_part.shape[0])
+    histogram, rows = np.empty(BINS, np.int32), np.empty((9, BLOCK), np.float32)
+    for j in range(R.shape[0] - 1):
+        place_parts(body, R[j], t[j], HR, Ho)
+        see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
+        pick(body, uvz, seen, pictures[slots[j]], 1.0, 1, 1, chosen, grey, starts)
+        target = pictures[slots[j + 1]]
+        place_parts(body, R[j + 1], t[j + 1], HR, Ho)
+        points = sum_points(
+            body, chosen, grey, starts, HR, Ho, Ho[0].copy(), target, lens, seen, False,
+            LEAST_SQUARES, 1.0, False, N, histogram, rows,
+        )  # fmt: skip
+        sigma[j] = robust_sigma(histogram, points)
+        for i in range(parts):
+            shown[j, i] = starts[i + 1] - starts[i]
+            residual[j, i] = np.sqrt(N[i, 6, 6] / shown[j, i]) if shown[j, i] else np.nan
+        linearise(
+            body, chosen, grey, starts, R[j + 1], t[j + 1], target, lens, HUBER,
+            HUBER_WIDTH * sigma[j], N, histogram, A[j], b,
+        )  # fmt: skip
+
+
+@compiled
+def view(body, lens, sight, picture, R, t, chosen, grey, starts):
+    """Follow every point that the pose R, t shows in a picture: fills chosen, grey, starts."""
+    height, width = picture.shape[0], picture.shape[1]
+    parts, size = body.parents.shape[0], body.points.shape[0]
+    HR, Ho = np.empty((parts, 3, 3)), np.empty((parts, 3))
+    depth = np.empty((height // sight.cell + 2, width // sight.cell + 2), np.float32)
+    owner = np.empty(depth.shape, np.int16)
+    uvz, seen = np.empty((size, 3), np.float32), np.zeros(size, np.uint8)
+    place_parts(body, R, t, HR, Ho)
+    see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
+    return pick(body, uvz, seen, picture, 1.0, 1, 1, chosen, grey, starts)

@@ -1,4 +1,4 @@
-"""Residuals and rows of the followed points, summed into one 6×7 block per part (DRIFT §2.3).
+"""Residuals and rows of the followed points, summed into one 7×7 block per part (DRIFT §2.3).
 
 For a point p = (x, y, z) seen at (u, v), g = ∂E/∂p has the components
 (fx E_u/z, fy E_v/z, −(x g_x + y g_y)/z); its row is [g, (p − c) × g] with c the centre that the
@@ -135,7 +135,7 @@ def sum_points(
     body, chosen, grey, starts, HR, Ho, centre, picture, lens, seen, need_seen, loss, scale, gain,
     N, histogram, rows,
 ):  # fmt: skip
-    """N (P, 6, 7) ← Σ w row [rowᵀ, r] of every part; histogram of |r|; the number of points.
+    """N (P, 7, 7) ← Σ w [row, r]ᵀ[row, r] of every part; histogram of |r|; the number of points.
 
     `loss` and `scale` choose the weights; `need_seen` drops points that the target pose hides
     (`seen` (S,) uint8); `gain` lets each part be brighter or darker than its source.
@@ -163,11 +163,10 @@ def sum_points(
             for a in range(7):
                 total[8, a] = total[a, 8]
             without_gain(total)
-        for a in range(6):
+        for a in range(7):
             for b in range(a, 7):
                 N[i, a, b] = total[a, b]
-                if b < 6:
-                    N[i, b, a] = total[a, b]
+                N[i, b, a] = total[a, b]
     return points
 
 

@@ -97,7 +97,7 @@ def whole_segment(
     """
     n, parts, dofs = R.shape[0] - 1, body.parents.shape[0], body.dof_part.shape[0]
     HR, Ho = np.empty((parts, 3, 3)), np.empty((parts, 3))
-    N, both = np.empty((parts, 6, 7)), np.empty((parts, 6, 7))
+    N, both = np.empty((parts, 7, 7)), np.empty((parts, 7, 7))
     S, A, b = np.empty((dofs, 6)), np.empty((dofs, dofs)), np.empty(dofs)
     histogram, rows = np.empty(BINS, np.int32), np.empty((9, BLOCK), np.float32)
     banded[:] = 0.0

@@ -111,10 +111,15 @@ def _keep(path: Path) -> None:
     """`<name>.previous` becomes the present file, which itself stays where it is."""
     spare = path.with_name(f".{path.name}.{secrets.token_hex(6)}.part")
     try:
-        spare.hardlink_to(path)
-    except OSError:
-        _write_through(spare, path.read_bytes())
-    spare.replace(path.with_name(f"{path.name}.previous"))
+        try:
+            spare.hardlink_to(path)
+        except OSError:
+            _write_through(spare, path.read_bytes())
+        spare.replace(path.with_name(f"{path.name}.previous"))
+    finally:
+        # Also after success: a rename between two names of one file leaves both.
+        with suppress(OSError):
+            spare.unlink()
 
 
 def _sync_folder(folder: Path) -> None:

@@ -91,9 +91,9 @@ class Tracks:
             names = tuple(str(name) for name in arrays.pop("part_names"))
             first_frame = int(arrays.pop("first_frame"))
             tracks = cls(first_frame, names, **arrays)
-        except (TypeError, KeyError):  # entries missing or unknown, or not of numbers
+            tracks._check()
+        except (TypeError, KeyError, IndexError):  # missing, unknown, or without a shape
             raise ValueError("its entries are not those of a tracks file") from None
-        tracks._check()
         return tracks
 
     def _check(self) -> None:

@@ -1,0 +1,1 @@
+"""Clips to try the product on, with the exact motion they show."""

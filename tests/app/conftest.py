@@ -1,0 +1,31 @@
+"""Sessions on disk for the command line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from app.commands import follow
+from tests.app.cli_cases import tracker
+from tests.tracker import session_cases as cases
+from tracker.session.files import load_session, save_session
+from tracker.session.tracks import save_result
+
+
+@pytest.fixture
+def session_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A session on disk, not yet tracked; tracking is a fake."""
+    monkeypatch.setattr(follow, "track_session", tracker())
+    folder = tmp_path / "job"
+    folder.mkdir()
+    return cases.write_session(folder)
+
+
+@pytest.fixture
+def tracked_path(session_path: Path) -> Path:
+    """A tracked session on disk."""
+    session = save_result(load_session(session_path), session_path, cases.result())
+    save_session(session, session_path)
+    (session_path.parent / "session.json.previous").unlink()
+    return session_path

@@ -1,0 +1,182 @@
+"""The command line: what its commands write and print."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from app.cli import main
+from app.commands import follow
+from tests.tracker import session_cases as cases
+from tracker.session.files import load_session
+from tracker.session.tracks import load_trajectory
+
+
+def test_evaluation_prints_the_tracker_beside_interpolation(
+    tracked_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    truth = load_trajectory(load_session(tracked_path), tracked_path)
+    np.savez(
+        tmp_path / "truth.npz",
+        Rs_parent_part=truth.Rs_parent_part,
+        ps_camera_root=truth.ps_camera_root,
+        first_frame=0,
+    )
+    command = ["evaluate", str(tracked_path), "--reference", str(tmp_path / "truth.npz")]
+    assert main(command) == 0
+    text = capsys.readouterr().out
+    assert text.startswith("truth.npz: 6 frames between keyframes")
+    assert all(word in text for word in ("interpolated", "in space, cm", "joint angles, °", "tip"))
+    assert main([*command, "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["frames"] == [1, 2, 3, 5, 6, 7]
+    assert data["estimate"]["pixels"]["overall"]["mean"] == pytest.approx(0, abs=1e-9)
+    assert data["interpolation"]["pixels"]["overall"]["mean"] > 0
+
+
+def test_marked_joints_evaluate_in_pixels(
+    tracked_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    marks = tmp_path / "marks.json"
+    marks.write_text(json.dumps({"frames": {"0": {"tip": [1, 2]}, "2": {"tip": [30, 20]}}}))
+    assert main(["evaluate", str(tracked_path), "--reference", str(marks), "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["frames"] == [2]
+    assert data["estimate"]["distance_m"] is None
+
+
+@pytest.mark.parametrize("view", ["main", "top", "side", "front", "all"])
+def test_a_shot_is_a_picture_of_the_height_of_the_video(
+    tracked_path: Path, tmp_path: Path, view: str
+) -> None:
+    out = tmp_path / f"{view}.png"
+    command = ["shot", str(tracked_path), "--frame", "3", "--view", view, "--out", str(out)]
+    assert main(command) == 0
+    picture = cv2.imread(str(out))
+    assert picture is not None
+    assert picture.shape[0] == cases.HEIGHT
+    assert view == "all" or picture.shape[1] == cases.WIDTH
+
+
+def test_a_keyframe_can_be_drawn_before_tracking(session_path: Path, tmp_path: Path) -> None:
+    command = ["shot", str(session_path), "--frame", "4", "--style", "wire"]
+    assert main([*command, "--out", str(tmp_path / "a.png")]) == 0
+
+
+def test_a_distorted_camera_draws_over_the_rectified_frame(
+    tracked_path: Path, tmp_path: Path
+) -> None:
+    plain, bent = tmp_path / "plain.png", tmp_path / "bent.png"
+    command = ["shot", str(tracked_path), "--frame", "3", "--out"]
+    assert main([*command, str(plain)]) == 0
+    distortion = [-0.3, 0.1, 0, 0, 0]
+    cases.altered(tracked_path, lambda data: data["camera"].update(distortion=distortion))
+    assert main([*command, str(bent)]) == 0
+    assert plain.read_bytes() != bent.read_bytes()
+
+
+def test_tables_are_exported(tracked_path: Path, tmp_path: Path) -> None:
+    out = tmp_path / "tables"
+    assert main(["export", str(tracked_path), "--format", "csv", "--out", str(out)]) == 0
+    assert sorted(path.name for path in out.iterdir()) == ["angles.csv", "joints.csv"]
+    assert len((out / "joints.csv").read_text().splitlines()) == 10
+
+
+def test_bvh_is_exported_without_the_video(
+    tracked_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tracked_path.parent / "frames").rename(tmp_path / "elsewhere")
+    command = ["export", str(tracked_path), "--format", "bvh", "--out", str(tmp_path)]
+    assert main(command) == 0
+    assert "the video is missing" in capsys.readouterr().err
+    assert "Frame Time: 0.040000000" in (tmp_path / "motion.bvh").read_text()
+
+
+def test_an_export_tells_which_keyframes_it_does_not_know(
+    tracked_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cases.altered(tracked_path, lambda data: data["keyframes"][1].update(root_m=[0, 0, 4]))
+    main(["export", str(tracked_path), "--format", "bvh", "--out", str(tmp_path)])
+    assert "keyframes were changed: 4." in capsys.readouterr().err
+
+
+def test_info_tells_the_facts_of_a_video(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    frames = cases.write_frames(tmp_path / "frames")
+    assert main(["info", str(frames)]) == 0
+    assert "64×48 pixels" in capsys.readouterr().out
+    assert main(["info", str(frames), "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert facts["frame_count"] == cases.FRAMES
+    assert facts["fingerprint"].startswith("sha256:")
+
+
+@pytest.mark.parametrize("kind", ["body", "session"])
+def test_the_schema_is_json(kind: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["schema", kind]) == 0
+    assert json.loads(capsys.readouterr().out)["type"] == "object"
+
+
+def test_a_programming_error_is_not_hidden(
+    session_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*_: object, **__: object) -> Iterator[Any]:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(follow, "track_session", broken)
+    with pytest.raises(ZeroDivisionError):
+        main(["track", str(session_path)])
+
+
+COMMANDS = ("track", "evaluate", "shot", "export", "info", "schema")
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_helps_with_examples(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main([command, "--help"])
+    assert stop.value.code == 0
+    assert f"examples:\n  keypose {command}" in capsys.readouterr().out
+
+
+def test_help_loads_no_heavy_library() -> None:
+    code = "import sys, app.cli; app.cli.parser(); print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not {"numpy", "cv2", "av", "numba", "pydantic", "scipy"} & set(done.stdout.split())
+
+
+def test_the_package_runs_as_a_program(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "app", "track", str(tmp_path / "none.json")],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr == f"There is no session file '{tmp_path / 'none.json'}'.\n"
+
+
+def test_a_reader_that_goes_away_is_no_error() -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    with os.fdopen(writing, "wb") as out:
+        done = subprocess.run(
+            [sys.executable, "-m", "app", "schema", "session"],
+            stdout=out,
+            stderr=subprocess.PIPE,
+            check=False,
+        )
+    assert (done.returncode, done.stderr) == (141, b"")

@@ -1,0 +1,40 @@
+"""The clips that come with the product belong to their sessions and their truth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sample_videos.make_samples import FOLDER, samples
+from tracker.session.archive import archive_arrays
+from tracker.session.files import load_session, open_video_of
+from tracker.skeleton import Skeleton
+
+LARGEST_BYTES = {"box": 300_000, "person": 1_000_000}
+
+
+@pytest.mark.parametrize("name", LARGEST_BYTES)
+def test_a_sample_is_small_and_its_keyframes_are_the_truth(name: str) -> None:
+    folder = Path(FOLDER) / name
+    assert (folder / f"{name}.mp4").stat().st_size < LARGEST_BYTES[name]
+    session = load_session(folder / "session.json")
+    truth = archive_arrays((folder / "truth.npz").read_bytes())
+    skeleton = Skeleton.of(session.body)
+    assert len(truth["ps_camera_root"]) == session.video.frame_count
+    assert session.keyframes[-1].frame == session.video.frame_count - 1
+    for keyframe in session.keyframes:
+        pose = keyframe.pose(skeleton)
+        true_Rs = truth["Rs_parent_part"][keyframe.frame]
+        np.testing.assert_allclose(pose.Rs_parent_part, true_Rs, atol=1e-12)
+        np.testing.assert_allclose(pose.p_camera_root, truth["ps_camera_root"][keyframe.frame])
+
+
+def test_the_clips_show_what_the_renderer_makes_today() -> None:
+    for sample in samples():
+        path = FOLDER / sample.name / "session.json"
+        with open_video_of(load_session(path), path) as video:
+            coded = video.frame(10).astype(int)
+        fresh = sample.scene.cut(10, 10).frames()[0]
+        assert np.abs(coded - fresh).mean() < 2.5

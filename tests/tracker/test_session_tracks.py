@@ -1,0 +1,190 @@
+"""Tracks files: the same result is the same bytes, and nothing odd is believed."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.tracker import session_cases as cases
+from tracker.errors import SessionError
+from tracker.session import Session
+from tracker.session.archive import archive_arrays, archive_bytes
+from tracker.session.files import load_session, save_session
+from tracker.session.tracks import (
+    Tracks,
+    load_tracks,
+    load_trajectory,
+    outdated_keyframes,
+    save_result,
+    tracks_name,
+)
+
+
+def saved(folder: Path) -> tuple[Session, Path]:
+    path = folder / "session.json"
+    session = save_result(cases.session(), path, cases.result())
+    save_session(session, path)
+    return session, path
+
+
+def test_a_result_is_read_back_as_it_was(tmp_path: Path) -> None:
+    _, path = saved(tmp_path)
+    session = load_session(path)
+    trajectory = load_trajectory(session, path)
+    first, second = cases.segment(0, 4).trajectory, cases.segment(4, 8).trajectory
+    assert trajectory.first_frame == 0
+    np.testing.assert_array_equal(trajectory.Rs_parent_part[:5], first.Rs_parent_part)
+    np.testing.assert_array_equal(trajectory.Rs_parent_part[4:], second.Rs_parent_part)
+    np.testing.assert_array_equal(trajectory.ps_camera_root[4:], second.ps_camera_root)
+    tracks = load_tracks(session, path)
+    assert tracks.rank.tolist() == [7] * 8
+    assert tracks.singular_values.shape == (8, cases.SKELETON.dof_count)
+    assert np.isnan(tracks.observability[:, 1]).all()
+    assert not tracks.residual.flags.writeable
+
+
+def test_the_session_tells_what_was_found(tmp_path: Path) -> None:
+    session, _ = saved(tmp_path)
+    assert session.results is not None
+    assert session.results.quality == "full"
+    assert [s.words for s in session.results.segments] == ["good", "good"]
+    assert session.results.segments[0].scores == (3.0, 2.0, None)
+
+
+def test_the_same_result_has_the_same_bytes_and_name(tmp_path: Path) -> None:
+    one, _ = saved(tmp_path)
+    place = tmp_path / one.results.tracks if one.results else tmp_path
+    before = (place.read_bytes(), place.stat().st_mtime_ns)
+    other, _ = saved(tmp_path)
+    assert other == one
+    assert (place.read_bytes(), place.stat().st_mtime_ns) == before
+    assert place.name == tracks_name(before[0])
+    assert len(list(tmp_path.glob("*.npz"))) == 1
+
+
+def test_numpy_reads_the_file_without_pickle(tmp_path: Path) -> None:
+    session, _ = saved(tmp_path)
+    assert session.results is not None
+    with np.load(tmp_path / session.results.tracks, allow_pickle=False) as file:
+        assert file["part_names"].tolist() == list(cases.SKELETON.body.names)
+        assert file["Rs_parent_part"].shape == (9, 4, 3, 3)
+        assert int(file["first_frame"]) == 0
+
+
+def test_a_gap_between_finished_segments_stays_a_gap(tmp_path: Path) -> None:
+    path = tmp_path / "session.json"
+    partial = cases.result(cases.segment(6, 8), cases.segment(0, 4))
+    session = save_result(cases.session(), path, partial)
+    tracks = load_tracks(session, path)
+    assert tracks.tracked.tolist() == [True] * 5 + [False] + [True] * 3
+    assert tracks.rank.tolist() == [7] * 4 + [-1] * 2 + [7] * 2
+    with pytest.raises(SessionError, match="not been tracked yet at frames 5 to 5: run `keypose"):
+        load_trajectory(session, path)
+
+
+def test_the_first_segments_alone_are_a_shorter_motion(tmp_path: Path) -> None:
+    path = tmp_path / "session.json"
+    session = save_result(cases.session(), path, cases.result(cases.segment(0, 4)))
+    assert load_trajectory(session, path).last_frame == 4
+
+
+def test_nothing_tracked_is_said(tmp_path: Path) -> None:
+    path = tmp_path / "my session.json"
+    with pytest.raises(SessionError, match=r"not been tracked yet: run `keypose track '.*'`\."):
+        load_trajectory(cases.session(), path)
+    nothing = cases.result()
+    object.__setattr__(nothing, "segments", ())
+    with pytest.raises(SessionError, match="no tracked segment"):
+        save_result(cases.session(), path, nothing)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_changed_byte_is_noticed(tmp_path: Path) -> None:
+    session, path = saved(tmp_path)
+    assert session.results is not None
+    place = tmp_path / session.results.tracks
+    content = bytearray(place.read_bytes())
+    content[len(content) // 2] ^= 1
+    place.write_bytes(bytes(content))
+    with pytest.raises(SessionError, match="is damaged: its content does not fit its name"):
+        load_trajectory(session, path)
+    place.unlink()
+    with pytest.raises(SessionError, match="cannot be read: No such file"):
+        load_trajectory(session, path)
+
+
+def test_a_motion_of_another_body_is_refused(tmp_path: Path) -> None:
+    session, path = saved(tmp_path)
+    shorter = session.body.replaced(session.body.parts[:3])
+    other = session.model_copy(update={"body": shorter})
+    with pytest.raises(SessionError, match="with other parts than the session's body has"):
+        load_trajectory(other, path)
+
+
+def test_keyframes_changed_after_tracking_are_told(tmp_path: Path) -> None:
+    session, path = saved(tmp_path)
+    trajectory = load_trajectory(session, path)
+    assert outdated_keyframes(session, trajectory) == ()
+    moved = session.keyframes[1].model_copy(update={"root_m": (0.0, 0.0, 3.0)})
+    keyframes = (session.keyframes[0], moved, session.keyframes[2])
+    assert outdated_keyframes(session.model_copy(update={"keyframes": keyframes}), trajectory) == (
+        4,
+    )
+
+
+def _with(**changes: object) -> bytes:
+    arrays = archive_arrays(Tracks.of(cases.result()).to_bytes())
+    for name, value in changes.items():
+        if value is None:
+            del arrays[name]
+        else:
+            arrays[name] = np.asarray(value)
+    return archive_bytes(arrays)
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"", "zip"),
+        (b"PK\x03\x04 and no more", "zip"),
+        (_with(rank=None), "entries"),
+        (_with(more=[1.0]), "entries"),
+        (_with(rank=[1, 2]), "rank has the shape"),
+        (_with(residual=np.zeros((8, 3))), "residual has the shape"),
+        (_with(ps_camera_root=[["a", "b", "c"]] * 9), "convert"),
+        (_with(Rs_parent_part=np.ones((9, 4, 3, 3))), "no rotations"),
+        (_with(singular_values=3.0), "entries"),
+        (_with(first_frame=[1, 2]), "entries"),
+    ],
+)
+def test_an_archive_of_anything_else_is_refused(content: bytes, words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        Tracks.from_bytes(content)
+
+
+def test_a_header_that_promises_too_much_takes_no_memory() -> None:
+    header, archive = io.BytesIO(), io.BytesIO()
+    promise = {"descr": "<f8", "fortran_order": False, "shape": (10**15,)}
+    np.lib.format.write_array_header_1_0(header, promise)
+    with zipfile.ZipFile(archive, "w") as file:
+        file.writestr("first_frame.npy", header.getvalue())
+    with pytest.raises(ValueError, match="another size than it says"):
+        archive_arrays(archive.getvalue())
+
+
+def test_objects_and_compressed_entries_are_refused() -> None:
+    objects, packed = io.BytesIO(), io.BytesIO()
+    np.savez(objects, first_frame=np.array([None]))
+    np.savez_compressed(packed, first_frame=np.zeros(3))
+    for content, words in ((objects, "another size|Object arrays"), (packed, "is compressed")):
+        with pytest.raises(ValueError, match=words):
+            archive_arrays(content.getvalue())
+
+
+def test_the_bytes_hold_no_clock() -> None:
+    with zipfile.ZipFile(io.BytesIO(archive_bytes({"a": np.zeros(3)}))) as archive:
+        assert [entry.date_time for entry in archive.infolist()] == [(1980, 1, 1, 0, 0, 0)]

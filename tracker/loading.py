@@ -1,0 +1,157 @@
+"""From a video to prepared clips: decoded, rectified, masked, at the size the tracker works on."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from threading import Lock
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.camera import Camera
+from tracker.errors import SessionError
+from tracker.images import IGNORED, LEVELS, TARGET_ONLY, USABLE, Clip, Picture, level_sizes, prepare
+from tracker.session.schema import IgnoreMask
+from tracker.video import Video
+
+MEMORY_BYTES = 1_500_000_000
+"""What the clips of one tracking run may hold together."""
+WORKING_PIXELS = 640 * 960
+"""Larger pictures are worked on at half size: nothing is gained above it."""
+LONGEST_SEGMENT = 2000
+"""Frames between two keyframes, beyond which no tracking can be hoped for."""
+PLATE_FRAMES = 41
+PLATE_DIFFERENCE = 8.0
+"""Grey levels by which a pixel must differ from the plate to count as the body's."""
+
+
+@dataclass(frozen=True)
+class WorkingSize:
+    """Pictures halved `halvings` times; pixel centres stay at integers, as cv2.pyrDown keeps them."""
+
+    halvings: int
+
+    @classmethod
+    def for_camera(cls, camera: Camera, longest: int, memory: int = MEMORY_BYTES) -> WorkingSize:
+        """The size at which the longest segment (frames) fits the memory."""
+        halvings, pixels = 0, camera.width * camera.height
+        while pixels > WORKING_PIXELS or pixels * 22 * longest > memory:
+            halvings, pixels = halvings + 1, pixels / 4
+        return cls(halvings)
+
+    def camera(self, camera: Camera) -> Camera:
+        """The undistorted camera of the working pictures."""
+        s = 0.5**self.halvings
+        (height, width) = level_sizes(camera.width, camera.height, self.halvings + 1)[-1]
+        scaled = {"fx": camera.fx * s, "fy": camera.fy * s, "cx": camera.cx * s, "cy": camera.cy * s}
+        return camera.without_distortion().model_copy(
+            update={**scaled, "width": width, "height": height}
+        )
+
+    def picture(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """A picture at the working size."""
+        for _ in range(self.halvings):
+            image = np.asarray(cv2.pyrDown(image), dtype=np.uint8)
+        return image
+
+
+@dataclass(eq=False)
+class ClipLoader:
+    """Prepares clips of one video; the most recent stay ready, within the memory.
+
+    A frame that cannot be decoded is shown as ignored everywhere: it decides nothing.
+    """
+
+    video: Video
+    camera: Camera
+    size: WorkingSize
+    masks: Sequence[IgnoreMask] = ()
+    static_camera: bool = False
+    memory: int = MEMORY_BYTES
+    _ready: OrderedDict[tuple[int, int], Clip] = field(default_factory=OrderedDict)
+    _plate: Picture | None = None
+    _lock: Lock = field(default_factory=Lock)
+
+    def load(self, first: int, last: int) -> Clip:
+        """The clip of frames first … last, both included."""
+        if last - first > LONGEST_SEGMENT:
+            raise SessionError(
+                f"Keyframes {first} and {last} lie {last - first} frames apart; "
+                f"at most {LONGEST_SEGMENT} can be tracked: add a keyframe between them."
+            )
+        with self._lock:
+            if (first, last) not in self._ready:
+                self._ready[first, last] = self._prepared(first, last)
+            self._ready.move_to_end((first, last))
+            self._forget()
+            return self._ready[first, last]
+
+    def _forget(self) -> None:
+        def held() -> int:
+            return sum(level.nbytes for clip in self._ready.values() for level in clip.levels)
+
+        while len(self._ready) > 1 and held() > self.memory:
+            self._ready.popitem(last=False)
+
+    def _prepared(self, first: int, last: int) -> Clip:
+        working = self.size.camera(self.camera)
+        sizes = level_sizes(working.width, working.height, LEVELS)
+        levels = tuple(np.empty((last - first + 1, h, w, 4), np.float32) for h, w in sizes)
+        for index, rgb in self.video.frames(first, last + 1):
+            if rgb is None:
+                grey = np.zeros((working.height, working.width), np.uint8)
+                usable = np.full(grey.shape, IGNORED, np.float32)
+            else:
+                grey = self._grey(rgb)
+                usable = self._usable(index, grey)
+            for level, picture in zip(levels, prepare(grey, usable, LEVELS), strict=True):
+                level[index - first] = picture
+        return Clip(first, levels)
+
+    def _grey(self, rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        grey = np.asarray(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), dtype=np.uint8)
+        return self.size.picture(self.camera.rectify(grey))
+
+    def _usable(self, index: int, grey: NDArray[np.uint8]) -> Picture | None:
+        """What each pixel may be used for, or None where everything may."""
+        masks = [m for m in self.masks if m.first_frame <= index <= m.last_frame]
+        if not masks and not self.static_camera:
+            return None
+        usable = np.full(grey.shape, USABLE, np.float32)
+        if self.static_camera:
+            usable[self._is_background(grey)] = TARGET_ONLY
+        if masks:
+            usable[self._covered(masks)] = IGNORED
+        return usable
+
+    def _covered(self, masks: Sequence[IgnoreMask]) -> NDArray[np.bool_]:
+        drawn = np.zeros((self.camera.height, self.camera.width), np.uint8)
+        for mask in masks:
+            cv2.fillPoly(drawn, [np.round(np.array(mask.polygon)).astype(np.int32)], 255)
+        return self.size.picture(self.camera.rectify(drawn)) > 0
+
+    def _is_background(self, grey: NDArray[np.uint8]) -> NDArray[np.bool_]:
+        """Pixels that look as the empty scene does: no part of a moving body."""
+        if self._plate is None:
+            self._plate = self._median_picture()
+        change = np.abs(_smooth(grey) - self._plate)
+        return np.asarray(change < PLATE_DIFFERENCE)
+
+    def _median_picture(self) -> Picture:
+        """The static background: every pixel's median over frames spread over the video."""
+        count = self.video.info.frame_count
+        frames = np.unique(np.linspace(0, count - 1, PLATE_FRAMES).round().astype(int))
+        pictures = [
+            self._grey(rgb)
+            for frame in frames
+            for _, rgb in self.video.frames(int(frame), int(frame) + 1)
+            if rgb is not None
+        ]
+        return _smooth(np.median(np.stack(pictures), axis=0).astype(np.float32))
+
+
+def _smooth(grey: NDArray[np.uint8] | Picture) -> Picture:
+    return np.asarray(cv2.GaussianBlur(grey.astype(np.float32), (0, 0), 1.2), dtype=np.float32)
