@@ -23,17 +23,14 @@ GAIN_CENTRE, GAIN_SCALE = 110.0, 0.02
 
 
 @compiled
-def gather(body, chosen, grey, first, last, R, o, c, picture, lens, seen, need_seen, rows):
-    """Fill rows (9, BLOCK) for points first..last of one part; the number that fall in the picture.
-
-    Rows 0–5: the row above · 6: residual · 7: brightness, for a gain · 8: one, for a bias.
-    """
+def gather(body, chosen, grey, first, last, R, o, picture, lens, seen, need_seen, rows, taps):
+    """Where points first … last of one part fall in the picture, for `make_rows`; how many do."""
     height, width = picture.shape[0], picture.shape[1]
     fx, fy, cx, cy = f4(lens.fx), f4(lens.fy), f4(lens.cx), f4(lens.cy)
     flat = f4(1) / f4(lens.distance)
     right, bottom = f4(width - 1), f4(height - 1)
     flatly = lens.perspective == 0
-    flat_picture = picture.reshape(height * width, 4)
+    pixels = picture.reshape(height * width, 4)
     count = 0
     for p in range(np.uint64(first), np.uint64(last)):
         q = np.uint64(chosen[p])
@@ -54,39 +51,49 @@ def gather(body, chosen, grey, first, last, R, o, c, picture, lens, seen, need_s
         k00 = row * np.uint64(width) + column
         k10, k01 = k00 + np.uint64(1), k00 + np.uint64(width)
         k11 = k01 + np.uint64(1)
-        use = (
-            flat_picture[k00, USE] * w00 + flat_picture[k10, USE] * w10
-            + flat_picture[k01, USE] * w01 + flat_picture[k11, USE] * w11
-        )  # fmt: skip
+        k = np.uint64(count)
         e = (
-            flat_picture[k00, X] * w00 + flat_picture[k10, X] * w10
-            + flat_picture[k01, X] * w01 + flat_picture[k11, X] * w11
+            pixels[k00, X] * w00 + pixels[k10, X] * w10
+            + pixels[k01, X] * w01 + pixels[k11, X] * w11
         )  # fmt: skip
         eu = (
-            flat_picture[k00, Y] * w00 + flat_picture[k10, Y] * w10
-            + flat_picture[k01, Y] * w01 + flat_picture[k11, Y] * w11
+            pixels[k00, Y] * w00 + pixels[k10, Y] * w10
+            + pixels[k01, Y] * w01 + pixels[k11, Y] * w11
         )  # fmt: skip
         ev = (
-            flat_picture[k00, Z] * w00 + flat_picture[k10, Z] * w10
-            + flat_picture[k01, Z] * w01 + flat_picture[k11, Z] * w11
+            pixels[k00, Z] * w00 + pixels[k10, Z] * w10
+            + pixels[k01, Z] * w01 + pixels[k11, Z] * w11
         )  # fmt: skip
+        use = (
+            pixels[k00, USE] * w00 + pixels[k10, USE] * w10
+            + pixels[k01, USE] * w01 + pixels[k11, USE] * w11
+        )  # fmt: skip
+        taps[k, X], taps[k, Y], taps[k, Z], taps[k, USE] = e, eu, ev, use
         if use < f4(0.3):
             continue
-        gx, gy = eu * fx * s, ev * fy * s
-        gz = f4(0) if flatly else -(x * gx + y * gy) * s
-        k = np.uint64(count)
-        rows[0, k], rows[1, k], rows[2, k] = x - c[0], y - c[1], z - c[2]
-        rows[3, k], rows[4, k], rows[5, k] = gx, gy, gz
-        rows[6, k] = e - grey[p]
-        rows[7, k] = (grey[p] - f4(GAIN_CENTRE)) * f4(GAIN_SCALE)
-        rows[8, k] = f4(1)
+        rows[0, k], rows[1, k], rows[2, k] = x, y, z
+        rows[3, k], rows[4, k] = s, grey[p]
         count += 1
-    for k in range(count):  # apart, so that it vectorises
-        x, y, z = rows[0, k], rows[1, k], rows[2, k]
-        gx, gy, gz = rows[3, k], rows[4, k], rows[5, k]
+    return count
+
+
+@compiled
+def make_rows(rows, taps, count, c, lens):
+    """Turn gathered points into rows 0–8, in place.
+
+    In: x, y, z, scale and source brightness in rows 0–4, [E, E_u, E_v, use] in taps (BLOCK, 4).
+    """
+    fx, fy, gz_share = f4(lens.fx), f4(lens.fy), f4(lens.perspective)
+    for k in range(count):
+        x, y, z, s, e = rows[0, k], rows[1, k], rows[2, k], rows[3, k], rows[4, k]
+        gx, gy = taps[k, 1] * fx * s, taps[k, 2] * fy * s
+        gz = -(x * gx + y * gy) * s * gz_share
+        x, y, z = x - c[0], y - c[1], z - c[2]
         rows[0, k], rows[1, k], rows[2, k] = gx, gy, gz
         rows[3, k], rows[4, k], rows[5, k] = y * gz - z * gy, z * gx - x * gz, x * gy - y * gx
-    return count
+        rows[6, k] = taps[k, 0] - e
+        rows[7, k] = (e - f4(GAIN_CENTRE)) * f4(GAIN_SCALE)
+        rows[8, k] = f4(1)
 
 
 @compiled
@@ -137,11 +144,12 @@ def sum_points(
 ):  # fmt: skip
     """N (P, 7, 7) ← Σ w [row, r]ᵀ[row, r] of every part; histogram of |r|; the number of points.
 
-    `loss` and `scale` choose the weights; `need_seen` drops points that the target pose hides
+    Rows 0–5 are [g, (p − c) × g], 6 the residual r, 7 the source's brightness and 8 a one, for gain
+    and bias. `loss` and `scale` choose the weights; `need_seen` drops points that the target pose hides
     (`seen` (S,) uint8); `gain` lets each part be brighter or darker than its source.
     """
     total = np.empty((9, 9))
-    weights = np.empty(BLOCK, np.float32)
+    weights, taps = np.empty(BLOCK, np.float32), np.empty((BLOCK, 4), np.float32)
     c = centre.astype(np.float32)
     columns = 9 if gain else 7
     histogram[:] = 0
@@ -153,8 +161,9 @@ def sum_points(
         while first < starts[i + 1]:
             last = min(first + BLOCK, starts[i + 1])
             count = gather(
-                body, chosen, grey, first, last, R, o, c, picture, lens, seen, need_seen, rows
+                body, chosen, grey, first, last, R, o, picture, lens, seen, need_seen, rows, taps
             )
+            make_rows(rows, taps, count, c, lens)
             weigh(rows, count, loss, f4(scale), weights, histogram)
             add_products(rows, weights, count, columns, total)
             points += count
