@@ -1,1 +1,59 @@
-"""The method: from a video, a body and posed keyframes to a drift-corrected motion."""
+"""The method: from a video, a body and posed keyframes to a drift-corrected motion.
+
+The names below are the whole of what most programs need:
+
+    from tracker import Video, load_session, track_session, TrackFinished
+
+    session = load_session(path)
+    with Video.open("clip.mp4") as video:
+        for event in track_session(session, video):
+            ...                      # SegmentStarted, PassFinished, SegmentFinished, TrackFinished
+
+They are imported when first used, so that importing a corner of the package costs only that corner.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import Any
+
+_HOMES = {
+    "Body": "tracker.body",
+    "Camera": "tracker.camera",
+    "Keyframe": "tracker.session",
+    "KeyposeError": "tracker.errors",
+    "PassFinished": "tracker.track",
+    "Pose": "tracker.pose",
+    "SegmentFinished": "tracker.track",
+    "SegmentResult": "tracker.track",
+    "SegmentStarted": "tracker.track",
+    "Session": "tracker.session",
+    "Skeleton": "tracker.skeleton",
+    "TrackFinished": "tracker.track",
+    "TrackResult": "tracker.track",
+    "TrackSettings": "tracker.session",
+    "Tracker": "tracker.track",
+    "Trajectory": "tracker.trajectory",
+    "Video": "tracker.video",
+    "VideoReference": "tracker.session",
+    "evaluate": "tracker.evaluate",
+    "interpolate": "tracker.trajectory",
+    "load_session": "tracker.session.files",
+    "open_video_of": "tracker.session.files",
+    "preset": "tracker.body",
+    "save_result": "tracker.session.tracks",
+    "save_session": "tracker.session.files",
+    "track_session": "tracker.session.tracking",
+}
+
+__all__ = sorted(_HOMES)  # noqa: PLE0605
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'tracker' has no attribute {name!r}")
+    return getattr(import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -14,18 +14,19 @@ from tracker.trajectory import Trajectory
 
 
 def follow(
-    scene: Scene, clip: Clip, start: Pose, first: int, last: int, of: int, inner: int, stop: float
-) -> Trajectory:
+    scene: Scene, clip: Clip, start: Pose, first: int, last: int, of: int, inner: int, stop: float,
+    finest: int = 0,
+) -> Trajectory:  # fmt: skip
     """Follow the body from `start`, posed at frame `first`, to `last`, which may lie before it.
 
-    Constant velocity, coarse to fine, no drift correction. The trajectory is in frame order.
+    Constant velocity, from coarse down to the pyramid level `finest`, no drift correction. The trajectory is in frame order.
     """
     forward = last > first
     slots = clip.slots(min(first, last), max(first, last))
     R, t = _room(scene, len(slots))
     R[0], t[0] = start.Rs_parent_part, start.p_camera_root
     follow_chain(
-        scene.arrays, scene.lens, scene.sight, scene.prior(of), clip.levels,
+        scene.arrays, scene.lens, scene.sight, scene.prior(of), clip.levels, finest,
         slots if forward else slots[::-1].copy(), R, t, of, inner, stop,
     )  # fmt: skip
     step = 1 if forward else -1

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from tracker.camera import Camera
 from tracker.errors import SessionError
 from tracker.images import IGNORED, LEVELS, TARGET_ONLY, USABLE, Clip, Picture, level_sizes, prepare
-from tracker.session.schema import IgnoreMask
+from tracker.settings import IgnoreMask
 from tracker.video import Video
 
 MEMORY_BYTES = 1_500_000_000
@@ -46,7 +46,12 @@ class WorkingSize:
         """The undistorted camera of the working pictures."""
         s = 0.5**self.halvings
         (height, width) = level_sizes(camera.width, camera.height, self.halvings + 1)[-1]
-        scaled = {"fx": camera.fx * s, "fy": camera.fy * s, "cx": camera.cx * s, "cy": camera.cy * s}
+        scaled = {
+            "fx": camera.fx * s,
+            "fy": camera.fy * s,
+            "cx": camera.cx * s,
+            "cy": camera.cy * s,
+        }
         return camera.without_distortion().model_copy(
             update={**scaled, "width": width, "height": height}
         )

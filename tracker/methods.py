@@ -5,17 +5,20 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from tracker.refine import Refinement
-from tracker.session.schema import TrackSettings
+from tracker.settings import TrackSettings
 
 
 @dataclass(frozen=True)
 class Paper:
-    """DRIFT as printed: interpolation, least squares with a hard cut, the printed score."""
+    """DRIFT as printed: interpolation, least squares with a hard cut, the printed score.
+
+    patience: passes without a new best score after which the cycle ends.
+    """
 
     passes: int = 8
     inner: int = 5
     patience: int = 3
-    """Passes without a new best score after which the cycle ends."""
+    density: float = 1.3
 
 
 @dataclass(frozen=True)
@@ -23,22 +26,28 @@ class Keypose:
     """Ours: followed from both keyframes, robust passes, then the whole segment at once.
 
     of: one surface point of so many is followed, the one with the strongest gradient.
+    finest: pyramid level at which following from the keyframes ends; chain_inner its solves.
     inner, stop: solves of a frame pair at most, and the step (rad, m) that ends them.
+    judged: whether trajectories are scored and observed; without, the last one is taken.
+    density: surface points as a share of the usual number.
     """
 
     passes: int
     of: int
     chain_inner: int
     refinement: Refinement
+    finest: int = 0
     inner: int = 5
     stop: float = 1e-3
+    judged: bool = True
+    density: float = 1.0
 
-
-FULL = Keypose(4, 4, 4, Refinement((4, 3, 3), of=2))
-FAST = Keypose(2, 4, 4, Refinement((2, 2, 0), of=2))
-PREVIEW = Keypose(1, 8, 2, Refinement((2, 0, 0), of=8))
 
 Method = Paper | Keypose
+
+FULL = Keypose(3, 4, 4, Refinement((4, 0, 0), of=2))
+FAST = Keypose(2, 4, 4, Refinement((2, 0, 0), of=2), finest=1)
+PREVIEW = Keypose(1, 3, 2, Refinement((2, 0, 0), of=3), finest=1, judged=False, density=0.5)
 
 
 def method_of(settings: TrackSettings) -> Method:

@@ -96,9 +96,7 @@ def least_squares_pass(
     slots = clip.slots(trajectory.first_frame, trajectory.last_frame)
     pictures = clip.levels[0]
     steps = [
-        least_squares_step(
-            scene, pictures[slots[j]], pictures[slots[j + 1]], trajectory, j, inner
-        )
+        least_squares_step(scene, pictures[slots[j]], pictures[slots[j + 1]], trajectory, j, inner)
         for j in range(len(trajectory) - 1)
     ]
     motions = Motions(

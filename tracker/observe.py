@@ -53,6 +53,14 @@ def observe(scene: Scene, clip: Clip, trajectory: Trajectory) -> Observation:
     return Observation(rank, singular, _observability(scene, A * q[:, None, None]), residual, shown)
 
 
+def unobserved(scene: Scene, clip: Clip, trajectory: Trajectory) -> Observation:
+    """The observation of one who did not look: rank −1, NaN elsewhere."""
+    n, parts, dofs = len(trajectory) - 1, scene.skeleton.part_count, scene.skeleton.dof_count
+    nothing = np.full((n, parts), np.nan)
+    rank, shown = np.full(n, -1, np.int64), np.zeros((n, parts), np.int64)
+    return Observation(rank, np.full((n, dofs), np.nan), nothing, nothing, shown)
+
+
 def _observability(scene: Scene, data: Array) -> Array:
     """(n, P) mean over a part's degrees of freedom of diag((data + Λ)⁻¹ data), data (n, D, D)."""
     precision = np.diag(scene.prior(1).precision)

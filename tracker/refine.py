@@ -16,9 +16,9 @@ from scipy.linalg import LinAlgError, solveh_banded
 
 from tracker.geometry import Array
 from tracker.images import Clip
+from tracker.kernels.chain import place_parts
 from tracker.kernels.pairs import scaled_lens
 from tracker.kernels.seeing import pick, see
-from tracker.kernels.chain import place_parts
 from tracker.kernels.whole import move_inner, see_all, whole_segment
 from tracker.scene import Scene
 from tracker.trajectory import Trajectory

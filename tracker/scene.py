@@ -14,9 +14,9 @@ from tracker.points import SurfacePoints, lay_points, surface_area
 from tracker.pose import Pose, pose_transforms
 from tracker.skeleton import Skeleton
 
-POINT_SPACING_PX = 2.0
-MOST_POINTS = 20000
-FEWEST_POINTS = 8000
+POINT_SPACING_PX = 2.3
+MOST_POINTS, FEWEST_POINTS = 14000, 5000
+"""On all sides of the body together, at density 1."""
 FACING = 0.1
 COVER_TOLERANCE = 0.018
 """Of the body's size: how far a point may lie behind another part and still count as seen."""
@@ -43,12 +43,17 @@ class Scene:
     pixel_m: float
 
     @classmethod
-    def of(cls, skeleton: Skeleton, camera: Camera, keyposes: Sequence[Pose]) -> Scene:
-        """Lay out for pictures of an undistorted `camera`, the body about where it is keyed."""
+    def of(
+        cls, skeleton: Skeleton, camera: Camera, keyposes: Sequence[Pose], density: float = 1.0
+    ) -> Scene:
+        """Lay out for pictures of an undistorted `camera`, the body about where it is keyed.
+
+        density: number of surface points as a share of the usual one.
+        """
         depths = np.concatenate([_depths(skeleton, camera, pose) for pose in keyposes])
         focal = np.sqrt(camera.fx * camera.fy)
         pixel_m = float(np.median(depths) / focal)
-        spacing = _spacing(surface_area(skeleton), pixel_m)
+        spacing = _spacing(surface_area(skeleton), pixel_m) / np.sqrt(density)
         cell = int(np.ceil(1.6 * spacing * focal / depths.min()))
         points = lay_points(skeleton, spacing)
         sight = Sight(max(2, cell), FACING, COVER_TOLERANCE * _size(skeleton))
@@ -81,7 +86,7 @@ def _depths(skeleton: Skeleton, camera: Camera, pose: Pose) -> Array:
 
 
 def _spacing(area_m2: float, pixel_m: float) -> float:
-    """Two pixels, unless that makes too many points or, on a small figure, too few."""
+    """A little over two pixels, unless that makes too many points or, on a small figure, too few."""
     least, most = np.sqrt(area_m2 / MOST_POINTS), np.sqrt(area_m2 / FEWEST_POINTS)
     return float(np.clip(POINT_SPACING_PX * pixel_m, least, max(most, 0.7 * pixel_m)))
 

@@ -6,6 +6,7 @@ from collections.abc import Generator
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tracker.drift import Motions, correct_drift
 from tracker.geometry import Array
@@ -19,6 +20,10 @@ from tracker.refine import refine
 from tracker.scene import Scene
 from tracker.trajectory import Trajectory, interpolate
 
+EXACT_KEYFRAMES = 100.0
+"""Mean capped square, grey levels², below which two keyframes show the same texture."""
+EXACT_ALLOWANCE, PLAIN_ALLOWANCE = 1.15, 1.05
+DOUBT_PX = 20.0
 NEAREST_M, FURTHEST = 0.05, 50.0
 """A body nearer than this, or this many times further than it was keyed, has been lost."""
 
@@ -38,12 +43,12 @@ class Segment:
 class Pass:
     """A trajectory on the way, and its score (the lower the better within one segment).
 
-    what: "interpolation", "both ways", "pass" or "refinement".
+    what: "interpolation", "both ways", "pass" or "refinement".  score: None where not judged.
     """
 
     what: str
     trajectory: Trajectory
-    score: float
+    score: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,44 +104,112 @@ def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
 
 
 def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
-    first, last, clip = segment.first_frame, segment.last_frame, segment.clip
-    plain = interpolate(segment.start, segment.end, first, last)
-    tried = [Pass("interpolation", plain, _score(scene, clip, plain, method))]
-    yield tried[0]
-    how = (method.of, method.chain_inner, method.stop)
-    forward = follow(scene, clip, segment.start, first, last, *how)
-    backward = follow(scene, clip, segment.end, last, first, *how)
-    present, diverged, disagreement = plain, True, None
-    if _is_sound(scene, segment, forward) and _is_sound(scene, segment, backward):
-        present, diverged = blended(forward, backward), False
-        disagreement = _distance_px(scene, forward, backward)
-    what = "interpolation" if diverged else "both ways"
+    tried: list[Pass] = []
+    plain = interpolate(segment.start, segment.end, segment.first_frame, segment.last_frame)
+    chains = _from_both_ends(scene, segment, method)
+    present, what = (plain, "interpolation") if chains is None else (blended(*chains), "both ways")
+    apart = None if chains is None else _distance_px(scene, *chains)
+    if chains is not None and method.judged and _in_doubt(apart):
+        tried.append(Pass("interpolation", plain, _score(scene, segment.clip, plain, method)))
+        yield tried[-1]
+    diverged = chains is None
     for _ in range(method.passes):
-        motions, score = robust_pass(scene, clip, present, method.of, method.inner, method.stop)
-        if present is not plain:
-            tried.append(Pass(what, present, score))
-            yield tried[-1]
+        motions, score = robust_pass(
+            scene, segment.clip, present, method.of, method.inner, method.stop
+        )
+        tried.append(Pass(what, present, score))
+        yield tried[-1]
         following = _closed(scene, segment, present, motions)
         if following is None:
             diverged = True
             break
         present, what = following, "pass"
-    else:
-        tried.append(Pass(what, present, _score(scene, clip, present, method)))
+    if present is not tried[-1].trajectory:
+        score = _score(scene, segment.clip, present, method) if method.judged else None
+        tried.append(Pass(what, present, score))
         yield tried[-1]
-    refined = refine(scene, clip, tried[_best(tried)].trajectory, method.refinement)
-    if _is_sound(scene, segment, refined):
-        tried.append(Pass("refinement", refined, _score(scene, clip, refined, method)))
-        yield tried[-1]
-    return Outcome(tuple(tried), _best(tried), disagreement, diverged)
+    best = _best(tried)
+    refined = _refined(scene, segment, method, tried[best])
+    if refined is not None:
+        tried.append(refined)
+        yield refined
+        best = len(tried) - 1 if _is_better(scene, segment, method, refined, tried[best]) else best
+    return Outcome(tuple(tried), best, apart, diverged)
+
+
+def _from_both_ends(
+    scene: Scene, segment: Segment, method: Keypose
+) -> tuple[Trajectory, Trajectory] | None:
+    """The chains from both keyframes, or None where one of them leaves the scene."""
+    how = (method.of, method.chain_inner, method.stop, method.finest)
+    first, last = segment.first_frame, segment.last_frame
+    forward = follow(scene, segment.clip, segment.start, first, last, *how)
+    backward = follow(scene, segment.clip, segment.end, last, first, *how)
+    if _is_sound(scene, segment, forward) and _is_sound(scene, segment, backward):
+        return forward, backward
+    return None
+
+
+def _in_doubt(apart_px: Array | None) -> bool:
+    """Whether the chains differ so much that plain interpolation may do better than they."""
+    return apart_px is not None and float(apart_px.max()) > DOUBT_PX
+
+
+def _refined(scene: Scene, segment: Segment, method: Keypose, start: Pass) -> Pass | None:
+    trajectory = refine(scene, segment.clip, start.trajectory, method.refinement)
+    if trajectory is start.trajectory or not _is_sound(scene, segment, trajectory):
+        return None
+    score = _score(scene, segment.clip, trajectory, method) if method.judged else None
+    return Pass("refinement", trajectory, score)
+
+
+def _is_better(
+    scene: Scene, segment: Segment, method: Keypose, refined: Pass, unrefined: Pass
+) -> bool:
+    """Whether the refinement is to be kept.
+
+    The score compares neighbouring frames and so prefers the passes, which do just that; the
+    refinement compares with the keyframes and is nearer to the truth if those are posed exactly.
+    Unjudged, that alone decides.
+    """
+    exact = _keyframe_difference(scene, segment, method) < EXACT_KEYFRAMES
+    if refined.score is None or unrefined.score is None:
+        return exact
+    allowance = EXACT_ALLOWANCE if exact else PLAIN_ALLOWANCE
+    return refined.score < allowance * unrefined.score
+
+
+def _keyframe_difference(scene: Scene, segment: Segment, method: Keypose) -> float:
+    """Capped square of the brightness that remains when one keyframe's texture is laid straight
+    onto the other one, both ways: small where both are posed exactly."""
+    frames, ends = (segment.first_frame, segment.last_frame), (segment.start, segment.end)
+    total = 0.0
+    for a, b in ((0, 1), (1, 0)):
+        slots = np.concatenate([segment.clip.slots(frames[k], frames[k]) for k in (a, b)])
+        jump = Trajectory(
+            0,
+            np.stack([ends[a].Rs_parent_part, ends[b].Rs_parent_part]),
+            np.stack([ends[a].p_camera_root, ends[b].p_camera_root]),
+        )
+        total += 0.5 * _capped(scene, segment.clip, slots, jump, method)
+    return total
 
 
 def _best(tried: list[Pass]) -> int:
-    return int(np.argmin([p.score for p in tried]))
+    """The lowest score; the last trajectory where it was not judged."""
+    if tried[-1].score is None:
+        return len(tried) - 1
+    return int(np.argmin([np.inf if p.score is None else p.score for p in tried]))
 
 
 def _score(scene: Scene, clip: Clip, trajectory: Trajectory, method: Keypose) -> float:
     slots = clip.slots(trajectory.first_frame, trajectory.last_frame)
+    return _capped(scene, clip, slots, trajectory, method)
+
+
+def _capped(
+    scene: Scene, clip: Clip, slots: NDArray[np.int64], trajectory: Trajectory, method: Keypose
+) -> float:
     return float(
         mean_capped_square(
             scene.arrays, scene.lens, scene.sight, clip.levels[0], slots,

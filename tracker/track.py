@@ -1,26 +1,29 @@
-"""Tracking a session: its segments, side by side or in turn, as a stream of events."""
+"""Tracking between keyframes: the segments, side by side or in turn, as a stream of events."""
 
 from __future__ import annotations
 
 import queue
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import pairwise
 from threading import Event
 
 import numpy as np
 from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
 
+from tracker.camera import Camera
 from tracker.drift import closing_error
 from tracker.errors import SessionError
 from tracker.geometry import Array
 from tracker.loading import MEMORY_BYTES, ClipLoader, WorkingSize
-from tracker.methods import method_of
-from tracker.observe import observe
+from tracker.methods import Method, Paper, method_of
+from tracker.observe import observe, unobserved
 from tracker.pose import Pose
 from tracker.scene import Scene
 from tracker.segment import Outcome, Pass, Segment, track_segment
-from tracker.session.schema import Session, TrackSettings
+from tracker.settings import IgnoreMask, TrackSettings
 from tracker.skeleton import Skeleton
 from tracker.trajectory import Trajectory, joined
 from tracker.verdict import Verdict, judge
@@ -110,31 +113,43 @@ def never() -> bool:
 
 
 class Tracker:
-    """A session made ready to be tracked: scene, pictures, keyposes.
+    """A video, a camera, a body and its keyposes, made ready to be tracked.
 
-    Keep it to track again after a keyframe has changed: pictures stay prepared.
+    Keep it to track again after a keyframe has changed: pictures stay prepared. Raises SessionError
+    with fewer than two keyposes.
     """
 
-    def __init__(self, session: Session, video: Video, memory: int = MEMORY_BYTES) -> None:
-        _demand_keyframes(session)
-        frames = [k.frame for k in session.keyframes]
-        longest = max(b - a for a, b in zip(frames, frames[1:], strict=False)) + 1
-        size = WorkingSize.for_camera(session.camera, longest, memory)
-        self.session = session
-        self.skeleton = Skeleton.of(session.body)
-        self.keyposes = {k.frame: k.pose(self.skeleton) for k in session.keyframes}
-        poses = list(self.keyposes.values())
-        self.scene = Scene.of(self.skeleton, size.camera(session.camera), poses)
-        self.loader = ClipLoader(
-            video, session.camera, size, session.ignore_masks, session.settings.static_camera,
-            memory,
-        )  # fmt: skip
+    def __init__(
+        self,
+        video: Video,
+        camera: Camera,
+        skeleton: Skeleton,
+        keyposes: Mapping[int, Pose],
+        masks: Sequence[IgnoreMask] = (),
+        static_camera: bool = False,
+        memory: int = MEMORY_BYTES,
+    ) -> None:
+        _demand_two(keyposes)
+        frames = sorted(keyposes)
+        longest = max(b - a for a, b in pairwise(frames)) + 1
+        self.skeleton = skeleton
+        self.keyposes = {frame: keyposes[frame] for frame in frames}
+        self.size = WorkingSize.for_camera(camera, longest, memory)
+        self.camera = self.size.camera(camera)
+        self.loader = ClipLoader(video, camera, self.size, masks, static_camera, memory)
+        self._scenes: dict[float, Scene] = {}
+
+    def scene(self, density: float) -> Scene:
+        """The scene with so many surface points; laid once."""
+        if density not in self._scenes:
+            poses = list(self.keyposes.values())
+            self._scenes[density] = Scene.of(self.skeleton, self.camera, poses, density)
+        return self._scenes[density]
 
     @property
     def spans(self) -> list[tuple[int, int]]:
         """First and last frame of every segment."""
-        frames = sorted(self.keyposes)
-        return list(zip(frames, frames[1:], strict=False))
+        return list(pairwise(self.keyposes))
 
     def move_keyframe(self, frame: int, pose: Pose) -> None:
         """Give an existing keyframe another pose."""
@@ -149,51 +164,41 @@ class Tracker:
         first, last = self.spans[index]
         start, end = self.keyposes[first], self.keyposes[last]
         segment = Segment(first, last, start, end, self.loader.load(first, last))
-        work, number = track_segment(self.scene, segment, method_of(settings)), 0
+        method = method_of(settings)
+        scene = self.scene(method.density)
+        work, number = track_segment(scene, segment, method), 0
         while True:
             try:
                 step = next(work)
             except StopIteration as done:
-                return self._result(segment, done.value)
+                return _result(scene, segment, done.value, method)
             emit(step, number)
             number += 1
 
-    def _result(self, segment: Segment, outcome: Outcome) -> SegmentResult:
-        seen = observe(self.scene, segment.clip, outcome.trajectory)
-        return SegmentResult(
-            trajectory=outcome.trajectory,
-            scores=tuple(p.score for p in outcome.passes),
-            steps=tuple(p.what for p in outcome.passes),
-            best_pass=outcome.best,
-            closing_error=closing_error(outcome.trajectory, segment.start, segment.end),
-            verdict=judge(self.scene, segment, outcome, seen),
-            rank=seen.rank,
-            singular_values=seen.singular_values,
-            observability=seen.observability,
-            residual=seen.residual,
-        )
+
+def _result(scene: Scene, segment: Segment, outcome: Outcome, method: Method) -> SegmentResult:
+    judged = isinstance(method, Paper) or method.judged
+    seen = (observe if judged else unobserved)(scene, segment.clip, outcome.trajectory)
+    return SegmentResult(
+        trajectory=outcome.trajectory,
+        scores=tuple(_score_of(step) for step in outcome.passes),
+        steps=tuple(step.what for step in outcome.passes),
+        best_pass=outcome.best,
+        closing_error=closing_error(outcome.trajectory, segment.start, segment.end),
+        verdict=judge(scene, segment, outcome, seen),
+        rank=seen.rank,
+        singular_values=seen.singular_values,
+        observability=seen.observability,
+        residual=seen.residual,
+    )
+
+
+def _score_of(step: Pass) -> float:
+    return np.nan if step.score is None else step.score
 
 
 class _Cancelled(Exception):
     """Raised inside a worker to leave a segment unfinished."""
-
-
-def track_session(
-    session: Session,
-    video: Video,
-    *,
-    segments: Sequence[int] | None = None,
-    workers: int = 1,
-    cancelled: Callable[[], bool] = never,
-) -> Iterator[Progress]:
-    """Track a session's segments (all, or those of these indices) and tell how it goes.
-
-    `workers` segments run side by side; the result does not depend on it. Cancelling takes effect
-    within one pass and keeps the finished segments. Raises SessionError with fewer than two
-    keyframes, VideoError where the video cannot be read.
-    """
-    tracker = Tracker(session, video, MEMORY_BYTES // max(1, workers))
-    yield from run(tracker, session.settings, segments, workers, cancelled)
 
 
 def run(
@@ -203,7 +208,12 @@ def run(
     workers: int = 1,
     cancelled: Callable[[], bool] = never,
 ) -> Iterator[Progress]:
-    """Run a prepared tracker; events as in `track_session`."""
+    """Track segments (all, or those of these indices) and tell how it goes.
+
+    `workers` segments run side by side; the result does not depend on it. Cancelling takes effect
+    within one pass and keeps the finished segments. Raises VideoError where the video cannot be
+    read.
+    """
     chosen = list(range(len(tracker.spans))) if segments is None else sorted(set(segments))
     events: queue.Queue[Progress | BaseException | None] = queue.Queue()
     closing = Event()
@@ -218,7 +228,8 @@ def run(
 
     done: dict[int, SegmentResult] = {}
     stopped = False
-    with ThreadPoolExecutor(max(1, workers)) as pool:
+    # one BLAS thread: its matrices are small, and the segments are what runs side by side
+    with threadpool_limits(1), ThreadPoolExecutor(max(1, workers)) as pool:
         waiting = [pool.submit(work, index) for index in chosen]
         try:
             for _ in range(len(chosen)):
@@ -248,7 +259,7 @@ def _one_segment(
     def emit(step: Pass, number: int) -> None:
         if closing.is_set():
             raise _Cancelled
-        events.put(PassFinished(index, number, expected, step.score, step.trajectory))
+        events.put(PassFinished(index, number, expected, _score_of(step), step.trajectory))
 
     result = tracker.run_segment(index, settings, emit)
     events.put(SegmentFinished(index, count, result))
@@ -282,9 +293,9 @@ def _expected_steps(settings: TrackSettings) -> int:
     return method.passes + (1 if settings.method == "paper" else 3)
 
 
-def _demand_keyframes(session: Session) -> None:
-    if len(session.keyframes) < 2:
-        have = "none" if not session.keyframes else f"one, at frame {session.keyframes[0].frame}"
+def _demand_two(keyposes: Mapping[int, Pose]) -> None:
+    if len(keyposes) < 2:
+        have = f"one, at frame {next(iter(keyposes))}" if keyposes else "none"
         raise SessionError(
             f"keyframes: at least two are needed to track between, and the session has {have}."
         )

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from app.commands.json_output import print_json
+from tracker.session.tracking import track_session
 from tracker.track import (
     PassFinished,
     Progress,
@@ -17,7 +18,6 @@ from tracker.track import (
     SegmentStarted,
     TrackFinished,
     TrackResult,
-    track_session,
 )
 
 if TYPE_CHECKING:

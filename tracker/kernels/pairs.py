@@ -177,11 +177,11 @@ def predict_by_velocity(R, t, j):
 
 @compiled
 def follow_chain(
-    body, lens, sight, prior, levels, slots, R, t, of, inner, stop
+    body, lens, sight, prior, levels, finest, slots, R, t, of, inner, stop
 ):  # fmt: skip
     """Follow the body frame by frame from R[0], t[0], coarse to fine, by constant velocity.
 
-    levels: pictures of the pyramid, finest first, (…, h, w, 4); slots (n + 1,) in the order in
+    levels: pictures of the pyramid, finest first, (…, h, w, 4), used down to `finest`; slots (n + 1,) in the order in
     which the frames are visited (backwards for a chain from the end). Fills R[1:], t[1:].
     """
     height, width = levels[0].shape[1], levels[0].shape[2]
@@ -197,7 +197,7 @@ def follow_chain(
         see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
         predict_by_velocity(R, t, j)
         x[:] = 0.0
-        for level in range(len(levels) - 1, -1, -1):
+        for level in range(len(levels) - 1, finest - 1, -1):
             scale = 0.5**level
             every = 4 if level >= 2 else 1
             kept = max(1, of // 2) if level >= 2 else of

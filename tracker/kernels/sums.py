@@ -113,14 +113,90 @@ def weigh(rows, count, loss, scale, weights, histogram):
 
 
 @compiled
-def add_products(rows, weights, count, columns, total):
-    """total (9, 9) += Σ w row rowᵀ over the first `columns` rows, upper triangle."""
-    for a in range(columns):
-        weighted = rows[a, :count] * weights[:count]
-        for b in range(a, columns):
+def add_products(rows, weights, count, total):
+    """total (9, 9) += Σ w row rowᵀ over rows 0–6, upper triangle.
+
+    Written out so that the 28 sums stay in registers over one loop: twice as fast as 28 loops.
+    """
+    s00 = s01 = s02 = s03 = s04 = s05 = s06 = f4(0)
+    s11 = s12 = s13 = s14 = s15 = s16 = f4(0)
+    s22 = s23 = s24 = s25 = s26 = f4(0)
+    s33 = s34 = s35 = s36 = f4(0)
+    s44 = s45 = s46 = f4(0)
+    s55 = s56 = f4(0)
+    s66 = f4(0)
+    for k in range(count):
+        w = weights[k]
+        r0, r1, r2, r3 = rows[0, k], rows[1, k], rows[2, k], rows[3, k]
+        r4, r5, r6 = rows[4, k], rows[5, k], rows[6, k]
+        v0, v1, v2, v3, v4, v5, v6 = w * r0, w * r1, w * r2, w * r3, w * r4, w * r5, w * r6
+        s00 += v0 * r0
+        s01 += v0 * r1
+        s02 += v0 * r2
+        s03 += v0 * r3
+        s04 += v0 * r4
+        s05 += v0 * r5
+        s06 += v0 * r6
+        s11 += v1 * r1
+        s12 += v1 * r2
+        s13 += v1 * r3
+        s14 += v1 * r4
+        s15 += v1 * r5
+        s16 += v1 * r6
+        s22 += v2 * r2
+        s23 += v2 * r3
+        s24 += v2 * r4
+        s25 += v2 * r5
+        s26 += v2 * r6
+        s33 += v3 * r3
+        s34 += v3 * r4
+        s35 += v3 * r5
+        s36 += v3 * r6
+        s44 += v4 * r4
+        s45 += v4 * r5
+        s46 += v4 * r6
+        s55 += v5 * r5
+        s56 += v5 * r6
+        s66 += v6 * r6
+    total[0, 0] += s00
+    total[0, 1] += s01
+    total[0, 2] += s02
+    total[0, 3] += s03
+    total[0, 4] += s04
+    total[0, 5] += s05
+    total[0, 6] += s06
+    total[1, 1] += s11
+    total[1, 2] += s12
+    total[1, 3] += s13
+    total[1, 4] += s14
+    total[1, 5] += s15
+    total[1, 6] += s16
+    total[2, 2] += s22
+    total[2, 3] += s23
+    total[2, 4] += s24
+    total[2, 5] += s25
+    total[2, 6] += s26
+    total[3, 3] += s33
+    total[3, 4] += s34
+    total[3, 5] += s35
+    total[3, 6] += s36
+    total[4, 4] += s44
+    total[4, 5] += s45
+    total[4, 6] += s46
+    total[5, 5] += s55
+    total[5, 6] += s56
+    total[6, 6] += s66
+
+
+@compiled
+def add_gain_products(rows, weights, count, total):
+    """total (9, 9) += Σ w row rowᵀ for columns 7 and 8, the gain and the bias."""
+    for b in range(7, 9):
+        weighted = rows[b, :count] * weights[:count]
+        for a in range(b + 1):
             s = f4(0)
             for k in range(count):
-                s += weighted[k] * rows[b, k]
+                s += weighted[k] * rows[a, k]
             total[a, b] += s
 
 
@@ -151,7 +227,6 @@ def sum_points(
     total = np.empty((9, 9))
     weights, taps = np.empty(BLOCK, np.float32), np.empty((BLOCK, 4), np.float32)
     c = centre.astype(np.float32)
-    columns = 9 if gain else 7
     histogram[:] = 0
     points = 0
     for i in range(body.parents.shape[0]):
@@ -165,7 +240,9 @@ def sum_points(
             )
             make_rows(rows, taps, count, c, lens)
             weigh(rows, count, loss, f4(scale), weights, histogram)
-            add_products(rows, weights, count, columns, total)
+            add_products(rows, weights, count, total)
+            if gain:
+                add_gain_products(rows, weights, count, total)
             points += count
             first = last
         if gain:

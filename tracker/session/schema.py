@@ -11,30 +11,23 @@ from itertools import pairwise
 from typing import Annotated, Final, Literal, Self, TypeAlias
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, field_validator, model_validator
+from pydantic import Field, FiniteFloat, field_validator, model_validator
 
 from tracker.body import Body, Name
 from tracker.camera import Camera
 from tracker.geometry import quaternion_wxyz, rotation_from_quaternion
 from tracker.pose import Pose, pose_transforms
+from tracker.settings import FrameIndex, IgnoreMask, MethodName, Plain, Quality, TrackSettings
 from tracker.skeleton import Skeleton
 
 SCHEMA_VERSION: Final = 1
 
-FrameIndex: TypeAlias = Annotated[int, Field(ge=0, le=100_000_000)]
 Quaternion: TypeAlias = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
 Metres: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e5, le=1e5)]
 Position: TypeAlias = tuple[Metres, Metres, Metres]
-Pixel: TypeAlias = tuple[FiniteFloat, FiniteFloat]
-Method: TypeAlias = Literal["keypose", "paper"]
-Quality: TypeAlias = Literal["full", "fast", "preview"]
 
 
-class _Frozen(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-
-class VideoReference(_Frozen):
+class VideoReference(Plain):
     """Which video the session is about, and how to know that it is that one."""
 
     path: Annotated[str, Field(min_length=1)] = Field(
@@ -46,7 +39,7 @@ class VideoReference(_Frozen):
     height: Annotated[int, Field(ge=2)]
 
 
-class Keyframe(_Frozen):
+class Keyframe(Plain):
     """A pose that a person set at one frame. It is never changed by tracking."""
 
     frame: FrameIndex
@@ -84,36 +77,7 @@ class Keyframe(_Frozen):
         return Pose(rotation_from_quaternion(quaternions), np.array(self.root_m))
 
 
-class IgnoreMask(_Frozen):
-    """A polygon, in pixels of the video, whose pixels are kept out over a range of frames."""
-
-    polygon: Annotated[tuple[Pixel, ...], Field(min_length=3)]
-    first_frame: FrameIndex
-    last_frame: FrameIndex
-    note: str = ""
-
-    @model_validator(mode="after")
-    def _runs_forward(self) -> Self:
-        if self.last_frame < self.first_frame:
-            raise ValueError("last_frame must not be before first_frame")
-        return self
-
-
-class TrackSettings(_Frozen):
-    """How to track. The defaults are right for most videos."""
-
-    method: Method = "keypose"
-    quality: Quality = Field(default="full", description="How much work `keypose` does.")
-    static_camera: bool = Field(
-        default=False,
-        description="The camera stands still: a background plate keeps foreign pixels out.",
-    )
-    passes: Annotated[int, Field(ge=1, le=50)] | None = Field(
-        default=None, description="Passes over a segment; the method's own number when left out."
-    )
-
-
-class SegmentSummary(_Frozen):
+class SegmentSummary(Plain):
     """What tracking found for the stretch between two keyframes."""
 
     first_frame: FrameIndex
@@ -129,18 +93,18 @@ class SegmentSummary(_Frozen):
     )
 
 
-class Results(_Frozen):
+class Results(Plain):
     """Where the tracked motion lies, and what was found."""
 
     tracks: Annotated[str, Field(pattern=r"^tracks-[0-9a-f]{12}\.npz$")] = Field(
         description="File of the trajectories, beside the session file."
     )
-    method: Method
+    method: MethodName
     quality: Quality
     segments: tuple[SegmentSummary, ...]
 
 
-class Session(_Frozen):
+class Session(Plain):
     """All about one video: the camera, the body, the keyframes, the settings, the results."""
 
     schema_version: Literal[1] = SCHEMA_VERSION

@@ -1,0 +1,47 @@
+"""How a session is to be tracked: what a person chooses, as plain validated data."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
+
+FrameIndex: TypeAlias = Annotated[int, Field(ge=0, le=100_000_000)]
+Pixel: TypeAlias = tuple[FiniteFloat, FiniteFloat]
+MethodName: TypeAlias = Literal["keypose", "paper"]
+Quality: TypeAlias = Literal["full", "fast", "preview"]
+
+
+class Plain(BaseModel):
+    """Immutable plain data that refuses fields it does not know."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class IgnoreMask(Plain):
+    """A polygon, in pixels of the video, whose pixels are kept out over a range of frames."""
+
+    polygon: Annotated[tuple[Pixel, ...], Field(min_length=3)]
+    first_frame: FrameIndex
+    last_frame: FrameIndex
+    note: str = ""
+
+    @model_validator(mode="after")
+    def _runs_forward(self) -> Self:
+        if self.last_frame < self.first_frame:
+            raise ValueError("last_frame must not be before first_frame")
+        return self
+
+
+class TrackSettings(Plain):
+    """How to track. The defaults are right for most videos."""
+
+    method: MethodName = "keypose"
+    quality: Quality = Field(default="full", description="How much work `keypose` does.")
+    static_camera: bool = Field(
+        default=False,
+        description="The camera stands still: a background plate keeps foreign pixels out.",
+    )
+    passes: Annotated[int, Field(ge=1, le=50)] | None = Field(
+        default=None, description="Passes over a segment; the method's own number when left out."
+    )
