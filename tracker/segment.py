@@ -15,7 +15,7 @@ from tracker.initial import blended, follow
 from tracker.kernels.pairs import CAP, mean_capped_square
 from tracker.methods import Keypose, Method, Paper
 from tracker.motion import least_squares_pass, printed_score, robust_pass
-from tracker.pose import Pose
+from tracker.pose import Pose, joint_names
 from tracker.refine import refine
 from tracker.scene import Scene
 from tracker.trajectory import Trajectory, interpolate
@@ -24,6 +24,7 @@ EXACT_KEYFRAMES = 100.0
 """Mean capped square, grey levels², below which two keyframes show the same texture."""
 EXACT_ALLOWANCE, PLAIN_ALLOWANCE = 1.15, 1.05
 DOUBT_PX = 20.0
+"""Pixels between the two chains above which plain interpolation is tried as well."""
 NEAREST_M, FURTHEST = 0.05, 50.0
 """A body nearer than this, or this many times further than it was keyed, has been lost."""
 
@@ -55,14 +56,17 @@ class Pass:
 class Outcome:
     """All trajectories tried, the best of them, and how the evidence agrees.
 
-    disagreement_px: (N, J) how far the chains from the two keyframes lie apart at every joint,
-        or None for a method that does not follow from both.
+    apart_px: (N, J) how far the chains from the two keyframes lie apart at every joint; zero for
+        a method that does not follow from both.
+    drift_px: (N - 1, J) how far each frame's own motion, in the last pass, led from the pose that
+        the trajectory has next: what drift correction had to take away.
     diverged: a pass left the space before the camera; it was dropped.
     """
 
     passes: tuple[Pass, ...]
     best: int
-    disagreement_px: Array | None
+    apart_px: Array
+    drift_px: Array
     diverged: bool
 
     @property
@@ -83,7 +87,7 @@ def track_segment(scene: Scene, segment: Segment, method: Method) -> Work:
 def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
     present = interpolate(segment.start, segment.end, segment.first_frame, segment.last_frame)
     tried: list[Pass] = []
-    diverged = False
+    diverged, drift = False, _nothing_px(scene, present)[1:]
     for number in range(method.passes + 1):
         what = "pass" if number else "interpolation"
         if number == method.passes:
@@ -91,6 +95,7 @@ def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
             yield tried[-1]
             break
         motions, score = least_squares_pass(scene, segment.clip, present, method.inner)
+        drift = _drift_px(scene, present, motions)
         tried.append(Pass(what, present, score))
         yield tried[-1]
         if number - _best(tried) >= method.patience:
@@ -100,7 +105,7 @@ def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
             diverged = True
             break
         present = following
-    return Outcome(tuple(tried), _best(tried), None, diverged)
+    return Outcome(tuple(tried), _best(tried), _nothing_px(scene, present), drift, diverged)
 
 
 def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
@@ -108,8 +113,9 @@ def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
     plain = interpolate(segment.start, segment.end, segment.first_frame, segment.last_frame)
     chains = _from_both_ends(scene, segment, method)
     present, what = (plain, "interpolation") if chains is None else (blended(*chains), "both ways")
-    apart = None if chains is None else _distance_px(scene, *chains)
-    if chains is not None and method.judged and _in_doubt(apart):
+    apart = _nothing_px(scene, plain) if chains is None else _distance_px(scene, *chains)
+    drift = _nothing_px(scene, plain)[1:]
+    if chains is not None and method.judged and apart.max() > DOUBT_PX:
         tried.append(Pass("interpolation", plain, _score(scene, segment.clip, plain, method)))
         yield tried[-1]
     diverged = chains is None
@@ -117,6 +123,7 @@ def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
         motions, score = robust_pass(
             scene, segment.clip, present, method.of, method.inner, method.stop
         )
+        drift = _drift_px(scene, present, motions)
         tried.append(Pass(what, present, score))
         yield tried[-1]
         following = _closed(scene, segment, present, motions)
@@ -134,7 +141,7 @@ def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
         tried.append(refined)
         yield refined
         best = len(tried) - 1 if _is_better(scene, segment, method, refined, tried[best]) else best
-    return Outcome(tuple(tried), best, apart, diverged)
+    return Outcome(tuple(tried), best, apart, drift, diverged)
 
 
 def _from_both_ends(
@@ -148,11 +155,6 @@ def _from_both_ends(
     if _is_sound(scene, segment, forward) and _is_sound(scene, segment, backward):
         return forward, backward
     return None
-
-
-def _in_doubt(apart_px: Array | None) -> bool:
-    """Whether the chains differ so much that plain interpolation may do better than they."""
-    return apart_px is not None and float(apart_px.max()) > DOUBT_PX
 
 
 def _refined(scene: Scene, segment: Segment, method: Keypose, start: Pass) -> Pass | None:
@@ -239,3 +241,15 @@ def _distance_px(scene: Scene, a: Trajectory, b: Trajectory) -> Array:
     """(N, J) distance of two trajectories' joints in the picture."""
     uv_a, uv_b = (scene.camera.project(x.joints(scene.skeleton)) for x in (a, b))
     return np.asarray(np.linalg.norm(uv_a - uv_b, axis=-1))
+
+
+def _drift_px(scene: Scene, present: Trajectory, motions: Motions) -> Array:
+    """(N - 1, J) distance in the picture of where motions lead and where the trajectory goes."""
+    led = Trajectory(present.first_frame + 1, motions.Rs_parent_part, motions.ps_camera_root)
+    rest = Trajectory(led.first_frame, present.Rs_parent_part[1:], present.ps_camera_root[1:])
+    return np.nan_to_num(_distance_px(scene, led, rest), nan=0.0, posinf=0.0)
+
+
+def _nothing_px(scene: Scene, trajectory: Trajectory) -> Array:
+    """(N, J) zeros."""
+    return np.zeros((len(trajectory), len(joint_names(scene.skeleton))))

@@ -1,8 +1,9 @@
 """A plain word on every segment: good, check these frames, or lost: add a keyframe there.
 
 The evidence is what tracking saw, never the truth: how far the chains from the two keyframes lie
-apart, which parts the picture did not decide, whether brightness is kept, whether a pass diverged.
-The thresholds were set on rendered sequences with known truth.
+apart, how much drift had to be corrected, which parts the picture did not decide, whether a pass
+diverged. The thresholds were set where, on rendered sequences with known truth, they part segments
+that are right from segments that are not.
 """
 
 from __future__ import annotations
@@ -18,9 +19,9 @@ from tracker.observe import Observation
 from tracker.scene import Scene
 from tracker.segment import Outcome, Segment
 
-LOST_SHARE = 0.35
-"""Of the body's height in the picture: two chains further apart than this share are lost."""
-CHECK_SHARE = 0.10
+LOST_APART, LOST_DRIFT = 0.28, 0.23
+CHECK_APART, CHECK_DRIFT = 0.18, 0.044
+"""Shares of the body's extent in the picture. A segment is lost where both evidences say so."""
 UNSEEN = 0.15
 """Observability below which a part's motion is a guess."""
 SHORTEST_RUN = 3
@@ -36,74 +37,86 @@ class Verdict:
     frames: tuple[int, int] | None = None
 
 
+@dataclass(frozen=True, eq=False)
+class _Evidence:
+    """Shares of the body's extent: apart (N, J) by joint, drift (N - 1, J) of every frame pair.
+
+    At a keyframe itself the chain from the other side has no say, so `apart` is weighed by how far
+    a frame lies from the nearer keyframe.
+    """
+
+    apart: Array
+    drift: Array
+
+    @property
+    def whole_drift(self) -> Array:
+        """(J,) over the segment."""
+        return np.asarray(self.drift.sum(axis=0))
+
+
 def judge(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -> Verdict:
     """The verdict on a tracked segment."""
-    middle = _frame_to_key(segment, outcome)
-    if outcome.diverged and outcome.passes[outcome.best].what == "interpolation":
-        return Verdict("lost", f"lost: add a keyframe near {middle}", (middle, middle))
-    apart = _apart(scene, segment, outcome)
-    if apart.max(initial=0.0) > LOST_SHARE:
-        return Verdict("lost", f"lost: add a keyframe near {middle}", (middle, middle))
+    evidence = _evidence(scene, outcome)
+    apart = evidence.apart.max(initial=0.0)
+    drift = evidence.whole_drift.max(initial=0.0)
+    gave_up = outcome.diverged and outcome.passes[outcome.best].what == "interpolation"
+    if gave_up or (apart > LOST_APART and drift > LOST_DRIFT):
+        near = segment.first_frame + _neediest(evidence)
+        return Verdict("lost", f"lost: add a keyframe near {near}", (near, near))
     unseen = _longest_unseen(scene, segment, seen)
     if unseen is not None:
         part, first, last = unseen
         return Verdict("check", f"check {_frames(first, last)}: {part} not seen", (first, last))
-    doubtful = np.flatnonzero(apart > CHECK_SHARE)
-    if len(doubtful):
-        first, last = (segment.first_frame + int(k) for k in (doubtful[0], doubtful[-1]))
-        part = _most_apart(scene, outcome)
-        words = f"check {_frames(first, last)}: {part} followed differently from either side"
-        return Verdict("check", words, (first, last))
+    if apart > CHECK_APART or drift > CHECK_DRIFT:
+        part, first, last = _most_uncertain(scene, segment, evidence)
+        return Verdict("check", f"check {_frames(first, last)}: {part} uncertain", (first, last))
     return Verdict("good", "good")
 
 
-def _frames(first: int, last: int) -> str:
-    return f"frame {first}" if first == last else f"frames {first}–{last}"
-
-
-def _apart(scene: Scene, segment: Segment, outcome: Outcome) -> Array:
-    """(N,) largest distance of the two chains over the joints, in shares of the body's height.
-
-    Each frame's is weighed by how far it lies from the nearer keyframe: at a keyframe itself the
-    chain from the other side has no say.
-    """
-    if outcome.disagreement_px is None:
-        return np.zeros(segment.last_frame - segment.first_frame + 1)
-    n = len(outcome.disagreement_px) - 1
-    share = np.arange(n + 1) / n
-    weight = 4 * share * (1 - share)
-    height = _height_px(scene, segment)
-    return np.asarray(outcome.disagreement_px.max(axis=1) * weight / height)
-
-
-def _most_apart(scene: Scene, outcome: Outcome) -> str:
-    """Name of the part whose joint the two chains place most differently."""
-    if outcome.disagreement_px is None:
-        return "the body"
-    parts = outcome.disagreement_px[:, : scene.skeleton.part_count]
-    part = int(np.unravel_index(int(parts.argmax()), parts.shape)[1])
-    return scene.skeleton.body.names[part].replace("_", " ")
-
-
-def _height_px(scene: Scene, segment: Segment) -> float:
-    """Extent of the points on the body's surface in the picture at the first keyframe."""
-    from tracker.pose import joint_positions, pose_transforms
-
-    joints = joint_positions(scene.skeleton, pose_transforms(scene.skeleton, segment.start))
-    extent = np.ptp(scene.camera.project(joints), axis=0).max()
+def _evidence(scene: Scene, outcome: Outcome) -> _Evidence:
+    uv = scene.camera.project(outcome.trajectory.joints(scene.skeleton))
+    extent = np.nanmedian(np.nanmax(np.nanmax(uv, axis=1) - np.nanmin(uv, axis=1), axis=-1))
     size = np.linalg.norm(np.ptp(scene.points.points, axis=0)) / scene.pixel_m
-    return float(max(extent, size, 1.0))
+    extent = max(float(extent), float(size), 1.0)  # a body of one part has one joint only
+    share = np.linspace(0.0, 1.0, len(outcome.apart_px))
+    weight = 4 * share * (1 - share)
+    return _Evidence(outcome.apart_px * weight[:, None] / extent, outcome.drift_px / extent)
 
 
-def _frame_to_key(segment: Segment, outcome: Outcome) -> int:
-    """Where a keyframe would help most: where the chains differ most, or the middle."""
-    middle = (segment.first_frame + segment.last_frame) // 2
-    if outcome.disagreement_px is None or len(outcome.disagreement_px) < 3:
-        return middle
-    n = len(outcome.disagreement_px) - 1
-    share = np.arange(n + 1) / n
-    total = outcome.disagreement_px.mean(axis=1) * share * (1 - share)
-    return segment.first_frame + int(np.argmax(total))
+def _neediest(evidence: _Evidence) -> int:
+    """The frame, from the segment's first, where a keyframe would help most."""
+    n = len(evidence.apart) - 1
+    share = np.linspace(0.0, 1.0, n + 1)
+    drift = np.concatenate([evidence.drift, evidence.drift[-1:]]).mean(axis=1)
+    need = evidence.apart.mean(axis=1) + n * drift * share * (1 - share)
+    return int(np.argmax(need)) if need.max() > 0 else n // 2
+
+
+def _most_uncertain(scene: Scene, segment: Segment, evidence: _Evidence) -> tuple[str, int, int]:
+    """The part with the strongest evidence against it: its name, first and last frame."""
+    drift = evidence.drift * len(evidence.drift)
+    strength = np.maximum(evidence.apart[1:] / CHECK_APART, drift / CHECK_DRIFT)
+    joint = int(strength.max(axis=0).argmax())
+    doubtful = np.flatnonzero(strength[:, joint] > 0.5 * strength[:, joint].max())
+    first, last = int(doubtful[0]), int(doubtful[-1])
+    start = segment.first_frame + 1
+    return _part_of_joint(scene, joint), start + first, min(start + last, segment.last_frame - 1)
+
+
+def _part_of_joint(scene: Scene, joint: int) -> str:
+    """The name of the part a joint or landmark belongs to, as a person would say it."""
+    parts = scene.skeleton.body.parts
+    owners = [part.name for part in parts]
+    owners += [part.name for part in parts for _ in part.landmarks]
+    return _spoken(owners[joint])
+
+
+def _spoken(name: str) -> str:
+    return name.replace("_", " ")
+
+
+def _frames(first: int, last: int) -> str:
+    return f"frame {first}" if first >= last else f"frames {first}–{last}"
 
 
 def _longest_unseen(
@@ -119,7 +132,7 @@ def _longest_unseen(
         return None
     _, name, first, last = max(runs)
     start = segment.first_frame + 1
-    return name.replace("_", " "), start + first, start + last
+    return _spoken(name), start + first, start + last
 
 
 def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
