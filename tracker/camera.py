@@ -59,8 +59,8 @@ class Camera(BaseModel):
         if not 0.0 < angle_rad < math.pi:
             raise CameraError("The field of view must lie between 0 and 180 degrees.")
         f = max(width, height) / 2 / math.tan(angle_rad / 2)
-        centre = {"cx": (width - 1) / 2, "cy": (height - 1) / 2}
-        return cls(width=width, height=height, fx=f, fy=f, **centre, origin="field of view")
+        cx, cy = (width - 1) / 2, (height - 1) / 2
+        return cls(width=width, height=height, fx=f, fy=f, cx=cx, cy=cy, origin="field of view")
 
     @classmethod
     def guess(cls, width: int, height: int) -> Camera:

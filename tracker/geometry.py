@@ -12,7 +12,6 @@ from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial.transform import Rotation
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -30,50 +29,84 @@ def transpose(matrices: Array) -> Array:
 
 
 def exp_rotation(vectors: ArrayLike) -> Array:
-    """Rotation matrices (..., 3, 3) of rotation vectors (..., 3)."""
-    vectors = np.asarray(vectors, dtype=np.float64)
-    flat = Rotation.from_rotvec(vectors.reshape(-1, 3)).as_matrix()
-    return flat.reshape(*vectors.shape[:-1], 3, 3)
+    """Rotation matrices (..., 3, 3) of rotation vectors (..., 3): Rodrigues' formula."""
+    v = np.asarray(vectors, dtype=np.float64)
+    half_turns = np.linalg.norm(v, axis=-1)[..., None, None] / np.pi
+    K = np.zeros((*v.shape, 3))
+    K[..., 2, 1], K[..., 0, 2], K[..., 1, 0] = v[..., 0], v[..., 1], v[..., 2]
+    K = K - transpose(K)
+    R: Array = np.eye(3) + np.sinc(half_turns) * K + 0.5 * np.sinc(half_turns / 2) ** 2 * (K @ K)
+    return R
 
 
 def log_rotation(rotations: ArrayLike) -> Array:
     """Rotation vectors (..., 3) of rotation matrices (..., 3, 3), angles in [0, pi]."""
-    rotations = np.asarray(rotations, dtype=np.float64)
-    flat = Rotation.from_matrix(rotations.reshape(-1, 3, 3)).as_rotvec()
-    return flat.reshape(*rotations.shape[:-2], 3)
+    q = quaternion_wxyz(rotations)
+    length = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)
+    angle = 2 * np.arctan2(length, q[..., :1])
+    return q[..., 1:] * np.where(length > 1e-9, angle / np.maximum(length, 1e-9), 2.0)
 
 
 def nearest_rotation(matrices: ArrayLike) -> Array:
     """Nearest rotations in the Frobenius norm: the polar factor with determinant +1."""
     u, _, vt = np.linalg.svd(np.asarray(matrices, dtype=np.float64))
     u[..., -1] *= np.linalg.det(u @ vt)[..., None]
-    return u @ vt
+    return np.asarray(u @ vt)
 
 
 def rotation_from_euler(z: float, y: float, x: float) -> Array:
     """Qz(z) Qy(y) Qx(x), radians: the order in which a part's pose is written (DRIFT §2.1)."""
-    return np.asarray(Rotation.from_euler("ZYX", [z, y, x]).as_matrix(), dtype=np.float64)
+    Qz, Qy, Qx = exp_rotation(np.diag([z, y, x])[:, ::-1])
+    return np.asarray(Qz @ Qy @ Qx)
 
 
 def euler_from_rotation(rotations: ArrayLike) -> Array:
-    """Angles (..., 3) as [z, y, x] in radians with R = Qz Qy Qx; y within ±pi/2."""
-    rotations = np.asarray(rotations, dtype=np.float64)
-    flat = Rotation.from_matrix(rotations.reshape(-1, 3, 3)).as_euler("ZYX", suppress_warnings=True)
-    return flat.reshape(*rotations.shape[:-2], 3)
+    """Angles (..., 3) as [z, y, x] in radians with R = Qz Qy Qx; y within ±pi/2.
+
+    Where y is a quarter turn, z and x turn about the same axis; x is then 0.
+    """
+    R = np.asarray(rotations, dtype=np.float64)
+    y = np.arctan2(-R[..., 2, 0], np.hypot(R[..., 0, 0], R[..., 1, 0]))
+    locked = np.hypot(R[..., 0, 0], R[..., 1, 0]) < 1e-9
+    z = np.arctan2(
+        np.where(locked, -R[..., 0, 1], R[..., 1, 0]), np.where(locked, R[..., 1, 1], R[..., 0, 0])
+    )
+    x = np.where(locked, 0.0, np.arctan2(R[..., 2, 1], R[..., 2, 2]))
+    return np.stack([z, y, x], axis=-1)
 
 
 def quaternion_wxyz(rotation: ArrayLike) -> Array:
-    """Unit quaternions (..., 4), scalar first and not negative."""
-    rotation = np.asarray(rotation, dtype=np.float64)
-    xyzw = Rotation.from_matrix(rotation.reshape(-1, 3, 3)).as_quat(canonical=True)
-    return np.roll(xyzw, 1, axis=-1).reshape(*rotation.shape[:-2], 4)
+    """Unit quaternions (..., 4), scalar first and not negative.
+
+    4 q qᵀ is linear in the matrix; its row with the largest diagonal gives q without cancellation.
+    """
+    R = np.asarray(rotation, dtype=np.float64)
+    xx, yy, zz = (R[..., i, i] for i in range(3))
+    wx, wy, wz = (R[..., i, k] - R[..., k, i] for i, k in ((2, 1), (0, 2), (1, 0)))
+    xy, xz, yz = (R[..., i, k] + R[..., k, i] for i, k in ((0, 1), (0, 2), (1, 2)))
+    rows = [
+        [1 + xx + yy + zz, wx, wy, wz],
+        [wx, 1 + xx - yy - zz, xy, xz],
+        [wy, xy, 1 - xx + yy - zz, yz],
+        [wz, xz, yz, 1 - xx - yy + zz],
+    ]
+    Q = np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    best = np.diagonal(Q, axis1=-2, axis2=-1).argmax(axis=-1)
+    q = np.take_along_axis(Q, best[..., None, None], axis=-2)[..., 0, :]
+    q = q / np.linalg.norm(q, axis=-1, keepdims=True)
+    return np.asarray(np.where(q[..., :1] < 0, -q, q))
 
 
 def rotation_from_quaternion(wxyz: ArrayLike) -> Array:
     """Rotation matrices (..., 3, 3) of quaternions (..., 4), scalar first, any positive length."""
-    wxyz = np.asarray(wxyz, dtype=np.float64)
-    flat = Rotation.from_quat(np.roll(wxyz.reshape(-1, 4), -1, axis=-1)).as_matrix()
-    return flat.reshape(*wxyz.shape[:-1], 3, 3)
+    q = np.asarray(wxyz, dtype=np.float64)
+    w, x, y, z = np.moveaxis(q / np.linalg.norm(q, axis=-1, keepdims=True), -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
 
 
 def rotation_between(start: Array, end: Array, shares: Sequence[float] | Array) -> Array:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import cv2
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 LEVELS = 3
 BLUR_PX = 0.8
@@ -19,18 +19,18 @@ def prepare(grey: NDArray[np.uint8], usable: Picture | None, levels: int) -> lis
     """Pyramid of one picture: level k is (h / 2^k, w / 2^k, 4) float32 of [E, E_u, E_v, use].
 
     grey: (h, w) brightness. usable: (h, w) USABLE, TARGET_ONLY (not a source: the background) or
-    IGNORED, or None where all is. E is blurred a little, the gradient is Scharr's, per pixel. Around
-    what is ignored a rim is ignored too, as wide as blur and gradient reach.
+    IGNORED, or None where all is. E is blurred a little, the gradient is Scharr's, per pixel.
+    Around what is ignored a rim is ignored too, as wide as blur and gradient reach.
     """
-    current = cv2.GaussianBlur(grey.astype(np.float32), (0, 0), BLUR_PX)
+    current = _float(cv2.GaussianBlur(grey.astype(np.float32), (0, 0), BLUR_PX))
     use = np.ones_like(current) if usable is None else _with_rim(usable)
     pyramid = []
     for level in range(levels):
         if level:
-            current = cv2.pyrDown(current)
+            current = _float(cv2.pyrDown(current))
             use = _with_rim(use)[::2, ::2] if usable is not None else np.ones_like(current)
         gradients = (cv2.Scharr(current, cv2.CV_32F, du, 1 - du, scale=1 / 32.0) for du in (1, 0))
-        pyramid.append(cv2.merge([current, *gradients, np.ascontiguousarray(use)]))
+        pyramid.append(_float(cv2.merge([current, *gradients, np.ascontiguousarray(use)])))
     return pyramid
 
 
@@ -41,6 +41,11 @@ def level_sizes(width: int, height: int, levels: int) -> list[tuple[int, int]]:
         h, w = sizes[-1]
         sizes.append(((h + 1) // 2, (w + 1) // 2))
     return sizes
+
+
+def _float(image: ArrayLike) -> Picture:
+    """What OpenCV gave back, by the type it has: its own signatures are vaguer."""
+    return np.asarray(image, np.float32)
 
 
 def _with_rim(usable: Picture) -> Picture:

@@ -19,7 +19,8 @@ def follow(
 ) -> Trajectory:  # fmt: skip
     """Follow the body from `start`, posed at frame `first`, to `last`, which may lie before it.
 
-    Constant velocity, from coarse down to the pyramid level `finest`, no drift correction. The trajectory is in frame order.
+    Constant velocity, from coarse down to the pyramid level `finest`, no drift correction. The
+    trajectory is in frame order.
     """
     forward = last > first
     slots = clip.slots(min(first, last), max(first, last))

@@ -30,14 +30,14 @@ PLATE_DIFFERENCE = 8.0
 
 @dataclass(frozen=True)
 class WorkingSize:
-    """Pictures halved `halvings` times; pixel centres stay at integers, as cv2.pyrDown keeps them."""
+    """Pictures halved `halvings` times; pixel centres stay at integers as in cv2.pyrDown."""
 
     halvings: int
 
     @classmethod
     def for_camera(cls, camera: Camera, longest: int, memory: int = MEMORY_BYTES) -> WorkingSize:
         """The size at which the longest segment (frames) fits the memory."""
-        halvings, pixels = 0, camera.width * camera.height
+        halvings, pixels = 0, float(camera.width * camera.height)
         while pixels > WORKING_PIXELS or pixels * 22 * longest > memory:
             halvings, pixels = halvings + 1, pixels / 4
         return cls(halvings)
@@ -108,7 +108,7 @@ class ClipLoader:
         for index, rgb in self.video.frames(first, last + 1):
             if rgb is None:
                 grey = np.zeros((working.height, working.width), np.uint8)
-                usable = np.full(grey.shape, IGNORED, np.float32)
+                usable: Picture | None = np.full(grey.shape, IGNORED, np.float32)
             else:
                 grey = self._grey(rgb)
                 usable = self._usable(index, grey)

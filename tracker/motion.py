@@ -63,8 +63,9 @@ def least_squares_step(
     size, dofs = len(scene.points.points), scene.skeleton.dof_count
     chosen, grey = np.empty(size + 1, np.int32), np.empty(size + 1, np.float32)
     starts = np.empty(scene.skeleton.part_count + 1, np.int64)
+    height, width = source.shape[:2]
     view(
-        scene.arrays, scene.lens, scene.sight, source,
+        scene.arrays, scene.lens, scene.sight, width, height, source, 1.0, 1, 1,
         before.Rs_parent_part[j], before.ps_camera_root[j], chosen, grey, starts,
     )  # fmt: skip
     R, t = before.Rs_parent_part[j + 1].copy(), before.ps_camera_root[j + 1].copy()

@@ -1,4 +1,4 @@
-"""What the pictures tell about a tracked motion: rank, observability, residual (DRIFT §5.3, Fig. 10)."""
+"""What the pictures tell about a motion: rank, observability, residual (DRIFT §5.3, Fig. 10)."""
 
 from __future__ import annotations
 

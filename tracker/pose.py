@@ -14,7 +14,7 @@ from tracker.skeleton import Skeleton
 class Pose:
     """Where every part is.
 
-    Rs_parent_part: (P, 3, 3) rotation of each part in its parent's frame (the root's: the camera's).
+    Rs_parent_part: (P, 3, 3) rotation of each part in its parent's frame (the root's: camera's).
     p_camera_root:  (3,) origin of the root part in the camera frame, metres.
     """
 

@@ -12,13 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, solveh_banded
 
 from tracker.geometry import Array
 from tracker.images import Clip
-from tracker.kernels.chain import place_parts
-from tracker.kernels.pairs import scaled_lens
-from tracker.kernels.seeing import pick, see
+from tracker.kernels.chain import solve_banded
+from tracker.kernels.pairs import scaled_lens, view
 from tracker.kernels.whole import move_inner, see_all, whole_segment
 from tracker.scene import Scene
 from tracker.trajectory import Trajectory
@@ -105,9 +103,8 @@ def _solve_level(
 def _damped_step(banded: Array, gradient: Array) -> Array | None:
     """−A⁻¹ b with a trace of damping, shortened to LONGEST_STEP; None where it cannot be had."""
     banded[-1] = banded[-1] * (1 + 1e-4) + 1e-6
-    try:
-        step = -solveh_banded(banded, gradient, overwrite_ab=True, check_finite=False)
-    except LinAlgError:
+    step = -gradient
+    if not solve_banded(banded, step):
         return None
     largest = np.abs(step).max()
     if not np.isfinite(largest):
@@ -124,15 +121,9 @@ def _keyframe_textures(
     chosen, grey = np.zeros((2, size + 1), np.int32), np.zeros((2, size + 1), np.float32)
     starts = np.zeros((2, parts + 1), np.int64)
     height, width = clip.levels[0].shape[1:3]
-    cells = (height // scene.sight.cell + 2, width // scene.sight.cell + 2)
-    HR, Ho = np.empty((parts, 3, 3)), np.empty((parts, 3))
-    uvz, seen = np.empty((size, 3), np.float32), np.zeros(size, np.uint8)
     for k, j in enumerate((0, len(t) - 1)):
-        place_parts(scene.arrays, R[j], t[j], HR, Ho)
-        see(
-            scene.arrays, HR, Ho, scene.lens, scene.sight, width, height, uvz, seen,
-            np.empty(cells, np.float32), np.empty(cells, np.int16),
+        view(
+            scene.arrays, scene.lens, scene.sight, width, height, clip.levels[level][slots[j]],
+            0.5**level, of, every, R[j], t[j], chosen[k], grey[k], starts[k],
         )  # fmt: skip
-        picture = clip.levels[level][slots[j]]
-        pick(scene.arrays, uvz, seen, picture, 0.5**level, of, every, chosen[k], grey[k], starts[k])
     return _Textures(chosen, grey, starts)

@@ -86,7 +86,7 @@ def _depths(skeleton: Skeleton, camera: Camera, pose: Pose) -> Array:
 
 
 def _spacing(area_m2: float, pixel_m: float) -> float:
-    """A little over two pixels, unless that makes too many points or, on a small figure, too few."""
+    """A little over two pixels, unless that makes too many points or, on a small body, too few."""
     least, most = np.sqrt(area_m2 / MOST_POINTS), np.sqrt(area_m2 / FEWEST_POINTS)
     return float(np.clip(POINT_SPACING_PX * pixel_m, least, max(most, 0.7 * pixel_m)))
 

@@ -23,8 +23,9 @@ from tracker.trajectory import Trajectory, interpolate
 EXACT_KEYFRAMES = 100.0
 """Mean capped square, grey levels², below which two keyframes show the same texture."""
 EXACT_ALLOWANCE, PLAIN_ALLOWANCE = 1.15, 1.05
-DOUBT_PX = 20.0
-"""Pixels between the two chains above which plain interpolation is tried as well."""
+DOUBT = 0.5
+"""Distance between the two chains, as a share of that between them and plain interpolation, above
+which interpolation may still be the better one and is scored as well."""
 NEAREST_M, FURTHEST = 0.05, 50.0
 """A body nearer than this, or this many times further than it was keyed, has been lost."""
 
@@ -115,7 +116,7 @@ def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
     present, what = (plain, "interpolation") if chains is None else (blended(*chains), "both ways")
     apart = _nothing_px(scene, plain) if chains is None else _distance_px(scene, *chains)
     drift = _nothing_px(scene, plain)[1:]
-    if chains is not None and method.judged and apart.max() > DOUBT_PX:
+    if method.judged and _in_doubt(scene, apart, plain, present):
         tried.append(Pass("interpolation", plain, _score(scene, segment.clip, plain, method)))
         yield tried[-1]
     diverged = chains is None
@@ -132,8 +133,8 @@ def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
             break
         present, what = following, "pass"
     if present is not tried[-1].trajectory:
-        score = _score(scene, segment.clip, present, method) if method.judged else None
-        tried.append(Pass(what, present, score))
+        last_score = _score(scene, segment.clip, present, method) if method.judged else None
+        tried.append(Pass(what, present, last_score))
         yield tried[-1]
     best = _best(tried)
     refined = _refined(scene, segment, method, tried[best])
@@ -155,6 +156,10 @@ def _from_both_ends(
     if _is_sound(scene, segment, forward) and _is_sound(scene, segment, backward):
         return forward, backward
     return None
+
+
+def _in_doubt(scene: Scene, apart_px: Array, plain: Trajectory, blend: Trajectory) -> bool:
+    return bool(apart_px.mean() > DOUBT * _distance_px(scene, plain, blend).mean())
 
 
 def _refined(scene: Scene, segment: Segment, method: Keypose, start: Pass) -> Pass | None:

@@ -11,7 +11,6 @@ from threading import Event
 
 import numpy as np
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
 from tracker.camera import Camera
 from tracker.drift import closing_error
@@ -223,13 +222,12 @@ def run(
             _one_segment(tracker, settings, index, len(chosen), events, closing)
         except _Cancelled:
             events.put(None)
-        except BaseException as error:  # handed to the caller's thread, where it is raised again
+        except BaseException as error:  # noqa: BLE001 — raised again in the caller's thread
             events.put(error)
 
     done: dict[int, SegmentResult] = {}
     stopped = False
-    # one BLAS thread: its matrices are small, and the segments are what runs side by side
-    with threadpool_limits(1), ThreadPoolExecutor(max(1, workers)) as pool:
+    with ThreadPoolExecutor(max(1, workers)) as pool:
         waiting = [pool.submit(work, index) for index in chosen]
         try:
             for _ in range(len(chosen)):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -64,7 +65,7 @@ def interpolate(start: Pose, end: Pose, first_frame: int, last_frame: int) -> Tr
 
 def joined(pieces: list[Trajectory]) -> Trajectory:
     """One trajectory of consecutive ones that share their border frames."""
-    for before, after in zip(pieces, pieces[1:], strict=False):
+    for before, after in pairwise(pieces):
         if before.last_frame != after.first_frame:
             raise ValueError("trajectories must meet at a shared frame")
     heads = [(p.Rs_parent_part[:-1], p.ps_camera_root[:-1]) for p in pieces[:-1]]

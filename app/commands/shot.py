@@ -111,7 +111,8 @@ def _picture(
 def _png(picture: Picture) -> bytes:
     import cv2
 
-    good, content = cv2.imencode(".png", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR))
+    smaller = [cv2.IMWRITE_PNG_COMPRESSION, 6]
+    good, content = cv2.imencode(".png", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR), smaller)
     if not good:
         raise FormatError("The picture cannot be written as PNG.")
     return content.tobytes()

@@ -64,6 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
         count = "one keyframe" if session.keyframes else "no keyframes"
         raise SessionError(f"{arguments.session.name} has {count}; tracking needs two.")
     _demand_place(arguments)
+    _prepare_loops()
     with open_video_of(session, arguments.session) as video:
         found = follow(_with_settings(session, arguments), video, arguments.workers, arguments.json)
     summary = _keep(session, found, arguments)
@@ -71,6 +72,15 @@ def run(arguments: argparse.Namespace) -> int:
     if found.interrupted:
         return INTERRUPTED
     return LOST if summary["lost"] else DONE
+
+
+def _prepare_loops() -> None:
+    """The first run on a computer takes its time, and says so."""
+    from tracker.warm import is_warm, warm
+
+    if not is_warm():
+        print("Preparing the tracker for this computer, once: about a minute.", file=sys.stderr)
+        warm()
 
 
 def _with_settings(session: Session, arguments: argparse.Namespace) -> Session:

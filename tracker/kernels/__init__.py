@@ -43,5 +43,5 @@ if not numba.config.CACHE_DIR:  # type: ignore[attr-defined]
 
 def compiled(function: F) -> F:
     """Compile a loop with the settings above."""
-    loop: F = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=_FREEDOM)(function)
+    loop: Any = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=_FREEDOM)(function)
     return loop

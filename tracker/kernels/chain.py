@@ -1,8 +1,8 @@
 """The articulated chain: forward kinematics, twists, and normal equations over subtrees.
 
 A row of DRIFT's A for a point p of part i is g·J = Σ_d [g, p × g]·S_d over the degrees of freedom
-d above i, with S_d the camera-frame twist. So AᵀA needs only the 6×6 sums N_i = Σ w [g, p×g]ᵀ[g, p×g]
-of each part: summed over subtrees, AᵀA[d, e] = S_dᵀ N(deeper of d and e) S_e.
+d above i, with S_d the camera-frame twist. So AᵀA needs only the 6×6 sums of each part,
+N_i = Σ w [g, p×g]ᵀ[g, p×g]: summed over subtrees, AᵀA[d, e] = S_dᵀ N(deeper of d and e) S_e.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from tracker.kernels.rigid import compose, product
 
 @compiled
 def place_parts(body, R, t, HR, Ho):
-    """HR (P, 3, 3), Ho (P, 3): every part in the camera frame, of R (P, 3, 3) and t (3).  DRIFT (1)"""
+    """HR (P, 3, 3), Ho (P, 3): every part in the camera frame, of R (P, 3, 3), t (3).  DRIFT (1)"""
     for i in range(body.parents.shape[0]):
         parent = body.parents[i]
         if parent < 0:
@@ -111,8 +111,41 @@ def solve_positive(A, b):
 
 
 @compiled
+def solve_banded(banded, b):
+    """b ← A⁻¹ b for a symmetric banded A by Cholesky; False where A is not positive definite.
+
+    banded (w, n) is overwritten: row w − 1 holds the diagonal, row w − 1 − k the k-th diagonal
+    above it, as LAPACK's upper form.
+    """
+    width, n = banded.shape
+    U = np.zeros((n, width))  # U[i, k] is A[i, i + k], so that every inner loop is contiguous
+    for i in range(n):
+        for k in range(min(width, n - i)):
+            U[i, k] = banded[width - 1 - k, i + k]
+    for i in range(n):
+        if not U[i, 0] > 0.0:
+            return False
+        root = 1.0 / np.sqrt(U[i, 0])
+        for k in range(width):
+            U[i, k] *= root
+        b[i] *= root
+        for k in range(1, min(width, n - i)):
+            share = U[i, k]
+            b[i + k] -= share * b[i]
+            if share != 0.0:
+                for m in range(width - k):
+                    U[i + k, m] -= share * U[i, k + m]
+    for i in range(n - 1, -1, -1):
+        s = b[i]
+        for k in range(1, min(width, n - i)):
+            s -= U[i, k] * b[i + k]
+        b[i] = s / U[i, 0]
+    return True
+
+
+@compiled
 def move(body, R, t, motion):
-    """R, t ← the pose after `motion` (D,), composed on the right in the parts' frames.  DRIFT (2)"""
+    """R, t ← the pose after `motion` (D,), on the right, in the parts' frames.  DRIFT (2)"""
     parts = R.shape[0]
     turn = np.zeros((parts, 3))
     shift = np.zeros(3)

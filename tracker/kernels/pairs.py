@@ -27,10 +27,10 @@ from tracker.kernels.sums import (
     BLOCK,
     HUBER,
     HUBER_WIDTH,
-    LEAST_SQUARES,
     capped_square,
     robust_sigma,
     sum_points,
+    sum_residuals,
 )
 
 FIRST_WIDTH = 20.0
@@ -181,8 +181,9 @@ def follow_chain(
 ):  # fmt: skip
     """Follow the body frame by frame from R[0], t[0], coarse to fine, by constant velocity.
 
-    levels: pictures of the pyramid, finest first, (…, h, w, 4), used down to `finest`; slots (n + 1,) in the order in
-    which the frames are visited (backwards for a chain from the end). Fills R[1:], t[1:].
+    levels: pictures of the pyramid, finest first, (…, h, w, 4), used down to `finest`; slots
+    (n + 1,) in the order in which the frames are visited (backwards for a chain from the end).
+    Fills R[1:], t[1:].
     """
     height, width = levels[0].shape[1], levels[0].shape[2]
     parts, size = body.parents.shape[0], body.points.shape[0]
@@ -218,7 +219,7 @@ def mean_capped_square(body, lens, sight, pictures, slots, R, t, of, every, cap)
     """
     height, width = pictures.shape[1], pictures.shape[2]
     parts, size = body.parents.shape[0], body.points.shape[0]
-    HR, Ho, N = np.empty((parts, 3, 3)), np.empty((parts, 3)), np.empty((parts, 7, 7))
+    HR, Ho = np.empty((parts, 3, 3)), np.empty((parts, 3))
     depth = np.empty((height // sight.cell + 2, width // sight.cell + 2), np.float32)
     owner = np.empty(depth.shape, np.int16)
     uvz, seen = np.empty((size, 3), np.float32), np.zeros(size, np.uint8)
@@ -231,10 +232,9 @@ def mean_capped_square(body, lens, sight, pictures, slots, R, t, of, every, cap)
         see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
         pick(body, uvz, seen, pictures[slots[j]], 1.0, of, every, chosen, grey, starts)
         place_parts(body, R[j + 1], t[j + 1], HR, Ho)
-        points = sum_points(
-            body, chosen, grey, starts, HR, Ho, Ho[0].copy(), pictures[slots[j + 1]], lens, seen,
-            False, HUBER, FIRST_WIDTH, False, N, histogram, rows,
-        )  # fmt: skip
+        points = sum_residuals(
+            body, chosen, grey, starts, HR, Ho, pictures[slots[j + 1]], lens, histogram, rows
+        )
         score += capped_square(histogram, points, cap)
     return score / max(1, R.shape[0] - 1)
 
@@ -246,7 +246,8 @@ def observe_pairs(
     """What every frame pair of a trajectory tells about its motion.
 
     A (n, D, D) ← AᵀWA at the trajectory itself, of all seen points; residual (n, P) ← root mean
-    square difference of brightness of each part's own points, grey levels (NaN without points);
+    square difference of brightness of each part's own points, grey levels, with outliers beyond
+    FIRST_WIDTH weighed down (NaN without points);
     shown (n, P) int64 ← number of points; sigma (n,) ← robust noise of the residuals.
     """
     height, width = pictures.shape[1], pictures.shape[2]
@@ -257,31 +258,32 @@ def observe_pairs(
     uvz, seen = np.empty((size, 3), np.float32), np.zeros(size, np.uint8)
     chosen, grey = np.empty(size + 1, np.int32), np.empty(size + 1, np.float32)
     starts, b = np.empty(parts + 1, np.int64), np.empty(body.dof_part.shape[0])
-    histogram, rows = np.empty(BINS, np.int32), np.empty((9, BLOCK), np.float32)
+    histogram, squares = np.empty(BINS, np.int32), np.empty(parts)
     for j in range(R.shape[0] - 1):
         place_parts(body, R[j], t[j], HR, Ho)
         see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
         pick(body, uvz, seen, pictures[slots[j]], 1.0, 1, 1, chosen, grey, starts)
-        target = pictures[slots[j + 1]]
-        place_parts(body, R[j + 1], t[j + 1], HR, Ho)
-        points = sum_points(
-            body, chosen, grey, starts, HR, Ho, Ho[0].copy(), target, lens, seen, False,
-            LEAST_SQUARES, 1.0, False, N, histogram, rows,
+        points = linearise(
+            body, chosen, grey, starts, R[j + 1], t[j + 1], pictures[slots[j + 1]], lens,
+            HUBER, FIRST_WIDTH, N, histogram, A[j], b,
         )  # fmt: skip
         sigma[j] = robust_sigma(histogram, points)
         for i in range(parts):
             shown[j, i] = starts[i + 1] - starts[i]
-            residual[j, i] = np.sqrt(N[i, 6, 6] / shown[j, i]) if shown[j, i] else np.nan
-        linearise(
-            body, chosen, grey, starts, R[j + 1], t[j + 1], target, lens, HUBER,
-            HUBER_WIDTH * sigma[j], N, histogram, A[j], b,
-        )  # fmt: skip
+            squares[i] = N[i, 6, 6]
+        for i in range(parts):  # N sums over all that hangs below a part: take that away again
+            if body.parents[i] >= 0:
+                squares[body.parents[i]] -= N[i, 6, 6]
+        for i in range(parts):
+            residual[j, i] = np.sqrt(max(0.0, squares[i]) / shown[j, i]) if shown[j, i] else np.nan
 
 
 @compiled
-def view(body, lens, sight, picture, R, t, chosen, grey, starts):
-    """Follow every point that the pose R, t shows in a picture: fills chosen, grey, starts."""
-    height, width = picture.shape[0], picture.shape[1]
+def view(body, lens, sight, width, height, picture, scale, of, every, R, t, chosen, grey, starts):
+    """Choose the points that the pose R, t shows, as `pick` does: fills chosen, grey, starts.
+
+    width, height and lens are the finest picture's; `picture` is the level `scale` times as large.
+    """
     parts, size = body.parents.shape[0], body.points.shape[0]
     HR, Ho = np.empty((parts, 3, 3)), np.empty((parts, 3))
     depth = np.empty((height // sight.cell + 2, width // sight.cell + 2), np.float32)
@@ -289,4 +291,4 @@ def view(body, lens, sight, picture, R, t, chosen, grey, starts):
     uvz, seen = np.empty((size, 3), np.float32), np.zeros(size, np.uint8)
     place_parts(body, R, t, HR, Ho)
     see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
-    return pick(body, uvz, seen, picture, 1.0, 1, 1, chosen, grey, starts)
+    return pick(body, uvz, seen, picture, scale, of, every, chosen, grey, starts)

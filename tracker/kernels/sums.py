@@ -221,8 +221,8 @@ def sum_points(
     """N (P, 7, 7) ← Σ w [row, r]ᵀ[row, r] of every part; histogram of |r|; the number of points.
 
     Rows 0–5 are [g, (p − c) × g], 6 the residual r, 7 the source's brightness and 8 a one, for gain
-    and bias. `loss` and `scale` choose the weights; `need_seen` drops points that the target pose hides
-    (`seen` (S,) uint8); `gain` lets each part be brighter or darker than its source.
+    and bias. `loss` and `scale` choose the weights; `need_seen` drops points that the target pose
+    hides (`seen` (S,) uint8); `gain` lets each part be brighter or darker than its source.
     """
     total = np.empty((9, 9))
     weights, taps = np.empty(BLOCK, np.float32), np.empty((BLOCK, 4), np.float32)
@@ -253,6 +253,30 @@ def sum_points(
             for b in range(a, 7):
                 N[i, a, b] = total[a, b]
                 N[i, b, a] = total[a, b]
+    return points
+
+
+@compiled
+def sum_residuals(
+    body, chosen, grey, starts, HR, Ho, picture, lens, histogram, rows
+):  # fmt: skip
+    """histogram of |r| of the followed points at a target pose; their number."""
+    taps, unseen = np.empty((BLOCK, 4), np.float32), np.empty(0, np.uint8)
+    histogram[:] = 0
+    points = 0
+    for i in range(body.parents.shape[0]):
+        R, o = HR[i].astype(np.float32), Ho[i].astype(np.float32)
+        first = starts[i]
+        while first < starts[i + 1]:
+            last = min(first + BLOCK, starts[i + 1])
+            count = gather(
+                body, chosen, grey, first, last, R, o, picture, lens, unseen, False, rows, taps
+            )
+            for k in range(count):
+                r = abs(taps[k, 0] - rows[4, k])
+                histogram[min(int(r * f4(4)), BINS - 1)] += 1
+            points += count
+            first = last
     return points
 
 

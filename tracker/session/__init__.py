@@ -1,14 +1,13 @@
 """The session: what a person edits and saves, and the file it lives in."""
 
 from tracker.session.schema import (
-    IgnoreMask,
     Keyframe,
     Results,
     SegmentSummary,
     Session,
-    TrackSettings,
     VideoReference,
 )
+from tracker.settings import IgnoreMask, TrackSettings
 
 __all__ = [
     "IgnoreMask",

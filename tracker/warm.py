@@ -1,0 +1,55 @@
+"""Getting the compiled loops ready before they are needed.
+
+The first run on a machine compiles them, which takes about a minute; later runs load them from
+disk. `warm` does either by tracking a tiny grey box, so that whoever serves a person can do it
+while the person's video is still being read.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numba
+import numpy as np
+
+from tracker.body import ALL_DOFS, Body, Part
+from tracker.camera import Camera
+from tracker.images import LEVELS, Clip, prepare
+from tracker.methods import FULL, PREVIEW
+from tracker.observe import observe
+from tracker.pose import Pose
+from tracker.scene import Scene
+from tracker.segment import Segment, track_segment
+from tracker.shapes import Box
+from tracker.skeleton import Skeleton
+
+_DONE = "warm"
+
+
+def is_warm() -> bool:
+    """Whether the loops have been compiled on this machine before."""
+    return _mark().exists()
+
+
+def warm() -> None:
+    """Compile the loops, or load them."""
+    shape = Box(low_m=(-0.2, -0.2, -0.2), high_m=(0.2, 0.2, 0.2))
+    body = Body(name="box", parts=(Part(name="box", shape=shape, tracked=ALL_DOFS),))
+    skeleton = Skeleton.of(body)
+    camera = Camera(width=48, height=48, fx=48.0, fy=48.0, cx=23.5, cy=23.5)
+    poses = [Pose.rest(skeleton, (x, 0.0, 1.5)) for x in (0.0, 0.03)]
+    scene = Scene.of(skeleton, camera, poses, density=0.05)
+    rows, columns = np.mgrid[:48, :48]
+    grey = (120 + 60 * np.sin(rows / 3) * np.sin(columns / 4)).astype(np.uint8)
+    pyramid = prepare(grey, None, LEVELS)
+    clip = Clip(0, tuple(np.stack([level] * 4) for level in pyramid))
+    segment = Segment(0, 3, poses[0], poses[1], clip)
+    for method in (PREVIEW, FULL):
+        for step in track_segment(scene, segment, method):
+            last = step.trajectory
+    observe(scene, clip, last)
+    _mark().touch()
+
+
+def _mark() -> Path:
+    return Path(numba.config.CACHE_DIR) / _DONE  # type: ignore[attr-defined]
