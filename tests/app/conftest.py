@@ -9,6 +9,7 @@ import pytest
 from app.commands import follow
 from tests.app.cli_cases import tracker
 from tests.tracker import session_cases as cases
+from tracker import warm
 from tracker.session.files import load_session, save_session
 from tracker.session.tracks import save_result
 
@@ -17,6 +18,7 @@ from tracker.session.tracks import save_result
 def session_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A session on disk, not yet tracked; tracking is a fake."""
     monkeypatch.setattr(follow, "track_session", tracker())
+    monkeypatch.setattr(warm, "is_warm", lambda: True)
     folder = tmp_path / "job"
     folder.mkdir()
     return cases.write_session(folder)

@@ -15,8 +15,8 @@ from app.commands import follow
 from tests.app.cli_cases import everything_in, tracker
 from tests.tracker import session_cases as cases
 from tracker.session.files import load_session, save_session
-from tracker.session.tracks import load_trajectory
 from tracker.session.tracking import track_session
+from tracker.session.tracks import load_trajectory
 from tracker.track import (
     SegmentFinished,
     TrackFinished,

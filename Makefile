@@ -1,0 +1,66 @@
+# run · test · check · bench · clean: the commands of README and CI, nothing else.
+# Another interpreter:  make run PYTHON=python3.12
+
+PYTHON ?= python3
+SAMPLE = sample_videos/person
+OUT = out/person
+KEYPOSE = .venv/bin/keypose
+
+.PHONY: run test check bench clean
+.DEFAULT_GOAL := run
+
+# Track the sample, draw it, export it, and compare it with the known motion.
+run: .venv/.ready
+	@$(KEYPOSE) track $(SAMPLE)/session.json --out $(OUT) --overwrite
+	@for frame in 12 36 60; do \
+	    $(KEYPOSE) shot $(OUT)/session.json --frame $$frame --view all \
+	        --out $(OUT)/frame$$frame.png --overwrite || exit; \
+	done
+	@$(KEYPOSE) export $(OUT)/session.json --format csv --out $(OUT) --overwrite
+	@$(KEYPOSE) export $(OUT)/session.json --format bvh --out $(OUT) --overwrite
+	@$(KEYPOSE) evaluate $(OUT)/session.json --reference $(SAMPLE)/truth.npz > $(OUT)/errors.txt
+	@echo
+	@grep -E '^(in |along|joint|all)' $(OUT)/errors.txt
+	@echo "(left: tracked; right: interpolated between the same keyframes; every joint: $(OUT)/errors.txt)"
+	@echo
+	@echo "The session with its result  $(OUT)/session.json"
+	@echo "Pictures                     $(OUT)/frame12.png frame36.png frame60.png"
+	@echo "Tables                       $(OUT)/joints.csv angles.csv"
+	@echo "For animation programs       $(OUT)/motion.bvh"
+
+test: check
+	@.venv/bin/pytest -n 2
+
+check: .venv/.ready-dev
+	@.venv/bin/ruff check --quiet .
+	@.venv/bin/ruff format --check --quiet .
+	@.venv/bin/mypy --no-error-summary
+	@.venv/bin/lint-imports --no-logo
+
+bench: .venv/.ready-dev
+	@.venv/bin/python -m tests.benchmarks
+
+# What the commands above have made; the compiled loops in ~/.cache/keypose stay.
+clean:
+	rm -rf .venv out build *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis \
+	    .import_linter_cache benchmarks.json
+	find app tracker tests sample_videos -name __pycache__ -prune -exec rm -rf {} +
+
+.venv/.ready: pyproject.toml | .venv/bin/pip
+	@echo "Installing Keypose and what it needs into .venv …"
+	@.venv/bin/pip install --quiet --disable-pip-version-check --editable .
+	@touch $@
+
+.venv/.ready-dev: pyproject.toml | .venv/bin/pip
+	@echo "Installing Keypose, what it needs and what its tests need into .venv …"
+	@.venv/bin/pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	@touch $@ .venv/.ready
+
+.venv/bin/pip:
+	@command -v $(PYTHON) > /dev/null || { \
+	    echo "Keypose needs Python 3.11 or newer, but there is no $(PYTHON); name one with: make PYTHON=…" >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+	    echo "Keypose needs Python 3.11 or newer, but $(PYTHON) is older; name another one with: make PYTHON=…" >&2; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2> /dev/null || { \
+	    echo "$(PYTHON) cannot make virtual environments; on Debian and Ubuntu this helps: apt-get install python3-venv" >&2; exit 1; }
+	@$(PYTHON) -m venv .venv
