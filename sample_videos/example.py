@@ -25,7 +25,7 @@ def main() -> None:
     for frame in range(motion.first_frame, motion.last_frame + 1, 10):
         x, y, z = p_camera_joint[frame - motion.first_frame, 0]
         u, v = uv[frame - motion.first_frame, 0]
-        print(f"frame {frame:2}: the box is at {x:+.2f} {y:+.2f} {z:.2f} m, seen at {u:.0f} {v:.0f}")
+        print(f"frame {frame:2}: {x:+.2f} {y:+.2f} {z:.2f} m, seen at pixel {u:.0f} {v:.0f}")
 
 
 if __name__ == "__main__":

@@ -49,7 +49,8 @@ JOINTS = {
 
 POINTS: Mapping[str, tuple[str, Point]] = {
     "chin": ("head", (0.0, 0.03, -0.095)),
-    "c7": ("chest", (0.0, -0.45, 0.05)),
+    "c7": ("chest", (0.0, -0.42, 0.05)),
+    "head_middle": ("head", (0.0, -0.05, 0.0)),
     "left_knuckles": ("left_hand", (0.0, 0.09, 0.0)),
     "right_knuckles": ("right_hand", (0.0, 0.09, 0.0)),
 }

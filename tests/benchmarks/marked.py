@@ -1,4 +1,4 @@
-"""Real people: the marked joints, the body sized and posed on them, and what they are compared by."""
+"""Real people: their marked joints, and the body sized and posed on them."""
 
 from __future__ import annotations
 

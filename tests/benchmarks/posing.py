@@ -196,9 +196,7 @@ def _miss(
     return float(np.mean(np.concatenate([miss_px(skeleton, camera, m, poses) for m in marked])))
 
 
-def miss_px(
-    skeleton: Skeleton, camera: Camera, marked: Marked, poses: Mapping[int, Pose]
-) -> Array:
+def miss_px(skeleton: Skeleton, camera: Camera, marked: Marked, poses: Mapping[int, Pose]) -> Array:
     """Distances in pixels between one frame's marks and the posed joints, in the marks' order."""
     pose = poses[marked.frame]
     Ts = part_transforms(skeleton, pose.Rs_parent_part, pose.p_camera_root)
@@ -206,5 +204,3 @@ def miss_px(
     return np.array(
         [np.linalg.norm(_joint(uv, skeleton.body, n) - mark) for n, mark in marked.uv.items()]
     )
-
-

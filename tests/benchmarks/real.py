@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import cv2
@@ -13,10 +14,11 @@ from tests.benchmarks.keeping import ROOT, Absent
 from tests.benchmarks.marked import Person, load_person, load_walk
 from tests.benchmarks.table import Expected, Pair, Report, Table
 from tests.benchmarks.tracking import Tracked, linear, track
+from tracker.errors import FormatError
 from tracker.evaluate import Evaluation, JointReference, Spread, evaluate_joints
 from tracker.pose import joint_positions, pose_transforms
 from tracker.track import Tracker
-from tracker.trajectory import Trajectory, joined
+from tracker.trajectory import Trajectory, interpolate, joined
 from tracker.video import Video
 
 INTERVALS = {"person": (15, 30, 60), "walk": (10, 20, 40)}
@@ -139,21 +141,25 @@ def _words(report: Report, name: str, person: Person, found: Tracked) -> None:
     """Each segment's verdict beside its error, its candidates' scores and the joints worst off."""
     report.note(f"\n{name}: segments as they were judged")
     for segment in found.segments:
-        one = Tracked([segment])
-        first, last = one.trajectories[0].first_frame, one.trajectories[0].last_frame
-        reference, _ = _reference(person, last - first)
-        pixels = _evaluation(person, one, reference).estimate.pixels
-        known = {n: s.mean for n, s in pixels.each.items() if s.count}
-        worst = sorted(known, key=lambda n: -known[n])[:4]
-        joints = ", ".join(f"{n} {known[n]:.0f}" for n in worst)
+        first, last = segment.trajectory.first_frame, segment.trajectory.last_frame
         scores = " ".join(
             f"{'*' if k == segment.best_pass else ''}{step[0]}{score:.0f}"
             for k, (step, score) in enumerate(zip(segment.steps, segment.scores, strict=True))
         )
-        report.note(
-            f"  {first}–{last}: {_pair(pixels.overall)} px; {segment.verdict.words}; "
-            f"worst {joints}; scores {scores}"
-        )
+        error = _worst(person, Tracked([segment]), last - first)
+        report.note(f"  {first}–{last}: {error}; {segment.verdict.words}; scores {scores}")
+
+
+def _worst(person: Person, found: Tracked, interval: int) -> str:
+    """A segment's error in words, with the joints that are furthest off."""
+    reference, _ = _reference(person, interval)
+    try:
+        pixels = _evaluation(person, found, reference).estimate.pixels
+    except FormatError:
+        return "nothing marked between"
+    known = {n: s.mean for n, s in pixels.each.items() if s.count}
+    worst = sorted(known, key=lambda n: -known[n])[:4]
+    return f"{_pair(pixels.overall)} px, {', '.join(f'{n} {known[n]:.0f}' for n in worst)}"
 
 
 def _in_space(report: Report, person: Person, tracked: dict[tuple[str, int], Any]) -> None:
@@ -177,7 +183,7 @@ def _sheet(report: Report, name: str, interval: int, person: Person, found: Trac
     """The tracked body over the pictures, interpolation below it, for a person to look at."""
     ours = joined(found.trajectories)
     keys = sorted({t.first_frame for t in found.trajectories} | {ours.last_frame})
-    frames = sorted({(a + b) // 2 for a, b in zip(keys, keys[1:], strict=False)} | set(keys))
+    frames = sorted({(a + b) // 2 for a, b in pairwise(keys)} | set(keys))
     frames += [f for f in person.marks.frames.tolist() if f <= ours.last_frame]
     frames = sorted(set(frames))
     plain = joined(_interpolated(person, keys))
@@ -195,10 +201,7 @@ def _sheet(report: Report, name: str, interval: int, person: Person, found: Trac
 
 
 def _interpolated(person: Person, keys: list[int]) -> list[Trajectory]:
-    from tracker.trajectory import interpolate
-
-    spans = zip(keys, keys[1:], strict=False)
-    return [interpolate(person.poses[a], person.poses[b], a, b) for a, b in spans]
+    return [interpolate(person.poses[a], person.poses[b], a, b) for a, b in pairwise(keys)]
 
 
 def _box(person: Person, motion: Trajectory, frames: list[int]) -> tuple[int, int]:

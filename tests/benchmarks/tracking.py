@@ -112,7 +112,9 @@ def against(skeleton: Skeleton, camera: Camera, truth: Trajectory) -> Measure:
     joints = truth.joints(skeleton)
 
     def measure(found: Trajectory) -> tuple[Array, Array]:
-        rows = slice(found.first_frame - truth.first_frame + 1, found.last_frame - truth.first_frame)
+        rows = slice(
+            found.first_frame - truth.first_frame + 1, found.last_frame - truth.first_frame
+        )
         ours, true = found.joints(skeleton)[1:-1], joints[rows]
         px = np.linalg.norm(camera.project(ours) - camera.project(true), axis=-1)
         return 100 * np.linalg.norm(ours - true, axis=-1), px

@@ -7,7 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sample_videos import make_balance
 from sample_videos.make_samples import FOLDER, samples
+from tracker.pose import joint_names, joint_positions, pose_transforms
 from tracker.session.archive import archive_arrays
 from tracker.session.files import load_session, open_video_of
 from tracker.skeleton import Skeleton
@@ -38,3 +40,23 @@ def test_the_clips_show_what_the_renderer_makes_today() -> None:
             coded = video.frame(10).astype(int)
         fresh = sample.scene.cut(10, 10).frames()[0]
         assert np.abs(coded - fresh).mean() < 2.5
+
+
+def test_the_filmed_clip_has_its_licence_and_its_poses_lie_on_its_marks() -> None:
+    folder = make_balance.FOLDER
+    assert (folder / "balance.mp4").stat().st_size < 1_500_000
+    assert "BSD 3-Clause" in (folder / "LICENSE").read_text("utf-8")
+    session = load_session(folder / "session.json")
+    open_video_of(session, folder / "session.json").close()
+    skeleton = Skeleton.of(session.body)
+    names = joint_names(skeleton)
+    marks = make_balance.marks()
+    assert [mark.frame for mark in marks] == [keyframe.frame for keyframe in session.keyframes]
+    misses_px = []
+    for mark, keyframe in zip(marks, session.keyframes, strict=True):
+        Ts = pose_transforms(skeleton, keyframe.pose(skeleton))
+        uv = session.camera.project(joint_positions(skeleton, Ts))
+        known = [name for name in mark.uv if name in names]
+        at_marks = uv[[names.index(name) for name in known]]
+        misses_px.append(at_marks - [mark.uv[name] for name in known])
+    assert np.linalg.norm(np.concatenate(misses_px), axis=1).mean() < 3

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -243,7 +244,7 @@ def printed_correction(M: Floats, T: Floats, rounds: int) -> list[float]:
         ]
         abc = np.linalg.lstsq(np.column_stack(columns), (T - F[n]).ravel(), rcond=None)[0]
         M = M @ (np.eye(3) + sum(v * g for v, g in zip(abc, generators, strict=True)))
-        errors.append(float(np.linalg.norm(np.linalg.multi_dot([np.eye(3), *M]) - T)))
+        errors.append(float(np.linalg.norm(reduce(np.matmul, M) - T)))
     return errors
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
 import pytest
@@ -22,6 +24,8 @@ from tracker.scene import FEWEST_POINTS, MOST_POINTS, Scene
 from tracker.shapes import Box, Cylinder, Frustum, Shape
 from tracker.skeleton import Skeleton
 
+Floats = NDArray[np.float64]
+
 SHAPES: dict[str, Shape] = {
     "box": Box(low_m=(-0.2, 0.0, -0.1), high_m=(0.1, 0.5, 0.3)),
     "cylinder": Cylinder(start_m=-0.1, end_m=0.4, radius_m=0.08),
@@ -36,25 +40,30 @@ def on(shape: Shape, spacing: float) -> SurfacePoints:
     return lay_points(Skeleton.of(Body(name="one", parts=(part,))), spacing)
 
 
-def planes(shape: Shape) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Outward unit normals (F, 3) of a shape's faces and their distances from the origin (F,)."""
+def faces_at(shape: Shape, points: NDArray[np.float32]) -> tuple[Floats, NDArray[np.bool_]]:
+    """Outward unit normals (F, 3) of a shape's faces, and on which of them points lie (N, F)."""
     mesh = shape.mesh()
-    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
+    corners = mesh.vertices[mesh.faces]
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     normals = np.cross(b - a, c - a)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    return normals, np.einsum("fi,fi->f", normals, a)
+    near = np.abs(points @ normals.T - np.einsum("fi,fi->f", normals, a)) < 1e-6
+    for k in range(3):
+        inward = np.cross(normals, corners[:, (k + 1) % 3] - corners[:, k])
+        inward /= np.linalg.norm(inward, axis=1, keepdims=True)
+        near &= points @ inward.T - np.einsum("fi,fi->f", inward, corners[:, k]) > -1e-6
+    return normals, near
 
 
 @every_shape
 def test_points_lie_on_the_surface_with_outward_unit_normals(name: str) -> None:
     laid = on(SHAPES[name], 0.02)
-    normals, distances = planes(SHAPES[name])
-    outside = laid.points @ normals.T - distances
-    assert outside.max() < 1e-6  # the shapes are convex
-    touched = np.abs(outside) < 1e-6
+    normals, touched = faces_at(SHAPES[name], laid.points)
     assert touched.any(axis=1).all()
     along = laid.normals @ normals.T
     assert (np.where(touched, along, -1).max(axis=1) > 0.999).all()
+    middle = SHAPES[name].mesh().vertices.mean(axis=0)
+    assert (np.sum(laid.normals * (laid.points - middle), axis=1) > 0).all()
     np.testing.assert_allclose(np.linalg.norm(laid.normals, axis=1), 1.0, atol=1e-6)
 
 
@@ -79,9 +88,8 @@ def test_points_are_sorted_by_part_and_every_part_has_some() -> None:
     assert laid.starts[-1] == len(laid.points) == len(laid.normals)
     assert (np.diff(laid.starts) >= 8).all()
     for i, part in enumerate(skeleton.body.parts):
-        normals, distances = planes(part.shape)
         mine = laid.points[laid.starts[i] : laid.starts[i + 1]]
-        assert (mine @ normals.T - distances).max() < 1e-6
+        assert faces_at(part.shape, mine)[1].any(axis=1).all()
 
 
 def test_neighbours_in_the_list_are_neighbours_on_the_surface() -> None:
@@ -111,35 +119,58 @@ def test_near_and_far_bodies_have_neither_too_many_points_nor_too_few(depth_m: f
 
 @pytest.mark.parametrize("name", ["speech", "stride", "throw", "tumbling_box"])
 @pytest.mark.parametrize("projection", ["perspective", "telephoto"])
-def test_points_are_seen_where_the_part_owns_the_pixel(name: str, projection: str) -> None:
+def test_points_are_seen_where_their_part_owns_the_pixel(name: str, projection: str) -> None:
     made = scene(name)
     camera = made.camera
     if projection == "telephoto":
         update = {"projection": projection, "telephoto_distance_m": 5.0}
         camera = camera.model_copy(update=update)
-    agreed = []
     for frame in (5, 30, 55):
         pose = made.truth.pose(frame)
         here = Scene.of(made.skeleton, camera, [pose])
-        parts, size = made.skeleton.part_count, len(here.points.points)
-        HR, Ho = np.empty((parts, 3, 3)), np.empty((parts, 3))
-        place_parts(here.arrays, pose.Rs_parent_part, pose.p_camera_root, HR, Ho)
-        uvz, seen = np.empty((size, 3), np.float32), np.zeros(size, np.uint8)
-        cells = (360 // here.sight.cell + 2, 640 // here.sight.cell + 2)
-        see(
-            here.arrays, HR, Ho, here.lens, here.sight, 640, 360, uvz, seen,
-            np.empty(cells, np.float32), np.empty(cells, np.int16),
-        )  # fmt: skip
-        drawn = raster(BodyMesh.of(made.skeleton), pose_transforms(made.skeleton, pose),
-                       Eye.of(camera)).part  # fmt: skip
-        whole = drawn.astype(np.float32)
-        inner = cv2.dilate(whole, np.ones((5, 5))) == cv2.erode(whole, np.ones((5, 5)))
-        part = np.repeat(np.arange(parts), np.diff(here.points.starts))
-        columns, rows = np.rint(uvz[seen == 1, :2]).astype(int).T
-        clear = inner[rows, columns]
-        owner = drawn[rows, columns][clear]
-        agreed.append((owner == part[seen == 1][clear]).mean())
-        shown = np.bincount(part[seen == 1], minlength=parts)
-        pixels = np.bincount(drawn[drawn >= 0], minlength=parts)
-        assert (shown[pixels > 150] > 0).all()
-    assert min(agreed) >= 0.97
+        shown = looked_at(here, pose)
+        eye = Eye.of(camera)
+        drawn = raster(BodyMesh.of(made.skeleton), pose_transforms(made.skeleton, pose), eye)
+        owners = drawn.part.astype(np.float32)
+        inner = cv2.dilate(owners, np.ones((5, 5))) == cv2.erode(owners, np.ones((5, 5)))
+        columns, rows = np.rint(np.where(shown.inside, shown.uv.T, 0.0)).astype(int)
+        clear = shown.inside & inner[rows, columns]
+        own = drawn.part[rows, columns] == shown.part
+        behind = shown.z - drawn.depth[rows, columns]
+        seen = clear & shown.seen
+        # sunk a little into its neighbour at a joint, a point still counts as seen
+        assert (own | (behind < here.sight.tolerance))[seen].mean() >= 0.97
+        assert own[seen].mean() >= 0.94
+        bare = clear & own & (np.abs(behind) < 0.004)
+        assert shown.seen[bare].mean() >= 0.95  # all but those at a grazing angle
+        pixels = np.bincount(drawn.part[drawn.part >= 0], minlength=made.skeleton.part_count)
+        found = np.bincount(shown.part[shown.seen], minlength=made.skeleton.part_count)
+        assert (found[pixels > 150] > 0).all()
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """Of every point: its part, pixel and depth, whether it falls into the picture and is seen."""
+
+    part: NDArray[np.int64]
+    uv: Floats
+    z: Floats
+    inside: NDArray[np.bool_]
+    seen: NDArray[np.bool_]
+
+
+def looked_at(here: Scene, pose: Pose) -> Shown:
+    parts, size = here.skeleton.part_count, len(here.points.points)
+    width, height, cell = here.camera.width, here.camera.height, here.sight.cell
+    HR, Ho = np.empty((parts, 3, 3)), np.empty((parts, 3))
+    place_parts(here.arrays, pose.Rs_parent_part, pose.p_camera_root, HR, Ho)
+    seen, cells = np.zeros(size, np.uint8), (height // cell + 2, width // cell + 2)
+    see(
+        here.arrays, HR, Ho, here.lens, here.sight, width, height, np.empty((size, 3), np.float32),
+        seen, np.empty(cells, np.float32), np.empty(cells, np.int16),
+    )  # fmt: skip
+    part = np.repeat(np.arange(parts), np.diff(here.points.starts))
+    p = np.einsum("nij,nj->ni", HR[part], here.points.points) + Ho[part]
+    uv = here.camera.project(p)
+    inside = ((uv > 1) & (uv < (width - 2, height - 2))).all(axis=1)
+    return Shown(part, uv, p[:, 2], inside, seen == 1)
