@@ -1,6 +1,6 @@
 """Keypose from Python: track a clip, hear how it went, read joints off the motion.
 
-    python sample_videos/example.py
+Run it with `python sample_videos/example.py`.
 """
 
 from pathlib import Path

@@ -41,12 +41,12 @@ class Closed:
 
 def correct_drift(trajectory: Trajectory, motions: Motions, end: Pose) -> Closed:
     """Accumulate the motions from the trajectory's first pose and close on `end`."""
-    R, t = trajectory.Rs_parent_part, trajectory.ps_camera_root
+    R, t = trajectory.loose()
     R_out, t_out = np.empty_like(R), np.empty_like(t)
     rounds = np.empty(R.shape[1], np.int64)
     close_segment(
         R, t, motions.Rs_parent_part, motions.ps_camera_root,
-        end.Rs_parent_part, end.p_camera_root, R_out, t_out, rounds,
+        *end.loose(), R_out, t_out, rounds,
     )  # fmt: skip
     return Closed(Trajectory(trajectory.first_frame, R_out, t_out), rounds)
 

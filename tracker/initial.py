@@ -42,10 +42,7 @@ def blended(forward: Trajectory, backward: Trajectory) -> Trajectory:
     """
     R = np.empty_like(forward.Rs_parent_part)
     t = np.empty_like(forward.ps_camera_root)
-    blend(
-        forward.Rs_parent_part, forward.ps_camera_root,
-        backward.Rs_parent_part, backward.ps_camera_root, R, t,
-    )  # fmt: skip
+    blend(*forward.loose(), *backward.loose(), R, t)
     return Trajectory(forward.first_frame, R, t)
 
 

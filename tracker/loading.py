@@ -18,7 +18,9 @@ from tracker.settings import IgnoreMask
 from tracker.video import Video
 
 MEMORY_BYTES = 1_500_000_000
-"""What the clips of one tracking run may hold together."""
+"""What the clip of one segment may take."""
+KEPT_SHARE = 0.25
+"""Of that, how much earlier clips may go on holding."""
 WORKING_PIXELS = 640 * 960
 """Larger pictures are worked on at half size: nothing is gained above it."""
 LONGEST_SEGMENT = 2000
@@ -65,7 +67,7 @@ class WorkingSize:
 
 @dataclass(eq=False)
 class ClipLoader:
-    """Prepares clips of one video; the most recent stay ready, within the memory.
+    """Prepares clips of one video; the most recent stay ready, within a share of the memory.
 
     A frame that cannot be decoded is shown as ignored everywhere: it decides nothing.
     """
@@ -98,7 +100,7 @@ class ClipLoader:
         def held() -> int:
             return sum(level.nbytes for clip in self._ready.values() for level in clip.levels)
 
-        while len(self._ready) > 1 and held() > self.memory:
+        while len(self._ready) > 1 and held() > KEPT_SHARE * self.memory:
             self._ready.popitem(last=False)
 
     def _prepared(self, first: int, last: int) -> Clip:

@@ -66,9 +66,9 @@ def least_squares_step(
     height, width = source.shape[:2]
     view(
         scene.arrays, scene.lens, scene.sight, width, height, source, 1.0, 1, 1,
-        before.Rs_parent_part[j], before.ps_camera_root[j], chosen, grey, starts,
+        *before.pose(before.first_frame + j).loose(), chosen, grey, starts,
     )  # fmt: skip
-    R, t = before.Rs_parent_part[j + 1].copy(), before.ps_camera_root[j + 1].copy()
+    R, t = before.pose(before.first_frame + j + 1).loose()
     N, histogram = np.empty((scene.skeleton.part_count, 7, 7)), np.empty(BINS, np.int32)
     A, b, singular = np.empty((dofs, dofs)), np.empty(dofs), np.zeros(dofs)
     squares, points = 0.0, 0
@@ -127,6 +127,6 @@ def robust_pass(
     slots: NDArray[np.int64] = clip.slots(trajectory.first_frame, trajectory.last_frame)
     score = follow_pairs(
         scene.arrays, scene.lens, scene.sight, scene.prior(of), clip.levels[0], slots,
-        trajectory.Rs_parent_part, trajectory.ps_camera_root, of, inner, stop, R, t,
+        *trajectory.loose(), of, inner, stop, R, t,
     )  # fmt: skip
     return Motions(R, t), float(score)

@@ -43,7 +43,7 @@ def observe(scene: Scene, clip: Clip, trajectory: Trajectory) -> Observation:
     observe_pairs(
         scene.arrays, scene.lens, scene.sight, clip.levels[0],
         clip.slots(trajectory.first_frame, trajectory.last_frame),
-        trajectory.Rs_parent_part, trajectory.ps_camera_root, A, residual, shown, sigma,
+        *trajectory.loose(), A, residual, shown, sigma,
     )  # fmt: skip
     scale = scene.skeleton.column_scale
     values = np.linalg.eigvalsh(A * scale * scale[:, None])[:, ::-1]

@@ -25,6 +25,10 @@ class Pose:
         object.__setattr__(self, "Rs_parent_part", frozen(self.Rs_parent_part))
         object.__setattr__(self, "p_camera_root", frozen(self.p_camera_root))
 
+    def loose(self) -> tuple[Array, Array]:
+        """Writable copies of both arrays: the loops are compiled for that kind only."""
+        return self.Rs_parent_part.copy(), self.p_camera_root.copy()
+
     @classmethod
     def rest(cls, skeleton: Skeleton, p_camera_root: tuple[float, float, float]) -> Pose:
         """The rest pose, its root at the given place."""

@@ -59,7 +59,7 @@ def refine(scene: Scene, clip: Clip, start: Trajectory, how: Refinement) -> Traj
     """The refined trajectory; its ends stay exactly where they are."""
     if len(start) < 3:
         return start
-    R, t = start.Rs_parent_part.copy(), start.ps_camera_root.copy()
+    R, t = start.loose()
     away = np.zeros((len(start) - 2, scene.skeleton.dof_count))
     for level in reversed(range(len(how.solves))):
         if how.solves[level]:

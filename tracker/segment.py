@@ -220,7 +220,7 @@ def _capped(
     return float(
         mean_capped_square(
             scene.arrays, scene.lens, scene.sight, clip.levels[0], slots,
-            trajectory.Rs_parent_part, trajectory.ps_camera_root, method.of, 1, CAP,
+            *trajectory.loose(), method.of, 1, CAP,
         )
     )  # fmt: skip
 

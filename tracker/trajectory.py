@@ -32,6 +32,10 @@ class Trajectory:
     def __len__(self) -> int:
         return len(self.ps_camera_root)
 
+    def loose(self) -> tuple[Array, Array]:
+        """Writable copies of both arrays: the loops are compiled for that kind only."""
+        return self.Rs_parent_part.copy(), self.ps_camera_root.copy()
+
     @property
     def last_frame(self) -> int:
         return self.first_frame + len(self) - 1

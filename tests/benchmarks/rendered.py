@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
 
 from tests.benchmarks.keeping import Absent
 from tests.benchmarks.sequences import LOOKS, Sequence, sequence
@@ -51,26 +53,27 @@ class Row:
     found: Tracked
 
 
+@dataclass(eq=False)
 class Closing:
-    """The largest closing error so far, and how often drift correction took how many rounds."""
+    """The largest closing error so far, and all rounds that drift correction took."""
 
-    def __init__(self) -> None:
-        self.error = 0.0
-        self.rounds: list[int] = []
+    error: float = 0.0
+    rounds: list[int] = field(default_factory=list)
 
-    def add(self, found: Tracked) -> None:
+    def tracked(self, tracker: Tracker, **settings: str) -> Tracked:
+        """Track and take note."""
+        with noted_rounds() as rounds:
+            found = track(tracker, **settings)
+        self.rounds += rounds
         self.error = max(self.error, found.closing_error)
+        return found
 
 
 def measured(shown: Sequence, interval: int, closing: Closing) -> Row:
     """One case, tracked by every method."""
     frames = keyframes_every(interval, 0, len(shown.grey) - 1)
     tracker = Tracker(shown.video(), shown.camera, shown.skeleton, shown.keyposes(frames))
-    with noted_rounds() as rounds:
-        ours, papers = track(tracker), track(tracker, method="paper")
-    closing.rounds += rounds
-    closing.add(ours)
-    closing.add(papers)
+    ours, papers = closing.tracked(tracker), closing.tracked(tracker, method="paper")
     measure = against(shown.skeleton, shown.camera, shown.truth)
     return Row(
         len(tracker.spans),
@@ -98,20 +101,20 @@ def rendered(report: Report) -> None:
     report.note("pass or refinement; best tried: had the truth chosen among the candidates")
     table = report.table("by keyframe interval", *COLUMNS, wide=WIDE)
     for name in STRETCHES:
-        _if_here(report, lambda name=name: _by_interval(table, name, closing))
+        _if_here(report, partial(_by_interval, table, name, closing))
     table = report.table(f"hard conditions, keyframes every {OURS}", *COLUMNS, wide=WIDE)
     for name in STRETCHES:
         for look in LOOKS:
             if look != "textured":
-                _if_here(report, lambda n=name, k=look: _hard(table, n, k, closing))
+                _if_here(report, partial(_hard, table, name, look, closing))
     table = report.table("two keyframes only", *COLUMNS, wide=WIDE)
     _two_keyframes(table, closing)
     _closed(report, closing)
 
 
-def _if_here(report: Report, work: object) -> None:
+def _if_here(report: Report, work: Callable[[], None]) -> None:
     try:
-        work()  # type: ignore[operator]
+        work()
     except Absent as absent:
         report.note(f"left out: {absent} is not here")
 
@@ -143,10 +146,7 @@ def _hard(table: Table, name: str, look: str, closing: Closing) -> None:
 def _paper_only(shown: Sequence, closing: Closing) -> Pair:
     frames = keyframes_every(PAPERS, 0, len(shown.grey) - 1)
     tracker = Tracker(shown.video(), shown.camera, shown.skeleton, shown.keyposes(frames))
-    with noted_rounds() as rounds:
-        found = track(tracker, method="paper")
-    closing.rounds += rounds
-    closing.add(found)
+    found = closing.tracked(tracker, method="paper")
     return mean_errors(against(shown.skeleton, shown.camera, shown.truth), found.trajectories)
 
 

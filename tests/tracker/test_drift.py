@@ -123,6 +123,19 @@ def test_a_segment_with_a_full_turn_inside_is_closed_along_one_axis(n: int, turn
     np.testing.assert_allclose(apart, shares * apart[-1], atol=1e-9)
 
 
+@pytest.mark.parametrize("turn", [0.9, 0.95, 0.963, 0.97, 0.985, 0.995, 0.9999, 1.003, 1.02, 1.1])
+def test_near_a_full_turn_the_correction_does_not_run_away(turn: float) -> None:
+    n, axis = 40, unit(1)
+    R = exp_rotation(np.linspace(0, 2 * np.pi * turn, n + 1)[:, None] * axis)[:, None]
+    path = Trajectory(0, R, np.zeros((n + 1, 3)))
+    gap = np.array([0.05, -0.04, 0.06])
+    end = Pose(R[-1] @ exp_rotation(gap), np.zeros(3))
+    closed = correct_drift(path, Motions(R[1:].copy(), np.zeros((n, 3))), end)
+    assert closing_error(closed.trajectory, path.pose(0), end) <= 1e-9
+    apart = log_rotation(transpose(R[:, 0]) @ closed.trajectory.Rs_parent_part[:, 0])
+    assert np.linalg.norm(apart, axis=1).max() < 4 * np.linalg.norm(gap)
+
+
 def test_nothing_is_changed_where_nothing_has_drifted() -> None:
     skeleton = random_body(3)
     path = random_trajectory(skeleton, 3, 20)

@@ -14,6 +14,7 @@ from tracker.camera import Camera
 from tracker.geometry import log_rotation, transpose
 from tracker.images import IGNORED, Clip, Picture
 from tracker.initial import blended, follow
+from tracker.kernels.pairs import observe_pairs
 from tracker.motion import (
     SINGULAR_CUT,
     MotionStep,
@@ -167,6 +168,29 @@ def test_a_telephoto_camera_leaves_one_motion_unseen_and_depth_at_its_prediction
     assert near.singular_values[-1] > 10 * step.singular_values[-1]
 
 
+def test_observability_is_the_pictures_share_beside_the_prior(person: Case) -> None:
+    scene, clip = person.scene(), Clip(0, tuple(x[:2] for x in person.clip().levels))
+    path = Trajectory(0, person.truth.Rs_parent_part[:2], person.truth.ps_camera_root[:2])
+    dofs, parts = person.skeleton.dof_count, person.skeleton.part_count
+    A, sigma = np.empty((1, dofs, dofs)), np.empty(1)
+    residual, shown = np.empty((1, parts)), np.empty((1, parts), np.int64)
+    observe_pairs(
+        scene.arrays, scene.lens, scene.sight, clip.levels[0], np.arange(2), path.Rs_parent_part,
+        path.ps_camera_root, A, residual, shown, sigma,
+    )  # fmt: skip
+    precision = scene.prior(1).precision
+    data = A[0] * scene.information(1) / sigma[0] ** 2
+    share = 1 - precision * np.diag(np.linalg.inv(data + np.diag(precision)))
+    seen = observe(scene, clip, path)
+    for i in range(parts):
+        mine = person.skeleton.dof_part == i
+        if mine.any():
+            assert seen.observability[0, i] == pytest.approx(share[mine].mean(), abs=1e-6)
+        else:
+            assert np.isnan(seen.observability[0, i])
+    assert 0.01 < np.nanmin(seen.observability) < np.nanmax(seen.observability) < 0.999
+
+
 def hidden_arm() -> tuple[Skeleton, Camera]:
     """A broad wall before a small block that turns about its joint."""
     wall = Part(name="wall", shape=Box(low_m=(-0.5, -0.4, -0.02), high_m=(0.5, 0.4, 0.02)),
@@ -264,6 +288,21 @@ def test_the_printed_score_is_the_passes_own_and_least_at_the_truth(box: Case) -
     assert printed_score(scene, clip, box.truth) == pytest.approx(score)
     still = Trajectory(0, box.truth.Rs_parent_part[[0] * 5], box.truth.ps_camera_root[[0] * 5])
     assert printed_score(scene, clip, still) > 3 * score
+
+
+@pytest.mark.xfail(strict=True, reason="points that leave the picture cost nothing")
+@pytest.mark.parametrize("score", ["capped", "printed"])
+def test_a_path_out_of_the_picture_scores_worse_than_the_truth(box: Case, score: str) -> None:
+    ps = box.truth.ps_camera_root.copy()
+    ps[1:-1, 0] += 40.0
+    gone = Trajectory(0, box.truth.Rs_parent_part, ps)
+    scores = [
+        robust_pass(box.scene(), box.clip(), path, 4, 1, 1e-3)[1]
+        if score == "capped"
+        else printed_score(box.scene(), box.clip(), path)
+        for path in (gone, box.truth)
+    ]
+    assert scores[0] > scores[1]
 
 
 def test_following_runs_both_ways_and_the_blend_starts_at_each_keyframe(box: Case) -> None:

@@ -160,6 +160,14 @@ def test_ten_thousand_motions_leave_rotations_that_are_rotations() -> None:
     np.testing.assert_allclose(np.linalg.det(R), 1.0, atol=1e-12)
 
 
+def test_a_motion_mends_rotations_that_are_not_quite_rotations() -> None:
+    skeleton = deep_chain(3)
+    pose = random_pose(skeleton, 8)
+    bent = Pose(pose.Rs_parent_part * (1 + 1e-4), pose.p_camera_root)
+    R = moved(skeleton, bent, np.zeros(skeleton.dof_count)).Rs_parent_part
+    np.testing.assert_allclose(R, pose.Rs_parent_part, atol=1e-12)
+
+
 def test_interpolation_meets_both_keyframes_exactly_and_divides_evenly() -> None:
     skeleton = random_body(10)
     start, end = random_pose(skeleton, 11), random_pose(skeleton, 12)

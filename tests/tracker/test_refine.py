@@ -77,6 +77,18 @@ def test_a_firm_prior_keeps_the_path_where_it_was(box: Case) -> None:
     assert moved_by[0] < 1e-3
 
 
+def test_a_prior_holds_to_the_start_however_often_is_solved(box: Case) -> None:
+    start = disturbed(box, 0.02)
+
+    def gone(solves: int) -> float:
+        how = Refinement((solves, 0, 0), of=2, prior_rad=1e-3)
+        found = refine(box.scene(), box.clip(), start, how)
+        return float(np.abs(found.Rs_parent_part - start.Rs_parent_part).max())
+
+    assert gone(1) > 0
+    assert gone(12) < 3 * gone(1)
+
+
 @pytest.mark.parametrize("frames", [1, 2])
 def test_without_inner_frames_there_is_nothing_to_refine(box: Case, frames: int) -> None:
     start = Trajectory(3, box.truth.Rs_parent_part[:frames], box.truth.ps_camera_root[:frames])

@@ -17,13 +17,15 @@ from tracker.body import ALL_DOFS, ROTATIONS, Body, Part
 from tracker.camera import Camera
 from tracker.geometry import exp_rotation
 from tracker.images import LEVELS, Clip, prepare
+from tracker.methods import Method
 from tracker.pose import Pose
 from tracker.scene import Scene
+from tracker.segment import Outcome, Pass, Segment, track_segment
 from tracker.settings import TrackSettings
 from tracker.shapes import Box, Cylinder, Frustum, Shape
 from tracker.skeleton import Skeleton
 from tracker.track import SegmentResult, Tracker, TrackFinished, run
-from tracker.trajectory import Trajectory
+from tracker.trajectory import Trajectory, interpolate
 
 Floats = NDArray[np.float64]
 
@@ -192,3 +194,26 @@ def tracked(tracker: Tracker, **settings: Any) -> tuple[SegmentResult, ...]:
     *_, last = run(tracker, TrackSettings(**settings))
     assert isinstance(last, TrackFinished)
     return last.result.segments
+
+
+def segment_of(shown: Case, clip: Clip | None = None) -> Segment:
+    """From the first to the last frame of a case."""
+    last = len(shown.truth) - 1
+    return Segment(0, last, shown.truth.pose(0), shown.truth.pose(last), clip or shown.clip())
+
+
+def worked(shown: Case, segment: Segment, method: Method) -> tuple[list[Pass], Outcome]:
+    """All that tracking yields, and its outcome."""
+    scene = Scene.of(shown.skeleton, shown.camera, [segment.start, segment.end], method.density)
+    work, steps = track_segment(scene, segment, method), []
+    while True:
+        try:
+            steps.append(next(work))
+        except StopIteration as done:
+            return steps, done.value
+
+
+def plain(shown: Case) -> Trajectory:
+    """Interpolation from the first to the last frame of a case."""
+    last = len(shown.truth) - 1
+    return interpolate(shown.truth.pose(0), shown.truth.pose(last), 0, last)
