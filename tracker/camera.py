@@ -95,7 +95,10 @@ class Camera(BaseModel):
         return xy * (self.fx, self.fy) + (self.cx, self.cy)
 
     def back_project(self, uv: Array, depth_m: Array | float) -> Array:
-        """Points (..., 3) in metres that are seen at pixels (..., 2), at z = depth_m."""
+        """Points (..., 3) in metres that are seen at pixels (..., 2), at z = depth_m.
+
+        NaN where the lens shows nothing.
+        """
         uv = np.asarray(uv, dtype=np.float64)
         xy = (uv - (self.cx, self.cy)) / (self.fx, self.fy)
         xy = _undistorted(xy, self.distortion)
@@ -128,13 +131,39 @@ def _distorted(xy: Array, coefficients: tuple[float, ...]) -> Array:
 
 
 def _undistorted(xy: Array, coefficients: tuple[float, ...]) -> Array:
-    """The ideal direction (..., 2) that the lens shows at xy: `_distorted` solved by iteration."""
+    """The ideal direction (..., 2) that the lens shows at xy: `_distorted` solved by Newton's rule.
+
+    NaN where the lens shows no direction at all.
+    """
     if not any(coefficients):
         return xy
     ideal = xy
-    for _ in range(100):
-        miss = _distorted(ideal, coefficients) - xy
-        ideal = ideal - miss
-        if np.abs(miss).max(initial=0.0) < 1e-14:
+    for _ in range(30):
+        step = _solved(_distortion_slope(ideal, coefficients), _distorted(ideal, coefficients) - xy)
+        ideal = ideal - np.clip(step, -0.3, 0.3)  # far out the slope may lead astray
+        if np.abs(step).max(initial=0.0) < 1e-15:
             break
-    return ideal
+    missed = np.abs(_distorted(ideal, coefficients) - xy).max(axis=-1, keepdims=True) > 1e-9
+    return np.where(missed, np.nan, ideal)
+
+
+def _distortion_slope(xy: Array, coefficients: tuple[float, ...]) -> tuple[Array, Array, Array]:
+    """∂`_distorted`/∂(x, y), which is symmetric: its entries xx, xy, yy."""
+    k1, k2, p1, p2, k3 = coefficients
+    x, y = xy[..., 0], xy[..., 1]
+    r2 = x * x + y * y
+    radial = 1 + r2 * (k1 + r2 * (k2 + r2 * k3))
+    bend = 2 * (k1 + r2 * (2 * k2 + 3 * r2 * k3))
+    return (
+        radial + bend * x * x + 2 * p1 * y + 6 * p2 * x,
+        bend * x * y + 2 * p1 * x + 2 * p2 * y,
+        radial + bend * y * y + 6 * p1 * y + 2 * p2 * x,
+    )
+
+
+def _solved(slope: tuple[Array, Array, Array], miss: Array) -> Array:
+    xx, xy, yy = slope
+    u, v = miss[..., 0], miss[..., 1]
+    det = xx * yy - xy * xy
+    det = np.where(np.abs(det) < 1e-12, 1e-12, det)
+    return np.stack([(yy * u - xy * v) / det, (xx * v - xy * u) / det], axis=-1)

@@ -49,9 +49,12 @@ def _float(image: ArrayLike) -> Picture:
 
 
 def _with_rim(usable: Picture) -> Picture:
-    """The same with everything within two pixels of what is ignored ignored as well."""
+    """The same with a rim of four pixels ignored as well.
+
+    Blur, gradient and interpolation reach that far together.
+    """
     ignored = (usable == IGNORED).astype(np.uint8)
-    near = cv2.dilate(ignored, np.ones((5, 5), np.uint8)) > 0
+    near = cv2.dilate(ignored, np.ones((9, 9), np.uint8)) > 0
     return np.where(near, np.float32(IGNORED), usable)
 
 

@@ -25,6 +25,8 @@ WORKING_PIXELS = 640 * 960
 """Larger pictures are worked on at half size: nothing is gained above it."""
 LONGEST_SEGMENT = 2000
 """Frames between two keyframes, beyond which no tracking can be hoped for."""
+FAR_OUT = 1e6
+"""Pixels beyond which a polygon's corner lies anyway outside every picture."""
 PLATE_FRAMES = 41
 PLATE_DIFFERENCE = 8.0
 """Grey levels by which a pixel must differ from the plate to count as the body's."""
@@ -80,6 +82,7 @@ class ClipLoader:
     memory: int = MEMORY_BYTES
     _ready: OrderedDict[tuple[int, int], Clip] = field(default_factory=OrderedDict)
     _plate: Picture | None = None
+    _beyond: NDArray[np.bool_] | None = None
     _lock: Lock = field(default_factory=Lock)
 
     def load(self, first: int, last: int) -> Clip:
@@ -125,19 +128,29 @@ class ClipLoader:
     def _usable(self, index: int, grey: NDArray[np.uint8]) -> Picture | None:
         """What each pixel may be used for, or None where everything may."""
         masks = [m for m in self.masks if m.first_frame <= index <= m.last_frame]
-        if not masks and not self.static_camera:
+        if not masks and not self.static_camera and not self.camera.is_distorted:
             return None
         usable = np.full(grey.shape, USABLE, np.float32)
         if self.static_camera:
             usable[self._is_background(grey)] = TARGET_ONLY
         if masks:
             usable[self._covered(masks)] = IGNORED
+        if self.camera.is_distorted:
+            usable[self._beyond_lens()] = IGNORED
         return usable
+
+    def _beyond_lens(self) -> NDArray[np.bool_]:
+        """Pixels of the rectified picture that the lens never showed."""
+        if self._beyond is None:
+            white = np.full((self.camera.height, self.camera.width), 255, np.uint8)
+            self._beyond = self.size.picture(self.camera.rectify(white)) < 250
+        return self._beyond
 
     def _covered(self, masks: Sequence[IgnoreMask]) -> NDArray[np.bool_]:
         drawn = np.zeros((self.camera.height, self.camera.width), np.uint8)
         for mask in masks:
-            cv2.fillPoly(drawn, [np.round(np.array(mask.polygon)).astype(np.int32)], 255)
+            corners = np.clip(np.array(mask.polygon), -FAR_OUT, FAR_OUT)
+            cv2.fillPoly(drawn, [np.round(corners).astype(np.int32)], 255)
         return self.size.picture(self.camera.rectify(drawn)) > 0
 
     def _is_background(self, grey: NDArray[np.uint8]) -> NDArray[np.bool_]:

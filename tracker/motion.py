@@ -17,13 +17,16 @@ from tracker.geometry import Array
 from tracker.images import Clip, Picture
 from tracker.kernels.chain import move
 from tracker.kernels.pairs import LONGEST_STEP, follow_pairs, linearise, shortened, view
-from tracker.kernels.sums import BINS, LEAST_SQUARES
+from tracker.kernels.sums import BINS, LEAST_SQUARES, LOST
 from tracker.scene import Scene
 from tracker.trajectory import Trajectory
 
 SINGULAR_CUT = 0.02
 """Singular values below this share of the largest count as zero (the paper leaves it open)."""
 SETTLED = 1e-5
+OUTSIDE = 64.0
+"""Grey levels charged for a point that leaves the picture, of which the paper says nothing: were
+it free, the path with the lowest score would lead out of the picture."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +52,8 @@ def solve_with_cut(A: Array, b: Array, scale: Array) -> tuple[Array, Array]:
     A (D, D) is AᵀA and b (D,) Aᵀr, both already at the prediction; so the prediction's share W Wᵀ y
     of a cut direction is to add nothing. scale (D,) makes metres and radians comparable.
     """
+    if not len(b):
+        return b.copy(), b.copy()
     values, V = np.linalg.eigh(A * scale * scale[:, None])
     singular = np.sqrt(np.maximum(values[::-1], 0.0))
     kept = np.sqrt(np.maximum(values, 0.0)) > SINGULAR_CUT * max(singular[0], 1e-300)
@@ -78,7 +83,8 @@ def least_squares_step(
             N, histogram, A, b,
         )  # fmt: skip
         if k == 0:
-            squares, points = float(N[0, 6, 6]), int(count)
+            squares = float(N[0, 6, 6]) + OUTSIDE**2 * int(histogram[LOST])
+            points = int(count)
         step, singular = solve_with_cut(A, b, scene.skeleton.column_scale)
         largest = shortened(step, LONGEST_STEP)
         if largest < 0:
@@ -86,7 +92,7 @@ def least_squares_step(
         move(scene.arrays, R, t, step)
         if largest < SETTLED:
             break
-    rank = int((singular > SINGULAR_CUT * singular[0]).sum())
+    rank = int((singular > SINGULAR_CUT * singular.max(initial=0.0)).sum())
     return MotionStep(R, t, rank, singular, squares, points)
 
 

@@ -57,7 +57,7 @@ class _Textures:
 
 def refine(scene: Scene, clip: Clip, start: Trajectory, how: Refinement) -> Trajectory:
     """The refined trajectory; its ends stay exactly where they are."""
-    if len(start) < 3:
+    if len(start) < 3 or not scene.skeleton.dof_count:
         return start
     R, t = start.loose()
     away = np.zeros((len(start) - 2, scene.skeleton.dof_count))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,18 +44,24 @@ class Scene:
 
     @classmethod
     def of(
-        cls, skeleton: Skeleton, camera: Camera, keyposes: Sequence[Pose], density: float = 1.0
+        cls,
+        skeleton: Skeleton,
+        camera: Camera,
+        keyposes: Sequence[Pose],
+        density: float = 1.0,
+        lay: Callable[[Skeleton, float], SurfacePoints] = lay_points,
     ) -> Scene:
         """Lay out for pictures of an undistorted `camera`, the body about where it is keyed.
 
-        density: number of surface points as a share of the usual one.
+        density: number of surface points as a share of the usual one. lay: lays them; the spacings
+        asked for are few, so that it may keep what it has laid.
         """
         depths = np.concatenate([_depths(skeleton, camera, pose) for pose in keyposes])
         focal = np.sqrt(camera.fx * camera.fy)
-        pixel_m = float(np.median(depths) / focal)
+        pixel_m = _stepped(float(np.median(depths) / focal))
         spacing = _spacing(surface_area(skeleton), pixel_m) / np.sqrt(density)
         cell = int(np.ceil(1.6 * spacing * focal / depths.min()))
-        points = lay_points(skeleton, spacing)
+        points = lay(skeleton, spacing)
         sight = Sight(max(2, cell), FACING, COVER_TOLERANCE * _size(skeleton))
         lens = lens_of(camera)
         return cls(skeleton, camera, points, _arrays(skeleton, points), lens, sight, pixel_m)
@@ -83,6 +89,11 @@ def lens_of(camera: Camera) -> Lens:
 
 def _depths(skeleton: Skeleton, camera: Camera, pose: Pose) -> Array:
     return np.maximum(camera.depth(pose_transforms(skeleton, pose)[:, :3, 3]), 0.05)
+
+
+def _stepped(length: float) -> float:
+    """The nearest of a geometric series of lengths, a fifth apart."""
+    return float(2.0 ** (np.round(4 * np.log2(length)) / 4))
 
 
 def _spacing(area_m2: float, pixel_m: float) -> float:

@@ -23,6 +23,8 @@ from tracker.trajectory import Trajectory, interpolate
 EXACT_KEYFRAMES = 100.0
 """Mean capped square, grey levels², below which two keyframes show the same texture."""
 EXACT_ALLOWANCE, PLAIN_ALLOWANCE = 1.15, 1.05
+NOWHERE_PX = 1e6
+"""Stands for the distance to a place that is behind the camera or no place at all."""
 DOUBT = 0.5
 """Distance between the two chains, as a share of that between them and plain interpolation, above
 which interpolation may still be the better one and is scored as well."""
@@ -252,7 +254,7 @@ def _drift_px(scene: Scene, present: Trajectory, motions: Motions) -> Array:
     """(N - 1, J) distance in the picture of where motions lead and where the trajectory goes."""
     led = Trajectory(present.first_frame + 1, motions.Rs_parent_part, motions.ps_camera_root)
     rest = Trajectory(led.first_frame, present.Rs_parent_part[1:], present.ps_camera_root[1:])
-    return np.nan_to_num(_distance_px(scene, led, rest), nan=0.0, posinf=0.0)
+    return np.nan_to_num(_distance_px(scene, led, rest), nan=NOWHERE_PX, posinf=NOWHERE_PX)
 
 
 def _nothing_px(scene: Scene, trajectory: Trajectory) -> Array:

@@ -19,6 +19,7 @@ from tracker.geometry import Array
 from tracker.loading import MEMORY_BYTES, ClipLoader, WorkingSize
 from tracker.methods import Method, Paper, method_of
 from tracker.observe import observe, unobserved
+from tracker.points import SurfacePoints, lay_points
 from tracker.pose import Pose
 from tracker.scene import Scene
 from tracker.segment import Outcome, Pass, Segment, track_segment
@@ -136,14 +137,18 @@ class Tracker:
         self.size = WorkingSize.for_camera(camera, longest, memory)
         self.camera = self.size.camera(camera)
         self.loader = ClipLoader(video, camera, self.size, masks, static_camera, memory)
-        self._scenes: dict[float, Scene] = {}
+        self._laid: dict[float, SurfacePoints] = {}
 
-    def scene(self, density: float) -> Scene:
-        """The scene with so many surface points; laid once."""
-        if density not in self._scenes:
-            poses = list(self.keyposes.values())
-            self._scenes[density] = Scene.of(self.skeleton, self.camera, poses, density)
-        return self._scenes[density]
+    def scene(self, span: tuple[int, int], density: float) -> Scene:
+        """The scene of one segment, laid out for its own two keyposes."""
+        poses = [self.keyposes[frame] for frame in span]
+        return Scene.of(self.skeleton, self.camera, poses, density, self._lay)
+
+    def _lay(self, skeleton: Skeleton, spacing_m: float) -> SurfacePoints:
+        """Surface points, laid once for a spacing."""
+        if spacing_m not in self._laid:
+            self._laid[spacing_m] = lay_points(skeleton, spacing_m)
+        return self._laid[spacing_m]
 
     @property
     def spans(self) -> list[tuple[int, int]]:
@@ -164,7 +169,7 @@ class Tracker:
         start, end = self.keyposes[first], self.keyposes[last]
         segment = Segment(first, last, start, end, self.loader.load(first, last))
         method = method_of(settings)
-        scene = self.scene(method.density)
+        scene = self.scene((first, last), method.density)
         work, number = track_segment(scene, segment, method), 0
         while True:
             try:

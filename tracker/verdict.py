@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from tracker.geometry import Array
 from tracker.observe import Observation
 from tracker.scene import Scene
-from tracker.segment import Outcome, Segment
+from tracker.segment import NOWHERE_PX, Outcome, Segment
 
 LOST_APART, LOST_DRIFT = 0.28, 0.23
 CHECK_APART, CHECK_DRIFT = 0.18, 0.044
@@ -63,6 +63,9 @@ def judge(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -
     if gave_up or (apart > LOST_APART and drift > LOST_DRIFT):
         near = segment.first_frame + _neediest(evidence)
         return Verdict("lost", f"lost: add a keyframe near {near}", (near, near))
+    if outcome.diverged:
+        first, last = segment.first_frame, segment.last_frame
+        return Verdict("check", f"check {_frames(first, last)}: a pass diverged", (first, last))
     unseen = _longest_unseen(scene, segment, seen)
     if unseen is not None:
         part, first, last = unseen
@@ -80,7 +83,8 @@ def _evidence(scene: Scene, outcome: Outcome) -> _Evidence:
     extent = max(float(extent), float(size), 1.0)  # a body of one part has one joint only
     share = np.linspace(0.0, 1.0, len(outcome.apart_px))
     weight = 4 * share * (1 - share)
-    return _Evidence(outcome.apart_px * weight[:, None] / extent, outcome.drift_px / extent)
+    apart = np.nan_to_num(outcome.apart_px, nan=NOWHERE_PX) * weight[:, None]
+    return _Evidence(apart / extent, np.nan_to_num(outcome.drift_px, nan=NOWHERE_PX) / extent)
 
 
 def _neediest(evidence: _Evidence) -> int:

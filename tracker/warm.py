@@ -14,10 +14,12 @@ import numpy as np
 
 from tracker.body import ALL_DOFS, Body, Part
 from tracker.camera import Camera
+from tracker.eye import Eye
 from tracker.images import LEVELS, Clip, prepare
 from tracker.methods import FULL, PREVIEW
 from tracker.observe import observe
-from tracker.pose import Pose
+from tracker.pose import Pose, pose_transforms
+from tracker.raster import BodyMesh, raster
 from tracker.scene import Scene
 from tracker.segment import Segment, track_segment
 from tracker.shapes import Box
@@ -48,6 +50,7 @@ def warm() -> None:
         for step in track_segment(scene, segment, method):
             last = step.trajectory
     observe(scene, clip, last)
+    raster(BodyMesh.of(skeleton), pose_transforms(skeleton, poses[0]), Eye.of(camera))
     _mark().touch()
 
 

@@ -63,12 +63,12 @@ def _track_box() -> tuple[float, float]:
 
 def _track_looped(frames: int, memory_mb: int | None) -> None:
     """Track the walk there and back again, over and over."""
-    from tests.benchmarks.sequences import sequence, video_of
+    from tests.benchmarks.sequences import video_of, walking
     from tracker.loading import MEMORY_BYTES
     from tracker.settings import TrackSettings
     from tracker.track import Tracker, run
 
-    shown = sequence("walk")
+    shown = walking()
     turn = len(shown.grey) - 1
 
     def there_and_back(frame: int) -> int:

@@ -22,9 +22,9 @@ from tests.benchmarks.literal import (
     optical_flow,
     own_solve,
 )
-from tests.benchmarks.sequences import Sequence, sequence
+from tests.benchmarks.sequences import Sequence, walking
 from tests.benchmarks.table import Report
-from tests.benchmarks.tracking import keyframes_every
+from tests.benchmarks.tracking import keyframes_every, scene_of
 from tracker.loading import MEMORY_BYTES
 from tracker.methods import FULL, Paper
 from tracker.pose import Pose, moved
@@ -46,10 +46,10 @@ SMALL_MEMORY_MB, MEMORY_FRAMES = 300, (100, 400, 1000)
 def cost(report: Report) -> None:
     """The whole group."""
     cv2.setNumThreads(1)
-    shown = sequence("walk")
+    shown = walking()
     busy, cores = os.getloadavg()[0], os.cpu_count()
-    report.note("one thread, least/median; 640×360, walk, 16 parts")
-    report.note(f"load when this began: {busy:.1f} on {cores} cores; with others at work, too slow")
+    report.note("one thread, least/median; 640×360, a walk, 16 parts")
+    report.note(f"load when this began: {busy:.1f} on {cores} cores; beside others all is slower")
     with threadpool_limits(1):
         full = _chains(report, shown)
         _preparation(report, shown)
@@ -120,7 +120,7 @@ def _decoded(path: object) -> None:
 def _forms(report: Report, shown: Sequence, full: Timing) -> None:
     """A solve as the paper prints it, as we do it, and what cannot be undercut."""
     tracker = _tracker(shown, 12)
-    clip, scene = tracker.loader.load(0, 12), tracker.scene(FULL.density)
+    clip, scene = tracker.loader.load(0, 12), scene_of(tracker, (0, 12))
     dense = DenseRows(shown, clip)
     A, r = dense.build()
     least = floor(shown, scene, clip)
@@ -142,12 +142,12 @@ def _forms(report: Report, shown: Sequence, full: Timing) -> None:
 
 def _papers_own(report: Report) -> None:
     """The paper's own measurement: 10 frames, 10 passes, half size."""
-    shown = sequence("walk", stretch=(0, 10), size=(320, 180))
+    shown = walking((0, 10), (320, 180))
     tracker = _tracker(shown, 10, 10)
     start, end = tracker.keyposes[0], tracker.keyposes[10]
     segment = Segment(0, 10, start, end, tracker.loader.load(0, 10))
     method = Paper(passes=10, patience=100)
-    scene = tracker.scene(method.density)
+    scene = scene_of(tracker, (0, 10), method.density)
     spent = Timing.of(lambda: list(track_segment(scene, segment, method)), 3, 1000)
     report.note("\nthe paper's own measurement: 10 frames, 10 passes, 320×180, method paper")
     report.expect("Pentium 4, 2 GHz took about 10 s; here", spent.median, PAPERS_SECONDS, "s")
@@ -202,6 +202,7 @@ def _memory(report: Report) -> None:
 
     Clips stay ready up to a limit, so the memory grows with the video until that is reached.
     """
+    children.peak_mb(MEMORY_FRAMES[0] // 2, None)  # compiles, if the loops have changed
     columns = tuple(f"{frames} frames" for frames in MEMORY_FRAMES)
     table = report.table("peak memory, MB, keyframes every 12, full", *columns)
     for limit in (SMALL_MEMORY_MB, None):

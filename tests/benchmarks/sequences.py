@@ -73,6 +73,14 @@ def sequence(
     return Sequence(shown.skeleton, shown.camera, shown.truth, grey)
 
 
+def walking(stretch: tuple[int, int] = (0, 75), size: tuple[int, int] = (640, 360)) -> Sequence:
+    """Someone who walks: recorded, or written where the recordings are not here."""
+    try:
+        return sequence("walk", stretch=stretch, size=size)
+    except Absent:
+        return sequence("stride", stretch=stretch, size=size)
+
+
 def _file_name(name: str, look: str, size: tuple[int, int], count: int) -> str:
     return f"{name}-{look.replace(' ', '-')}-{size[0]}-{count}"
 

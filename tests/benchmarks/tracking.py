@@ -16,6 +16,7 @@ from tracker.camera import Camera
 from tracker.geometry import Array
 from tracker.initial import follow
 from tracker.methods import FULL
+from tracker.scene import Scene
 from tracker.settings import TrackSettings
 from tracker.skeleton import Skeleton
 from tracker.track import (
@@ -83,11 +84,19 @@ def linear(tracker: Tracker) -> list[Trajectory]:
 
 def forward(tracker: Tracker) -> list[Trajectory]:
     """Followed from each segment's first keyframe alone; the second one has no say."""
-    scene, how = tracker.scene(FULL.density), (FULL.of, FULL.chain_inner, FULL.stop, FULL.finest)
+    how = (FULL.of, FULL.chain_inner, FULL.stop, FULL.finest)
     return [
-        follow(scene, tracker.loader.load(a, b), tracker.keyposes[a], a, b, *how)
+        follow(
+            scene_of(tracker, (a, b)), tracker.loader.load(a, b), tracker.keyposes[a], a, b, *how
+        )
         for a, b in tracker.spans
     ]
+
+
+def scene_of(tracker: Tracker, span: tuple[int, int], density: float = FULL.density) -> Scene:
+    """The scene of one segment, as the tracker lays it out."""
+    keyposes = [tracker.keyposes[frame] for frame in span]
+    return Scene.of(tracker.skeleton, tracker.camera, keyposes, density)
 
 
 @contextmanager

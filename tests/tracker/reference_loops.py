@@ -14,7 +14,7 @@ from tracker.kernels.layout import BodyArrays, Lens, Sight
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
-BINS, BIN = 256, 0.25
+BINS, BIN = 257, 0.25
 GAIN_CENTRE, GAIN_SCALE, GAIN_RIDGE = 110.0, 0.02, 1e-3
 
 
@@ -123,12 +123,14 @@ class Rows:
     """Linearised brightness of the followed points that fall on usable pixels.
 
     part (M,), row (M, 6) [g, (p − c) × g], r (M,) residual, source (M,) brightness in the source.
+    lost: how many fall outside the picture.
     """
 
     part: NDArray[np.int64]
     row: Floats
     r: Floats
     source: Floats
+    lost: int = 0
 
 
 def rows_of(
@@ -140,8 +142,9 @@ def rows_of(
     p = in_camera(body, HR, Ho, chosen)
     uv = project(lens, p)
     fits = (uv >= 0).all(1) & (uv < (width - 1, height - 1)).all(1) & (p[:, 2] > 0.05)
-    if seen is not None:
-        fits &= seen[chosen]
+    followed = np.ones(len(chosen), bool) if seen is None else seen[chosen]
+    lost = int((followed & ~fits).sum())
+    fits &= followed
     fits[fits] = bilinear(picture, uv[fits])[:, 3] >= 0.3
     p, E = p[fits], bilinear(picture, uv[fits])
     x, y, z = p.T if lens.perspective else (*p[:, :2].T, np.full(len(p), lens.distance))
@@ -149,7 +152,7 @@ def rows_of(
     gz = -(x * gx + y * gy) / z if lens.perspective else np.zeros(len(p))
     g = np.column_stack([gx, gy, gz])
     row = np.column_stack([g, np.cross(p - centre, g)])
-    return Rows(part_of(body)[chosen][fits], row, E[:, 0] - grey[fits], grey[fits])
+    return Rows(part_of(body)[chosen][fits], row, E[:, 0] - grey[fits], grey[fits], lost)
 
 
 def weights_of(r: Floats, loss: str, scale: float) -> Floats:
@@ -182,9 +185,11 @@ def sum_points(rows: Rows, parts: int, loss: str, scale: float, gain: bool) -> F
     return N
 
 
-def histogram(r: Floats) -> NDArray[np.int64]:
-    """Counts of |r| in quarter grey levels, the last bin open."""
-    return np.bincount(np.minimum((np.abs(r) / BIN).astype(int), BINS - 1), minlength=BINS)
+def histogram(r: Floats, lost: int = 0) -> NDArray[np.int64]:
+    """Counts of |r| in quarter grey levels, one open bin, and how many left the picture."""
+    counts = np.bincount(np.minimum((np.abs(r) / BIN).astype(int), BINS - 2), minlength=BINS)
+    counts[BINS - 1] = lost
+    return counts
 
 
 def robust_sigma(r: Floats) -> float:
@@ -210,7 +215,7 @@ def normal_equations(body: BodyArrays, below: Bools, N: Floats, S: Floats) -> tu
 
 def capped_square(r: Floats, cap: float) -> float:
     """Mean min(r², cap²), every |r| taken at the middle of its bin."""
-    middle = (np.minimum((np.abs(r) / BIN).astype(int), BINS - 1) + 0.5) * BIN
+    middle = (np.minimum((np.abs(r) / BIN).astype(int), BINS - 2) + 0.5) * BIN
     return float(np.minimum(middle**2, cap**2).sum() / max(1, len(r)))
 
 

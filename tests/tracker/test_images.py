@@ -87,9 +87,6 @@ def test_what_is_covered_shines_through_in_traces_only() -> None:
         assert np.abs(dark - light)[used].max() < 0.02 * 255
 
 
-@pytest.mark.xfail(
-    strict=True, reason="the rim is narrower than blur, gradient and interpolation reach together"
-)
 def test_what_is_covered_does_not_move_the_body() -> None:
     dark, light = (pyramid[0] for pyramid in two_coverings())
     scene = scene_of(random_body(1))

@@ -80,7 +80,6 @@ def test_a_mask_drawn_on_a_distorted_picture_covers_what_was_meant() -> None:
     assert (use[inside] == IGNORED).all()
 
 
-@pytest.mark.xfail(strict=True, reason="what no lens ray reaches is black and counts as a picture")
 def test_what_rectifying_leaves_empty_is_ignored() -> None:
     pincushion = CAMERA.model_copy(update={"distortion": (0.3, 0.0, 0.0, 0.0, 0.0)})
     pictures = np.full((1, HEIGHT, WIDTH, 3), 200, np.uint8)
@@ -90,7 +89,6 @@ def test_what_rectifying_leaves_empty_is_ignored() -> None:
     assert (level[empty, 3] == IGNORED).all()
 
 
-@pytest.mark.xfail(strict=True, reason="corners far outside wrap around as 32-bit numbers")
 def test_a_mask_may_reach_far_out_of_the_picture() -> None:
     corners = ((-1e10, -1e10), (1e10, -1e10), (1e10, 30.0), (-1e10, 30.0))
     mask = IgnoreMask(polygon=corners, first_frame=0, last_frame=0)

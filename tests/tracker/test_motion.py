@@ -254,7 +254,6 @@ def test_where_nothing_shows_everything_follows_the_prediction(box: Case, pictur
     np.testing.assert_allclose(seen.observability, 0.0, atol=1e-9)
 
 
-@pytest.mark.xfail(strict=True, reason="points that find no usable pixel count as equal ones")
 def test_a_residual_without_a_target_is_none(box: Case) -> None:
     clip = clip_of(box.pictures[:2])
     clip.levels[0][1, ..., 3] = IGNORED
@@ -290,7 +289,6 @@ def test_the_printed_score_is_the_passes_own_and_least_at_the_truth(box: Case) -
     assert printed_score(scene, clip, still) > 3 * score
 
 
-@pytest.mark.xfail(strict=True, reason="points that leave the picture cost nothing")
 @pytest.mark.parametrize("score", ["capped", "printed"])
 def test_a_path_out_of_the_picture_scores_worse_than_the_truth(box: Case, score: str) -> None:
     ps = box.truth.ps_camera_root.copy()

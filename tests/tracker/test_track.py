@@ -151,7 +151,6 @@ def test_a_changed_keyframe_changes_its_two_segments_and_no_other(person: Case) 
     assert equal == [False, False, True, True]
 
 
-@pytest.mark.xfail(strict=True, reason="surface points are laid for the median of all keyframes")
 def test_segments_do_not_depend_on_keyframes_that_are_not_theirs(person: Case) -> None:
     before = tracked(person.tracker(*KEYS))
     far = person.truth.pose(18)
@@ -286,7 +285,6 @@ def test_a_saved_session_is_tracked_with_its_own_settings(tmp_path: Path) -> Non
         assert segment.closing_error <= 1e-9
 
 
-@pytest.mark.xfail(strict=True, reason="workers share the memory, and the pictures shrink with it")
 def test_a_long_session_is_tracked_at_the_same_size_by_any_number_of_workers(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

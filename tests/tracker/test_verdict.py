@@ -152,13 +152,11 @@ def test_lost_comes_before_unseen() -> None:
     assert found.kind == "lost"
 
 
-@pytest.mark.xfail(strict=True, reason="a dropped pass is told only where interpolation was kept")
 @pytest.mark.parametrize("what", ["both ways", "pass", "refinement"])
 def test_a_segment_of_which_a_pass_diverged_is_not_good(what: str) -> None:
     assert verdict(outcome(diverged=True, what=what)).kind != "good"
 
 
-@pytest.mark.xfail(strict=True, reason="numbers that are none are smaller than every threshold")
 @pytest.mark.parametrize("nothing", ["apart", "drift"])
 def test_evidence_that_is_no_number_is_not_good(nothing: str) -> None:
     none = np.full((N + 1, JOINTS), np.nan)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import sys
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -26,6 +27,7 @@ def _cache_folder() -> Path:
     """A folder of this user's for the compiled loops, one for each version of their text."""
     text = b"".join(path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py")))
     version = f"{numba.__version__}-{hashlib.sha256(text).hexdigest()[:16]}"
+    version = f"{sys.implementation.cache_tag}-{version}"
     base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     for folder in (base, Path(tempfile.gettempdir()) / f"keypose-{os.getuid()}"):
         place = folder / "keypose" / "kernels" / version

@@ -28,6 +28,7 @@ from tracker.kernels.sums import (
     HUBER,
     HUBER_WIDTH,
     capped_square,
+    count_landed,
     robust_sigma,
     sum_points,
     sum_residuals,
@@ -259,6 +260,7 @@ def observe_pairs(
     chosen, grey = np.empty(size + 1, np.int32), np.empty(size + 1, np.float32)
     starts, b = np.empty(parts + 1, np.int64), np.empty(body.dof_part.shape[0])
     histogram, squares = np.empty(BINS, np.int32), np.empty(parts)
+    landed = np.empty(parts, np.int64)
     for j in range(R.shape[0] - 1):
         place_parts(body, R[j], t[j], HR, Ho)
         see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
@@ -268,6 +270,8 @@ def observe_pairs(
             HUBER, FIRST_WIDTH, N, histogram, A[j], b,
         )  # fmt: skip
         sigma[j] = robust_sigma(histogram, points)
+        place_parts(body, R[j + 1], t[j + 1], HR, Ho)
+        count_landed(body, chosen, grey, starts, HR, Ho, pictures[slots[j + 1]], lens, landed)
         for i in range(parts):
             shown[j, i] = starts[i + 1] - starts[i]
             squares[i] = N[i, 6, 6]
@@ -275,7 +279,7 @@ def observe_pairs(
             if body.parents[i] >= 0:
                 squares[body.parents[i]] -= N[i, 6, 6]
         for i in range(parts):
-            residual[j, i] = np.sqrt(max(0.0, squares[i]) / shown[j, i]) if shown[j, i] else np.nan
+            residual[j, i] = np.sqrt(max(0.0, squares[i]) / landed[i]) if landed[i] else np.nan
 
 
 @compiled

@@ -9,12 +9,14 @@ nearness, 1/z or −z, which grows toward the eye and is interpolated without an
 from __future__ import annotations
 
 import math
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry import Array
 from tracker.kernels import compiled
+
+Array: TypeAlias = NDArray[np.float64]
 
 PERSPECTIVE = 0.0
 PARALLEL = 1.0

@@ -16,7 +16,9 @@ f4 = np.float32
 X, Y, Z, USE = np.uint64(0), np.uint64(1), np.uint64(2), np.uint64(3)
 
 BLOCK = 256
-BINS = 256
+BINS = 257
+FAR, LOST = 255, 256
+"""Histogram of |r|: quarter grey levels, all beyond in FAR; and how many left the picture."""
 LEAST_SQUARES, HUBER, TUKEY = 0, 1, 2
 HUBER_WIDTH, TUKEY_WIDTH = 1.345, 4.685
 GAIN_CENTRE, GAIN_SCALE = 110.0, 0.02
@@ -24,14 +26,17 @@ GAIN_CENTRE, GAIN_SCALE = 110.0, 0.02
 
 @compiled
 def gather(body, chosen, grey, first, last, R, o, picture, lens, seen, need_seen, rows, taps):
-    """Where points first … last of one part fall in the picture, for `make_rows`; how many do."""
+    """Where points first … last of one part fall in the picture, for `make_rows`.
+
+    How many do, and how many leave the picture. Ignored pixels are neither.
+    """
     height, width = picture.shape[0], picture.shape[1]
     fx, fy, cx, cy = f4(lens.fx), f4(lens.fy), f4(lens.cx), f4(lens.cy)
     flat = f4(1) / f4(lens.distance)
     right, bottom = f4(width - 1), f4(height - 1)
     flatly = lens.perspective == 0
     pixels = picture.reshape(height * width, 4)
-    count = 0
+    count = lost = 0
     for p in range(np.uint64(first), np.uint64(last)):
         q = np.uint64(chosen[p])
         if need_seen and seen[q] == 0:
@@ -43,6 +48,7 @@ def gather(body, chosen, grey, first, last, R, o, picture, lens, seen, need_seen
         s = flat if flatly else f4(1) / z
         u, v = fx * x * s + cx, fy * y * s + cy
         if not (u >= 0 and v >= 0 and u < right and v < bottom and z > f4(0.05)):
+            lost += 1
             continue
         column, row = np.uint64(u), np.uint64(v)
         fu, fv = u - f4(column), v - f4(row)
@@ -74,7 +80,7 @@ def gather(body, chosen, grey, first, last, R, o, picture, lens, seen, need_seen
         rows[0, k], rows[1, k], rows[2, k] = x, y, z
         rows[3, k], rows[4, k] = s, grey[p]
         count += 1
-    return count
+    return count, lost
 
 
 @compiled
@@ -101,7 +107,7 @@ def weigh(rows, count, loss, scale, weights, histogram):
     """Robust weights of the residuals in rows[6], and their histogram in quarter grey levels."""
     for k in range(count):
         r = abs(rows[6, k])
-        histogram[min(int(r * f4(4)), BINS - 1)] += 1
+        histogram[min(int(r * f4(4)), FAR)] += 1
         weight = f4(1)
         if loss == HUBER:
             if r > scale:
@@ -235,7 +241,7 @@ def sum_points(
         first = starts[i]
         while first < starts[i + 1]:
             last = min(first + BLOCK, starts[i + 1])
-            count = gather(
+            count, lost = gather(
                 body, chosen, grey, first, last, R, o, picture, lens, seen, need_seen, rows, taps
             )
             make_rows(rows, taps, count, c, lens)
@@ -243,6 +249,7 @@ def sum_points(
             add_products(rows, weights, count, total)
             if gain:
                 add_gain_products(rows, weights, count, total)
+            histogram[LOST] += lost
             points += count
             first = last
         if gain:
@@ -254,6 +261,21 @@ def sum_points(
                 N[i, a, b] = total[a, b]
                 N[i, b, a] = total[a, b]
     return points
+
+
+@compiled
+def count_landed(body, chosen, grey, starts, HR, Ho, picture, lens, landed):
+    """landed (P,) ← how many of each part's followed points find a usable pixel."""
+    taps, unseen = np.empty((BLOCK, 4), np.float32), np.empty(0, np.uint8)
+    rows = np.empty((9, BLOCK), np.float32)
+    for i in range(body.parents.shape[0]):
+        R, o = HR[i].astype(np.float32), Ho[i].astype(np.float32)
+        landed[i] = 0
+        for first in range(starts[i], starts[i + 1], BLOCK):
+            last = min(first + BLOCK, starts[i + 1])
+            landed[i] += gather(
+                body, chosen, grey, first, last, R, o, picture, lens, unseen, False, rows, taps
+            )[0]
 
 
 @compiled
@@ -269,12 +291,13 @@ def sum_residuals(
         first = starts[i]
         while first < starts[i + 1]:
             last = min(first + BLOCK, starts[i + 1])
-            count = gather(
+            count, lost = gather(
                 body, chosen, grey, first, last, R, o, picture, lens, unseen, False, rows, taps
             )
             for k in range(count):
                 r = abs(taps[k, 0] - rows[4, k])
-                histogram[min(int(r * f4(4)), BINS - 1)] += 1
+                histogram[min(int(r * f4(4)), FAR)] += 1
+            histogram[LOST] += lost
             points += count
             first = last
     return points
@@ -284,11 +307,11 @@ def sum_residuals(
 def median_residual(histogram, count):
     """Median |r| in grey levels, linear inside its bin; the last bin stands for all beyond."""
     half, below = 0.5 * count, 0.0
-    for k in range(BINS):
+    for k in range(FAR + 1):
         if below + histogram[k] >= half:
             return (k + (half - below) / max(1, histogram[k])) * 0.25
         below += histogram[k]
-    return 0.25 * BINS
+    return 0.25 * FAR
 
 
 @compiled
@@ -301,9 +324,12 @@ def robust_sigma(histogram, count):
 
 @compiled
 def capped_square(histogram, count, cap):
-    """Mean of min(r², cap²) in grey levels squared, from the histogram."""
-    s = 0.0
-    for k in range(BINS):
+    """Mean of min(r², cap²) in grey levels squared, from the histogram.
+
+    A point that left the picture counts as one at the cap: else the best path would lead out of it.
+    """
+    s = histogram[LOST] * cap * cap
+    for k in range(FAR + 1):
         r = (k + 0.5) * 0.25
         s += histogram[k] * min(r * r, cap * cap)
-    return s / max(1, count)
+    return s / max(1, count + histogram[LOST])

@@ -33,6 +33,9 @@ def track_session(
     workers: int = 1,
     cancelled: Callable[[], bool] = never,
 ) -> Iterator[Progress]:
-    """Track a session's segments with its own settings; see tracker.track.run for the events."""
-    tracker = tracker_of(session, video, MEMORY_BYTES // max(1, workers))
+    """Track a session's segments with its own settings; see tracker.track.run for the events.
+
+    Each worker may hold one segment's pictures.
+    """
+    tracker = tracker_of(session, video, MEMORY_BYTES)
     yield from run(tracker, session.settings, segments, workers, cancelled)
