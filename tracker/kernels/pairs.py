@@ -21,7 +21,7 @@ from tracker.kernels.chain import (
 )
 from tracker.kernels.layout import Lens
 from tracker.kernels.rigid import cleaned, product, turned_back
-from tracker.kernels.seeing import pick, see
+from tracker.kernels.seeing import pick, room, see
 from tracker.kernels.sums import (
     BINS,
     BLOCK,
@@ -140,13 +140,8 @@ def follow_pairs(
     square of the trajectory's own residuals comes back.
     """
     height, width = pictures.shape[1], pictures.shape[2]
-    parts, size = body.parents.shape[0], body.points.shape[0]
-    HR, Ho = np.empty((parts, 3, 3)), np.empty((parts, 3))
-    depth = np.empty((height // sight.cell + 2, width // sight.cell + 2), np.float32)
-    owner = np.empty(depth.shape, np.int16)
-    uvz, seen = np.empty((size, 3), np.float32), np.zeros(size, np.uint8)
-    chosen, grey = np.empty(size + 1, np.int32), np.empty(size + 1, np.float32)
-    starts, x = np.empty(parts + 1, np.int64), np.zeros(body.dof_part.shape[0])
+    HR, Ho, uvz, seen, depth, owner, chosen, grey, starts = room(body, sight, width, height)
+    x = np.zeros(body.dof_part.shape[0])
     score = 0.0
     for j in range(R_next.shape[0]):
         place_parts(body, R[j], t[j], HR, Ho)
@@ -187,13 +182,8 @@ def follow_chain(
     Fills R[1:], t[1:].
     """
     height, width = levels[0].shape[1], levels[0].shape[2]
-    parts, size = body.parents.shape[0], body.points.shape[0]
-    HR, Ho = np.empty((parts, 3, 3)), np.empty((parts, 3))
-    depth = np.empty((height // sight.cell + 2, width // sight.cell + 2), np.float32)
-    owner = np.empty(depth.shape, np.int16)
-    uvz, seen = np.empty((size, 3), np.float32), np.zeros(size, np.uint8)
-    chosen, grey = np.empty(size + 1, np.int32), np.empty(size + 1, np.float32)
-    starts, x = np.empty(parts + 1, np.int64), np.zeros(body.dof_part.shape[0])
+    HR, Ho, uvz, seen, depth, owner, chosen, grey, starts = room(body, sight, width, height)
+    x = np.zeros(body.dof_part.shape[0])
     for j in range(R.shape[0] - 1):
         place_parts(body, R[j], t[j], HR, Ho)
         see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
@@ -219,13 +209,7 @@ def mean_capped_square(body, lens, sight, pictures, slots, R, t, of, every, cap)
     carries it in frame j + 1.  DRIFT (4), per point and capped.
     """
     height, width = pictures.shape[1], pictures.shape[2]
-    parts, size = body.parents.shape[0], body.points.shape[0]
-    HR, Ho = np.empty((parts, 3, 3)), np.empty((parts, 3))
-    depth = np.empty((height // sight.cell + 2, width // sight.cell + 2), np.float32)
-    owner = np.empty(depth.shape, np.int16)
-    uvz, seen = np.empty((size, 3), np.float32), np.zeros(size, np.uint8)
-    chosen, grey = np.empty(size + 1, np.int32), np.empty(size + 1, np.float32)
-    starts = np.empty(parts + 1, np.int64)
+    HR, Ho, uvz, seen, depth, owner, chosen, grey, starts = room(body, sight, width, height)
     histogram, rows = np.empty(BINS, np.int32), np.empty((9, BLOCK), np.float32)
     score = 0.0
     for j in range(R.shape[0] - 1):
@@ -252,13 +236,9 @@ def observe_pairs(
     shown (n, P) int64 ← number of points; sigma (n,) ← robust noise of the residuals.
     """
     height, width = pictures.shape[1], pictures.shape[2]
-    parts, size = body.parents.shape[0], body.points.shape[0]
-    HR, Ho, N = np.empty((parts, 3, 3)), np.empty((parts, 3)), np.empty((parts, 7, 7))
-    depth = np.empty((height // sight.cell + 2, width // sight.cell + 2), np.float32)
-    owner = np.empty(depth.shape, np.int16)
-    uvz, seen = np.empty((size, 3), np.float32), np.zeros(size, np.uint8)
-    chosen, grey = np.empty(size + 1, np.int32), np.empty(size + 1, np.float32)
-    starts, b = np.empty(parts + 1, np.int64), np.empty(body.dof_part.shape[0])
+    HR, Ho, uvz, seen, depth, owner, chosen, grey, starts = room(body, sight, width, height)
+    parts, b = body.parents.shape[0], np.empty(body.dof_part.shape[0])
+    N = np.empty((parts, 7, 7))
     histogram, squares = np.empty(BINS, np.int32), np.empty(parts)
     landed = np.empty(parts, np.int64)
     for j in range(R.shape[0] - 1):
@@ -288,11 +268,7 @@ def view(body, lens, sight, width, height, picture, scale, of, every, R, t, chos
 
     width, height and lens are the finest picture's; `picture` is the level `scale` times as large.
     """
-    parts, size = body.parents.shape[0], body.points.shape[0]
-    HR, Ho = np.empty((parts, 3, 3)), np.empty((parts, 3))
-    depth = np.empty((height // sight.cell + 2, width // sight.cell + 2), np.float32)
-    owner = np.empty(depth.shape, np.int16)
-    uvz, seen = np.empty((size, 3), np.float32), np.zeros(size, np.uint8)
+    HR, Ho, uvz, seen, depth, owner = room(body, sight, width, height)[:6]
     place_parts(body, R, t, HR, Ho)
     see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
     return pick(body, uvz, seen, picture, scale, of, every, chosen, grey, starts)

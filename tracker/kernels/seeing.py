@@ -87,6 +87,20 @@ def see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner):
 
 
 @compiled
+def room(body, sight, width, height):
+    """Arrays to look at a body with: HR, Ho, uvz, seen, depth, owner, chosen, grey, starts."""
+    parts, size = body.parents.shape[0], body.points.shape[0]
+    cells = (height // sight.cell + 2, width // sight.cell + 2)
+    return (
+        np.empty((parts, 3, 3)), np.empty((parts, 3)),
+        np.empty((size, 3), np.float32), np.zeros(size, np.uint8),
+        np.empty(cells, np.float32), np.empty(cells, np.int16),
+        np.empty(size + 1, np.int32), np.empty(size + 1, np.float32),
+        np.empty(parts + 1, np.int64),
+    )  # fmt: skip
+
+
+@compiled
 def pick(body, uvz, seen, picture, scale, of, every, chosen, grey, starts):
     """Choose which seen points to follow, with their brightness in the source picture.
 

@@ -13,7 +13,7 @@ import numpy as np
 from tracker.kernels import compiled
 from tracker.kernels.chain import camera_twists, move, normal_equations, place_parts, sum_subtrees
 from tracker.kernels.rigid import logarithm, turned_back
-from tracker.kernels.seeing import see
+from tracker.kernels.seeing import room, see
 from tracker.kernels.sums import (
     BINS,
     BLOCK,
@@ -27,11 +27,7 @@ from tracker.kernels.sums import (
 @compiled
 def see_all(body, lens, sight, width, height, R, t, seen):
     """seen (n + 1, S) uint8 ← which surface points every pose shows."""
-    parts, size = body.parents.shape[0], body.points.shape[0]
-    HR, Ho = np.empty((parts, 3, 3)), np.empty((parts, 3))
-    depth = np.empty((height // sight.cell + 2, width // sight.cell + 2), np.float32)
-    owner = np.empty(depth.shape, np.int16)
-    uvz = np.empty((size, 3), np.float32)
+    HR, Ho, uvz, _, depth, owner = room(body, sight, width, height)[:6]
     for j in range(R.shape[0]):
         place_parts(body, R[j], t[j], HR, Ho)
         see(body, HR, Ho, lens, sight, width, height, uvz, seen[j], depth, owner)
