@@ -19,8 +19,8 @@ from tracker.video import Video
 
 MEMORY_BYTES = 1_500_000_000
 """What the clip of one segment may take."""
-KEPT_SHARE = 0.25
-"""Of that, how much earlier clips may go on holding."""
+KEPT_SHARE = 0.3
+"""Of that, how much earlier clips may go on holding; two clips, those beside a keyframe, may."""
 WORKING_PIXELS = 640 * 960
 """Larger pictures are worked on at half size: nothing is gained above it."""
 LONGEST_SEGMENT = 2000
@@ -103,7 +103,7 @@ class ClipLoader:
         def held() -> int:
             return sum(level.nbytes for clip in self._ready.values() for level in clip.levels)
 
-        while len(self._ready) > 1 and held() > KEPT_SHARE * self.memory:
+        while len(self._ready) > 2 and held() > KEPT_SHARE * self.memory:
             self._ready.popitem(last=False)
 
     def _prepared(self, first: int, last: int) -> Clip:

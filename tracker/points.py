@@ -7,6 +7,7 @@ shows those that face the camera and that no nearer part covers.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,7 @@ class SurfacePoints:
     spacing_m: float
 
 
+@lru_cache(maxsize=8)
 def surface_area(skeleton: Skeleton) -> float:
     """Area of all parts' surfaces in square metres, hidden sides included."""
     meshes = (part.shape.mesh() for part in skeleton.body.parts)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -102,6 +103,7 @@ def _spacing(area_m2: float, pixel_m: float) -> float:
     return float(np.clip(POINT_SPACING_PX * pixel_m, least, max(most, 0.7 * pixel_m)))
 
 
+@lru_cache(maxsize=8)
 def _size(skeleton: Skeleton) -> float:
     """Diagonal of the body's bounding box at rest, metres."""
     T = pose_transforms(skeleton, Pose.rest(skeleton, (0.0, 0.0, 0.0)))

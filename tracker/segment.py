@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tracker.drift import Motions, correct_drift
 from tracker.geometry import Array
 from tracker.images import Clip
-from tracker.initial import blended, follow
+from tracker.initial import blended, blended_by_trust, follow
 from tracker.kernels.pairs import CAP, mean_capped_square
 from tracker.methods import Keypose, Method, Paper
 from tracker.motion import least_squares_pass, printed_score, robust_pass
@@ -23,6 +23,10 @@ from tracker.trajectory import Trajectory, interpolate
 EXACT_KEYFRAMES = 100.0
 """Mean capped square, grey levels², below which two keyframes show the same texture."""
 EXACT_ALLOWANCE, PLAIN_ALLOWANCE = 1.15, 1.05
+TRUST_ALLOWANCE = 1.15
+"""How much worse the blend by trust may score: a limb that is lost hardly changes the score."""
+ALIKE_PX = 2.0
+"""Two trajectories nearer than this everywhere need no comparison."""
 NOWHERE_PX = 1e6
 """Stands for the distance to a place that is behind the camera or no place at all."""
 DOUBT = 0.5
@@ -115,7 +119,9 @@ def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
     tried: list[Pass] = []
     plain = interpolate(segment.start, segment.end, segment.first_frame, segment.last_frame)
     chains = _from_both_ends(scene, segment, method)
-    present, what = (plain, "interpolation") if chains is None else (blended(*chains), "both ways")
+    present, what = plain, "interpolation"
+    if chains is not None:
+        present, what = _met_halfway(scene, segment, method, *chains), "both ways"
     apart = _nothing_px(scene, plain) if chains is None else _distance_px(scene, *chains)
     drift = _nothing_px(scene, plain)[1:]
     if method.judged and _in_doubt(scene, apart, plain, present):
@@ -158,6 +164,20 @@ def _from_both_ends(
     if _is_sound(scene, segment, forward) and _is_sound(scene, segment, backward):
         return forward, backward
     return None
+
+
+def _met_halfway(
+    scene: Scene, segment: Segment, method: Keypose, forward: Trajectory, backward: Trajectory
+) -> Trajectory:
+    """The blend of two chains by trust, unless the even one scores clearly better."""
+    even, by_trust = blended(forward, backward), blended_by_trust(scene, forward, backward)
+    if not method.judged:
+        return by_trust
+    if _distance_px(scene, even, by_trust).max() < ALIKE_PX:
+        return even
+    trusted = _score(scene, segment.clip, by_trust, method)
+    allowed = TRUST_ALLOWANCE * _score(scene, segment.clip, even, method)
+    return by_trust if trusted < allowed else even
 
 
 def _in_doubt(scene: Scene, apart_px: Array, plain: Trajectory, blend: Trajectory) -> bool:

@@ -7,6 +7,7 @@ before rotations: the columns of DRIFT's A.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -67,6 +68,16 @@ class Skeleton:
         """Such as "chest rx"."""
         kinds = zip(self.dof_part, self.dof_turns, self.dof_axis, strict=True)
         return tuple(f"{self.body.names[i]} {'tr'[turns]}{'xyz'[a]}" for i, turns, a in kinds)
+
+    @cached_property
+    def limbs(self) -> NDArray[np.int64]:
+        """(P,) the limb each part belongs to: parts that follow one another without branching."""
+        limb = np.arange(self.part_count)
+        for i, parent in enumerate(self.parents):
+            if parent > 0 and (self.parents == parent).sum() == 1:
+                limb[i] = limb[parent]
+        limb.setflags(write=False)
+        return limb
 
     @property
     def column_scale(self) -> Array:

@@ -281,11 +281,12 @@ def close_segment(
     return R_out, t_out
 
 
-def blend(forward: Floats, backward: Floats) -> Floats:
-    """Rotations (N, P, 3, 3) that go over from one chain to the other."""
-    shares = np.linspace(0, 1, len(forward))
-    pairs = zip(forward, backward, shares, strict=True)
-    return np.stack([rotation_between(a, b, [share])[0] for a, b, share in pairs])
+def blend(forward: Floats, backward: Floats, shares: Floats) -> Floats:
+    """Rotations (N, P, 3, 3) that go over from one chain to the other, by shares (N, P)."""
+    out = np.empty_like(forward)
+    for j, i in np.ndindex(shares.shape):
+        out[j, i] = rotation_between(forward[j, i], backward[j, i], [shares[j, i]])[0]
+    return out
 
 
 def smoothness(body: BodyArrays, R: Floats, t: Floats, precision: Floats) -> tuple[Floats, Floats]:

@@ -86,10 +86,14 @@ def test_chains_are_blended_as_by_the_twin_from_one_end_to_the_other(n: int) -> 
     skeleton = random_body(3, parts=5)
     a, b = (random_trajectory(skeleton, seed, n + 1) for seed in (11, 12))
     R, t = np.empty_like(a.Rs_parent_part), np.empty_like(a.ps_camera_root)
-    blend(a.Rs_parent_part, a.ps_camera_root, b.Rs_parent_part, b.ps_camera_root, R, t)
-    np.testing.assert_allclose(R, plain.blend(a.Rs_parent_part, b.Rs_parent_part), atol=1e-9)
-    shares = np.linspace(0, 1, n + 1)[:, None]
-    expected = (1 - shares) * a.ps_camera_root + shares * b.ps_camera_root
-    np.testing.assert_allclose(t, expected, atol=1e-13)
+    turned = np.linspace(0, 1, n + 1)[:, None] ** np.array([1.0, 0.5, 2.0, 1.0, 3.0])
+    shifted = np.linspace(0, 1, n + 1) ** 2
+    blend(*a.loose(), *b.loose(), turned, shifted, R, t)
+    expected = plain.blend(a.Rs_parent_part, b.Rs_parent_part, turned)
+    np.testing.assert_allclose(R, expected, atol=1e-9)
+    shares = shifted[:, None]
+    np.testing.assert_allclose(
+        t, (1 - shares) * a.ps_camera_root + shares * b.ps_camera_root, atol=1e-13
+    )
     np.testing.assert_allclose(R[0], a.Rs_parent_part[0], atol=1e-12)
     np.testing.assert_allclose(R[-1], b.Rs_parent_part[-1], atol=1e-12)

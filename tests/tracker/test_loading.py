@@ -153,9 +153,8 @@ def test_of_the_clips_those_used_last_stay_as_far_as_the_memory_goes() -> None:
         again = clips.load(0, 2)
         clips.load(4, 6)
         kept.append((clips.load(0, 2) is again, clips.load(2, 4) is second, again is first))
-    assert kept[0] == (False, False, False)
+    assert kept[0] == (True, False, True)  # two clips stay, whatever the memory
     assert kept[-1] == (True, True, True)
-    assert (True, False, True) in kept
     assert not any(later and not earlier for earlier, later, _ in kept)
 
 

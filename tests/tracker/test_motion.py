@@ -11,9 +11,9 @@ from tests.tracker import reference_loops as plain
 from tests.tracker.tracking_cases import Case, case, clip_of, random_body, scene_of
 from tracker.body import ALL_DOFS, Body, Part
 from tracker.camera import Camera
-from tracker.geometry import log_rotation, transpose
+from tracker.geometry import exp_rotation, log_rotation, transpose
 from tracker.images import IGNORED, Clip, Picture
-from tracker.initial import blended, follow
+from tracker.initial import blended, blended_by_trust, follow
 from tracker.kernels.pairs import observe_pairs
 from tracker.motion import (
     SINGULAR_CUT,
@@ -323,6 +323,36 @@ def test_following_runs_both_ways_and_the_blend_starts_at_each_keyframe(box: Cas
         np.testing.assert_allclose(
             middle.ps_camera_root[k], box.truth.ps_camera_root[k], atol=1e-12
         )
+
+
+def test_a_limb_that_one_chain_has_lost_is_taken_from_the_other(person: Case) -> None:
+    scene, truth = person.scene(), person.truth
+    arm = scene.skeleton.body.index("right_upper_arm")
+    away = np.linspace(0.0, 1.2, len(truth))[:, None] * np.array([1.0, 0.0, 0.0])
+
+    def strayed(turns: Floats) -> Trajectory:
+        R, t = truth.loose()
+        R[:, arm] = R[:, arm] @ exp_rotation(turns)
+        return Trajectory(truth.first_frame, R, t)
+
+    for chains in ((strayed(away), truth), (truth, strayed(away[::-1]))):
+        even, by_trust = blended(*chains), blended_by_trust(scene, *chains)
+        assert person.error_cm(by_trust) < 0.1 * person.error_cm(even)
+        for k in (0, -1):
+            np.testing.assert_allclose(
+                by_trust.Rs_parent_part[k], truth.Rs_parent_part[k], atol=1e-9
+            )
+    np.testing.assert_allclose(
+        blended_by_trust(scene, truth, truth).Rs_parent_part, truth.Rs_parent_part, atol=1e-9
+    )
+
+
+def test_a_limb_is_a_chain_without_branches(person: Case) -> None:
+    skeleton = person.scene().skeleton
+    limb = dict(zip(skeleton.body.names, skeleton.limbs.tolist(), strict=True))
+    assert limb["left_upper_arm"] == limb["left_forearm"] == limb["left_hand"]
+    assert limb["neck"] == limb["head"]
+    assert len(set(limb.values())) == 7  # waist, chest, neck and head, two arms, two legs
 
 
 def test_a_scene_is_laid_out_for_the_distance_of_its_keyframes() -> None:

@@ -141,19 +141,18 @@ def close_segment(R, t, R_next, t_next, R_end, t_end, R_out, t_out, rounds):
 
 
 @compiled
-def blend(R_forward, t_forward, R_backward, t_backward, R, t):
-    """R, t ← from the forward chain to the backward one, each part along one axis, share j/n.
+def blend(R_forward, t_forward, R_backward, t_backward, turned, shifted, R, t):
+    """R, t ← from the forward chain to the backward one, each part along one axis.
 
-    All in the order of the frames, (n + 1, P, 3, 3) and (n + 1, 3).
+    All in the order of the frames, (n + 1, P, 3, 3) and (n + 1, 3). turned (n + 1, P) and
+    shifted (n + 1,): share of the way to the backward chain, of every part and of the root's place.
     """
-    n = R.shape[0] - 1
     turn, gap, step = np.empty((3, 3)), np.empty(3), np.empty((3, 3))
-    for j in range(n + 1):
-        share = j / n
+    for j in range(R.shape[0]):
         for i in range(R.shape[1]):
             turned_back(R_forward[j, i], R_backward[j, i], turn)
             logarithm(turn, gap)
-            exponential(gap * share, step)
+            exponential(gap * turned[j, i], step)
             product(R_forward[j, i], step, R[j, i])
             cleaned(R[j, i])
-        t[j] = (1 - share) * t_forward[j] + share * t_backward[j]
+        t[j] = (1 - shifted[j]) * t_forward[j] + shifted[j] * t_backward[j]
