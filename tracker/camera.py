@@ -21,6 +21,8 @@ from tracker.geometry import Array
 
 PixelSize: TypeAlias = Annotated[int, Field(ge=2, le=65536)]
 Focal: TypeAlias = Annotated[FiniteFloat, Field(gt=0, le=1e7)]
+Centre: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]
+Coefficient: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e3, le=1e3)]
 
 GUESSED_FIELD_OF_VIEW = math.radians(50.0)
 """Along the longer side: between a phone's main camera (65°) and a camcorder at rest (40°)."""
@@ -35,14 +37,14 @@ class Camera(BaseModel):
     height: PixelSize
     fx: Focal
     fy: Focal
-    cx: FiniteFloat
-    cy: FiniteFloat
-    distortion: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat] = (
+    cx: Centre
+    cy: Centre
+    distortion: tuple[Coefficient, Coefficient, Coefficient, Coefficient, Coefficient] = (
         *(0.0, 0.0, 0.0, 0.0),
         0.0,
     )
     projection: Literal["perspective", "telephoto"] = "perspective"
-    telephoto_distance_m: Annotated[FiniteFloat, Field(gt=0)] | None = Field(
+    telephoto_distance_m: Annotated[FiniteFloat, Field(gt=0, le=1e5)] | None = Field(
         default=None, description="Distance at which a telephoto camera's scale holds."
     )
     origin: Literal["intrinsics", "field of view", "guess"] = "intrinsics"

@@ -33,22 +33,26 @@ class Closed:
 
     rounds: (P,) rounds in which each part's X was found; −1 where the motions left no single X
     (a full turn) and the rest was spread along one axis.
+    gap: largest angle, radians, by which the corrected motions missed the keyframe, before the
+        last pose was set to it exactly.
     """
 
     trajectory: Trajectory
     rounds: NDArray[np.int64]
+    gap: float
 
 
 def correct_drift(trajectory: Trajectory, motions: Motions, end: Pose) -> Closed:
     """Accumulate the motions from the trajectory's first pose and close on `end`."""
     R, t = trajectory.loose()
     R_out, t_out = np.empty_like(R), np.empty_like(t)
-    rounds = np.empty(R.shape[1], np.int64)
+    rounds, gaps = np.empty(R.shape[1], np.int64), np.empty(R.shape[1])
     close_segment(
         R, t, motions.Rs_parent_part, motions.ps_camera_root,
-        *end.loose(), R_out, t_out, rounds,
+        *end.loose(), R_out, t_out, rounds, gaps,
     )  # fmt: skip
-    return Closed(Trajectory(trajectory.first_frame, R_out, t_out), rounds)
+    trajectory = Trajectory(trajectory.first_frame, R_out, t_out)
+    return Closed(trajectory, rounds, float(gaps.max()))
 
 
 def closing_error(trajectory: Trajectory, start: Pose, end: Pose) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracker.camera import Camera
-from tracker.errors import SessionError
+from tracker.errors import SessionError, VideoError
 from tracker.images import IGNORED, LEVELS, TARGET_ONLY, USABLE, Clip, Picture, level_sizes, prepare
 from tracker.settings import IgnoreMask
 from tracker.video import Video
@@ -30,6 +30,15 @@ FAR_OUT = 1e6
 PLATE_FRAMES = 41
 PLATE_DIFFERENCE = 8.0
 """Grey levels by which a pixel must differ from the plate to count as the body's."""
+
+
+def demand_short(first: int, last: int) -> None:
+    """SessionError where a segment is longer than can be tracked."""
+    if last - first > LONGEST_SEGMENT:
+        raise SessionError(
+            f"Keyframes {first} and {last} lie {last - first} frames apart; "
+            f"at most {LONGEST_SEGMENT} can be tracked: add a keyframe between them."
+        )
 
 
 @dataclass(frozen=True)
@@ -87,29 +96,28 @@ class ClipLoader:
 
     def load(self, first: int, last: int) -> Clip:
         """The clip of frames first … last, both included."""
-        if last - first > LONGEST_SEGMENT:
-            raise SessionError(
-                f"Keyframes {first} and {last} lie {last - first} frames apart; "
-                f"at most {LONGEST_SEGMENT} can be tracked: add a keyframe between them."
-            )
+        demand_short(first, last)
         with self._lock:
             if (first, last) not in self._ready:
+                self._make_room()
                 self._ready[first, last] = self._prepared(first, last)
             self._ready.move_to_end((first, last))
-            self._forget()
             return self._ready[first, last]
 
-    def _forget(self) -> None:
+    def _make_room(self) -> None:
+        """Forget the clips used longest ago; the last one stays, whatever it takes."""
+
         def held() -> int:
             return sum(level.nbytes for clip in self._ready.values() for level in clip.levels)
 
-        while len(self._ready) > 2 and held() > KEPT_SHARE * self.memory:
+        while len(self._ready) > 1 and held() > KEPT_SHARE * self.memory:
             self._ready.popitem(last=False)
 
     def _prepared(self, first: int, last: int) -> Clip:
         working = self.size.camera(self.camera)
         sizes = level_sizes(working.width, working.height, LEVELS)
         levels = tuple(np.empty((last - first + 1, h, w, 4), np.float32) for h, w in sizes)
+        reached = first - 1
         for index, rgb in self.video.frames(first, last + 1):
             if rgb is None:
                 grey = np.zeros((working.height, working.width), np.uint8)
@@ -119,6 +127,12 @@ class ClipLoader:
                 usable = self._usable(index, grey)
             for level, picture in zip(levels, prepare(grey, usable, LEVELS), strict=True):
                 level[index - first] = picture
+            reached = index
+        if reached != last:
+            raise VideoError(
+                f"The video has no frame {last}: it holds fewer frames than it says; "
+                "convert it, and make the session anew."
+            )
         return Clip(first, levels)
 
     def _grey(self, rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:

@@ -34,8 +34,8 @@ class MotionStep:
     """The motion found for one frame pair by least squares.
 
     Rs_parent_part (P, 3, 3), p_camera_root (3,): where it leads. rank: singular values above the
-    cut. singular_values (D,): of A with its columns scaled, largest first. squares: Σ r² and
-    points: how many, at the prediction, where the trajectory's own score is read.
+    cut. singular_values (D,): of A with its columns scaled, largest first. squares: Σ r² at the
+    prediction, where the trajectory's own score is read, over the points followed.
     """
 
     Rs_parent_part: Array
@@ -43,7 +43,7 @@ class MotionStep:
     rank: int
     singular_values: Array
     squares: float
-    points: int
+    followed: int
 
 
 def solve_with_cut(A: Array, b: Array, scale: Array) -> tuple[Array, Array]:
@@ -76,15 +76,14 @@ def least_squares_step(
     R, t = before.pose(before.first_frame + j + 1).loose()
     N, histogram = np.empty((scene.skeleton.part_count, 7, 7)), np.empty(BINS, np.int32)
     A, b, singular = np.empty((dofs, dofs)), np.empty(dofs), np.zeros(dofs)
-    squares, points = 0.0, 0
+    squares = 0.0
     for k in range(inner):
-        count = linearise(
+        linearise(
             scene.arrays, chosen, grey, starts, R, t, target, scene.lens, LEAST_SQUARES, 1.0,
             N, histogram, A, b,
         )  # fmt: skip
         if k == 0:
             squares = float(N[0, 6, 6]) + OUTSIDE**2 * int(histogram[LOST])
-            points = int(count)
         step, singular = solve_with_cut(A, b, scene.skeleton.column_scale)
         largest = shortened(step, LONGEST_STEP)
         if largest < 0:
@@ -93,7 +92,7 @@ def least_squares_step(
         if largest < SETTLED:
             break
     rank = int((singular > SINGULAR_CUT * singular.max(initial=0.0)).sum())
-    return MotionStep(R, t, rank, singular, squares, points)
+    return MotionStep(R, t, rank, singular, squares, int(starts[-1]))
 
 
 def least_squares_pass(
@@ -109,19 +108,25 @@ def least_squares_pass(
     motions = Motions(
         np.stack([s.Rs_parent_part for s in steps]), np.stack([s.p_camera_root for s in steps])
     )
-    return motions, sum(s.squares for s in steps)
+    return motions, _printed_sum(steps)
 
 
 def printed_score(scene: Scene, clip: Clip, trajectory: Trajectory) -> float:
     """Σ over frames and points of the squared difference of brightness.  DRIFT (4)"""
     slots = clip.slots(trajectory.first_frame, trajectory.last_frame)
     pictures = clip.levels[0]
-    return sum(
-        least_squares_step(
-            scene, pictures[slots[j]], pictures[slots[j + 1]], trajectory, j, inner=1
-        ).squares
-        for j in range(len(trajectory) - 1)
+    return _printed_sum(
+        [
+            least_squares_step(scene, pictures[slots[j]], pictures[slots[j + 1]], trajectory, j, 1)
+            for j in range(len(trajectory) - 1)
+        ]
     )
+
+
+def _printed_sum(steps: list[MotionStep]) -> float:
+    """Σ r², and a charge for poses that show less than half of what either end does."""
+    least = min(steps[0].followed, steps[-1].followed) // 2
+    return sum(s.squares + OUTSIDE**2 * max(0, least - s.followed) for s in steps)
 
 
 def robust_pass(

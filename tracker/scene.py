@@ -7,13 +7,15 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tracker.camera import Camera
-from tracker.geometry import Array
+from tracker.geometry import Array, frozen
 from tracker.kernels.layout import BodyArrays, Lens, Prior, Sight
 from tracker.points import SurfacePoints, lay_points, surface_area
 from tracker.pose import Pose, pose_transforms
 from tracker.skeleton import Skeleton
+from tracker.trajectory import Trajectory
 
 POINT_SPACING_PX = 2.3
 MOST_POINTS, FEWEST_POINTS = 14000, 5000
@@ -33,6 +35,7 @@ class Scene:
     """A body before a camera, laid out for the loops at the size of the pictures it works on.
 
     pixel_m: length that one pixel spans at the body's usual distance.
+    marks: points (M, 3) in their parts' frames by which poses are compared, and their parts (M,).
     """
 
     skeleton: Skeleton
@@ -42,6 +45,7 @@ class Scene:
     lens: Lens
     sight: Sight
     pixel_m: float
+    marks: tuple[Array, NDArray[np.int64]]
 
     @classmethod
     def of(
@@ -65,7 +69,17 @@ class Scene:
         points = lay(skeleton, spacing)
         sight = Sight(max(2, cell), FACING, COVER_TOLERANCE * _size(skeleton))
         lens = lens_of(camera)
-        return cls(skeleton, camera, points, _arrays(skeleton, points), lens, sight, pixel_m)
+        return cls(
+            skeleton, camera, points, _arrays(skeleton, points), lens, sight, pixel_m,
+            _marks(skeleton),
+        )  # fmt: skip
+
+    def mark_pixels(self, trajectory: Trajectory) -> Array:
+        """Where the marks of every pose are seen: (N, M, 2) pixels."""
+        points, parts = self.marks
+        T = trajectory.transforms(self.skeleton)[:, parts]
+        p_camera = np.einsum("nmab,mb->nma", T[..., :3, :3], points) + T[..., :3, 3]
+        return self.camera.project(p_camera)
 
     def prior(self, of: int, turn_rad: float = TURN_PRIOR_RAD) -> Prior:
         """Prior on a motion when one point of every `of` is followed."""
@@ -101,6 +115,17 @@ def _spacing(area_m2: float, pixel_m: float) -> float:
     """A little over two pixels, unless that makes too many points or, on a small body, too few."""
     least, most = np.sqrt(area_m2 / MOST_POINTS), np.sqrt(area_m2 / FEWEST_POINTS)
     return float(np.clip(POINT_SPACING_PX * pixel_m, least, max(most, 0.7 * pixel_m)))
+
+
+@lru_cache(maxsize=8)
+def _marks(skeleton: Skeleton) -> tuple[Array, NDArray[np.int64]]:
+    """Every part's joint, landmarks and shape's marks."""
+    points, parts = [], []
+    for i, part in enumerate(skeleton.body.parts):
+        own = [(0.0, 0.0, 0.0), *part.landmarks.values(), *part.shape.marks()]
+        points += own
+        parts += [i] * len(own)
+    return frozen(points), np.array(parts, dtype=np.int64)
 
 
 @lru_cache(maxsize=8)

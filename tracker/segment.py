@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.drift import Motions, correct_drift
+from tracker.drift import Closed, Motions, correct_drift
 from tracker.geometry import Array
 from tracker.images import Clip
 from tracker.initial import blended, blended_by_trust, follow
 from tracker.kernels.pairs import CAP, mean_capped_square
 from tracker.methods import Keypose, Method, Paper
 from tracker.motion import least_squares_pass, printed_score, robust_pass
-from tracker.pose import Pose, joint_names
+from tracker.pose import Pose
 from tracker.refine import refine
 from tracker.scene import Scene
 from tracker.trajectory import Trajectory, interpolate
@@ -63,18 +63,22 @@ class Pass:
 class Outcome:
     """All trajectories tried, the best of them, and how the evidence agrees.
 
-    apart_px: (N, J) how far the chains from the two keyframes lie apart at every joint; zero for
-        a method that does not follow from both.
-    drift_px: (N - 1, J) how far each frame's own motion, in the last pass, led from the pose that
+    apart_px: (N, M) how far the chains from the two keyframes lie apart at every mark of the
+        scene; zero for a method that does not follow from both.
+    drift_px: (N - 1, M) how far each frame's own motion, in the last pass, led from the pose that
         the trajectory has next: what drift correction had to take away.
-    diverged: a pass left the space before the camera; it was dropped.
+    followed: neither chain left the space before the camera.
+    diverged: a pass left it; the pass was dropped.
+    gap: how far the last correction missed the keyframe before it was set exactly: radians.
     """
 
     passes: tuple[Pass, ...]
     best: int
     apart_px: Array
     drift_px: Array
+    followed: bool
     diverged: bool
+    gap: float
 
     @property
     def trajectory(self) -> Trajectory:
@@ -94,7 +98,7 @@ def track_segment(scene: Scene, segment: Segment, method: Method) -> Work:
 def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
     present = interpolate(segment.start, segment.end, segment.first_frame, segment.last_frame)
     tried: list[Pass] = []
-    diverged, drift = False, _nothing_px(scene, present)[1:]
+    diverged, drift, gap = False, _nothing_px(scene, present)[1:], 0.0
     for number in range(method.passes + 1):
         what = "pass" if number else "interpolation"
         if number == method.passes:
@@ -111,8 +115,9 @@ def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
         if following is None:
             diverged = True
             break
-        present = following
-    return Outcome(tuple(tried), _best(tried), _nothing_px(scene, present), drift, diverged)
+        present, gap = following.trajectory, following.gap
+    apart = _nothing_px(scene, present)
+    return Outcome(tuple(tried), _best(tried), apart, drift, True, diverged, gap)
 
 
 def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
@@ -123,11 +128,11 @@ def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
     if chains is not None:
         present, what = _met_halfway(scene, segment, method, *chains), "both ways"
     apart = _nothing_px(scene, plain) if chains is None else _distance_px(scene, *chains)
-    drift = _nothing_px(scene, plain)[1:]
+    drift, gap = _nothing_px(scene, plain)[1:], 0.0
     if method.judged and _in_doubt(scene, apart, plain, present):
         tried.append(Pass("interpolation", plain, _score(scene, segment.clip, plain, method)))
         yield tried[-1]
-    diverged = chains is None
+    diverged = False
     for _ in range(method.passes):
         motions, score = robust_pass(
             scene, segment.clip, present, method.of, method.inner, method.stop
@@ -139,7 +144,7 @@ def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
         if following is None:
             diverged = True
             break
-        present, what = following, "pass"
+        present, what, gap = following.trajectory, "pass", following.gap
     if present is not tried[-1].trajectory:
         last_score = _score(scene, segment.clip, present, method) if method.judged else None
         tried.append(Pass(what, present, last_score))
@@ -150,7 +155,7 @@ def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
         tried.append(refined)
         yield refined
         best = len(tried) - 1 if _is_better(scene, segment, method, refined, tried[best]) else best
-    return Outcome(tuple(tried), best, apart, drift, diverged)
+    return Outcome(tuple(tried), best, apart, drift, chains is not None, diverged, gap)
 
 
 def _from_both_ends(
@@ -201,7 +206,7 @@ def _is_better(
     refinement compares with the keyframes and is nearer to the truth if those are posed exactly.
     Unjudged, that alone decides.
     """
-    exact = _keyframe_difference(scene, segment, method) < EXACT_KEYFRAMES
+    exact = 0.0 < _keyframe_difference(scene, segment, method) < EXACT_KEYFRAMES
     if refined.score is None or unrefined.score is None:
         return exact
     allowance = EXACT_ALLOWANCE if exact else PLAIN_ALLOWANCE
@@ -209,8 +214,10 @@ def _is_better(
 
 
 def _keyframe_difference(scene: Scene, segment: Segment, method: Keypose) -> float:
-    """Capped square of the brightness that remains when one keyframe's texture is laid straight
-    onto the other one, both ways: small where both are posed exactly."""
+    """How unlike the textures of the two keyframes are, each laid straight onto the other one.
+
+    Mean capped square: small where both are posed exactly, 0 where nothing can be compared.
+    """
     frames, ends = (segment.first_frame, segment.last_frame), (segment.start, segment.end)
     total = 0.0
     for a, b in ((0, 1), (1, 0)):
@@ -247,14 +254,12 @@ def _capped(
     )  # fmt: skip
 
 
-def _closed(
-    scene: Scene, segment: Segment, present: Trajectory, motions: Motions
-) -> Trajectory | None:
+def _closed(scene: Scene, segment: Segment, present: Trajectory, motions: Motions) -> Closed | None:
     """The drift-corrected trajectory, or None where the motions led out of sight."""
     if not np.isfinite(motions.ps_camera_root).all():
         return None
-    closed = correct_drift(present, motions, segment.end).trajectory
-    return closed if _is_sound(scene, segment, closed) else None
+    closed = correct_drift(present, motions, segment.end)
+    return closed if _is_sound(scene, segment, closed.trajectory) else None
 
 
 def _is_sound(scene: Scene, segment: Segment, trajectory: Trajectory) -> bool:
@@ -265,18 +270,17 @@ def _is_sound(scene: Scene, segment: Segment, trajectory: Trajectory) -> bool:
 
 
 def _distance_px(scene: Scene, a: Trajectory, b: Trajectory) -> Array:
-    """(N, J) distance of two trajectories' joints in the picture."""
-    uv_a, uv_b = (scene.camera.project(x.joints(scene.skeleton)) for x in (a, b))
-    return np.asarray(np.linalg.norm(uv_a - uv_b, axis=-1))
+    """(N, M) distance of two trajectories' marks in the picture."""
+    return np.asarray(np.linalg.norm(scene.mark_pixels(a) - scene.mark_pixels(b), axis=-1))
 
 
 def _drift_px(scene: Scene, present: Trajectory, motions: Motions) -> Array:
-    """(N - 1, J) distance in the picture of where motions lead and where the trajectory goes."""
+    """(N - 1, M) distance in the picture of where motions lead and where the trajectory goes."""
     led = Trajectory(present.first_frame + 1, motions.Rs_parent_part, motions.ps_camera_root)
     rest = Trajectory(led.first_frame, present.Rs_parent_part[1:], present.ps_camera_root[1:])
     return np.nan_to_num(_distance_px(scene, led, rest), nan=NOWHERE_PX, posinf=NOWHERE_PX)
 
 
 def _nothing_px(scene: Scene, trajectory: Trajectory) -> Array:
-    """(N, J) zeros."""
-    return np.zeros((len(trajectory), len(joint_names(scene.skeleton))))
+    """(N, M) zeros."""
+    return np.zeros((len(trajectory), len(scene.marks[1])))

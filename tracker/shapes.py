@@ -53,6 +53,11 @@ class Cylinder(_Frozen):
         radii = (self.radius_m, self.radius_m)
         return _frustum_mesh(self.start_m, self.end_m, radii, radii)
 
+    def marks(self) -> Array:
+        """Points (N, 3) by which a motion of the shape can be told."""
+        radii = (self.radius_m, self.radius_m)
+        return _frustum_marks(self.start_m, self.end_m, radii, radii)
+
 
 class Frustum(_Frozen):
     """A cone cut off at both ends, with elliptic cross-sections (a chest is not round).
@@ -74,6 +79,10 @@ class Frustum(_Frozen):
     def mesh(self) -> Mesh:
         return _frustum_mesh(self.start_m, self.end_m, self.start_radii_m, self.end_radii_m)
 
+    def marks(self) -> Array:
+        """Points (N, 3) by which a motion of the shape can be told."""
+        return _frustum_marks(self.start_m, self.end_m, self.start_radii_m, self.end_radii_m)
+
 
 class Box(_Frozen):
     """A box between two opposite corners, its edges along the part's axes."""
@@ -93,6 +102,10 @@ class Box(_Frozen):
         corners = [(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]
         low, high = np.array(self.low_m), np.array(self.high_m)
         return _outward(low + np.array(corners) * (high - low), np.array(_BOX_FACES))
+
+    def marks(self) -> Array:
+        """Points (N, 3) by which a motion of the shape can be told: its corners."""
+        return self.mesh().vertices
 
 
 Shape: TypeAlias = Annotated[Cylinder | Frustum | Box, Field(discriminator="kind")]
@@ -123,6 +136,21 @@ def _frustum_mesh(
         faces += [(i, k, SIDES + i), (k, SIDES + k, SIDES + i)]
         faces += [(2 * SIDES, k, i), (2 * SIDES + 1, SIDES + i, SIDES + k)]
     return _outward(vertices, np.array(faces))
+
+
+def _frustum_marks(
+    start: float, end: float, start_radii: tuple[float, float], end_radii: tuple[float, float]
+) -> Array:
+    """The middles of both ends; of a shape as wide as it is long also the rims.
+
+    A rim of a slender limb would also tell its turn about its own length, which no picture shows.
+    """
+    ends = ((start, start_radii), (end, end_radii))
+    marks = [(0.0, y, 0.0) for y, _ in ends]
+    if 2 * max(*start_radii, *end_radii) >= abs(end - start):
+        for y, (rx, rz) in ends:
+            marks += [(rx, y, 0.0), (-rx, y, 0.0), (0.0, y, rz), (0.0, y, -rz)]
+    return frozen(marks)
 
 
 def _outward(vertices: Array, faces: NDArray[np.int64]) -> Mesh:

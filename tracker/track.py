@@ -16,7 +16,7 @@ from tracker.camera import Camera
 from tracker.drift import closing_error
 from tracker.errors import SessionError
 from tracker.geometry import Array
-from tracker.loading import MEMORY_BYTES, ClipLoader, WorkingSize
+from tracker.loading import MEMORY_BYTES, ClipLoader, WorkingSize, demand_short
 from tracker.methods import Method, Paper, method_of
 from tracker.observe import observe, unobserved
 from tracker.points import SurfacePoints, lay_points
@@ -131,6 +131,8 @@ class Tracker:
     ) -> None:
         _demand_two(keyposes)
         frames = sorted(keyposes)
+        for first, last in pairwise(frames):
+            demand_short(first, last)
         longest = max(b - a for a, b in pairwise(frames)) + 1
         self.skeleton = skeleton
         self.keyposes = {frame: keyposes[frame] for frame in frames}
@@ -188,7 +190,9 @@ def _result(scene: Scene, segment: Segment, outcome: Outcome, method: Method) ->
         scores=tuple(_score_of(step) for step in outcome.passes),
         steps=tuple(step.what for step in outcome.passes),
         best_pass=outcome.best,
-        closing_error=closing_error(outcome.trajectory, segment.start, segment.end),
+        closing_error=max(
+            outcome.gap, closing_error(outcome.trajectory, segment.start, segment.end)
+        ),
         verdict=judge(scene, segment, outcome, seen),
         rank=seen.rank,
         singular_values=seen.singular_values,

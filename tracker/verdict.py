@@ -39,7 +39,7 @@ class Verdict:
 
 @dataclass(frozen=True, eq=False)
 class _Evidence:
-    """Shares of the body's extent: apart (N, J) by joint, drift (N - 1, J) of every frame pair.
+    """Shares of the body's extent: apart (N, M) by mark, drift (N - 1, M) of every frame pair.
 
     At a keyframe itself the chain from the other side has no say, so `apart` is weighed by how far
     a frame lies from the nearer keyframe.
@@ -50,7 +50,7 @@ class _Evidence:
 
     @property
     def whole_drift(self) -> Array:
-        """(J,) over the segment."""
+        """(M,) over the segment."""
         return np.asarray(self.drift.sum(axis=0))
 
 
@@ -60,9 +60,11 @@ def judge(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -
     apart = evidence.apart.max(initial=0.0)
     drift = evidence.whole_drift.max(initial=0.0)
     gave_up = outcome.diverged and outcome.passes[outcome.best].what == "interpolation"
-    if gave_up or (apart > LOST_APART and drift > LOST_DRIFT):
-        near = segment.first_frame + _neediest(evidence)
-        return Verdict("lost", f"lost: add a keyframe near {near}", (near, near))
+    if gave_up or not outcome.followed or (apart > LOST_APART and drift > LOST_DRIFT):
+        return _lost(segment, evidence)
+    if not seen.shown.any() and (seen.rank >= 0).any():
+        words = "lost: nothing of the body is seen; check keyframes, camera and masks"
+        return Verdict("lost", words, (segment.first_frame, segment.last_frame))
     if outcome.diverged:
         first, last = segment.first_frame, segment.last_frame
         return Verdict("check", f"check {_frames(first, last)}: a pass diverged", (first, last))
@@ -76,11 +78,19 @@ def judge(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -
     return Verdict("good", "good")
 
 
+def _lost(segment: Segment, evidence: _Evidence) -> Verdict:
+    first, last = segment.first_frame, segment.last_frame
+    if last - first < 2:
+        words = f"lost: the keyframes at {first} and {last} contradict each other"
+        return Verdict("lost", words, (first, last))
+    near = min(max(first + _neediest(evidence), first + 1), last - 1)
+    return Verdict("lost", f"lost: add a keyframe near {near}", (near, near))
+
+
 def _evidence(scene: Scene, outcome: Outcome) -> _Evidence:
-    uv = scene.camera.project(outcome.trajectory.joints(scene.skeleton))
-    extent = np.nanmedian(np.nanmax(np.nanmax(uv, axis=1) - np.nanmin(uv, axis=1), axis=-1))
-    size = np.linalg.norm(np.ptp(scene.points.points, axis=0)) / scene.pixel_m
-    extent = max(float(extent), float(size), 1.0)  # a body of one part has one joint only
+    uv = scene.mark_pixels(outcome.trajectory)
+    extent = np.median((uv.max(axis=1) - uv.min(axis=1)).max(axis=-1))
+    extent = max(float(np.nan_to_num(extent)), 1.0)
     share = np.linspace(0.0, 1.0, len(outcome.apart_px))
     weight = 4 * share * (1 - share)
     apart = np.nan_to_num(outcome.apart_px, nan=NOWHERE_PX) * weight[:, None]
@@ -100,19 +110,13 @@ def _most_uncertain(scene: Scene, segment: Segment, evidence: _Evidence) -> tupl
     """The part with the strongest evidence against it: its name, first and last frame."""
     drift = evidence.drift * len(evidence.drift)
     strength = np.maximum(evidence.apart[1:] / CHECK_APART, drift / CHECK_DRIFT)
-    joint = int(strength.max(axis=0).argmax())
-    doubtful = np.flatnonzero(strength[:, joint] > 0.5 * strength[:, joint].max())
+    mark = int(strength.max(axis=0).argmax())
+    doubtful = np.flatnonzero(strength[:, mark] >= 0.5 * strength[:, mark].max())
     first, last = int(doubtful[0]), int(doubtful[-1])
+    name = scene.skeleton.body.names[scene.marks[1][mark]]
     start = segment.first_frame + 1
-    return _part_of_joint(scene, joint), start + first, min(start + last, segment.last_frame - 1)
-
-
-def _part_of_joint(scene: Scene, joint: int) -> str:
-    """The name of the part a joint or landmark belongs to, as a person would say it."""
-    parts = scene.skeleton.body.parts
-    owners = [part.name for part in parts]
-    owners += [part.name for part in parts for _ in part.landmarks]
-    return _spoken(owners[joint])
+    last = max(first, min(last, segment.last_frame - 1 - start))
+    return _spoken(name), start + first, start + last
 
 
 def _spoken(name: str) -> str:

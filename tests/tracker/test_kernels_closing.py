@@ -55,8 +55,9 @@ def closed(
 ) -> tuple[Floats, Floats, NDArray[np.int64]]:
     R, t = before.Rs_parent_part, before.ps_camera_root
     R_out, t_out = np.empty_like(R), np.empty_like(t)
-    rounds = np.empty(R.shape[1], np.int64)
-    close_segment(R, t, R_next, t_next, R_end, t_end, R_out, t_out, rounds)
+    rounds, gaps = np.empty(R.shape[1], np.int64), np.empty(R.shape[1])
+    close_segment(R, t, R_next, t_next, R_end, t_end, R_out, t_out, rounds, gaps)
+    assert gaps.max() < 1e-9
     return R_out, t_out, rounds
 
 

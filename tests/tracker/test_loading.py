@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tests.tracker.tracking_cases import MemoryVideo
 from tracker.camera import Camera
-from tracker.errors import SessionError
+from tracker.errors import SessionError, VideoError
 from tracker.images import IGNORED, LEVELS, TARGET_ONLY, USABLE
 from tracker.loading import LONGEST_SEGMENT, WORKING_PIXELS, ClipLoader, WorkingSize
 from tracker.settings import IgnoreMask
@@ -191,3 +191,15 @@ def test_the_background_is_found_although_frames_are_missing() -> None:
     clip = loader(pictures, missing=(0, 8), static_camera=True).load(3, 5)
     assert (clip.levels[0][1, 14:26, 14:26, 3] == USABLE).all()
     assert (clip.levels[0][0, ..., 3] == TARGET_ONLY).all()
+
+
+def test_a_video_that_ends_early_is_refused_instead_of_shown_as_noise() -> None:
+    class Shrinking(MemoryVideo):
+        def frames(self, first: int, stop: int) -> Any:
+            yield from MemoryVideo.frames(self, first, min(stop, 4))
+
+    video: Any = Shrinking(noise(8))
+    short = ClipLoader(video, CAMERA, WorkingSize(0))
+    assert len(short.load(0, 3)) == 4
+    with pytest.raises(VideoError, match=r"no frame 6: it holds fewer frames than it says"):
+        short.load(2, 6)

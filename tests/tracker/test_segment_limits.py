@@ -13,6 +13,7 @@ from tracker.drift import Motions
 from tracker.geometry import exp_rotation
 from tracker.images import Clip
 from tracker.methods import FAST, FULL, PREVIEW, Method, Paper
+from tracker.motion import printed_score, robust_pass
 from tracker.pose import Pose
 from tracker.scene import Scene
 from tracker.settings import IgnoreMask
@@ -109,7 +110,7 @@ def test_chains_that_leave_the_scene_are_not_followed(
 
     monkeypatch.setattr(segment_module, "follow", gone)
     steps, outcome = worked(shown, segment_of(shown), FULL)
-    assert outcome.diverged
+    assert not outcome.followed
     assert steps[0].what == "interpolation"
     assert shown.error_cm(outcome.trajectory) < 0.5 * shown.error_cm(plain(shown))
 
@@ -186,3 +187,36 @@ def test_a_mask_over_a_bar_before_the_body_brings_the_accuracy_back(
     errors = [shown.error_cm(r.trajectory) for r in (free, masked, barred)]
     assert errors[1] < 0.7 * errors[2]
     assert errors[1] < 3 * errors[0]
+
+
+@pytest.mark.parametrize("method", ["keypose", "paper"])
+@pytest.mark.parametrize("name", ["box", "person"])
+def test_a_long_way_out_of_the_picture_never_scores_best(
+    cases: dict[str, Case], name: str, method: str
+) -> None:
+    shown = cases[name]
+    segment = segment_of(shown)
+    straight = plain(shown)
+    ps = straight.ps_camera_root.copy()
+    ps[1:-1, 0] += 50.0
+    out = Trajectory(0, straight.Rs_parent_part, ps)
+    paths = (shown.truth, straight, out)
+    if method == "paper":
+        scores = [printed_score(shown.scene(), segment.clip, path) for path in paths]
+    else:
+        scores = [robust_pass(shown.scene(), segment.clip, path, 4, 1, 1e-3)[1] for path in paths]
+    assert scores[0] < scores[1] < scores[2]
+
+
+def test_a_body_of_one_part_without_landmarks_is_judged_by_its_turn_too(
+    cases: dict[str, Case],
+) -> None:
+    shown = cases["box"]
+    bare = shown.skeleton.body.parts[0].model_copy(update={"landmarks": {}})
+    skeleton = Skeleton.of(shown.skeleton.body.replaced([bare]))
+    tracker = Case(skeleton, shown.camera, shown.truth, shown.pictures).tracker(0, 20)
+    end = shown.truth.pose(20)
+    turned = Pose(end.Rs_parent_part @ exp_rotation([0.0, 0.0, 0.7]), end.p_camera_root)
+    assert tracked(tracker)[0].verdict.kind == "good"
+    tracker.move_keyframe(20, turned)
+    assert tracked(tracker)[0].verdict.kind != "good"

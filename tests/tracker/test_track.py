@@ -299,3 +299,10 @@ def test_a_long_session_is_tracked_at_the_same_size_by_any_number_of_workers(
             assert isinstance(last, TrackFinished)
             found.append(last.result.trajectory)
     np.testing.assert_array_equal(found[0].Rs_parent_part, found[1].Rs_parent_part)
+
+
+def test_keyframes_too_far_apart_are_refused_before_any_work(person: Case) -> None:
+    poses = {frame: person.truth.pose(0) for frame in (0, 6, 5000)}
+    video = person.tracker(*KEYS).loader.video
+    with pytest.raises(SessionError, match=r"Keyframes 6 and 5000 lie 4994 frames apart"):
+        Tracker(video, person.camera, person.skeleton, poses)

@@ -13,7 +13,7 @@ from tests.tracker.tracking_cases import scene_of
 from tracker.body import preset
 from tracker.images import Clip
 from tracker.observe import Observation, unobserved
-from tracker.pose import Pose, joint_names
+from tracker.pose import Pose
 from tracker.scene import Scene
 from tracker.segment import Outcome, Pass, Segment
 from tracker.skeleton import Skeleton
@@ -27,7 +27,7 @@ START = Pose.rest(SKELETON, (0.0, 0.0, 6.0))
 END = Pose.rest(SKELETON, (0.2, 0.0, 6.0))
 SEGMENT = Segment(FIRST, LAST, START, END, Clip(FIRST, ()))
 SCENE: Scene = scene_of(SKELETON, poses=[START])
-JOINTS = len(joint_names(SKELETON))
+MARKS = len(SCENE.marks[1])
 PATH: Trajectory = interpolate(START, END, FIRST, LAST)
 FAR = 1000.0
 
@@ -37,11 +37,12 @@ def outcome(
     drift: NDArray[np.float64] | None = None,
     diverged: bool = False,
     what: str = "pass",
+    followed: bool = True,
 ) -> Outcome:
-    still = np.zeros((N + 1, JOINTS))
+    still = np.zeros((N + 1, MARKS))
     return Outcome(
         (Pass(what, PATH, 3.0),), 0, still if apart is None else apart,
-        still[1:] if drift is None else drift, diverged,
+        still[1:] if drift is None else drift, followed, diverged, 0.0,
     )  # fmt: skip
 
 
@@ -86,7 +87,7 @@ def test_a_diverged_segment_asks_for_a_keyframe_in_its_middle() -> None:
 
 
 def test_where_both_evidences_are_strong_a_keyframe_is_asked_for_where_they_are_strongest() -> None:
-    apart, drift = np.zeros((N + 1, JOINTS)), np.zeros((N, JOINTS))
+    apart, drift = np.zeros((N + 1, MARKS)), np.zeros((N, MARKS))
     apart[5:9], drift[5:9] = FAR, FAR
     found = verdict(outcome(apart, drift))
     assert found.kind == "lost"
@@ -98,8 +99,8 @@ def test_where_both_evidences_are_strong_a_keyframe_is_asked_for_where_they_are_
 
 @pytest.mark.parametrize("strong", ["apart", "drift"])
 def test_one_evidence_alone_names_the_part_and_the_frames_to_look_at(strong: str) -> None:
-    joint = SKELETON.body.index("left_forearm")
-    apart, drift = np.zeros((N + 1, JOINTS)), np.zeros((N, JOINTS))
+    joint = int(np.flatnonzero(SCENE.marks[1] == SKELETON.body.index("left_forearm"))[0])
+    apart, drift = np.zeros((N + 1, MARKS)), np.zeros((N, MARKS))
     (apart if strong == "apart" else drift)[8:12, joint] = FAR
     found = verdict(outcome(apart, drift))
     assert found.kind == "check"
@@ -109,23 +110,21 @@ def test_one_evidence_alone_names_the_part_and_the_frames_to_look_at(strong: str
     assert found.words.startswith(f"check frames {found.frames[0]}–{found.frames[1]}: ")
 
 
-def test_a_landmark_is_called_by_the_name_of_its_part() -> None:
-    joint = joint_names(SKELETON).index("left_hand_tip")
-    drift = np.zeros((N, JOINTS))
+def test_a_mark_is_called_by_the_name_of_its_part() -> None:
+    joint = int(np.flatnonzero(SCENE.marks[1] == SKELETON.body.index("left_hand"))[-1])
+    drift = np.zeros((N, MARKS))
     drift[:, joint] = FAR
     assert "left hand" in verdict(outcome(drift=drift)).words
 
 
 def test_at_the_keyframes_themselves_the_chains_may_differ() -> None:
-    apart = np.zeros((N + 1, JOINTS))
+    apart = np.zeros((N + 1, MARKS))
     apart[[0, N]] = FAR
     assert verdict(outcome(apart)).kind == "good"
 
 
 def test_small_evidence_does_not_matter() -> None:
-    assert (
-        verdict(outcome(np.full((N + 1, JOINTS), 0.02), np.full((N, JOINTS), 1e-4))).kind == "good"
-    )
+    assert verdict(outcome(np.full((N + 1, MARKS), 0.02), np.full((N, MARKS), 1e-4))).kind == "good"
 
 
 def test_a_part_that_goes_unseen_is_named_with_its_frames() -> None:
@@ -147,7 +146,7 @@ def test_a_part_unseen_for_a_moment_is_not_worth_a_word() -> None:
 
 
 def test_lost_comes_before_unseen() -> None:
-    strong = np.full((N + 1, JOINTS), FAR)
+    strong = np.full((N + 1, MARKS), FAR)
     found = verdict(outcome(strong, strong[1:]), hidden("head", 0, N - 1))
     assert found.kind == "lost"
 
@@ -159,6 +158,32 @@ def test_a_segment_of_which_a_pass_diverged_is_not_good(what: str) -> None:
 
 @pytest.mark.parametrize("nothing", ["apart", "drift"])
 def test_evidence_that_is_no_number_is_not_good(nothing: str) -> None:
-    none = np.full((N + 1, JOINTS), np.nan)
+    none = np.full((N + 1, MARKS), np.nan)
     found = outcome(none) if nothing == "apart" else outcome(drift=none[1:])
     assert verdict(found).kind != "good"
+
+
+def test_chains_that_could_not_be_followed_are_lost_whatever_was_kept() -> None:
+    assert verdict(outcome(followed=False, what="refinement")).kind == "lost"
+
+
+def test_neighbouring_keyframes_that_contradict_each_other_are_told_as_such() -> None:
+    segment = Segment(FIRST, FIRST + 1, START, END, Clip(FIRST, ()))
+    wild = np.full((2, MARKS), FAR)
+    path = interpolate(START, END, FIRST, FIRST + 1)
+    found = Outcome((Pass("pass", path, 3.0),), 0, wild, wild[1:], False, False, 0.0)
+    told = judge(SCENE, segment, found, unobserved(SCENE, segment.clip, path))
+    assert told.kind == "lost"
+    assert told.words == f"lost: the keyframes at {FIRST} and {FIRST + 1} contradict each other"
+    uncertain = judge(
+        SCENE, segment, replace(found, followed=True), unobserved(SCENE, segment.clip, path)
+    )
+    assert uncertain.frames is None or uncertain.frames[0] <= uncertain.frames[1]
+
+
+def test_a_body_that_is_nowhere_to_be_seen_is_lost() -> None:
+    seen = clear()
+    none = replace(seen, shown=np.zeros_like(seen.shown), rank=np.zeros_like(seen.rank))
+    found = verdict(outcome(), none)
+    assert found.kind == "lost"
+    assert "nothing of the body is seen" in found.words

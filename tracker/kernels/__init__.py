@@ -28,19 +28,27 @@ def _cache_folder() -> Path:
     text = b"".join(path.read_bytes() for path in sorted(Path(__file__).parent.glob("*.py")))
     version = f"{numba.__version__}-{hashlib.sha256(text).hexdigest()[:16]}"
     version = f"{sys.implementation.cache_tag}-{version}"
-    base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    for folder in (base, Path(tempfile.gettempdir()) / f"keypose-{os.getuid()}"):
-        place = folder / "keypose" / "kernels" / version
-        try:
-            place.mkdir(parents=True, exist_ok=True)
-        except OSError:  # a read-only home: the next place will do
-            continue
+    chosen = numba.config.CACHE_DIR  # type: ignore[attr-defined]
+    if chosen:
+        return Path(chosen) / version
+    home = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    place = home / "keypose" / "kernels" / version
+    if _is_writable(place):
         return place
-    raise OSError("No folder can be written for the compiled loops; set NUMBA_CACHE_DIR to one.")
+    # A home that cannot be written: a fresh private folder, for what lies in it is executed.
+    return Path(tempfile.mkdtemp(prefix="keypose-loops-"))
 
 
-if not numba.config.CACHE_DIR:  # type: ignore[attr-defined]
-    numba.config.CACHE_DIR = str(_cache_folder())  # type: ignore[attr-defined]
+def _is_writable(folder: Path) -> bool:
+    try:
+        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
+
+
+numba.config.CACHE_DIR = str(_cache_folder())  # type: ignore[attr-defined]
 
 
 def compiled(function: F) -> F:

@@ -113,16 +113,17 @@ def root_path(R, t, R_next, t_next, t_end, path):
 
 
 @compiled
-def close_segment(R, t, R_next, t_next, R_end, t_end, R_out, t_out, rounds):
+def close_segment(R, t, R_next, t_next, R_end, t_end, R_out, t_out, rounds, gaps):
     """Accumulate a pass's motions from the first keyframe and correct their drift.
 
     R, t: trajectory the motions start from; R_next, t_next (n, …): where each leads. R_out, t_out
     (n + 1, …) ← the corrected trajectory, its ends exactly the keyframes; rounds (P,) ← rounds per
-    part, −1 where the gap was spread along its own axis instead.
+    part, −1 where the gap was spread along its own axis instead; gaps (P,) ← radians that were
+    still missing at the end before it was set.
     """
     n = R_next.shape[0]
     root_path(R, t, R_next, t_next, t_end, t_out)
-    M, T = np.empty((n, 3, 3)), np.empty((3, 3))
+    M, T, missing = np.empty((n, 3, 3)), np.empty((3, 3)), np.empty(3)
     for i in range(R.shape[1]):
         for j in range(n):
             turned_back(R[j, i], R_next[j, i], M[j])
@@ -137,6 +138,9 @@ def close_segment(R, t, R_next, t_next, R_end, t_end, R_out, t_out, rounds):
             cleaned(R_out[j + 1, i])
         if rounds[i] < 0:
             spread_gap(R_out[:, i], R_end[i])
+        turned_back(R_out[n, i], R_end[i], T)
+        logarithm(T, missing)
+        gaps[i] = np.sqrt(missing[0] ** 2 + missing[1] ** 2 + missing[2] ** 2)
         R_out[n, i] = R_end[i]
 
 

@@ -129,6 +129,27 @@ def solve_pair(body, chosen, grey, starts, R, t, x, picture, lens, prior, inner,
 
 
 @compiled
+def least_shown(body, lens, sight, width, height, R, t):
+    """Half the points that the less showing end of a trajectory shows: less is hardly a body."""
+    HR, Ho, uvz, seen, depth, owner = room(body, sight, width, height)[:6]
+    place_parts(body, R[0], t[0], HR, Ho)
+    first = see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
+    n = R.shape[0] - 1
+    place_parts(body, R[n], t[n], HR, Ho)
+    last = see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
+    return 0.5 * min(first, last)
+
+
+@compiled
+def charged(score, shown, least, cap):
+    """A pair's score, the worse the fewer points its pose shows: none at all costs the cap."""
+    if shown >= least:
+        return score
+    share = shown / least
+    return share * score + (1 - share) * cap * cap
+
+
+@compiled
 def follow_pairs(
     body, lens, sight, prior, pictures, slots, R, t, of, inner, stop, R_next, t_next
 ):  # fmt: skip
@@ -142,17 +163,19 @@ def follow_pairs(
     height, width = pictures.shape[1], pictures.shape[2]
     HR, Ho, uvz, seen, depth, owner, chosen, grey, starts = room(body, sight, width, height)
     x = np.zeros(body.dof_part.shape[0])
+    least = least_shown(body, lens, sight, width, height, R, t)
     score = 0.0
     for j in range(R_next.shape[0]):
         place_parts(body, R[j], t[j], HR, Ho)
-        see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
+        shown = see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
         pick(body, uvz, seen, pictures[slots[j]], 1.0, of, 1, chosen, grey, starts)
         R_next[j], t_next[j] = R[j + 1], t[j + 1]
         x[:] = 0.0
-        score += solve_pair(
+        own = solve_pair(
             body, chosen, grey, starts, R_next[j], t_next[j], x, pictures[slots[j + 1]], lens,
             prior, inner, stop,
         )  # fmt: skip
+        score += charged(own, shown, least, CAP)
     return score / R_next.shape[0]
 
 
@@ -206,21 +229,23 @@ def mean_capped_square(body, lens, sight, pictures, slots, R, t, of, every, cap)
     """Score of a trajectory: mean over its pairs of the mean min(r², cap²), grey levels squared.
 
     r is the difference of brightness between a point seen in frame j and where the trajectory
-    carries it in frame j + 1.  DRIFT (4), per point and capped.
+    carries it in frame j + 1.  DRIFT (4), per point and capped. Poses that show hardly a point are
+    charged for it.
     """
     height, width = pictures.shape[1], pictures.shape[2]
     HR, Ho, uvz, seen, depth, owner, chosen, grey, starts = room(body, sight, width, height)
     histogram, rows = np.empty(BINS, np.int32), np.empty((9, BLOCK), np.float32)
+    least = least_shown(body, lens, sight, width, height, R, t)
     score = 0.0
     for j in range(R.shape[0] - 1):
         place_parts(body, R[j], t[j], HR, Ho)
-        see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
+        shown = see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
         pick(body, uvz, seen, pictures[slots[j]], 1.0, of, every, chosen, grey, starts)
         place_parts(body, R[j + 1], t[j + 1], HR, Ho)
         points = sum_residuals(
             body, chosen, grey, starts, HR, Ho, pictures[slots[j + 1]], lens, histogram, rows
         )
-        score += capped_square(histogram, points, cap)
+        score += charged(capped_square(histogram, points, cap), shown, least, cap)
     return score / max(1, R.shape[0] - 1)
 
 
