@@ -1,7 +1,8 @@
 """The command line: `keypose COMMAND …`.
 
 Exit codes: 0 done; 1 tracking was lost somewhere; 2 the input cannot be used, said in one sentence
-on stderr; 130 interrupted; 141 nobody reads the output any more.
+on stderr; 70 a fault of Keypose itself, with a traceback; 130 interrupted; 141 nobody reads the
+output any more.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import argparse
 import io
 import os
 import sys
+import traceback
 from collections.abc import Sequence
 from typing import NoReturn
 
@@ -17,6 +19,7 @@ from app.commands import evaluate, export, info, schema, shot, track
 from tracker.errors import KeyposeError
 
 BAD_INPUT = 2
+FAULT = 70
 INTERRUPTED = 130
 NO_READER = 141
 
@@ -54,6 +57,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         # What is still buffered would raise once more when the interpreter closes stdout.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return NO_READER
+    except Exception:  # noqa: BLE001 — told in full, and told apart from a motion that was lost
+        traceback.print_exc()
+        print("This is a fault of Keypose, not of your input.", file=sys.stderr)
+        return FAULT
 
 
 def parser() -> argparse.ArgumentParser:

@@ -11,7 +11,7 @@ from typing import Literal, TypeAlias
 import cv2
 import numpy as np
 
-from app.lettering import axes, plate, scale_bar, write
+from app.lettering import axes, plate, round_length, scale_bar, write_name
 from app.palette import GAP, GRID, GRID_MIDDLE, PAPER, Canvas, Picture, part_colours, part_sides
 from app.shading import paint_solid, part_borders, shaded
 from app.strokes import body_lines, paint_dots, paint_lines
@@ -27,7 +27,10 @@ Style: TypeAlias = Literal["wire", "solid", "both"]
 FINE = 2
 """Painted this many times as large as wanted."""
 
-GRID_STEP_M = 0.5
+MOST_GRID_LINES = 40
+LEAST_HEIGHT_OF_FOUR = 24
+"""In a lower picture the three small views would show nothing."""
+
 VIEW_NAMES: tuple[ViewName, ...] = ("top", "side", "front")
 _AXES: dict[ViewName, tuple[str, str]] = {
     "top": ("x", "z"),
@@ -65,12 +68,13 @@ def orthographic(
     centre_m: Array | None = None,
     metres_across: float | None = None,
 ) -> Picture:
-    """A true orthographic view of the solid body, `size` = (width, height), on a 0.5 m grid.
+    """A true orthographic view of the solid body, `size` = (width, height), on a grid.
 
     "front" looks along the camera's +z (x right, y down), "top" looks down along +y (x right, z,
     away from the camera, up), "side" looks along −x (z right, y down). centre_m (3,) is the point
     of the camera frame in the middle, metres_across the picture's width; left out, the body fits.
-    Grid lines lie at multiples of 0.5 m in the camera frame.
+    Grid lines lie at multiples of the scale bar's length in the camera frame: a round one that
+    suits the picture's width, 0.5 m for a person. What finds no room is not lettered.
     """
     p_camera = BodyMesh.of(skeleton).posed(pose_transforms(skeleton, pose))
     centre = _middle(p_camera) if centre_m is None else np.asarray(centre_m, dtype=np.float64)
@@ -78,11 +82,12 @@ def orthographic(
     if metres_across is None:
         metres_across = _width_to_fit(apply_transform(eye.T_eye_camera, p_camera), size)
     eye = Eye.orthographic(view, centre, size[0] / metres_across, size)
-    picture = _over(_grid(eye), eye, skeleton, pose, "solid", 1.0)
+    step_m = round_length(metres_across)
+    picture = _over(_grid(eye, step_m), eye, skeleton, pose, "solid", 1.0)
     letter_px = _letter_px(size[1])
-    write(picture, view.capitalize(), *(round(letter_px), round(2.1 * letter_px)), letter_px)
-    scale_bar(picture, GRID_STEP_M, eye.focal[0], letter_px)
-    axes(picture, *_AXES[view], letter_px)
+    write_name(picture, view.capitalize(), letter_px)
+    bar_end = scale_bar(picture, step_m, eye.focal[0], letter_px)
+    axes(picture, *_AXES[view], letter_px, bar_end)
     return picture
 
 
@@ -98,14 +103,17 @@ def four_views(
 ) -> Picture:
     """The overlay, large, and the three orthographic views, all at one scale, stacked beside it.
 
-    The picture is `height` pixels high; its width follows from the camera's shape.
+    The picture is `height` pixels high; its width follows from the camera's shape. One less
+    than LEAST_HEIGHT_OF_FOUR pixels high is the overlay alone.
     """
-    width = round(height * camera.width / camera.height)
+    width = max(1, round(height * camera.width / camera.height))
     enlarged = cv2.INTER_CUBIC if height > camera.height else cv2.INTER_AREA
     frame = np.asarray(cv2.resize(image_rgb, (width, height), interpolation=enlarged), np.uint8)
     main = _over(frame, Eye.of(camera).resized(width, height), skeleton, pose, style, opacity)
     letter_px = _letter_px(height // 3)
     plate(main, label, *(round(0.8 * letter_px),) * 2, letter_px)
+    if height < LEAST_HEIGHT_OF_FOUR:
+        return main
     gap = max(2, height // 240)
     heights = np.diff(np.rint(np.linspace(0, height + gap, 4)).astype(int)) - gap
     small = _three_views(skeleton, pose, [(int(1.3 * height / 3), int(h)) for h in heights])
@@ -217,10 +225,14 @@ def _letter_px(height: int) -> float:
     return float(np.clip(height / 22, 8, 18))
 
 
-def _grid(eye: Eye) -> Picture:
-    """The empty sheet of an orthographic eye with its grid lines, those through 0 darker."""
+def _grid(eye: Eye, step_m: float) -> Picture:
+    """The empty sheet of an orthographic eye with grid lines at multiples of step_m.
+
+    Those through 0 are darker. In a very long picture lines are left out evenly.
+    """
     sheet = np.full((eye.height, eye.width, 3), PAPER, dtype=np.uint8)
-    step_px = eye.focal[0] * GRID_STEP_M
+    step_px = eye.focal[0] * step_m
+    step_px *= np.ceil((eye.width + eye.height) / step_px / (MOST_GRID_LINES - 2))
     if step_px < 4:
         return sheet
     for across, limit in enumerate((eye.width, eye.height)):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 import textwrap
 from collections.abc import Callable
 from pathlib import Path
@@ -47,6 +48,12 @@ def add_overwrite(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--overwrite", action="store_true", help="exchange files that are there already"
     )
+
+
+def note(words: str | None) -> None:
+    """Words a person should know, on stderr; the work goes on."""
+    if words is not None:
+        print(f"Note: {words}", file=sys.stderr)
 
 
 def whole_number(least: int) -> Callable[[str], int]:

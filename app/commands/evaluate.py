@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.commands.arguments import Subcommands, add_command, add_json, add_session
+from app.commands.arguments import Subcommands, add_command, add_json, add_session, note
 from app.commands.json_output import plain, print_json
 
 if TYPE_CHECKING:
@@ -29,8 +29,9 @@ _KINDS = {
 def add(commands: Subcommands) -> None:
     text = (
         "Measure the tracked motion against a reference. Only frames strictly between keyframes "
-        "count, and linear interpolation of the same keyframes stands beside. A reference is an "
-        ".npz file of poses or joint positions, or a .json file of marked joints in pixels."
+        "count, those that the motion was tracked with, and their linear interpolation stands "
+        "beside. A reference is an .npz file of poses or joint positions, or a .json file of "
+        "marked joints in pixels."
     )
     command = add_command(commands, "evaluate", run, text, _EXAMPLES)
     add_session(command)
@@ -53,7 +54,7 @@ def _evaluation(session_path: Path, reference_path: Path) -> Evaluation:
     from tracker.evaluate import evaluate, evaluate_joints
     from tracker.formats.reference import load_reference
     from tracker.session.files import load_session
-    from tracker.session.tracks import load_trajectory
+    from tracker.session.tracks import load_trajectory, outdated_words, tracked_keyframes
     from tracker.skeleton import Skeleton
     from tracker.trajectory import Trajectory
 
@@ -61,7 +62,8 @@ def _evaluation(session_path: Path, reference_path: Path) -> Evaluation:
     skeleton, camera = Skeleton.of(session.body), session.camera
     reference = load_reference(reference_path, skeleton)
     estimate = load_trajectory(session, session_path)
-    frames = [keyframe.frame for keyframe in session.keyframes]
+    note(outdated_words(session, estimate))
+    frames = tracked_keyframes(session)
     if isinstance(reference, Trajectory):
         return evaluate(skeleton, camera, estimate, reference, frames)
     return evaluate_joints(skeleton, camera, estimate, reference, frames)

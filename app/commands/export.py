@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.commands.arguments import Subcommands, add_command, add_overwrite, add_session
+from app.commands.arguments import (
+    Subcommands,
+    add_command,
+    add_json,
+    add_overwrite,
+    add_session,
+    note,
+)
+from app.commands.json_output import print_written
 from tracker.errors import FormatError
 
 if TYPE_CHECKING:
@@ -32,13 +39,14 @@ def add(commands: Subcommands) -> None:
     command.add_argument(
         "--out", metavar="DIR", type=Path, required=True, help="folder; made when it is missing"
     )
+    add_json(command)
     add_overwrite(command)
 
 
 def run(arguments: argparse.Namespace) -> int:
     from tracker.session.atomic import demand_absent, demand_folder, make_folder, write_file
     from tracker.session.files import load_session
-    from tracker.session.tracks import load_trajectory, outdated_keyframes
+    from tracker.session.tracks import load_trajectory, outdated_words
 
     session = load_session(arguments.session)
     trajectory = load_trajectory(session, arguments.session)
@@ -50,11 +58,8 @@ def run(arguments: argparse.Namespace) -> int:
     make_folder(arguments.out)
     for place, text in places.items():
         write_file(place, text.encode(), overwrite=arguments.overwrite)
-        print(f"Written: {place}")
-    changed = outdated_keyframes(session, trajectory)
-    if changed:
-        frames = ", ".join(str(frame) for frame in changed)
-        print(f"Note: not tracked since these keyframes were changed: {frames}.", file=sys.stderr)
+    print_written(places, arguments.json)
+    note(outdated_words(session, trajectory))
     return 0
 
 
@@ -88,7 +93,7 @@ def _times_s(session: Session, session_path: Path) -> Array:
     if video_path(session, session_path).exists():
         with open_video_of(session, session_path) as video:
             return video.info.times_s
-    print("Note: the video is missing; times are those between keyframes.", file=sys.stderr)
+    note("the video is missing; times are those between keyframes.")
     frames = [keyframe.frame for keyframe in session.keyframes]
     times_s = [keyframe.time_s for keyframe in session.keyframes]
     if len(frames) < 2 or min(np.diff(times_s)) <= 0:

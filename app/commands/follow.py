@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from app.commands.json_output import print_json
+from tracker.errors import KeyposeError
 from tracker.session.tracking import track_session
 from tracker.track import (
     PassFinished,
@@ -29,34 +32,72 @@ Report: TypeAlias = Callable[[Progress], None]
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """The finished segments; `interrupted` when the person stopped before all were."""
+    """The finished segments; `interrupted` when the person stopped before all were, and `error`
+    what else ended the run early."""
 
     result: TrackResult
-    interrupted: bool
+    interrupted: bool = False
+    error: KeyposeError | None = None
 
 
 def follow(session: Session, video: Video, workers: int, as_json: bool) -> Run:
-    """Track, and tell on the way: JSON lines, a bar at a terminal, or a line per segment."""
-    from tracker.skeleton import Skeleton
+    """Track, and tell on the way: JSON lines, a bar at a terminal, or a line per segment.
 
+    However the run ends, the segments finished by then are in it. The first Ctrl+C lets the
+    tracker come to rest and say all it has finished; a second one breaks off even that.
+    """
+    stop = threading.Event()
+    events = track_session(session, video, workers=workers, cancelled=stop.is_set)
     finished: dict[int, SegmentResult] = {}
-    events = track_session(session, video, workers=workers)
-    with _reporter(session, as_json) as report:
+    with _set_by_ctrl_c(stop), _reporter(session, as_json) as report:
         try:
             for event in events:
                 if isinstance(event, TrackFinished):
                     return Run(event.result, interrupted=event.cancelled)
                 if isinstance(event, SegmentFinished):
                     finished[event.index] = event.result
-                report(event)
-        except (KeyboardInterrupt, BrokenPipeError):  # what is finished is kept either way
-            pass
-    result = TrackResult(
-        skeleton=Skeleton.of(session.body),
-        settings=session.settings,
-        segments=tuple(finished[index] for index in sorted(finished)),
-    )
-    return Run(result, interrupted=True)
+                _tell(report, event, stop)
+        except KeyboardInterrupt:
+            return Run(_result(session, finished), interrupted=True)
+        except KeyposeError as error:
+            return Run(_result(session, finished), error=error)
+    raise AssertionError("a run ends with TrackFinished")
+
+
+def _tell(report: Report, event: Progress, stop: threading.Event) -> None:
+    try:
+        report(event)
+    except OSError:  # nobody listens any more
+        stop.set()
+
+
+def _result(session: Session, finished: dict[int, SegmentResult]) -> TrackResult:
+    """What a run that broke off has found."""
+    from tracker.skeleton import Skeleton
+
+    segments = tuple(finished[index] for index in sorted(finished))
+    return TrackResult(Skeleton.of(session.body), session.settings, segments)
+
+
+@contextmanager
+def _set_by_ctrl_c(stop: threading.Event) -> Iterator[None]:
+    """Within, the first Ctrl+C sets the event and the next one raises KeyboardInterrupt."""
+    before = signal.getsignal(signal.SIGINT)
+    on_main = threading.current_thread() is threading.main_thread()
+    if before in (signal.SIG_IGN, None) or not on_main:  # whoever ignores Ctrl+C goes on doing so
+        yield
+        return
+
+    def handle(*_: object) -> None:
+        if stop.is_set():
+            raise KeyboardInterrupt
+        stop.set()
+
+    signal.signal(signal.SIGINT, handle)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 @contextmanager

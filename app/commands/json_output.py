@@ -5,13 +5,23 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import Any
 
 
 def print_json(value: object, *, indent: int | None = None) -> None:
     """One document on a line of its own (or indented), sent at once."""
     print(json.dumps(plain(value), allow_nan=False, indent=indent), flush=True)
+
+
+def print_written(files: Iterable[Path], as_json: bool) -> None:
+    """The files a command has written: a line for each, or one JSON object with the list."""
+    if as_json:
+        print_json({"written": [str(file) for file in files]})
+        return
+    for file in files:
+        print(f"Written: {file}")
 
 
 def plain(value: Any) -> Any:

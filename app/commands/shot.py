@@ -9,10 +9,13 @@ from typing import TYPE_CHECKING
 from app.commands.arguments import (
     Subcommands,
     add_command,
+    add_json,
     add_overwrite,
     add_session,
+    note,
     whole_number,
 )
+from app.commands.json_output import print_written
 from tracker.errors import FormatError, SessionError
 
 if TYPE_CHECKING:
@@ -31,7 +34,7 @@ def add(commands: Subcommands) -> None:
     text = (
         "Draw the body at one frame into a PNG file. The pose is the keyframe's where one is set "
         "and the tracked one elsewhere; main is the video's frame with the body over it, without "
-        "the lens's distortion."
+        "the lens's distortion, or plain grey where the video's frame is missing."
     )
     command = add_command(commands, "shot", run, text, _EXAMPLES)
     add_session(command)
@@ -43,6 +46,7 @@ def add(commands: Subcommands) -> None:
         "--style", choices=styles, default="both", help="of the body over the video; default: both"
     )
     command.add_argument("--out", metavar="FILE.png", type=Path, required=True)
+    add_json(command)
     add_overwrite(command)
 
 
@@ -62,13 +66,13 @@ def run(arguments: argparse.Namespace) -> int:
     pose = _pose(session, arguments.session, skeleton, arguments.frame)
     picture = _picture(session, skeleton, pose, arguments)
     write_file(out, _png(picture), overwrite=arguments.overwrite)
-    print(f"Written: {out}")
+    print_written([out], arguments.json)
     return 0
 
 
 def _pose(session: Session, session_path: Path, skeleton: Skeleton, frame: int) -> Pose:
     """The pose to draw; SessionError when the frame is neither a keyframe nor tracked."""
-    from tracker.session.tracks import load_trajectory
+    from tracker.session.tracks import load_tracks, outdated_words
 
     if frame >= session.video.frame_count:
         raise SessionError(
@@ -78,13 +82,12 @@ def _pose(session: Session, session_path: Path, skeleton: Skeleton, frame: int) 
     for keyframe in session.keyframes:
         if keyframe.frame == frame:
             return keyframe.pose(skeleton)
-    trajectory = load_trajectory(session, session_path)
-    if not trajectory.first_frame <= frame <= trajectory.last_frame:
-        raise SessionError(
-            f"Frame {frame} is not tracked; the tracked frames are {trajectory.first_frame} to "
-            f"{trajectory.last_frame}."
-        )
-    return trajectory.pose(frame)
+    tracks = load_tracks(session, session_path)
+    pose = tracks.pose(frame)
+    if pose is None:
+        raise SessionError(f"Frame {frame} is not tracked; the tracked frames are {tracks.runs()}.")
+    note(outdated_words(session, tracks))
+    return pose
 
 
 def _picture(
@@ -92,20 +95,48 @@ def _picture(
 ) -> Picture:
     """The picture (H, W, 3) RGB; its height is the video's."""
     from app.pictures import four_views, orthographic, overlay
-    from tracker.session.files import open_video_of
 
     camera = session.camera.without_distortion()
     size = (camera.width, camera.height)
     if arguments.view not in ("main", "all"):
         return orthographic(skeleton, pose, arguments.view, size)
-    with open_video_of(session, arguments.session) as video:
-        image = session.camera.rectify(video.frame(arguments.frame))
+    image = _image(session, arguments)
+    label = f"Frame {arguments.frame}" + (" is missing" if image is None else "")
+    ground = _blank(size) if image is None else image
     if arguments.view == "main":
-        return overlay(image, camera, skeleton, pose, arguments.style)
-    label = f"Frame {arguments.frame}"
+        picture = overlay(ground, camera, skeleton, pose, arguments.style)
+        return picture if image is not None else _with_plate(picture, label)
     return four_views(
-        image, camera, skeleton, pose, arguments.style, height=camera.height, label=label
+        ground, camera, skeleton, pose, arguments.style, height=camera.height, label=label
     )
+
+
+def _image(session: Session, arguments: argparse.Namespace) -> Picture | None:
+    """The video's frame without the lens's distortion; None when the video has lost it."""
+    from tracker.session.files import open_video_of
+    from tracker.video import MissingFrame
+
+    with open_video_of(session, arguments.session) as video:
+        try:
+            return session.camera.rectify(video.frame(arguments.frame))
+        except MissingFrame:
+            return None
+
+
+def _blank(size: tuple[int, int]) -> Picture:
+    import numpy as np
+
+    return np.full((size[1], size[0], 3), 128, dtype=np.uint8)
+
+
+def _with_plate(picture: Picture, words: str) -> Picture:
+    from app.lettering import plate, written_width
+
+    height, width = picture.shape[:2]
+    widest = 0.9 * width / (2.2 + written_width(words, 100.0) / 100.0)  # with what is around it
+    height_px = min(max(10.0, height / 40), widest)
+    plate(picture, words, *(round(0.8 * height_px),) * 2, height_px)
+    return picture
 
 
 def _png(picture: Picture) -> bytes:

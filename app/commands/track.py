@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import shlex
 import sys
 from contextlib import suppress
 from pathlib import Path
@@ -67,8 +68,12 @@ def run(arguments: argparse.Namespace) -> int:
     _prepare_loops()
     with open_video_of(session, arguments.session) as video:
         found = follow(_with_settings(session, arguments), video, arguments.workers, arguments.json)
+    if found.error is not None and not found.result.segments:
+        raise found.error
     summary = _keep(session, found, arguments)
     _tell(summary, arguments.json)
+    if found.error is not None:
+        raise found.error
     if found.interrupted:
         return INTERRUPTED
     return LOST if summary["lost"] else DONE
@@ -112,6 +117,7 @@ def _keep(session: Session, found: Run, arguments: argparse.Namespace) -> dict[s
     """Write what was found, if anything; the summary of it."""
     summary: dict[str, Any] = {"interrupted": found.interrupted, "session": None, "tracks": None}
     summary |= {"segments_of": len(session.keyframes) - 1, "segments": [], "lost": False}
+    summary["error"] = None if found.error is None else str(found.error)
     if not found.result.segments:
         return summary
     results = _write(session, found, arguments)
@@ -131,10 +137,10 @@ def _write(session: Session, found: Run, arguments: argparse.Namespace) -> Any:
 
     place = _place(arguments)
     if arguments.out is None:
+        results = save_result(session, place, found.result).results
         # The person may have gone on editing meanwhile: only the results are ours to change.
-        saved = save_result(load_session(place), place, found.result)
-        save_session(saved, place)
-        return saved.results
+        save_session(load_session(place).model_copy(update={"results": results}), place)
+        return results
     make_folder(arguments.out, error=SessionError)
     saved = save_result(_moved(session, arguments), place, found.result)
     write_file(
@@ -168,6 +174,15 @@ def _tell(summary: dict[str, Any], as_json: bool) -> None:
     if summary["session"] is not None:
         print(f"Written: {summary['tracks']}")
         print(f"Written: {summary['session']}")
+        _hint(summary["session"])
     if summary["interrupted"]:
         done, all_of_them = len(summary["segments"]), summary["segments_of"]
         print(f"Interrupted: {done} of {all_of_them} segments are kept.", file=sys.stderr)
+
+
+def _hint(session: str) -> None:
+    """What to do next, for a person at a terminal."""
+    if sys.stdout.isatty():
+        place = shlex.quote(session)
+        print(f"Next: keypose shot {place} --frame N --view all --out FILE.png")
+        print(f"      keypose export {place} --format bvh --out DIR")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,8 @@ from tracker.track import (
     SegmentFinished,
     SegmentStarted,
     TrackFinished,
+    TrackResult,
+    never,
 )
 from tracker.video import Video
 
@@ -23,24 +26,40 @@ Fake = Callable[..., Iterator[Any]]
 
 
 def tracker(
-    kinds: tuple[cases.Kind, ...] = ("good", "good"), stop_after: int | None = None
+    kinds: tuple[cases.Kind, ...] = ("good", "good"),
+    stop_after: int | None = None,
+    stops: int = 1,
+    error: Exception | None = None,
 ) -> Fake:
-    """A tracker that finds a bent interpolation, and may be interrupted."""
+    """A tracker that finds a bent interpolation.
 
-    def track(session: Session, video: Video, *, workers: int = 1, **_: object) -> Iterator[Any]:
+    After `stop_after` segments it meets the error or, when there is none, Ctrl+C that many times.
+    """
+
+    def track(
+        session: Session,
+        video: Video,
+        *,
+        workers: int = 1,
+        cancelled: Callable[[], bool] = never,
+    ) -> Iterator[Any]:
         assert video.info.frame_count == session.video.frame_count
         found = []
         for i, (kind, first) in enumerate(zip(kinds, (0, 4), strict=True)):
+            if i == stop_after and error is not None:
+                raise error
             if i == stop_after:
-                raise KeyboardInterrupt
+                for _ in range(stops):
+                    signal.raise_signal(signal.SIGINT)
+                assert cancelled()
+                break
             segment = cases.segment(first, first + 4, kind)
             yield SegmentStarted(i, 2, first, first + 4)
             yield PassFinished(i, 1, 2, 3.5, segment.trajectory)
             yield SegmentFinished(i, 2, segment)
             found.append(segment)
-        result = cases.result(*found)
-        object.__setattr__(result, "settings", session.settings)
-        yield TrackFinished(result)
+        result = TrackResult(cases.SKELETON, session.settings, tuple(found))
+        yield TrackFinished(result, cancelled=cancelled())
 
     return track
 

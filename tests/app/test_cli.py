@@ -16,9 +16,12 @@ import pytest
 
 from app.cli import main
 from app.commands import follow
+from app.commands.shot import _with_plate
+from app.palette import Picture
 from tests.tracker import session_cases as cases
-from tracker.session.files import load_session
-from tracker.session.tracks import load_trajectory
+from tracker.session.files import load_session, save_session
+from tracker.session.tracks import load_trajectory, save_result
+from tracker.video import MissingFrame, Video
 
 
 def test_evaluation_prints_the_tracker_beside_interpolation(
@@ -106,7 +109,105 @@ def test_an_export_tells_which_keyframes_it_does_not_know(
 ) -> None:
     cases.altered(tracked_path, lambda data: data["keyframes"][1].update(root_m=[0, 0, 4]))
     main(["export", str(tracked_path), "--format", "bvh", "--out", str(tmp_path)])
-    assert "keyframes were changed: 4." in capsys.readouterr().err
+    assert "keyframes were set, changed or removed at frame 4)." in capsys.readouterr().err
+
+
+COMMANDS_WITH_RESULTS: dict[str, list[str]] = {
+    "shot": ["--frame", "3", "--out", "a.png"],
+    "export": ["--format", "csv", "--out", "tables"],
+    "evaluate": ["--reference", "marks.json"],
+}
+
+
+@pytest.mark.parametrize("command", COMMANDS_WITH_RESULTS)
+def test_results_out_of_date_are_used_with_a_note(
+    tracked_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    command: str,
+) -> None:
+    monkeypatch.chdir(tracked_path.parent)
+    Path("marks.json").write_text(json.dumps({"frames": {"2": {"tip": [30, 20]}}}))
+    arguments = [command, "session.json", *COMMANDS_WITH_RESULTS[command]]
+    assert main(arguments) == 0
+    assert capsys.readouterr().err == ""
+    cases.altered(tracked_path, lambda data: data["camera"].update(fx=61.0))
+    assert main(arguments + (["--overwrite"] if command != "evaluate" else [])) == 0
+    note = "Note: the tracked motion is out of date (body, camera or ignore masks have changed).\n"
+    assert capsys.readouterr().err == note
+
+
+def test_evaluation_keeps_to_the_keyframes_of_the_tracking(
+    tracked_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    marks = {str(frame): {"tip": [30, 20]} for frame in range(9)}
+    (tmp_path / "marks.json").write_text(json.dumps({"frames": marks}))
+    command = ["evaluate", str(tracked_path), "--reference", str(tmp_path / "marks.json")]
+    assert main([*command, "--json"]) == 0
+    before, _ = capsys.readouterr()
+    cases.altered(tracked_path, lambda data: data["keyframes"].pop(1))
+    assert main([*command, "--json"]) == 0
+    after, note = capsys.readouterr()
+    assert after == before
+    assert json.loads(after)["frames"] == [1, 2, 3, 5, 6, 7]
+    assert "removed at frame 4)." in note
+
+
+@pytest.mark.parametrize("command", ["shot", "export"])
+def test_json_lists_the_files_that_were_written(
+    tracked_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    command: str,
+) -> None:
+    monkeypatch.chdir(tracked_path.parent)
+    assert main([command, "session.json", *COMMANDS_WITH_RESULTS[command], "--json"]) == 0
+    written = json.loads(capsys.readouterr().out)["written"]
+    assert len(written) == {"shot": 1, "export": 2}[command]
+    assert all(Path(name).is_file() for name in written)
+
+
+@pytest.mark.parametrize("view", ["main", "all"])
+def test_a_missing_frame_is_drawn_grey_with_the_body_and_says_so(
+    tracked_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, view: str
+) -> None:
+    def lost(_: Video, index: int) -> None:
+        raise MissingFrame(f"Frame {index} is damaged.")
+
+    said: list[str] = []
+
+    def plate(_: Picture, words: str, *__: object) -> None:
+        said.append(words)
+
+    monkeypatch.setattr(Video, "frame", lost)
+    monkeypatch.setattr("app.lettering.plate", plate)
+    monkeypatch.setattr("app.pictures.plate", plate)
+    out = tmp_path / "a.png"
+    command = ["shot", str(tracked_path), "--frame", "3", "--view", view, "--out", str(out)]
+    assert main(command) == 0
+    assert said == ["Frame 3 is missing"]
+    picture = cv2.imread(str(out))
+    assert picture is not None
+    assert picture[-1, 0].tolist() == [128, 128, 128]
+    assert np.ptp(picture[:, : cases.WIDTH]) > 50
+
+
+@pytest.mark.parametrize("width", [160, 640, 1920])
+def test_the_plate_of_a_missing_frame_fits_into_the_picture(width: int) -> None:
+    picture = np.full((width * 3 // 4, width, 3), 128, dtype=np.uint8)
+    _with_plate(picture, "Frame 12345 is missing")
+    columns = np.flatnonzero((picture != 128).any(axis=(0, 2)))
+    assert len(columns)
+    assert columns[0] > 0
+    assert columns[-1] < width - 1
+
+
+def test_a_tracked_frame_beside_a_gap_is_drawn(session_path: Path, tmp_path: Path) -> None:
+    session = load_session(session_path)
+    parts = cases.result(cases.segment(6, 8), cases.segment(0, 3))
+    save_session(save_result(session, session_path, parts), session_path)
+    command = ["shot", str(session_path), "--frame", "7", "--out", str(tmp_path / "a.png")]
+    assert main(command) == 0
 
 
 def test_info_tells_the_facts_of_a_video(
@@ -127,15 +228,18 @@ def test_the_schema_is_json(kind: str, capsys: pytest.CaptureFixture[str]) -> No
     assert json.loads(capsys.readouterr().out)["type"] == "object"
 
 
-def test_a_programming_error_is_not_hidden(
-    session_path: Path, monkeypatch: pytest.MonkeyPatch
+def test_a_fault_of_the_program_is_told_in_full_with_an_exit_code_of_its_own(
+    session_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def broken(*_: object, **__: object) -> Iterator[Any]:
         raise ZeroDivisionError
 
     monkeypatch.setattr(follow, "track_session", broken)
-    with pytest.raises(ZeroDivisionError):
-        main(["track", str(session_path)])
+    assert main(["track", str(session_path)]) == 70
+    err = capsys.readouterr().err
+    assert err.startswith("Traceback")
+    assert "ZeroDivisionError" in err
+    assert err.endswith("\nThis is a fault of Keypose, not of your input.\n")
 
 
 COMMANDS = ("track", "evaluate", "shot", "export", "info", "schema")

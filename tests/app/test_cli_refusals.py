@@ -140,6 +140,16 @@ def test_frames_outside_the_tracked_ones_are_not_drawn(
     assert "the tracked frames are 0 to 4" in refused(capsys, tmp_path, command)
 
 
+def test_the_words_for_a_gap_do_not_span_tracked_frames(
+    session_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    parts = cases.result(cases.segment(6, 8), cases.segment(0, 2))
+    session = save_result(load_session(session_path), session_path, parts)
+    save_session(session.model_copy(update={"keyframes": ()}), session_path)
+    command: list[str | Path] = ["shot", session_path, "--frame", "4", "--out", tmp_path / "a.png"]
+    assert "the tracked frames are 0 to 2, 6 to 8." in refused(capsys, tmp_path, command)
+
+
 def test_a_folder_that_may_not_be_written_is_told_before_the_work(
     session_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +13,12 @@ import pytest
 
 from app.cli import main
 from app.commands import follow
-from tests.app.cli_cases import everything_in, tracker
+from tests.app.cli_cases import everything_in, refused, tracker
 from tests.tracker import session_cases as cases
+from tracker.errors import VideoError
 from tracker.session.files import load_session, save_session
 from tracker.session.tracking import track_session
-from tracker.session.tracks import load_trajectory
+from tracker.session.tracks import load_trajectory, outdated_words
 from tracker.track import (
     SegmentFinished,
     TrackFinished,
@@ -99,6 +101,99 @@ def test_ctrl_c_keeps_the_finished_segments(
     assert main(["track", str(session_path)]) == 130
     assert load_trajectory(load_session(session_path), session_path).last_frame == 4
     assert "Interrupted: 1 of 2 segments are kept." in capsys.readouterr().err
+
+
+def test_the_first_ctrl_c_asks_the_tracker_for_all_it_has_finished(
+    session_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def track(*_: Any, cancelled: Callable[[], bool], **__: Any) -> Iterator[Any]:
+        assert not cancelled()
+        signal.raise_signal(signal.SIGINT)
+        assert cancelled()
+        # Segments that finished while the tracker came to rest are told by no event of their own.
+        yield TrackFinished(cases.result(), cancelled=True)
+
+    monkeypatch.setattr(follow, "track_session", track)
+    before = signal.getsignal(signal.SIGINT)
+    assert main(["track", str(session_path)]) == 130
+    assert signal.getsignal(signal.SIGINT) is before
+    assert load_trajectory(load_session(session_path), session_path).last_frame == 8
+
+
+def test_a_second_ctrl_c_ends_the_run_at_once_and_keeps_what_was_told(
+    session_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(follow, "track_session", tracker(stop_after=1, stops=2))
+    before = signal.getsignal(signal.SIGINT)
+    assert main(["track", str(session_path)]) == 130
+    assert signal.getsignal(signal.SIGINT) is before
+    assert load_trajectory(load_session(session_path), session_path).last_frame == 4
+
+
+def test_whoever_ignores_ctrl_c_goes_on_ignoring_it(
+    session_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def track(*_: Any, cancelled: Callable[[], bool], **__: Any) -> Iterator[Any]:
+        signal.raise_signal(signal.SIGINT)
+        assert not cancelled()
+        yield TrackFinished(cases.result())
+
+    monkeypatch.setattr(follow, "track_session", track)
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        assert main(["track", str(session_path)]) == 0
+        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def test_an_error_midway_is_told_after_the_finished_segments_are_written(
+    session_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    broken = tracker(stop_after=1, error=VideoError("Frame 6 is gone."))
+    monkeypatch.setattr(follow, "track_session", broken)
+    assert main(["track", str(session_path), "--json"]) == 2
+    out, err = capsys.readouterr()
+    assert err == "Frame 6 is gone.\n"
+    assert json.loads(out.splitlines()[-1])["error"] == "Frame 6 is gone."
+    assert load_trajectory(load_session(session_path), session_path).last_frame == 4
+
+
+def test_an_error_before_the_first_segment_changes_nothing(
+    session_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    broken = tracker(stop_after=0, error=VideoError("Frame 1 is gone."))
+    monkeypatch.setattr(follow, "track_session", broken)
+    assert "Frame 1 is gone." in refused(capsys, session_path.parent, ["track", session_path])
+
+
+def test_what_changed_while_tracking_leaves_the_results_out_of_date(
+    session_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def track(*given: Any, **more: Any) -> Iterator[Any]:
+        cases.altered(session_path, lambda data: data["camera"].update(fx=70.0))
+        yield from tracker()(*given, **more)
+
+    monkeypatch.setattr(follow, "track_session", track)
+    assert main(["track", str(session_path)]) == 0
+    session = load_session(session_path)
+    assert session.camera.fx == 70.0
+    words = outdated_words(session, load_trajectory(session, session_path))
+    assert words is not None
+    assert "camera" in words
+
+
+@pytest.mark.parametrize("at_terminal", [True, False])
+def test_only_a_terminal_gets_a_hint_what_to_do_next(
+    session_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    at_terminal: bool,
+) -> None:
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: at_terminal)
+    assert main(["track", str(session_path)]) == 0
+    out = capsys.readouterr().out
+    assert (f"Next: keypose shot {session_path}" in out) == at_terminal
 
 
 def test_ctrl_c_before_the_first_segment_changes_nothing(

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.palette import PAPER, side_of
+from app import pictures
+from app.lettering import axes, length_name, round_length, scale_bar, write_name
+from app.palette import GRID, GRID_MIDDLE, PAPER, Picture, side_of
 from app.pictures import Style, contact_sheet, four_views, orthographic, overlay
-from tracker.body import Body, Part
+from tracker.body import Body, Part, load_body
 from tracker.camera import Camera
+from tracker.eye import ViewName
 from tracker.geometry import rotation_from_euler
 from tracker.pose import Pose, pose_transforms
 from tracker.raster import BodyMesh
@@ -145,6 +150,150 @@ def test_four_views_are_one_picture_of_the_height_asked_for() -> None:
     assert picture.shape[0] == 480
     assert picture.shape[1] > 480 * 320 / 180 + 150
     assert picture.dtype == np.uint8
+
+
+def cube(side_m: float) -> Skeleton:
+    half = side_m / 2
+    shape = Box(low_m=(-half, -half, -half), high_m=(half, half, half))
+    return Skeleton.of(Body(name="cube", parts=(Part(name="cube", shape=shape),)))
+
+
+def drawn_bar(
+    skeleton: Skeleton, size: tuple[int, int], monkeypatch: pytest.MonkeyPatch
+) -> tuple[str, float]:
+    """The scale bar's name, and its length as a share of the width, in a front view."""
+    seen: list[tuple[str, float]] = []
+
+    def watched(picture: Picture, metres: float, pixels_per_metre: float, letter_px: float) -> int:
+        seen.append((length_name(metres), metres * pixels_per_metre / picture.shape[1]))
+        end = scale_bar(picture, metres, pixels_per_metre, letter_px)
+        assert 0 < end <= picture.shape[1]
+        return end
+
+    monkeypatch.setattr(pictures, "scale_bar", watched)
+    orthographic(skeleton, Pose.rest(skeleton, (0.0, 0.0, 3.0)), "front", size)
+    return seen[0]
+
+
+@pytest.mark.parametrize(("side_m", "name"), [(0.084, "2 cm"), (200.0, "50 m"), (0.02, "5 mm")])
+def test_the_scale_bar_of_a_cube_suits_its_size(
+    side_m: float, name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words, share = drawn_bar(cube(side_m), (480, 480), monkeypatch)
+    assert words == name
+    assert 0.15 < share < 0.35
+
+
+@pytest.mark.parametrize("size", [(480, 480), (312, 238), (1920, 1080)])
+@pytest.mark.parametrize("preset", ["adult_male", "elderly_female"])
+def test_a_person_is_drawn_with_a_scale_bar_of_half_a_metre(
+    preset: str, size: tuple[int, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = Path(__file__).parents[2] / "tracker" / "bodies"
+    person = Skeleton.of(load_body(folder / f"{preset}.json"))
+    assert drawn_bar(person, size, monkeypatch)[0] == "0.5 m"
+
+
+def test_a_scale_bar_is_a_round_length_that_takes_a_fair_share_of_any_width() -> None:
+    for across in np.geomspace(1e-4, 1e6, 3001):
+        length = round_length(float(across))
+        assert 0.12 <= length / across <= 0.35
+        assert f"{length:e}"[0] in "125"
+        assert f"{length:.15e}"[1:17].strip(".0") == ""
+
+
+@pytest.mark.parametrize(
+    ("metres", "name"),
+    [
+        (0.0005, "0.5 mm"),
+        (0.005, "5 mm"),
+        (0.01, "1 cm"),
+        (0.05, "5 cm"),
+        (0.1, "0.1 m"),
+        (0.5, "0.5 m"),
+        (50.0, "50 m"),
+        (500.0, "500 m"),
+        (2000.0, "2 km"),
+    ],
+)
+def test_a_length_is_named_in_the_unit_people_would_use(metres: float, name: str) -> None:
+    assert length_name(metres) == name
+
+
+def grid_lines(picture: Picture) -> tuple[list[int], list[int]]:
+    """Columns and rows of the grid lines that reach the picture's upper left borders."""
+    line = [np.array(GRID), np.array(GRID_MIDDLE)]
+    top, left = picture[0], picture[:, 0]
+    columns, rows = (
+        [k for k, pixel in enumerate(border) if any((pixel == colour).all() for colour in line)]
+        for border in (top, left)
+    )
+    return columns, rows
+
+
+@pytest.mark.parametrize("side_m", [0.084, 1.7, 200.0])
+def test_grid_lines_lie_at_multiples_of_the_scale_bars_length(side_m: float) -> None:
+    across = 1.22 * side_m
+    skeleton = cube(side_m)
+    centre = np.array([0.0, 0.0, 0.0])
+    pose = Pose.rest(skeleton, (0.0, 0.0, 0.0))
+    picture = orthographic(skeleton, pose, "front", (481, 481), centre, across)
+    columns, rows = grid_lines(picture)
+    step_px = round_length(across) * 481 / across
+    count = int(240 / step_px)
+    expected = [round(240 + k * step_px) for k in range(-count, count + 1)]
+    assert columns == expected
+    assert rows == expected
+
+
+@pytest.mark.parametrize("size", [(60, 2000), (2000, 60), (100, 900)])
+def test_even_a_very_long_picture_has_at_most_forty_grid_lines(size: tuple[int, int]) -> None:
+    centre = np.zeros(3)
+    pose = Pose.rest(SKELETON, (500.0, 500.0, 500.0))
+    columns, rows = grid_lines(orthographic(SKELETON, pose, "front", size, centre, 2.0))
+    assert 3 <= len(columns) + len(rows) <= 40
+
+
+@pytest.mark.parametrize("size", [(1, 1), (2, 2), (1, 300), (300, 1), (20, 20), (64, 24)])
+@pytest.mark.parametrize("view", ["top", "side", "front"])
+def test_pictures_of_any_size_can_be_drawn(size: tuple[int, int], view: ViewName) -> None:
+    picture = orthographic(SKELETON, posed(), view, size)
+    assert picture.shape == (size[1], size[0], 3)
+
+
+@pytest.mark.parametrize("style", STYLES)
+def test_a_video_of_two_by_two_pixels_gets_the_overlay_alone(style: Style) -> None:
+    camera = Camera(width=2, height=2, fx=2.0, fy=2.0, cx=0.5, cy=0.5)
+    grey = np.full((2, 2, 3), 90, dtype=np.uint8)
+    picture = four_views(grey, camera, SKELETON, posed(), style, height=2)
+    np.testing.assert_array_equal(picture, overlay(grey, camera, SKELETON, posed(), style))
+
+
+@pytest.mark.parametrize("height", [1, 2, 3, 5, 7, 23, 24, 25, 40, 100])
+@pytest.mark.parametrize(("width", "rows"), [(320, 180), (2, 400), (400, 2), (2, 2)])
+def test_four_views_are_drawn_at_any_height(height: int, width: int, rows: int) -> None:
+    camera = Camera(width=width, height=rows, fx=300.0, fy=300.0, cx=width / 2, cy=rows / 2)
+    grey = np.full((rows, width, 3), 90, dtype=np.uint8)
+    picture = four_views(grey, camera, SKELETON, posed(), height=height)
+    assert picture.shape[0] == height
+
+
+@pytest.mark.parametrize("size", [(104, 79), (104, 40), (104, 100), (150, 100), (312, 238)])
+@pytest.mark.parametrize("up", ["z", "-y"])
+def test_axes_scale_bar_and_name_never_cover_each_other(size: tuple[int, int], up: str) -> None:
+    def sheet() -> Picture:
+        return np.full((size[1], size[0], 3), PAPER, dtype=np.uint8)
+
+    named, barred, crossed = sheet(), sheet(), sheet()
+    letter_px = 8.0 if size[1] < 200 else 10.8
+    write_name(named, "Front", letter_px)
+    bar_end = scale_bar(barred, 0.5, 0.33 * size[0] / 0.5, letter_px)
+    axes(crossed, "x", up, letter_px, bar_end)
+    masks = [(picture != PAPER).any(axis=2) for picture in (named, barred, crossed)]
+    assert sum(mask.astype(int) for mask in masks).max() == 1
+    assert masks[0].any()
+    assert masks[1].any()
+    assert masks[2].any() == (size in ((150, 100), (312, 238)))
 
 
 def test_a_contact_sheet_fills_its_last_row_with_blanks() -> None:

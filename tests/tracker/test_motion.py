@@ -257,7 +257,10 @@ def test_where_nothing_shows_everything_follows_the_prediction(box: Case, pictur
 def test_a_residual_without_a_target_is_none(box: Case) -> None:
     clip = clip_of(box.pictures[:2])
     clip.levels[0][1, ..., 3] = IGNORED
-    assert np.isnan(observe(box.scene(), clip, box.truth).residual[0, 0])
+    pair = Trajectory(0, box.truth.Rs_parent_part[:2], box.truth.ps_camera_root[:2])
+    assert np.isnan(observe(box.scene(), clip, pair).residual[0, 0])
+    with pytest.raises(IndexError, match="frames 0 to 4 are not all in the clip"):
+        observe(box.scene(), clip, box.truth)
 
 
 def test_a_part_beside_the_picture_is_no_trouble() -> None:

@@ -178,6 +178,47 @@ REFUSED: dict[str, tuple[Change, str]] = {
         _set("body", "parts", 1, "shape", "radius_m", to=0),
         "radius_m",
     ),
+    "with a time before the video": (
+        _set("keyframes", 0, "time_s", to=-0.1),
+        "keyframes.0.time_s: input should be greater than or equal to 0",
+    ),
+    "with a time of another age": (
+        _set("keyframes", 2, "time_s", to=1e9),
+        "keyframes.2.time_s: input should be less than or equal to 10000000",
+    ),
+    "with times that stand still": (
+        _set("keyframes", 1, "time_s", to=0),
+        "time_s of frame 4 is 0; it must be later than 0, the time of frame 0",
+    ),
+    "with more frames than any video": (
+        _set("video", "frame_count", to=10**9),
+        "video.frame_count: input should be less than or equal to 100000000",
+    ),
+    "with a far too distant centre": (
+        _set("camera", "cx", to=1e300),
+        "camera.cx: input should be less than or equal to 1000000",
+    ),
+    "with a lens that bends too much": (
+        _set("camera", "distortion", to=[0, 0, 0, -1e4, 0]),
+        "camera.distortion.3: input should be greater than or equal to -1000",
+    ),
+    "with a telephoto camera too far away": (
+        lambda data: data["camera"].update(projection="telephoto", telephoto_distance_m=1e6),
+        "camera.telephoto_distance_m: input should be less than or equal to 100000",
+    ),
+    "with an odd hash": (
+        _set(
+            "results",
+            to={
+                "tracks": "tracks-000000000000.npz",
+                "method": "keypose",
+                "quality": "full",
+                "segments": [],
+                "tracked_for": "me",
+            },
+        ),
+        "results.tracked_for",
+    ),
     "with a tracks file elsewhere": (
         _set(
             "results",

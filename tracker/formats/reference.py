@@ -14,8 +14,6 @@ the middle between both thighs. NPZ files hold plain arrays, never Python object
 from __future__ import annotations
 
 import math
-import zipfile
-import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
@@ -28,11 +26,15 @@ from tracker.errors import FormatError
 from tracker.evaluate import JointReference
 from tracker.formats.marker_names import places_of
 from tracker.geometry import Array, transpose
+from tracker.session.archive import LARGEST_PACKED_BYTES, archive_arrays
 from tracker.skeleton import Skeleton
 from tracker.trajectory import Trajectory
 from tracker.wording import one_sentence
 
 LARGEST_MARKS_BYTES = 256 * 2**20
+
+LAST_FRAME = 10**8
+"""No video is longer."""
 
 ROTATION_TOLERANCE = 1e-4
 """A reference may have been written in single precision."""
@@ -42,7 +44,9 @@ class _Marks(BaseModel):
     model_config = ConfigDict(extra="ignore")
 
     frames: Annotated[
-        dict[Annotated[int, Field(ge=0, le=10**8)], dict[str, tuple[FiniteFloat, FiniteFloat]]],
+        dict[
+            Annotated[int, Field(ge=0, le=LAST_FRAME)], dict[str, tuple[FiniteFloat, FiniteFloat]]
+        ],
         Field(min_length=1),
     ]
 
@@ -74,24 +78,22 @@ def _marks(path: Path, skeleton: Skeleton) -> JointReference:
     names = tuple(dict.fromkeys(name for joints in marks.values() for name in joints))
     if not names:
         raise FormatError(f"{path.name} marks no joint.")
+    places = places_of(skeleton, names, path.name)
     frames = sorted(marks)
     positions = np.full((len(frames), len(names), 2), np.nan)
     for row, frame in enumerate(frames):
         for name, uv in marks[frame].items():
             positions[row, names.index(name)] = uv
-    places = places_of(skeleton, names, path.name)
     return JointReference(names, places, positions, np.array(frames, dtype=np.int64))
 
 
 def _arrays(path: Path, skeleton: Skeleton) -> Trajectory | JointReference:
+    if path.stat().st_size > LARGEST_PACKED_BYTES:
+        raise FormatError(f"{path.name} is too large for a reference.")
     try:
-        loaded = np.load(path, allow_pickle=False)
-        if not isinstance(loaded, np.lib.npyio.NpzFile):
-            raise ValueError("it holds one bare array")
-        with loaded as archive:
-            arrays = {name: archive[name] for name in archive.files}
-    except (ValueError, EOFError, zipfile.BadZipFile, zlib.error, NotImplementedError) as error:
-        why = str(error).rstrip(".")
+        arrays = archive_arrays(path.read_bytes(), packed=True)
+    except ValueError as error:
+        why = " ".join(str(error).split()).rstrip(".")
         raise FormatError(f"{path.name} is not an archive of plain arrays: {why}.") from None
     if "Rs_parent_part" in arrays:
         return _poses(path.name, arrays, skeleton)
@@ -140,6 +142,8 @@ def _numbers(
         wanted_text = "×".join("N" if n is None else str(n) for n in shape)
         found = "×".join(str(n) for n in array.shape)
         raise FormatError(f"{file}: {name} must be {wanted_text} numbers; it is {found}.")
+    if 8 * array.size > LARGEST_PACKED_BYTES:  # small integers grow when they become floats
+        raise FormatError(f"{file} is too large for a reference.")
     return array.astype(np.float64)
 
 
@@ -148,6 +152,6 @@ def _first_frame(file: str, arrays: Mapping[str, NDArray[Any]]) -> int:
     if first is None or first.size != 1 or first.dtype.kind not in "iuf":
         raise FormatError(f"{file} needs `first_frame`, one whole number.")
     value = float(first.ravel()[0])
-    if not math.isfinite(value) or value != int(value) or value < 0:
-        raise FormatError(f"{file} needs `first_frame`, one whole number from 0 on.")
+    if not (math.isfinite(value) and value == int(value) and 0 <= value <= LAST_FRAME):
+        raise FormatError(f"{file} needs `first_frame`, one whole number from 0 to {LAST_FRAME}.")
     return int(value)

@@ -107,7 +107,7 @@ def weigh(rows, count, loss, scale, weights, histogram):
     """Robust weights of the residuals in rows[6], and their histogram in quarter grey levels."""
     for k in range(count):
         r = abs(rows[6, k])
-        histogram[min(int(r * f4(4)), FAR)] += 1
+        histogram[int(r * f4(4)) if r < f4(0.25 * FAR) else FAR] += 1
         weight = f4(1)
         if loss == HUBER:
             if r > scale:
@@ -296,7 +296,7 @@ def sum_residuals(
             )
             for k in range(count):
                 r = abs(taps[k, 0] - rows[4, k])
-                histogram[min(int(r * f4(4)), FAR)] += 1
+                histogram[int(r * f4(4)) if r < f4(0.25 * FAR) else FAR] += 1
             histogram[LOST] += lost
             points += count
             first = last

@@ -25,6 +25,7 @@ SCHEMA_VERSION: Final = 1
 Quaternion: TypeAlias = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
 Metres: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e5, le=1e5)]
 Position: TypeAlias = tuple[Metres, Metres, Metres]
+Seconds: TypeAlias = Annotated[FiniteFloat, Field(ge=0, le=1e7)]
 
 
 class VideoReference(Plain):
@@ -34,7 +35,7 @@ class VideoReference(Plain):
         description="Path of the video, relative to the session file or absolute."
     )
     fingerprint: str = Field(description="Content fingerprint; empty when not yet known.")
-    frame_count: Annotated[int, Field(ge=1)]
+    frame_count: Annotated[int, Field(ge=1, le=100_000_000)]
     width: Annotated[int, Field(ge=2)]
     height: Annotated[int, Field(ge=2)]
 
@@ -43,7 +44,7 @@ class Keyframe(Plain):
     """A pose that a person set at one frame. It is never changed by tracking."""
 
     frame: FrameIndex
-    time_s: FiniteFloat = Field(description="Time of the frame from the video's first, seconds.")
+    time_s: Seconds = Field(description="Time of the frame from the video's first, seconds.")
     root_m: Position = Field(description="The root part's origin in the camera frame, metres.")
     rotations_wxyz: dict[Name, Quaternion] = Field(
         description="Each part's rotation in its parent's frame; parts left out are at rest."
@@ -89,7 +90,8 @@ class SegmentSummary(Plain):
     )
     best_pass: int
     closing_error: FiniteFloat | None = Field(
-        description="Distance from the second keyframe, radians, metres; null when not finite."
+        description="Largest difference of the motion's ends from the keyframes, over entries of "
+        "rotation matrices and metres; null when not finite."
     )
 
 
@@ -102,6 +104,11 @@ class Results(Plain):
     method: MethodName
     quality: Quality
     segments: tuple[SegmentSummary, ...]
+    tracked_for: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] | None = Field(
+        default=None,
+        description="SHA-256 of the body, the camera and the ignore masks that the motion was "
+        "tracked with; null when not known.",
+    )
 
 
 class Session(Plain):
@@ -133,12 +140,17 @@ class Session(Plain):
 
 
 def _demand_sorted(keyframes: tuple[Keyframe, ...]) -> None:
-    frames = [k.frame for k in keyframes]
-    for before, after in pairwise(frames):
+    for one, other in pairwise(keyframes):
+        before, after = one.frame, other.frame
         if before == after:
             raise ValueError(f"keyframes: frame {before} has two keyframes; one is allowed")
         if before > after:
             raise ValueError(f"keyframes: frame {after} stands after {before}; sort them by frame")
+        if one.time_s >= other.time_s:
+            raise ValueError(
+                f"keyframes: time_s of frame {after} is {other.time_s:g}; it must be later than "
+                f"{one.time_s:g}, the time of frame {before}"
+            )
 
 
 def _demand_in_video(keyframe: Keyframe, frame_count: int) -> None:

@@ -2,7 +2,9 @@
 
 The file is a plain NumPy archive. Its bytes depend on its content alone (no clock, no compression),
 and its name on its bytes, so the same result is the same file. Frames run from the first tracked to
-the last; where a segment between them was not tracked, poses and diagnostics are NaN and ranks −1.
+the last. Where a segment between them was not tracked, poses and diagnostics are NaN and ranks −1.
+A preview measures nothing: its diagnostics are NaN and its ranks −1 where it was tracked, too.
+Which frames have a pose is told by `Tracks.tracked` alone.
 
     first_frame      ()              index of the first pose's video frame
     part_names       (P,)            text
@@ -17,9 +19,10 @@ the last; where a segment between them was not tracked, poses and diagnostics ar
 from __future__ import annotations
 
 import hashlib
+import json
 import math
 import shlex
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,6 +32,7 @@ from numpy.typing import NDArray
 
 from tracker.errors import SessionError
 from tracker.geometry import Array, frozen, transpose
+from tracker.pose import Pose
 from tracker.session.archive import archive_arrays, archive_bytes
 from tracker.session.atomic import write_file
 from tracker.session.schema import Results, SegmentSummary, Session
@@ -83,6 +87,19 @@ class Tracks:
         """(N,) True for the frames that have a pose."""
         return np.asarray(np.isfinite(self.ps_camera_root).all(axis=1))
 
+    def runs(self, tracked: bool = True) -> str:
+        """The frames that are tracked, or those that are not, in words: "0 to 4, 9 to 12"."""
+        frames = np.flatnonzero(self.tracked == tracked) + self.first_frame
+        runs = np.split(frames, np.flatnonzero(np.diff(frames) > 1) + 1)
+        return ", ".join(f"{run[0]} to {run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
+
+    def pose(self, frame: int) -> Pose | None:
+        """The pose at a frame, None where it is not tracked."""
+        i = frame - self.first_frame
+        if not 0 <= i < len(self.ps_camera_root) or not self.tracked[i]:
+            return None
+        return Pose(self.Rs_parent_part[i], self.ps_camera_root[i])
+
     @classmethod
     def from_bytes(cls, content: bytes) -> Tracks:
         """The content of a file's bytes; ValueError when they are not such a file."""
@@ -122,6 +139,7 @@ class Tracks:
 def save_result(session: Session, session_path: Path, result: TrackResult) -> Session:
     """Write the tracks file beside the session file; the session that refers to it, not yet saved.
 
+    The session is the one that was tracked; its results remember body, camera and masks.
     SessionError when there is no segment to write or the disk refuses.
     """
     if not result.segments:
@@ -137,6 +155,7 @@ def save_result(session: Session, session_path: Path, result: TrackResult) -> Se
         method=result.settings.method,
         quality=result.settings.quality,
         segments=tuple(_summary(segment) for segment in segments),
+        tracked_for=setup_hash(session),
     )
     return session.model_copy(update={"results": results})
 
@@ -158,30 +177,89 @@ def load_tracks(session: Session, session_path: Path) -> Tracks:
 def load_trajectory(session: Session, session_path: Path) -> Trajectory:
     """The tracked motion. SessionError when there is none, or when frames inside it are missing."""
     tracks = load_tracks(session, session_path)
-    gaps = np.flatnonzero(~tracks.tracked) + tracks.first_frame
-    if len(gaps):
+    if not tracks.tracked.all():
         raise SessionError(
-            f"{session_path.name} has not been tracked yet at frames {gaps[0]} to {gaps[-1]}: run "
+            f"{session_path.name} has not been tracked yet at frames {tracks.runs(False)}: run "
             f"`keypose track {shlex.quote(str(session_path))}`."
         )
     return Trajectory(tracks.first_frame, tracks.Rs_parent_part, tracks.ps_camera_root)
 
 
-def outdated_keyframes(session: Session, trajectory: Trajectory) -> tuple[int, ...]:
-    """Keyframes that the motion does not go through: they were set or changed after tracking."""
+def setup_hash(session: Session) -> str:
+    """SHA-256 of what a motion is tracked with besides keyframes: body, camera, ignore masks.
+
+    Notes and the camera's `origin` do not count: they change no motion.
+    """
+    data = session.model_dump(
+        mode="json",
+        include={"body", "camera", "ignore_masks"},
+        exclude={"camera": {"origin"}, "ignore_masks": {"__all__": {"note"}}},
+    )
+    canonical = json.dumps(data, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(canonical.encode()).hexdigest()
+
+
+def tracked_keyframes(session: Session) -> tuple[int, ...]:
+    """The frames of the keyframes that the session's motion was tracked between, ascending."""
+    segments = session.results.segments if session.results else ()
+    return tuple(sorted({frame for s in segments for frame in (s.first_frame, s.last_frame)}))
+
+
+def outdated_keyframes(session: Session, motion: Trajectory | Tracks) -> tuple[int, ...]:
+    """Frames where motion and session differ: a keyframe was set, changed or taken away since.
+
+    Keyframes that no segment of the motion reaches are among them.
+    """
     skeleton = Skeleton.of(session.body)
-    changed = []
+    changed = set(tracked_keyframes(session)) - {keyframe.frame for keyframe in session.keyframes}
     for keyframe in session.keyframes:
-        i = keyframe.frame - trajectory.first_frame
-        if not 0 <= i < len(trajectory):
-            changed.append(keyframe.frame)
+        i = keyframe.frame - motion.first_frame
+        if not _reaches(motion, keyframe.frame):
+            changed.add(keyframe.frame)
             continue
         pose = keyframe.pose(skeleton)
-        turn = np.abs(pose.Rs_parent_part - trajectory.Rs_parent_part[i]).max()
-        shift = np.abs(pose.p_camera_root - trajectory.ps_camera_root[i]).max()
+        turn = np.abs(pose.Rs_parent_part - motion.Rs_parent_part[i]).max()
+        shift = np.abs(pose.p_camera_root - motion.ps_camera_root[i]).max()
         if max(turn, shift) > KEYFRAME_TOLERANCE:
-            changed.append(keyframe.frame)
-    return tuple(changed)
+            changed.add(keyframe.frame)
+    return tuple(sorted(changed | _added(session)))
+
+
+def outdated_words(session: Session, motion: Trajectory | Tracks) -> str | None:
+    """What the motion does not know of the session, for a note; None when it is up to date."""
+    known = session.results and session.results.tracked_for
+    reasons = []
+    if known and known != setup_hash(session):
+        reasons.append("body, camera or ignore masks have changed")
+    frames = outdated_keyframes(session, motion)
+    unreached = [frame for frame in frames if not _reaches(motion, frame)]
+    changed = [frame for frame in frames if frame not in unreached]
+    if changed:
+        reasons.append(f"keyframes were set, changed or removed at {_listed(changed)}")
+    words = [f"is out of date ({', and '.join(reasons)})"] if reasons else []
+    if unreached:
+        words.append(f"does not reach the keyframes at {_listed(unreached)}")
+    return f"the tracked motion {' and '.join(words)}." if words else None
+
+
+def _reaches(motion: Trajectory | Tracks, frame: int) -> bool:
+    i = frame - motion.first_frame
+    return 0 <= i < len(motion.ps_camera_root) and bool(np.isfinite(motion.ps_camera_root[i]).all())
+
+
+def _listed(frames: Sequence[int]) -> str:
+    numbers = ", ".join(str(frame) for frame in frames)
+    return f"frame{'s' if len(frames) > 1 else ''} {numbers}"
+
+
+def _added(session: Session) -> set[int]:
+    """Keyframes set inside a tracked segment, even where the motion happens to go through them."""
+    segments = session.results.segments if session.results else ()
+    return {
+        keyframe.frame
+        for keyframe in session.keyframes
+        if any(s.first_frame < keyframe.frame < s.last_frame for s in segments)
+    }
 
 
 def _lay(
