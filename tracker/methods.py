@@ -45,9 +45,9 @@ class Keypose:
 
 Method = Paper | Keypose
 
-FULL = Keypose(3, 4, 4, Refinement((4, 0, 0), of=2))
-FAST = Keypose(2, 4, 4, Refinement((2, 0, 0), of=2), finest=1)
-PREVIEW = Keypose(1, 3, 2, Refinement((2, 0, 0), of=3), finest=1, judged=False, density=0.5)
+FULL = Keypose(3, 4, 4, Refinement(solves=4, of=2))
+FAST = Keypose(2, 4, 4, Refinement(solves=2, of=2), finest=1)
+PREVIEW = Keypose(1, 3, 2, Refinement(solves=2, of=3), finest=1, judged=False, density=0.5)
 
 
 def method_of(settings: TrackSettings) -> Method:

@@ -70,7 +70,7 @@ def least_squares_step(
     starts = np.empty(scene.skeleton.part_count + 1, np.int64)
     height, width = source.shape[:2]
     view(
-        scene.arrays, scene.lens, scene.sight, width, height, source, 1.0, 1, 1,
+        scene.arrays, scene.lens, scene.sight, width, height, source, 1,
         *before.pose(before.first_frame + j).loose(), chosen, grey, starts,
     )  # fmt: skip
     R, t = before.pose(before.first_frame + j + 1).loose()

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracker.geometry import Array
-from tracker.images import Clip
+from tracker.images import Clip, Picture
 from tracker.kernels.chain import solve_banded
-from tracker.kernels.pairs import scaled_lens, view
+from tracker.kernels.pairs import view
 from tracker.kernels.whole import move_inner, see_all, whole_segment
 from tracker.scene import Scene
 from tracker.trajectory import Trajectory
@@ -33,17 +33,10 @@ LOOK_AGAIN = 5
 
 @dataclass(frozen=True)
 class Refinement:
-    """How to refine.
+    """How to refine: solves at most, and one surface point of how many is followed."""
 
-    solves: at each pyramid level, finest first.  of: one point of so many is followed.
-    prior_rad: how firmly a pose is held to where it was (None: not at all).
-    gain: whether a part may be brighter or darker than in the keyframe.
-    """
-
-    solves: tuple[int, ...]
+    solves: int
     of: int
-    prior_rad: float | None = None
-    gain: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,47 +50,32 @@ class _Textures:
 
 def refine(scene: Scene, clip: Clip, start: Trajectory, how: Refinement) -> Trajectory:
     """The refined trajectory; its ends stay exactly where they are."""
-    if len(start) < 3 or not scene.skeleton.dof_count:
+    n, dofs = len(start) - 1, scene.skeleton.dof_count
+    if n < 2 or not dofs:
         return start
     R, t = start.loose()
-    away = np.zeros((len(start) - 2, scene.skeleton.dof_count))
-    for level in reversed(range(len(how.solves))):
-        if how.solves[level]:
-            _solve_level(scene, clip, start.first_frame, R, t, away, how, level)
-    return Trajectory(start.first_frame, R, t)
-
-
-def _solve_level(
-    scene: Scene, clip: Clip, first: int, R: Array, t: Array, away: Array, how: Refinement,
-    level: int,
-) -> None:  # fmt: skip
-    n, dofs = len(t) - 1, scene.skeleton.dof_count
-    slots = clip.slots(first, first + n)
-    lens = scaled_lens(scene.lens, 0.5**level)
-    of, every = (max(1, how.of // 2), 4) if level >= 2 else (how.of, 1)
-    height, width = clip.levels[0].shape[1:3]
+    slots, pictures = clip.slots(start.first_frame, start.last_frame), clip.levels[0]
+    height, width = pictures.shape[1:3]
     seen = np.zeros((n + 1, len(scene.points.points)), np.uint8)
-    textures = _keyframe_textures(scene, clip, slots, R, t, level, of, every)
+    textures = _keyframe_textures(scene, pictures, slots, R, t, how.of)
     sigma = np.full((2, n + 1), FIRST_SIGMA)
     banded, gradient = np.empty((3 * dofs, (n - 1) * dofs)), np.empty((n - 1) * dofs)
     smooth = scene.precision(SMOOTH_TURN_RAD, SMOOTH_SHIFT_PX * scene.pixel_m)
-    prior = np.zeros(dofs) if how.prior_rad is None else scene.prior(1, how.prior_rad).precision
-    for k in range(how.solves[level]):
+    for k in range(how.solves):
         if k % LOOK_AGAIN == 0:
             see_all(scene.arrays, scene.lens, scene.sight, width, height, R, t, seen)
         whole_segment(
-            scene.arrays, lens, clip.levels[level], slots, R, t,
-            textures.chosen, textures.grey, textures.starts, seen, how.gain,
-            scene.information(of * every), smooth, prior, away, sigma, banded, gradient,
+            scene.arrays, scene.lens, pictures, slots, R, t,
+            textures.chosen, textures.grey, textures.starts, seen,
+            scene.information(how.of), smooth, sigma, banded, gradient,
         )  # fmt: skip
         step = _damped_step(banded, gradient)
         if step is None:
-            return
-        steps = step.reshape(n - 1, dofs)
-        away += steps
-        move_inner(scene.arrays, R, t, steps)
-        if np.abs(steps).max() < SETTLED:
-            return
+            break
+        move_inner(scene.arrays, R, t, step.reshape(n - 1, dofs))
+        if np.abs(step).max() < SETTLED:
+            break
+    return Trajectory(start.first_frame, R, t)
 
 
 def _damped_step(banded: Array, gradient: Array) -> Array | None:
@@ -113,17 +91,16 @@ def _damped_step(banded: Array, gradient: Array) -> Array | None:
 
 
 def _keyframe_textures(
-    scene: Scene, clip: Clip, slots: NDArray[np.int64], R: Array, t: Array, level: int, of: int,
-    every: int,
-) -> _Textures:  # fmt: skip
-    """What the first and the last frame show of the body, at a pyramid level."""
+    scene: Scene, pictures: Picture, slots: NDArray[np.int64], R: Array, t: Array, of: int
+) -> _Textures:
+    """What the first and the last frame show of the body."""
     size, parts = len(scene.points.points), scene.skeleton.part_count
     chosen, grey = np.zeros((2, size + 1), np.int32), np.zeros((2, size + 1), np.float32)
     starts = np.zeros((2, parts + 1), np.int64)
-    height, width = clip.levels[0].shape[1:3]
+    height, width = pictures.shape[1:3]
     for k, j in enumerate((0, len(t) - 1)):
         view(
-            scene.arrays, scene.lens, scene.sight, width, height, clip.levels[level][slots[j]],
-            0.5**level, of, every, R[j], t[j], chosen[k], grey[k], starts[k],
+            scene.arrays, scene.lens, scene.sight, width, height, pictures[slots[j]],
+            of, R[j], t[j], chosen[k], grey[k], starts[k],
         )  # fmt: skip
     return _Textures(chosen, grey, starts)

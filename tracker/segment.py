@@ -249,7 +249,7 @@ def _capped(
     return float(
         mean_capped_square(
             scene.arrays, scene.lens, scene.sight, clip.levels[0], slots,
-            *trajectory.loose(), method.of, 1, CAP,
+            *trajectory.loose(), method.of, CAP,
         )
     )  # fmt: skip
 

@@ -235,12 +235,13 @@ def run(
             events.put(error)
 
     done: dict[int, SegmentResult] = {}
+    errors: list[BaseException] = []
     stopped = False
     with ThreadPoolExecutor(max(1, workers)) as pool:
         waiting = [pool.submit(work, index) for index in chosen]
         try:
             for _ in range(len(chosen)):
-                for event in _until_finished(events, cancelled, closing):
+                for event in _until_finished(events, cancelled, closing, errors):
                     if isinstance(event, SegmentFinished):
                         done[event.index] = event.result
                     yield event
@@ -249,6 +250,8 @@ def run(
             closing.set()
             for future in waiting:
                 future.cancel()
+    if errors:  # told last, so that what is finished has been handed over
+        raise errors[0]
     result = TrackResult(tracker.skeleton, settings, tuple(done[k] for k in sorted(done)))
     yield TrackFinished(result, cancelled=stopped)
 
@@ -276,8 +279,9 @@ def _until_finished(
     events: queue.Queue[Progress | BaseException | None],
     cancelled: Callable[[], bool],
     closing: Event,
+    errors: list[BaseException],
 ) -> Iterator[Progress]:
-    """Events up to the end of one segment, whichever ends first."""
+    """Events up to the end of one segment, whichever ends first; an error ends the others too."""
     while True:
         if cancelled():
             closing.set()
@@ -288,7 +292,9 @@ def _until_finished(
         if event is None:
             return
         if isinstance(event, BaseException):
-            raise event
+            errors.append(event)
+            closing.set()
+            return
         yield event
         if isinstance(event, SegmentFinished):
             return

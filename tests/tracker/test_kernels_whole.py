@@ -71,22 +71,18 @@ def problem(camera: Camera, n: int, seed: int) -> Problem:
     )
 
 
-def filled(
-    p: Problem, gain: bool, prior: Floats, away: Floats, sigma: Floats, smooth: Floats
-) -> tuple[Floats, Floats]:
+def filled(p: Problem, sigma: Floats, smooth: Floats) -> tuple[Floats, Floats]:
     n, dofs = len(p.path) - 1, p.scene.skeleton.dof_count
     banded, gradient = np.empty((3 * dofs, (n - 1) * dofs)), np.empty((n - 1) * dofs)
     whole_segment(
         p.scene.arrays, p.scene.lens, p.pictures, np.arange(1, n + 2), p.path.Rs_parent_part,
-        p.path.ps_camera_root, p.chosen, p.grey, p.starts, p.seen, gain, 0.05, smooth, prior, away,
+        p.path.ps_camera_root, p.chosen, p.grey, p.starts, p.seen, 0.05, smooth,
         sigma, banded, gradient,
     )  # fmt: skip
     return dense_of(banded), gradient
 
 
-def dense(
-    p: Problem, gain: bool, prior: Floats, away: Floats, sigma: Floats, smooth: Floats
-) -> tuple[Floats, Floats, Floats]:
+def dense(p: Problem, sigma: Floats, smooth: Floats) -> tuple[Floats, Floats, Floats]:
     """The same written out frame by frame; and the new noise of the residuals."""
     n, body, below = len(p.path) - 1, p.scene.arrays, p.scene.skeleton.below
     dofs, parts = p.scene.skeleton.dof_count, p.scene.skeleton.part_count
@@ -101,29 +97,25 @@ def dense(
                 body, p.chosen[end], p.grey[end].astype(float), HR, Ho, Ho[0], p.pictures[j + 1],
                 p.scene.lens, p.seen[j] == 1,
             )  # fmt: skip
-            N = plain.sum_points(rows, parts, "tukey", 4.685 * sigma[end, j], gain)
+            N = plain.sum_points(rows, parts, "tukey", 4.685 * sigma[end, j], gain=True)
             noise[end, j] = plain.robust_sigma(rows.r)
             weight = share * 0.05 / noise[end, j] ** 2
             frame = plain.normal_equations(body, below, N * weight, S)
             A[here, here] += frame[0]
             b[here] += frame[1]
-        A[here, here] += np.diag(prior)
-        b[here] += prior * away[j - 1]
     return A, b, noise
 
 
 @every_camera
-@pytest.mark.parametrize("gain", [False, True], ids=["plain", "gain"])
 @pytest.mark.parametrize("n", [2, 3, 6])
-def test_the_banded_system_is_the_dense_one(camera: Camera, gain: bool, n: int) -> None:
+def test_the_banded_system_is_the_dense_one(camera: Camera, n: int) -> None:
     p = problem(camera, n, seed=n)
     rng = np.random.default_rng(n)
     dofs = p.scene.skeleton.dof_count
     sigma = rng.uniform(8, 14, (2, n + 1))
-    prior, away = rng.uniform(10, 500, dofs), rng.normal(0, 0.1, (n - 1, dofs))
     smooth = rng.uniform(100, 3000, dofs)
-    A, b, noise = dense(p, gain, prior, away, sigma, smooth)
-    found_A, found_b = filled(p, gain, prior, away, sigma, smooth)
+    A, b, noise = dense(p, sigma, smooth)
+    found_A, found_b = filled(p, sigma, smooth)
     np.testing.assert_allclose(sigma, noise, rtol=0.02)
     size = np.sqrt(np.diag(A))
     assert (np.abs(found_A - A) / np.outer(size, size)).max() < 0.04  # the noise is of a histogram

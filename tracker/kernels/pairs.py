@@ -225,7 +225,7 @@ def follow_chain(
 
 
 @compiled
-def mean_capped_square(body, lens, sight, pictures, slots, R, t, of, every, cap):
+def mean_capped_square(body, lens, sight, pictures, slots, R, t, of, cap):
     """Score of a trajectory: mean over its pairs of the mean min(r², cap²), grey levels squared.
 
     r is the difference of brightness between a point seen in frame j and where the trajectory
@@ -240,7 +240,7 @@ def mean_capped_square(body, lens, sight, pictures, slots, R, t, of, every, cap)
     for j in range(R.shape[0] - 1):
         place_parts(body, R[j], t[j], HR, Ho)
         shown = see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
-        pick(body, uvz, seen, pictures[slots[j]], 1.0, of, every, chosen, grey, starts)
+        pick(body, uvz, seen, pictures[slots[j]], 1.0, of, 1, chosen, grey, starts)
         place_parts(body, R[j + 1], t[j + 1], HR, Ho)
         points = sum_residuals(
             body, chosen, grey, starts, HR, Ho, pictures[slots[j + 1]], lens, histogram, rows
@@ -288,12 +288,9 @@ def observe_pairs(
 
 
 @compiled
-def view(body, lens, sight, width, height, picture, scale, of, every, R, t, chosen, grey, starts):
-    """Choose the points that the pose R, t shows, as `pick` does: fills chosen, grey, starts.
-
-    width, height and lens are the finest picture's; `picture` is the level `scale` times as large.
-    """
+def view(body, lens, sight, width, height, picture, of, R, t, chosen, grey, starts):
+    """Choose the points that the pose R, t shows, as `pick` does: fills chosen, grey, starts."""
     HR, Ho, uvz, seen, depth, owner = room(body, sight, width, height)[:6]
     place_parts(body, R, t, HR, Ho)
     see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
-    return pick(body, uvz, seen, picture, scale, of, every, chosen, grey, starts)
+    return pick(body, uvz, seen, picture, 1.0, of, 1, chosen, grey, starts)

@@ -1,9 +1,9 @@
 """Whole-segment refinement: the normal equations of all inner poses at once.
 
 Unknown are the poses of the frames between two keyframes. Each is compared with the texture that
-both keyframes put on the body (weights 1 − s and s along the segment, Tukey, optionally a gain and
-bias for each part), held to its prior, and smooth: second differences of the motion cost. The
-matrix is banded, three blocks wide.
+both keyframes put on the body (weights 1 − s and s along the segment, Tukey, a gain and a bias for
+each part), and the motion is smooth: its second differences cost. The matrix is banded, three
+blocks wide.
 """
 
 from __future__ import annotations
@@ -81,15 +81,14 @@ def add_smoothness(body, R, t, precision, banded, gradient):
 
 @compiled
 def whole_segment(
-    body, lens, pictures, slots, R, t, chosen, grey, starts, seen, gain, information,
-    smoothness, prior, away, sigma, banded, gradient,
+    body, lens, pictures, slots, R, t, chosen, grey, starts, seen, information,
+    smoothness, sigma, banded, gradient,
 ):  # fmt: skip
     """Fill banded (3D, (n − 1)D), upper form, and gradient for the inner poses of R, t.
 
     chosen, grey, starts: the followed points of keyframe 0 and n, stacked on a first axis of 2.
-    seen (n + 1, S): points that each present pose shows. prior (D,): precision with which a pose
-    is held to where it was at the start; away (n − 1, D): how far it is from there.
-    sigma (2, n + 1): noise of the residuals to each keyframe, updated. Mean robust cost per point.
+    seen (n + 1, S): points that each present pose shows. sigma (2, n + 1): noise of the residuals
+    to each keyframe, updated.
     """
     n, parts, dofs = R.shape[0] - 1, body.parents.shape[0], body.dof_part.shape[0]
     HR, Ho = np.empty((parts, 3, 3)), np.empty((parts, 3))
@@ -106,7 +105,7 @@ def whole_segment(
             share = j / n if end == 1 else 1 - j / n
             points = sum_points(
                 body, chosen[end], grey[end], starts[end], HR, Ho, centre, pictures[slots[j]],
-                lens, seen[j], True, TUKEY, TUKEY_WIDTH * sigma[end, j], gain, N, histogram, rows,
+                lens, seen[j], True, TUKEY, TUKEY_WIDTH * sigma[end, j], True, N, histogram, rows,
             )  # fmt: skip
             sigma[end, j] = robust_sigma(histogram, points)
             both += N * (share * information / sigma[end, j] ** 2)
@@ -115,9 +114,6 @@ def whole_segment(
         camera_twists(body, HR, Ho, S)
         sum_subtrees(body, both)
         normal_equations(body, both, S, A, b)
-        for d in range(dofs):
-            A[d, d] += prior[d]
-            b[d] += prior[d] * away[j - 1, d]
         add_frame(banded, gradient, j - 1, A, b, dofs)
     add_smoothness(body, R, t, smoothness, banded, gradient)
 
