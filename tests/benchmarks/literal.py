@@ -78,8 +78,8 @@ def seen_points(scene: Scene, shown: Sequence, clip: Clip, of: int = 1) -> Seen:
     height, width = picture.shape[:2]
     pose = shown.truth.pose(0)
     view(
-        scene.arrays, scene.lens, scene.sight, width, height, picture, 1.0, of, 1,
-        pose.Rs_parent_part, pose.p_camera_root, chosen, grey, starts,
+        scene.arrays, scene.lens, scene.sight, width, height, picture, of,
+        *pose.loose(), chosen, grey, starts,
     )  # fmt: skip
     return Seen(chosen, grey, starts)
 
@@ -162,13 +162,13 @@ def most_solves(method: Keypose) -> int:
     """Solves a frame has at most: two chains over the levels, the passes, the refinement."""
     levels = 3 - method.finest
     chains = 2 * levels * method.chain_inner
-    return chains + method.passes * method.inner + 2 * sum(method.refinement.solves)
+    return chains + method.passes * method.inner + 2 * method.refinement.solves
 
 
 def floor(shown: Sequence, scene: Scene, clip: Clip, method: Keypose = FULL) -> Floor:
     """The floor under one frame of a method, at most of its solves."""
     seen, followed = seen_points(scene, shown, clip), seen_points(scene, shown, clip, method.of)
-    looks = 2 + method.passes + len(method.refinement.solves)
+    looks = 2 + method.passes + 1
     flops = most_solves(method) * len(followed) * POINT_FLOPS
     flops += looks * len(scene.points.points) * SEEING_FLOPS
     touched = _touched_bytes(shown, scene, seen)
