@@ -1,4 +1,4 @@
-"""First trajectories of a segment: interpolation, and following from both keyframes (METHOD §7)."""
+"""First trajectories of a segment: interpolation, and following from both keyframes."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ def add_command(
 
 
 def add_session(command: argparse.ArgumentParser) -> None:
-    command.add_argument("session", metavar="SESSION", type=Path, help="the session file")
+    command.add_argument("session", metavar="SESSION", type=file_name, help="the session file")
 
 
 def add_json(command: argparse.ArgumentParser) -> None:
@@ -54,6 +54,19 @@ def note(words: str | None) -> None:
     """Words a person should know, on stderr; the work goes on."""
     if words is not None:
         print(f"Note: {words}", file=sys.stderr)
+
+
+def file_name(text: str) -> Path:
+    """A parser of names of files and folders that the system could hold."""
+    if not text:
+        raise argparse.ArgumentTypeError("a name must not be empty")
+    try:
+        path = Path(text).expanduser()
+        path.exists()
+    except (OSError, ValueError, RuntimeError) as problem:
+        reason = getattr(problem, "strerror", None) or problem
+        raise argparse.ArgumentTypeError(f"{text[:40]!r}… is no name: {reason}") from None
+    return path
 
 
 def whole_number(least: int) -> Callable[[str], int]:

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.commands.arguments import Subcommands, add_command, add_json, add_session, note
+from app.commands.arguments import Subcommands, add_command, add_json, add_session, file_name, note
 from app.commands.json_output import plain, print_json
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def add(commands: Subcommands) -> None:
     )
     command = add_command(commands, "evaluate", run, text, _EXAMPLES)
     add_session(command)
-    command.add_argument("--reference", metavar="FILE", type=Path, required=True)
+    command.add_argument("--reference", metavar="FILE", type=file_name, required=True)
     add_json(command)
 
 

@@ -12,6 +12,7 @@ from app.commands.arguments import (
     add_json,
     add_overwrite,
     add_session,
+    file_name,
     note,
 )
 from app.commands.json_output import print_written
@@ -37,7 +38,11 @@ def add(commands: Subcommands) -> None:
     add_session(command)
     command.add_argument("--format", choices=("csv", "bvh"), required=True)
     command.add_argument(
-        "--out", metavar="DIR", type=Path, required=True, help="folder; made when it is missing"
+        "--out",
+        metavar="DIR",
+        type=file_name,
+        required=True,
+        help="folder; made when it is missing",
     )
     add_json(command)
     add_overwrite(command)

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.commands.arguments import Subcommands, add_command, add_json
+from app.commands.arguments import Subcommands, add_command, add_json, file_name
 from app.commands.json_output import print_json
 
 if TYPE_CHECKING:
@@ -21,7 +20,7 @@ _EXAMPLES = """\
 def add(commands: Subcommands) -> None:
     text = "Tell size, frames, rate and fingerprint of a video file or a folder of images."
     command = add_command(commands, "info", run, text, _EXAMPLES)
-    command.add_argument("video", metavar="VIDEO", type=Path, help="the video")
+    command.add_argument("video", metavar="VIDEO", type=file_name, help="the video")
     add_json(command)
 
 

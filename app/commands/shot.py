@@ -12,6 +12,7 @@ from app.commands.arguments import (
     add_json,
     add_overwrite,
     add_session,
+    file_name,
     note,
     whole_number,
 )
@@ -45,7 +46,7 @@ def add(commands: Subcommands) -> None:
     command.add_argument(
         "--style", choices=styles, default="both", help="of the body over the video; default: both"
     )
-    command.add_argument("--out", metavar="FILE.png", type=Path, required=True)
+    command.add_argument("--out", metavar="FILE.png", type=file_name, required=True)
     add_json(command)
     add_overwrite(command)
 

@@ -15,6 +15,7 @@ from app.commands.arguments import (
     add_command,
     add_overwrite,
     add_session,
+    file_name,
     whole_number,
 )
 from app.commands.json_output import print_json
@@ -46,7 +47,9 @@ def add(commands: Subcommands) -> None:
     command.add_argument("--method", choices=("keypose", "paper"), help=f"how{of_session}")
     qualities = ("full", "fast", "preview")
     command.add_argument("--quality", choices=qualities, help=f"how much work{of_session}")
-    command.add_argument("--out", metavar="DIR", type=Path, help="folder for session and results")
+    command.add_argument(
+        "--out", metavar="DIR", type=file_name, help="folder for session and results"
+    )
     command.add_argument(
         "--workers", metavar="N", type=whole_number(1), default=1, help="segments at a time"
     )

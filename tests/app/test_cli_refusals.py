@@ -161,3 +161,14 @@ def test_a_folder_that_may_not_be_written_is_told_before_the_work(
         patch.setattr("tracker.session.atomic._write_through", forbidden)
         sentence = refused(capsys, session_path.parent, ["track", session_path])
     assert "cannot be written to: Permission denied" in sentence
+
+
+@pytest.mark.parametrize("name", ["", "x" * 5000, "a/" * 3000])
+def test_a_name_that_no_file_can_have_is_refused(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for command in (["info", name], ["track", name], ["track", "s.json", "--out", name]):
+        with pytest.raises(SystemExit) as ended:
+            main(command)
+        assert ended.value.code == 2
+        assert capsys.readouterr().err.count("\n") == 1

@@ -67,7 +67,7 @@ def open_video_of(session: Session, session_path: Path) -> Video:
     from tracker.video import Video  # the decoder's libraries load when a video is wanted
 
     path = video_path(session, session_path)
-    if not path.exists():
+    if not _exists(path):
         raise SessionError(
             f"The video {str(path)!r} is missing; put it there or change video.path in "
             f"{session_path.name}."
@@ -79,6 +79,13 @@ def open_video_of(session: Session, session_path: Path) -> Video:
         video.close()
         raise
     return video
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except OSError:  # such as a name too long for any file
+        return False
 
 
 def _demand_same(session: Session, path: Path, video: Video) -> None:
