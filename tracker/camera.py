@@ -51,8 +51,10 @@ class Camera(BaseModel):
 
     @model_validator(mode="after")
     def _telephoto_has_a_distance(self) -> Self:
-        if (self.projection == "telephoto") != (self.telephoto_distance_m is not None):
-            raise ValueError("telephoto_distance_m is needed with the telephoto projection only")
+        if self.projection == "telephoto" and self.telephoto_distance_m is None:
+            raise ValueError("the telephoto projection needs telephoto_distance_m")
+        if self.projection == "perspective" and self.telephoto_distance_m is not None:
+            raise ValueError("telephoto_distance_m goes with the telephoto projection only")
         return self
 
     @classmethod

@@ -128,8 +128,8 @@ class Session(Plain):
         size, video = (self.camera.width, self.camera.height), self.video
         if size != (video.width, video.height):
             raise ValueError(
-                f"camera is for {size[0]}×{size[1]} pixels but the video has "
-                f"{video.width}×{video.height}; the sizes must agree"
+                f"camera.width × height is {size[0]}×{size[1]} but video.width × height is "
+                f"{video.width}×{video.height}; the sizes must agree, both the video's own"
             )
         _demand_sorted(self.keyframes)
         skeleton = Skeleton.of(self.body)
