@@ -16,8 +16,9 @@ from tracker.drift import Motions
 from tracker.geometry import Array
 from tracker.images import Clip, Picture
 from tracker.kernels.chain import move
+from tracker.kernels.noise import BINS, LOST
 from tracker.kernels.pairs import LONGEST_STEP, follow_pairs, linearise, shortened, view
-from tracker.kernels.sums import BINS, LEAST_SQUARES, LOST
+from tracker.kernels.sums import LEAST_SQUARES
 from tracker.scene import Scene
 from tracker.trajectory import Trajectory
 

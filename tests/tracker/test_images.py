@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from tests.tracker import reference_loops as plain
 from tests.tracker.tracking_cases import WIDTH, random_body, random_pose, scene_of
 from tracker.images import IGNORED, LEVELS, TARGET_ONLY, USABLE, Clip, level_sizes, prepare
-from tracker.kernels.sums import BINS, BLOCK, HUBER, sum_points
+from tracker.kernels.noise import BINS
+from tracker.kernels.sums import BLOCK, HUBER, sum_points
 
 Grey = NDArray[np.uint8]
 

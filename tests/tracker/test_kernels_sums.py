@@ -20,18 +20,9 @@ from tests.tracker.tracking_cases import (
     waves_at,
 )
 from tracker.camera import Camera
+from tracker.kernels.noise import BINS, capped_square, median_residual, robust_sigma
 from tracker.kernels.pairs import linearise
-from tracker.kernels.sums import (
-    BINS,
-    BLOCK,
-    HUBER,
-    LEAST_SQUARES,
-    TUKEY,
-    capped_square,
-    median_residual,
-    robust_sigma,
-    sum_points,
-)
+from tracker.kernels.sums import BLOCK, HUBER, LEAST_SQUARES, TUKEY, sum_points
 from tracker.pose import Pose, moved
 from tracker.scene import Scene
 from tracker.skeleton import Skeleton

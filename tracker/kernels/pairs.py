@@ -20,19 +20,10 @@ from tracker.kernels.chain import (
     sum_subtrees,
 )
 from tracker.kernels.layout import Lens
+from tracker.kernels.noise import BINS, capped_square, robust_sigma
 from tracker.kernels.rigid import cleaned, product, turned_back
 from tracker.kernels.seeing import pick, room, see
-from tracker.kernels.sums import (
-    BINS,
-    BLOCK,
-    HUBER,
-    HUBER_WIDTH,
-    capped_square,
-    count_landed,
-    robust_sigma,
-    sum_points,
-    sum_residuals,
-)
+from tracker.kernels.sums import BLOCK, HUBER, HUBER_WIDTH, count_landed, sum_points, sum_residuals
 
 FIRST_WIDTH = 20.0
 """Huber width of the first solve, grey levels: before the residuals' own noise is known."""

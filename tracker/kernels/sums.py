@@ -11,14 +11,12 @@ from __future__ import annotations
 import numpy as np
 
 from tracker.kernels import compiled
+from tracker.kernels.noise import FAR, LOST
 
 f4 = np.float32
 X, Y, Z, USE = np.uint64(0), np.uint64(1), np.uint64(2), np.uint64(3)
 
 BLOCK = 256
-BINS = 257
-FAR, LOST = 255, 256
-"""Histogram of |r|: quarter grey levels, all beyond in FAR; and how many left the picture."""
 LEAST_SQUARES, HUBER, TUKEY = 0, 1, 2
 HUBER_WIDTH, TUKEY_WIDTH = 1.345, 4.685
 GAIN_CENTRE, GAIN_SCALE = 110.0, 0.02
@@ -215,8 +213,7 @@ def without_gain(total):
         gain = (bb * total[i, 7] - ab * total[i, 8]) / det
         bias = (aa * total[i, 8] - ab * total[i, 7]) / det
         for k in range(i, 7):
-            seventh = total[k, 7] if k < 7 else 0.0
-            total[i, k] -= gain * seventh + bias * total[k, 8]
+            total[i, k] -= gain * total[k, 7] + bias * total[k, 8]
 
 
 @compiled
@@ -253,8 +250,6 @@ def sum_points(
             points += count
             first = last
         if gain:
-            for a in range(7):
-                total[8, a] = total[a, 8]
             without_gain(total)
         for a in range(7):
             for b in range(a, 7):
@@ -301,35 +296,3 @@ def sum_residuals(
             points += count
             first = last
     return points
-
-
-@compiled
-def median_residual(histogram, count):
-    """Median |r| in grey levels, linear inside its bin; the last bin stands for all beyond."""
-    half, below = 0.5 * count, 0.0
-    for k in range(FAR + 1):
-        if below + histogram[k] >= half:
-            return (k + (half - below) / max(1, histogram[k])) * 0.25
-        below += histogram[k]
-    return 0.25 * FAR
-
-
-@compiled
-def robust_sigma(histogram, count):
-    """max(2 grey levels, 1.4826 MAD): noise of the residuals; 10 where there is hardly any data."""
-    if count <= 50:
-        return 10.0
-    return max(2.0, 1.4826 * median_residual(histogram, count))
-
-
-@compiled
-def capped_square(histogram, count, cap):
-    """Mean of min(r², cap²) in grey levels squared, from the histogram.
-
-    A point that left the picture counts as one at the cap: else the best path would lead out of it.
-    """
-    s = histogram[LOST] * cap * cap
-    for k in range(FAR + 1):
-        r = (k + 0.5) * 0.25
-        s += histogram[k] * min(r * r, cap * cap)
-    return s / max(1, count + histogram[LOST])

@@ -12,16 +12,10 @@ import numpy as np
 
 from tracker.kernels import compiled
 from tracker.kernels.chain import camera_twists, move, normal_equations, place_parts, sum_subtrees
+from tracker.kernels.noise import BINS, robust_sigma
 from tracker.kernels.rigid import logarithm, turned_back
 from tracker.kernels.seeing import room, see
-from tracker.kernels.sums import (
-    BINS,
-    BLOCK,
-    TUKEY,
-    TUKEY_WIDTH,
-    robust_sigma,
-    sum_points,
-)
+from tracker.kernels.sums import BLOCK, TUKEY, TUKEY_WIDTH, sum_points
 
 
 @compiled
