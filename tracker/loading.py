@@ -20,7 +20,7 @@ from tracker.video import Video
 MEMORY_BYTES = 1_500_000_000
 """What the clip of one segment may take."""
 KEPT_SHARE = 0.3
-"""Of that, how much earlier clips may go on holding; two clips, those beside a keyframe, may."""
+"""Of that, how much earlier clips may go on holding beside a new one; one clip always may."""
 WORKING_PIXELS = 640 * 960
 """Larger pictures are worked on at half size: nothing is gained above it."""
 LONGEST_SEGMENT = 2000
