@@ -6,7 +6,7 @@ SAMPLE = sample_videos/person
 OUT = out/person
 KEYPOSE = .venv/bin/keypose
 
-.PHONY: run test check bench clean
+.PHONY: run test browser check bench clean
 .DEFAULT_GOAL := run
 
 # Track the sample, draw it, export it, and compare it with the known motion.
@@ -28,8 +28,19 @@ run: .venv/.ready
 	@echo "Tables                       $(OUT)/joints.csv angles.csv"
 	@echo "For animation programs       $(OUT)/motion.bvh"
 
-test: check
-	@.venv/bin/pytest -n 2
+test: check browser
+	@.venv/bin/pytest -n 2 --dist loadgroup
+
+# A Chromium for the tests of the page: installed where that is allowed, else they are skipped.
+browser: .venv/.ready-dev
+	@.venv/bin/python -m tests.browser.chromium || { \
+	    if [ "$$(id -u)" = 0 ] && command -v apt-get > /dev/null; then \
+	        echo "Installing Chromium for the tests of the page …"; \
+	        apt-get update --quiet=2 && \
+	        apt-get install --quiet=2 --yes --no-install-recommends chromium > /dev/null; \
+	    else \
+	        echo "There is no Chromium: the tests of the page will be skipped."; \
+	    fi; }
 
 check: .venv/.ready-dev
 	@.venv/bin/ruff check --quiet .

@@ -15,7 +15,7 @@ import traceback
 from collections.abc import Sequence
 from typing import NoReturn
 
-from app.commands import evaluate, export, info, schema, shot, track
+from app.commands import evaluate, export, info, open, schema, shot, track
 from tracker.errors import KeyposeError
 
 BAD_INPUT = 2
@@ -73,7 +73,7 @@ def parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     commands = top.add_subparsers(metavar="COMMAND", required=True)
-    for command in (track, evaluate, shot, export, info, schema):
+    for command in (open, track, evaluate, shot, export, info, schema):
         command.add(commands)
     return top
 

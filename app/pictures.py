@@ -5,7 +5,7 @@ Everything is painted at twice its size and averaged down, so that edges are smo
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Literal, TypeAlias
 
 import cv2
@@ -23,6 +23,10 @@ from tracker.raster import BodyMesh, raster
 from tracker.skeleton import Skeleton
 
 Style: TypeAlias = Literal["wire", "solid", "both"]
+Rotations: TypeAlias = Mapping[ViewName, Array]
+"""R_view_camera (3, 3) of the three views, where up is not the camera's own up."""
+
+OPACITY = 0.5
 
 FINE = 2
 """Painted this many times as large as wanted."""
@@ -45,7 +49,7 @@ def overlay(
     skeleton: Skeleton,
     pose: Pose,
     style: Style = "both",
-    opacity: float = 0.6,
+    opacity: float = OPACITY,
 ) -> Picture:
     """The body over the rectified video frame (H, W, 3), which must have the camera's size.
 
@@ -67,6 +71,7 @@ def orthographic(
     size: tuple[int, int] = (480, 480),
     centre_m: Array | None = None,
     metres_across: float | None = None,
+    Rs_view_camera: Rotations | None = None,
 ) -> Picture:
     """A true orthographic view of the solid body, `size` = (width, height), on a grid.
 
@@ -78,10 +83,11 @@ def orthographic(
     """
     p_camera = BodyMesh.of(skeleton).posed(pose_transforms(skeleton, pose))
     centre = _middle(p_camera) if centre_m is None else np.asarray(centre_m, dtype=np.float64)
-    eye = Eye.orthographic(view, centre, 1.0, size)
+    R = Rs_view_camera[view] if Rs_view_camera else None
+    eye = Eye.orthographic(view, centre, 1.0, size, R)
     if metres_across is None:
         metres_across = _width_to_fit(apply_transform(eye.T_eye_camera, p_camera), size)
-    eye = Eye.orthographic(view, centre, size[0] / metres_across, size)
+    eye = Eye.orthographic(view, centre, size[0] / metres_across, size, R)
     step_m = round_length(metres_across)
     picture = _over(_grid(eye, step_m), eye, skeleton, pose, "solid", 1.0)
     letter_px = _letter_px(size[1])
@@ -97,9 +103,10 @@ def four_views(
     skeleton: Skeleton,
     pose: Pose,
     style: Style = "both",
-    opacity: float = 0.6,
+    opacity: float = OPACITY,
     height: int = 720,
     label: str = "Camera",
+    Rs_view_camera: Rotations | None = None,
 ) -> Picture:
     """The overlay, large, and the three orthographic views, all at one scale, stacked beside it.
 
@@ -116,7 +123,8 @@ def four_views(
         return main
     gap = max(2, height // 240)
     heights = np.diff(np.rint(np.linspace(0, height + gap, 4)).astype(int)) - gap
-    small = _three_views(skeleton, pose, [(int(1.3 * height / 3), int(h)) for h in heights])
+    sizes = [(int(1.3 * height / 3), int(h)) for h in heights]
+    small = _three_views(skeleton, pose, sizes, Rs_view_camera)
     column = _stacked(small, gap, axis=0)
     return _stacked([main, column], gap, axis=1)
 
@@ -141,16 +149,22 @@ def contact_sheet(
     return _stacked(rows, gap, axis=0)
 
 
-def _three_views(skeleton: Skeleton, pose: Pose, sizes: Sequence[tuple[int, int]]) -> list[Picture]:
+def _three_views(
+    skeleton: Skeleton,
+    pose: Pose,
+    sizes: Sequence[tuple[int, int]],
+    Rs_view_camera: Rotations | None,
+) -> list[Picture]:
     p_camera = BodyMesh.of(skeleton).posed(pose_transforms(skeleton, pose))
     centre = _middle(p_camera)
     across = 0.0
     for view, size in zip(VIEW_NAMES, sizes, strict=True):
-        eye = Eye.orthographic(view, centre, 1.0, size)
+        R = Rs_view_camera[view] if Rs_view_camera else None
+        eye = Eye.orthographic(view, centre, 1.0, size, R)
         fit = _width_to_fit(apply_transform(eye.T_eye_camera, p_camera), size)
         across = max(across, fit)
     return [
-        orthographic(skeleton, pose, view, size, centre, across)
+        orthographic(skeleton, pose, view, size, centre, across, Rs_view_camera)
         for view, size in zip(VIEW_NAMES, sizes, strict=True)
     ]
 

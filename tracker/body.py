@@ -13,7 +13,14 @@ from importlib import resources
 from pathlib import Path
 from typing import Annotated, Literal, Self, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    FiniteFloat,
+    ValidationError,
+    model_validator,
+)
 
 from tracker.errors import BodyError
 from tracker.shapes import Length, Shape
@@ -25,6 +32,9 @@ Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[
 
 ALL_DOFS: tuple[Dof, ...] = ("tx", "ty", "tz", "rx", "ry", "rz")
 ROTATIONS: tuple[Dof, ...] = ("rx", "ry", "rz")
+
+Angle: TypeAlias = Annotated[FiniteFloat, Field(ge=-360, le=360)]
+Limits: TypeAlias = dict[Literal["x", "y", "z"], tuple[Angle, Angle]]
 
 PRESETS = ("adult_male", "adult_female", "elderly_male", "elderly_female")
 
@@ -48,6 +58,11 @@ class Part(BaseModel):
     landmarks: dict[Name, Point] = Field(
         default_factory=dict, description="Named points in the part's frame, such as a fingertip."
     )
+    limits_deg: Limits = Field(
+        default_factory=dict,
+        description="Lowest and highest Euler angle about x, y, z (R = Qz·Qy·Qx), degrees, that "
+        "posing keeps to; axes left out are free. Tracking knows no limits.",
+    )
 
     @model_validator(mode="after")
     def _moves_as_its_place_allows(self) -> Self:
@@ -55,6 +70,9 @@ class Part(BaseModel):
             raise ValueError(f"part {self.name!r} lists a tracked motion twice")
         if self.parent is not None and not set(self.tracked) <= set(ROTATIONS):
             raise ValueError(f"part {self.name!r} has a parent and may only track rx, ry, rz")
+        for axis, (low, high) in self.limits_deg.items():
+            if low > high:
+                raise ValueError(f"part {self.name!r}: limits_deg.{axis} must not fall, low first")
         return self
 
 

@@ -63,14 +63,16 @@ class Eye:
         p_camera_centre: Array,
         pixels_per_metre: float,
         size: tuple[int, int],
+        R_eye_camera: Array | None = None,
     ) -> Eye:
         """One of the three views, `size` = (width, height), with p_camera_centre in its middle.
 
         "front" looks along the camera's +z: x to the right, y down.
         "top" looks down along +y: x to the right, z (away from the camera) up.
         "side" looks along −x, from the picture's right: z (away) to the right, y down.
+        R_eye_camera stands for them where the world is not upright in the camera's frame.
         """
-        R = np.array(_R_EYE_CAMERA[view], dtype=np.float64)
+        R = np.array(_R_EYE_CAMERA[view] if R_eye_camera is None else R_eye_camera)
         return cls(
             frozen(transform(R, -R @ p_camera_centre)),
             (pixels_per_metre, pixels_per_metre),

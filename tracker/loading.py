@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, field
 from threading import Lock
 
@@ -95,14 +95,36 @@ class ClipLoader:
     _lock: Lock = field(default_factory=Lock)
 
     def load(self, first: int, last: int) -> Clip:
-        """The clip of frames first … last, both included."""
+        """A clip that holds the frames first … last, both included, and maybe others."""
         demand_short(first, last)
         with self._lock:
-            if (first, last) not in self._ready:
+            span = self._covering(first, last)
+            if span is None:
                 self._make_room()
-                self._ready[first, last] = self._prepared(first, last)
-            self._ready.move_to_end((first, last))
-            return self._ready[first, last]
+                clip = self._prepared(first, last)
+                self._forget_within(first, last)
+                span = (first, last)
+                self._ready[span] = clip
+            self._ready.move_to_end(span)
+            return self._ready[span]
+
+    def _covering(self, first: int, last: int) -> tuple[int, int] | None:
+        """The frames of a ready clip that holds these."""
+        if (first, last) in self._ready:
+            return first, last
+        return next((s for s in self._ready if s[0] <= first and last <= s[1]), None)
+
+    def _forget_within(self, first: int, last: int) -> None:
+        """Let go of clips all of whose frames a new one holds."""
+        for span in [s for s in self._ready if first <= s[0] and s[1] <= last]:
+            del self._ready[span]
+
+    def _pictures_of(self, frame: int) -> list[Picture] | None:
+        """A frame's pictures, every level, where a ready clip holds it."""
+        for clip in self._ready.values():
+            if 0 <= frame - clip.first_frame < len(clip):
+                return [level[frame - clip.first_frame] for level in clip.levels]
+        return None
 
     def _make_room(self) -> None:
         """Forget the clips used longest ago; the last one stays, whatever it takes."""
@@ -117,23 +139,33 @@ class ClipLoader:
         working = self.size.camera(self.camera)
         sizes = level_sizes(working.width, working.height, LEVELS)
         levels = tuple(np.empty((last - first + 1, h, w, 4), np.float32) for h, w in sizes)
-        reached = first - 1
-        for index, rgb in self.video.frames(first, last + 1):
-            if rgb is None:
-                grey = np.zeros((working.height, working.width), np.uint8)
-                usable: Picture | None = np.full(grey.shape, IGNORED, np.float32)
-            else:
-                grey = self._grey(rgb)
-                usable = self._usable(index, grey)
-            for level, picture in zip(levels, prepare(grey, usable, LEVELS), strict=True):
+        for index, pictures in self._each(first, last):
+            for level, picture in zip(levels, pictures, strict=True):
                 level[index - first] = picture
-            reached = index
-        if reached != last:
-            raise VideoError(
-                f"The video has no frame {last}: it holds fewer frames than it says; "
-                "convert it, and make the session anew."
-            )
         return Clip(first, levels)
+
+    def _each(self, first: int, last: int) -> Iterator[tuple[int, list[Picture]]]:
+        """Every frame's pictures; those that are ready are not prepared again."""
+        ready = {f: p for f in range(first, last + 1) if (p := self._pictures_of(f)) is not None}
+        yield from ready.items()
+        for start, stop in _gaps(first, last + 1, ready):
+            reached = start
+            for index, rgb in self.video.frames(start, stop):
+                yield index, self._prepare(index, rgb)
+                reached = index + 1
+            if reached != stop:
+                raise VideoError(
+                    f"The video has no frame {last}: it holds fewer frames than it says; "
+                    "convert it, and make the session anew."
+                )
+
+    def _prepare(self, index: int, rgb: NDArray[np.uint8] | None) -> list[Picture]:
+        if rgb is None:
+            working = self.size.camera(self.camera)
+            grey = np.zeros((working.height, working.width), np.uint8)
+            return prepare(grey, np.full(grey.shape, IGNORED, np.float32), LEVELS)
+        grey = self._grey(rgb)
+        return prepare(grey, self._usable(index, grey), LEVELS)
 
     def _grey(self, rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
         grey = np.asarray(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), dtype=np.uint8)
@@ -185,6 +217,14 @@ class ClipLoader:
             if rgb is not None
         ]
         return _smooth(np.median(np.stack(pictures), axis=0).astype(np.float32))
+
+
+def _gaps(start: int, stop: int, ready: Collection[int]) -> list[tuple[int, int]]:
+    """The runs of frames, start to before stop, that are not ready."""
+    wanted = {frame for frame in range(start, stop) if frame not in ready}
+    starts = [frame for frame in sorted(wanted) if frame - 1 not in wanted]
+    stops = [frame + 1 for frame in sorted(wanted) if frame + 1 not in wanted]
+    return list(zip(starts, stops, strict=True))
 
 
 def _smooth(grey: NDArray[np.uint8] | Picture) -> Picture:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import queue
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from copy import copy
 from dataclasses import dataclass
 from itertools import pairwise
 from threading import Event
@@ -112,6 +113,24 @@ def never() -> bool:
     return False
 
 
+class _Prepared:
+    """The pictures of one video at every size they are worked on."""
+
+    def __init__(
+        self, video: Video, camera: Camera, masks: Sequence[IgnoreMask], static: bool, memory: int
+    ) -> None:
+        self._given = (masks, static, memory)
+        self._video, self._camera, self._memory = video, camera, memory
+        self._loaders: dict[WorkingSize, ClipLoader] = {}
+
+    def loader(self, longest: int) -> ClipLoader:
+        """The loader for segments of up to this many frames."""
+        size = WorkingSize.for_camera(self._camera, longest, self._memory)
+        if size not in self._loaders:
+            self._loaders[size] = ClipLoader(self._video, self._camera, size, *self._given)
+        return self._loaders[size]
+
+
 class Tracker:
     """A video, a camera, a body and its keyposes, made ready to be tracked.
 
@@ -129,6 +148,12 @@ class Tracker:
         static_camera: bool = False,
         memory: int = MEMORY_BYTES,
     ) -> None:
+        self._prepared = _Prepared(video, camera, masks, static_camera, memory)
+        self._laid: dict[float, SurfacePoints] = {}
+        self._pose(skeleton, keyposes)
+
+    def _pose(self, skeleton: Skeleton, keyposes: Mapping[int, Pose]) -> None:
+        """Take keyposes of a body; the size worked at is what their longest segment allows."""
         _demand_two(keyposes)
         frames = sorted(keyposes)
         for first, last in pairwise(frames):
@@ -136,10 +161,21 @@ class Tracker:
         longest = max(b - a for a, b in pairwise(frames)) + 1
         self.skeleton = skeleton
         self.keyposes = {frame: keyposes[frame] for frame in frames}
-        self.size = WorkingSize.for_camera(camera, longest, memory)
-        self.camera = self.size.camera(camera)
-        self.loader = ClipLoader(video, camera, self.size, masks, static_camera, memory)
-        self._laid: dict[float, SurfacePoints] = {}
+        self.loader = self._prepared.loader(longest)
+        self.size = self.loader.size
+        self.camera = self.size.camera(self.loader.camera)
+
+    def renewed(self, skeleton: Skeleton, keyposes: Mapping[int, Pose]) -> Tracker:
+        """A tracker of other keyposes, or of another body, before the same video.
+
+        Prepared pictures are shared between the two, and what was laid out for the body where it is
+        the same object. Both may be in use at the same time.
+        """
+        other = copy(self)
+        if skeleton is not self.skeleton:
+            other._laid = {}
+        other._pose(skeleton, keyposes)
+        return other
 
     def scene(self, span: tuple[int, int], density: float) -> Scene:
         """The scene of one segment, laid out for its own two keyposes."""
@@ -262,7 +298,7 @@ def _one_segment(
 ) -> None:  # fmt: skip
     if closing.is_set():
         raise _Cancelled
-    expected = _expected_steps(settings)
+    expected = expected_steps(settings)
     first, last = tracker.spans[index]
     events.put(SegmentStarted(index, count, first, last))
 
@@ -300,7 +336,7 @@ def _until_finished(
             return
 
 
-def _expected_steps(settings: TrackSettings) -> int:
+def expected_steps(settings: TrackSettings) -> int:
     """Trajectories a segment will yield: start, both ways, passes, refinement."""
     method = method_of(settings)
     return method.passes + (1 if settings.method == "paper" else 3)

@@ -69,16 +69,17 @@ def file_name(text: str) -> Path:
     return path
 
 
-def whole_number(least: int) -> Callable[[str], int]:
-    """A parser of whole numbers from `least` on."""
+def whole_number(least: int, most: int | None = None) -> Callable[[str], int]:
+    """A parser of whole numbers from `least` on, up to `most` where there is one."""
+    allowed = f"from {least} on" if most is None else f"from {least} to {most}"
 
     def parse(text: str) -> int:
         try:
             number = int(text)
         except ValueError:
             number = least - 1
-        if number < least:
-            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from {least} on")
+        if number < least or (most is not None and number > most):
+            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number {allowed}")
         return number
 
     return parse

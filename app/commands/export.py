@@ -19,6 +19,7 @@ from app.commands.json_output import print_written
 from tracker.errors import FormatError
 
 if TYPE_CHECKING:
+    from app.motion_files import MotionFormat
     from tracker.geometry import Array
     from tracker.session import Session
     from tracker.trajectory import Trajectory
@@ -69,24 +70,14 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _files(
-    format_name: str, session: Session, session_path: Path, trajectory: Trajectory
+    format_name: MotionFormat, session: Session, session_path: Path, trajectory: Trajectory
 ) -> dict[str, str]:
     """The texts to write by file name."""
-    from tracker.formats.bvh import bvh
-    from tracker.formats.csv import angles_csv, joints_csv
+    from app.motion_files import motion_files
     from tracker.skeleton import Skeleton
 
-    skeleton = Skeleton.of(session.body)
     times_s = _times_s(session, session_path)[trajectory.first_frame : trajectory.last_frame + 1]
-    if len(times_s) != len(trajectory):
-        raise FormatError("The tracked motion is longer than the video.")
-    if format_name == "bvh":
-        mean_s = float(times_s[-1] - times_s[0]) / (len(times_s) - 1)
-        return {"motion.bvh": bvh(skeleton, trajectory, mean_s)}
-    return {
-        "joints.csv": joints_csv(skeleton, trajectory, times_s),
-        "angles.csv": angles_csv(skeleton, trajectory, times_s),
-    }
+    return motion_files(format_name, Skeleton.of(session.body), trajectory, times_s)
 
 
 def _times_s(session: Session, session_path: Path) -> Array:

@@ -20,7 +20,6 @@ from app.commands.json_output import print_written
 from tracker.errors import FormatError, SessionError
 
 if TYPE_CHECKING:
-    from app.palette import Picture
     from tracker.pose import Pose
     from tracker.session import Session
     from tracker.skeleton import Skeleton
@@ -46,6 +45,13 @@ def add(commands: Subcommands) -> None:
     command.add_argument(
         "--style", choices=styles, default="both", help="of the body over the video; default: both"
     )
+    command.add_argument(
+        "--opacity",
+        metavar="PERCENT",
+        type=whole_number(0, 100),
+        default=50,
+        help="of the solid body over the video; default: 50",
+    )
     command.add_argument("--out", metavar="FILE.png", type=file_name, required=True)
     add_json(command)
     add_overwrite(command)
@@ -65,8 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
     demand_folder(out.parent)
     skeleton = Skeleton.of(session.body)
     pose = _pose(session, arguments.session, skeleton, arguments.frame)
-    picture = _picture(session, skeleton, pose, arguments)
-    write_file(out, _png(picture), overwrite=arguments.overwrite)
+    write_file(out, _content(session, skeleton, pose, arguments), overwrite=arguments.overwrite)
     print_written([out], arguments.json)
     return 0
 
@@ -91,60 +96,17 @@ def _pose(session: Session, session_path: Path, skeleton: Skeleton, frame: int) 
     return pose
 
 
-def _picture(
+def _content(
     session: Session, skeleton: Skeleton, pose: Pose, arguments: argparse.Namespace
-) -> Picture:
-    """The picture (H, W, 3) RGB; its height is the video's."""
-    from app.pictures import four_views, orthographic, overlay
+) -> bytes:
+    """The PNG file's bytes."""
+    from contextlib import nullcontext
 
-    camera = session.camera.without_distortion()
-    size = (camera.width, camera.height)
-    if arguments.view not in ("main", "all"):
-        return orthographic(skeleton, pose, arguments.view, size)
-    image = _image(session, arguments)
-    label = f"Frame {arguments.frame}" + (" is missing" if image is None else "")
-    ground = _blank(size) if image is None else image
-    if arguments.view == "main":
-        picture = overlay(ground, camera, skeleton, pose, arguments.style)
-        return picture if image is not None else _with_plate(picture, label)
-    return four_views(
-        ground, camera, skeleton, pose, arguments.style, height=camera.height, label=label
-    )
-
-
-def _image(session: Session, arguments: argparse.Namespace) -> Picture | None:
-    """The video's frame without the lens's distortion; None when the video has lost it."""
+    from app.snapshots import Look, png, snapshot
     from tracker.session.files import open_video_of
-    from tracker.video import MissingFrame
 
-    with open_video_of(session, arguments.session) as video:
-        try:
-            return session.camera.rectify(video.frame(arguments.frame))
-        except MissingFrame:
-            return None
-
-
-def _blank(size: tuple[int, int]) -> Picture:
-    import numpy as np
-
-    return np.full((size[1], size[0], 3), 128, dtype=np.uint8)
-
-
-def _with_plate(picture: Picture, words: str) -> Picture:
-    from app.lettering import plate, written_width
-
-    height, width = picture.shape[:2]
-    widest = 0.9 * width / (2.2 + written_width(words, 100.0) / 100.0)  # with what is around it
-    height_px = min(max(10.0, height / 40), widest)
-    plate(picture, words, *(round(0.8 * height_px),) * 2, height_px)
-    return picture
-
-
-def _png(picture: Picture) -> bytes:
-    import cv2
-
-    smaller = [cv2.IMWRITE_PNG_COMPRESSION, 6]
-    good, content = cv2.imencode(".png", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR), smaller)
-    if not good:
-        raise FormatError("The picture cannot be written as PNG.")
-    return content.tobytes()
+    look = Look(arguments.view, arguments.style, arguments.opacity / 100)
+    needs_video = look.view in ("main", "all")
+    opened = open_video_of(session, arguments.session) if needs_video else nullcontext()
+    with opened as video:
+        return png(snapshot(session, video, arguments.frame, pose, look))

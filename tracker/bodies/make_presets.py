@@ -11,6 +11,8 @@ Sources
       Motor Control of Human Movement, figure 4.1. Fractions of stature.
   [N] Fryar et al., Anthropometric Reference Data for Children and Adults: United States,
       August 2021-August 2023 (NHANES), Vital and Health Statistics 3(50), 2025.
+  [J] American Academy of Orthopaedic Surgeons, Joint Motion: Method of Measuring and Recording,
+      1965. Degrees from the upright stance, arms hanging: the rest pose.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
-from tracker.body import PRESETS, Body, Dof, Part, Point
+from tracker.body import PRESETS, Body, Dof, Limits, Part, Point
 from tracker.shapes import Box, Cylinder, Frustum, Shape
 
 Radii: TypeAlias = tuple[float, float]
@@ -72,6 +74,25 @@ SHOULDER_DROP = 0.017
 LIMB, TRUNK = 0.95, 0.95
 RELAXED = 0.94
 """Relaxed girth over flexed girth, which is what [A] measured on the arm."""
+
+GIVE = 10
+"""Estimate: what a hinge yields across its axis, the shin's own turn among it."""
+
+# [J], by the name of the part without its side; left sides have y and z negated. Forward and
+# sideways are angles about x and z, turning is about y. The forearm's turn is [J]'s pronation and
+# supination. Estimates: neck and head share one range in [J], the head has all of it, as the neck
+# is not tracked, and the neck half; how far a wrist turns and a foot points in or out.
+RANGES: dict[str, Limits] = {
+    "chest": {"x": (-30, 80), "y": (-45, 45), "z": (-35, 35)},
+    "neck": {"x": (-22, 22), "y": (-30, 30), "z": (-22, 22)},
+    "head": {"x": (-45, 45), "y": (-60, 60), "z": (-45, 45)},
+    "upper_arm": {"x": (-180, 60), "y": (-70, 90), "z": (-45, 180)},
+    "forearm": {"x": (-150, 0), "y": (-80, 80), "z": (-GIVE, GIVE)},
+    "hand": {"x": (-20, 30), "y": (-GIVE, GIVE), "z": (-80, 70)},
+    "thigh": {"x": (-120, 30), "y": (-45, 45), "z": (-30, 45)},
+    "shin": {"x": (0, 135), "y": (-GIVE, GIVE), "z": (-GIVE, GIVE)},
+    "foot": {"x": (-20, 50), "y": (-GIVE, GIVE), "z": (-35, 15)},
+}
 
 
 @dataclass(frozen=True)
@@ -247,7 +268,16 @@ def _part(
         shape=shape,
         tracked=tracked,
         landmarks=landmarks or {},
+        limits_deg=_limits(name),
     )
+
+
+def _limits(name: str) -> Limits:
+    """The table is for the right side; x is the same on both, y and z are mirrored."""
+    ranges = RANGES.get(name.removeprefix("left_").removeprefix("right_"), {})
+    if not name.startswith("left_"):
+        return ranges
+    return {a: r if a == "x" else (-r[1], -r[0]) for a, r in ranges.items()}
 
 
 def _rounded(value: object) -> object:
@@ -279,8 +309,9 @@ def _source(who: Person) -> str:
         text += f"Stature: ANSUR II, {sex}. "
     return text + (
         "Estimated for every preset: head depth, joints inside the trunk, places of the shoulder "
-        "joints, all tapers. Limbs are frusta, of which the cylinder is the untapered case, taken "
-        "slightly thinner than measured."
+        "joints, all tapers. Joint limits: American Academy of Orthopaedic Surgeons, Joint Motion, "
+        "1965; estimated where it tells none. Limbs are frusta, of which the cylinder is the "
+        "untapered case, taken slightly thinner than measured."
     )
 
 

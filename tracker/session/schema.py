@@ -93,6 +93,14 @@ class SegmentSummary(Plain):
         description="Largest difference of the motion's ends from the keyframes, over entries of "
         "rotation matrices and metres; null when not finite."
     )
+    key: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] | None = Field(
+        default=None,
+        description="SHA-256 of all that this segment's motion was tracked for; null when not "
+        "known.",
+    )
+    quality: Quality | None = Field(
+        default=None, description="This segment's own quality; null when it is that of all."
+    )
 
 
 class Results(Plain):
@@ -119,6 +127,13 @@ class Session(Plain):
     camera: Camera
     body: Body
     keyframes: tuple[Keyframe, ...] = ()
+    drafts: tuple[Keyframe, ...] = Field(
+        default=(), description="Poses begun at frames that are no keyframes yet; not tracked."
+    )
+    up_camera: Position | None = Field(
+        default=None,
+        description="The world's up direction in the camera frame; null: the camera's own, −y.",
+    )
     ignore_masks: tuple[IgnoreMask, ...] = ()
     settings: TrackSettings = TrackSettings()
     results: Results | None = None
@@ -132,8 +147,10 @@ class Session(Plain):
                 f"{video.width}×{video.height}; the sizes must agree, both the video's own"
             )
         _demand_sorted(self.keyframes)
+        _demand_sorted(self.drafts)
+        _demand_direction(self.up_camera)
         skeleton = Skeleton.of(self.body)
-        for keyframe in self.keyframes:
+        for keyframe in (*self.keyframes, *self.drafts):
             _demand_in_video(keyframe, video.frame_count)
             _demand_before_camera(keyframe, skeleton)
         return self
@@ -151,6 +168,11 @@ def _demand_sorted(keyframes: tuple[Keyframe, ...]) -> None:
                 f"keyframes: time_s of frame {after} is {other.time_s:g}; it must be later than "
                 f"{one.time_s:g}, the time of frame {before}"
             )
+
+
+def _demand_direction(up_camera: Position | None) -> None:
+    if up_camera is not None and math.hypot(*up_camera) < 1e-6:
+        raise ValueError("up_camera: [0, 0, 0] is no direction")
 
 
 def _demand_in_video(keyframe: Keyframe, frame_count: int) -> None:

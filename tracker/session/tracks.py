@@ -188,12 +188,16 @@ def load_trajectory(session: Session, session_path: Path) -> Trajectory:
 def setup_hash(session: Session) -> str:
     """SHA-256 of what a motion is tracked with besides keyframes: body, camera, ignore masks.
 
-    Notes and the camera's `origin` do not count: they change no motion.
+    Notes, the camera's `origin` and joint limits do not count: they change no motion.
     """
     data = session.model_dump(
         mode="json",
         include={"body", "camera", "ignore_masks"},
-        exclude={"camera": {"origin"}, "ignore_masks": {"__all__": {"note"}}},
+        exclude={
+            "body": {"parts": {"__all__": {"limits_deg"}}},
+            "camera": {"origin"},
+            "ignore_masks": {"__all__": {"note"}},
+        },
     )
     canonical = json.dumps(data, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(canonical.encode()).hexdigest()

@@ -1,0 +1,162 @@
+"""`keypose open`: the page, served on this computer alone."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import ipaddress
+import signal
+import socket
+import sys
+import webbrowser
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.commands.arguments import Subcommands, add_command, file_name, whole_number
+from tracker.errors import KeyposeError
+
+if TYPE_CHECKING:
+    from app.server import Server
+
+PORT = 8090
+_EXAMPLES = """\
+  keypose open jump.mp4
+  keypose open jump.keypose/session.json --port 8091 --no-browser
+  keypose open sample_videos/balance/session.json --out out/balance
+"""
+_TUNNEL = """\
+Keypose is made for one person on one computer: its page travels unencrypted, and whoever has the
+address and its token may do everything. From another computer, rather use an SSH tunnel,
+
+    ssh -L {port}:127.0.0.1:{port} {host}
+
+and open the address below without --host. To serve {host} all the same, add --let-others-in.
+"""
+
+
+def add(commands: Subcommands) -> None:
+    text = (
+        "Open a video or a session in the browser: pose keyframes over the picture, track, "
+        "correct, export. Without a name, the page lets you choose. A new session is kept beside "
+        "its video, and every change is saved at once. Ctrl+C ends the server."
+    )
+    command = add_command(commands, "open", run, text, _EXAMPLES)
+    command.add_argument("path", metavar="VIDEO|SESSION", type=file_name, nargs="?")
+    command.add_argument(
+        "--port",
+        metavar="N",
+        type=whole_number(0, 65535),
+        default=None,
+        help=f"default: {PORT}, or a free one when it is taken; 0: any free one",
+    )
+    command.add_argument("--no-browser", action="store_true", help="only print the address")
+    command.add_argument(
+        "--out",
+        metavar="DIR",
+        type=file_name,
+        help="work on a copy of the session in DIR, made when it is missing",
+    )
+    command.add_argument(
+        "--workspace",
+        metavar="DIR",
+        type=file_name,
+        default=Path("~/Keypose").expanduser(),
+        help="where uploads, samples and the list of sessions are kept; default: ~/Keypose",
+    )
+    command.add_argument(
+        "--host", default="127.0.0.1", help="another address to serve; default: 127.0.0.1"
+    )
+    command.add_argument(
+        "--let-others-in", action="store_true", help="allow a --host that others can reach"
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    _demand_own(arguments)
+    from app.library import Library
+    from app.server import Server
+
+    path = arguments.path
+    if arguments.out is not None:
+        path = _copied(path, arguments.out)
+    listener = _listener(arguments.host, arguments.port)
+    server = Server(Library(arguments.workspace, _roots(path)), _names(arguments.host))
+    try:
+        return _serve(server, listener, path, arguments)
+    finally:
+        listener.close()
+        server.stage.stop()
+
+
+def _serve(
+    server: Server, listener: socket.socket, path: Path | None, arguments: argparse.Namespace
+) -> int:
+    """Until a signal asks to end."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: server.ask_to_stop())
+    loop = server.stage.loop
+    if path is not None:
+        asyncio.run_coroutine_threadsafe(server.store.open(path), loop).result()
+    server.listen(listener)
+    address = f"http://{_shown(arguments.host)}:{server.guard.port}{server.guard.start_path}"
+    print(f"Keypose is at {address}", flush=True)
+    print("Ctrl+C ends it; everything is saved as you go.", flush=True)
+    if not arguments.no_browser:
+        webbrowser.open(address)
+    server.wait()
+    print("Keypose has ended; everything is saved.", flush=True)
+    return 0
+
+
+def _roots(path: Path | None) -> list[Path]:
+    """The folders whose videos the page may list: where one is, and where the opened file lies."""
+    beside = [] if path is None else [path.absolute().parent]
+    return [Path.cwd(), *(folder for folder in beside if folder != Path.cwd())]
+
+
+def _demand_own(arguments: argparse.Namespace) -> None:
+    """Only this computer's own address, or an explicit word that others may come."""
+    if _is_own(arguments.host) or arguments.let_others_in:
+        return
+    port = arguments.port or PORT
+    print(_TUNNEL.format(host=arguments.host, port=port), file=sys.stderr)
+    raise KeyposeError(
+        f"{arguments.host} can be reached by others, which --host alone does not allow."
+    )
+
+
+def _is_own(host: str) -> bool:
+    if host == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+def _names(host: str) -> tuple[str, ...]:
+    return () if host in ("127.0.0.1", "localhost") else (_shown(host),)
+
+
+def _shown(host: str) -> str:
+    return f"[{host}]" if ":" in host else host
+
+
+def _listener(host: str, port: int | None) -> socket.socket:
+    """A bound socket: the port asked for, or the usual one, or any when that is taken."""
+    from app.listening import bound
+
+    if port is not None:
+        return bound(host, port)
+    try:
+        return bound(host, PORT)
+    except KeyposeError:
+        return bound(host, 0)
+
+
+def _copied(path: Path | None, out: Path) -> Path:
+    from app.opening import copied_session
+
+    if path is None:
+        raise KeyposeError("--out needs a session to copy.")
+    return copied_session(path, out)

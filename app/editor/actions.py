@@ -1,0 +1,348 @@
+"""What a person can do, each as a small frozen message; also what the page sends, word for word.
+
+Every value is checked here, at the door. An action with a `stroke` is part of one gesture: the
+gesture is applied to the document as it was before, so moves that are lost or merged do no harm.
+Frames are video frame numbers; angles degrees, sizes centimetres, as on the page.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, TypeAdapter
+
+from app.posing import Gesture
+from tracker.body import Dof, Name
+from tracker.settings import FrameIndex, MethodName, Quality
+
+Axis: TypeAlias = Literal["x", "y", "z"]
+Degrees: TypeAlias = Annotated[FiniteFloat, Field(ge=-1080, le=1080)]
+Centimetres: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]
+Metres: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e4, le=1e4)]
+Coordinate: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]
+Spot: TypeAlias = tuple[Coordinate, Coordinate]
+Polygon: TypeAlias = Annotated[tuple[Spot, ...], Field(min_length=3, max_length=500)]
+Stroke: TypeAlias = Annotated[str, Field(min_length=1, max_length=60)]
+
+
+class Message(BaseModel):
+    """One message; fields it does not know are refused."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Edit(Message):
+    """An action that changes the document; those of one stroke are one undo step."""
+
+    stroke: Stroke | None = None
+
+
+# --- where one looks
+
+
+class Go(Message):
+    do: Literal["go"] = "go"
+    frame: FrameIndex
+
+
+class Select(Message):
+    do: Literal["select"] = "select"
+    part: Name | None = None
+
+
+class Show(Message):
+    """How the body is drawn over the picture."""
+
+    do: Literal["display"] = "display"
+    mode: Literal["wire", "solid", "both"] | None = None
+    opacity: Annotated[FiniteFloat, Field(ge=0, le=1)] | None = None
+    ghosts: bool | None = None
+    trail: bool | None = None
+
+
+class Live(Message):
+    do: Literal["live"] = "live"
+    on: bool
+
+
+class Limits(Message):
+    do: Literal["limits"] = "limits"
+    on: bool
+
+
+class Axes(Message):
+    do: Literal["axes"] = "axes"
+    frame: Literal["part", "parent", "view"]
+
+
+class Link(Message):
+    """Whether sizes of left and right change together."""
+
+    do: Literal["link"] = "link"
+    on: bool
+
+
+# --- posing
+
+
+class Drag(Edit, Gesture):
+    do: Literal["drag"] = "drag"
+
+
+class Angles(Edit):
+    do: Literal["angles"] = "angles"
+    part: Name
+    x: Degrees | None = None
+    y: Degrees | None = None
+    z: Degrees | None = None
+
+
+class Root(Edit):
+    do: Literal["root"] = "root"
+    x: Metres | None = None
+    y: Metres | None = None
+    z: Metres | None = None
+
+
+class ResetPart(Edit):
+    do: Literal["reset_part"] = "reset_part"
+    part: Name
+
+
+class ResetPose(Edit):
+    do: Literal["reset_pose"] = "reset_pose"
+
+
+class CopyPose(Message):
+    do: Literal["copy_pose"] = "copy_pose"
+
+
+class PastePose(Edit):
+    do: Literal["paste_pose"] = "paste_pose"
+    mirrored: bool = False
+
+
+class CopyKey(Edit):
+    """The pose of another keyframe, here."""
+
+    do: Literal["copy_key"] = "copy_key"
+    from_frame: FrameIndex
+
+
+class TakeTracked(Edit):
+    do: Literal["take_tracked"] = "take_tracked"
+
+
+# --- keyframes
+
+
+class ToggleKey(Edit):
+    do: Literal["toggle_key"] = "toggle_key"
+
+
+class AddKey(Edit):
+    do: Literal["add_key"] = "add_key"
+    frame: FrameIndex
+
+
+class DeleteKey(Edit):
+    do: Literal["delete_key"] = "delete_key"
+    frame: FrameIndex
+
+
+class MoveKey(Edit):
+    do: Literal["move_key"] = "move_key"
+    frame: FrameIndex
+    to: FrameIndex
+
+
+class DuplicateKey(Edit):
+    do: Literal["duplicate_key"] = "duplicate_key"
+    frame: FrameIndex
+    to: FrameIndex
+
+
+class KeyAngle(Edit):
+    """One angle of a part at some keyframe: a point of the curve, dragged."""
+
+    do: Literal["key_angle"] = "key_angle"
+    frame: FrameIndex
+    part: Name
+    axis: Axis
+    deg: Degrees
+
+
+# --- the body
+
+
+class Size(Edit):
+    do: Literal["size"] = "size"
+    part: Name
+    key: Annotated[str, Field(max_length=40)]
+    cm: Centimetres
+
+
+class Joint(Edit):
+    do: Literal["joint"] = "joint"
+    part: Name
+    x: Centimetres | None = None
+    y: Centimetres | None = None
+    z: Centimetres | None = None
+
+
+class Height(Edit):
+    do: Literal["height"] = "height"
+    cm: Centimetres
+
+
+class Preset(Edit):
+    do: Literal["preset"] = "preset"
+    name: Name
+
+
+class ResetBody(Edit):
+    do: Literal["reset_body"] = "reset_body"
+
+
+class Tracked(Edit):
+    """Which motions of a part the tracker estimates."""
+
+    do: Literal["tracked"] = "tracked"
+    part: Name
+    dofs: Annotated[tuple[Dof, ...], Field(max_length=6)]
+
+
+# --- the camera
+
+
+class Intrinsics(Edit):
+    do: Literal["camera"] = "camera"
+    fx: FiniteFloat | None = None
+    fy: FiniteFloat | None = None
+    cx: FiniteFloat | None = None
+    cy: FiniteFloat | None = None
+
+
+class FieldOfView(Edit):
+    do: Literal["field_of_view"] = "field_of_view"
+    deg: Annotated[FiniteFloat, Field(ge=1, le=170)]
+
+
+class Distortion(Edit):
+    do: Literal["distortion"] = "distortion"
+    k1: FiniteFloat | None = None
+    k2: FiniteFloat | None = None
+    p1: FiniteFloat | None = None
+    p2: FiniteFloat | None = None
+    k3: FiniteFloat | None = None
+
+
+class Vertical(Edit):
+    """A line drawn on the picture along something upright, in pixels."""
+
+    do: Literal["vertical"] = "vertical"
+    a: Spot
+    b: Spot
+
+
+class ResetUp(Edit):
+    do: Literal["reset_up"] = "reset_up"
+
+
+# --- masks and settings
+
+
+class AddMask(Edit):
+    do: Literal["add_mask"] = "add_mask"
+    polygon: Polygon
+    first: FrameIndex
+    last: FrameIndex
+
+
+class ChangeMask(Edit):
+    do: Literal["change_mask"] = "change_mask"
+    index: Annotated[int, Field(ge=0, le=10_000)]
+    polygon: Polygon | None = None
+    first: FrameIndex | None = None
+    last: FrameIndex | None = None
+    note: Annotated[str, Field(max_length=200)] | None = None
+
+
+class DeleteMask(Edit):
+    do: Literal["delete_mask"] = "delete_mask"
+    index: Annotated[int, Field(ge=0, le=10_000)]
+
+
+class Settings(Edit):
+    """Fields that are left out stay; `passes` may be given as null, the method's own number."""
+
+    do: Literal["settings"] = "settings"
+    method: MethodName | None = None
+    quality: Quality | None = None
+    passes: Annotated[int, Field(ge=1, le=50)] | None = None
+    static_camera: bool | None = None
+
+
+# --- history, tracking, the session
+
+
+class Undo(Message):
+    do: Literal["undo"] = "undo"
+
+
+class Redo(Message):
+    do: Literal["redo"] = "redo"
+
+
+class EndStroke(Message):
+    do: Literal["end_stroke"] = "end_stroke"
+    stroke: Stroke
+
+
+class CancelStroke(Message):
+    do: Literal["cancel_stroke"] = "cancel_stroke"
+    stroke: Stroke
+
+
+class Track(Message):
+    do: Literal["track"] = "track"
+    what: Literal["this", "changed", "all"] = "changed"
+
+
+class Cancel(Message):
+    do: Literal["cancel"] = "cancel"
+
+
+class SaveAgain(Message):
+    do: Literal["save_again"] = "save_again"
+
+
+class Close(Message):
+    do: Literal["close"] = "close"
+
+
+class Open(Message):
+    do: Literal["open"] = "open"
+    kind: Literal["recent", "file", "sample", "upload"]
+    id: Annotated[str, Field(min_length=1, max_length=4096)]
+    video: Annotated[str, Field(min_length=1, max_length=4096)] | None = Field(
+        default=None, description="For a recent session whose video was moved: the file it is now."
+    )
+
+
+Looking: TypeAlias = Go | Select | Show | Live | Limits | Axes | Link | CopyPose
+Posing: TypeAlias = Drag | Angles | Root | ResetPart | ResetPose | PastePose | CopyKey | TakeTracked
+Keying: TypeAlias = ToggleKey | AddKey | DeleteKey | MoveKey | DuplicateKey | KeyAngle
+Shaping: TypeAlias = Size | Joint | Height | Preset | ResetBody | Tracked
+Filming: TypeAlias = Intrinsics | FieldOfView | Distortion | Vertical | ResetUp
+Choosing: TypeAlias = AddMask | ChangeMask | DeleteMask | Settings
+Rewinding: TypeAlias = Undo | Redo | EndStroke | CancelStroke
+Editing: TypeAlias = Looking | Posing | Keying | Shaping | Filming | Choosing | Rewinding
+"""What `app.editor.update` knows to apply."""
+
+Running: TypeAlias = Track | Cancel | SaveAgain | Close | Open
+"""What the store does: jobs and files."""
+
+Action: TypeAlias = Annotated[Editing | Running, Field(discriminator="do")]
+
+ACTIONS: TypeAdapter[Action] = TypeAdapter(Action)

@@ -1,0 +1,68 @@
+"""Edits of what the tracker is told: ignored regions and settings."""
+
+from __future__ import annotations
+
+from pydantic import ValidationError
+
+from app.editor import actions as do
+from app.editor.refusal import Refused
+from app.editor.state import EditorState
+from tracker.session.schema import Session
+from tracker.settings import IgnoreMask, TrackSettings
+from tracker.wording import one_sentence
+
+
+def mask_added(state: EditorState, action: do.AddMask) -> Session:
+    """One more ignored region."""
+    mask = _mask(state, action.polygon, action.first, action.last, "")
+    return _with_masks(state, (*state.doc.ignore_masks, mask))
+
+
+def mask_changed(state: EditorState, action: do.ChangeMask) -> Session:
+    """Another outline, range or note; what is left out stays."""
+    old = _demand(state, action.index)
+    new = _mask(
+        state,
+        old.polygon if action.polygon is None else action.polygon,
+        old.first_frame if action.first is None else action.first,
+        old.last_frame if action.last is None else action.last,
+        old.note if action.note is None else action.note,
+    )
+    masks = list(state.doc.ignore_masks)
+    masks[action.index] = new
+    return _with_masks(state, tuple(masks))
+
+
+def mask_deleted(state: EditorState, action: do.DeleteMask) -> Session:
+    """One ignored region fewer."""
+    _demand(state, action.index)
+    masks = list(state.doc.ignore_masks)
+    del masks[action.index]
+    return _with_masks(state, tuple(masks))
+
+
+def chosen(state: EditorState, action: do.Settings) -> Session:
+    """Settings; only the fields that were named change."""
+    named = action.model_dump(include=action.model_fields_set - {"do", "stroke"})
+    settings = TrackSettings.model_validate({**state.doc.settings.model_dump(), **named})
+    return state.doc.model_copy(update={"settings": settings})
+
+
+def _mask(
+    state: EditorState, polygon: tuple[do.Spot, ...], first: int, last: int, note: str
+) -> IgnoreMask:
+    last = min(last, state.frame_count - 1)
+    try:
+        return IgnoreMask(polygon=polygon, first_frame=first, last_frame=last, note=note)
+    except ValidationError as error:
+        raise Refused(one_sentence(error)) from None
+
+
+def _demand(state: EditorState, index: int) -> IgnoreMask:
+    if index >= len(state.doc.ignore_masks):
+        raise Refused("This mask does not exist any more.")
+    return state.doc.ignore_masks[index]
+
+
+def _with_masks(state: EditorState, masks: tuple[IgnoreMask, ...]) -> Session:
+    return state.doc.model_copy(update={"ignore_masks": masks})

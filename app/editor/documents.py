@@ -1,0 +1,54 @@
+"""A document with something changed: the small moves all edits are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from app.editor.refusal import Refused
+from tracker.geometry import Array
+from tracker.pose import Pose, pose_transforms
+from tracker.session.schema import Keyframe, Session
+from tracker.skeleton import Skeleton
+
+NEAREST_M = 0.06
+"""Every joint of a pose stays this far before the camera; the session's own limit is 0.05."""
+
+
+def with_keyframes(doc: Session, keyframes: Iterable[Keyframe]) -> Session:
+    """With these keyframes, sorted by frame."""
+    return doc.model_copy(update={"keyframes": tuple(sorted(keyframes, key=_frame))})
+
+
+def with_drafts(doc: Session, drafts: Iterable[Keyframe]) -> Session:
+    """With these drafts, sorted by frame."""
+    return doc.model_copy(update={"drafts": tuple(sorted(drafts, key=_frame))})
+
+
+def without(poses: Iterable[Keyframe], frame: int) -> tuple[Keyframe, ...]:
+    """All but the one at this frame."""
+    return tuple(pose for pose in poses if pose.frame != frame)
+
+
+def posed(doc: Session, skeleton: Skeleton, pose: Pose, frame: int, times_s: Array) -> Session:
+    """With this pose at a frame: in its keyframe, or else as a draft."""
+    demand_before_camera(skeleton, pose)
+    keyframe = keyframe_of(skeleton, pose, frame, times_s)
+    if any(known.frame == frame for known in doc.keyframes):
+        return with_keyframes(doc, (*without(doc.keyframes, frame), keyframe))
+    return with_drafts(doc, (*without(doc.drafts, frame), keyframe))
+
+
+def keyframe_of(skeleton: Skeleton, pose: Pose, frame: int, times_s: Array) -> Keyframe:
+    """The pose as a keyframe."""
+    return Keyframe.of(skeleton, pose, frame, float(times_s[frame]))
+
+
+def demand_before_camera(skeleton: Skeleton, pose: Pose) -> None:
+    """Refused when a joint would come to lie behind the camera."""
+    z = pose_transforms(skeleton, pose)[:, 2, 3]
+    if not z.min() > NEAREST_M:
+        raise Refused("The body would stand behind the camera. Pull it farther away.")
+
+
+def _frame(keyframe: Keyframe) -> int:
+    return keyframe.frame

@@ -1,0 +1,63 @@
+"""Edits of the camera: its lens, its distortion, what is up."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from pydantic import ValidationError
+
+from app.editor import actions as do
+from app.editor.refusal import Refused
+from app.editor.state import EditorState
+from app.posing import up_from_vertical
+from tracker.camera import Camera
+from tracker.session.schema import Session
+from tracker.wording import one_sentence
+
+_DISTORTION = ("k1", "k2", "p1", "p2", "k3")
+
+
+def focused(state: EditorState, action: do.Intrinsics) -> Session:
+    """Focal lengths and principal point."""
+    changes = action.model_dump(include={"fx", "fy", "cx", "cy"}, exclude_none=True)
+    return _with_camera(state, {**changes, "origin": "intrinsics"})
+
+
+def widened(state: EditorState, action: do.FieldOfView) -> Session:
+    """An ideal lens whose longer side spans this angle; the distortion stays."""
+    old = state.doc.camera
+    new = Camera.from_field_of_view(old.width, old.height, math.radians(action.deg))
+    return _with_camera(
+        state,
+        {"fx": new.fx, "fy": new.fy, "cx": new.cx, "cy": new.cy, "origin": "field of view"},
+    )
+
+
+def bent(state: EditorState, action: do.Distortion) -> Session:
+    """The lens's distortion."""
+    wanted = action.model_dump()
+    old = dict(zip(_DISTORTION, state.doc.camera.distortion, strict=True))
+    values = tuple(old[k] if wanted[k] is None else wanted[k] for k in _DISTORTION)
+    return _with_camera(state, {"distortion": values})
+
+
+def righted(state: EditorState, action: do.Vertical) -> Session:
+    """Up along a line drawn on the picture."""
+    if math.dist(action.a, action.b) < 5:
+        raise Refused("Draw a longer line along something upright.")
+    x, y, z = (float(v) for v in up_from_vertical(state.doc.camera, action.a, action.b))
+    return state.doc.model_copy(update={"up_camera": (x, y, z)})
+
+
+def up_reset(state: EditorState) -> Session:
+    """The camera's own up again."""
+    return state.doc.model_copy(update={"up_camera": None})
+
+
+def _with_camera(state: EditorState, changes: dict[str, Any]) -> Session:
+    try:
+        camera = Camera.model_validate({**state.doc.camera.model_dump(), **changes})
+    except ValidationError as error:
+        raise Refused(one_sentence(error)) from None
+    return state.doc.model_copy(update={"camera": camera})

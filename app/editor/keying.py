@@ -1,0 +1,64 @@
+"""Edits of the keyframes: added, removed, moved, copied along the time."""
+
+from __future__ import annotations
+
+from app.editor import actions as do
+from app.editor.documents import keyframe_of, with_drafts, with_keyframes, without
+from app.editor.refusal import Refused
+from app.editor.shown import find, shown
+from app.editor.state import EditorState
+from tracker.session.schema import Keyframe, Session
+
+
+def added(state: EditorState, frame: int) -> Session:
+    """The pose that stands at a frame made its keyframe."""
+    keyframe = keyframe_of(state.skeleton, shown(state, frame).pose, frame, state.times_s)
+    doc = with_keyframes(state.doc, (*without(state.doc.keyframes, frame), keyframe))
+    return with_drafts(doc, without(doc.drafts, frame))
+
+
+def deleted(state: EditorState, frame: int) -> Session:
+    """Without the keyframe at a frame."""
+    _demand(state, frame)
+    return with_keyframes(state.doc, without(state.doc.keyframes, frame))
+
+
+def toggled(state: EditorState) -> Session:
+    """A keyframe at the present frame, or none there if there is one and nothing is drafted."""
+    drafted = find(state.doc.drafts, state.frame) is not None
+    is_key = find(state.doc.keyframes, state.frame) is not None
+    return deleted(state, state.frame) if is_key and not drafted else added(state, state.frame)
+
+
+def moved(state: EditorState, action: do.MoveKey) -> Session:
+    """The keyframe at another frame."""
+    if action.to == action.frame:
+        return state.doc
+    keyframe = _demand(state, action.frame)
+    _demand_free(state, action.to)
+    rest = without(state.doc.keyframes, action.frame)
+    return with_keyframes(state.doc, (*rest, _at(state, keyframe, action.to)))
+
+
+def duplicated(state: EditorState, action: do.DuplicateKey) -> Session:
+    """The same pose as a keyframe of another frame, too."""
+    keyframe = _demand(state, action.frame)
+    _demand_free(state, action.to)
+    return with_keyframes(state.doc, (*state.doc.keyframes, _at(state, keyframe, action.to)))
+
+
+def _at(state: EditorState, keyframe: Keyframe, frame: int) -> Keyframe:
+    time_s = float(state.times_s[frame])
+    return keyframe.model_copy(update={"frame": frame, "time_s": time_s})
+
+
+def _demand(state: EditorState, frame: int) -> Keyframe:
+    found = find(state.doc.keyframes, frame)
+    if found is None:
+        raise Refused(f"Frame {frame} has no keyframe.")
+    return found
+
+
+def _demand_free(state: EditorState, frame: int) -> None:
+    if find(state.doc.keyframes, frame) is not None:
+        raise Refused(f"Frame {frame} has a keyframe already. Delete that one first.")

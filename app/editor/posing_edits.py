@@ -1,0 +1,133 @@
+"""Edits of the pose at the present frame."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.editor import actions as do
+from app.editor.documents import posed
+from app.editor.refusal import Refused
+from app.editor.shown import find, shown
+from app.editor.sights import sights
+from app.editor.state import EditorState
+from app.posing import Posed, Readout, angles_deg, drag, mirrored, with_angles, with_reset
+from tracker.geometry import Array
+from tracker.pose import Pose
+from tracker.session.schema import Keyframe, Session
+
+
+def dragged(
+    state: EditorState, before: EditorState, action: do.Drag
+) -> tuple[Session, Readout | None]:
+    """The document after a gesture that began in `before`."""
+    result = _drag(state, before, action)
+    doc = before.doc if result.body is None else before.doc.model_copy(update={"body": result.body})
+    if result.body is not None:
+        return doc, result.readout
+    return _with_pose(before, result.pose), result.readout
+
+
+def _drag(state: EditorState, before: EditorState, action: do.Drag) -> Posed:
+    looks = state.display
+    last = state.stroke.readout if state.stroke else None
+    return drag(
+        before.doc.body,
+        shown(before, state.frame).pose,
+        action,
+        sights(before.doc),
+        limits_on=looks.limits,
+        axes_frame=looks.axes,
+        linked=looks.link,
+        angle_before=last.angle_rad if last else None,
+    )
+
+
+def turned(state: EditorState, action: do.Angles) -> Session:
+    """One part at given angles."""
+    pose = shown(state).pose
+    state.doc.body.index(action.part)
+    pose = with_angles(
+        state.skeleton, pose, action.part, action.x, action.y, action.z,
+        limits_on=state.display.limits,
+    )  # fmt: skip
+    return _with_pose(state, pose)
+
+
+def placed(state: EditorState, action: do.Root) -> Session:
+    """The root at given coordinates."""
+    pose = shown(state).pose
+    wanted = (action.x, action.y, action.z)
+    place = [
+        old if new is None else new for old, new in zip(pose.p_camera_root, wanted, strict=True)
+    ]
+    return _with_pose(state, Pose(pose.Rs_parent_part, np.array(place)))
+
+
+def part_reset(state: EditorState, action: do.ResetPart) -> Session:
+    """One part at rest."""
+    return _with_pose(state, with_reset(state.skeleton, shown(state).pose, action.part))
+
+
+def pose_reset(state: EditorState) -> Session:
+    """The whole body at rest, where it stands."""
+    rest = Pose.rest(state.skeleton, tuple(shown(state).pose.p_camera_root))
+    return _with_pose(state, rest)
+
+
+def pasted(state: EditorState, action: do.PastePose) -> Session:
+    """The copied pose, here; mirrored on wish."""
+    if state.clipboard is None:
+        raise Refused("No pose has been copied yet. Copy one with Ctrl C.")
+    pose = _fitting(state, state.clipboard).pose(state.skeleton)
+    return _with_pose(state, mirrored(state.skeleton, pose) if action.mirrored else pose)
+
+
+def key_copied(state: EditorState, action: do.CopyKey) -> Session:
+    """The pose of another keyframe, here."""
+    found = find(state.doc.keyframes, action.from_frame)
+    if found is None:
+        raise Refused(f"Frame {action.from_frame} has no keyframe to copy.")
+    return _with_pose(state, found.pose(state.skeleton))
+
+
+def tracked_taken(state: EditorState) -> Session:
+    """The tracked pose of this frame, as a pose of one's own."""
+    pose = state.tracked(state.frame)
+    if pose is None:
+        raise Refused(f"Frame {state.frame} is not tracked. Press T first.")
+    return _with_pose(state, pose)
+
+
+def key_turned(state: EditorState, action: do.KeyAngle) -> Session:
+    """One angle of a part at some keyframe."""
+    found = find(state.doc.keyframes, action.frame)
+    if found is None:
+        raise Refused(f"Frame {action.frame} has no keyframe.")
+    wanted = {action.axis: action.deg}
+    pose = with_angles(
+        state.skeleton, found.pose(state.skeleton), action.part,
+        wanted.get("x"), wanted.get("y"), wanted.get("z"),
+    )  # fmt: skip
+    return posed(state.doc, state.skeleton, pose, action.frame, state.times_s)
+
+
+def angles_at(state: EditorState, pose: Pose) -> dict[str, list[float]]:
+    """Every part's [x, y, z] in degrees."""
+    values = angles_deg(state.skeleton, pose).round(3).tolist()
+    return dict(zip(state.doc.body.names, values, strict=True))
+
+
+def posed_angles(state: EditorState, keyframe: Keyframe) -> Array:
+    """(P, 3) a keyframe's angles x, y, z in degrees."""
+    return angles_deg(state.skeleton, keyframe.pose(state.skeleton))
+
+
+def _fitting(state: EditorState, copied: Keyframe) -> Keyframe:
+    """The copied pose as far as this body has the parts."""
+    known = set(state.doc.body.names)
+    kept = {name: q for name, q in copied.rotations_wxyz.items() if name in known}
+    return copied.model_copy(update={"rotations_wxyz": kept})
+
+
+def _with_pose(state: EditorState, pose: Pose) -> Session:
+    return posed(state.doc, state.skeleton, pose, state.frame, state.times_s)

@@ -1,0 +1,78 @@
+"""Edits of the body: sizes, joints, presets, what is tracked."""
+
+from __future__ import annotations
+
+from app.editor import actions as do
+from app.editor.documents import demand_before_camera
+from app.editor.refusal import Refused
+from app.editor.state import EditorState
+from app.posing import with_height, with_joint, with_size
+from tracker.body import PRESETS, Body, Part, preset
+from tracker.session.schema import Keyframe, Session
+from tracker.skeleton import Skeleton
+
+
+def resized(state: EditorState, action: do.Size) -> Session:
+    """One size of a part."""
+    body = with_size(state.doc.body, action.part, action.key, action.cm, linked=state.display.link)
+    return with_body(state, body)
+
+
+def joint_moved(state: EditorState, action: do.Joint) -> Session:
+    """Where a part hangs on its parent."""
+    part = state.doc.body.parts[state.doc.body.index(action.part)]
+    wanted = (action.x, action.y, action.z)
+    x, y, z = (
+        100 * old if new is None else new for old, new in zip(part.joint_m, wanted, strict=True)
+    )
+    linked = state.display.link
+    return with_body(state, with_joint(state.doc.body, action.part, (x, y, z), linked=linked))
+
+
+def stretched(state: EditorState, action: do.Height) -> Session:
+    """The whole body made this high."""
+    return with_body(state, with_height(state.doc.body, action.cm))
+
+
+def preset_taken(state: EditorState, action: do.Preset) -> Session:
+    """One of the bodies that come with the product."""
+    return with_body(state, preset(action.name))
+
+
+def body_reset(state: EditorState) -> Session:
+    """The preset's own sizes again."""
+    name = state.doc.body.name
+    if name not in PRESETS:
+        raise Refused("This body does not come from a preset, so there is nothing to go back to.")
+    return with_body(state, preset(name))
+
+
+def freed(state: EditorState, action: do.Tracked) -> Session:
+    """Which motions of a part are tracked."""
+    body = state.doc.body
+    part = body.parts[body.index(action.part)]
+    changed = Part.model_validate({**part.model_dump(), "tracked": action.dofs})
+    return with_body(state, body.with_part(changed))
+
+
+def with_body(state: EditorState, body: Body) -> Session:
+    """Another body in all poses: parts it does not have are left out of them."""
+    known = set(body.names)
+    skeleton = Skeleton.of(body)
+    doc = state.doc.model_copy(
+        update={
+            "body": body,
+            "keyframes": tuple(_fitted(k, known) for k in state.doc.keyframes),
+            "drafts": tuple(_fitted(k, known) for k in state.doc.drafts),
+        }
+    )
+    for keyframe in (*doc.keyframes, *doc.drafts):
+        demand_before_camera(skeleton, keyframe.pose(skeleton))
+    return doc
+
+
+def _fitted(keyframe: Keyframe, known: set[str]) -> Keyframe:
+    if set(keyframe.rotations_wxyz) <= known:
+        return keyframe
+    kept = {name: q for name, q in keyframe.rotations_wxyz.items() if name in known}
+    return keyframe.model_copy(update={"rotations_wxyz": kept})

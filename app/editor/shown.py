@@ -1,0 +1,71 @@
+"""The pose at a frame: set by a person, tracked, or the best that is known so far."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from app.editor.state import EditorState
+from tracker.geometry import rotation_between
+from tracker.pose import Pose
+from tracker.session.schema import Keyframe
+
+Source: TypeAlias = Literal["keyframe", "draft", "tracked", "between", "held", "rest"]
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """A pose and where it comes from.
+
+    "between" is interpolated, "held" is the nearest keyframe's, "rest" how the body first stands.
+    """
+
+    pose: Pose
+    source: Source
+
+
+def shown(state: EditorState, frame: int | None = None) -> Shown:
+    """What stands at a frame, by default the present one."""
+    frame = state.frame if frame is None else frame
+    posed = posed_at(state, frame)
+    if posed is not None:
+        return posed
+    tracked = state.tracked(frame)
+    if tracked is not None:
+        return Shown(tracked, "tracked")
+    return _from_neighbours(state, frame)
+
+
+def posed_at(state: EditorState, frame: int) -> Shown | None:
+    """What a person posed at a frame: a draft before the keyframe it would replace."""
+    for poses, source in ((state.doc.drafts, "draft"), (state.doc.keyframes, "keyframe")):
+        found = find(poses, frame)
+        if found is not None:
+            return Shown(found.pose(state.skeleton), source)  # type: ignore[arg-type]
+    return None
+
+
+def find(poses: tuple[Keyframe, ...], frame: int) -> Keyframe | None:
+    """The one at this frame."""
+    return next((pose for pose in poses if pose.frame == frame), None)
+
+
+def _from_neighbours(state: EditorState, frame: int) -> Shown:
+    known = state.doc.keyframes or state.doc.drafts
+    if not known:
+        return Shown(state.opening, "rest")
+    place = bisect_right([keyframe.frame for keyframe in known], frame)
+    if place == 0 or place == len(known):
+        return Shown(known[min(place, len(known) - 1)].pose(state.skeleton), "held")
+    before, after = known[place - 1], known[place]
+    share = (frame - before.frame) / (after.frame - before.frame)
+    return Shown(_mixed(before.pose(state.skeleton), after.pose(state.skeleton), share), "between")
+
+
+def _mixed(start: Pose, end: Pose, share: float) -> Pose:
+    """One frame of tracker.trajectory.interpolate."""
+    Rs = rotation_between(start.Rs_parent_part, end.Rs_parent_part, np.array([share]))[0]
+    return Pose(Rs, (1 - share) * start.p_camera_root + share * end.p_camera_root)

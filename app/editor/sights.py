@@ -1,0 +1,19 @@
+"""The four views of a document, as posing needs them."""
+
+from __future__ import annotations
+
+from app.posing import CAMERA_UP, Sight, view_rotations
+from tracker.session.schema import Session
+
+
+def up_of(doc: Session) -> tuple[float, float, float]:
+    """The world's up direction in the camera frame."""
+    return CAMERA_UP if doc.up_camera is None else doc.up_camera
+
+
+def sights(doc: Session) -> dict[str, Sight]:
+    """main, top, side and front."""
+    views: dict[str, Sight] = {"main": Sight.of(doc.camera)}
+    for name, R in view_rotations(up_of(doc)).items():
+        views[name] = Sight.parallel(name, R)
+    return views

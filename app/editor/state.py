@@ -1,0 +1,89 @@
+"""Everything the page shows that a person decided, in one immutable value."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Literal
+
+from app.editor.history import History
+from app.posing import Readout
+from app.results import Fitting, Results, pose_at
+from tracker.geometry import Array
+from tracker.pose import Pose
+from tracker.session.schema import Keyframe, Session
+from tracker.skeleton import Skeleton
+
+
+@dataclass(frozen=True)
+class Display:
+    """How the views are drawn; shared by all tabs, not part of the document."""
+
+    mode: Literal["wire", "solid", "both"] = "both"
+    opacity: float = 0.5
+    ghosts: bool = False
+    trail: bool = True
+    live: bool = False
+    limits: bool = True
+    axes: Literal["part", "parent", "view"] = "part"
+    link: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Stroke:
+    """A gesture under way: the document before it, and what it does at the moment."""
+
+    name: str
+    before: Session
+    label: str
+    frame: int
+    readout: Readout | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class EditorState:
+    """doc: the session as it stands, results left out.  times_s: (frames,) seconds.
+
+    skeleton always is the layout of doc.body; `opening` is where a body first stands.
+    """
+
+    doc: Session
+    skeleton: Skeleton
+    times_s: Array
+    opening: Pose
+    results: Results = field(default_factory=Results)
+    history: History = field(default_factory=History)
+    frame: int = 0
+    selected: str | None = None
+    display: Display = field(default_factory=Display)
+    stroke: Stroke | None = None
+    clipboard: Keyframe | None = None
+
+    @property
+    def frame_count(self) -> int:
+        return self.doc.video.frame_count
+
+    @property
+    def keys(self) -> tuple[int, ...]:
+        """Frames of the keyframes, ascending."""
+        return tuple(keyframe.frame for keyframe in self.doc.keyframes)
+
+    @property
+    def settled(self) -> Session:
+        """The document without the gesture under way."""
+        return self.doc if self.stroke is None else self.stroke.before
+
+    @cached_property
+    def fitting(self) -> Fitting:
+        """The results of the present segments."""
+        return self.results.fitting(self.doc)
+
+    def tracked(self, frame: int) -> Pose | None:
+        """The tracked pose at a frame."""
+        return pose_at(self.fitting, frame)
+
+    def with_doc(self, doc: Session) -> EditorState:
+        """The same with another document; the skeleton is laid out anew only for another body."""
+        same = doc.body is self.doc.body
+        skeleton = self.skeleton if same else Skeleton.of(doc.body)
+        return replace(self, doc=doc, skeleton=skeleton)

@@ -1,0 +1,216 @@
+"""The one place where an action changes the state: `update(state, action)`, a pure function."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+from app.editor import actions as do
+from app.editor import choosing, filming, keying, posing_edits, shaping
+from app.editor.documents import keyframe_of
+from app.editor.refusal import Refused
+from app.editor.shown import shown
+from app.editor.state import EditorState, Stroke
+from app.posing import Readout, part_label
+from tracker.session.schema import Session
+
+
+def update(state: EditorState, action: do.Editing) -> EditorState:
+    """The state after an action; KeyposeError, in one sentence, when it cannot be done."""
+    if isinstance(action, do.Looking):
+        return _look(state, action)
+    if isinstance(action, do.Rewinding):
+        return _rewind(state, action)
+    return _edit(state, action)
+
+
+def _look(state: EditorState, action: do.Looking) -> EditorState:
+    if isinstance(action, do.Go):
+        frame = min(action.frame, state.frame_count - 1)
+        return replace(ended(state), frame=frame)
+    if isinstance(action, do.Select):
+        if action.part is not None:
+            state.doc.body.index(action.part)
+        return replace(state, selected=action.part)
+    if isinstance(action, do.CopyPose):
+        pose = shown(state).pose
+        copied = keyframe_of(state.skeleton, pose, state.frame, state.times_s)
+        return replace(state, clipboard=copied)
+    return replace(state, display=replace(state.display, **_switches(action)))
+
+
+def _switches(action: do.Show | do.Live | do.Limits | do.Axes | do.Link) -> dict[str, Any]:
+    if isinstance(action, do.Show):
+        return action.model_dump(exclude={"do"}, exclude_none=True)
+    if isinstance(action, do.Axes):
+        return {"axes": action.frame}
+    return {action.do: action.on}
+
+
+# --- history
+
+
+def _rewind(state: EditorState, action: do.Rewinding) -> EditorState:
+    if isinstance(action, do.EndStroke):
+        return ended(state) if _is_under_way(state, action.stroke) else state
+    if isinstance(action, do.CancelStroke):
+        return cancelled(state) if _is_under_way(state, action.stroke) else state
+    state = ended(state)
+    undo = isinstance(action, do.Undo)
+    found = state.history.undone(state.doc) if undo else state.history.redone(state.doc)
+    if found is None:
+        raise Refused("There is nothing to undo." if undo else "There is nothing to redo.")
+    step, history = found
+    changed = replace(state.with_doc(step.doc), history=history, frame=step.frame)
+    return _still_there(changed)
+
+
+def _is_under_way(state: EditorState, stroke: str) -> bool:
+    return state.stroke is not None and state.stroke.name == stroke
+
+
+def ended(state: EditorState) -> EditorState:
+    """With the gesture under way, if any, made one step of the history."""
+    stroke = state.stroke
+    if stroke is None:
+        return state
+    state = replace(state, stroke=None)
+    if state.doc is stroke.before:
+        return state
+    return replace(state, history=state.history.after(stroke.before, stroke.label, stroke.frame))
+
+
+def cancelled(state: EditorState) -> EditorState:
+    """With the gesture under way taken back."""
+    stroke = state.stroke
+    return state if stroke is None else replace(state.with_doc(stroke.before), stroke=None)
+
+
+# --- edits
+
+
+def _edit(state: EditorState, action: Any) -> EditorState:
+    if action.stroke is None or not _is_under_way(state, action.stroke):
+        state = ended(state)
+    before = state if state.stroke is None else state.with_doc(state.stroke.before)
+    doc, readout = _changed(state, before, action)
+    label = label_of(action)
+    if action.stroke is not None:
+        stroke = Stroke(action.stroke, before.doc, label, state.frame, readout)
+        return _still_there(replace(state.with_doc(doc), stroke=stroke))
+    if doc is state.doc or doc == state.doc:
+        return state
+    history = state.history.after(state.doc, label, state.frame)
+    return _still_there(replace(state.with_doc(doc), history=history))
+
+
+def _changed(
+    state: EditorState, before: EditorState, action: Any
+) -> tuple[Session, Readout | None]:
+    if isinstance(action, do.Drag):
+        return posing_edits.dragged(state, before, action)
+    return _HOW[type(action)](before, action), None
+
+
+_HOW: dict[type, Callable[[EditorState, Any], Session]] = {
+    do.Angles: posing_edits.turned,
+    do.Root: posing_edits.placed,
+    do.ResetPart: posing_edits.part_reset,
+    do.ResetPose: lambda state, _: posing_edits.pose_reset(state),
+    do.PastePose: posing_edits.pasted,
+    do.CopyKey: posing_edits.key_copied,
+    do.TakeTracked: lambda state, _: posing_edits.tracked_taken(state),
+    do.KeyAngle: posing_edits.key_turned,
+    do.ToggleKey: lambda state, _: keying.toggled(state),
+    do.AddKey: lambda state, action: keying.added(state, _in_video(state, action.frame)),
+    do.DeleteKey: lambda state, action: keying.deleted(state, action.frame),
+    do.MoveKey: lambda state, action: keying.moved(_reaching(state, action.to), action),
+    do.DuplicateKey: lambda state, action: keying.duplicated(_reaching(state, action.to), action),
+    do.Size: shaping.resized,
+    do.Joint: shaping.joint_moved,
+    do.Height: shaping.stretched,
+    do.Preset: shaping.preset_taken,
+    do.ResetBody: lambda state, _: shaping.body_reset(state),
+    do.Tracked: shaping.freed,
+    do.Intrinsics: filming.focused,
+    do.FieldOfView: filming.widened,
+    do.Distortion: filming.bent,
+    do.Vertical: filming.righted,
+    do.ResetUp: lambda state, _: filming.up_reset(state),
+    do.AddMask: choosing.mask_added,
+    do.ChangeMask: choosing.mask_changed,
+    do.DeleteMask: choosing.mask_deleted,
+    do.Settings: choosing.chosen,
+}
+
+
+def _in_video(state: EditorState, frame: int) -> int:
+    if frame >= state.frame_count:
+        raise Refused(f"The video has the frames 0 to {state.frame_count - 1}.")
+    return frame
+
+
+def _reaching(state: EditorState, frame: int) -> EditorState:
+    _in_video(state, frame)
+    return state
+
+
+def _still_there(state: EditorState) -> EditorState:
+    """A part that the body does not have any more is not selected any more."""
+    gone = state.selected is not None and state.selected not in state.doc.body.names
+    return replace(state, selected=None) if gone else state
+
+
+# --- what an edit is called
+
+
+def label_of(action: Any) -> str:
+    """What undo offers to take back: "turn right forearm"."""
+    if isinstance(action, do.Drag):
+        return _drag_label(action)
+    verb, field = _LABELS[action.do]
+    name = getattr(action, field, None) if field else None
+    if name is None:
+        return verb
+    return f"{verb} {part_label(name).lower() if field == 'part' else name}"
+
+
+def _drag_label(action: do.Drag) -> str:
+    handle = action.handle
+    verbs = {"ring": "turn", "root": "move the body", "size": "resize", "surface": "turn"}
+    verb = verbs.get(handle.kind, "move")
+    name = getattr(handle, "part", None) or getattr(handle, "name", None)
+    return verb if name is None else f"{verb} {part_label(name).lower()}"
+
+
+_LABELS: dict[str, tuple[str, str | None]] = {
+    "angles": ("turn", "part"),
+    "root": ("move the body", None),
+    "reset_part": ("reset", "part"),
+    "reset_pose": ("reset the pose", None),
+    "paste_pose": ("paste the pose", None),
+    "copy_key": ("copy keyframe", "from_frame"),
+    "take_tracked": ("take the tracked pose", None),
+    "toggle_key": ("keyframe", None),
+    "add_key": ("add keyframe", "frame"),
+    "delete_key": ("delete keyframe", "frame"),
+    "move_key": ("move keyframe", "frame"),
+    "duplicate_key": ("copy keyframe", "frame"),
+    "key_angle": ("turn", "part"),
+    "size": ("resize", "part"),
+    "joint": ("move the joint of", "part"),
+    "height": ("height", None),
+    "preset": ("body", "name"),
+    "reset_body": ("back to the preset", None),
+    "tracked": ("free to move", "part"),
+    "camera": ("camera", None),
+    "field_of_view": ("field of view", None),
+    "distortion": ("distortion", None),
+    "vertical": ("up direction", None),
+    "reset_up": ("up direction", None),
+    "add_mask": ("draw a mask", None),
+    "change_mask": ("change a mask", None),
+    "delete_mask": ("delete a mask", None),
+    "settings": ("settings", None),
+}

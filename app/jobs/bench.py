@@ -1,0 +1,82 @@
+"""What stays ready in the worker from one job to the next."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from tracker.errors import SessionError
+from tracker.pose import Pose
+from tracker.session import Session
+from tracker.skeleton import Skeleton
+from tracker.track import Tracker
+from tracker.video import Video
+
+
+class Bench:
+    """The open video, its prepared pictures, the body laid out.
+
+    Pictures stay prepared while video, camera, masks and the plate setting are the same; what is
+    laid out for the body stays while the body is.
+    """
+
+    def __init__(self) -> None:
+        self._video: Video | None = None
+        self._opened: Any = None
+        self._prepared_for: Any = None
+        self._tracker: Tracker | None = None
+
+    def tracker(self, session: Session, video_path: str, first: int, last: int) -> Tracker:
+        """A tracker of one segment, which depends on nothing but that segment.
+
+        SessionError or VideoError in one sentence where it cannot be had.
+        """
+        video = self._open(video_path)
+        masks, static = session.ignore_masks, session.settings.static_camera
+        prepared_for = (self._opened, session.camera, masks, static)
+        if prepared_for != self._prepared_for:
+            self._tracker, self._prepared_for = None, prepared_for
+        skeleton = self._skeleton(session)
+        poses = _ends(session, skeleton, first, last)
+        if self._tracker is None:
+            self._tracker = Tracker(video, session.camera, skeleton, poses, masks, static)
+        else:
+            self._tracker = self._tracker.renewed(skeleton, poses)
+        return self._tracker
+
+    def close(self) -> None:
+        """Let go of the video."""
+        if self._video is not None:
+            self._video.close()
+        self._video = self._opened = self._prepared_for = self._tracker = None
+
+    def _open(self, path: str) -> Video:
+        """The video at a path, opened again only when another file lies there now."""
+        opened = _identity(Path(path))
+        if self._video is None or opened != self._opened:
+            self.close()
+            self._video, self._opened = Video.open(path), opened
+        return self._video
+
+    def _skeleton(self, session: Session) -> Skeleton:
+        if self._tracker is not None and self._tracker.skeleton.body == session.body:
+            return self._tracker.skeleton
+        return Skeleton.of(session.body)
+
+
+def _ends(session: Session, skeleton: Skeleton, first: int, last: int) -> dict[int, Pose]:
+    """The two keyposes of a segment."""
+    keyframes = {keyframe.frame: keyframe for keyframe in session.keyframes}
+    for frame in (first, last):
+        if frame not in keyframes:
+            raise SessionError(f"Frame {frame} has no keyframe; pose it first.")
+    return {frame: keyframes[frame].pose(skeleton) for frame in (first, last)}
+
+
+def _identity(path: Path) -> Any:
+    """Equal while the same file lies at a path."""
+    try:
+        found = path.stat()
+    except OSError:  # opening it will say what is wrong
+        return path, None
+    return path, found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns

@@ -1,0 +1,77 @@
+"""How far a job is, and how long it may still take."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from app.jobs.reports import PassFinished, Report, SegmentFinished, Started
+from app.results import Span
+from tracker.settings import Quality
+
+COST = {"preview": 1.0, "fast": 3.0, "full": 4.0}
+"""Of one frame, by quality, relative to each other."""
+TELLING_SHARE, TELLING_SECONDS = 0.1, 1.0
+"""Before so much is done, and so long has passed, the time that is left is not known."""
+
+Step = tuple[Span, Quality]
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Shares of a job's steps (a segment at one quality) that are done. Immutable.
+
+    started_at, now: any clock in seconds, the same one throughout.
+    """
+
+    started_at: float
+    weights: Mapping[Step, float]
+    shares: Mapping[Step, float] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, started: Started, now: float) -> Progress:
+        """Nothing is done yet."""
+        weights = {
+            ((first, last), quality): (last - first) * COST[quality]
+            for first, last, _ in started.wanted
+            for quality in started.stages
+        }
+        return cls(now, weights)
+
+    def after(self, report: Report) -> Progress:
+        """With what a report tells."""
+        if isinstance(report, PassFinished):
+            # a segment may take more passes than expected, and is not done before it is judged
+            share = min((report.number + 1) / (report.of + 1), 0.95)
+            return self._with((report.span, report.quality), share)
+        if isinstance(report, SegmentFinished):
+            return self._with((report.track.span, report.track.quality), 1.0)
+        return self
+
+    @property
+    def share(self) -> float:
+        """Of the whole job, 0 to 1."""
+        total = sum(self.weights.values())
+        done = sum(share * self.weights.get(step, 0.0) for step, share in self.shares.items())
+        return done / total if total else 1.0
+
+    @property
+    def percent(self) -> int:
+        return int(100 * self.share)
+
+    def percent_of(self, span: Span) -> int:
+        """Of one segment, all its stages together."""
+        weights = {step: weight for step, weight in self.weights.items() if step[0] == span}
+        done = sum(self.shares.get(step, 0.0) * weight for step, weight in weights.items())
+        return int(100 * done / sum(weights.values())) if weights else 0
+
+    def seconds_left(self, now: float) -> float | None:
+        """As if the rest went as fast as what is done; None while that says little."""
+        elapsed, share = now - self.started_at, self.share
+        if share < TELLING_SHARE or elapsed < TELLING_SECONDS:
+            return None
+        return elapsed * (1.0 - share) / share
+
+    def _with(self, step: Step, share: float) -> Progress:
+        reached = max(share, self.shares.get(step, 0.0))
+        return replace(self, shares={**self.shares, step: reached})

@@ -1,0 +1,123 @@
+"""Tracking for a server that must stay quick: a worker process, orders to it, reports from it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from app.jobs.process import WorkerProcess
+from app.jobs.reports import (
+    Cancel,
+    JobFailed,
+    JobFinished,
+    Order,
+    Report,
+    Wanted,
+)
+from tracker.session import Session
+from tracker.settings import Quality
+
+LIVE: tuple[Quality, ...] = ("preview", "full")
+"""The stages while a person poses: something to see at once, then what is meant."""
+
+_DIED = "Tracking stopped unexpectedly; what was finished is kept, track again."
+
+
+class Tracking:
+    """One worker process, started and made ready in the background at once.
+
+    All methods are called on the loop's thread, and `report` is called there. One job at a time: a
+    newer one ends the older within one pass, and what that one finished is still reported, with
+    the key it is good for.
+    """
+
+    def __init__(self, report: Callable[[Report], None], loop: asyncio.AbstractEventLoop) -> None:
+        self._report = report
+        self._loop = loop
+        self._worker: WorkerProcess | None = None
+        self._last_job = 0
+        self._open: set[int] = set()
+        self._closed = False
+        self._hire()
+
+    def start(
+        self,
+        session: Session,
+        video_path: Path,
+        wanted: Sequence[Wanted],
+        stages: Sequence[Quality] = ("full",),
+    ) -> int:
+        """Track these segments, in this order, at one quality after another; the job's number.
+
+        Ends a job that is at work. Every job ends in one JobFinished or JobFailed.
+        """
+        if self._closed:
+            raise RuntimeError("tracking is closed")
+        self._last_job += 1
+        job = self._last_job
+        content = _needed(session, wanted).model_dump_json().encode()
+        self._open.add(job)
+        self._hire().send(Order(job, content, str(video_path), tuple(wanted), tuple(stages)))
+        return job
+
+    def cancel(self) -> None:
+        """Leave the newest job within one pass; it then ends with JobFinished(cancelled=True)."""
+        if self._worker is not None and self._last_job in self._open:
+            self._worker.send(Cancel(self._last_job))
+
+    def close(self) -> None:
+        """End the worker, within a second; nothing is reported any more."""
+        self._closed = True
+        worker, self._worker = self._worker, None
+        if worker is not None:
+            worker.stop()
+
+    @property
+    def job(self) -> int | None:
+        """The newest job if it has not ended."""
+        return self._last_job if self._last_job in self._open else None
+
+    @property
+    def pid(self) -> int | None:
+        """Of the worker process, if there is one."""
+        return None if self._worker is None else self._worker.pid
+
+    def _hire(self) -> WorkerProcess:
+        """The worker, or a new one where there is none."""
+        if self._worker is None:
+            self._worker = WorkerProcess(
+                lambda worker, report: self._on_loop(self._received, worker, report),
+                lambda worker: self._on_loop(self._died, worker),
+            )
+        return self._worker
+
+    def _on_loop(self, call: Callable[..., None], *given: Any) -> None:
+        with suppress(RuntimeError):  # the loop has been closed: nobody wants to know
+            self._loop.call_soon_threadsafe(call, *given)
+
+    def _received(self, worker: WorkerProcess, report: Report) -> None:
+        if worker is not self._worker:
+            return
+        if isinstance(report, JobFinished | JobFailed):
+            self._open.discard(report.job)
+        self._report(report)
+
+    def _died(self, worker: WorkerProcess) -> None:
+        """The worker is gone without having been asked to go; the next job gets a new one."""
+        if worker is not self._worker:
+            return
+        self._worker = None
+        worker.stop()
+        jobs, self._open = sorted(self._open), set()
+        for job in jobs:
+            self._report(JobFailed(job, _DIED))
+
+
+def _needed(session: Session, wanted: Sequence[Wanted]) -> Session:
+    """The session without what these segments do not need: it is read anew for every job."""
+    frames = {frame for first, last, _ in wanted for frame in (first, last)}
+    keyframes = tuple(k for k in session.keyframes if k.frame in frames)
+    return session.model_copy(update={"keyframes": keyframes, "drafts": (), "results": None})

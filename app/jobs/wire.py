@@ -1,0 +1,32 @@
+"""Messages as bytes between our own two processes. Read-only arrays are read-only again there."""
+
+from __future__ import annotations
+
+import io
+import pickle
+from dataclasses import fields
+from multiprocessing.connection import Connection
+from typing import Any
+
+from app.results import SegmentTrack
+from tracker.trajectory import Trajectory
+
+
+def send(connection: Connection, message: object) -> None:
+    """Send a message; OSError when nobody is at the other end any more."""
+    content = io.BytesIO()
+    _Pickler(content, protocol=pickle.HIGHEST_PROTOCOL).dump(message)
+    connection.send_bytes(content.getbuffer())
+
+
+def receive(connection: Connection) -> Any:
+    """Wait for a message; EOFError or OSError when there will be none."""
+    return pickle.loads(connection.recv_bytes())
+
+
+class _Pickler(pickle.Pickler):
+    def reducer_override(self, it: Any) -> Any:
+        """Results are made anew from their fields, which makes their arrays read-only."""
+        if isinstance(it, Trajectory | SegmentTrack):
+            return type(it), tuple(getattr(it, field.name) for field in fields(it))
+        return NotImplemented

@@ -1,0 +1,17 @@
+"""What can be opened, and where it lives: recent sessions, files, samples, uploads.
+
+library = Library(workspace, roots)
+library.contents()                          # what the start screen shows
+library.find("recent", id)                  # the path behind an id of the contents
+library.session_for(video)                  # where the session of a video lives
+with library.upload("jump.mp4", size) as upload:
+    upload.write(chunk)
+    name = upload.finish()                  # find("upload", name) is its path
+"""
+
+from __future__ import annotations
+
+from app.library.library import Library
+from app.library.uploading import LARGEST_BYTES, Upload
+
+__all__ = ["LARGEST_BYTES", "Library", "Upload"]

@@ -1,0 +1,170 @@
+"""The videos, sessions and folders of images in the folders that may be looked into."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, TypeAlias
+from urllib.parse import quote_from_bytes, unquote_to_bytes
+
+from app.library.names import shown
+from app.library.uploading import SUFFIXES
+from tracker.errors import KeyposeError
+
+Kind: TypeAlias = Literal["video", "images", "session"]
+
+MOST_FILES = 2000
+MOST_ENTRIES = 20_000
+DEEPEST = 6
+LONGEST_SECONDS = 3.0
+"""A folder may be the whole of a slow disk: what was found by then is shown."""
+
+SESSION_FOLDER = ".keypose"
+_IMAGES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".pgm")
+_HEAD_BYTES = 512
+
+
+@dataclass(frozen=True)
+class Found:
+    """Something that can be opened. `id` is its place: the root's number and the path in it."""
+
+    id: str
+    kind: Kind
+    name: str
+    folder: str
+    bytes: int
+    images: int  # of a folder of images
+    modified_s: float
+
+
+@dataclass(frozen=True)
+class Listing:
+    """What was found, by folder and name; `more`: the search ended before everything was seen."""
+
+    files: tuple[Found, ...]
+    more: bool
+
+
+def find_files(roots: Sequence[Path]) -> Listing:
+    """Everything that can be opened in these folders and those inside them; hidden ones are not
+    looked into, links to folders not followed, links to files that lie outside left out."""
+    found: dict[Path, Found] = {}
+    left = _Budget()
+    for number, root in enumerate(roots):
+        for folder, folders, names in os.walk(root):
+            here = Path(folder)
+            folders[:] = sorted(name for name in folders if not name.startswith("."))
+            if len(here.relative_to(root).parts) >= DEEPEST:
+                folders.clear()
+            if not left.spend(len(folders) + len(names)) or len(found) >= MOST_FILES:
+                return Listing(_sorted(found), more=True)
+            for one in _in_folder(number, root, here, names):
+                path = root / unquoted(one.id.partition("/")[2])
+                if is_inside(path, roots):
+                    found.setdefault(path.resolve(), one)
+    return Listing(_sorted(found), more=False)
+
+
+def file_at(id: str, roots: Sequence[Path]) -> Path:
+    """The path behind an id; KeyposeError when it is not in one of the folders."""
+    number, _, inner = id.partition("/")
+    if number.isascii() and number.isdecimal() and int(number) < len(roots) and len(number) < 6:
+        place = unquoted(inner)
+        if place and "\0" not in place:
+            path = roots[int(number)] / place
+            if is_inside(path, roots) and path.exists():
+                return path
+    raise KeyposeError("This file is not there any more.")
+
+
+def is_inside(path: Path, roots: Sequence[Path]) -> bool:
+    """Whether it lies in one of the folders once all links are followed."""
+    try:
+        real = path.resolve()
+        return any(real.is_relative_to(root.resolve()) for root in roots)
+    except (OSError, RuntimeError, ValueError):  # a ring of links, a name no file can have
+        return False
+
+
+def quoted(path: Path) -> str:
+    """A relative path as text that survives every transport, whatever bytes its names have."""
+    return quote_from_bytes(os.fsencode(path.as_posix()))
+
+
+def unquoted(text: str) -> str:
+    """The path that was quoted."""
+    return os.fsdecode(unquote_to_bytes(text))
+
+
+class _Budget:
+    """How much may still be looked at."""
+
+    def __init__(self) -> None:
+        self._entries = MOST_ENTRIES
+        self._until = time.monotonic() + LONGEST_SECONDS
+
+    def spend(self, entries: int) -> bool:
+        self._entries -= entries
+        return self._entries >= 0 and time.monotonic() < self._until
+
+
+def _in_folder(number: int, root: Path, here: Path, names: Sequence[str]) -> Iterator[Found]:
+    seen = [name for name in names if not name.startswith(".")]
+    for name in seen:
+        kind = _kind(here / name)
+        if kind is not None:
+            yield from _found(number, root, here / name, kind)
+    images = [name for name in seen if name.lower().endswith(_IMAGES)]
+    if len(images) > 1 and here != root:
+        yield from _found(number, root, here, "images", len(images))
+
+
+def _kind(path: Path) -> Kind | None:
+    suffix = path.suffix.lower()
+    if suffix in SUFFIXES:
+        return "video"
+    return "session" if suffix == ".json" and _is_session(path) else None
+
+
+def _is_session(path: Path) -> bool:
+    """Told by its first bytes: a folder may hold many large files of other kinds."""
+    try:
+        if not path.is_file():  # a pipe would wait for ever
+            return False
+        with path.open("rb") as file:
+            head = file.read(_HEAD_BYTES)
+    except OSError:
+        return False
+    return b'"schema_version"' in head and b'"video"' in head
+
+
+def _found(number: int, root: Path, path: Path, kind: Kind, images: int = 0) -> Iterator[Found]:
+    try:
+        facts = path.stat()
+    except OSError:  # a link to nowhere
+        return
+    place = path.relative_to(root)
+    name, folder = path.name, path.parent
+    if kind == "session" and name == "session.json" and path.parent != root:
+        name, folder = path.parent.name.removesuffix(SESSION_FOLDER), path.parent.parent
+    yield Found(
+        id=f"{number}/{quoted(place)}",
+        kind=kind,
+        name=shown(name),
+        folder=shown(str(folder)),
+        bytes=facts.st_size,
+        images=images,
+        modified_s=facts.st_mtime,
+    )
+
+
+def _sorted(found: dict[Path, Found]) -> tuple[Found, ...]:
+    """The roots in their order; in each the folders, and the files in them, by name."""
+
+    def key(one: Found) -> tuple[int, str, str]:
+        return int(one.id.partition("/")[0]), one.folder, one.name.casefold()
+
+    return tuple(sorted(found.values(), key=key))

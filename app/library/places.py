@@ -1,0 +1,56 @@
+"""Where the session of a video lives."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from pydantic_core import from_json
+
+from app.library.files import SESSION_FOLDER
+from app.library.names import numbered
+from tracker.errors import KeyposeError
+from tracker.session.atomic import demand_folder
+
+SESSION = "session.json"
+
+
+def session_for(video: Path, workspace: Path) -> Path:
+    """`jump.keypose/session.json` beside jump.mp4; in the workspace where nothing can be written
+    there. Another video's session of that name is left alone: then it is `jump 2.keypose`.
+
+    Nothing is made: the path may not exist yet.
+    """
+    video = video.absolute()
+    beside, ours = _place(video.parent, video), _place(workspace, video)
+    for place in (beside, ours):
+        if place.exists():
+            return place
+    return beside if _is_writable(video.parent) else ours
+
+
+def _place(folder: Path, video: Path) -> Path:
+    """That of this video in a folder, or the first that is free."""
+    stem = video.name if video.is_dir() else video.stem
+    for name in numbered(stem + SESSION_FOLDER):
+        place = folder / name / SESSION
+        if not place.exists() or _is_about(place, video):
+            return place
+    raise AssertionError("names never end")
+
+
+def _is_about(session: Path, video: Path) -> bool:
+    """A file that cannot be read counts: opening it tells what is wrong with it."""
+    try:
+        path = str(from_json(session.read_bytes())["video"]["path"])
+        return os.path.realpath(session.parent / path) == os.path.realpath(video)
+    except (OSError, ValueError, KeyError, TypeError):
+        return True
+
+
+def _is_writable(folder: Path) -> bool:
+    try:
+        demand_folder(folder, error=KeyposeError)
+    except KeyposeError:
+        return False
+    return True

@@ -1,0 +1,116 @@
+"""From a path a person gave to a session with its video: opened, or begun."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.editor.sights import up_of
+from app.editor.state import EditorState
+from app.posing import opening_pose
+from app.results import load_results
+from tracker.body import preset
+from tracker.camera import Camera
+from tracker.errors import SessionError
+from tracker.session.atomic import make_folder
+from tracker.session.files import load_session, open_video_of, save_session, video_path
+from tracker.session.schema import Session, VideoReference
+from tracker.skeleton import Skeleton
+from tracker.video import Video
+
+FIRST_BODY = "adult_male"
+
+
+@dataclass(frozen=True, eq=False)
+class Workpiece:
+    """A session, the file it is saved in, and its video; `fresh` when it was begun just now."""
+
+    session_path: Path
+    session: Session
+    video: Video
+    fresh: bool
+
+    @property
+    def name(self) -> str:
+        """What a person calls it: the folder's name, or the video's."""
+        folder = self.session_path.parent.name
+        return folder.removesuffix(".keypose") or self.video.info.path.stem
+
+
+def open_workpiece(path: Path, session_for: Callable[[Path], Path]) -> Workpiece:
+    """Open a session file, or a video with the session that belongs to it.
+
+    `session_for` tells where a video's session lives; where none does yet, one is begun.
+    KeyposeError in one sentence when it cannot be opened.
+    """
+    if path.suffix.lower() == ".json":
+        return _opened(path)
+    if path.is_dir() and (path / "session.json").is_file():
+        return _opened(path / "session.json")
+    if not path.exists():
+        raise SessionError(f"There is no file {str(path)!r}.")
+    video = Video.open(path)
+    session_path = session_for(video.info.path)
+    if session_path.exists():
+        video.close()
+        return _opened(session_path)
+    return Workpiece(session_path, new_session(video, session_path), video, fresh=True)
+
+
+def new_session(video: Video, session_path: Path) -> Session:
+    """An empty session of a video: a guessed camera, an adult, no keyframes."""
+    info = video.info
+    return Session(
+        video=VideoReference(
+            path=_relative(info.path, session_path.parent),
+            fingerprint=video.fingerprint(),
+            frame_count=info.frame_count,
+            width=info.width,
+            height=info.height,
+        ),
+        camera=Camera.guess(info.width, info.height),
+        body=preset(FIRST_BODY),
+    )
+
+
+def edit_state(piece: Workpiece) -> EditorState:
+    """What the page starts from: the session at its first keyframe, with its tracked motion."""
+    session = piece.session
+    results = load_results(session, piece.session_path)
+    return EditorState(
+        doc=session.model_copy(update={"results": None}),
+        skeleton=Skeleton.of(session.body),
+        times_s=piece.video.info.times_s,
+        opening=opening_pose(session.body, session.camera, up_of(session)),
+        results=results,
+        frame=session.keyframes[0].frame if session.keyframes else 0,
+        selected=session.body.parts[0].name,
+    )
+
+
+def _opened(path: Path) -> Workpiece:
+    session = load_session(path)
+    return Workpiece(path, session, open_video_of(session, path), fresh=False)
+
+
+def _relative(path: Path, folder: Path) -> str:
+    """Relative where both lie on one disk, so that a folder can be moved as a whole."""
+    try:
+        return Path(os.path.relpath(path.absolute(), folder.absolute())).as_posix()
+    except ValueError:  # another drive
+        return str(path.absolute())
+
+
+def copied_session(path: Path, out: Path) -> Path:
+    """A session of one's own in a folder: made when it is not there yet, else as it was left."""
+    target = out / "session.json"
+    if target.exists():
+        return target
+    session = load_session(path)
+    make_folder(out)
+    place = os.path.relpath(video_path(session, path), out.absolute())
+    reference = session.video.model_copy(update={"path": place})
+    save_session(session.model_copy(update={"video": reference, "results": None}), target)
+    return target

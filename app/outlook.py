@@ -1,0 +1,71 @@
+"""All that the page is told about, besides how it is told."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from app.editor.state import EditorState
+from tracker.video import VideoInfo
+
+
+@dataclass(frozen=True)
+class Job:
+    """What the tracker is doing, in words; seconds_left is None when nobody can know."""
+
+    state: Literal["idle", "running", "done", "cancelled", "failed"] = "idle"
+    title: str = ""
+    words: str = ""
+    percent: float = 0.0
+    seconds_left: float | None = None
+
+
+@dataclass(frozen=True)
+class Saved:
+    """Whether the session is on disk; at_s is the time of the last save, seconds since 1970."""
+
+    state: Literal["saved", "saving", "failed", "readonly"] = "saved"
+    at_s: float = 0.0
+    words: str = ""
+
+
+@dataclass(frozen=True)
+class Guide:
+    """The first pose: which of its steps have been done, in whatever way."""
+
+    first: bool = False
+    done: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True)
+class Running:
+    """A segment at work: passes finished and expected, their scores."""
+
+    state: Literal["waiting", "tracking"] = "waiting"
+    number: int = 0
+    of: int = 1
+    percent: int = 0
+    scores: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """The session's file and its video."""
+
+    name: str
+    session_path: str
+    info: VideoInfo
+
+
+@dataclass(frozen=True, eq=False)
+class Outlook:
+    """running: the segments at work, by (first, last)."""
+
+    opened: Opened | None = None
+    edit: EditorState | None = None
+    job: Job = Job()
+    saved: Saved = Saved()
+    guide: Guide = Guide()
+    tabs: int = 0
+    running: Mapping[tuple[int, int], Running] = field(default_factory=dict)

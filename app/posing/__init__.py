@@ -1,0 +1,52 @@
+"""Posing a jointed body with the mouse: pure functions from a pose and a drag to a pose.
+
+`drag` is the door for everything a pointer does to the body. Points are in the camera frame,
+metres; view coordinates are those of `Sight`. Nothing here keeps anything: a gesture is always
+applied to the pose before it began.
+"""
+
+from app.posing.angles import angles_deg, at_limit, clamped, with_angles, with_reset
+from app.posing.dragging import drag
+from app.posing.gesture import Gesture, Posed, Reach, Readout
+from app.posing.handles import BodyHandle, handle_named, handles, lanes
+from app.posing.mirroring import mirrored, with_other_side
+from app.posing.picking import outline, parts_at
+from app.posing.placing import opening_pose
+from app.posing.resizing import Size, part_sizes, with_height, with_joint, with_size
+from app.posing.sight import Sight
+from app.posing.upright import CAMERA_UP, tilt_and_roll, up_from_vertical, view_rotations
+from app.posing.words import part_label, part_words
+
+__all__ = [
+    "CAMERA_UP",
+    "BodyHandle",
+    "Gesture",
+    "Posed",
+    "Reach",
+    "Readout",
+    "Sight",
+    "Size",
+    "angles_deg",
+    "at_limit",
+    "clamped",
+    "drag",
+    "handle_named",
+    "handles",
+    "lanes",
+    "mirrored",
+    "opening_pose",
+    "outline",
+    "part_label",
+    "part_sizes",
+    "part_words",
+    "parts_at",
+    "tilt_and_roll",
+    "up_from_vertical",
+    "view_rotations",
+    "with_angles",
+    "with_height",
+    "with_joint",
+    "with_other_side",
+    "with_reset",
+    "with_size",
+]

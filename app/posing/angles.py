@@ -1,0 +1,124 @@
+"""Rotations as the three angles that fields and sliders show: R = Qz·Qy·Qx, in degrees."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from app.posing.limits import SLACK, TURN, beyond, box_of, fitting, nearest_within, triples
+from tracker.geometry import Array, rotation_from_euler
+from tracker.pose import Pose
+from tracker.skeleton import Skeleton
+
+AXES = ("x", "y", "z")
+GIMBAL = 1e-4
+"""Where cos y is smaller, x and z turn about the same axis and cannot be told apart."""
+
+
+def angles_deg(skeleton: Skeleton, pose: Pose, previous_deg: Array | None = None) -> Array:
+    """Every part's [x, y, z] (P, 3) in degrees.
+
+    Two triples give the same rotation. With the angles shown before, (P, 3), the nearer is taken,
+    so that a field runs on through 180° and through the place where y is a quarter turn. Without,
+    the one that keeps the part's limits, else the one with y within ±90.
+    """
+    if previous_deg is not None:
+        before = np.radians(previous_deg)
+        pairs = zip(pose.Rs_parent_part, before, strict=True)
+        return np.degrees([continued(R, angles) for R, angles in pairs])
+    plain = triples(pose.Rs_parent_part)[:, 0]
+    for i, part in enumerate(skeleton.body.parts):
+        box = box_of(part)
+        if box is not None and beyond(plain[i], box) > SLACK:
+            plain[i] = fitting(pose.Rs_parent_part[i], box)
+    return np.degrees(plain) + 0.0
+
+
+def continued(rotation: Array, before_rad: Array) -> Array:
+    """The angles [x, y, z] of a rotation, radians, that are nearest to those before."""
+    both = triples(rotation)
+    both = both - TURN * np.round((both - before_rad) / TURN)
+    if abs(math.cos(both[0][1])) < GIMBAL:
+        return _at_gimbal(rotation, both[0], before_rad)
+    near = ((both - before_rad) ** 2).sum(axis=1)
+    return np.asarray(both[int(np.argmin(near))])
+
+
+def _at_gimbal(rotation: Array, angles: Array, before_rad: Array) -> Array:
+    """With y a quarter turn only z − x (or z + x, at −90°) is told; both change equally."""
+    x, y, z = angles.tolist()
+    sign = -1.0 if math.sin(y) > 0 else 1.0
+    told = z + sign * x
+    was = before_rad[2] + sign * before_rad[0]
+    half = math.remainder(told - was, TURN) / 2
+    return np.array([before_rad[0] + sign * half, y, before_rad[2] + half])
+
+
+def with_angles(
+    skeleton: Skeleton,
+    pose: Pose,
+    part: str,
+    x: float | None = None,
+    y: float | None = None,
+    z: float | None = None,
+    *,
+    limits_on: bool = False,
+) -> Pose:
+    """The pose with some angles of one part set, in degrees; `limits_on` stops at the limits."""
+    i = skeleton.body.index(part)
+    now = angles_deg(skeleton, pose)[i].tolist()
+    wanted = [old if new is None else new for old, new in zip(now, (x, y, z), strict=True)]
+    if limits_on:
+        limits = skeleton.body.parts[i].limits_deg
+        wanted = [
+            min(max(value, limits[axis][0]), limits[axis][1]) if axis in limits else value
+            for axis, value in zip(AXES, wanted, strict=True)
+        ]
+    return with_rotation(pose, i, rotation_of(wanted))
+
+
+def rotation_of(angles_xyz_deg: list[float] | Array) -> Array:
+    """Qz·Qy·Qx of [x, y, z] in degrees."""
+    x, y, z = (math.radians(float(angle)) for angle in angles_xyz_deg)
+    return rotation_from_euler(z, y, x)
+
+
+def with_rotation(pose: Pose, index: int, R_parent_part: Array) -> Pose:
+    """The pose with one part's rotation exchanged."""
+    Rs = pose.Rs_parent_part.copy()
+    Rs[index] = R_parent_part
+    return Pose(Rs, pose.p_camera_root)
+
+
+def with_reset(skeleton: Skeleton, pose: Pose, part: str) -> Pose:
+    """The pose with one part at rest."""
+    return with_rotation(pose, skeleton.body.index(part), np.eye(3))
+
+
+def clamped(skeleton: Skeleton, pose: Pose) -> Pose:
+    """The pose with every part turned back to its limits, by the least turn."""
+    Rs = [
+        nearest_within(R, box_of(part))
+        for R, part in zip(pose.Rs_parent_part, skeleton.body.parts, strict=True)
+    ]
+    return Pose(np.stack(Rs), pose.p_camera_root)
+
+
+def at_limit(skeleton: Skeleton, pose: Pose, margin_deg: float = 0.05) -> dict[str, list[str]]:
+    """The axes of every part that stand at a limit of theirs, or beyond."""
+    now = angles_deg(skeleton, pose)
+    found: dict[str, list[str]] = {}
+    for i, part in enumerate(skeleton.body.parts):
+        axes: list[str] = [
+            axis
+            for axis, angle in zip(AXES, now[i].tolist(), strict=True)
+            if axis in part.limits_deg and not _inside(angle, part.limits_deg[axis], margin_deg)
+        ]
+        if axes:
+            found[part.name] = axes
+    return found
+
+
+def _inside(angle: float, limits: tuple[float, float], margin: float) -> bool:
+    return limits[0] + margin < angle < limits[1] - margin

@@ -1,0 +1,90 @@
+"""What a gesture makes of a pose: the one door of all drags."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from app.posing.gesture import (
+    AxesFrame,
+    End,
+    Gesture,
+    Middle,
+    Posed,
+    Ring,
+    Root,
+    SizeHandle,
+    Surface,
+)
+from app.posing.handles import handle_at_far_end, handle_named
+from app.posing.moving import moved_root
+from app.posing.reaching import reached
+from app.posing.sight import Sight
+from app.posing.size_drags import resized_by_drag
+from app.posing.standing import Standing
+from app.posing.turning import turned_by_ring, turned_by_surface
+from tracker.body import Body
+from tracker.pose import Pose
+from tracker.skeleton import Skeleton
+
+
+def drag(
+    body: Body,
+    pose_before: Pose,
+    gesture: Gesture,
+    sights: Mapping[str, Sight],
+    *,
+    limits_on: bool = True,
+    axes_frame: AxesFrame = "part",
+    linked: bool = True,
+    angle_before: float | None = None,
+) -> Posed:
+    """The pose, or the body, that a gesture makes of the pose before it.
+
+    sights: the four views by name.  limits_on: joint limits count, unless the gesture is free.
+    axes_frame: whose axes the rings turn about.  linked: sizes of both sides change together.
+    angle_before: the readout's angle_rad after the move before this one, if there was one.
+    BodyError when the body has no such part, handle or size.
+    """
+    skeleton = Skeleton.of(body)
+    standing = Standing.of(skeleton, pose_before, limits_on and not gesture.free)
+    sight, handle = sights[gesture.view], gesture.handle
+    match handle:
+        case Ring():
+            part = body.index(handle.part)
+            return turned_by_ring(
+                standing, sight, gesture, part, handle.axis, axes_frame, angle_before
+            )
+        case Root():
+            return moved_root(standing, sight, gesture)
+        case End() | Middle():
+            found = handle_named(body, handle.name)
+            if found.kind == "root":
+                return moved_root(standing, sight, gesture)
+            return reached(standing, sight, gesture, found)
+        case Surface():
+            return _by_surface(standing, sight, gesture, handle, axes_frame, angle_before)
+        case SizeHandle():
+            return resized_by_drag(standing, sight, gesture, handle, linked)
+
+
+def _by_surface(
+    standing: Standing,
+    sight: Sight,
+    gesture: Gesture,
+    handle: Surface,
+    axes_frame: AxesFrame,
+    angle_before: float | None,
+) -> Posed:
+    """A part taken by its surface: what the tool in hand does with it."""
+    body = standing.skeleton.body
+    part = body.index(handle.part)
+    tool = handle.tool or gesture.tool
+    if tool == "move":
+        return moved_root(standing, sight, gesture)
+    if tool == "ends":
+        if part == 0:
+            return moved_root(standing, sight, gesture)
+        found = handle_at_far_end(body, handle.part)
+        if found is not None:
+            return reached(standing, sight, gesture, found)
+    return turned_by_surface(standing, sight, gesture, part, axes_frame, angle_before)

@@ -1,0 +1,131 @@
+"""A drag of the pointer as the page tells it, and what comes of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+
+from tracker.body import Body, Name
+from tracker.geometry import Array
+from tracker.pose import Pose
+
+Axis: TypeAlias = Literal["x", "y", "z"]
+ViewOfPage: TypeAlias = Literal["main", "top", "side", "front"]
+AxesFrame: TypeAlias = Literal["part", "parent", "view"]
+Tool: TypeAlias = Literal["rotate", "move", "ends"]
+Coordinate: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]
+Spot: TypeAlias = tuple[Coordinate, Coordinate]
+
+
+class _Plain(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Ring(_Plain):
+    """A ring about a part's joint: turns the part about one axis."""
+
+    kind: Literal["ring"]
+    part: Name
+    axis: Axis
+
+
+class Root(_Plain):
+    """The diamond that carries the whole body."""
+
+    kind: Literal["root"]
+
+
+class End(_Plain):
+    """A hand, a foot or the head: the limb follows."""
+
+    kind: Literal["end"]
+    name: Name
+
+
+class Middle(_Plain):
+    """An elbow or a knee: its upper limb turns."""
+
+    kind: Literal["joint"]
+    name: Name
+
+
+class Surface(_Plain):
+    """A part itself; the tool in hand says what becomes of it."""
+
+    kind: Literal["surface"]
+    part: Name
+    tool: Tool | None = None
+
+
+class SizeHandle(_Plain):
+    """An end cap (a length), a rim (a radius or a width) or a joint's cross (key "joint")."""
+
+    kind: Literal["size"]
+    part: Name
+    key: Annotated[str, Field(min_length=1, max_length=40)]
+    side: Literal["joint", "end"] | None = None
+
+
+Handle: TypeAlias = Annotated[
+    Ring | Root | End | Middle | Surface | SizeHandle, Field(discriminator="kind")
+]
+
+
+class Gesture(_Plain):
+    """A drag from where the pointer went down to where it is now, in the view's coordinates.
+
+    snap: steps of 5° or 1 cm.  free: joint limits do not count.  axis: only along or about this
+    axis.  depth: up and down in the view mean farther and nearer.
+    """
+
+    model_config = ConfigDict(
+        frozen=True, extra="forbid", validate_by_name=True, validate_by_alias=True
+    )
+
+    view: ViewOfPage
+    handle: Handle
+    from_: Spot = Field(alias="from")
+    at: Spot
+    snap: bool = False
+    free: bool = False
+    axis: Axis | None = None
+    depth: bool = False
+    tool: Tool = "rotate"
+
+
+@dataclass(frozen=True, eq=False)
+class Reach:
+    """The sphere that an end cannot leave: centre (3,) in the camera frame."""
+
+    centre: Array
+    radius_m: float
+
+
+@dataclass(frozen=True, eq=False)
+class Readout:
+    """What to show beside the pointer: "Bend" "96.9°" "+14.5".
+
+    axis, angle_rad: the turn since the gesture began, of rings and turned surfaces; give it back
+    as `angle_before` with the next move, and turns beyond half a circle are counted on.
+    """
+
+    label: str
+    value: str
+    change: str = ""
+    part: str | None = None
+    axis: Axis | None = None
+    angle_rad: float | None = None
+    reach: Reach | None = None
+    out_of_reach: bool = False
+    depth_m: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Posed:
+    """What a gesture makes of a pose; `body` where it changed the body's sizes."""
+
+    pose: Pose
+    body: Body | None
+    readout: Readout

@@ -1,0 +1,160 @@
+"""Where a body can be taken hold of, and how its parts are grouped."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from app.posing.words import joint_label, kind_of, part_label
+from tracker.body import Body, Part
+from tracker.errors import BodyError
+from tracker.skeleton import Skeleton
+
+
+@dataclass(frozen=True)
+class BodyHandle:
+    """A point of the body that can be dragged.
+
+    part:   the part that is shown as held.
+    anchor: the joint or landmark at which the handle stands.
+    limb:   the parts that belong together there, from the trunk outward.
+    movers: those of them, or of the trunk, that turn when it is dragged, in the same order.
+    """
+
+    name: str
+    kind: Literal["root", "end", "middle", "head"]
+    part: str
+    anchor: str
+    label: str
+    limb: tuple[str, ...]
+    movers: tuple[str, ...]
+
+
+def handles(body: Body) -> tuple[BodyHandle, ...]:
+    """The root, and of every limb the end and the joints between.
+
+    A hand and a foot are dragged by their joint, and keep their direction in what carries them. A
+    limb of two parts is dragged by its tip. The head takes neck and chest with it.
+    """
+    skeleton = Skeleton.of(body)
+    root = body.parts[0].name
+    found = [BodyHandle("root", "root", root, root, "Body", (root,), (root,))]
+    for limb in _limbs(skeleton):
+        if limb[-1] == "head":
+            found.append(_head(skeleton, limb))
+        elif not _carries_more(skeleton, limb):
+            found += _of_limb(body, limb)
+    return tuple(found)
+
+
+def handle_named(body: Body, name: str) -> BodyHandle:
+    """The handle of this name; BodyError lists the names there are."""
+    known = handles(body)
+    for handle in known:
+        if handle.name == name:
+            return handle
+    names = ", ".join(handle.name for handle in known)
+    raise BodyError(f"The body has no handle {name!r}; its handles are {names}.")
+
+
+def handle_at_far_end(body: Body, part: str) -> BodyHandle | None:
+    """The handle that carries a part's far end: of the upper arm the elbow's, of the hand the
+    wrist's. None where there is none, as for the chest."""
+    body.index(part)
+    known = [handle for handle in handles(body) if handle.kind != "root"]
+    children = {p.name for p in body.parts if p.parent == part}
+    for handle in known:
+        if handle.anchor in children and part in handle.limb:
+            return handle
+    of_limb = [handle for handle in known if part in handle.limb and handle.kind != "middle"]
+    return of_limb[0] if of_limb else None
+
+
+def lanes(body: Body) -> tuple[tuple[str, tuple[str, ...]], ...]:
+    """Groups of parts by name, for lists: trunk, arms and legs of a person, else by limb."""
+    names = set(body.names)
+    if {"chest", "left_upper_arm", "right_thigh"} <= names:
+        return _person_lanes(body)
+    skeleton = Skeleton.of(body)
+    groups = [(body.parts[0].name,), *_limbs(skeleton)]
+    return tuple((_group_label(group), group) for group in groups)
+
+
+def _person_lanes(body: Body) -> tuple[tuple[str, tuple[str, ...]], ...]:
+    arm, leg = {"upper_arm", "forearm", "hand"}, {"thigh", "shin", "foot"}
+    groups: dict[str, list[str]] = {"Trunk": []}
+    for side in ("Right", "Left"):
+        groups[f"{side} arm"] = []
+    for side in ("Right", "Left"):
+        groups[f"{side} leg"] = []
+    for name in body.names:
+        side = name.split("_")[0].capitalize()
+        kind = "arm" if kind_of(name) in arm else "leg" if kind_of(name) in leg else ""
+        groups.get(f"{side} {kind}", groups["Trunk"]).append(name)
+    return tuple((label, tuple(parts)) for label, parts in groups.items() if parts)
+
+
+def _group_label(group: tuple[str, ...]) -> str:
+    """The words that all names share, else the first name."""
+    if len(group) == 1:
+        return part_label(group[0])
+    words = [name.split("_") for name in group]
+    shared = [word for word in words[0] if all(word in other for other in words)]
+    if shared:
+        return part_label("_".join(shared))
+    return part_label(" and ".join((group[0], group[-1])))
+
+
+def _limbs(skeleton: Skeleton) -> list[tuple[str, ...]]:
+    """The unbranched chains that the body is made of, without the root, in the parts' order."""
+    names, limbs = skeleton.body.names, skeleton.limbs
+    order = dict.fromkeys(limbs[1:].tolist())
+    return [tuple(names[i] for i in np.flatnonzero(limbs == limb)) for limb in order]
+
+
+def _carries_more(skeleton: Skeleton, limb: tuple[str, ...]) -> bool:
+    """Whether other limbs hang on this one, as on the chest."""
+    inside = skeleton.below[:, skeleton.body.index(limb[0])].sum()
+    return bool(inside > len(limb))
+
+
+def _head(skeleton: Skeleton, limb: tuple[str, ...]) -> BodyHandle:
+    """The head by its top; all between it and the root follows."""
+    body = skeleton.body
+    parts = body.parts
+    above: list[str] = []
+    i = body.index("head")
+    while skeleton.parents[i] >= 0:
+        above.insert(0, parts[i].name)
+        i = int(skeleton.parents[i])
+    tip = _tip(parts[body.index("head")])
+    movers = tuple(above) if tip else tuple(above[:-1]) or tuple(above)
+    return BodyHandle("head", "head", "head", tip or "head", "Head", tuple(above), movers)
+
+
+def _of_limb(body: Body, limb: tuple[str, ...]) -> list[BodyHandle]:
+    """The end of one limb, then the joints between, from the end toward the trunk."""
+    last = body.parts[body.index(limb[-1])]
+    tip = _tip(last)
+    to_tip = len(limb) < 3 and tip is not None
+    if not to_tip and len(limb) < 2:
+        return []
+    anchor = tip if to_tip and tip else last.name
+    movers = limb if to_tip else limb[:-1]
+    label = part_label(tip if to_tip and tip else last.name)
+    found = [BodyHandle(last.name, "end", last.name, anchor, label, limb, movers)]
+    for k in range(len(movers) - 1, 0, -1):
+        name = limb[k]
+        label = joint_label(name)
+        key = label.lower().replace(" ", "_")
+        found.append(BodyHandle(key, "middle", name, name, label, limb, limb[:k]))
+    return found
+
+
+def _tip(part: Part) -> str | None:
+    """The landmark farthest from the part's joint."""
+    if not part.landmarks:
+        return None
+    return max(part.landmarks, key=lambda name: sum(c * c for c in part.landmarks[name]))

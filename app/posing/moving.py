@@ -1,0 +1,131 @@
+"""Where a dragged point goes: along the picture, in depth, along one axis; and the root with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.posing.gesture import Gesture, Posed, Readout
+from app.posing.sight import Sight
+from app.posing.standing import Standing
+from app.posing.vectors import length, unit
+from app.posing.words import number_text
+from tracker.geometry import Array
+from tracker.pose import Pose
+
+STEP_M = 0.01
+"""The steps that snapping takes."""
+
+NEAREST_M = 0.3
+"""No nearer to the camera than this can anything be dragged."""
+
+FARTHEST_M = 100.0
+
+_SEEN_ALONG = 0.15
+"""Sine of the angle to the line of sight under which an axis is too short to be followed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Aim:
+    """Where a dragged point should go.
+
+    p_camera: (3,) the place, in the camera frame.
+    at:       (2,) where that is seen, for a drag in the plane of the view; then depth is only
+              kept as far as the limb allows, and the pointer counts.
+    line:     (3,) the unit direction of a drag along a line (depth, or one axis), else None.
+    """
+
+    p_camera: Array
+    at: Array
+    line: Array | None
+
+
+def aim(sight: Sight, p_camera: Array, gesture: Gesture) -> Aim:
+    """Where the gesture drags a point that it took hold of."""
+    if gesture.axis is not None:
+        direction = np.eye(3)["xyz".index(gesture.axis)]
+        return _along(sight, p_camera, direction, _on_axis(sight, p_camera, direction, gesture))
+    if gesture.depth:
+        direction = sight.ray_through(p_camera)
+        return _along(
+            sight, p_camera, direction, _stepped(_upward(sight, p_camera, gesture), gesture)
+        )
+    start = sight.project(p_camera)
+    scale = sight.metres_per_unit(p_camera)
+    steps = [gesture.at[k] - gesture.from_[k] for k in range(2)]
+    if gesture.snap:
+        steps = [round(step * scale / STEP_M) * STEP_M / scale for step in steps]
+    at = start + steps
+    return Aim(sight.at_depth(at, p_camera), at, None)
+
+
+def _along(sight: Sight, p_camera: Array, direction: Array, distance: float) -> Aim:
+    """A drag along a line, as far as it stays before the camera."""
+    forward = float(direction[2])
+    low, high = -FARTHEST_M, FARTHEST_M
+    if sight.camera is not None and abs(forward) > 1e-9:
+        ends = sorted(((NEAREST_M - p_camera[2]) / forward, (FARTHEST_M - p_camera[2]) / forward))
+        low, high = min(float(ends[0]), 0.0), max(float(ends[1]), 0.0)
+    place = p_camera + min(max(distance, low), high) * direction
+    return Aim(place, sight.project(place), direction)
+
+
+def _upward(sight: Sight, p_camera: Array, gesture: Gesture) -> float:
+    """Metres that the pointer went up, at the point's depth: up is farther."""
+    return (gesture.from_[1] - gesture.at[1]) * sight.metres_per_unit(p_camera)
+
+
+def _stepped(metres: float, gesture: Gesture) -> float:
+    return round(metres / STEP_M) * STEP_M if gesture.snap else metres
+
+
+def _on_axis(sight: Sight, p_camera: Array, direction: Array, gesture: Gesture) -> float:
+    """Metres along an axis through the point, to where the axis is nearest to the line of sight.
+
+    An axis that is seen end on is followed by up and down, as depth is.
+    """
+    away = sight.ray_through(p_camera)
+    if 1.0 - float(away @ direction) ** 2 < _SEEN_ALONG**2:
+        sign = 1.0 if away @ direction > 0 else -1.0
+        return _stepped(sign * _upward(sight, p_camera, gesture), gesture)
+    end = sight.moved(p_camera, gesture.from_, gesture.at)
+    origin, ray = sight.ray(end)
+    slant = float(ray @ direction)
+    across = max(1.0 - slant * slant, _SEEN_ALONG**2)
+    gap = origin - p_camera
+    return _stepped(float(gap @ direction - (gap @ ray) * slant) / across, gesture)
+
+
+def moved_root(standing: Standing, sight: Sight, gesture: Gesture) -> Posed:
+    """The whole body carried: along the picture at its depth, or in depth, or along one axis."""
+    start = standing.pose.p_camera_root
+    goal = aim(sight, start, gesture)
+    place = _before_camera(goal.p_camera)
+    pose = Pose(standing.pose.Rs_parent_part, place)
+    root = standing.skeleton.body.names[0]
+    kept = sight.camera is not None and goal.line is None
+    readout = Readout(
+        label="Body",
+        value=depth_text(place, kept),
+        change=distance_text(place - start, goal.line),
+        part=root,
+        depth_m=float(place[2]),
+    )
+    return Posed(pose, None, readout)
+
+
+def _before_camera(place: Array) -> Array:
+    return np.array([place[0], place[1], max(float(place[2]), NEAREST_M)])
+
+
+def depth_text(p_camera: Array, kept: bool) -> str:
+    """Such as "depth kept 3.21 m"."""
+    return f"depth {'kept ' if kept else ''}{number_text(float(p_camera[2]), 2)} m"
+
+
+def distance_text(way: Array, line: Array | None) -> str:
+    """How far something was dragged, with a sign along a line: "−12.0 cm"."""
+    if line is not None:
+        return f"{number_text(100 * float(way @ unit(line)), 1, sign=True)} cm"
+    return f"{number_text(100 * length(way), 1)} cm"

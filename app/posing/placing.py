@@ -1,0 +1,78 @@
+"""Where a body stands before anyone has posed it."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from app.posing.sight import Sight
+from app.posing.upright import CAMERA_UP, view_rotations
+from tracker.body import Body
+from tracker.camera import Camera
+from tracker.geometry import Array, apply_transform
+from tracker.pose import Pose, pose_transforms
+from tracker.skeleton import Skeleton
+
+FILLED_HEIGHT = 0.70
+"""Share of the picture's height that the body takes at first."""
+
+FILLED_WIDTH = 0.85
+"""The most of the width that it may take for that."""
+
+_NEAREST_M, _FARTHEST_M = 0.1, 1000.0
+
+
+def opening_pose(body: Body, camera: Camera, up_camera: ArrayLike = CAMERA_UP) -> Pose:
+    """The rest pose upright before the camera, in the middle of the picture, wholly in it."""
+    skeleton = Skeleton.of(body)
+    R_camera_root = view_rotations(up_camera)["front"].T
+    rest = Pose.rest(skeleton, (0.0, 0.0, 0.0))
+    Rs = rest.Rs_parent_part.copy()
+    Rs[0] = R_camera_root
+    Ts = pose_transforms(skeleton, Pose(Rs, rest.p_camera_root))
+    points = np.concatenate(
+        [
+            apply_transform(T, part.shape.mesh().vertices)
+            for part, T in zip(body.parts, Ts, strict=True)
+        ]
+    )
+    sight = Sight.of(camera)
+    assert sight.camera is not None
+    place = _centred(points, sight, _distance(points, sight.camera))
+    return Pose(Rs, place)
+
+
+def _distance(points: Array, camera: Camera) -> float:
+    """The depth of the root at which the body fills as much of the picture as it should."""
+    if camera.telephoto_distance_m is not None:
+        return camera.telephoto_distance_m
+    sight = Sight.of(camera)
+    near = _NEAREST_M - float(points[:, 2].min())
+    far = near + _FARTHEST_M
+    for _ in range(60):
+        middle = (near * far) ** 0.5 if near > 0 else (near + far) / 2
+        if _filled(points + _centred(points, sight, middle), sight) > 1.0:
+            near = middle
+        else:
+            far = middle
+    return far
+
+
+def _filled(points: Array, sight: Sight) -> float:
+    """1 where the body is as large as it may be."""
+    assert sight.camera is not None
+    size = np.ptp(sight.project(points), axis=0)
+    width = float(size[0]) / (FILLED_WIDTH * sight.camera.width)
+    return max(width, float(size[1]) / (FILLED_HEIGHT * sight.camera.height))
+
+
+def _centred(points: Array, sight: Sight, depth: float) -> Array:
+    """(3,) the root's place at this depth that puts the body in the middle of the picture."""
+    assert sight.camera is not None
+    middle = np.array([sight.camera.width - 1, sight.camera.height - 1]) / 2
+    place = sight.at_depth(middle, np.array([0.0, 0.0, depth]))
+    for _ in range(8):
+        at = sight.project(points + place)
+        off = middle - (at.min(axis=0) + at.max(axis=0)) / 2
+        place = sight.at_depth(sight.project(place) + off, place)
+    return place

@@ -1,0 +1,139 @@
+"""The head dragged: neck and chest follow, each by its share."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.posing.moving import Aim
+from app.posing.sight import Sight
+from app.posing.standing import Standing
+from app.posing.swinging import Swing, on_sphere
+from app.posing.two_bones import Reached
+from app.posing.vectors import cross, length, unit
+from tracker.geometry import Array, exp_rotation
+
+FALL = 0.45
+"""Each part turns against the one below it by this share of what that one turns."""
+
+MOST = math.radians(200.0)
+"""The head turns no further than this, all in all."""
+
+_ROUNDS = 40
+
+
+@dataclass(frozen=True, eq=False)
+class Spine:
+    """A chain of parts that bends evenly; tip (3,) is its end in the last part's frame."""
+
+    standing: Standing
+    parts: tuple[int, ...]
+    tip: Array
+
+    @property
+    def centre(self) -> Array:
+        """(3,) the lowest joint, in the camera frame."""
+        return self.standing.joint(self.parts[0])
+
+    @property
+    def end(self) -> Array:
+        """(3,) the top before the drag, in the camera frame."""
+        return self.standing.placed(self.parts[-1], self.tip)
+
+    def reach(self, sight: Sight, goal: Aim) -> Reached:
+        """The chain bent about one axis so that its end comes under the pointer.
+
+        How far the end is from the lowest joint follows from the bend; it is found together with
+        it. Where limits stop the upper parts, the lowest does the rest.
+        """
+        levers = self._levers()
+        shares = _shares(len(self.parts))
+        resting = self._resting()
+        vector, end = np.zeros(3), self.end
+        worth = _worth(levers, shares)
+        for _ in range(_ROUNDS):
+            radius = length(end - self.centre)
+            place = on_sphere(sight, goal, self.centre, radius, self.end, resting)
+            off = _turn_vector(unit(end - self.centre), unit(place - self.centre))
+            if length(off) < 1e-11:
+                break
+            vector = _capped(vector + off / worth)
+            turns = exp_rotation(shares[:, None] * vector)
+            end = self.centre + np.einsum("kij,kj->i", turns, levers)
+        return self._limited(shares, vector, sight, goal, resting)
+
+    def _levers(self) -> Array:
+        """(K, 3) from each part's joint to the next one's, at last to the tip, camera frame."""
+        points = [self.standing.joint(part) for part in self.parts]
+        return np.diff(np.stack([*points, self.end]), axis=0)
+
+    def _resting(self) -> Array:
+        rest = self.standing.skeleton.joints[list(self.parts[1:])].sum(axis=0) + self.tip
+        return self.standing.resting_direction(self.parts[0], rest)
+
+    def _limited(
+        self, shares: Array, vector: Array, sight: Sight, goal: Aim, resting: Array
+    ) -> Reached:
+        standing = self.standing
+        turns = exp_rotation(shares[:, None] * vector)
+        rotations: dict[int, Array] = {}
+        R_parent, stopped = standing.R_camera_parent(self.parts[0]), False
+        for part, by in zip(self.parts, turns, strict=True):
+            R_camera_part = by @ standing.R_camera_part(part)
+            R = R_parent.T @ R_camera_part
+            rotations[part] = standing.allowed(part, R)
+            stopped = stopped or rotations[part] is not R
+            R_parent = R_camera_part
+        if stopped:
+            rotations[self.parts[0]] = self._rest_done(rotations, sight, goal, resting)
+        end = self._end_of(rotations)
+        return Reached(rotations, self.centre, length(end - self.centre))
+
+    def _end_of(self, rotations: dict[int, Array]) -> Array:
+        """(3,) the tip for rotations of all parts, camera frame."""
+        R, place = self.standing.R_camera_parent(self.parts[0]), self.centre
+        joints = [*self.standing.skeleton.joints[list(self.parts[1:])], self.tip]
+        for part, joint in zip(self.parts, joints, strict=True):
+            R = R @ rotations[part]
+            place = place + R @ joint
+        return np.asarray(place)
+
+    def _rest_done(
+        self, rotations: dict[int, Array], sight: Sight, goal: Aim, resting: Array
+    ) -> Array:
+        """The lowest part's rotation with what is missing added, as far as its limits go."""
+        first = self.parts[0]
+        end = self._end_of(rotations)
+        radius = length(end - self.centre)
+        place = on_sphere(sight, goal, self.centre, radius, self.end, resting)
+        start = unit(end - self.centre)
+        R_parent = self.standing.R_camera_parent(first)
+        more = Swing.of(start, resting).to(unit(place - self.centre))
+        return self.standing.allowed(first, R_parent.T @ more @ R_parent @ rotations[first])
+
+
+def _shares(count: int) -> Array:
+    """(K,) how far each part turns in space, of what the last one turns: rising to 1."""
+    own = FALL ** np.arange(count)
+    return np.asarray(np.cumsum(own) / own.sum())
+
+
+def _worth(levers: Array, shares: Array) -> float:
+    """By how much the direction to the end turns when the last part turns by 1."""
+    sizes = np.sqrt((levers**2).sum(axis=1))
+    return float((sizes * shares).sum() / sizes.sum())
+
+
+def _turn_vector(start: Array, end: Array) -> Array:
+    """The rotation vector (3,) that takes one unit vector to another."""
+    axis = cross(start, end)
+    size = length(axis)
+    angle = math.atan2(size, float(start @ end))
+    return axis * (angle / size) if size > 1e-15 else np.zeros(3)
+
+
+def _capped(vector: Array) -> Array:
+    size = length(vector)
+    return vector if size <= MOST else vector * (MOST / size)

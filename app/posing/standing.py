@@ -1,0 +1,99 @@
+"""A pose laid out for one gesture: where every part is, and how one is turned."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.posing.limits import box_of, fitting, nearest_within, of_angles, swivelled_within, widened
+from app.posing.vectors import unit
+from tracker.geometry import Array, nearest_rotation
+from tracker.pose import Pose, pose_transforms
+from tracker.skeleton import Skeleton
+
+
+@dataclass(frozen=True, eq=False)
+class Standing:
+    """The pose before a gesture.
+
+    Ts_camera_part: (P, 4, 4).
+    limits_on:      whether joint limits count. What is beyond a limit already may stay there.
+    """
+
+    skeleton: Skeleton
+    pose: Pose
+    Ts_camera_part: Array
+    limits_on: bool
+
+    @classmethod
+    def of(cls, skeleton: Skeleton, pose: Pose, limits_on: bool) -> Standing:
+        return cls(skeleton, pose, pose_transforms(skeleton, pose), limits_on)
+
+    def joint(self, part: int) -> Array:
+        """(3,) a part's joint in the camera frame."""
+        return self.Ts_camera_part[part, :3, 3]
+
+    def R_camera_part(self, part: int) -> Array:
+        """(3, 3)."""
+        return self.Ts_camera_part[part, :3, :3]
+
+    def R_camera_parent(self, part: int) -> Array:
+        """(3, 3); the camera itself for the root."""
+        parent = int(self.skeleton.parents[part])
+        return np.eye(3) if parent < 0 else self.Ts_camera_part[parent, :3, :3]
+
+    def point(self, name: str) -> tuple[int, Array]:
+        """A joint or landmark by name: the part it is fixed to, and where (3,) in its frame."""
+        body = self.skeleton.body
+        if name in body.names:
+            return body.index(name), np.zeros(3)
+        for i, part in enumerate(body.parts):
+            if name in part.landmarks:
+                return i, np.array(part.landmarks[name])
+        raise KeyError(name)
+
+    def placed(self, part: int, p_part: Array) -> Array:
+        """(3,) a point of a part in the camera frame."""
+        T = self.Ts_camera_part[part]
+        return np.asarray(T[:3, :3] @ p_part + T[:3, 3])
+
+    def box(self, part: int) -> Array | None:
+        """The limits (3, 2) that count for a part in this gesture, radians."""
+        if not self.limits_on:
+            return None
+        return widened(box_of(self.skeleton.body.parts[part]), self.pose.Rs_parent_part[part])
+
+    def allowed(self, part: int, R_parent_part: Array) -> Array:
+        """The nearest rotation that the limits of the part allow."""
+        return nearest_within(R_parent_part, self.box(part))
+
+    def allowed_along(self, part: int, R_parent_part: Array, direction: Array) -> Array:
+        """As `allowed`, turning about a direction (3,) of the camera frame while that is enough."""
+        axis = self.R_camera_parent(part).T @ direction
+        return swivelled_within(R_parent_part, axis, self.box(part))
+
+    def resting_direction(self, part: int, p_part_tip: Array) -> Array:
+        """(3,) where a limb that begins at this part points in the middle of its joint's range.
+
+        Unit vector in the camera frame. p_part_tip: the limb's end in the rest pose, from the
+        part's joint. Without limits it is where the limb points at rest.
+        """
+        box = box_of(self.skeleton.body.parts[part])
+        R = np.eye(3)
+        if box is not None:
+            middle = np.where(np.isfinite(box).all(axis=1), box.mean(axis=1), 0.0)
+            R = of_angles(middle)
+        return unit(self.R_camera_parent(part) @ (R @ p_part_tip))
+
+    def turned(self, rotations: dict[int, Array]) -> Pose:
+        """The pose with other rotations of some parts in their parents' frames."""
+        Rs = self.pose.Rs_parent_part.copy()
+        for part, R in rotations.items():
+            Rs[part] = nearest_rotation(R)
+        return Pose(Rs, self.pose.p_camera_root)
+
+    def angles(self, part: int) -> Array:
+        """The part's angles [x, y, z] (3,), radians, inside its limits where they can be."""
+        box = box_of(self.skeleton.body.parts[part])
+        return fitting(self.pose.Rs_parent_part[part], box)

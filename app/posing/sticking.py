@@ -1,0 +1,61 @@
+"""What is beyond reach: the nearest place that a limb can reach, on the way of the drag."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from app.posing.moving import Aim
+from app.posing.sight import Sight
+from app.posing.vectors import length, unit
+from tracker.geometry import Array
+
+
+def within_reach(
+    sight: Sight, goal: Aim, centre: Array, nearest_m: float, farthest_m: float, p_before: Array
+) -> Array:
+    """(3,) the goal, or the nearest place to it whose distance from the centre can be.
+
+    A drag in the plane of the view keeps its depth while it can. Where it cannot, the place stays
+    under the pointer and its depth gives way; past the outline of what can be reached it sticks to
+    that. A drag along a line stays on the line while it can.
+    """
+    away = length(goal.p_camera - centre)
+    if nearest_m <= away <= farthest_m:
+        return goal.p_camera
+    radius = farthest_m if away > farthest_m else nearest_m
+    if goal.line is not None:
+        found = _on_line(goal.line, goal.p_camera, p_before, centre, radius)
+    else:
+        inside = away < nearest_m
+        found = _under_pointer(sight, goal, centre, radius, p_before if inside else goal.p_camera)
+    return np.asarray(centre + radius * unit(found - centre))
+
+
+def _under_pointer(
+    sight: Sight, goal: Aim, centre: Array, radius: float, on_side_of: Array
+) -> Array:
+    """(3,) where the line of sight meets the sphere, on the side, near or far, of a point."""
+    origin, ray = sight.ray(goal.at)
+    foot = origin + float((centre - origin) @ ray) * ray
+    gap = length(foot - centre)
+    if gap >= radius:
+        return np.asarray(foot)
+    sign = math.copysign(1.0, float((on_side_of - centre) @ ray))
+    return np.asarray(foot + sign * math.sqrt(radius**2 - gap**2) * ray)
+
+
+def _on_line(direction: Array, place: Array, before: Array, centre: Array, radius: float) -> Array:
+    """(3,) the nearest of the two points in which the line cuts the sphere, seen from `place`.
+
+    Inside an inner sphere it is the one on the side where the drag began.
+    """
+    foot = place + float((centre - place) @ direction) * direction
+    gap = length(foot - centre)
+    if gap >= radius:
+        return np.asarray(foot)
+    inside = length(place - centre) < radius
+    way = (before if inside else place) - foot
+    sign = math.copysign(1.0, float(way @ direction))
+    return np.asarray(foot + sign * math.sqrt(radius**2 - gap**2) * direction)

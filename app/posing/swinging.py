@@ -1,0 +1,92 @@
+"""One bone: a part swung about its joint so that a point of it comes under the pointer."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.posing.moving import Aim
+from app.posing.sight import Sight
+from app.posing.vectors import across, any_across, least_turn, length, smooth_step, unit
+from tracker.geometry import Array
+
+LEAN = math.radians(50.0)
+"""How far the direction that a limb's turns are counted from may lie from where it points."""
+
+CHANGED_M = 0.05
+"""A point on the wrong side, near or far, changes to the other over a drag of this length."""
+
+_LEVEL = 0.2
+"""Radii within which a point lies about as far away as its joint, on neither side for good."""
+
+_TOLD = 0.2
+"""How clearly a direction must lead nearer or farther to tell the side."""
+
+
+@dataclass(frozen=True, eq=False)
+class Swing:
+    """Swings a limb from one direction to others without needless turning about itself.
+
+    Directions (3,) are unit vectors. Every field of such swings has one direction into which it
+    cannot reach steadily: the opposite of `middle`. It is laid where the limb is least likely to
+    go, which for an arm that hangs down is backward and up, not straight up.
+    """
+
+    start: Array
+    middle: Array
+
+    @classmethod
+    def of(cls, start: Array, resting: Array, within: Array | None = None) -> Swing:
+        """For a limb that points to `start` and whose range has its middle at `resting`.
+
+        within: a direction across `start`. Swings in the plane of both keep that plane.
+        """
+        side = across(resting, start) if within is None else across(within, start)
+        side = unit(side) if length(side) > 1e-9 else any_across(start)
+        up, along = float(resting @ side), float(resting @ start)
+        lean = math.atan2(up, along) * min(1.0, math.hypot(up, along) / 0.3)
+        lean = min(max(lean, -LEAN), LEAN)
+        return cls(start, math.cos(lean) * start + math.sin(lean) * side)
+
+    def to(self, end: Array, start: Array | None = None) -> Array:
+        """(3, 3) the rotation from `start` (another near it, if given) to `end`."""
+        first = self.start if start is None else start
+        return np.asarray(least_turn(self.middle, end) @ least_turn(first, self.middle))
+
+
+def on_sphere(
+    sight: Sight, goal: Aim, centre: Array, radius: float, p_before: Array, resting: Array
+) -> Array:
+    """(3,) the point of a sphere to which a point of it, at p_before, is dragged.
+
+    In the plane of the view it lies under the pointer, on the side, near or far, where it was; a
+    point about as far away as the centre goes to the side of `resting`, the middle of the limb's
+    range. Past the sphere's outline it is the nearest point of that. Along a line it is the point
+    toward which the line leads.
+    """
+    if goal.line is not None:
+        return np.asarray(centre + radius * unit(goal.p_camera - centre))
+    origin, ray = sight.ray(goal.at)
+    foot = origin + float((centre - origin) @ ray) * ray - centre
+    beside = length(foot)
+    if beside >= radius:
+        return np.asarray(centre + radius / beside * foot)
+    share = _farness(sight, goal, centre, radius, p_before, resting)
+    way = foot + share * math.sqrt(radius**2 - beside**2) * ray
+    return np.asarray(centre + radius * unit(way))
+
+
+def _farness(
+    sight: Sight, goal: Aim, centre: Array, radius: float, p_before: Array, resting: Array
+) -> float:
+    """1 for the far side, −1 for the near one; between while a level point changes sides."""
+    away = sight.ray_through(p_before)
+    was = float((p_before - centre) @ away)
+    told = math.copysign(1.0, was)
+    toward = float(resting @ away)
+    if abs(was) > _LEVEL * radius or toward * told > -_TOLD:
+        return told
+    drawn = length(sight.at_depth(goal.at, p_before) - p_before)
+    return told * (1.0 - 2.0 * smooth_step(drawn / CHANGED_M))

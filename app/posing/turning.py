@@ -1,0 +1,153 @@
+"""A part turned about its joint: by a ring, or by its own surface."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from app.posing.angles import continued
+from app.posing.gesture import AxesFrame, Axis, Gesture, Posed, Readout
+from app.posing.limits import SLACK, TURN, beyond, triples
+from app.posing.sight import Sight
+from app.posing.standing import Standing
+from app.posing.vectors import across, any_across, cross, turn, unit
+from app.posing.words import degrees_text, part_words
+from tracker.geometry import Array, exp_rotation
+
+STEP = math.radians(5.0)
+"""The steps that snapping takes."""
+
+EDGE_ON = 0.25
+"""Cosine between a ring's axis and the line of sight under which the ring is nearly a line."""
+
+EDGE_RADIUS_M = 0.15
+"""A drag of this length along a ring seen from its edge is one radian."""
+
+
+def turned_by_ring(
+    standing: Standing,
+    sight: Sight,
+    gesture: Gesture,
+    part: int,
+    axis: Axis,
+    axes_frame: AxesFrame,
+    angle_before: float | None,
+) -> Posed:
+    """The part turned about one of the axes of its frame, its parent's or the view's."""
+    R = _axes(standing, sight, part, axes_frame)
+    direction = np.array(R[:, "xyz".index(axis)])
+    angle = pointer_angle(sight, standing.joint(part), direction, gesture)
+    return _turned(standing, gesture, part, axis, direction, angle, angle_before)
+
+
+def turned_by_surface(
+    standing: Standing,
+    sight: Sight,
+    gesture: Gesture,
+    part: int,
+    axes_frame: AxesFrame,
+    angle_before: float | None,
+) -> Posed:
+    """The part turned as the pointer goes round its joint; about one axis where one is held."""
+    if gesture.axis is not None:
+        return turned_by_ring(
+            standing, sight, gesture, part, gesture.axis, axes_frame, angle_before
+        )
+    away = sight.ray_through(standing.joint(part))
+    angle = pointer_angle(sight, standing.joint(part), away, gesture)
+    return _turned(standing, gesture, part, None, away, angle, angle_before)
+
+
+def _axes(standing: Standing, sight: Sight, part: int, frame: AxesFrame) -> Array:
+    """(3, 3) the axes in the camera frame, as columns."""
+    if frame == "view":
+        return sight.R_view_camera.T
+    return standing.R_camera_parent(part) if frame == "parent" else standing.R_camera_part(part)
+
+
+def pointer_angle(sight: Sight, centre: Array, axis: Array, gesture: Gesture) -> float:
+    """Radians about the axis that the pointer went round the centre, within ±pi.
+
+    The pointer is taken to lie in the ring's plane. A ring seen nearly from its edge is followed
+    along its near side instead. Both are measured with the scale of the view at the centre, as if
+    the ring were small beside its distance, so they hold anywhere in the view.
+    """
+    middle, slope = sight.project(centre), sight.slope(centre)
+    start, end = (np.array(at) - middle for at in (gesture.from_, gesture.at))
+    away = sight.ray_through(centre)
+    if abs(float(axis @ away)) < EDGE_ON:
+        return _along_edge(slope, away, axis, end - start)
+    e1 = any_across(axis)
+    e2 = cross(axis, e1)
+    in_plane = np.linalg.inv(slope @ np.column_stack([e1, e2]))
+    (a, b), (c, d) = (in_plane @ start).tolist(), (in_plane @ end).tolist()
+    return math.atan2(a * d - b * c, a * c + b * d)
+
+
+def _along_edge(slope: Array, away: Array, axis: Array, way: Array) -> float:
+    """Radians for a way (2,) of the pointer along the near side of a ring seen from its edge."""
+    tangent = slope @ cross(axis, unit(across(-away, axis)))
+    return float(way @ tangent) / float(tangent @ tangent) / EDGE_RADIUS_M
+
+
+def _turned(
+    standing: Standing,
+    gesture: Gesture,
+    part: int,
+    axis: Axis | None,
+    direction: Array,
+    angle: float,
+    angle_before: float | None,
+) -> Posed:
+    if angle_before is not None:
+        angle += TURN * round((angle_before - angle) / TURN)
+    wanted = round(angle / STEP) * STEP if gesture.snap else angle
+    R_parent = standing.R_camera_parent(part)
+    in_parent = R_parent.T @ direction
+    R_before = standing.pose.Rs_parent_part[part]
+    stopped = furthest(R_before, in_parent, wanted, standing.box(part))
+    pose = standing.turned({part: turn(in_parent, stopped) @ R_before})
+    name = standing.skeleton.body.names[part]
+    label, value, change = _words(standing, part, axis, pose.Rs_parent_part[part], stopped)
+    return Posed(pose, None, Readout(label, value, change, name, axis, stopped))
+
+
+def furthest(rotation: Array, axis: Array, angle: float, box: Array | None) -> float:
+    """How far a rotation can be turned about an axis on the way to an angle, inside its limits.
+
+    It stops where it first meets a limit, so it cannot come out on the other side.
+    """
+    if box is None or angle == 0.0:
+        return angle
+    low, high = 0.0, 1.0
+    count = max(3, math.ceil(abs(angle) / math.radians(2.0)) + 1)
+    for _ in range(4):
+        shares = np.linspace(low, high, count)
+        on_the_way = exp_rotation(np.outer(shares * angle, axis)) @ rotation
+        outside = beyond(triples(on_the_way, box), box).min(axis=-1) > SLACK
+        if not outside.any():
+            return high * angle if high == 1.0 else low * angle
+        first = int(np.argmax(outside))
+        if first == 0:
+            return low * angle
+        low, high = float(shares[first - 1]), float(shares[first])
+        count = 17
+    return low * angle
+
+
+def _words(
+    standing: Standing, part: int, axis: Axis | None, R_after: Array, angle: float
+) -> tuple[str, str, str]:
+    """What to show: the angle's value where one angle alone has changed, else the turn."""
+    words = part_words(standing.skeleton.body, standing.skeleton.body.names[part])
+    change = degrees_text(math.degrees(angle), sign=True)
+    before = standing.angles(part)
+    after = continued(R_after, before)
+    moved = np.abs(after - before) > math.radians(0.05)
+    if axis is not None:
+        k = "xyz".index(axis)
+        if not moved[[i for i in range(3) if i != k]].any():
+            return words[axis], f"{degrees_text(math.degrees(after[k]))}°", change
+        return words[axis], f"{change}°", ""
+    return "Turn", f"{change}°", ""

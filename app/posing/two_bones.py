@@ -1,0 +1,109 @@
+"""Two bones and a hinge: shoulder, elbow and hand, or hip, knee and foot, in closed form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.posing.hinge import Hinge
+from app.posing.moving import Aim
+from app.posing.sight import Sight
+from app.posing.standing import Standing
+from app.posing.sticking import within_reach
+from app.posing.swinging import Swing
+from app.posing.vectors import across, cross, length, signed_angle, smooth_step, turn, unit
+from tracker.geometry import Array
+
+EASED_M = 0.05
+"""A joint bent the wrong way is brought to the right side over a drag of this length."""
+
+
+@dataclass(frozen=True, eq=False)
+class Reached:
+    """What a limb's solution is.
+
+    rotations: (3, 3) of the parts that turn, in their parents' frames, by part.
+    centre, radius_m: the sphere that the end cannot leave.
+    """
+
+    rotations: dict[int, Array]
+    centre: Array
+    radius_m: float
+
+
+@dataclass(frozen=True, eq=False)
+class TwoBones:
+    """A limb of an upper and a lower part; tip (3,) is its end in the lower part's frame."""
+
+    standing: Standing
+    upper: int
+    lower: int
+    tip: Array
+    hinge: Hinge
+
+    @classmethod
+    def of(cls, standing: Standing, upper: int, lower: int, tip: Array) -> TwoBones:
+        return cls(standing, upper, lower, tip, Hinge.of(standing, lower, tip))
+
+    @property
+    def centre(self) -> Array:
+        """(3,) shoulder or hip, in the camera frame."""
+        return self.standing.joint(self.upper)
+
+    @property
+    def end(self) -> Array:
+        """(3,) hand or foot before the drag, in the camera frame."""
+        return self.standing.placed(self.lower, self.tip)
+
+    def reach(self, sight: Sight, goal: Aim) -> Reached:
+        """The limb with its end at the goal, or as near as it can come.
+
+        The hinge alone sets the distance; then the whole limb is swung there, and the plane in
+        which it is bent goes along without turning about the limb, unless limits demand it.
+        """
+        hinge, standing = self.hinge, self.standing
+        place = within_reach(sight, goal, self.centre, hinge.nearest_m, hinge.farthest_m, self.end)
+        bend = self._eased(hinge.bend_for(length(place - self.centre)), goal)
+        by = bend - hinge.bend
+        lower = turn(hinge.axis, by)
+        direction = unit(place - self.centre)
+        R_upper = standing.R_camera_parent(self.upper).T @ self._swung(lower, direction)
+        rotations = {
+            self.upper: standing.allowed_along(self.upper, R_upper, direction),
+            self.lower: lower @ standing.pose.Rs_parent_part[self.lower],
+        }
+        return Reached(rotations, self.centre, hinge.farthest_m)
+
+    def _eased(self, bend: float, goal: Aim) -> float:
+        """Where the pose is bent the wrong way, it stays so at first: nothing jumps."""
+        hinge = self.hinge
+        if hinge.bend * hinge.side >= 0:
+            return bend
+        share = 1.0 - smooth_step(length(goal.p_camera - self.end) / EASED_M)
+        return bend + share * (hinge.bend - hinge.side * abs(hinge.bend))
+
+    def _swung(self, lower: Array, direction: Array) -> Array:
+        """(3, 3) R_camera_upper that points the limb, its hinge turned by `lower`, to there.
+
+        `lower` (3, 3) is a turn in the upper part's frame.
+        """
+        hinge = self.hinge
+        R_before = self.standing.R_camera_part(self.upper)
+        before, after = hinge.upper + hinge.lower, hinge.upper + lower @ hinge.lower
+        # Bending turns the line from joint to end inside the limb; it is turned back in its plane.
+        back = 0.0
+        if length(across(after, hinge.axis)) > 1e-9 and length(across(before, hinge.axis)) > 1e-9:
+            back = signed_angle(after, before, hinge.axis)
+        R_flat = R_before @ turn(hinge.axis, back)
+        swing = self.swing
+        return np.asarray(swing.to(direction, unit(R_flat @ after)) @ R_flat)
+
+    @property
+    def swing(self) -> Swing:
+        """How the limb as a whole is swung."""
+        start = unit(self.end - self.centre)
+        rest = self.standing.skeleton.joints[self.lower] + self.tip
+        resting = self.standing.resting_direction(self.upper, rest)
+        normal = self.standing.R_camera_part(self.upper) @ self.hinge.axis
+        return Swing.of(start, resting, cross(normal, start))

@@ -1,0 +1,34 @@
+"""What tracking has found, segment by segment, each with the key of what it was tracked for.
+
+A segment is up to date when there is a result of its present key. Results of other keys stay for a
+while: undoing a change finds them again.
+"""
+
+from __future__ import annotations
+
+from app.results.collection import Results, State
+from app.results.disk import load_results, save_results
+from app.results.frames import Fitting, angles_deg, listed, observability, pose_at, residual
+from app.results.keys import Span, segment_key, segment_keys
+from app.results.track import SegmentTrack
+from app.results.words import Finding, Kind, frames_in_words
+
+__all__ = [
+    "Finding",
+    "Fitting",
+    "Kind",
+    "Results",
+    "SegmentTrack",
+    "Span",
+    "State",
+    "angles_deg",
+    "frames_in_words",
+    "listed",
+    "load_results",
+    "observability",
+    "pose_at",
+    "residual",
+    "save_results",
+    "segment_key",
+    "segment_keys",
+]

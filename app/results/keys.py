@@ -1,0 +1,99 @@
+"""A segment's key: equal where the motion between two keyframes comes out equal.
+
+The quality is not in it: preview, fast and full results of one key are the same motion, found with
+more and more care.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from functools import lru_cache
+from itertools import pairwise
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from tracker.geometry import rotation_from_quaternion
+from tracker.session import IgnoreMask, Keyframe, Session
+
+Span: TypeAlias = tuple[int, int]
+"""First and last frame of a segment: two neighbouring keyframes."""
+
+DECIMALS = 9
+"""Poses that agree to a billionth of a metre or radian are the same pose."""
+AT_REST = (1.0, 0.0, 0.0, 0.0)
+
+
+def segment_keys(session: Session) -> dict[Span, str]:
+    """The keys of all segments of a session, in the order of their frames."""
+    setup = _setup(session)
+    neighbours = pairwise(session.keyframes)
+    return {(a.frame, b.frame): _key(session, setup, a, b) for a, b in neighbours}
+
+
+def segment_key(session: Session, first: int, last: int) -> str:
+    """The key of one segment; KeyError unless both frames have a keyframe."""
+    at = {keyframe.frame: keyframe for keyframe in session.keyframes}
+    return _key(session, _setup(session), at[first], at[last])
+
+
+def _key(session: Session, setup: bytes, start: Keyframe, end: Keyframe) -> str:
+    span = (start.frame, end.frame)
+    names = session.body.names
+    text = json.dumps([span, _masks(session.ignore_masks, span)])
+    parts = (setup, text.encode(), _pose(_Same(start), names), _pose(_Same(end), names))
+    return hashlib.sha256(b"\0".join(parts)).hexdigest()
+
+
+def _masks(masks: tuple[IgnoreMask, ...], span: Span) -> list[Any]:
+    """What masks do within the segment; each frame has its own, so that the rest does not count."""
+    first, last = span
+    within = [
+        (max(first, mask.first_frame), min(last, mask.last_frame), mask.polygon)
+        for mask in masks
+        if mask.first_frame <= last and mask.last_frame >= first
+    ]
+    return sorted(within)
+
+
+def _setup(session: Session) -> bytes:
+    """What decides every segment's motion besides its poses and masks."""
+    settings = session.settings.model_dump(mode="json", exclude={"quality"})
+    setup = [_body(_Same(session.body)), _camera(_Same(session.camera)), settings]
+    return hashlib.sha256(json.dumps(setup, sort_keys=True).encode()).digest()
+
+
+class _Same:
+    """An object that never changes, known by its identity: quicker than by all it holds."""
+
+    def __init__(self, it: Any) -> None:
+        self.it = it
+
+    def __hash__(self) -> int:
+        return id(self.it)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and self.it is other.it
+
+
+@lru_cache(maxsize=8)
+def _body(body: _Same) -> str:
+    """Names of parts stay in, for the verdict speaks them; what is only a caption goes."""
+    parts = {"__all__": {"limits_deg"}}  # posing keeps to them, tracking knows none
+    captions = {"name": True, "source": True, "mirror_pairs": True}
+    data = body.it.model_dump(mode="json", exclude={**captions, "parts": parts})
+    return json.dumps(data, sort_keys=True)
+
+
+@lru_cache(maxsize=8)
+def _camera(camera: _Same) -> str:
+    return json.dumps(camera.it.model_dump(mode="json", exclude={"origin"}), sort_keys=True)
+
+
+@lru_cache(maxsize=4096)
+def _pose(keyframe: _Same, names: tuple[str, ...]) -> bytes:
+    """The pose as numbers, the same however its quaternions were signed or left out."""
+    wxyz = np.array([keyframe.it.rotations_wxyz.get(name, AT_REST) for name in names])
+    numbers = np.concatenate([rotation_from_quaternion(wxyz).ravel(), keyframe.it.root_m])
+    return (np.round(numbers, DECIMALS) + 0.0).tobytes()  # + 0.0: there is no minus nought

@@ -1,0 +1,189 @@
+"""Tracking as the page sees it: what is asked for, how far it is, what it found."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import Literal, TypeAlias
+
+from app.editor.refusal import Refused
+from app.editor.state import EditorState
+from app.jobs import (
+    LIVE,
+    JobFailed,
+    JobFinished,
+    PassFinished,
+    Progress,
+    Report,
+    SegmentFinished,
+    Started,
+    Tracking,
+    Wanted,
+    Warming,
+)
+from app.opening import Workpiece
+from app.outlook import Job, Running
+from app.results import Results, SegmentTrack, Span, segment_keys
+from tracker.session.schema import Session
+from tracker.settings import Quality
+
+What: TypeAlias = Literal["this", "changed", "all"]
+Ending: TypeAlias = Literal["done", "cancelled", "failed"]
+
+
+class Runner:
+    """One tracking job at a time. `tell` is called after each news; its flag: a segment is done."""
+
+    def __init__(
+        self, loop: asyncio.AbstractEventLoop, tell: Callable[[Runner, bool], None]
+    ) -> None:
+        self._tell = tell
+        self._tracking = Tracking(self._on_report, loop)
+        self._number = 0
+        self._wanted: dict[Span, str] = {}
+        self._progress: Progress | None = None
+        self.results: Results | None = None
+        self.running: dict[Span, Running] = {}
+        self.job = Job()
+
+    # --- what the store says
+
+    def opened(self, edit: EditorState) -> None:
+        """Another session is open."""
+        self.results = edit.results
+
+    def closed(self) -> None:
+        """No session is open any more; what a job still tells does not count."""
+        self._tracking.cancel()
+        self._number = 0
+        self.running, self.results, self.job = {}, None, Job()
+
+    def stop(self) -> None:
+        """End the worker."""
+        self._tracking.close()
+
+    def changed(self, piece: Workpiece | None, edit: EditorState) -> None:
+        """The document changed: with live on, what it made outdated is tracked at once."""
+        if not edit.display.live or piece is None or len(edit.keys) < 2:
+            return
+        wanted = _touching(edit, edit.results.wanted(edit.doc))
+        if wanted and not self._is_at(wanted):
+            self._start(piece, edit.doc, wanted, LIVE)
+
+    def track(self, piece: Workpiece, edit: EditorState, what: What) -> None:
+        """Track; Refused with the reason when there is nothing to do."""
+        if len(edit.keys) < 2:
+            raise Refused("Nothing to track: pose a second keyframe first.")
+        wanted = _wanted(edit, what)
+        if not wanted:
+            raise Refused("Nothing has changed: every segment is tracked already.")
+        self._start(piece, edit.doc, wanted, (edit.doc.settings.quality,))
+
+    def cancel(self) -> None:
+        """Stop within a pass; what is finished stays."""
+        self._tracking.cancel()
+
+    # --- what the worker says
+
+    def _start(
+        self, piece: Workpiece, doc: Session, wanted: Sequence[Wanted], stages: Sequence[Quality]
+    ) -> None:
+        self._wanted = {(first, last): key for first, last, key in wanted}
+        self.running = dict.fromkeys(self._wanted, Running())
+        self.job = Job("running", _title(list(self._wanted)), "starting")
+        self._progress = None
+        self._number = self._tracking.start(doc, piece.video.info.path, wanted, stages)
+        self._tell(self, False)
+
+    def _is_at(self, wanted: Sequence[Wanted]) -> bool:
+        """Whether this is what is being tracked already."""
+        at_work = self.job.state == "running"
+        return at_work and set(self._wanted.values()) == {key for *_, key in wanted}
+
+    def _on_report(self, report: Report) -> None:
+        """Results count whichever job they are of, for their keys; the rest for the newest job."""
+        if self.results is None:
+            return
+        finished = isinstance(report, SegmentFinished)
+        if isinstance(report, PassFinished | SegmentFinished):
+            self.results = self.results.with_track(report.track, tuple(self._wanted.values()))
+        if report.job == self._number:
+            self._on_own(report)
+        self._tell(self, finished)
+
+    def _on_own(self, report: Report) -> None:
+        if self._progress is not None:
+            self._progress = self._progress.after(report)
+        match report:
+            case Warming():
+                self.job = replace(self.job, words=report.words)
+            case Started():
+                self._progress = Progress.of(report, time.monotonic())
+            case PassFinished():
+                self._on_pass(report)
+            case SegmentFinished():
+                self._on_segment(report.track)
+            case JobFinished():
+                self._on_end("cancelled" if report.cancelled else "done")
+            case JobFailed():
+                self._on_end("failed", report.words)
+
+    def _on_pass(self, report: PassFinished) -> None:
+        known = self.running.get(report.span, Running())
+        scores = (*(known.scores if report.number else ()), report.score)
+        number, of = report.number + 1, max(report.of, report.number + 1)
+        percent = self._progress.percent_of(report.span) if self._progress else 0
+        at_work = Running("tracking", number, of, percent, scores)
+        self.running = {**self.running, report.span: at_work}
+        self._say(f"pass {number} of {of}")
+
+    def _on_segment(self, track: SegmentTrack) -> None:
+        if self._progress is not None and self._progress.percent_of(track.span) >= 100:
+            self.running = {span: r for span, r in self.running.items() if span != track.span}
+        self._say(self.job.words)
+
+    def _say(self, words: str) -> None:
+        share = self._progress
+        percent = share.percent if share else 0
+        left = share.seconds_left(time.monotonic()) if share else None
+        self.job = replace(self.job, words=words, percent=percent, seconds_left=left)
+
+    def _on_end(self, state: Ending, words: str = "") -> None:
+        title = {"done": "Tracked", "cancelled": "Cancelled", "failed": "Tracking failed"}[state]
+        if state == "done":
+            title = self.job.title.replace("Tracking", "Tracked")
+        self.job = Job(state, title, words or self._closing_words(state), 100)
+        self.running = {}
+
+    def _closing_words(self, state: Ending) -> str:
+        if state == "cancelled":
+            return "what was finished is kept"
+        found = (
+            [self.results.tracks.get(key) for key in self._wanted.values()] if self.results else []
+        )
+        kinds = [track.kind for track in found if track is not None]
+        counts = ((kind, kinds.count(kind)) for kind in ("good", "check", "lost"))
+        return ", ".join(f"{count} {kind}" for kind, count in counts if count)
+
+
+def _wanted(edit: EditorState, what: What) -> list[Wanted]:
+    if what == "changed":
+        return edit.results.wanted(edit.doc)
+    every = [(*span, key) for span, key in segment_keys(edit.doc).items()]
+    return every if what == "all" else _touching(edit, every)
+
+
+def _touching(edit: EditorState, wanted: Sequence[Wanted]) -> list[Wanted]:
+    """Those that touch the present frame; all of them where none does."""
+    near = [w for w in wanted if w[0] <= edit.frame <= w[1]]
+    return near or list(wanted)
+
+
+def _title(spans: list[Span]) -> str:
+    """ "Tracking 39–61" when the segments follow one another, else how many there are."""
+    if all(one[1] == other[0] for one, other in pairwise(spans)):
+        return f"Tracking {spans[0][0]}–{spans[-1][1]}"
+    return f"Tracking {len(spans)} segments"

@@ -1,0 +1,102 @@
+"""What tracking found and is doing, as JSON."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from app.outlook import Outlook
+from app.results import SegmentTrack, Span, State, listed, observability
+from app.sections.json_value import Json
+from app.suggesting import suggestion
+
+_STATE_WORDS = {"outdated": "Outdated", "none": "Not tracked"}
+
+
+def segments(outlook: Outlook) -> Json:
+    """Every stretch between two keyframes, and how it fares."""
+    edit = outlook.edit
+    if edit is None:
+        return []
+    states = edit.results.states(edit.settled)
+    fitting = edit.results.fitting(edit.settled)
+    return [_segment(outlook, span, state, fitting.get(span)) for span, state in states.items()]
+
+
+def _segment(outlook: Outlook, span: Span, state: State, track: SegmentTrack | None) -> Json:
+    first, last = span
+    running = outlook.running.get(span)
+    value: dict[str, Json] = {
+        "first": first,
+        "last": last,
+        "state": state,
+        "words": _STATE_WORDS.get(state, ""),
+        "go": None,
+        "percent": None,
+        "pass": None,
+        "of": None,
+        "scores": [],
+        "best": None,
+    }
+    if track is not None and track.finished:
+        value |= {
+            "words": track.words,
+            "go": track.go,
+            "scores": [_finite(score) for score in track.scores],
+            "best": track.best_pass,
+        }
+    if running is not None:
+        value |= {
+            "state": running.state,
+            "words": "Waiting"
+            if running.state == "waiting"
+            else f"pass {running.number} of {running.of}",
+            "percent": running.percent,
+            "pass": running.number,
+            "of": running.of,
+            "scores": [_finite(score) for score in running.scores],
+        }
+    return value
+
+
+def suggest(outlook: Outlook) -> Json:
+    """The frame to key next, and why."""
+    edit = outlook.edit
+    if edit is None:
+        return None
+    found = suggestion(edit.keys, edit.frame_count, edit.results.fitting(edit.settled))
+    return {
+        "frame": found.frame,
+        "words": found.words,
+        "reason": found.reason,
+        "kind": found.kind,
+    }
+
+
+def lanes(outlook: Outlook) -> Json:
+    """How much the picture tells about each part, 0 to 1, by frame."""
+    edit = outlook.edit
+    if edit is None:
+        return {}
+    names = edit.settled.body.names
+    fitting = edit.results.fitting(edit.settled)
+    table = observability(fitting, edit.frame_count, len(names))
+    known = np.asarray(np.isfinite(table).any(axis=0))
+    return {name: listed(table[:, k]) for k, name in enumerate(names) if known[k]}
+
+
+def job(outlook: Outlook) -> Json:
+    """What the tracker is doing."""
+    given = outlook.job
+    return {
+        "state": given.state,
+        "title": given.title,
+        "words": given.words,
+        "percent": round(given.percent, 1),
+        "seconds_left": given.seconds_left,
+    }
+
+
+def _finite(value: float | None) -> float | None:
+    return None if value is None or not math.isfinite(value) else round(float(value), 4)

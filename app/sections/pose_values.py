@@ -1,0 +1,130 @@
+"""The pose at the present frame and the keyframes, as JSON. Points are metres, camera frame."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from app.editor.posing_edits import angles_at, posed_angles
+from app.editor.shown import shown
+from app.editor.state import EditorState
+from app.outlook import Outlook
+from app.posing import at_limit
+from app.results import angles_deg, listed, residual
+from app.sections.json_value import Json, doc_of
+from tracker.pose import joint_names, joint_positions, pose_transforms
+
+TRAIL_REACH = 30
+"""Frames to both sides of the present that the trail shows where there is no keyframe."""
+
+
+def pose(outlook: Outlook) -> Json:
+    """Where every part stands at the present frame."""
+    edit = outlook.edit
+    if edit is None:
+        return None
+    standing = shown(edit)
+    Ts = pose_transforms(edit.skeleton, standing.pose)
+    points = joint_positions(edit.skeleton, Ts).round(6).tolist()
+    return {
+        "frame": edit.frame,
+        "source": standing.source,
+        "stroke": edit.stroke.name if edit.stroke else None,
+        "T": dict(
+            zip(edit.doc.body.names, Ts[:, :3].reshape(-1, 12).round(6).tolist(), strict=True)
+        ),
+        "points": dict(zip(joint_names(edit.skeleton), points, strict=True)),
+        "angles": angles_at(edit, standing.pose),
+        "root": standing.pose.p_camera_root.round(5).tolist(),
+        "at_limit": at_limit(edit.skeleton, standing.pose) if edit.display.limits else {},
+        "gesture": _gesture(edit),
+    }
+
+
+def _gesture(edit: EditorState) -> Json:
+    readout = edit.stroke.readout if edit.stroke else None
+    if readout is None:
+        return None
+    reach = readout.reach
+    return {
+        "label": readout.label,
+        "value": readout.value,
+        "change": readout.change,
+        "part": readout.part,
+        "axis": readout.axis,
+        "angle_rad": readout.angle_rad,
+        "reach": None
+        if reach is None
+        else {"centre": [float(v) for v in reach.centre], "radius_m": float(reach.radius_m)},
+        "out_of_reach": readout.out_of_reach,
+        "depth_m": readout.depth_m,
+    }
+
+
+def keys(outlook: Outlook) -> Json:
+    """Frames of keyframes and drafts."""
+    doc = doc_of(outlook)
+    if doc is None:
+        return {"frames": [], "drafts": []}
+    return {
+        "frames": [keyframe.frame for keyframe in doc.keyframes],
+        "drafts": [draft.frame for draft in doc.drafts],
+    }
+
+
+def curve(outlook: Outlook) -> Json:
+    """The selected part's angles and error, by frame."""
+    edit = outlook.edit
+    if edit is None or edit.selected is None:
+        return None
+    index, frames = edit.doc.body.index(edit.selected), edit.frame_count
+    angles = angles_deg(edit.fitting, frames, index)
+    for posed in (*edit.doc.keyframes, *edit.doc.drafts):
+        angles[posed.frame] = posed_angles(edit, posed)[index]
+    error = residual(edit.fitting, frames, len(edit.doc.body.parts))[:, index]
+    rows = {axis: listed(angles[:, k], 2) for k, axis in enumerate("xyz")}
+    return {"part": edit.selected, **rows, "error": listed(error, 2)}
+
+
+def trail(outlook: Outlook) -> Json:
+    """The way of the selected part's far end around the present frame."""
+    edit = outlook.edit
+    if edit is None or not edit.display.trail:
+        return None
+    found = trail_of(edit)
+    return found and {**found, "points": [[f, *p] for f, p in found["points"]]}
+
+
+def trail_of(edit: EditorState) -> dict[str, Any] | None:
+    """part, points [(frame, [x, y, z])] and keys of the trail; None with nothing tracked."""
+    part = edit.selected or edit.doc.body.parts[0].name
+    first, last = _reach(edit)
+    anchor = _far_end(edit, part)
+    index = joint_names(edit.skeleton).index(anchor)
+    points = []
+    for frame in range(first, last + 1):
+        standing = shown(edit, frame)
+        if standing.source in ("held", "rest"):
+            continue
+        p = joint_positions(edit.skeleton, pose_transforms(edit.skeleton, standing.pose))[index]
+        points.append((frame, p.round(5).tolist()))
+    if len(points) < 2:
+        return None
+    return {"part": part, "points": points, "keys": [k for k in edit.keys if first <= k <= last]}
+
+
+def _reach(edit: EditorState) -> tuple[int, int]:
+    """From the keyframe before the present frame to the one behind it, but not without end."""
+    before = [k for k in edit.keys if k < edit.frame]
+    after = [k for k in edit.keys if k > edit.frame]
+    first = before[-1] if before else edit.frame
+    last = after[0] if after else edit.frame
+    return max(first, edit.frame - TRAIL_REACH), min(last, edit.frame + TRAIL_REACH)
+
+
+def _far_end(edit: EditorState, part: str) -> str:
+    """The joint of the part's only child, else a landmark of its own, else its own joint."""
+    children = [p.name for p in edit.doc.body.parts if p.parent == part]
+    if len(children) == 1:
+        return children[0]
+    landmarks = list(edit.doc.body.parts[edit.doc.body.index(part)].landmarks)
+    return landmarks[0] if landmarks else part

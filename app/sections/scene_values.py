@@ -1,0 +1,87 @@
+"""What is open and how it is looked at, as JSON: file, camera, views, the switches."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+
+from app.editor.sights import up_of
+from app.outlook import Outlook
+from app.posing import tilt_and_roll, view_rotations
+from app.sections.json_value import Json, doc_of
+from tracker.camera import Camera
+
+
+def file(outlook: Outlook) -> Json:
+    """What is open."""
+    opened = outlook.opened
+    if opened is None:
+        return None
+    info = opened.info
+    return {
+        "name": opened.name,
+        "video": info.path.name,
+        "path": opened.session_path,
+        "frames": info.frame_count,
+        "fps": info.fps,
+        "width": info.width,
+        "height": info.height,
+        "duration_s": float(info.times_s[-1]) + 1 / info.fps,
+        "missing": list(info.missing),
+        "times": [round(float(t), 4) for t in info.times_s] if info.variable_rate else None,
+    }
+
+
+def camera(outlook: Outlook) -> Json:
+    """The calibrated camera, and what is up in its frame."""
+    doc = doc_of(outlook)
+    if doc is None:
+        return None
+    given, up = doc.camera, up_of(doc)
+    longer = max(given.width / given.fx, given.height / given.fy)
+    tilt, roll = tilt_and_roll(up)
+    return {
+        **given.model_dump(),
+        "fov_deg": math.degrees(2 * math.atan(longer / 2)),
+        "up": list(up),
+        "up_origin": "camera" if doc.up_camera is None else "drawn",
+        "tilt_deg": tilt,
+        "roll_deg": roll,
+        "image_version": image_version(given),
+    }
+
+
+def image_version(camera: Camera) -> str:
+    """What the pictures of this camera are named by: they depend on its distortion."""
+    if not camera.is_distorted:
+        return "plain"
+    numbers = (camera.fx, camera.fy, camera.cx, camera.cy, *camera.distortion)
+    return hashlib.sha256(repr(numbers).encode()).hexdigest()[:12]
+
+
+def views(outlook: Outlook) -> Json:
+    """R_view_camera of the three small views."""
+    doc = doc_of(outlook)
+    if doc is None:
+        return None
+    return {name: R.tolist() for name, R in view_rotations(up_of(doc)).items()}
+
+
+def view(outlook: Outlook) -> Json:
+    """Where one looks, and the switches."""
+    edit = outlook.edit
+    if edit is None:
+        return None
+    looks = edit.display
+    return {
+        "frame": edit.frame,
+        "selected": edit.selected,
+        "mode": looks.mode,
+        "opacity": looks.opacity,
+        "ghosts": looks.ghosts,
+        "trail": looks.trail,
+        "live": looks.live,
+        "limits": looks.limits,
+        "axes": looks.axes,
+        "link": looks.link,
+    }

@@ -1,0 +1,59 @@
+"""Masks, settings, saving, undo and the guide, as JSON."""
+
+from __future__ import annotations
+
+from app.outlook import Outlook
+from app.sections.json_value import Json, doc_of
+from tracker.methods import method_of
+from tracker.settings import TrackSettings
+
+
+def masks(outlook: Outlook) -> Json:
+    """The ignored regions."""
+    doc = doc_of(outlook)
+    return [
+        {
+            "polygon": [list(spot) for spot in mask.polygon],
+            "first": mask.first_frame,
+            "last": mask.last_frame,
+            "note": mask.note,
+        }
+        for mask in (doc.ignore_masks if doc else ())
+    ]
+
+
+def settings(outlook: Outlook) -> Json:
+    """How to track."""
+    doc = doc_of(outlook)
+    given = doc.settings if doc else TrackSettings()
+    usual = method_of(given.model_copy(update={"passes": None})).passes
+    return {**given.model_dump(), "default_passes": usual}
+
+
+def saved(outlook: Outlook) -> Json:
+    """Whether the session is on disk."""
+    given = outlook.saved
+    return {"state": given.state, "at": given.at_s, "words": given.words}
+
+
+def undo(outlook: Outlook) -> Json:
+    """What undo and redo would do."""
+    edit = outlook.edit
+    past, future = (edit.history.past, edit.history.future) if edit else ((), ())
+    under_way = edit.stroke.label if edit and edit.stroke else None
+    return {
+        "undo": under_way or (past[-1].label if past else None),
+        "redo": future[-1].label if future and not under_way else None,
+    }
+
+
+def clipboard(outlook: Outlook) -> Json:
+    """Whether a pose can be pasted."""
+    return outlook.edit is not None and outlook.edit.clipboard is not None
+
+
+def guide(outlook: Outlook) -> Json:
+    """The first pose's steps."""
+    given = outlook.guide
+    steps = ("hips", "height", "limbs", "depth", "key")
+    return {"first": given.first, "done": {step: step in given.done for step in steps}}

@@ -1,0 +1,79 @@
+"""A picture of one frame: the page and the command line draw it here, hence alike."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import cv2
+import numpy as np
+
+from app.lettering import plate, written_width
+from app.palette import Picture
+from app.pictures import OPACITY, Style, four_views, orthographic, overlay
+from app.posing import view_rotations
+from tracker.errors import FormatError
+from tracker.pose import Pose
+from tracker.session.schema import Session
+from tracker.skeleton import Skeleton
+from tracker.video import MissingFrame, Video
+
+View: TypeAlias = Literal["main", "top", "side", "front", "all"]
+
+
+@dataclass(frozen=True)
+class Look:
+    """Which view, and how the body is drawn over the video."""
+
+    view: View = "main"
+    style: Style = "both"
+    opacity: float = OPACITY
+
+
+def snapshot(session: Session, video: Video | None, frame: int, pose: Pose, look: Look) -> Picture:
+    """The picture (H, W, 3) RGB of a pose at a frame; its height is the video's.
+
+    Where the video has lost the frame, its place is grey and a plate says so. The views from the
+    top, the side and the front need no video.
+    """
+    camera, skeleton = session.camera.without_distortion(), Skeleton.of(session.body)
+    size = (camera.width, camera.height)
+    Rs = view_rotations(session.up_camera or (0.0, -1.0, 0.0))
+    if look.view != "main" and look.view != "all":
+        return orthographic(skeleton, pose, look.view, size, Rs_view_camera=Rs)
+    image = _image(session, video, frame)
+    label = f"Frame {frame}" + (" is missing" if image is None else "")
+    ground = np.full((size[1], size[0], 3), 128, dtype=np.uint8) if image is None else image
+    if look.view == "main":
+        picture = overlay(ground, camera, skeleton, pose, look.style, look.opacity)
+        return picture if image is not None else _with_plate(picture, label)
+    return four_views(
+        ground, camera, skeleton, pose, look.style, look.opacity, camera.height, label, Rs
+    )
+
+
+def png(picture: Picture) -> bytes:
+    """The picture as a PNG file."""
+    smaller = [cv2.IMWRITE_PNG_COMPRESSION, 6]
+    good, content = cv2.imencode(".png", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR), smaller)
+    if not good:
+        raise FormatError("The picture cannot be written as PNG.")
+    return content.tobytes()
+
+
+def _image(session: Session, video: Video | None, frame: int) -> Picture | None:
+    """The video's frame without the lens's distortion; None when the video has lost it."""
+    if video is None:
+        return None
+    try:
+        return session.camera.rectify(video.frame(frame))
+    except MissingFrame:
+        return None
+
+
+def _with_plate(picture: Picture, words: str) -> Picture:
+    height, width = picture.shape[:2]
+    widest = 0.9 * width / (2.2 + written_width(words, 100.0) / 100.0)  # with what is around it
+    height_px = min(max(10.0, height / 40), widest)
+    plate(picture, words, *(round(0.8 * height_px),) * 2, height_px)
+    return picture

@@ -1,0 +1,175 @@
+"""Where the next keyframe helps most, and why, in the page's words."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+
+from app.results import Finding, SegmentTrack, Span, frames_in_words
+
+NEXT_FRAMES = 24
+"""A good first distance of keyframes: about a second."""
+LONG_FRAMES = 32
+"""Past this length, fast motion is lost in half of all segments."""
+HIDDEN, HIDDEN_FRAMES = 0.15, 3
+"""As in the verdict: a part below this observability, for so many frames, is not seen."""
+
+Fitting = Mapping[Span, SegmentTrack]
+
+
+@dataclass(frozen=True)
+class Suggestion:
+    """What to do next. words: a sentence or two; reason: why, without a full stop, may be empty.
+
+    kind: "pose" a frame and press K; "key" set the keyframe `frame`; "track" what is not tracked as
+    it is posed now; "look" at `frame`, where keyframes themselves are wrong; "good" nothing.
+    """
+
+    frame: int | None
+    words: str
+    reason: str
+    kind: Literal["pose", "key", "track", "look", "good"]
+
+
+def suggestion(
+    keys: Sequence[int], frame_count: int, fitting: Fitting, parts: Sequence[str] = ()
+) -> Suggestion:
+    """The one thing that helps most. keys: frames of the keyframes, ascending.
+
+    fitting: the results of the present segments (Results.fitting); unfinished ones count as none.
+    parts: names of the body's parts, so that what is hidden where tracking was lost can be named.
+    """
+    if len(keys) < 2:
+        return _first_poses(keys, frame_count)
+    spans = list(pairwise(keys))
+    done = {span: fitting[span] for span in spans if span in fitting and fitting[span].finished}
+    for kind in ("lost", "check"):
+        found = [track for track in done.values() if track.kind == kind]
+        if kind == "check" and len(done) < len(spans):
+            break  # first everything is tracked, then it is made better
+        if found:
+            return _about(max(found, key=_need), parts)
+    if len(done) < len(spans):
+        return _to_track([span for span in spans if span not in done])
+    return _longest(spans) or _all_good(keys, frame_count)
+
+
+def middle(keys: Sequence[int], frame: int) -> int | None:
+    """The middle of the interval between keyframes that a frame lies in; on a keyframe, of the next
+    one. None outside of all intervals and where the interval has no inside."""
+    after = bisect_right(keys, frame)
+    if after == len(keys) and keys and keys[-1] == frame:
+        after -= 1
+    if not 0 < after < len(keys):
+        return None
+    first, last = keys[after - 1], keys[after]
+    return (first + last) // 2 if last - first > 1 else None
+
+
+def next_problem(keys: Sequence[int], fitting: Fitting, frame: int) -> int | None:
+    """The next frame after this one, around the end, that is worth a look: where a verdict points,
+    or the middle of a segment that is not tracked as it is posed now."""
+    places = sorted(
+        {place for span in pairwise(keys) if (place := _place(span, fitting)) is not None}
+    )
+    if not places:
+        return None
+    return next((place for place in places if place > frame), places[0])
+
+
+def _place(span: Span, fitting: Fitting) -> int | None:
+    track = fitting.get(span)
+    if track is None or not track.finished:
+        return sum(span) // 2
+    if track.kind == "good":
+        return None
+    return sum(span) // 2 if track.go is None else track.go
+
+
+def _first_poses(keys: Sequence[int], frame_count: int) -> Suggestion:
+    if not keys:
+        words = "Pose this frame, then press K. Two keyframes make the first segment."
+        return Suggestion(None, words, "", "pose")
+    key, last = keys[0], frame_count - 1
+    frame = min(key + NEXT_FRAMES, last)
+    if frame - key < NEXT_FRAMES // 2 and key > last - key:
+        frame = max(key - NEXT_FRAMES, 0)
+    if frame == key:
+        return Suggestion(None, "One frame is all there is: nothing to track.", "", "pose")
+    reason = "Two keyframes make the first segment"
+    return Suggestion(frame, f"Pose frame {frame} next, then press K.", reason, "pose")
+
+
+def _to_track(spans: list[Span]) -> Suggestion:
+    named = [frames_in_words(*span) for span in spans[:2]]
+    more = f" and {len(spans) - 2} more" if len(spans) > 2 else ""
+    listed = f"{', '.join(named)}{more}" if more else " and ".join(named)
+    changed = "not tracked as posed now"
+    return Suggestion(None, "Track next.", f"{listed} {changed}", "track")
+
+
+def _about(track: SegmentTrack, parts: Sequence[str]) -> Suggestion:
+    """What a segment that is lost, or to be checked, needs."""
+    finding, (first, last) = track.finding, track.span
+    assert finding is not None
+    if finding.what in ("contradiction", "nowhere") or last - first < 2:
+        sentence = finding.sentence(first, last).removeprefix("Lost. ").removeprefix("Check: ")
+        frame = first if finding.go is None else finding.go
+        return Suggestion(frame, f"Look at key {frame} again.", _upper(sentence), "look")
+    frame = (first + last) // 2 if finding.go is None else finding.go
+    frame = min(max(frame, first + 1), last - 1)
+    return Suggestion(frame, f"Key frame {frame} next.", _reason(track, finding, parts), "key")
+
+
+def _need(track: SegmentTrack) -> int:
+    """How many frames a keyframe there would mend: those in doubt, or all that are lost."""
+    if track.kind == "check" and track.frames is not None:
+        return track.frames[1] - track.frames[0]
+    return track.last - track.first
+
+
+def _reason(track: SegmentTrack, finding: Finding, parts: Sequence[str]) -> str:
+    if finding.part and finding.frames is not None:
+        return f"{_upper(finding.reason)} {frames_in_words(*finding.frames)}"
+    where = frames_in_words(track.first, track.last)
+    if finding.what != "near":
+        return f"{_upper(finding.reason)} in {where}"
+    return _longest_hidden(track, parts) or f"Forward and backward differ in {where}"
+
+
+def _longest_hidden(track: SegmentTrack, parts: Sequence[str]) -> str | None:
+    """The part that goes unseen for the longest run of frames, in words."""
+    runs = []
+    for name, column in zip(parts, track.observability.T, strict=False):
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], column < HIDDEN, [0]])))
+        runs += [(b - a, a, name) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    length, start, name = max(runs, default=(0, 0, ""))
+    if length < HIDDEN_FRAMES:
+        return None
+    first = track.first + 1 + int(start)
+    last = min(first + int(length) - 1, track.last - 1)
+    return f"{_upper(name.replace('_', ' '))} hidden {frames_in_words(first, last)}"
+
+
+def _longest(spans: list[Span]) -> Suggestion | None:
+    first, last = max(spans, key=lambda span: span[1] - span[0])
+    if last - first <= LONG_FRAMES:
+        return None
+    frame, reason = (first + last) // 2, f"Longest interval, {last - first} frames"
+    return Suggestion(frame, f"Key frame {frame} next.", reason, "key")
+
+
+def _all_good(keys: Sequence[int], frame_count: int) -> Suggestion:
+    outside = [(0, keys[0] - 1), (keys[-1] + 1, frame_count - 1)]
+    left = [frames_in_words(*frames) for frames in outside if frames[1] >= frames[0]]
+    reason = f"{' and '.join(left)} outside the keyframes" if left else ""
+    return Suggestion(None, "All Good. Add a key only where you disagree.", reason, "good")
+
+
+def _upper(text: str) -> str:
+    return text[:1].upper() + text[1:]

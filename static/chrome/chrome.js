@@ -1,0 +1,29 @@
+// Everything around the work: top bar, menus, keys, guide, start screen, messages, status.
+
+import { mountFocus } from './focus.js';
+import { mountGuide } from './guide.js';
+import { mountKeys } from './keys.js';
+import { mountSheet } from './keys_sheet.js';
+import { mountMenus } from './menus.js';
+import { mountStatus } from './status.js';
+import { mountTheme } from './theme.js';
+import { mountToasts } from './toasts.js';
+import { mountTopbar } from './topbar.js';
+import { mountChooser } from './start/chooser.js';
+import { mountDropping } from './start/dropping.js';
+import { mountStart } from './start/screen.js';
+
+export function mount() {
+  mountTheme();
+  mountTopbar();
+  mountStatus();
+  mountStart();
+  mountGuide();
+  mountSheet();
+  mountChooser();
+  mountToasts();
+  mountDropping();
+  mountMenus();
+  mountFocus();
+  mountKeys();
+}

@@ -1,0 +1,58 @@
+// Whose keys they are. A control reached with Tab keeps the keys it needs until Esc; one that was
+// clicked gives the focus back to the page, so that keys always reach the frame.
+
+const OWN = new Set([
+  ...['Space', 'Enter', 'Home', 'End', 'PageUp', 'PageDown', 'ArrowLeft', 'ArrowRight'],
+  ...['ArrowUp', 'ArrowDown', 'Shift ArrowLeft', 'Shift ArrowRight'],
+]);
+const NO_TEXT = new Set(['checkbox', 'radio', 'button', 'range', 'color', 'file', 'submit']);
+
+let byKey = false;
+
+/** Whether the focus was last moved with Tab. */
+export const reachedByKey = () => byKey;
+
+/** Whether what is typed goes into this element as text. */
+export function takesText(element) {
+  if (element instanceof HTMLInputElement) return !NO_TEXT.has(element.type);
+  return element instanceof HTMLTextAreaElement || Boolean(element?.isContentEditable);
+}
+
+/** Whether the focused control wants this key for itself. */
+export function keepsKey(chord) {
+  const element = document.activeElement;
+  if (takesText(element)) return true;
+  if (!isControl(element)) return false;
+  if (element instanceof HTMLSelectElement) return chord !== 'Escape';
+  return byKey && OWN.has(chord);
+}
+
+/** Take the focus off a control, so that all keys reach the page; tells whether it had it. */
+export function leaveControl() {
+  const element = document.activeElement;
+  if (!isControl(element)) return false;
+  element.blur();
+  return true;
+}
+
+export function mountFocus() {
+  addEventListener('keydown', (event) => event.key === 'Tab' && (byKey = true), true);
+  addEventListener('pointerdown', () => (byKey = false), true);
+  for (const kind of ['pointerup', 'click', 'change']) addEventListener(kind, giveBack);
+}
+
+function giveBack(event) {
+  // After everybody has dealt with the click: an editor may have opened by it.
+  requestAnimationFrame(() => {
+    const element = document.activeElement;
+    if (byKey || !isControl(element) || takesText(element)) return;
+    if (element.closest('dialog, .menu, [data-keeps-focus]')) return;
+    // A list that was just opened would close again.
+    if (element instanceof HTMLSelectElement && event.type !== 'change') return;
+    element.blur();
+  });
+}
+
+function isControl(element) {
+  return Boolean(element) && element !== document.body && element !== document.documentElement;
+}

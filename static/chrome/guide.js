@@ -1,0 +1,124 @@
+// The guide to a first pose: a card that ticks its five steps off as they are done in any way.
+
+import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { icon } from '../icons.js';
+import { S, U, put, watch } from '../state.js';
+import { onViews } from '../views.js';
+import { drawMarks } from './guide_marks.js';
+import { cornerFor } from './guide_place.js';
+import { END, STEPS } from './guide_steps.js';
+
+const KEY = 'keypose.guide';
+const PAUSE_MS = 900; // long enough to see the tick
+
+let doneBefore = {}; // what was done when the guide was opened does not move it on
+let offered = null; // the file the guide was offered for
+let timer = 0;
+let at = { step: -1, corner: null };
+
+/** Open the guide at the first step that is not done yet. */
+export function openGuide() {
+  doneBefore = { ...S.guide?.done };
+  const first = STEPS.findIndex(({ name }) => !doneBefore[name]);
+  put('guideStep', Math.max(0, first));
+}
+
+/** Close the guide for good; tells whether it was open. */
+export function closeGuide() {
+  if (!isOpen()) return false;
+  put('guideStep', null);
+  try {
+    localStorage.setItem(KEY, 'closed');
+  } catch {
+    // Then it is offered once more next time.
+  }
+  return true;
+}
+
+export function mountGuide() {
+  const card = document.createElement('div');
+  card.id = 'guide';
+  const marks = document.createElement('div');
+  marks.id = 'guide-marks';
+  document.getElementById('screens').append(marks, card);
+  const draw = () => {
+    render(isOpen() ? coach() : nothing, card);
+    if (isOpen()) place(card.firstElementChild);
+    drawMarks(marks, isOpen() && !U.dragging ? STEPS[U.guideStep]?.name : null);
+  };
+  watch(['guide', 'file'], notice);
+  watch(['guide', 'file', 'pose', 'body', 'u:guideStep', 'u:layout', 'u:dragging', 'u:tab'], draw);
+  onViews(draw);
+  addEventListener('resize', () => requestAnimationFrame(draw));
+}
+
+const isOpen = () => Boolean(S.file) && Number.isInteger(U.guideStep);
+
+function notice() {
+  if (!S.file || !S.guide) return;
+  if (S.guide.first && offered !== S.file.path && !wasClosed()) openGuide();
+  offered = S.file.path;
+  const step = STEPS[U.guideStep];
+  if (!step || !S.guide.done[step.name] || doneBefore[step.name]) return;
+  clearTimeout(timer);
+  timer = setTimeout(() => STEPS[U.guideStep] === step && advance(), PAUSE_MS);
+}
+
+function advance() {
+  const done = S.guide?.done ?? {};
+  let next = U.guideStep + 1;
+  while (next < STEPS.length && done[STEPS[next].name] && !doneBefore[STEPS[next].name]) next += 1;
+  put('guideStep', next);
+}
+
+function wasClosed() {
+  try {
+    return localStorage.getItem(KEY) === 'closed';
+  } catch {
+    return false;
+  }
+}
+
+function coach() {
+  const step = U.guideStep;
+  const { title, text } = STEPS[step] ?? END;
+  return html`<div class="coach" role="dialog" aria-label="First pose">
+    <div class="steps">${STEPS.map((each, i) => bar(each, i))}</div>
+    <h3>${title}</h3>
+    <p>${text}</p>
+    <div class="row foot">
+      ${step < STEPS.length ? stepFoot(step) : html`<span class="sp"></span>
+            <button class="btn sm" @click=${closeGuide}>Close guide</button>`}
+    </div>
+  </div>`;
+}
+
+function stepFoot(step) {
+  return html`<span class="dim num">Step ${step + 1} of ${STEPS.length}</span><span class="sp"></span>
+    <button class="btn ghost sm" title="Close for good   Esc" @click=${closeGuide}>
+      Close guide
+    </button>
+    <button class="btn sm" @click=${advance}>Skip step</button>`;
+}
+
+function bar({ name, word }, i) {
+  const isDone = Boolean(S.guide?.done?.[name]);
+  const kind = i === U.guideStep ? 'c' : '';
+  return html`<button
+    class="${kind} ${isDone ? 'd' : ''}"
+    aria-current=${i === U.guideStep ? 'step' : nothing}
+    @click=${() => put('guideStep', i)}
+  >
+    <i></i><span>${isDone ? icon('check') : nothing}${word}</span>
+  </button>`;
+}
+
+/** The card keeps its corner while it is out of the way, and never moves under a drag. */
+function place(card) {
+  if (U.dragging) return;
+  const keep = at.step === U.guideStep ? at.corner : null;
+  const corner = cornerFor(card, keep);
+  at = { step: U.guideStep, corner: corner.name };
+  card.style.left = `${corner.x}px`;
+  card.style.top = `${corner.y}px`;
+}

@@ -1,0 +1,52 @@
+// Whether the work is safe: "Saved 2 s ago", "Saving…", "Not saved: …", "Read only: …".
+
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { icon } from '../icons.js';
+import { send } from '../link.js';
+import { S, U } from '../state.js';
+import { shortAgo } from './words.js';
+
+/** The saved state of the top bar. */
+export function savedState() {
+  const saved = S.saved;
+  if (!saved) return nothing;
+  const shown = { saved: isSaved, saving: isSaving, failed: hasFailed, readonly: isReadOnly };
+  return html`<span class="savedbox" role="status">${shown[saved.state]?.(saved) ?? nothing}</span>`;
+}
+
+/** Whether the words change with the clock. */
+export const savedTicks = () => S.saved?.state === 'saved' && Boolean(S.saved.at);
+
+function isSaved({ at }) {
+  if (!U.connected) return nothing; // the status bar says that edits wait
+  return html`<span class="row saved">${icon('check')}Saved${at ? ` ${shortAgo(at)}` : ''}</span>`;
+}
+
+function isSaving() {
+  return html`<span class="row saved saving">${icon('run')}Saving…</span>`;
+}
+
+function hasFailed({ words }) {
+  const [what, rest] = split(words, 'Not saved');
+  return html`<span class="chip lost notsaved" title=${words || nothing}>
+    ${icon('lost')}<span class="cut">Not saved${what && `: ${what}`}</span>
+    ${rest ? html`<em class="wide">${rest}</em>` : nothing}
+    <button class="btn sm" @click=${() => send({ do: 'save_again' })}>Try again</button>
+  </span>`;
+}
+
+function isReadOnly({ words }) {
+  const [what] = split(words, 'Read only');
+  return html`<span class="row saved readonly" title=${words || nothing}>
+    ${icon('lock')}<span class="cut">Read only${what && `: ${what}`}</span>
+  </span>`;
+}
+
+/** The words without the prefix that stands there already, and without what the button says. */
+function split(words, prefix) {
+  let text = (words ?? '').trim();
+  if (text.startsWith(prefix)) text = text.slice(prefix.length).replace(/^[:.\s]+/, '');
+  const [what, ...rest] = text.split(/\.\s+/);
+  const more = rest.join('. ').replace(/ ?[Tt]ry again\.?$/, '');
+  return [what.replace(/\.$/, ''), more];
+}

@@ -1,0 +1,133 @@
+// The sheet that lists the files of the folders Keypose may see, and takes one from elsewhere.
+
+import { html, nothing, render } from '../../vendor/lit-html/lit-html.js';
+import { icon } from '../../icons.js';
+import { send } from '../../link.js';
+import { U, put, watch } from '../../state.js';
+import { dialogIn } from '../dialogs.js';
+import { bytes, longAgo } from '../words.js';
+import { loadLibrary } from './library.js';
+import { takeFiles } from './uploading.js';
+
+const KINDS = { any: null, video: ['video', 'images'], session: ['session'] };
+const TITLES = { any: 'Open', video: 'Choose a video', session: 'Open a session' };
+const ICONS = { video: 'film', images: 'img', session: 'key' };
+const MOST = 300; // rows; more are found by name
+
+/** Show the files; `lost` is a recent session whose video is looked for. */
+export function openChooser(kind, lost = null) {
+  loadLibrary();
+  put('fileFind', '');
+  put('chooser', { kind, lost });
+}
+
+export function mountChooser() {
+  const dialog = dialogIn('chooser', 'Choose a file', () => put('chooser', null));
+  watch(['u:chooser', 'u:library', 'u:fileFind'], () => {
+    render(U.chooser ? sheet() : nothing, dialog);
+    if (U.chooser && !dialog.open) dialog.showModal();
+    if (!U.chooser && dialog.open) dialog.close();
+  });
+}
+
+function sheet() {
+  const { kind, lost } = U.chooser;
+  const found = files(kind);
+  return html`<div class="in" @keydown=${onKey}>
+    <div class="row sheethead">
+      <span class="title">${lost ? `Find ${lost.video}` : TITLES[kind]}</span><span class="sp"></span>
+      <input
+        class="find"
+        type="search"
+        placeholder="Find"
+        aria-label="Find a file"
+        autofocus
+        .value=${U.fileFind ?? ''}
+        @input=${(event) => put('fileFind', event.target.value)}
+      />
+      <button class="ib" title="Close   Esc" aria-label="Close" @click=${close}>${icon('x')}</button>
+    </div>
+    <div class="filelist">${found.length ? grouped(found.slice(0, MOST)) : none()}</div>
+    <div class="row sheetfoot">
+      <span class="dim">${footnote(found.length)}</span><span class="sp"></span>
+      ${kind === 'session' || lost ? nothing : elsewhere()}
+    </div>
+  </div>`;
+}
+
+const close = () => put('chooser', null);
+
+function files(kind) {
+  const wanted = (U.fileFind ?? '').trim().toLowerCase();
+  return (U.library?.files ?? []).filter(
+    (file) =>
+      (KINDS[kind]?.includes(file.kind) ?? true) &&
+      `${file.folder}/${file.name}`.toLowerCase().includes(wanted),
+  );
+}
+
+function grouped(found) {
+  const folders = Map.groupBy
+    ? Map.groupBy(found, ({ folder }) => folder)
+    : found.reduce((map, one) => map.set(one.folder, [...(map.get(one.folder) ?? []), one]), new Map());
+  return [...folders].map(
+    ([folder, inside]) => html`<h3 class="path">${icon('folder')}${folder}</h3>
+      ${inside.map(row)}`,
+  );
+}
+
+function row(file) {
+  const size = file.kind === 'images' ? `${file.count} images` : bytes(file.bytes);
+  return html`<button class="filerow" @click=${() => choose(file)}>
+    ${icon(ICONS[file.kind])}<span class="cut">${file.name}</span><span class="sp"></span>
+    <span class="dim num">${file.kind === 'session' ? 'session' : size}</span>
+    <span class="dim num when">${longAgo(file.modified_at)}</span>
+  </button>`;
+}
+
+function choose({ id }) {
+  const { lost } = U.chooser;
+  close();
+  if (lost) send({ do: 'open', kind: 'recent', id: lost.id, video: id });
+  else send({ do: 'open', kind: 'file', id });
+}
+
+function none() {
+  if (!U.library) return html`<p class="dim none">Looking…</p>`;
+  return html`<p class="dim none">
+    ${U.fileFind ? html`Nothing is called “${U.fileFind}”.` : 'There is nothing in these folders.'}
+  </p>`;
+}
+
+function footnote(found) {
+  if (U.library?.more || found > MOST) return 'There are more files than shown: find them by name.';
+  const roots = U.library?.folders ?? [];
+  return roots.length ? `Looked in ${roots.join(', ')}` : '';
+}
+
+/** A video that lies in another folder is copied into Keypose's own. */
+function elsewhere() {
+  return html`<label class="btn filebtn">
+    ${icon('up')}From elsewhere…
+    <input type="file" accept="video/*,.mkv,.avi" @change=${picked} />
+  </label>`;
+}
+
+function picked(event) {
+  const chosen = [...event.target.files];
+  event.target.value = '';
+  if (!chosen.length) return;
+  close();
+  takeFiles(chosen);
+}
+
+/** Arrows walk through the rows, from the Find box too; Enter there opens the first. */
+function onKey(event) {
+  const rows = [...event.currentTarget.querySelectorAll('.filerow')];
+  const at = rows.indexOf(document.activeElement);
+  const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+  if (step && rows.length) {
+    event.preventDefault();
+    rows[Math.min(rows.length - 1, Math.max(0, at + step))].focus();
+  } else if (event.key === 'Enter' && event.target.type === 'search') rows[0]?.click();
+}

@@ -1,0 +1,26 @@
+// What can be opened: recent sessions, samples, the files of the server's folders.
+
+import { put, U } from '../../state.js';
+
+let asked = null;
+
+/** Ask the server anew; the answer becomes U.library. */
+export function loadLibrary() {
+  asked ??= fetchLibrary().finally(() => (asked = null));
+  return asked;
+}
+
+/** Whether a name's ending is one of a video. */
+export function isVideoName(name) {
+  const suffixes = U.library?.suffixes ?? ['.mp4', '.mov', '.m4v', '.mkv', '.webm', '.avi'];
+  return suffixes.some((suffix) => name.toLowerCase().endsWith(suffix));
+}
+
+async function fetchLibrary() {
+  try {
+    const response = await fetch('/library');
+    if (response.ok) put('library', await response.json());
+  } catch {
+    // The line is down; the status bar says so, and the next opening asks again.
+  }
+}

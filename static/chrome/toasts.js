@@ -1,0 +1,73 @@
+// Messages: what the server notes or refuses, and what the page itself has to tell.
+
+import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { icon } from '../icons.js';
+import { listen, send } from '../link.js';
+import { U, put, watch } from '../state.js';
+import { firstSentence } from './words.js';
+
+const MOST = 4;
+const STAYS_MS = { good: 4000, info: 6000, check: 9000, lost: 12000 };
+const ICONS = { good: 'check', check: 'warn', lost: 'lost', info: 'help' };
+
+let count = 0;
+
+/** Show a message: {kind, words, button?: {label, send?: action, run?: fn}}. */
+export function toast(message) {
+  const shown = U.toasts ?? [];
+  const same = shown.find(({ words }) => words === message.words);
+  const until = performance.now() + (STAYS_MS[message.kind] ?? STAYS_MS.info);
+  if (same) same.until = until;
+  else put('toasts', [...shown, { ...message, until, id: ++count }].slice(-MOST));
+}
+
+export function mountToasts() {
+  const place = document.createElement('div');
+  place.id = 'toasts';
+  place.setAttribute('aria-live', 'polite');
+  document.getElementById('screens').append(place);
+  listen('note', toast);
+  listen('refused', ({ words }) => toast({ kind: 'check', words }));
+  watch(['u:toasts'], () => render((U.toasts ?? []).map(card), place));
+  setInterval(sweep, 500);
+}
+
+/** What is old goes; what is being read stays, and so does what waits for an answer. */
+function sweep() {
+  const isRead = ({ id }) =>
+    document.querySelector(`[data-toast="${id}"]`)?.matches(':hover, :focus-within');
+  const shown = U.toasts ?? [];
+  const left = shown.filter((one) => one.button || one.until > performance.now() || isRead(one));
+  if (left.length < shown.length) put('toasts', left);
+}
+
+function dismiss(id) {
+  put('toasts', (U.toasts ?? []).filter((one) => one.id !== id));
+}
+
+function card(message) {
+  const [first, rest] = firstSentence(message.words ?? '');
+  const { kind = 'info', id, button } = message;
+  return html`<div
+    class="toast ${kind}"
+    data-toast=${id}
+    role=${kind === 'lost' ? 'alert' : 'status'}
+  >
+    <span class="sign">${icon(ICONS[kind] ?? 'help')}</span>
+    <span class="words"
+      ><b>${first}</b>${rest ? html`<br /><span class="mut">${rest}</span>` : nothing}</span
+    >
+    ${button
+      ? html`<button class="btn sm" @click=${() => answer(id, button)}>${button.label}</button>`
+      : nothing}
+    <button class="ib s" aria-label="Dismiss" title="Dismiss" @click=${() => dismiss(id)}>
+      ${icon('x')}
+    </button>
+  </div>`;
+}
+
+function answer(id, button) {
+  dismiss(id);
+  if (button.run) button.run();
+  else send(button.send);
+}

@@ -1,0 +1,102 @@
+// The Live switch and the Track button with its menu.
+
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { icon } from '../icons.js';
+import { send } from '../link.js';
+import { S, U } from '../state.js';
+import { menuHolder, toggleMenu } from './menus.js';
+import { count, range } from './words.js';
+
+const LIVE = 'Track the two neighbouring segments each time a keyframe changes   L';
+const TOO_FEW = 'Pose a second keyframe first';
+
+export const toggleLive = () => send({ do: 'live', on: !S.view?.live });
+
+/** Start tracking, unless there is nothing to track between. */
+export function track(what) {
+  if (!tooFew()) send({ do: 'track', what });
+}
+
+export function liveSwitch() {
+  return html`<button
+    class="switch"
+    role="switch"
+    aria-checked=${Boolean(S.view?.live)}
+    title=${LIVE}
+    @click=${toggleLive}
+  >
+    Live<i></i>
+  </button>`;
+}
+
+export function trackButton() {
+  return menuHolder('track', split, items, 'right');
+}
+
+function split(open) {
+  const off = tooFew() ? TOO_FEW : '';
+  const idle = off || (changed().length ? '' : 'All segments are up to date');
+  return html`<span class="split ${off ? 'off' : ''}">
+    <button
+      class="btn pri"
+      aria-disabled=${idle ? 'true' : nothing}
+      title=${idle || `Track ${namesOf(changed())}   T`}
+      @click=${() => idle || track('changed')}
+    >
+      ${icon('track')}${isFirst() ? 'Track' : 'Track changed'}<kbd>T</kbd>
+    </button>
+    <button
+      class="btn pri"
+      aria-label="Track this segment, changed segments, or all"
+      aria-haspopup="menu"
+      aria-expanded=${open}
+      aria-disabled=${off ? 'true' : nothing}
+      title=${off || 'Track this segment, changed segments, or all'}
+      @click=${() => off || toggleMenu('track')}
+    >
+      ${icon('chev')}
+    </button>
+  </span>`;
+}
+
+function items() {
+  const here = segmentHere();
+  const all = S.segments?.length ?? 0;
+  return [
+    {
+      icon: 'track',
+      label: html`Track changed${tail(namesOf(changed()))}`,
+      right: 'T',
+      off: changed().length ? '' : 'All segments are up to date',
+      run: () => track('changed'),
+    },
+    {
+      icon: 'mid',
+      label: html`Track this${tail(here && range(here.first, here.last))}`,
+      right: 'Shift T',
+      off: here ? '' : 'This frame lies outside the keyframes',
+      run: () => track('this'),
+    },
+    { icon: 'reset', label: `Track all ${count(all, 'segment')}`, run: () => track('all') },
+  ];
+}
+
+const tail = (words) => (words ? html` <span class="dim num">${words}</span>` : nothing);
+
+const tooFew = () => (S.keys?.frames.length ?? 0) < 2;
+const isDone = (s) => ['good', 'check', 'lost'].includes(s.state);
+const changed = () => (S.segments ?? []).filter((s) => s.state === 'outdated' || s.state === 'none');
+const isFirst = () => !(S.segments ?? []).some((s) => isDone(s) || s.state === 'outdated' || s.percent);
+
+/** "39–50, 50–61", or how many there are when that would be long. */
+function namesOf(segments) {
+  if (segments.length > 3) return count(segments.length, 'segment');
+  return segments.map((s) => range(s.first, s.last)).join(', ');
+}
+
+/** The segment of the present frame; at a keyframe the one that begins there. */
+function segmentHere() {
+  const frame = S.view?.frame ?? U.frame ?? 0;
+  const around = (S.segments ?? []).filter((s) => s.first <= frame && frame <= s.last);
+  return around.at(-1);
+}

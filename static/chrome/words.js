@@ -1,0 +1,64 @@
+// Numbers and times as the page says them.
+
+/** "39–50": an interval of frames. */
+export const range = (first, last) => `${first}–${last}`;
+
+/** "1 keyframe", "8 keyframes". */
+export const count = (n, noun) => `${n} ${noun}${n === 1 ? '' : 's'}`;
+
+/** "a, b and c". */
+export function listed(items) {
+  if (items.length < 2) return items.join('');
+  return `${items.slice(0, -1).join(', ')} and ${items.at(-1)}`;
+}
+
+/** "48 MB", in the steps a file manager uses. */
+export function bytes(n) {
+  const units = ['B', 'kB', 'MB', 'GB', 'TB'];
+  let size = n;
+  let step = 0;
+  while (size >= 999.5 && step < units.length - 1) {
+    size /= 1000;
+    step += 1;
+  }
+  return `${size < 10 && step > 1 ? size.toFixed(1) : Math.round(size)} ${units[step]}`;
+}
+
+/** "2 s ago", "5 min ago", "3 h ago": how long ago something was saved. */
+export function shortAgo(epoch, now = Date.now() / 1000) {
+  const seconds = Math.max(0, Math.round(now - epoch));
+  if (seconds < 60) return `${seconds} s ago`;
+  if (seconds < 3600) return `${Math.floor(seconds / 60)} min ago`;
+  if (seconds < 86400) return `${Math.floor(seconds / 3600)} h ago`;
+  return `on ${day(epoch)}`;
+}
+
+/** "2 min ago", "Yesterday", "Monday", "12 Nov": when a session was last open. */
+export function longAgo(epoch, now = Date.now() / 1000) {
+  const minutes = Math.floor((now - epoch) / 60);
+  if (minutes < 1) return 'Just now';
+  if (minutes < 60) return `${minutes} min ago`;
+  const days = daysBetween(epoch, now);
+  if (days === 0) return `${Math.floor(minutes / 60)} h ago`;
+  if (days === 1) return 'Yesterday';
+  if (days < 7) return new Date(epoch * 1000).toLocaleDateString('en-GB', { weekday: 'long' });
+  return day(epoch);
+}
+
+/** The first sentence and what follows it: messages say the first one louder. */
+export function firstSentence(words) {
+  const end = words.search(/[.?!](\s|$)/);
+  if (end < 0) return [words, ''];
+  return [words.slice(0, end + 1), words.slice(end + 1).trim()];
+}
+
+function day(epoch) {
+  const date = new Date(epoch * 1000);
+  const year = date.getFullYear() === new Date().getFullYear() ? undefined : 'numeric';
+  return date.toLocaleDateString('en-GB', { day: 'numeric', month: 'short', year });
+}
+
+function daysBetween(epoch, now) {
+  const midnight = (seconds) => new Date(seconds * 1000).setHours(0, 0, 0, 0);
+  return Math.round((midnight(now) - midnight(epoch)) / 86400000);
+}

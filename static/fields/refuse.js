@@ -1,0 +1,46 @@
+// How a control says no: it shakes by two pixels and says why, in one sentence, below itself.
+
+const STAY_MS = 4000;
+let bubble = null;
+let timer = 0;
+
+/** Shake, unless the person asked for less motion. */
+export function shake(element) {
+  if (matchMedia('(prefers-reduced-motion: reduce)').matches) return;
+  const moves = [0, -2, 2, -2, 2, 0].map((x) => ({ transform: `translateX(${x}px)` }));
+  element.animate(moves, { duration: 240 });
+}
+
+/** Say one sentence below an element until the next input, or four seconds. */
+export function say(element, words) {
+  hush();
+  bubble ??= made();
+  bubble.textContent = words;
+  bubble.showPopover();
+  place(element);
+  timer = setTimeout(hush, STAY_MS);
+}
+
+export function hush() {
+  clearTimeout(timer);
+  if (bubble?.matches(':popover-open')) bubble.hidePopover();
+}
+
+function made() {
+  const element = document.createElement('div');
+  element.className = 'refusal';
+  element.popover = 'manual';
+  element.setAttribute('role', 'alert');
+  document.body.append(element);
+  return element;
+}
+
+function place(element) {
+  const at = element.getBoundingClientRect();
+  const own = bubble.getBoundingClientRect();
+  const left = Math.min(Math.max(8, at.right - own.width), innerWidth - own.width - 8);
+  const below = at.bottom + 4;
+  const top = below + own.height > innerHeight - 8 ? at.top - own.height - 4 : below;
+  bubble.style.left = `${left}px`;
+  bubble.style.top = `${top}px`;
+}

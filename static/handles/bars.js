@@ -1,0 +1,34 @@
+// The glass bars over the large view. They move with it when another view is enlarged.
+
+import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { S, U, watch } from '../state.js';
+import { onViews, view as viewNamed } from '../views.js';
+import { displaybar, onSlide } from './displaybar.js';
+import { footbars } from './footbars.js';
+import { headbar } from './headbar.js';
+import { onHold } from './hold.js';
+import { largeView } from './scale.js';
+import { toolbar } from './toolbar.js';
+
+const host = document.createElement('div');
+
+export function mountBars() {
+  host.className = 'bars';
+  // A bar clicked with the mouse leaves the keys to the views.
+  host.addEventListener('mousedown', (event) => event.preventDefault());
+  watch(['file', 'view', 'pose', 'keys', 'segments', 'u:tool', 'u:layout'], draw);
+  onViews(draw);
+  onHold(draw);
+  onSlide(draw);
+}
+
+function draw() {
+  const place = viewNamed(largeView())?.el;
+  if (place && host.parentElement !== place) place.append(host);
+  host.classList.toggle('quad', U.layout === 'quad');
+  render(S.file && S.view ? bars() : nothing, host);
+}
+
+function bars() {
+  return html`${headbar()}${toolbar()}${displaybar()}${footbars()}`;
+}

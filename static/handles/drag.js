@@ -1,0 +1,81 @@
+// A drag under way. What it does is always told from where it began, so that only the newest
+// word counts and a lost one does no harm.
+
+import { put } from '../state.js';
+import { newStroke, send } from '../link.js';
+import { hold, touch } from './hold.js';
+import { isFine, noteModifiers, wishes } from './keysheld.js';
+
+const PAUSE_MS = 16;
+const FINE = 0.1;
+
+let late = null;
+let told = 0;
+let fresh = false;
+
+/**
+ * Begin a drag. `tell(at, wishes)` gives the action for a pointer at `at` in view coordinates.
+ * `extra` is what the drawing wants to know about it.
+ */
+export function beginDrag(view, press, tell, extra) {
+  hold.drag = {
+    ...extra, tell, view: view.name, stroke: newStroke('drag'),
+    virtual: [press.x, press.y], seen: [press.x, press.y],
+    toView: (at) => view.toView(at),
+  };
+  put('playing', false);
+  put('dragging', true);
+  touch();
+}
+
+/** The pointer moved: with Shift the virtual pointer goes a tenth of the way. */
+export function moveDrag(event, x, y) {
+  const { drag } = hold;
+  noteModifiers(event);
+  const share = isFine() ? FINE : 1;
+  drag.virtual = drag.virtual.map((v, i) => v + ([x, y][i] - drag.seen[i]) * share);
+  drag.seen = [x, y];
+  tellSoon();
+}
+
+/** A key changed what the drag does. */
+export function tellSoon() {
+  fresh = true;
+  const wait = told + PAUSE_MS - performance.now();
+  if (wait <= 0) tellNow();
+  else late ??= setTimeout(tellNow, wait);
+}
+
+function tellNow() {
+  clearTimeout(late);
+  late = null;
+  const { drag } = hold;
+  if (!drag || !fresh) return;
+  fresh = false;
+  told = performance.now();
+  send({ ...drag.tell(drag.toView(drag.virtual), wishes()), stroke: drag.stroke });
+  drag.told = true;
+}
+
+export function endDrag() {
+  tellNow();
+  finish('end_stroke');
+}
+
+/** Everything as it was before. */
+export function cancelDrag() {
+  fresh = false;
+  finish('cancel_stroke');
+}
+
+function finish(word) {
+  const { drag } = hold;
+  if (!drag) return;
+  clearTimeout(late);
+  late = null;
+  if (drag.told) send({ do: word, stroke: drag.stroke });
+  hold.drag = null;
+  if ('limb' in drag) put('limb', drag.limb ?? null);
+  put('dragging', false);
+  touch();
+}

@@ -1,0 +1,93 @@
+// The grab handles: hands, feet, head, the joints between, and the diamond that carries the body.
+
+import { svg, nothing } from '../vendor/lit-html/lit-html.js';
+import { S, U } from '../state.js';
+import { hold, isHeld, isHot } from './hold.js';
+import { gripScale, isLarge } from './scale.js';
+import { add, pathOf, unit } from './space.js';
+
+const RADIUS = { end: 6, head: 6, middle: 4, root: 8 };
+const DEPTH_GUIDE = 44;
+
+/** The grab handles in a view: [{key, handle, at, radius, label, part, …}]. */
+export function gripsIn(view) {
+  if (U.tool === 'sizes') return [];
+  return S.body.handles.map((given) => gripOf(view, given)).filter(Boolean);
+}
+
+function gripOf(view, given) {
+  const point = S.pose.points[given.anchor];
+  if (!point) return null;
+  const [x, y] = view.project(point);
+  if (!Number.isFinite(x + y)) return null;
+  const { kind, name, part, label, limb } = given;
+  const handle = kind === 'root' ? { kind } : { kind: kind === 'middle' ? 'joint' : 'end', name };
+  const radius = RADIUS[kind] * gripScale(view);
+  return { key: `grip:${name}`, kind, handle, part, label, limb, point, at: [x, y], radius };
+}
+
+export function drawGrips(view, grips) {
+  return svg`<g class="grips">${grips.map((grip) => drawGrip(view, grip))}</g>`;
+}
+
+function drawGrip(view, grip) {
+  const held = isHeld(grip);
+  const far = held && S.pose.gesture?.out_of_reach;
+  const state = [held ? 'held' : '', far ? 'far' : '', isHot(view, grip) ? 'hot' : ''].join(' ');
+  const classes = `grip ${grip.kind} ${state}`;
+  const grown = held ? 1.5 : isHot(view, grip) ? 1.33 : 1;
+  const r = grip.radius * grown;
+  const [x, y] = grip.at;
+  if (grip.kind === 'root') {
+    const d = `M${x} ${y - r}l${r} ${r}-${r} ${r}-${r}-${r}z`;
+    return svg`<path class=${classes} d=${d} data-grip=${grip.key} />`;
+  }
+  return svg`<circle class=${classes} cx=${x} cy=${y} r=${r} data-grip=${grip.key} />`;
+}
+
+/** While an end is dragged: how far it can go, where it came from, and which way depth lies. */
+export function drawReach(view, grips) {
+  const gesture = S.pose.gesture;
+  const grip = grips.find(isHeld);
+  return svg`${gesture?.reach ? drawCircle(view, gesture.reach) : nothing}
+    ${grip ? drawOrigin(view, grip) : nothing}
+    ${grip && view.name !== 'main' ? drawDepth(view, grip) : nothing}`;
+}
+
+function drawCircle(view, { centre, radius_m }) {
+  const [x, y] = view.project(centre);
+  const r = radius_m * view.pxPerMetre(centre);
+  if (!(r > 0)) return nothing;
+  return svg`<circle class="reach" cx=${x} cy=${y} r=${r} />`;
+}
+
+function drawOrigin(view, grip) {
+  const begun = hold.drag.point;
+  if (!begun || !isLarge(view)) return nothing;
+  const [x, y] = view.project(begun);
+  return svg`<path class="pulled" d=${pathOf([[x, y], grip.at])} />
+    <circle class="origin" cx=${x} cy=${y} r="4" />`;
+}
+
+/** A line through the handle along the camera's ray: the way nearer and farther. */
+function drawDepth(view, grip) {
+  const [x, y] = grip.at;
+  const far = view.project(add(grip.point, unit(grip.point), 0.1));
+  const [dx, dy] = [far[0] - x, far[1] - y];
+  const length = Math.hypot(dx, dy);
+  // Seen along the ray there is no way to show.
+  if (length < 0.02 * view.pxPerMetre(grip.point)) return nothing;
+  const [ux, uy] = [(dx / length) * DEPTH_GUIDE, (dy / length) * DEPTH_GUIDE];
+  return svg`<path class="depth" d="M${x - ux} ${y - uy}L${x + ux} ${y + uy}" />`;
+}
+
+/** The limb that was chosen by a double click, as a line along its joints. */
+export function drawLimb(view) {
+  const limb = U.limb ?? [];
+  if (limb.length < 2) return nothing;
+  const joints = limb.map((part) => S.pose.points[part]).filter(Boolean);
+  const last = S.body.parts.find(({ name }) => name === limb.at(-1));
+  const tip = last?.landmarks.map((name) => S.pose.points[name]).find(Boolean);
+  const points = [...joints, ...(tip ? [tip] : [])].map((p) => view.project(p));
+  return svg`<path class="limb" d=${pathOf(points)} />`;
+}

@@ -1,0 +1,81 @@
+// Words beside the pointer's work: the value while something is dragged, the name of what is
+// under a resting pointer.
+
+import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { S, U } from '../state.js';
+import { hold } from './hold.js';
+import { isLarge, largeView, ringRadius } from './scale.js';
+import { isReady } from './targets.js';
+
+const AWAY = 20;
+const hosts = new Map();
+
+/** Draw a view's labels. */
+export function drawLabels(view) {
+  render([drawValue(view), drawName(view)], hostOf(view));
+}
+
+function hostOf(view) {
+  if (!hosts.has(view.name)) {
+    const host = document.createElement('div');
+    host.className = 'hud';
+    view.el.append(host);
+    hosts.set(view.name, host);
+  }
+  return hosts.get(view.name);
+}
+
+/** What the gesture does, beside what it moves; where it happens and in the large view. */
+function drawValue(view) {
+  const gesture = S.pose?.gesture;
+  const where = hold.drag?.view ?? largeView();
+  if (!gesture || !isReady(view) || view.name !== where || !isLarge(view)) return nothing;
+  const place = gesture.axis ? besideRing(view, gesture) : besideGrip(view, gesture);
+  if (!place) return nothing;
+  return html`<div class="flt num ${place.left ? 'left' : ''}" style="left:${place.x}px;top:${place.y}px">
+    ${words(gesture)}
+  </div>`;
+}
+
+function words(gesture) {
+  if (gesture.axis) {
+    return html`${gesture.label} ${gesture.value} <span class=${gesture.axis}>${gesture.change}</span>`;
+  }
+  return html`${gesture.label} <span class="mut">${gesture.value} ${gesture.change}</span>`;
+}
+
+function besideRing(view, gesture) {
+  const centre = S.pose.points[gesture.part];
+  if (!centre) return null;
+  const [x, y] = view.project(centre);
+  return beside(view, x, y, ringRadius(view) + AWAY, false);
+}
+
+function besideGrip(view, gesture) {
+  const target = hold.drag?.target;
+  const anchor = S.body.handles.find(({ name }) => target?.key === `grip:${name}`)?.anchor;
+  const point = S.pose.points[anchor ?? gesture.part];
+  if (!point) return null;
+  const [x, y] = view.project(point);
+  const middle = gesture.reach ? view.project(gesture.reach.centre)[0] : x - 1;
+  // Away from the limb, which the eye needs.
+  return beside(view, x, y + (gesture.reach ? 26 : 0), AWAY, x < middle);
+}
+
+/** Right or left of a place, whichever side has room. */
+function beside(view, x, y, away, wantsLeft) {
+  const room = 190;
+  const left = wantsLeft ? x - away > room : x + away + room > view.el.clientWidth;
+  const top = Math.min(Math.max(y - 12, 8), view.el.clientHeight - 32);
+  return { x: left ? x - away : x + away, y: top, left };
+}
+
+function drawName(view) {
+  const over = hold.over;
+  if (!over?.named || over.view !== view.name || U.dragging) return nothing;
+  const { x, y } = over.at;
+  const left = x + 150 > view.el.clientWidth;
+  return html`<div class="flt name ${left ? 'left' : ''}" style="left:${x + (left ? -10 : 14)}px;top:${y + 16}px">
+    ${over.side ? html`<span class="dot" style="background:var(--b${over.side})"></span>` : nothing}${over.label}
+  </div>`;
+}

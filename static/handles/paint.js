@@ -1,0 +1,52 @@
+// The SVG over each view, drawn anew whenever what it shows has changed.
+
+import { render, svg, nothing } from '../vendor/lit-html/lit-html.js';
+import { S, U } from '../state.js';
+import { VIEWS, view as viewNamed } from '../views.js';
+import { drawGrips, drawLimb, drawReach } from './grips.js';
+import { hold } from './hold.js';
+import { drawLabels } from './labels.js';
+import { drawMasks } from './masks.js';
+import { drawRings } from './rings.js';
+import { isLarge } from './scale.js';
+import { drawSizes } from './sizes.js';
+import { drawSketch } from './sketch.js';
+import { pathOf } from './space.js';
+import { isReady, targetsIn } from './targets.js';
+import { drawTrail } from './trail.js';
+
+/** Draw all four overlays. */
+export function paint() {
+  for (const name of VIEWS) {
+    const view = viewNamed(name);
+    render(isReady(view) ? overlay(view) : nothing, view.over);
+    drawLabels(view);
+  }
+}
+
+function overlay(view) {
+  const targets = targetsIn(view);
+  const held = hold.drag && !hold.drag.gentle ? 'held' : '';
+  const drawing = hold.sketch ? 'drawing' : '';
+  const classes = `hands ${isLarge(view) ? 'large' : 'small'} ${held} ${drawing} on-${view.name}`;
+  return svg`<g class=${classes}>
+    ${drawMasks(view, targets.masks)}
+    ${drawTrail(view, targets.trail)}
+    ${drawHover(view)}
+    ${drawLimb(view)}
+    ${drawReach(view, targets.grips)}
+    ${drawGrips(view, targets.grips)}
+    ${drawSizes(view, targets.sizes)}
+    ${drawRings(view, targets.rings)}
+    ${drawSketch(view)}
+  </g>`;
+}
+
+/** The outline of the part under the pointer, in its own colour. */
+function drawHover(view) {
+  const over = hold.over;
+  if (over?.view !== view.name || !over.outline.length || U.dragging) return nothing;
+  const side = S.body.parts.find(({ name }) => name === over.part)?.side ?? 'C';
+  const d = pathOf(over.outline.map((p) => view.fromView(p)), true);
+  return svg`<path class="outline-edge" d=${d} /><path class="outline ${side}" d=${d} />`;
+}

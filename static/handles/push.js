@@ -1,0 +1,47 @@
+// Pushing and zooming a view: wheel, middle button, Space-drag, the pan tool, two fingers.
+
+import { put } from '../state.js';
+import { hold, touch } from './hold.js';
+import { apart } from './space.js';
+
+const PER_NOTCH = 0.0015;
+const PER_PINCH = 0.01;
+const LINE_PX = 33;
+
+/** The wheel zooms at the pointer. */
+export function wheel(view, event, x, y) {
+  event.preventDefault();
+  if (hold.drag) return;
+  const px = event.deltaY * (event.deltaMode === 1 ? LINE_PX : 1);
+  // A pinch on a trackpad comes as a wheel with Ctrl and small steps.
+  const rate = event.ctrlKey && Math.abs(px) < 50 ? PER_PINCH : PER_NOTCH;
+  view.zoomAt(x, y, Math.exp(-Math.max(-240, Math.min(240, px)) * rate));
+}
+
+/** Begin to push the view around. */
+export function beginPush(view, x, y) {
+  hold.panning = { view: view.name, x, y };
+  put('dragging', true);
+  touch();
+}
+
+export function movePush(view, x, y) {
+  const { panning } = hold;
+  view.panBy(x - panning.x, y - panning.y);
+  Object.assign(panning, { x, y, moved: true });
+}
+
+export function endPush() {
+  hold.panning = null;
+  put('dragging', false);
+  touch();
+}
+
+/** Two fingers: what lies between them stays between them. */
+export function pinch(view, before, after) {
+  const middle = (pair) => [0, 1].map((i) => (pair[0][i] + pair[1][i]) / 2);
+  const [was, is] = [middle(before), middle(after)];
+  view.panBy(is[0] - was[0], is[1] - was[1]);
+  const spread = apart(...before);
+  if (spread > 10) view.zoomAt(is[0], is[1], apart(...after) / spread);
+}

@@ -1,0 +1,122 @@
+// The three rotation rings about the selected part's joint: where they run, how they look.
+
+import { svg, nothing } from '../vendor/lit-html/lit-html.js';
+import { S, U } from '../state.js';
+import { hold, isHot } from './hold.js';
+import { isLarge, ringRadius } from './scale.js';
+import { add, axesOf, axesOfView, nearestOnPath, pathOf } from './space.js';
+
+const AXES = ['x', 'y', 'z'];
+const STEPS = 72;
+// Where along its front half each ring carries its letter: apart from each other in most poses.
+const LETTER_AT = { x: 0.5, y: 0.85, z: 0.2 };
+
+/** The axes a ring turns about, in the frame the person chose. */
+function frameOf(view, part) {
+  const own = S.pose.T[part.name];
+  if (S.view.axes === 'view') return axesOfView(S.views[view.name]);
+  if (S.view.axes === 'parent' && part.parent) return axesOf(S.pose.T[part.parent]);
+  if (S.view.axes === 'parent') return axesOfView();
+  return axesOf(own);
+}
+
+/** The rings of the selected part in a view: [{axis, centre, e1, e2, points, front, …}]. */
+export function ringsIn(view) {
+  const part = S.body.parts.find(({ name }) => name === S.view.selected);
+  const centre = part && S.pose.points[part.name];
+  if (!centre || U.tool === 'sizes') return [];
+  const px = view.pxPerMetre(centre);
+  if (!(px > 0)) return [];
+  const axes = frameOf(view, part);
+  return AXES.map((axis, i) => {
+    const [e1, e2] = [axes[(i + 1) % 3], axes[(i + 2) % 3]];
+    return ringOf(view, { part, axis, centre, e1, e2, radius: ringRadius(view) / px });
+  });
+}
+
+function ringOf(view, ring) {
+  const middle = view.project(ring.centre);
+  const points = [];
+  for (let i = 0; i <= STEPS; i++) {
+    const [x, y, depth] = view.project(pointOn(ring, (2 * Math.PI * i) / STEPS));
+    points.push([x, y, depth - middle[2] <= 0.03 * ring.radius]);
+  }
+  const key = `ring:${ring.part.name}:${ring.axis}`;
+  return { ...ring, key, kind: 'ring', middle, points, front: frontOf(points) };
+}
+
+/** A point of the ring, at an angle from e1 toward e2. */
+export function pointOn(ring, angle, share = 1) {
+  const r = ring.radius * share;
+  return add(add(ring.centre, ring.e1, r * Math.cos(angle)), ring.e2, r * Math.sin(angle));
+}
+
+/** The near half as one polyline: it may begin anywhere on the ring. */
+function frontOf(points) {
+  const ring = points.slice(0, -1);
+  const begin = ring.findIndex((p, i) => p[2] && !ring.at(i - 1)[2]);
+  if (begin < 0) return ring.every((p) => p[2]) ? points : [];
+  const turned = [...ring.slice(begin), ...ring.slice(0, begin)];
+  return turned.slice(0, turned.findIndex((p) => !p[2]));
+}
+
+/** Where the ring's letter stands. */
+export function letterAt(ring) {
+  const { front } = ring;
+  return front[Math.floor((front.length - 1) * LETTER_AT[ring.axis])] ?? null;
+}
+
+/** The angle on the ring nearest to a place on the screen. */
+export function angleAt(ring, x, y) {
+  return (nearestOnPath(ring.points, x, y).place / STEPS) * 2 * Math.PI;
+}
+
+
+export function drawRings(view, rings) {
+  if (!rings.length) return nothing;
+  const gesture = S.pose.gesture;
+  const turning = gesture?.axis && gesture.part === rings[0].part.name ? gesture.axis : null;
+  const [x, y] = rings[0].middle;
+  return svg`<g class="rings ${turning ? 'turning' : ''}">
+    ${rings.map((ring) => drawRing(view, ring, turning))}
+    ${turning ? drawWedge(view, rings.find((ring) => ring.axis === turning), gesture) : nothing}
+    <circle class="joint" cx=${x} cy=${y} r=${isLarge(view) ? 3 : 2.5} />
+  </g>`;
+}
+
+function drawRing(view, ring, turning) {
+  const active = turning === ring.axis;
+  const state = `${active ? 'active' : turning ? 'faded' : ''} ${isHot(view, ring) ? 'hot' : ''}`;
+  const front = pathOf(ring.front);
+  const letter = isLarge(view) && !(turning && !active) ? letterAt(ring) : null;
+  return svg`<g class="ring ${ring.axis} ${state}" data-ring=${ring.axis}>
+    <path class="back" d=${pathOf(ring.points)} />
+    <path class="edge" d=${front} /><path class="front" d=${front} />
+    ${letter && !active ? drawLetter(letter, ring.axis) : nothing}
+  </g>`;
+}
+
+function drawLetter([x, y], axis) {
+  return svg`<circle class="knob" cx=${x} cy=${y} r="7" />
+    <text class="letter" x=${x} y=${y + 3.5}>${axis.toUpperCase()}</text>`;
+}
+
+/** The turn made so far, as a slice of the ring, and its letter at the slice's end. */
+function drawWedge(view, ring, gesture) {
+  const begun = hold.drag?.wedge;
+  const base = begun?.axis === ring.axis ? { ...ring, e1: begun.e1, e2: begun.e2 } : ring;
+  const from = begun?.axis === ring.axis ? begun.angle : 0;
+  const steps = Math.max(2, Math.ceil(Math.abs(gesture.angle_rad) / 0.06));
+  const arc = Array.from({ length: steps + 1 }, (_, i) =>
+    view.project(pointOn(base, from + (gesture.angle_rad * i) / steps)),
+  );
+  return svg`<g class="ring active ${ring.axis}">
+    <path class="wedge" d=${pathOf([ring.middle, ...arc], true)} />
+    ${isLarge(view) ? drawLetter(arc.at(-1), ring.axis) : nothing}
+  </g>`;
+}
+
+/** What a turn is measured from: the ring as it was when it was grabbed, and where. */
+export function wedgeOf(ring, x, y) {
+  return { axis: ring.axis, e1: ring.e1, e2: ring.e2, angle: angleAt(ring, x, y) };
+}

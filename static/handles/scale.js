@@ -1,0 +1,22 @@
+// How big things are drawn: full size in a large view, smaller in a small one.
+
+import { U } from '../state.js';
+import { VIEWS } from '../views.js';
+
+const SMALL_UNDER = 260;
+
+/** The view in the large place; with four equal views the camera's. */
+export function largeView() {
+  return VIEWS.includes(U.layout) ? U.layout : 'main';
+}
+
+/** Whether handles and rings get their full size in this view. */
+export function isLarge(view) {
+  return Math.min(view.el.clientWidth, view.el.clientHeight) >= SMALL_UNDER;
+}
+
+/** Radius of the rotation rings, pixels. */
+export const ringRadius = (view) => (isLarge(view) ? 56 : 26);
+
+/** Factor for grab handles. */
+export const gripScale = (view) => (isLarge(view) ? 1 : 0.7);

@@ -1,0 +1,66 @@
+// Clicks: what they select, and what a second click at the same place means.
+
+import { S, U, put } from '../state.js';
+import { send } from '../link.js';
+import { chooseMask, deleteCorner, maskAt } from './masks.js';
+import { apart } from './space.js';
+
+const DOUBLE_MS = 350;
+const SAME_PX = 5;
+
+let last = { time: -Infinity, view: null, at: [0, 0], part: null, frame: -1 };
+
+/** A click in a view: on a target, on parts (front to back), or on nothing. */
+export function click(view, x, y, target, parts) {
+  const now = performance.now();
+  const here = last.view === view.name && apart(last.at, [x, y]) < SAME_PX;
+  const same = here && last.frame === S.view.frame;
+  const twice = same && now - last.time < DOUBLE_MS;
+  const part = target ? partOf(target) : partAt(parts, same && !twice);
+  if (twice) clickTwice(view, x, y, target);
+  else clickOnce(view, x, y, target, part);
+  last = { time: twice ? -Infinity : now, view: view.name, at: [x, y], frame: S.view.frame, part: twice ? last.part : part };
+}
+
+/** The front part, or at a further click the one behind the selected. */
+function partAt(parts, again) {
+  if (!parts.length) return null;
+  const at = parts.indexOf(S.view.selected);
+  return again && at >= 0 ? parts[(at + 1) % parts.length] : parts[0];
+}
+
+const partOf = (target) =>
+  target.kind === 'ring' || target.tell || target.kind === 'trail' ? null : target.part;
+
+function clickOnce(view, x, y, target, part) {
+  if (target?.kind === 'trail') return void send({ do: 'go', frame: target.frame });
+  if (target?.tell) return chooseMask(target.index);
+  if (target?.kind === 'ring') return undefined;
+  const mask = part ? null : maskAt(view, x, y);
+  chooseMask(mask ? mask.index : null);
+  if (!mask) select(part);
+  return undefined;
+}
+
+function clickTwice(view, x, y, target) {
+  if (target?.kind === 'corner') return deleteCorner(target);
+  if (target?.tell || target?.kind === 'ring' || maskChosen(view, x, y)) return undefined;
+  const part = target?.part ?? last.part;
+  if (!part) return view.fit();
+  put('limb', limbOf(part));
+  return undefined;
+}
+
+const maskChosen = (view, x, y) => U.mask != null && maskAt(view, x, y)?.index === U.mask;
+
+/** Select a part, or nothing. */
+export function select(part) {
+  put('limb', null);
+  if (part !== (S.view.selected ?? null)) send({ do: 'select', part });
+}
+
+/** The parts of the limb that a part belongs to; the part alone where it has none. */
+function limbOf(part) {
+  const handle = S.body.handles.find(({ limb }) => limb.includes(part));
+  return handle ? handle.limb : [part];
+}

@@ -1,0 +1,126 @@
+// Drawing on the picture: the outline of an ignore mask, or a line along something upright.
+
+import { svg, nothing } from '../vendor/lit-html/lit-html.js';
+import { S, U, put } from '../state.js';
+import { send } from '../link.js';
+import { view as viewNamed } from '../views.js';
+import { hold, touch } from './hold.js';
+import { apart, pathOf } from './space.js';
+
+const CLOSE_PX = 10;
+const SAME_PX = 4;
+const SHORTEST_PX = 12;
+
+export const isDrawingTool = (tool) => tool === 'mask' || tool === 'vertical';
+
+/** The tool changed: forget what was begun, and show the picture large. */
+export function toolChanged() {
+  if (!isDrawingTool(U.tool)) {
+    hold.sketch = null;
+    return;
+  }
+  if (hold.sketch?.tool === U.tool) return;
+  hold.sketch = { tool: U.tool, points: [], pointer: null };
+  put('mask', null);
+  if (U.layout !== 'main' && U.layout !== 'quad') put('layout', 'main');
+}
+
+/** Whether a pointer on this view draws. */
+export function sketches(view) {
+  if (!isDrawingTool(U.tool) || view.name !== 'main') return false;
+  // The tool may have been taken up since the last animation frame.
+  toolChanged();
+  return true;
+}
+
+/** A press on the main view with a drawing tool. */
+export function sketchDown(view, x, y) {
+  const { sketch } = hold;
+  if (sketch.tool === 'vertical') sketch.points = [view.toView([x, y])];
+  sketch.pointer = [x, y];
+  touch();
+}
+
+export function sketchMove(view, x, y) {
+  hold.sketch.pointer = [x, y];
+  touch();
+}
+
+/** A release: a mask gets a corner or is closed, a vertical line is done. */
+export function sketchUp(view, x, y) {
+  const { sketch } = hold;
+  if (sketch.tool === 'vertical') return finishVertical(view, x, y);
+  const corners = sketch.points.map((p) => view.fromView(p));
+  const again = corners.length && apart(corners.at(-1), [x, y]) < SAME_PX;
+  const home = corners.length > 2 && apart(corners[0], [x, y]) < CLOSE_PX;
+  if (again || home) closeMask();
+  else sketch.points.push(view.toView([x, y]));
+  touch();
+}
+
+/** Keys of the drawing tools; true when the key was one. */
+export function sketchKey(key) {
+  if (!isDrawingTool(U.tool)) return false;
+  toolChanged();
+  const { sketch } = hold;
+  if (key === 'escape') put('tool', 'select');
+  else if (sketch.tool === 'mask' && key === 'enter') closeMask();
+  else if (sketch.tool === 'mask' && (key === 'backspace' || key === 'delete')) sketch.points.pop();
+  else return false;
+  touch();
+  return true;
+}
+
+function closeMask() {
+  const { points } = hold.sketch;
+  if (points.length < 3) return;
+  const { first, last } = stretch();
+  send({ do: 'add_mask', polygon: points, first, last });
+  put('mask', (S.masks ?? []).length);
+  put('tool', 'select');
+}
+
+/** The segment one stands in, or the whole clip. */
+function stretch() {
+  const { frame } = S.view;
+  const segment = (S.segments ?? []).find(({ first, last }) => first <= frame && frame <= last);
+  return segment ?? { first: 0, last: S.file.frames - 1 };
+}
+
+function finishVertical(view, x, y) {
+  const [a] = hold.sketch.points;
+  hold.sketch.points = [];
+  if (!a || apart(view.fromView(a), [x, y]) < SHORTEST_PX) return touch();
+  send({ do: 'vertical', a, b: view.toView([x, y]) });
+  put('tool', 'select');
+  touch();
+}
+
+/** What to do now, in one line. */
+export function sketchHint() {
+  const { sketch } = hold;
+  if (!sketch) return null;
+  if (sketch.tool === 'vertical') return 'Drag along something upright: a wall, a door, a pole.';
+  const begun = sketch.points.length;
+  if (!begun) return 'Click around what hides the person.';
+  if (begun < 3) return 'Go on clicking. Backspace takes back a corner, Esc leaves.';
+  return 'Enter or the first corner closes. Backspace takes back a corner, Esc leaves.';
+}
+
+export function drawSketch(view) {
+  const { sketch } = hold;
+  if (!sketch || view.name !== 'main') return nothing;
+  const corners = sketch.points.map((p) => viewNamed('main').fromView(p));
+  const line = sketch.pointer && corners.length ? [...corners, sketch.pointer] : corners;
+  const home = corners.length > 2 && sketch.pointer && apart(corners[0], sketch.pointer) < CLOSE_PX;
+  return svg`<g class="sketch">
+    ${sketch.tool === 'mask' && line.length > 2
+      ? svg`<path class="area" d=${pathOf(line, true)} />`
+      : nothing}
+    <path class="line-edge" d=${pathOf(line)} /><path class="line" d=${pathOf(line)} />
+    ${corners.map(([x, y], i) => {
+      const first = i === 0 && corners.length > 2;
+      return svg`<circle class="corner ${first && home ? 'hot' : ''}" cx=${x} cy=${y} r=${first ? 6 : 4} />`;
+    })}
+  </g>`;
+}

@@ -1,0 +1,57 @@
+// Everything that can be grabbed in a view, and which of it a pointer means.
+
+import { S, U } from '../state.js';
+import { gripsIn } from './grips.js';
+import { masksIn } from './masks.js';
+import { letterAt, ringsIn } from './rings.js';
+import { gripScale, isLarge } from './scale.js';
+import { sizesIn } from './sizes.js';
+import { apart, nearestOnPath } from './space.js';
+import { trailKeysIn } from './trail.js';
+
+const REACH = 12;
+const RING_REACH = 7;
+const BORDER_REACH = 6;
+const FINGER = 1.7;
+
+/** Whether there is a body to take hold of, and an eye that sees it. */
+export const isReady = (view) => Boolean(S.file && S.pose && S.body && S.view && S.views && view.eye);
+
+/** All targets of a view by kind; empty before a file is open. */
+export function targetsIn(view) {
+  if (!isReady(view)) return { grips: [], rings: [], sizes: [], masks: [], trail: [] };
+  return {
+    grips: gripsIn(view),
+    rings: ringsIn(view),
+    sizes: sizesIn(view),
+    masks: masksIn(view),
+    trail: trailKeysIn(view),
+  };
+}
+
+/** The target a pointer at (x, y) means, or null. */
+export function targetAt(view, x, y, touch = false) {
+  if (U.tool === 'pan' || U.tool === 'mask' || U.tool === 'vertical') return null;
+  const { grips, rings, sizes, masks, trail } = targetsIn(view);
+  const finger = touch ? FINGER : 1;
+  const found = [...grips, ...sizes, ...masks, ...trail, ...rings]
+    .map((target) => ({ target, miss: missOf(view, target, x, y) / finger }))
+    .filter(({ miss }) => miss <= 1)
+    .sort((a, b) => a.miss - b.miss);
+  return found[0]?.target ?? null;
+}
+
+/** How far the pointer is from a target, as a share of the target's reach. */
+function missOf(view, target, x, y) {
+  if (target.kind === 'ring') return ringMiss(view, target, x, y);
+  if (target.path) return nearestOnPath(target.path, x, y).distance / BORDER_REACH;
+  const reach = target.reach ?? REACH * (isLarge(view) ? 1 : gripScale(view));
+  return apart(target.at, [x, y]) / reach;
+}
+
+function ringMiss(view, ring, x, y) {
+  const reach = isLarge(view) ? RING_REACH : 5;
+  const line = nearestOnPath(ring.front, x, y).distance / reach;
+  const letter = isLarge(view) && letterAt(ring);
+  return letter ? Math.min(line, apart(letter, [x, y]) / 10) : line;
+}

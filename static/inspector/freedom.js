@@ -1,0 +1,60 @@
+// Which motions the tracker estimates; the others stay as the keyframes around have them.
+
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { S, U, put } from '../state.js';
+import { send } from '../link.js';
+import { iconButton } from '../fields.js';
+import { section } from './section.js';
+import { select, selectedPart } from './parts.js';
+
+const TURNS = ['rx', 'ry', 'rz'];
+const MOVES = ['tx', 'ty', 'tz'];
+const MOVE_WORDS = { tx: 'Across', ty: 'Down', tz: 'Depth' };
+
+export function freedom() {
+  const part = selectedPart();
+  const all = U.allFreedoms === true;
+  const parts = all ? S.body.parts : part ? [part] : [];
+  return section(
+    'Free to move',
+    html`${parts.map((one) => freedoms(one, !all))}
+      ${parts.length ? nothing : html`<p class="note">Select a part to choose how it may move.</p>`}
+      <p class="note">Whole body: ${S.body.dof_count} of ${S.body.dof_total}</p>`,
+    iconButton({
+      name: 'more', label: all ? 'The selected part only' : 'All parts', pressed: all,
+      act: () => put('allFreedoms', !all),
+    }),
+  );
+}
+
+function freedoms(part, wordy) {
+  return html`<div class="free ${part.name === S.view.selected && !wordy ? 'sel' : ''}">
+      <button type="button" class="name" title=${`Select ${part.label.toLowerCase()}`} @click=${() => select(part.name)}>
+        <span class="dot" style="background:var(--${part.side})"></span><span class="cut">${part.label}</span>
+      </button>
+      ${toggles(part, TURNS, wordy)}
+    </div>
+    ${part.parent ? nothing : html`<div class="free"><span class="mut indent">Its place</span>${toggles(part, MOVES, wordy)}</div>`}`;
+}
+
+function toggles(part, dofs, wordy) {
+  return html`<div class="seg" role="group" aria-label=${`Motions of ${part.label}`}>
+    ${dofs.map((dof) => motion(part, dof, wordy))}
+  </div>`;
+}
+
+function motion(part, dof, wordy) {
+  const axis = dof[1];
+  const on = part.tracked.includes(dof);
+  const word = MOVE_WORDS[dof] ?? part.words?.[axis] ?? axis.toUpperCase();
+  const next = [...MOVES, ...TURNS].filter((each) => (each === dof ? !on : part.tracked.includes(each)));
+  const title = on ? `${word} is tracked. Click to keep it as posed` : `${word} stays as posed. Click to track it`;
+  return html`<button
+    type="button"
+    aria-pressed=${on}
+    title=${title}
+    @click=${() => send({ do: 'tracked', part: part.name, dofs: next })}
+  >
+    <b style="color:var(--g${axis})">${axis.toUpperCase()}</b>${wordy && on ? html`<span>${word}</span>` : nothing}
+  </button>`;
+}

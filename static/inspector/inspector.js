@@ -1,0 +1,102 @@
+// The inspector: the part picker on top, four tabs of numbers below.
+
+import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { S, U, put, watch } from '../state.js';
+import { bodyTab } from './body_tab.js';
+import { addDrawer } from './drawer.js';
+import { freedom } from './freedom.js';
+import { lens } from './lens.js';
+import { masks } from './masks.js';
+import { method } from './method.js';
+import { partTab } from './part_tab.js';
+import { picker } from './picker.js';
+import { segment } from './segment.js';
+import { addSplitter } from './splitter.js';
+import { upright } from './upright.js';
+
+export { alongChain, otherSide } from './chain.js';
+export { isFree } from './rotation.js';
+
+const TABS = {
+  part: { label: 'Part', title: 'The selected part: pose and sizes', draw: partTab },
+  body: { label: 'Body', title: 'The whole body: preset, height, all sizes', draw: bodyTab },
+  camera: { label: 'Camera', title: 'Lens, up direction, ignored regions', draw: cameraTab },
+  track: { label: 'Track', title: 'How to track, and how it went', draw: trackTab },
+};
+
+const SHOWN = [
+  'file', 'camera', 'body', 'view', 'pose', 'keys', 'segments', 'lanes', 'masks', 'settings', 'clipboard',
+  ...['tab', 'tool', 'hover', 'figureHover', 'freeAxes', 'lens', 'mask', 'segmentFirst', 'allFreedoms'].map((n) => `u:${n}`),
+];
+
+/** What was selected when it was last brought into sight. */
+let shownSelected = null;
+
+export function mount() {
+  const inspector = document.getElementById('insp');
+  const room = document.createElement('div');
+  room.className = 'insp-room';
+  inspector.append(room);
+  addSplitter(inspector);
+  addDrawer(inspector);
+  room.addEventListener('mousedown', keepKeysWithTheFrame);
+  watch(SHOWN, () => draw(room));
+}
+
+function draw(room) {
+  render(S.file && S.body && S.view ? contents() : nothing, room);
+  if (S.view?.selected === shownSelected) return;
+  shownSelected = S.view?.selected;
+  // With the keyboard in the figure the focus goes along.
+  if (document.activeElement?.closest('.fig')) room.querySelector('.fig [tabindex="0"]')?.focus();
+  for (const row of room.querySelectorAll('.tree .sel, .size.sel, .free.sel')) row.scrollIntoView({ block: 'nearest' });
+}
+
+function contents() {
+  const tab = TABS[U.tab] ? U.tab : 'part';
+  return html`${picker()}
+    <div class="tabs" role="tablist" aria-label="Inspector" @keydown=${turn}>${Object.keys(TABS).map((id) => head(id, tab))}</div>
+    <div class="body" role="tabpanel" id="insp-body" aria-label=${TABS[tab].label}>${TABS[tab].draw()}</div>`;
+}
+
+function head(id, current) {
+  return html`<button
+    type="button"
+    role="tab"
+    title=${TABS[id].title}
+    aria-selected=${id === current}
+    aria-controls="insp-body"
+    tabindex=${id === current ? 0 : -1}
+    @click=${() => put('tab', id)}
+  >
+    ${TABS[id].label}
+  </button>`;
+}
+
+/** Arrow keys walk over the tabs once one of them has been reached with Tab. */
+function turn(event) {
+  const way = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+  if (way === undefined) return;
+  event.preventDefault();
+  event.stopPropagation();
+  const ids = Object.keys(TABS);
+  const next = (ids.indexOf(U.tab) + way + ids.length) % ids.length;
+  put('tab', ids[next]);
+  event.currentTarget.children[next].focus();
+}
+
+function cameraTab() {
+  return S.camera ? html`${lens()}${upright()}${masks()}` : nothing;
+}
+
+function trackTab() {
+  return S.settings ? html`${method()}${segment()}${freedom()}` : nothing;
+}
+
+/** A control clicked with the mouse leaves the keys with the views; what was typed is taken over. */
+function keepKeysWithTheFrame(event) {
+  if (event.target.closest('input, number-field, slide-bar')) return;
+  if (!event.target.closest('button, path, [role=option]')) return;
+  event.preventDefault();
+  if (!event.target.closest('[popover]')) document.activeElement?.blur();
+}

@@ -1,0 +1,78 @@
+// The lens: by its field of view or by its intrinsics, and its distortion.
+
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { S, U, put } from '../state.js';
+import { send } from '../link.js';
+import { iconButton, segmented, shortNumber } from '../fields.js';
+import { fact, line, measure, section } from './section.js';
+
+const COEFFICIENTS = ['k1', 'k2', 'p1', 'p2', 'k3'];
+
+const INTRINSICS = [
+  { key: 'fx', label: 'Focal x', min: 1 },
+  { key: 'fy', label: 'Focal y', min: 1 },
+  { key: 'cx', label: 'Centre x' },
+  { key: 'cy', label: 'Centre y' },
+];
+
+export function lens() {
+  // Until a person chooses, the way in which the camera came to be known.
+  const known = U.lens ?? (S.camera.origin === 'intrinsics' ? 'intrinsics' : 'view');
+  const choice = segmented({
+    label: 'Known by', value: known, act: (id) => put('lens', id),
+    options: [
+      { id: 'view', label: 'Field of view', title: 'How wide the camera sees: enough for most videos' },
+      { id: 'intrinsics', label: 'Intrinsics', title: 'Focal lengths and centre from a calibration' },
+    ],
+  });
+  return html`${section('Lens', html`
+    ${line('Known by', choice)}${known === 'view' ? fieldOfView() : INTRINSICS.map(intrinsic)}${telephoto()}
+  `)}${distortion()}`;
+}
+
+function fieldOfView() {
+  const { fov_deg: deg, fx, width, height, origin } = S.camera;
+  const side = width >= height ? 'width' : 'height';
+  const spec = {
+    key: 'fov', label: 'Angle', text: 'Angle', value: deg, unit: '°', step: 0.5, coarse: 5, min: 1, max: 170,
+    title: `How much the picture’s ${side} sees. A phone’s main camera: about 65°`,
+    edit: (value) => ({ do: 'field_of_view', deg: value }),
+  };
+  return html`${measure(spec, [10, 120])}${fact('Focal', `${shortNumber(fx, 1)} px`, 'What the angle amounts to')}
+    ${origin === 'guess' ? html`<p class="note">A guess. Better numbers give better depth.</p>` : nothing}`;
+}
+
+function intrinsic({ key, label, min }) {
+  return measure({
+    key: `camera.${key}`, label, value: S.camera[key], unit: 'px', step: 1, coarse: 10, min,
+    edit: (value) => ({ do: 'camera', [key]: value }),
+  });
+}
+
+function telephoto() {
+  if (S.camera.projection !== 'telephoto') return nothing;
+  const metres = shortNumber(S.camera.telephoto_distance_m, 1);
+  return html`<p class="note">Telephoto: depth leaves no trace in the picture. Scale holds at ${metres} m.</p>`;
+}
+
+function distortion() {
+  const ideal = S.camera.distortion.every((value) => value === 0);
+  const reset = () => send({ do: 'distortion', ...Object.fromEntries(COEFFICIENTS.map((k) => [k, 0])) });
+  return section(
+    'Distortion',
+    html`${COEFFICIENTS.map((key, i) => coefficient(key, S.camera.distortion[i]))}`,
+    iconButton({
+      name: 'reset', label: 'No distortion', act: reset, off: ideal ? 'The lens is straight already' : '',
+    }),
+  );
+}
+
+function coefficient(key, value) {
+  const round = { k1: 'Barrel or cushion', k2: 'Barrel or cushion, fourth order', k3: 'Barrel or cushion, sixth order' };
+  return measure({
+    key: `camera.${key}`, label: key, value, decimals: 4, step: 0.001, coarse: 0.01, perPixel: 0.0005,
+    min: -1000, max: 1000,
+    title: `${round[key] ?? 'Lens not square to the sensor'}: drag sideways or type`,
+    edit: (number) => ({ do: 'distortion', [key]: number }),
+  });
+}

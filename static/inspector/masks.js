@@ -1,0 +1,68 @@
+// Regions of the picture that the tracker leaves out, each over a range of frames.
+
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { S, U, put } from '../state.js';
+import { send } from '../link.js';
+import { button, iconButton, numberField, textField } from '../fields.js';
+import { section } from './section.js';
+
+export function masks() {
+  const drawing = U.tool === 'mask';
+  const list = S.masks ?? [];
+  return section(
+    'Ignore masks',
+    html`${list.map(mask)}${list.length ? nothing : html`<p class="note">
+        Cover what moves but is not the body: a passer-by, a screen, a shadow.
+      </p>`}
+    ${button({
+      name: 'plus', label: drawing ? 'Click the corners, Enter closes' : 'Draw a mask on the picture',
+      kind: drawing ? 'wide on' : 'wide',
+      title: drawing ? 'Stop drawing' : 'Click around what is to be left out',
+      key: drawing ? 'Esc' : '',
+      act: () => put('tool', drawing ? 'select' : 'mask'),
+    })}`,
+  );
+}
+
+function mask(one, index) {
+  const here = one.first <= S.view.frame && S.view.frame <= one.last;
+  const change = (fields) => ({ do: 'change_mask', index, ...fields });
+  return html`<div
+    class="mask ${here ? 'here' : ''} ${index === U.mask ? 'sel' : ''}"
+    title=${here ? 'Holds at this frame' : `Does not hold at frame ${S.view.frame}`}
+  >
+    <button
+      type="button"
+      class="lk num"
+      aria-label=${`Choose mask ${index + 1}`}
+      aria-pressed=${index === U.mask}
+      title="Show its corners on the picture"
+      @click=${() => choose(one, index, here)}
+    >
+      ${index + 1}
+    </button>
+    ${textField({
+      label: `Note on mask ${index + 1}`, value: one.note, placeholder: 'Note',
+      act: (note) => send(change({ note })),
+    })}
+    ${numberField(end(index, 'first', one.first, 0, one.last, change))}<span class="dim">–</span>
+    ${numberField(end(index, 'last', one.last, one.first, S.file.frames - 1, change))}
+    ${iconButton({
+      name: 'trash', label: `Delete mask ${index + 1}`, act: () => send({ do: 'delete_mask', index }),
+    })}
+  </div>`;
+}
+
+/** A chosen mask shows its corners, which it can only where it holds. */
+function choose(one, index, here) {
+  put('mask', index === U.mask ? null : index);
+  if (!here) send({ do: 'go', frame: one.first });
+}
+
+function end(index, side, value, min, max, change) {
+  const label = side === 'first' ? 'First frame' : 'Last frame';
+  return {
+    key: `mask.${index}.${side}`, label, value, min, max, decimals: 0, step: 1, coarse: 10,
+    edit: (frame) => change({ [side]: Math.round(frame) }),
+  };
+}

@@ -1,0 +1,67 @@
+// How to track.
+
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { S } from '../state.js';
+import { send } from '../link.js';
+import { checkbox, dropdown, numberField, segmented, slider } from '../fields.js';
+import { line, section } from './section.js';
+
+const MOST_PASSES = 50;
+
+const METHODS = [
+  { id: 'keypose', label: 'Keypose', note: 'best' },
+  { id: 'paper', label: 'As in the paper', note: 'to compare' },
+];
+
+const QUALITIES = [
+  { id: 'full', label: 'Full', title: 'The best that can be had' },
+  { id: 'fast', label: 'Fast', title: 'A little less exact, much sooner' },
+  { id: 'preview', label: 'Preview', title: 'A first look' },
+];
+
+export function method() {
+  const { method: name, quality, static_camera: still } = S.settings;
+  const paper = name === 'paper' ? 'The method of the paper knows one quality' : '';
+  return section(
+    'Method',
+    html`${line('Method', dropdown({
+      label: 'Method', value: name, options: METHODS, act: (id) => send({ do: 'settings', method: id }),
+    }))}
+    ${line('Quality', segmented({
+      label: 'Quality', value: paper ? null : quality, options: QUALITIES, off: paper,
+      act: (id) => send({ do: 'settings', quality: id }),
+    }))}
+    ${passes()}
+    ${checkbox({
+      label: 'The camera stands still', on: still,
+      title: 'A picture of the empty scene keeps other people and things out',
+      act: (on) => send({ do: 'settings', static_camera: on }),
+    })}
+    ${checkbox({
+      label: 'Track live while I pose', on: S.view.live, key: 'L',
+      title: 'Track the neighbouring segments each time a keyframe changes',
+      act: (on) => send({ do: 'live', on }),
+    })}`,
+  );
+}
+
+function passes() {
+  const { passes: chosen, default_passes: usual } = S.settings;
+  const spec = {
+    key: 'passes', label: 'Passes', value: chosen ?? usual, decimals: 0, step: 1, coarse: 5, perPixel: 0.2,
+    min: 1, max: MOST_PASSES, zero: 1, tick: false,
+    title: 'How often each segment is gone over; the best pass is kept',
+    edit: (value) => ({ do: 'settings', passes: Math.round(value) }),
+  };
+  const automatic = segmented({
+    label: 'Passes', value: chosen === null ? 'auto' : 'own',
+    options: [
+      { id: 'auto', label: 'Automatic', title: `The method’s own number, ${usual}` },
+      { id: 'own', label: 'Own', title: 'Choose how many' },
+    ],
+    act: (id) => send({ do: 'settings', passes: id === 'auto' ? null : usual }),
+  });
+  return html`${line('Passes', automatic)}${chosen === null
+    ? nothing
+    : html`<div class="f w"><label></label>${slider({ ...spec, max: Math.max(20, chosen) })}${numberField(spec)}</div>`}`;
+}

@@ -1,0 +1,134 @@
+// The top of the inspector: the figure, and what is selected.
+
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { S, U, put } from '../state.js';
+import { send } from '../link.js';
+import { icon } from '../icons.js';
+import { dropdown, iconButton } from '../fields.js';
+import { alongChain, endOfChain, otherSide, outward, remember } from './chain.js';
+import { figure, isPerson } from './figure.js';
+import { ancestors, partNamed, select, selectedPart, shortLabel } from './parts.js';
+import { hiddenRuns, range, seenHere } from './seen.js';
+import { tree } from './tree.js';
+
+const RUNS_SHOWN = 2;
+
+export function picker() {
+  const part = selectedPart();
+  if (part) remember(part);
+  const person = isPerson(S.body);
+  return html`<div class="pick ${person ? '' : 'listed'}">
+    <div class="fig" @keydown=${walk}>${person ? figure(S.body, face) : tree(S.body, face)}</div>
+    <div class="inf">${part ? about(part) : nobody()}
+      <span class="sp"></span>
+      <span class="row walk">${part ? steps(part) : nothing}<span class="sp"></span>${byName()}</span>
+    </div>
+  </div>`;
+}
+
+/** How one part of the figure looks and what it does. */
+function face(part) {
+  return {
+    selected: part.name === S.view.selected,
+    first: part.name === (S.view.selected ?? S.body.parts[0].name), // where Tab arrives
+    hovered: part.name === U.figureHover || part.name === U.hover,
+    over: () => put('figureHover', part.name),
+    out: () => put('figureHover', null),
+    act: () => select(part.name),
+  };
+}
+
+/** The keys of a figure that was reached with Tab. */
+function walk(event) {
+  const steps = {
+    ArrowUp: () => alongChain(-1), ArrowDown: () => alongChain(1), ArrowLeft: otherSide, ArrowRight: otherSide,
+    Enter: () => event.target.dispatchEvent(new MouseEvent('click')),
+  };
+  const step = steps[event.key === ' ' ? 'Enter' : event.key];
+  if (!step) return;
+  event.preventDefault();
+  event.stopPropagation();
+  step();
+}
+
+function about(part) {
+  return html`<span class="row dim crumbs">${crumbs(part)}</span>
+    <h2 class="row" title=${part.label}>
+      <span class="dot" style="background:var(--${part.side})"></span><span class="cut">${part.label}</span>
+    </h2>
+    <span class="mut cut" role="status">${seenHere(part)}</span>
+    ${hidden(part)}`;
+}
+
+function nobody() {
+  const over = partNamed(U.figureHover);
+  return html`<span class="dim crumbs">No part selected</span>
+    <span class="mut">${over ? over.label : 'Click a part here or in a view.'}</span>`;
+}
+
+/** The two nearest parents; a click goes there. */
+function crumbs(part) {
+  const line = ancestors(part).slice(-2);
+  if (line.length === 0) return html`Root`;
+  return line.map(
+    (up, i) => html`${i ? icon('chr', 'width:10px') : nothing}<button
+        type="button"
+        class="crumb"
+        title=${`Select ${up.label.toLowerCase()}`}
+        @click=${() => select(up.name)}
+      >${shortLabel(up)}</button>`,
+  );
+}
+
+function hidden(part) {
+  const runs = hiddenRuns(part);
+  if (runs.length === 0) return nothing;
+  const one = (run, i) => html`${i ? ', ' : ''}<button
+      type="button"
+      class="crumb"
+      title=${`Go to the middle of ${range(run)}`}
+      @click=${() => send({ do: 'go', frame: Math.round((run[0] + run[1]) / 2) })}
+    >${range(run)}</button>`;
+  const more = runs.length - RUNS_SHOWN;
+  return html`<span class="dim tall cut">Hidden in ${runs.slice(0, RUNS_SHOWN).map(one)}${
+    more > 0 ? `, ${more} more` : ''
+  }</span>`;
+}
+
+function steps(part) {
+  const up = partNamed(part.parent);
+  const next = outward(part);
+  const end = next ? shortLabel(endOfChain(part)).toLowerCase() : '';
+  return html`${iconButton({
+    name: 'mirror', label: 'Other side', key: 'Q', act: otherSide,
+    off: part.mirror ? '' : `${part.label} has no other side`,
+  })}${iconButton({
+    name: 'sb', label: up ? `Toward the body: ${up.label.toLowerCase()}` : 'Toward the body', key: '[',
+    act: () => alongChain(-1), off: up ? '' : `${part.label} is the root, everything hangs on it`,
+  })}${iconButton({
+    name: 'sf', label: `Toward the ${end}: ${next?.label.toLowerCase()}`, key: ']',
+    act: () => alongChain(1), off: next ? '' : `Nothing hangs on the ${part.label.toLowerCase()}`,
+  })}`;
+}
+
+function byName() {
+  return dropdown({
+    label: 'Part', text: isPerson(S.body) ? 'By name' : 'Find', kind: 'ghost', search: true, title: 'Select a part by its name',
+    value: S.view.selected, options: named(), act: select,
+  });
+}
+
+/** All parts, in the groups the timeline's lanes have. */
+function named() {
+  const left = new Map(S.body.parts.map((part) => [part.name, part]));
+  const options = [];
+  for (const group of [...(S.body.lanes ?? []), { label: 'Other parts', parts: [...left.keys()] }]) {
+    for (const name of group.parts) {
+      const part = left.get(name);
+      if (!part) continue;
+      left.delete(name);
+      options.push({ id: name, label: part.label, group: group.label, dot: part.side });
+    }
+  }
+  return options;
+}

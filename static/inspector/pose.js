@@ -1,0 +1,66 @@
+// Poses taken over whole: tracked, from the keyframes around, copied, mirrored, at rest.
+
+import { html } from '../vendor/lit-html/lit-html.js';
+import { S } from '../state.js';
+import { send } from '../link.js';
+import { button, iconButton } from '../fields.js';
+import { section } from './section.js';
+
+const TRACKED = new Set(['good', 'check', 'lost']);
+
+export function pose() {
+  const empty = S.clipboard ? '' : 'No pose is copied yet. Copy one with Ctrl C';
+  const icons = html`${iconButton({
+    name: 'copy', label: 'Copy pose', key: 'Ctrl C', act: () => send({ do: 'copy_pose' }),
+  })}${iconButton({
+    name: 'paste', label: 'Paste pose', key: 'Ctrl V', off: empty,
+    act: () => send({ do: 'paste_pose', mirrored: false }),
+  })}${iconButton({
+    name: 'reset', label: 'Reset the whole pose', key: 'Shift ⌫', act: () => send({ do: 'reset_pose' }),
+  })}`;
+  return section(
+    'Pose',
+    html`<div class="lr">
+      ${button({
+        name: 'take', label: 'Take tracked', title: 'Take the tracked pose over as your own',
+        act: () => send({ do: 'take_tracked' }), off: untracked(),
+      })}
+      ${button({
+        name: 'mirror', label: 'Paste mirrored', key: 'Ctrl Shift V', off: empty,
+        title: 'Paste the copied pose with left and right exchanged',
+        act: () => send({ do: 'paste_pose', mirrored: true }),
+      })}
+      ${fromKey(neighbour(-1), 'before', 'P')} ${fromKey(neighbour(1), 'after', '')}
+    </div>`,
+    icons,
+  );
+}
+
+/** Why no tracked pose can be taken here, or ''. */
+function untracked() {
+  const here = S.view.frame;
+  const result = (S.segments ?? []).some(
+    (one) => one.first <= here && here <= one.last && (TRACKED.has(one.state) || one.scores?.length),
+  );
+  return result ? '' : `Frame ${here} is not tracked yet. Track with T`;
+}
+
+/** The nearest keyframe before (−1) or after (+1) the present frame. */
+function neighbour(way) {
+  const frames = S.keys?.frames ?? [];
+  const here = S.view.frame;
+  return way < 0 ? frames.findLast((f) => f < here) : frames.find((f) => f > here);
+}
+
+function fromKey(frame, word, key) {
+  const none = `There is no keyframe ${word} frame ${S.view.frame}`;
+  return button({
+    name: 'prev',
+    flip: word === 'after',
+    label: frame === undefined ? (word === 'before' ? 'Previous key' : 'Next key') : `From key ${frame}`,
+    title: `Copy the pose of keyframe ${frame} to here`,
+    key,
+    off: frame === undefined ? none : '',
+    act: () => send({ do: 'copy_key', from_frame: frame }),
+  });
+}

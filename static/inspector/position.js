@@ -1,0 +1,44 @@
+// Where the root stands before the camera, in metres: across and up in the picture, and depth.
+
+import { html } from '../vendor/lit-html/lit-html.js';
+import { S } from '../state.js';
+import { send } from '../link.js';
+import { iconButton } from '../fields.js';
+import { measure, section } from './section.js';
+
+const NEAREST_M = 0.05;
+
+export function position() {
+  // The camera's y runs down; people say how high.
+  const rows = [
+    { label: 'Across', axis: 'x', sign: 1, title: 'Right of the picture’s middle' },
+    { label: 'Up', axis: 'y', sign: -1, title: 'Above the picture’s middle' },
+    { label: 'Depth', axis: 'z', sign: 1, title: 'Away from the camera', min: NEAREST_M },
+  ];
+  return section(
+    'Position',
+    html`${rows.map(place)}`,
+    iconButton({
+      name: 'reset', label: 'Back to the middle of the picture',
+      act: () => send({ do: 'root', x: 0, y: 0 }),
+      off: S.pose ? '' : 'There is no pose at this frame',
+    }),
+  );
+}
+
+function place({ label, axis, sign, title, min }) {
+  const value = S.pose ? sign * S.pose.root['xyz'.indexOf(axis)] : null;
+  return measure({
+    key: `${S.view.frame}.root.${axis}`,
+    label,
+    value,
+    unit: 'm',
+    decimals: 2,
+    step: 0.01,
+    coarse: 0.1,
+    min,
+    title: `${title}: drag sideways or type`,
+    edit: (metres) => ({ do: 'root', [axis]: sign * metres }),
+    off: S.pose ? '' : 'There is no pose at this frame',
+  });
+}

@@ -1,0 +1,110 @@
+// The three angles of the selected part, within their joint limits, and the frame of the rings.
+
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { S, U, put } from '../state.js';
+import { send } from '../link.js';
+import { icon } from '../icons.js';
+import { checkbox, iconButton, numberField, segmented, slider, tip } from '../fields.js';
+import { section } from './section.js';
+
+const AXES = ['x', 'y', 'z'];
+const FULL_TURN = [-180, 180];
+const ROOM = 0.12;
+
+/** Whether the limits of this axis have been lifted in this tab. */
+export function isFree(part, axis) {
+  return !S.view.limits || (U.freeAxes?.has(`${part.name}.${axis}`) ?? false);
+}
+
+export function rotation(part) {
+  return section(
+    'Rotation',
+    html`${AXES.map((axis, i) => angle(part, axis, S.pose?.angles[part.name]?.[i] ?? null))}${frames()}`,
+    iconButton({
+      name: 'reset', label: 'Reset this part', key: '⌫',
+      act: () => send({ do: 'reset_part', part: part.name }),
+    }),
+  );
+}
+
+function angle(part, axis, value) {
+  const limits = part.limits?.[axis] ?? null;
+  const spec = {
+    key: `${S.view.frame}.${part.name}.${axis}`,
+    label: part.words?.[axis] ?? axis.toUpperCase(),
+    value,
+    unit: '°',
+    min: -1080,
+    max: 1080,
+    coarse: 5,
+    limit: isFree(part, axis) ? null : limits,
+    edit: (deg) => ({ do: 'angles', part: part.name, [axis]: deg }),
+    off: value === null ? 'There is no pose at this frame' : '',
+  };
+  const [min, max] = track(limits, isFree(part, axis));
+  const title = `${spec.label}${words(limits)}. Double-click: back to rest`;
+  return html`<div class="f">
+    <label class="cut" title=${spec.label}><b style="color:var(--g${axis})">${axis.toUpperCase()}</b>${spec.label}</label>
+    ${slider({ ...spec, min, max, zero: 0, title, limit: limits, held: spec.limit })}
+    ${numberField(spec)}${lock(part, axis, limits)}
+  </div>`;
+}
+
+/** The ends of the slider: a little beyond the limits while they hold, else a full turn. */
+function track(limits, free) {
+  if (!limits || free) return FULL_TURN;
+  const room = ROOM * Math.max(20, limits[1] - limits[0]);
+  return [Math.min(0, limits[0]) - room, Math.max(0, limits[1]) + room];
+}
+
+function words(limits) {
+  return limits ? `, joint limits ${Math.round(limits[0])}° to ${Math.round(limits[1])}°`.replaceAll('-', '−') : '';
+}
+
+function lock(part, axis, limits) {
+  const free = isFree(part, axis);
+  const off = reasonOff(limits);
+  const word = part.words?.[axis] ?? axis.toUpperCase();
+  const label = free ? `Hold ${word} within its limits` : `Let ${word} go beyond its limits`;
+  return html`<button
+    type="button"
+    class="lk ${free && !off ? 'on' : ''} ${off ? 'off' : ''}"
+    aria-label=${label}
+    aria-pressed=${!free}
+    aria-disabled=${off ? 'true' : nothing}
+    title=${off || tip(label, 'hold U in a drag')}
+    @click=${() => off || setFree(part, axis, !free)}
+  >
+    ${icon(free ? 'unlock' : 'lock')}
+  </button>`;
+}
+
+function reasonOff(limits) {
+  if (!limits) return 'This axis has no limits';
+  return S.view.limits ? '' : 'Joint limits are off for the whole body';
+}
+
+function setFree(part, axis, free) {
+  const next = new Set(U.freeAxes ?? []);
+  if (free) next.add(`${part.name}.${axis}`);
+  else next.delete(`${part.name}.${axis}`);
+  put('freeAxes', next);
+}
+
+function frames() {
+  const options = [
+    { id: 'part', label: 'Part', title: 'Rings along the part’s own axes' },
+    { id: 'parent', label: 'Parent', title: 'Rings along the axes of the part it hangs on' },
+    { id: 'view', label: 'View', title: 'Rings along the axes of the view' },
+  ];
+  return html`<div class="row frames">
+    ${segmented({
+      label: 'Axes of the rings', value: S.view.axes, options,
+      act: (frame) => send({ do: 'axes', frame }),
+    })}<span class="sp"></span>
+    ${checkbox({
+      label: 'Joint limits', on: S.view.limits, act: (on) => send({ do: 'limits', on }),
+      title: 'Hold every joint within what a body can do', key: 'hold U in a drag to lift',
+    })}
+  </div>`;
+}

@@ -1,0 +1,40 @@
+// What the picture tells about a part, in words.
+
+import { S } from '../state.js';
+
+const HIDDEN = 0.35;
+const PARTLY = 0.65;
+
+/** How well a part is seen at the present frame, as a sentence. */
+export function seenHere(part) {
+  if (!part.parent && !lane(part)) return 'Moves the whole body';
+  const value = lane(part)?.[S.view.frame];
+  if (value === undefined || value === null) return restWord(part);
+  const percent = `${Math.round(value * 100)} %`;
+  if (value < HIDDEN) return `Hidden here: ${percent}`;
+  return value < PARTLY ? `Seen partly here: ${percent}` : `Seen well here: ${percent}`;
+}
+
+/** The runs of frames [first, last] in which the part is hidden. */
+export function hiddenRuns(part) {
+  const runs = [];
+  (lane(part) ?? []).forEach((value, frame) => {
+    if (value === null || value >= HIDDEN) return;
+    const last = runs.at(-1);
+    if (last && last[1] === frame - 1) last[1] = frame;
+    else runs.push([frame, frame]);
+  });
+  return runs;
+}
+
+export function range([first, last]) {
+  return first === last ? `${first}` : `${first}–${last}`;
+}
+
+function lane(part) {
+  return S.lanes?.[part.name];
+}
+
+function restWord(part) {
+  return part.tracked.length ? 'Not tracked yet' : 'Rides along, not tracked';
+}

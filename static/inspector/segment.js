@@ -1,0 +1,117 @@
+// The segment of the present frame: its verdict in words, and its error after every pass.
+
+import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
+import { S, U, put } from '../state.js';
+import { send } from '../link.js';
+import { icon } from '../icons.js';
+import { button, segmented } from '../fields.js';
+import { section } from './section.js';
+
+const CHIPS = {
+  good: ['good', 'check'],
+  check: ['check', 'warn'],
+  lost: ['lost', 'lost'],
+  outdated: ['old', 'old'],
+  tracking: ['track', 'run'],
+  waiting: ['old', 'old'],
+  none: ['old', 'old'],
+};
+
+export function segment() {
+  const here = segmentsHere();
+  if (here.length === 0) return section('Segment', html`<p class="note">${why()}</p>`);
+  const one = here.find((each) => each.first === U.segmentFirst) ?? liveliest(here);
+  const title = `Segment ${one.first}–${one.last}`;
+  return section(title, html`${verdict(one)}${chart(one)}`, here.length > 1 ? sides(here, one) : nothing);
+}
+
+function segmentsHere() {
+  const { frame } = S.view;
+  return (S.segments ?? []).filter((each) => each.first <= frame && frame <= each.last);
+}
+
+/** At a keyframe two segments meet: the one at work is the one to look at. */
+function liveliest(here) {
+  return here.find((each) => each.state === 'tracking') ?? here.find((each) => each.scores.length) ?? here[0];
+}
+
+function sides(here, one) {
+  return segmented({
+    label: 'Segment', value: one.first, act: (first) => put('segmentFirst', first),
+    options: here.map((each, i) => ({
+      id: each.first, label: i ? 'After' : 'Before', title: `Segment ${each.first}–${each.last}`,
+    })),
+  });
+}
+
+function why() {
+  const frames = S.keys?.frames ?? [];
+  if (frames.length < 2) return 'Nothing to track: pose a second keyframe first.';
+  const { frame } = S.view;
+  return frame < frames[0] ? `Frames before ${frames[0]} have no keyframe.` : `Frames after ${frames.at(-1)} have no keyframe.`;
+}
+
+function verdict(one) {
+  const [kind, sign] = CHIPS[one.state] ?? CHIPS.none;
+  return html`<div class="row verdict" role="status">
+    <span class="chip ${kind}"><span class=${one.state === 'tracking' ? 'turning' : ''}>${icon(sign)}</span><em>${sentence(one)}</em></span>
+    ${one.go === null || one.go === undefined ? nothing : button({
+      label: `Go to ${one.go}`, kind: 'ghost', title: 'The frame to look at', act: () => send({ do: 'go', frame: one.go }),
+    })}
+  </div>`;
+}
+
+function sentence(one) {
+  if (one.state === 'tracking') return `Tracking, ${one.words || `pass ${one.pass} of ${one.of}`}`;
+  const words = one.words || { good: 'Good', none: 'Not tracked', outdated: 'Outdated' }[one.state] || one.state;
+  // The button beside it says where to go.
+  return words.replace(/\.?\s*Go to \d+\.?$/, '');
+}
+
+// --- the chart: 264 × 72, errors from the left top down to the right
+
+const [LEFT, RIGHT, TOP, BOTTOM] = [24, 258, 8, 54];
+
+function chart(one) {
+  if (one.scores.length === 0) {
+    return html`<p class="note">${one.state === 'none' ? 'Track with T. The error of every pass is drawn here.' : 'No pass is finished yet.'}</p>`;
+  }
+  const many = Math.max(one.of ?? 0, one.scores.length);
+  const top = nice(Math.max(...one.scores.filter(Number.isFinite)));
+  const x = (pass) => (many === 1 ? (LEFT + RIGHT) / 2 : LEFT + 8 + ((RIGHT - LEFT - 8) * (pass - 1)) / (many - 1));
+  const y = (score) => BOTTOM - ((BOTTOM - TOP) * Math.min(score, top)) / top;
+  return html`<svg class="passes" viewBox="0 0 264 72" role="img" aria-label=${spoken(one)}>
+      ${[TOP, (TOP + BOTTOM) / 2, BOTTOM].map((at) => svg`<path class="rule" d="M${LEFT} ${at}H${RIGHT + 4}"/>`)}
+      <text x=${LEFT - 6} y=${TOP + 4} class="y">${top}</text><text x=${LEFT - 6} y=${BOTTOM + 4} class="y">0</text>
+      ${curve(one, x, y, many)}${numbers(many, x)}
+    </svg>
+    <p class="note">Error per pass, grey levels. The best pass is kept.</p>`;
+}
+
+function curve(one, x, y, many) {
+  const spots = one.scores.map((score, i) => [i + 1, score]).filter(([, score]) => Number.isFinite(score));
+  const path = spots.map(([pass, score]) => `${x(pass).toFixed(1)} ${y(score).toFixed(1)}`).join('L');
+  const [lastPass, lastScore] = spots.at(-1);
+  const kind = one.state === 'tracking' ? 'going' : '';
+  const rest = lastPass < many ? svg`<path class="rest" d="M${x(lastPass)} ${y(lastScore)}H${x(many)}"/>` : nothing;
+  const dot = ([pass, score]) => svg`<circle class=${pass - 1 === one.best ? 'best' : ''} cx=${x(pass)} cy=${y(score)} r=${pass - 1 === one.best ? 4 : 3}>
+    <title>Pass ${pass}: ${score.toFixed(2)}</title></circle>`;
+  return svg`<g class=${kind}>${rest}<path class="line" d=${`M${path}`}/>${spots.map(dot)}</g>`;
+}
+
+function numbers(many, x) {
+  const every = Math.ceil(many / 12);
+  const shown = Array.from({ length: many }, (_, i) => i + 1).filter((pass) => pass === 1 || pass % every === 0);
+  return shown.map((pass) => svg`<text class="x" x=${x(pass)} y="70">${pass}</text>`);
+}
+
+function spoken(one) {
+  return `Error per pass: ${one.scores.map((score) => score?.toFixed(1)).join(', ')}`;
+}
+
+/** The next round number: the scale does not creep while passes come in. */
+function nice(value) {
+  if (!(value > 0)) return 1;
+  const unit = 10 ** Math.floor(Math.log10(value));
+  return [1, 1.5, 2, 3, 4, 5, 6, 7, 8, 9, 10].map((step) => step * unit).find((round) => round >= value * 0.999);
+}

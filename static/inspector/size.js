@@ -1,0 +1,71 @@
+// Sizes of the selected part and where it hangs on its parent, in centimetres.
+
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { S } from '../state.js';
+import { send } from '../link.js';
+import { icon } from '../icons.js';
+import { numberField } from '../fields.js';
+import { measure, section } from './section.js';
+import { otherSideWord, partNamed } from './parts.js';
+
+const SMALLEST_CM = 0.2;
+const LARGEST_CM = 1000;
+const LONG_LABEL = 11;
+
+export function size(part) {
+  const rows = part.sizes.map((one) => measure(sizeSpec(part, one), [one.min, one.max]));
+  const wordy = part.sizes.some((one) => one.label.length > LONG_LABEL);
+  return section('Size', html`<div class=${wordy ? 'wordy' : ''}>${rows}</div>${part.parent ? joint(part) : nothing}`, linked(part));
+}
+
+/** The number field of one size; the table of the Body tab has it too. */
+export function sizeSpec(part, one) {
+  return {
+    key: `${part.name}.${one.key}`,
+    label: one.label,
+    value: one.cm,
+    unit: 'cm',
+    step: 0.1,
+    coarse: 1,
+    perPixel: 0.1,
+    min: SMALLEST_CM,
+    max: LARGEST_CM,
+    edit: (cm) => ({ do: 'size', part: part.name, key: one.key, cm }),
+  };
+}
+
+/** Left and right together: a button on parts that come in pairs. */
+function linked(part) {
+  if (!part.mirror) return nothing;
+  const side = otherSideWord(part);
+  const other = partNamed(part.mirror)?.label.toLowerCase() ?? '';
+  const title = S.view.link ? `Sizes change on the ${other} too` : `Sizes change on this side only`;
+  return html`<button
+    type="button"
+    class="lk word ${S.view.link ? 'on' : ''}"
+    aria-pressed=${S.view.link}
+    title=${title}
+    @click=${() => send({ do: 'link', on: !S.view.link })}
+  >
+    ${icon('link')}${side} too
+  </button>`;
+}
+
+function joint(part) {
+  const on = partNamed(part.parent)?.label.toLowerCase() ?? '';
+  const one = (axis, i) =>
+    numberField({
+      key: `${part.name}.joint.${axis}`,
+      label: `Joint ${axis.toUpperCase()}`,
+      title: `Joint on the ${on}, along its ${axis.toUpperCase()} axis: drag sideways or type`,
+      mark: { text: axis.toUpperCase(), color: `var(--g${axis})` },
+      value: part.joint_cm[i],
+      step: 0.1,
+      coarse: 1,
+      perPixel: 0.1,
+      edit: (cm) => ({ do: 'joint', part: part.name, [axis]: cm }),
+    });
+  return html`<div class="tri">
+    <label title=${`Where the part hangs on the ${on}`}>Joint, cm</label>${['x', 'y', 'z'].map(one)}
+  </div>`;
+}

@@ -1,0 +1,22 @@
+// The page's rooms, put together.
+
+import { connect } from './link.js';
+import { S, U, watch } from './state.js';
+import { mount as mountViews, view } from './views.js';
+import { mount as mountHandles } from './handles/handles.js';
+import { mount as mountInspector } from './inspector/inspector.js';
+import { mount as mountTimeline } from './timeline/timeline.js';
+import { mount as mountChrome } from './chrome/chrome.js';
+
+mountViews();
+mountHandles();
+mountInspector();
+mountTimeline();
+mountChrome();
+connect();
+
+// For the console, and for whoever tests the page from outside.
+window.keypose = { S, U, view };
+watch(['file'], () => {
+  if ('file' in S) document.documentElement.dataset.ready = 'yes';
+});

@@ -1,0 +1,66 @@
+// What the page knows. S holds the server's sections, the newest of each; U is this tab's own.
+// A room watches the names it draws and is called once per animation frame after any of them
+// changed. Names of U carry the prefix "u:".
+
+export const S = {};
+
+export const U = {
+  tool: 'select',
+  layout: 'main',
+  tab: 'part',
+  chart: 'angle',
+  lanes: true,
+  hover: null,
+  dragging: false,
+  playing: false,
+  connected: false,
+};
+
+const watchers = new Set();
+const changed = new Set();
+let asked = false;
+
+/** Call fn once per animation frame after any of the names changed, and once at the start. */
+export function watch(names, fn) {
+  const watcher = { names: new Set(names), fn };
+  watchers.add(watcher);
+  mark(names[0]);
+  return () => watchers.delete(watcher);
+}
+
+/** Set one of this tab's own values. */
+export function put(name, value) {
+  if (U[name] === value) return;
+  U[name] = value;
+  mark('u:' + name);
+}
+
+/** Take over sections from the server. */
+export function take(sections) {
+  for (const [name, value] of Object.entries(sections)) {
+    S[name] = value;
+    mark(name);
+  }
+}
+
+function mark(name) {
+  changed.add(name);
+  if (asked) return;
+  asked = true;
+  requestAnimationFrame(redraw);
+}
+
+function redraw() {
+  asked = false;
+  const names = [...changed];
+  changed.clear();
+  for (const watcher of watchers) {
+    if (!names.some((name) => watcher.names.has(name))) continue;
+    try {
+      watcher.fn();
+    } catch (error) {
+      // One room that stumbles must not stop the others.
+      reportError(error);
+    }
+  }
+}

@@ -1,0 +1,88 @@
+// The bar over the timeline: going from frame to frame, what to key next, how the segments stand.
+
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { S, U, put } from '../state.js';
+import { send } from '../link.js';
+import { icon } from '../icons.js';
+import { frameCount, isZoomed, lastFrame } from './scale.js';
+import { frame } from './head.js';
+import { frameBox } from './framebox.js';
+import { foldLanes } from './fold.js';
+import { zoomToInterval } from './zoom.js';
+import { isKey, keyBeside, keyFrames, middle, next, nextProblem, step, toFirst, togglePlaying, toKey, toLast } from './moves.js';
+
+/** A square button: icon, what it does, its key. */
+function button(name, words, key, act, { off = false, pressed = null } = {}) {
+  return html`<button class="ib" aria-label=${words} aria-keyshortcuts=${key || nothing}
+    title=${key ? `${words}   ${key}` : words} ?disabled=${off} @click=${act}
+    aria-pressed=${pressed === null ? nothing : String(pressed)}>${icon(name)}</button>`;
+}
+
+export function drawBar() {
+  if (!S.file) return nothing;
+  return html`${transport()}${drawSuggestion()}<span class="sp"></span>${counts()}${right()}`;
+}
+
+function transport() {
+  const at = frame();
+  const key = isKey(at);
+  const end = lastFrame();
+  return html`
+    ${button('first', 'First frame', 'Home', toFirst, { off: at === 0 })}
+    ${button('pk', 'Previous keyframe', ',', () => toKey(-1), { off: keyBeside(-1) === undefined })}
+    ${button('sb', 'Back one frame', '←', () => step(-1), { off: at === 0 })}
+    ${button(U.playing ? 'pause' : 'play', U.playing ? 'Stop' : 'Play', 'Space', togglePlaying, { off: end === 0 })}
+    ${button('sf', 'Forward one frame', '→', () => step(1), { off: at === end })}
+    ${button('nk', 'Next keyframe', '.', () => toKey(1), { off: keyBeside(1) === undefined })}
+    ${button('last', 'Last frame', 'End', toLast, { off: at === end })}
+    ${frameBox()}
+    ${button('key', key ? 'Remove keyframe' : 'Add keyframe', 'K', () => send({ do: 'toggle_key' }), { pressed: key })}
+    ${keyFrames().length > 0 ? button('mid', 'Middle of this interval', '/', middle) : nothing}
+    <span class="vsep"></span>`;
+}
+
+const SUGGESTION_ICONS = { good: 'check', pose: 'keyadd', key: 'keyadd' };
+
+function drawSuggestion() {
+  const suggest = S.suggest;
+  if (!suggest?.words) return nothing;
+  const to = suggest.frame ?? null;
+  const here = to !== null && to === frame();
+  return html`<div class=${`sug ${suggest.kind}`} role="status" title=${`${suggest.words} ${suggest.reason ?? ''}`}>
+    ${icon(SUGGESTION_ICONS[suggest.kind] ?? 'keyadd')}
+    <span class="tx"><b>${suggest.words}</b> <span class="mut">${suggest.reason}</span></span>
+    ${to === null || here ? html`<span class="pad"></span>` : html`<button class="btn sm pri"
+      aria-label=${`Go to frame ${to}`} @click=${next}>Go<kbd>N</kbd></button>`}</div>`;
+}
+
+const SIGNS = [['good', 'check'], ['check', 'warn'], ['lost', 'lost']];
+
+/** How many segments are good, to check and lost; a press goes to the next of them. */
+function counts() {
+  const states = (S.segments ?? []).map((segment) => segment.state);
+  const told = SIGNS.map(([state, sign]) => [state, sign, states.filter((s) => s === state).length]);
+  if (told.every(([, , count]) => count === 0)) return nothing;
+  return html`<span class="counts">${told.map(([state, sign, count]) => drawCount(state, sign, count))}</span>`;
+}
+
+function drawCount(state, sign, count) {
+  if (count === 0) return nothing;
+  const inside = html`${icon(sign)}${count}<span class="word"> ${state}</span>`;
+  const words = `${count} ${state}`;
+  if (state === 'good') return html`<span class="count good" title=${words}>${inside}</span>`;
+  return html`<button class=${`count ${state}`} aria-label=${`${words}, go to the next`}
+    title=${`Go to the next ${state === 'check' ? 'one to check' : 'lost one'}   Shift N`}
+    @click=${() => nextProblem(state)}>${inside}</button>`;
+}
+
+function right() {
+  if ((S.segments ?? []).length === 0 || frameCount() < 2) return nothing;
+  const choice = (name, label, title) => html`<button aria-pressed=${String(U.chart === name)} title=${title}
+    @click=${() => put('chart', name)}>${label}</button>`;
+  const fold = U.lanes ? 'Fold the lanes' : 'Show all lanes';
+  return html`<div class="seg" role="group" aria-label="Chart">
+      ${choice('angle', 'Angle', 'Angle of the selected part')}
+      ${choice('score', 'Score', 'Error per pass of this segment')}</div>
+    <span class=${`fold${U.lanes ? '' : ' folded'}`}>${button('chev', fold, 'I', foldLanes)}</span>
+    ${button('grow', 'Zoom to this interval', 'Z', zoomToInterval, { pressed: isZoomed() ? true : null })}`;
+}

@@ -1,0 +1,53 @@
+// The two menus of the timeline: of a key, and of a segment with its verdict in a sentence.
+
+import { nothing } from '../vendor/lit-html/lit-html.js';
+import { S } from '../state.js';
+import { send } from '../link.js';
+import { lastFrame } from './scale.js';
+import { frame, goNow, goTo } from './head.js';
+import { field, item, open, sentence } from './menu.js';
+import { isKey, keyFrames } from './moves.js';
+import { zoomTo } from './zoom.js';
+
+const SIGNS = {
+  good: 'check', check: 'warn', lost: 'lost', outdated: 'old', waiting: 'old', tracking: 'run', none: 'track',
+};
+
+export function openKeyMenu(at, page) {
+  open(`Keyframe ${at}`, [
+    item('flag', `Go to ${at}`, '', () => goTo(at)),
+    field('copy', 'Duplicate to', placeForCopy(at), lastFrame(), (to) => {
+      send({ do: 'duplicate_key', frame: at, to });
+      goNow(to);
+    }),
+    item('trash', 'Delete keyframe', at === frame() ? 'K' : '', () => send({ do: 'delete_key', frame: at })),
+  ], page);
+}
+
+/** Where a copy most likely goes: under the playhead, or half-way to the next key. */
+function placeForCopy(at) {
+  if (!isKey(frame())) return frame();
+  const next = keyFrames().find((key) => key > at) ?? lastFrame();
+  return Math.round((at + next) / 2);
+}
+
+export function openSegmentMenu(segment, page) {
+  const { first, last, state } = segment;
+  const range = `${first}–${last}`;
+  const busy = state === 'tracking' || state === 'waiting';
+  const go = segment.go ?? null;
+  open(`Segment ${range}`, [
+    sentence(SIGNS[state], state, range, segment.words || 'Not tracked yet'),
+    busy
+      ? item('x', 'Cancel tracking', 'Esc', () => send({ do: 'cancel' }))
+      : item('track', 'Track this', 'Shift T', () => trackThis(segment)),
+    go === null ? nothing : item('flag', `Go to ${go}`, '', () => goTo(go)),
+    item('grow', 'Zoom to it', 'Z', () => zoomTo(first, last)),
+  ], page);
+}
+
+/** "This" is the segment of the playhead: it goes in first, should it have moved meanwhile. */
+function trackThis({ first, last }) {
+  if (frame() < first || frame() >= last) goNow(first);
+  send({ do: 'track', what: 'this' });
+}

@@ -1,0 +1,58 @@
+// Curves of many frames on few pixels. What several frames share one pixel column is told by its
+// lowest and highest value, so that a clip of 200,000 frames draws no more points than pixels and
+// a dip of one frame is still seen.
+
+import { pxPerFrame, visible, x } from './scale.js';
+
+/**
+ * The shown part of a series as runs without gaps: [[{x, low, high, frame}, ...], ...].
+ * Nulls, and frames outside `first`..`last`, part the runs. `low === high` while frames are wide.
+ */
+export function runsOf(values, first = 0, last = values.length - 1) {
+  const runs = [];
+  let run = null;
+  for (const column of columns(Math.max(0, first), Math.min(values.length - 1, last))) {
+    const extent = extentOf(values, column.from, column.to);
+    if (extent === null) {
+      run = null;
+      continue;
+    }
+    if (run === null) runs.push((run = []));
+    run.push({ x: x((column.from + column.to) / 2), frame: column.from, ...extent });
+  }
+  return runs;
+}
+
+function* columns(first, last) {
+  const window = visible();
+  const from = Math.max(first, Math.floor(window.first) - 1);
+  const to = Math.min(last, Math.ceil(window.last) + 1);
+  const each = Math.max(1, Math.ceil(1 / pxPerFrame()));
+  // Columns keep to multiples of their size: while one scrolls, the same frames stay together.
+  for (let at = from - (from % each); at <= to; at += each) {
+    yield { from: Math.max(at, from), to: Math.min(to, at + each - 1) };
+  }
+}
+
+function extentOf(values, from, to) {
+  let low = Infinity;
+  let high = -Infinity;
+  for (let i = from; i <= to; i += 1) {
+    const value = values[i];
+    if (value === null || value === undefined || Number.isNaN(value)) continue;
+    if (value < low) low = value;
+    if (value > high) high = value;
+  }
+  return low <= high ? { low, high } : null;
+}
+
+/** A run as a line: path data through its extremes, `y` turning a value into a pixel. */
+export function line(run, y) {
+  const points = run.map(({ x: at, low, high }) => {
+    const where = at.toFixed(1);
+    return low === high
+      ? `${where} ${y(low).toFixed(1)}`
+      : `${where} ${y(high).toFixed(1)}L${where} ${y(low).toFixed(1)}`;
+  });
+  return `M${points.join('L')}`;
+}

@@ -1,0 +1,43 @@
+// Clicking or dragging over the frames moves the playhead; it snaps to keys unless Ctrl is held.
+
+import { S } from '../state.js';
+import { send } from '../link.js';
+import { frameAt } from './scale.js';
+import { goTo, hold as stopPlaying } from './head.js';
+import { hold } from './held.js';
+import { draftFrames, nearest } from './keymarks.js';
+import { keyFrames } from './moves.js';
+import { partMeant } from './lanevalues.js';
+
+const SNAP_PX = 4;
+
+/** The frame meant at a place: a key within 4 px, else the nearest frame. */
+function meant(place) {
+  const suggested = S.suggest?.frame;
+  const marks = [...keyFrames(), ...draftFrames()];
+  if (suggested !== null && suggested !== undefined) marks.push(suggested);
+  const snapped = place.ctrl ? null : nearest(marks, place.x, SNAP_PX);
+  return snapped ?? frameAt(place.x);
+}
+
+/** Take hold of the playhead; `click` is what else a click without a drag does here. */
+export function grabHead(start, click = () => {}) {
+  stopPlaying();
+  hold({ kind: 'scrub' });
+  goTo(meant(start));
+  return {
+    move: (place) => goTo(meant(place)),
+    click() {
+      hold(null);
+      click();
+    },
+    end: () => hold(null),
+    cancel: () => hold(null),
+  };
+}
+
+/** Select the part a lane stands for at this frame. */
+export function selectFrom(lane, at) {
+  const part = partMeant(lane, at);
+  if (part && part !== S.view?.selected) send({ do: 'select', part });
+}

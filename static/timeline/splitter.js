@@ -1,0 +1,72 @@
+// The line between stage and timeline: drag it, or step it with the arrow keys; a double click
+// gives the height of the house back. The height is kept in this browser.
+
+import { html } from '../vendor/lit-html/lit-html.js';
+
+const KEPT = 'keypose.timeline.height';
+const LEAST_PX = 120;
+const MOST_SHARE = 0.5;
+const STEP_PX = 16;
+
+const root = document.documentElement;
+let section = null;
+
+export function mountSplitter(time) {
+  section = time;
+  const kept = Number(localStorage.getItem(KEPT));
+  if (kept > 0) setHeight(kept);
+  // In a lower window the kept height may be more than half of it.
+  window.addEventListener('resize', () => isSet() && setHeight(section.offsetHeight));
+}
+
+function isSet() {
+  return root.style.getPropertyValue('--h-time') !== '';
+}
+
+function most() {
+  return Math.round(window.innerHeight * MOST_SHARE);
+}
+
+function setHeight(px) {
+  const height = Math.max(LEAST_PX, Math.min(most(), Math.round(px)));
+  root.style.setProperty('--h-time', `${height}px`);
+}
+
+function keep() {
+  localStorage.setItem(KEPT, String(section.offsetHeight));
+}
+
+export function restore() {
+  root.style.removeProperty('--h-time');
+  localStorage.removeItem(KEPT);
+}
+
+export function splitter() {
+  return html`<div class="tsplit" role="separator" aria-orientation="horizontal" tabindex="0"
+    aria-label="Height of the timeline" title="Drag to resize, double-click to restore"
+    @pointerdown=${grab} @dblclick=${restore} @keydown=${keys}
+    @mousedown=${(event) => event.preventDefault()}></div>`;
+}
+
+function grab(event) {
+  if (event.button !== 0) return;
+  const line = event.currentTarget;
+  const offset = section.getBoundingClientRect().top - event.clientY;
+  const move = (e) => setHeight(section.getBoundingClientRect().bottom - e.clientY - offset);
+  const end = () => {
+    line.removeEventListener('pointermove', move);
+    if (isSet()) keep();
+  };
+  line.setPointerCapture(event.pointerId);
+  line.addEventListener('pointermove', move);
+  line.addEventListener('lostpointercapture', end, { once: true });
+}
+
+function keys(event) {
+  const by = { ArrowUp: STEP_PX, ArrowDown: -STEP_PX }[event.key];
+  if (by === undefined) return;
+  event.preventDefault();
+  event.stopPropagation();
+  setHeight(section.offsetHeight + by);
+  keep();
+}

@@ -1,0 +1,117 @@
+// The timeline: a bar, and one drawing in layers under it. See layers.js for what is drawn when.
+
+import { html, render } from '../vendor/lit-html/lit-html.js';
+import { S, U, put, watch } from '../state.js';
+import { anyLane, lanesOf } from './lanevalues.js';
+import { drawBar } from './bar.js';
+import { show } from './framebox.js';
+import { areFolded, mountFold } from './fold.js';
+import { frame } from './head.js';
+import { held } from './held.js';
+import { listenOn } from './gestures.js';
+import { mountMenu } from './menu.js';
+import { mountSplitter, splitter } from './splitter.js';
+import { PATTERNS } from './patterns.js';
+import { GUTTER, isZoomed, reveal, setWidth, showAll } from './scale.js';
+import { clearNumbers } from './ruler.js';
+import { flagWidth } from './playhead.js';
+import { headKeys } from './headkeys.js';
+import { layersOf } from './drawing.js';
+import { isCramped, rowsFor } from './rows.js';
+import { remembered } from './layers.js';
+
+export { middle, next, nextProblem, step, toFirst, toKey, toLast, togglePlaying } from './moves.js';
+export { zoomToInterval } from './zoom.js';
+export { foldLanes } from './fold.js';
+
+const WATCHED = [
+  'file', 'view', 'keys', 'segments', 'suggest', 'lanes', 'curve', 'body',
+  'u:playing', 'u:chart', 'u:lanes', 'u:curveAxis', 'u:timeWindow', 'u:timeSize', 'u:timeHead',
+  'u:timeHeld', 'u:timeHover', 'u:timeOpen', 'u:timeScroll',
+];
+
+U.timeSize = { width: 0, height: 0 };
+/** Groups of lanes whose parts are listed. */
+U.timeOpen = new Set();
+U.timeScroll = 0;
+
+export function mount() {
+  const time = document.getElementById('time');
+  render(frameOf(), time);
+  const drawing = time.querySelector('#tsvg');
+  mountSplitter(time);
+  mountFold();
+  mountMenu(time.querySelector('#tmenu'));
+  listenOn(drawing, ground, scrollLanes);
+  headKeys(drawing);
+  const bar = time.querySelector('#tr');
+  const layers = layersOf(drawing, ground);
+  new ResizeObserver(() => measure(drawing)).observe(drawing);
+  measure(drawing);
+  watch(WATCHED, () => redraw(bar, drawing, layers));
+}
+
+function frameOf() {
+  return html`${splitter()}
+    <div id="tr" role="toolbar" aria-label="Frames" @mousedown=${keepFocus}></div>
+    <svg id="tsvg" aria-label="Timeline">${PATTERNS}
+      <clipPath id="tl-frames"><rect x=${GUTTER + 1} y="-4" width="100000" height="10000" /></clipPath>
+    </svg>
+    <div id="tmenu"></div>`;
+}
+
+/** A press on the bar leaves the focus where keys reach the views; the frame box is typed into. */
+function keepFocus(event) {
+  if (event.target.closest('.fbox')) return;
+  event.preventDefault();
+  document.activeElement?.blur?.();
+}
+
+function measure(drawing) {
+  const { clientWidth: width, clientHeight: height } = drawing;
+  if (width === U.timeSize.width && height === U.timeSize.height) return;
+  setWidth(width);
+  put('timeSize', { width, height });
+}
+
+const rows = remembered((height, zoomed, lanes, weakest) => rowsFor({ height, zoomed, lanes, weakest }));
+
+/** What the drawing stands on now: {rows, lanes, scroll}. */
+function ground() {
+  const folded = areFolded() || isCramped(U.timeSize.height);
+  const lanes = lanesOf(S.lanes, S.body, folded, U.timeOpen);
+  const box = rows(U.timeSize.height, isZoomed(), lanes.length, folded);
+  const scroll = Math.min(U.timeScroll, Math.max(0, box.lanes.full - box.lanes.room));
+  return { rows: box, lanes, scroll, empty: !anyLane(S.lanes) };
+}
+
+function scrollLanes(by) {
+  const { rows: box, scroll } = ground();
+  const most = Math.max(0, box.lanes.full - box.lanes.room);
+  put('timeScroll', Math.min(most, Math.max(0, scroll + by)));
+}
+
+let before = { clip: null, frame: null };
+
+function redraw(bar, drawing, layers) {
+  follow();
+  render(drawBar(), bar);
+  show(bar.querySelector('.fbox input'));
+  for (const draw of layers) draw();
+  const head = drawing.querySelector('.playhead');
+  if (head) clearNumbers(drawing, frame(), flagWidth());
+}
+
+/** Another clip is shown whole; a playhead that leaves the window takes it along. */
+function follow() {
+  const clip = S.file ? `${S.file.path} ${S.file.frames}` : null;
+  if (clip !== before.clip) showAll();
+  else if (frame() !== before.frame) reveal(frame(), pageFor());
+  before = { clip, frame: frame() };
+}
+
+/** Playing turns whole pages; a hand on the playhead pulls the window along with it. */
+function pageFor() {
+  if (U.playing) return 0.9;
+  return held() === null ? 0.1 : 0;
+}

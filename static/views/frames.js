@@ -1,0 +1,192 @@
+// The pictures of the film: fetched and decoded ahead, shown when they are whole.
+
+import { S, U, put, watch } from '../state.js';
+import { send } from '../link.js';
+
+const AHEAD = 10;
+const MOST_BYTES = 400e6;
+const MOST_LOADS = 4;
+/** While playing, a picture waits this long for the server's word that the body stands there too. */
+const PATIENCE_MS = 80;
+
+const decoded = new Map();
+const loading = new Map();
+const queue = [];
+let screen = null;
+let changed = () => {};
+let version = '';
+let wanted = -1;
+let shown = -1;
+let play = null;
+
+/** Draw into this canvas; `onSize(width, height)` when the pictures have another size. */
+export function mountFrames(canvas, onSize) {
+  screen = canvas.getContext('2d', { alpha: false });
+  changed = onSize;
+  watch(['file', 'camera'], newFilm);
+  watch(['view'], () => S.view && (play ? followServer() : showFrame(S.view.frame)));
+  watch(['u:playing'], () => (U.playing ? startPlaying() : stopPlaying()));
+}
+
+/** The frame whose picture is on the screen, −1 before the first. */
+export function shownFrame() {
+  return shown;
+}
+
+/** Show this frame as soon as its picture is there; a later wish replaces it. */
+export function showFrame(frame) {
+  if (!S.file) return;
+  wanted = Math.min(S.file.frames - 1, Math.max(0, Math.round(frame)));
+  if (decoded.has(wanted)) draw(wanted);
+  else urgent(wanted);
+  loadAround(wanted);
+}
+
+function newFilm() {
+  const now = S.file && S.camera ? `${S.file.path}|${S.file.video}|${S.camera.image_version}` : '';
+  if (now === version) return;
+  version = now;
+  for (const bitmap of decoded.values()) bitmap.close();
+  for (const abort of loading.values()) abort.abort();
+  decoded.clear();
+  loading.clear();
+  queue.length = 0;
+  shown = -1;
+  if (now && S.view) showFrame(S.view.frame);
+}
+
+function draw(frame) {
+  if (shown === frame) return;
+  const bitmap = decoded.get(frame);
+  decoded.delete(frame); // the newest used stand last
+  decoded.set(frame, bitmap);
+  const { canvas } = screen;
+  if (canvas.width !== bitmap.width || canvas.height !== bitmap.height) {
+    canvas.width = bitmap.width;
+    canvas.height = bitmap.height;
+    changed(bitmap.width, bitmap.height);
+  }
+  screen.drawImage(bitmap, 0, 0);
+  shown = frame;
+  canvas.dataset.frame = frame;
+  put('shown', frame);
+}
+
+function urgent(frame) {
+  const place = queue.indexOf(frame);
+  if (place >= 0) queue.splice(place, 1);
+  if (!loading.has(frame)) queue.unshift(frame);
+  pump();
+}
+
+function loadAround(frame) {
+  const last = S.file.frames - 1;
+  const steps = play ? AHEAD : 3;
+  queue.length = 0;
+  if (!decoded.has(frame) && !loading.has(frame)) queue.push(frame);
+  for (let step = 1; step <= steps; step++) {
+    for (const next of play ? [frame + step] : [frame + step, frame - step]) {
+      if (next < 0 || next > last || decoded.has(next) || loading.has(next)) continue;
+      queue.push(next);
+    }
+  }
+  pump();
+}
+
+function pump() {
+  while (loading.size < MOST_LOADS && queue.length) load(queue.shift());
+}
+
+async function load(frame) {
+  const abort = new AbortController();
+  const film = version;
+  loading.set(frame, abort);
+  try {
+    const url = `/frame/${frame}.jpg?v=${encodeURIComponent(S.camera.image_version)}`;
+    const answer = await fetch(url, { signal: abort.signal });
+    if (!answer.ok) return;
+    const bitmap = await createImageBitmap(await answer.blob());
+    if (film !== version) return bitmap.close();
+    decoded.set(frame, bitmap);
+    forget();
+    if (frame === wanted) draw(frame);
+  } catch (error) {
+    if (error.name !== 'AbortError') setTimeout(() => frame === wanted && showFrame(frame), 1000);
+  } finally {
+    if (loading.get(frame) === abort) loading.delete(frame);
+    pump();
+  }
+}
+
+/** Let go of the pictures that were not used for longest. */
+function forget() {
+  let bytes = 0;
+  for (const bitmap of decoded.values()) bytes += 4 * bitmap.width * bitmap.height;
+  for (const [frame, bitmap] of decoded) {
+    if (bytes <= MOST_BYTES || decoded.size <= 2 * AHEAD) return;
+    if (frame === shown || frame === wanted) continue;
+    bytes -= 4 * bitmap.width * bitmap.height;
+    decoded.delete(frame);
+    bitmap.close();
+  }
+}
+
+function startPlaying() {
+  if (!S.file || !S.view) return;
+  const last = S.file.frames - 1;
+  const first = S.view.frame >= last ? 0 : S.view.frame;
+  play = { first, began: performance.now(), sent: -1, sentAt: 0 };
+  loadAround(first);
+  requestAnimationFrame(tick);
+}
+
+function stopPlaying() {
+  if (!play) return;
+  const { sent } = play;
+  play = null;
+  if (shown >= 0 && sent !== shown) send({ do: 'go', frame: shown });
+}
+
+function tick(now) {
+  if (!play) return;
+  const due = dueFrame((now - play.began) / 1000);
+  const last = S.file.frames - 1;
+  const frame = newestReady(Math.min(due, last));
+  if (frame !== null && frame !== play.sent) {
+    play.sent = frame;
+    play.sentAt = now;
+    send({ do: 'go', frame });
+  }
+  if (play.sent > shown && now - play.sentAt > PATIENCE_MS && decoded.has(play.sent)) {
+    draw(play.sent);
+  }
+  if (due !== play.loaded) {
+    play.loaded = due;
+    wanted = -1;
+    if (due <= last) loadAround(due);
+  }
+  if (due > last && shown >= last) put('playing', false);
+  else requestAnimationFrame(tick);
+}
+
+/** The server moved the body: its picture now comes with it. */
+function followServer() {
+  const { frame } = S.view;
+  if (frame <= play.sent && decoded.has(frame)) draw(frame);
+}
+
+/** The newest picture that is there and not later than due; none when it was shown already. */
+function newestReady(due) {
+  for (let frame = due; frame > Math.max(play.sent, play.first - 1); frame--) {
+    if (decoded.has(frame)) return frame;
+  }
+  return null;
+}
+
+function dueFrame(seconds) {
+  const { times, fps } = S.file;
+  if (!times) return play.first + Math.floor(seconds * fps);
+  let frame = play.first;
+  while (frame < times.length && times[frame] - times[play.first] <= seconds) frame++;
+  return frame < times.length ? frame - 1 : frame;
+}

@@ -1,0 +1,93 @@
+// viser's page in an iframe, tamed to a picture: it draws and does nothing else. It is of our own
+// origin, so the page reaches in through the handle viser leaves on its window.
+
+import { dress } from './looks.js';
+
+const TAMED = `
+  html, body, body * { background: transparent !important; }
+  html, body { overflow: hidden !important; cursor: inherit !important; }
+  .mantine-Paper-root, .mantine-Modal-root, .mantine-Notifications-root, .mantine-Overlay-root,
+  [data-testid^="floating-panel"], .stats-panel { display: none !important; }
+`;
+const RENDERED_FRAMES = 3;
+const POLL_MS = 30;
+const NODE = '/camera';
+
+/**
+ * Put viser's picture for a role into an element. `aim(camera)` is called before every picture and
+ * sets the three.js camera; `ready()` once there is something to see.
+ */
+export class Picture {
+  #frame = document.createElement('iframe');
+  #inside = null;
+  #aim;
+  #ready;
+  #role;
+
+  constructor(role, aim, ready) {
+    this.#role = role;
+    this.#aim = aim;
+    this.#ready = ready;
+    this.#frame.className = 'viser';
+    this.#frame.title = '';
+    this.#frame.tabIndex = -1;
+    this.#frame.inert = true;
+    this.#frame.ariaHidden = 'true';
+    this.#frame.src = `/view/${role}?fixedDpr=${devicePixelRatio}&darkMode=1&hideViserLogo=1`;
+    this.#frame.addEventListener('load', () => this.#wait());
+  }
+
+  get element() {
+    return this.#frame;
+  }
+
+  /** Draw anew: the window or the camera changed. */
+  redraw() {
+    this.#inside?.requestRender();
+  }
+
+  /** As large as its place, in whole pixels, with the picture of this very moment in it. */
+  resize(width, height) {
+    this.#frame.style.width = `${width}px`;
+    this.#frame.style.height = `${height}px`;
+    this.#inside?.syncCanvasSize?.(width, height);
+  }
+
+  #wait() {
+    const inside = this.#frame.contentWindow?.__viserMutable;
+    if (!inside?.canvas || !inside.cameraControl || !inside.scene || !inside.camera) {
+      setTimeout(() => this.#wait(), POLL_MS);
+      return;
+    }
+    if (inside === this.#inside) return;
+    this.#inside = inside;
+    this.#quieten(this.#frame.contentWindow, inside);
+    this.#takeCamera(inside);
+    inside.requestRender();
+  }
+
+  /** No keys, no mouse, no panels; come back by itself after a lost connection. */
+  #quieten(window, inside) {
+    const { cameraControl } = inside;
+    for (const button of ['left', 'middle', 'right', 'wheel']) cameraControl.mouseButtons[button] = 0;
+    for (const fingers of ['one', 'two', 'three']) cameraControl.touches[fingers] = 0;
+    cameraControl.update = () => false;
+    const style = window.document.createElement('style');
+    style.textContent = TAMED;
+    window.document.head.append(style);
+    window.document.hasFocus = () => true; // viser reconnects only in the window with the focus
+    window.dispatchEvent(new Event('focus'));
+  }
+
+  /** The camera is ours: whatever viser did to it, before each picture it is set again. */
+  #takeCamera(inside) {
+    let rendered = 0;
+    inside.scene.onBeforeRender = (renderer, _scene, camera) => {
+      renderer.toneMapping = 0; // colours as they are named
+      dress(this.#role, inside.nodeRefFromName);
+      this.#aim(camera);
+      if (inside.nodeRefFromName[NODE] && ++rendered === RENDERED_FRAMES) this.#ready();
+    };
+    inside.camera.updateProjectionMatrix = () => this.#aim(inside.camera);
+  }
+}

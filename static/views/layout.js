@@ -1,0 +1,148 @@
+// Which view stands where, and how large. Views change places by style alone: an iframe that is
+// moved in the document loads anew.
+
+import { U, watch } from '../state.js';
+
+const SMALL_PLACES = ['one', 'two', 'three'];
+const SMALL_VIEWS = ['top', 'side', 'front'];
+const LEAST_MAIN_PX = 560;
+const KEPT = 'keypose-sizes';
+const STEP_PX = 16;
+
+/** What can be dragged: the style it sets, its range, and which way makes it larger. */
+const SPLITTERS = {
+  views: { style: '--w-views', least: 176, most: 420, along: 'x', grows: -1 },
+  insp: { style: '--w-insp', least: 256, most: 400, along: 'x', grows: -1 },
+  time: { style: '--h-time', least: 120, most: () => innerHeight / 2, along: 'y', grows: -1 },
+  first: { style: '--r-one', least: 80, along: 'y', grows: 1, rows: 0 },
+  second: { style: '--r-two', least: 80, along: 'y', grows: 1, rows: 1 },
+};
+
+export function mountLayout() {
+  const stage = document.getElementById('stage');
+  for (const name of Object.keys(SPLITTERS)) stage.append(splitter(name));
+  restore();
+  watch(['u:layout'], place);
+}
+
+function place() {
+  const stage = document.getElementById('stage');
+  stage.dataset.layout = U.layout;
+  const large = SMALL_VIEWS.includes(U.layout) ? U.layout : 'main';
+  for (const view of document.querySelectorAll('.view')) {
+    const { view: name } = view.dataset;
+    // The camera goes where the enlarged view came from.
+    const home = name === 'main' ? SMALL_VIEWS.indexOf(large) : SMALL_VIEWS.indexOf(name);
+    view.style.gridArea = name === large ? 'large' : SMALL_PLACES[home];
+    view.classList.toggle('large', name === large);
+  }
+}
+
+function splitter(name) {
+  const element = document.createElement('div');
+  element.className = 'splitter';
+  element.dataset.split = name;
+  element.tabIndex = 0;
+  element.role = 'separator';
+  element.ariaOrientation = SPLITTERS[name].along === 'x' ? 'vertical' : 'horizontal';
+  element.ariaLabel = 'Size';
+  element.addEventListener('pointerdown', (event) => drag(event, name));
+  element.addEventListener('dblclick', () => set(name, null));
+  element.addEventListener('keydown', (event) => nudge(event, name));
+  return element;
+}
+
+function drag(event, name) {
+  if (event.button !== 0) return;
+  const { currentTarget: element } = event;
+  const { along, grows } = SPLITTERS[name];
+  const from = along === 'x' ? event.clientX : event.clientY;
+  const size = sizeOf(name);
+  element.setPointerCapture(event.pointerId);
+  element.onpointermove = (move) => {
+    const to = along === 'x' ? move.clientX : move.clientY;
+    set(name, size + grows * (to - from));
+  };
+  element.onlostpointercapture = () => {
+    element.onpointermove = null;
+    keep();
+  };
+}
+
+function nudge(event, name) {
+  const { along, grows } = SPLITTERS[name];
+  const keys = along === 'x' ? ['ArrowLeft', 'ArrowRight'] : ['ArrowUp', 'ArrowDown'];
+  const way = keys.indexOf(event.key);
+  if (way < 0) return;
+  event.preventDefault();
+  event.stopPropagation();
+  set(name, sizeOf(name) + grows * (way === 0 ? -STEP_PX : STEP_PX));
+  keep();
+}
+
+/** The size now, in pixels. */
+function sizeOf(name) {
+  const { rows } = SPLITTERS[name];
+  if (rows !== undefined) return rowHeights()[rows];
+  const ids = { views: null, insp: 'insp', time: 'time' };
+  const element = ids[name] ? document.getElementById(ids[name]) : smallView();
+  return SPLITTERS[name].along === 'x' ? element.offsetWidth : element.offsetHeight;
+}
+
+function smallView() {
+  return document.querySelector('.view:not(.large)');
+}
+
+function rowHeights() {
+  const stage = document.getElementById('stage');
+  return getComputedStyle(stage).gridTemplateRows.split(' ').map(parseFloat);
+}
+
+/** Set a size, or with null go back to the usual one. */
+function set(name, size) {
+  const { style, least, most, rows } = SPLITTERS[name];
+  const root = document.documentElement.style;
+  if (size === null) {
+    root.removeProperty(style);
+    if (rows !== undefined) for (const each of ['--r-one', '--r-two', '--r-three']) root.removeProperty(each);
+    keep();
+    return;
+  }
+  if (rows !== undefined) return setRow(rows, size, least);
+  let largest = typeof most === 'function' ? most() : most;
+  const large = document.querySelector('.view.large');
+  if (name !== 'time') largest = Math.min(largest, sizeOf(name) + large.offsetWidth - LEAST_MAIN_PX);
+  root.setProperty(style, `${Math.round(Math.max(least, Math.min(largest, size)))}px`);
+}
+
+/** Two neighbouring rows share what they have. */
+function setRow(row, size, least) {
+  const heights = rowHeights();
+  const both = heights[row] + heights[row + 1];
+  heights[row] = Math.max(least, Math.min(both - least, size));
+  heights[row + 1] = both - heights[row];
+  const root = document.documentElement.style;
+  ['--r-one', '--r-two', '--r-three'].forEach((name, i) => root.setProperty(name, `${heights[i]}fr`));
+}
+
+function keep() {
+  const root = document.documentElement.style;
+  const names = ['--w-views', '--w-insp', '--h-time', '--r-one', '--r-two', '--r-three'];
+  const sizes = Object.fromEntries(names.map((name) => [name, root.getPropertyValue(name)]));
+  try {
+    localStorage.setItem(KEPT, JSON.stringify(sizes));
+  } catch {
+    // A browser that keeps nothing still shows everything.
+  }
+}
+
+function restore() {
+  try {
+    const sizes = JSON.parse(localStorage.getItem(KEPT) ?? '{}');
+    for (const [name, size] of Object.entries(sizes)) {
+      if (/^[\d.]+(px|fr)$/.test(size)) document.documentElement.style.setProperty(name, size);
+    }
+  } catch {
+    // Unreadable sizes are the usual ones.
+  }
+}

@@ -1,0 +1,46 @@
+"""A desk to try edits at: the sample session without its video."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from app.editor.actions import ACTIONS
+from app.editor.state import EditorState
+from app.editor.update import update
+from app.posing import opening_pose
+from tracker.geometry import Array
+from tracker.session.files import load_session
+from tracker.skeleton import Skeleton
+
+SAMPLE = Path(__file__).resolve().parents[3] / "sample_videos" / "person" / "session.json"
+
+
+def desk(*, keyframes: bool = True) -> EditorState:
+    """The sample with its keyframes at 0, 24, 48 and 72, or without any."""
+    session = load_session(SAMPLE)
+    if not keyframes:
+        session = session.model_copy(update={"keyframes": ()})
+    return EditorState(
+        doc=session,
+        skeleton=Skeleton.of(session.body),
+        times_s=np.arange(session.video.frame_count) / 30,
+        opening=opening_pose(session.body, session.camera, (0.0, -1.0, 0.0)),
+    )
+
+
+def after(state: EditorState, *messages: dict[str, Any]) -> EditorState:
+    """The state after messages as a page sends them."""
+    for message in messages:
+        state = update(state, ACTIONS.validate_python(message))  # type: ignore[arg-type]
+    return state
+
+
+def angles(state: EditorState, part: str) -> Array:
+    """A part's angles at the present frame, degrees."""
+    from app.editor.posing_edits import angles_at
+    from app.editor.shown import shown
+
+    return np.array(angles_at(state, shown(state).pose)[part])

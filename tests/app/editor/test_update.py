@@ -1,0 +1,231 @@
+"""Edits change the document and nothing else, can be taken back, and lose nothing."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from app.editor.actions import ACTIONS
+from app.editor.refusal import Refused
+from app.editor.shown import shown
+from tests.app.editor.desk import after, angles, desk
+from tracker.errors import KeyposeError
+from tracker.session import Session
+from tracker.session.files import session_json
+
+TURN = {"do": "angles", "part": "left_forearm", "x": -40}
+
+EDITS: list[dict[str, Any]] = [
+    TURN,
+    {"do": "root", "x": 0.4},
+    {"do": "reset_part", "part": "chest"},
+    {"do": "reset_pose"},
+    {"do": "toggle_key"},
+    {"do": "add_key", "frame": 10},
+    {"do": "delete_key", "frame": 24},
+    {"do": "move_key", "frame": 24, "to": 30},
+    {"do": "duplicate_key", "frame": 24, "to": 31},
+    {"do": "key_angle", "frame": 48, "part": "head", "axis": "x", "deg": 12},
+    {"do": "copy_key", "from_frame": 48},
+    {"do": "size", "part": "left_thigh", "key": "length", "cm": 40},
+    {"do": "joint", "part": "head", "y": -12},
+    {"do": "height", "cm": 150},
+    {"do": "preset", "name": "adult_female"},
+    {"do": "tracked", "part": "neck", "dofs": ["rx"]},
+    {"do": "camera", "fx": 950},
+    {"do": "field_of_view", "deg": 60},
+    {"do": "distortion", "k1": 0.1},
+    {"do": "vertical", "a": [300, 300], "b": [310, 100]},
+    {"do": "add_mask", "polygon": [[0, 0], [50, 0], [0, 50]], "first": 0, "last": 10},
+    {"do": "settings", "quality": "fast", "passes": 2},
+]
+
+
+@pytest.mark.parametrize("edit", EDITS, ids=lambda edit: edit["do"])
+def test_every_edit_changes_the_document_and_undo_and_redo_are_exact(edit: dict[str, Any]) -> None:
+    before = desk()
+    done = after(before, edit)
+    assert done.doc != before.doc
+    undone = after(done, {"do": "undo"})
+    assert undone.doc is before.doc
+    assert after(undone, {"do": "redo"}).doc is done.doc
+
+
+@pytest.mark.parametrize("edit", EDITS, ids=lambda edit: edit["do"])
+def test_what_an_edit_leaves_can_be_saved_and_read_again(edit: dict[str, Any]) -> None:
+    doc = after(desk(), edit).doc
+    assert Session.model_validate_json(session_json(doc)) == doc
+
+
+def test_a_pose_set_where_no_keyframe_is_becomes_a_draft_and_k_makes_it_a_keyframe() -> None:
+    state = after(desk(), {"do": "go", "frame": 12}, TURN)
+    assert [d.frame for d in state.doc.drafts] == [12]
+    assert state.keys == (0, 24, 48, 72)
+    assert shown(state).source == "draft"
+    keyed = after(state, {"do": "toggle_key"})
+    assert keyed.keys == (0, 12, 24, 48, 72)
+    assert keyed.doc.drafts == ()
+    np.testing.assert_allclose(angles(keyed, "left_forearm")[0], -40, atol=1e-6)
+
+
+def test_k_at_a_keyframe_takes_it_away_and_undo_brings_it_back() -> None:
+    state = after(desk(), {"do": "go", "frame": 24}, {"do": "toggle_key"})
+    assert state.keys == (0, 48, 72)
+    assert after(state, {"do": "undo"}).keys == (0, 24, 48, 72)
+
+
+def test_all_moves_of_one_stroke_are_one_step_and_only_the_last_one_counts() -> None:
+    start = desk()
+    moves = [{**TURN, "x": -x, "stroke": "s"} for x in range(1, 90)]
+    state = after(start, *moves, {"do": "end_stroke", "stroke": "s"})
+    assert len(state.history.past) == 1
+    np.testing.assert_allclose(angles(state, "left_forearm")[0], -89, atol=1e-6)
+    assert after(state, {"do": "undo"}).doc is start.doc
+
+
+def test_a_cancelled_stroke_leaves_no_trace() -> None:
+    start = desk()
+    state = after(start, {**TURN, "stroke": "s"}, {"do": "cancel_stroke", "stroke": "s"})
+    assert state.doc is start.doc
+    assert state.history.past == ()
+
+
+def test_a_late_end_of_another_stroke_changes_nothing() -> None:
+    state = after(desk(), {**TURN, "stroke": "s"})
+    assert after(state, {"do": "end_stroke", "stroke": "t"}) is state
+    assert after(state, {"do": "cancel_stroke", "stroke": "t"}) is state
+
+
+def test_a_new_edit_forgets_what_could_be_done_again() -> None:
+    state = after(desk(), TURN, {"do": "undo"}, {"do": "root", "x": 0.1})
+    with pytest.raises(Refused, match="nothing to redo"):
+        after(state, {"do": "redo"})
+
+
+def test_undo_goes_to_where_the_edit_was_made() -> None:
+    state = after(desk(), {"do": "go", "frame": 24}, TURN, {"do": "go", "frame": 60})
+    assert after(state, {"do": "undo"}).frame == 24
+
+
+def test_an_edit_that_changes_nothing_is_no_step() -> None:
+    state = after(desk(), {"do": "settings", "quality": "full"})
+    assert state.history.past == ()
+
+
+def test_looking_around_is_no_step() -> None:
+    state = after(
+        desk(),
+        {"do": "go", "frame": 9},
+        {"do": "select", "part": "head"},
+        {"do": "display", "mode": "wire", "opacity": 0.2},
+        {"do": "live", "on": True},
+    )
+    assert state.history.past == ()
+    assert (state.frame, state.selected, state.display.mode) == (9, "head", "wire")
+
+
+def test_a_frame_beyond_the_end_is_the_last_one() -> None:
+    assert after(desk(), {"do": "go", "frame": 10_000}).frame == 72
+
+
+@pytest.mark.parametrize(
+    ("edit", "words"),
+    [
+        ({"do": "move_key", "frame": 24, "to": 48}, "has a keyframe already"),
+        ({"do": "move_key", "frame": 24, "to": 400}, "frames 0 to 72"),
+        ({"do": "delete_key", "frame": 3}, "no keyframe"),
+        ({"do": "paste_pose"}, "copied"),
+        ({"do": "take_tracked"}, "not tracked"),
+        ({"do": "angles", "part": "tail", "x": 3}, "no part 'tail'"),
+        ({"do": "select", "part": "tail"}, "no part 'tail'"),
+        ({"do": "root", "z": -3}, "behind the camera"),
+        ({"do": "height", "cm": 0.1}, "between 1 and"),
+        ({"do": "preset", "name": "centaur"}, "centaur"),
+        ({"do": "vertical", "a": [5, 5], "b": [6, 6]}, "longer line"),
+        ({"do": "delete_mask", "index": 0}, "does not exist"),
+        ({"do": "camera", "fx": -1}, "fx"),
+        ({"do": "undo"}, "nothing to undo"),
+    ],
+    ids=lambda value: value["do"] if isinstance(value, dict) else "",
+)
+def test_what_cannot_be_done_is_refused_in_one_sentence(edit: dict[str, Any], words: str) -> None:
+    state = desk()
+    with pytest.raises(KeyposeError, match=words) as refusal:
+        after(state, edit)
+    assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    "message",
+    [
+        {"do": "format_disk"},
+        {"do": "go", "frame": -1},
+        {"do": "go", "frame": "one"},
+        {"do": "go"},
+        {"do": "display", "opacity": 2},
+        {"do": "angles", "part": "head", "x": float("nan")},
+        {"do": "angles", "part": "head", "x": 1e9},
+        {"do": "root", "x": float("inf")},
+        {"do": "add_mask", "polygon": [[0, 0]], "first": 0, "last": 1},
+        {"do": "settings", "passes": 1000},
+        {"do": "go", "frame": 1, "and": "more"},
+        "go",
+        None,
+        [],
+    ],
+    ids=str,
+)
+def test_what_is_no_action_is_stopped_at_the_door(message: Any) -> None:
+    with pytest.raises(ValidationError):
+        ACTIONS.validate_python(message)
+
+
+def test_copy_and_paste_mirrored_exchanges_the_sides() -> None:
+    state = after(desk(), {"do": "copy_pose"}, {"do": "paste_pose", "mirrored": True})
+    for left, right in state.doc.body.mirror_pairs:
+        there, here = angles(desk(), left), angles(state, right)
+        np.testing.assert_allclose(here, there * (1, -1, -1), atol=1e-6)
+    back = after(state, {"do": "copy_pose"}, {"do": "paste_pose", "mirrored": True})
+    np.testing.assert_allclose(
+        shown(back).pose.Rs_parent_part, shown(desk()).pose.Rs_parent_part, atol=1e-9
+    )
+
+
+def test_the_first_body_stands_whole_before_the_camera() -> None:
+    state = desk(keyframes=False)
+    standing = shown(state)
+    assert standing.source == "rest"
+    uv = state.doc.camera.project(standing.pose.p_camera_root)
+    assert 0 <= uv[0] < state.doc.camera.width
+    assert 0 <= uv[1] < state.doc.camera.height
+
+
+def test_between_keyframes_the_pose_is_interpolated_and_outside_held() -> None:
+    state = after(desk(), {"do": "delete_key", "frame": 0}, {"do": "delete_key", "frame": 72})
+    assert shown(state, 30).source == "between"
+    assert shown(state, 3).source == "held"
+    assert shown(state, 70).source == "held"
+    first = shown(state, 24).pose.p_camera_root
+    np.testing.assert_allclose(shown(state, 3).pose.p_camera_root, first)
+
+
+ANY_EDIT = st.sampled_from([*EDITS, {"do": "undo"}, {"do": "redo"}, {"do": "go", "frame": 24}])
+
+
+@given(st.lists(ANY_EDIT, max_size=12))
+def test_undoing_everything_leads_back_to_the_beginning(edits: list[dict[str, Any]]) -> None:
+    start = desk()
+    state = start
+    for edit in edits:
+        try:
+            state = after(state, edit)
+        except KeyposeError:
+            continue
+    while state.history.past:
+        state = after(state, {"do": "undo"})
+    assert state.doc is start.doc

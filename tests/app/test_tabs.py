@@ -1,0 +1,46 @@
+"""A slow tab gets the newest of everything, in few messages, and no answer is lost."""
+
+from __future__ import annotations
+
+import asyncio
+
+from app.tabs import Tab
+
+
+def test_of_each_section_only_the_newest_value_is_sent() -> None:
+    async def told() -> list[dict[str, object]]:
+        tab = Tab()
+        for frame in range(500):
+            tab.tell({"view": frame})
+            tab.acknowledge(frame)
+        tab.tell({"keys": [1]})
+        return await tab.next()
+
+    messages = asyncio.run(told())
+    assert messages == [{"t": "state", "ack": 499, "set": {"view": 499, "keys": [1]}}]
+
+
+def test_answers_keep_their_order_and_come_before_the_state() -> None:
+    async def told() -> list[dict[str, object]]:
+        tab = Tab()
+        tab.tell({"view": 1})
+        for number in range(3):
+            tab.say({"t": "reply", "id": number})
+        return await tab.next()
+
+    messages = asyncio.run(told())
+    assert [message.get("id") for message in messages] == [0, 1, 2, None]
+
+
+def test_a_tab_without_news_waits_and_is_woken_by_an_acknowledgement() -> None:
+    async def told() -> list[dict[str, object]]:
+        tab = Tab()
+        tab.tell({"view": 1})
+        await tab.next()
+        waiting = asyncio.ensure_future(tab.next())
+        await asyncio.sleep(0)
+        assert not waiting.done()
+        tab.acknowledge(7)
+        return await waiting
+
+    assert asyncio.run(told()) == [{"t": "state", "ack": 7, "set": {}}]

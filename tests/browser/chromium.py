@@ -1,0 +1,23 @@
+"""Which Chromium the tests of the page use; as a program: exit code 0 when there is one."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+ARGUMENTS = (
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--no-sandbox",
+    "--disable-background-networking",
+)
+
+
+def find() -> str | None:
+    """The browser's path."""
+    return next((path for name in NAMES if (path := shutil.which(name))), None)
+
+
+if __name__ == "__main__":
+    sys.exit(0 if find() else 1)

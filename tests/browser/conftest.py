@@ -1,0 +1,110 @@
+"""A server of our own and a real Chromium, for tests that use the page as a person would."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from tests.browser.chromium import ARGUMENTS, find
+
+ROOT = Path(__file__).resolve().parents[2]
+SCREENS = ROOT / "out" / "screens"
+SECONDS_TO_START = 60
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """All on one worker: two browsers at once would slow each other down."""
+    for item in items:
+        if "tests/browser" in item.path.as_posix():
+            item.add_marker(pytest.mark.xdist_group("browser"))
+
+
+class Keypose:
+    """A running `keypose open`. `address` lets a browser in."""
+
+    def __init__(self, *arguments: str) -> None:
+        command = [sys.executable, "-m", "app", "open", "--no-browser", "--port", "0", *arguments]
+        self.process = subprocess.Popen(
+            command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        )
+        self.address = self._address()
+
+    @property
+    def origin(self) -> str:
+        return self.address.split("/?")[0]
+
+    @property
+    def port(self) -> int:
+        return int(self.origin.rsplit(":", 1)[1])
+
+    def end(self, number: int = signal.SIGTERM) -> int:
+        """Ask it to end; its exit code."""
+        self.process.send_signal(number)
+        try:
+            return self.process.wait(timeout=20)
+        finally:
+            self.process.kill()
+
+    def _address(self) -> str:
+        assert self.process.stdout is not None
+        told = []
+        for line in self.process.stdout:
+            told.append(line)
+            if found := re.search(r"http://\S+", line):
+                return found[0]
+        raise AssertionError("the server did not start: " + "".join(told))
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    """A real Chromium; without one the test is skipped, but never where all must be tested."""
+    path = find()
+    if path is None and os.environ.get("CI"):
+        pytest.fail("There is no Chromium, and a build machine must test the page.")
+    if path is None:
+        pytest.skip("There is no Chromium on this computer.")
+    with sync_playwright() as playwright:
+        chromium = playwright.chromium.launch(executable_path=path, args=list(ARGUMENTS))
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture
+def sample(tmp_path: Path) -> Path:
+    """A session of one's own: the sample's, with its video beside it."""
+    folder = tmp_path / "person"
+    folder.mkdir()
+    for name in ("person.mp4", "session.json"):
+        shutil.copy(ROOT / "sample_videos" / "person" / name, folder)
+    return folder / "session.json"
+
+
+@pytest.fixture
+def keypose(sample: Path, tmp_path: Path) -> Iterator[Keypose]:
+    """The page of that session."""
+    running = Keypose(str(sample), "--workspace", str(tmp_path / "workspace"))
+    yield running
+    running.end()
+
+
+@pytest.fixture
+def page(browser: Browser, keypose: Keypose) -> Iterator[Page]:
+    """The page, opened and ready; anything the browser complains about fails the test."""
+    context = browser.new_context(viewport={"width": 1440, "height": 900})
+    tab = context.new_page()
+    complaints: list[str] = []
+    tab.on("pageerror", lambda error: complaints.append(str(error)))
+    tab.goto(keypose.address)
+    tab.wait_for_selector("html[data-ready]", timeout=SECONDS_TO_START * 1000)
+    yield tab
+    context.close()
+    assert not complaints, complaints
