@@ -17,6 +17,7 @@ def bound(host: str, port: int) -> socket.socket:
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listener.bind((host, port))
+        listener.listen(100)  # from now on a browser that comes early waits
     except OSError as error:
         listener.close()
         raise KeyposeError(

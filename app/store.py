@@ -95,7 +95,7 @@ class Store:
             tab.say({"t": "refused", "n": number, "words": one_sentence(error)})
         except KeyposeError as error:
             tab.say({"t": "refused", "n": number, "words": str(error)})
-        tab.acknowledge(number)
+        self._loop.call_soon(tab.acknowledge, number)  # after the turn that tells what it did
 
     def do(self, action: actions.Action) -> None:
         """Do it; KeyposeError, in one sentence, when it cannot be done."""

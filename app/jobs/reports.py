@@ -36,7 +36,7 @@ class Cancel:
 
 @dataclass(frozen=True)
 class Warming:
-    """The worker is getting ready; orders wait for it."""
+    """The worker is getting ready; the job, if there is one, waits for it."""
 
     words: str
     job: int | None = None

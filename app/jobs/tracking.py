@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,8 +15,10 @@ from app.jobs.reports import (
     JobFailed,
     JobFinished,
     Order,
+    Ready,
     Report,
     Wanted,
+    Warming,
 )
 from tracker.session import Session
 from tracker.settings import Quality
@@ -40,6 +43,7 @@ class Tracking:
         self._worker: WorkerProcess | None = None
         self._last_job = 0
         self._open: set[int] = set()
+        self._warming: Warming | None = None
         self._closed = False
         self._hire()
 
@@ -52,7 +56,8 @@ class Tracking:
     ) -> int:
         """Track these segments, in this order, at one quality after another; the job's number.
 
-        Ends a job that is at work. Every job ends in one JobFinished or JobFailed.
+        Ends a job that is at work. Every job ends in one JobFinished or JobFailed; one that has to
+        wait until the worker is ready is told so by a Warming of its own.
         """
         if self._closed:
             raise RuntimeError("tracking is closed")
@@ -61,6 +66,8 @@ class Tracking:
         content = _needed(session, wanted).model_dump_json().encode()
         self._open.add(job)
         self._hire().send(Order(job, content, str(video_path), tuple(wanted), tuple(stages)))
+        if self._warming is not None:
+            self._loop.call_soon(self._report, replace(self._warming, job=job))
         return job
 
     def cancel(self) -> None:
@@ -103,13 +110,16 @@ class Tracking:
             return
         if isinstance(report, JobFinished | JobFailed):
             self._open.discard(report.job)
+        if isinstance(report, Warming | Ready):
+            report = replace(report, job=self.job)
+            self._warming = report if isinstance(report, Warming) else None
         self._report(report)
 
     def _died(self, worker: WorkerProcess) -> None:
         """The worker is gone without having been asked to go; the next job gets a new one."""
         if worker is not self._worker:
             return
-        self._worker = None
+        self._worker = self._warming = None
         worker.stop()
         jobs, self._open = sorted(self._open), set()
         for job in jobs:

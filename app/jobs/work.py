@@ -37,18 +37,15 @@ class _Cancelled(Exception):
 
 
 class Job:
-    """An order at work."""
+    """An order at work. Every segment ends at its next pass once `cancelled` is set."""
 
-    def __init__(self, order: Order, tell: Tell) -> None:
+    def __init__(self, order: Order, cancelled: Event, tell: Tell) -> None:
         self.order = order
+        self._cancelled = cancelled
         self._tell = tell
-        self._cancelled = Event()
         self._lock = Lock()
         self._failed: dict[Span, str] = {}
-
-    def cancel(self) -> None:
-        """Let every segment end at its next pass."""
-        self._cancelled.set()
+        self._left = False
 
     def run(self, bench: Bench, threads: ThreadPoolExecutor) -> None:
         """Do the work and tell how it goes. Returns when all of it is done or left."""
@@ -76,7 +73,7 @@ class Job:
         if self._failed:
             self._tell(JobFailed(order.job, next(iter(self._failed.values()))))
         else:
-            self._tell(JobFinished(order.job, self._cancelled.is_set()))
+            self._tell(JobFinished(order.job, cancelled=self._left))
 
     def _tracker(self, bench: Bench, session: Session, wanted: Wanted) -> Tracker | None:
         """What is wrong with one segment does not stop the others."""
@@ -90,12 +87,13 @@ class Job:
     def _segment(self, tracker: Tracker, session: Session, wanted: Wanted, stage: Quality) -> None:
         """Track a segment, as far as it goes."""
         span = wanted[:2]
-        if self._cancelled.is_set() or span in self._failed:
+        if span in self._failed:
             return
         try:
+            self._go_on()
             self._track(tracker, _settings(session.settings, stage), wanted, stage)
         except _Cancelled:
-            pass
+            self._left = True
         except KeyposeError as error:
             self._fail(span, str(error))
         except MemoryError:
@@ -109,8 +107,7 @@ class Job:
         job, of = self.order.job, expected_steps(settings)
 
         def emit(step: Pass, number: int) -> None:
-            if self._cancelled.is_set():
-                raise _Cancelled
+            self._go_on()
             if stage != "preview":  # the next pass would be there before this one is drawn
                 score = float("nan") if step.score is None else step.score
                 path = step.trajectory
@@ -118,6 +115,10 @@ class Job:
 
         result = tracker.run_segment(0, settings, emit)
         self._tell(SegmentFinished(job, SegmentTrack.of(wanted[2], stage, result)))
+
+    def _go_on(self) -> None:
+        if self._cancelled.is_set():
+            raise _Cancelled
 
     def _fail(self, span: Span, words: str) -> None:
         with self._lock:

@@ -7,14 +7,11 @@ import signal
 import traceback
 from concurrent.futures import ThreadPoolExecutor
 from multiprocessing.connection import Connection
-from threading import Condition, Lock, Thread
-from typing import TYPE_CHECKING
+from threading import Lock, Thread
 
+from app.jobs.desk import Desk
 from app.jobs.reports import Cancel, JobFinished, Order, Ready, Report, Warming
 from app.jobs.wire import receive, send
-
-if TYPE_CHECKING:
-    from app.jobs.work import Job
 
 THREADS = 2
 """Segments side by side. More would gain little and take the page's share of a small computer."""
@@ -34,9 +31,7 @@ class Worker:
     def __init__(self, connection: Connection) -> None:
         self._connection = connection
         self._sending = Lock()
-        self._changed = Condition()
-        self._next: Order | None = None
-        self._job: Job | None = None
+        self._desk = Desk()
 
     def serve(self) -> None:
         """Until there is nobody left to serve."""
@@ -48,34 +43,17 @@ class Worker:
             os._exit(0)  # whatever is at work is of no use to anyone now
 
     def _heed(self, message: Order | Cancel) -> None:
-        """A new order replaces the one that waits and ends the one at work."""
-        with self._changed:
-            waiting = self._next
-            if isinstance(message, Order):
-                self._next = message
-            elif waiting is not None and waiting.job == message.job:
-                self._next = None
-            else:
-                waiting = None
-            if self._job is not None and (
-                isinstance(message, Order) or self._job.order.job == message.job
-            ):
-                self._job.cancel()
-            self._changed.notify()
-        if waiting is not None:
-            self._tell(JobFinished(waiting.job, cancelled=True))
+        if isinstance(message, Order):
+            dropped = self._desk.put(message)
+        else:
+            dropped = self._desk.cancel(message.job)
+        if dropped is not None:
+            self._tell(JobFinished(dropped.job, cancelled=True))
 
     def _work(self) -> None:
         try:
             self._warm()
-            from app.jobs.bench import Bench
-
-            bench = Bench()
-            with ThreadPoolExecutor(THREADS) as threads:
-                while True:
-                    self._take().run(bench, threads)
-                    with self._changed:
-                        self._job = None
+            self._take_orders()
         except BaseException:  # noqa: BLE001 — the other end notices that nobody is here
             traceback.print_exc()
             os._exit(1)
@@ -89,14 +67,15 @@ class Worker:
         warm()
         self._tell(Ready())
 
-    def _take(self) -> Job:
+    def _take_orders(self) -> None:
+        from app.jobs.bench import Bench
         from app.jobs.work import Job
 
-        with self._changed:
-            self._changed.wait_for(lambda: self._next is not None)
-            assert self._next is not None
-            self._job, self._next = Job(self._next, self._tell), None
-            return self._job
+        bench = Bench()
+        with ThreadPoolExecutor(THREADS) as threads:
+            while True:
+                order, cancelled = self._desk.take()
+                Job(order, cancelled, self._tell).run(bench, threads)
 
     def _tell(self, report: Report) -> None:
         with self._sending:

@@ -3,7 +3,9 @@
 
 import { send } from '../link.js';
 import { S, put } from '../state.js';
+import { TOOLS } from '../handles/tools.js';
 import * as inspector from '../inspector/inspector.js';
+import { frame } from '../timeline/head.js';
 import * as timeline from '../timeline/timeline.js';
 import { copyPicture, savePicture } from './export.js';
 import { toggleSheet } from './dialogs.js';
@@ -17,7 +19,6 @@ const row = (label, ...keys) => ({ label, keys: keys.map(([chord, run, more]) =>
 const REPEATS = { repeats: true };
 const ALIAS = { alias: true }; // works, and is not shown
 const ALWAYS = { always: true }; // also without a file
-const tool = (name) => () => put('tool', name);
 const large = (name) => () => showLarge(name);
 const display = (change) => send({ do: 'display', ...change });
 
@@ -55,12 +56,8 @@ const TRACK = [
   row('Keys and help', ['?', toggleSheet, ALWAYS]),
 ];
 
-const TOOLS = [
-  row('Select', ['V', tool('select')]),
-  row('Rotate', ['R', tool('rotate')]),
-  row('Move the body', ['G', tool('move')]),
-  row('Drag hands and feet', ['E', tool('ends')]),
-  row('Sizes', ['S', tool('size')]),
+const TOOL_KEYS = [
+  ...TOOLS.map(({ name, label, key }) => row(label, [key, () => put('tool', name)])),
   row('Other side of the body', ['Q', () => inspector.otherSide()]),
   row('Along the limb', ['[', () => inspector.alongChain(-1)], [']', () => inspector.alongChain(1)]),
 ];
@@ -94,7 +91,7 @@ export const GROUPS = [
   { title: 'Frames', rows: FRAMES },
   { title: 'Pose', rows: POSE },
   { title: 'Track', rows: TRACK },
-  { title: 'Tools', rows: TOOLS },
+  { title: 'Tools', rows: TOOL_KEYS },
   { title: 'Views', rows: VIEWS },
   { title: 'While dragging', rows: DRAGGING },
 ];
@@ -117,7 +114,7 @@ function paste(mirrored) {
 }
 
 function copyPrevious() {
-  const before = (S.keys?.frames ?? []).filter((frame) => frame < S.view.frame);
+  const before = (S.keys?.frames ?? []).filter((key) => key < frame());
   if (before.length) send({ do: 'copy_key', from_frame: before.at(-1) });
 }
 

@@ -7,6 +7,7 @@ import { mountSheet } from './keys_sheet.js';
 import { mountMenus } from './menus.js';
 import { mountStatus } from './status.js';
 import { mountTheme } from './theme.js';
+import { mountTips } from './tips.js';
 import { mountToasts } from './toasts.js';
 import { mountTopbar } from './topbar.js';
 import { mountChooser } from './start/chooser.js';
@@ -22,6 +23,7 @@ export function mount() {
   mountSheet();
   mountChooser();
   mountToasts();
+  mountTips();
   mountDropping();
   mountMenus();
   mountFocus();

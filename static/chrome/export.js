@@ -1,6 +1,7 @@
 // Pictures and motion out of the page: saved as files, or copied to the clipboard.
 
 import { S, U } from '../state.js';
+import { frame } from '../timeline/head.js';
 import { toast } from './toasts.js';
 
 const PICTURED = ['main', 'top', 'side', 'front'];
@@ -10,9 +11,8 @@ export const viewShown = () => (PICTURED.includes(U.layout) ? U.layout : 'main')
 
 /** Save a picture of one view, or of all, as a PNG file. */
 export async function savePicture(view = viewShown()) {
-  const { frame } = S.view;
   const kind = view === 'main' ? '' : `-${view === 'all' ? 'views' : view}`;
-  await saveFrom(pictureAddress(view), `${S.file.name}-frame${frame}${kind}.png`);
+  await saveFrom(pictureAddress(view), `${S.file.name}-frame${frame()}${kind}.png`);
 }
 
 /** Put a picture of this view on the clipboard. */
@@ -25,7 +25,7 @@ export async function copyPicture() {
     // The promise is handed over, not awaited: the permission lasts as long as the key press.
     const picture = fetchBlob(pictureAddress(viewShown()));
     await navigator.clipboard.write([new ClipboardItem({ 'image/png': picture })]);
-    toast({ kind: 'good', words: `Picture of frame ${S.view.frame} copied.` });
+    toast({ kind: 'good', words: `Picture of frame ${frame()} copied.` });
   } catch (error) {
     toast({ kind: 'check', words: `The picture was not copied. ${sentence(error.message)}` });
   }
@@ -36,8 +36,8 @@ export const saveMotion = (format) =>
   saveFrom(`/motion?format=${format}`, `${S.file.name}.${format}`);
 
 function pictureAddress(view) {
-  const { frame, mode, opacity } = S.view;
-  const query = new URLSearchParams({ view, frame });
+  const { mode, opacity } = S.view;
+  const query = new URLSearchParams({ view, frame: frame() });
   if (mode !== undefined) query.set('mode', mode);
   if (opacity !== undefined) query.set('opacity', opacity);
   return `/picture.png?${query}`;

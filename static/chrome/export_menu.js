@@ -3,6 +3,7 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../icons.js';
 import { S } from '../state.js';
+import { frame } from '../timeline/head.js';
 import { copyPicture, saveMotion, savePicture, viewShown } from './export.js';
 import { heading, line, menuHolder, note, toggleMenu } from './menus.js';
 import { listed, range } from './words.js';
@@ -27,7 +28,7 @@ function items() {
   const keys = S.keys?.frames ?? [];
   const frames = keys.length > 1 ? `, frames ${range(keys[0], keys.at(-1))}` : '';
   return [
-    heading(`Picture of frame ${S.view?.frame ?? 0}`),
+    heading(`Picture of frame ${frame()}`),
     { icon: 'img', label: 'This view, PNG', right: sizeAndKey(), run: () => savePicture() },
     { icon: 'quad', label: 'All four views, PNG', run: () => savePicture('all') },
     { icon: 'clip', label: 'Copy this view', right: 'Shift C', run: copyPicture },

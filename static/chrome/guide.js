@@ -5,7 +5,7 @@ import { icon } from '../icons.js';
 import { S, U, put, watch } from '../state.js';
 import { onViews } from '../views.js';
 import { drawMarks } from './guide_marks.js';
-import { cornerFor } from './guide_place.js';
+import { carry, cornerFor } from './guide_place.js';
 import { END, STEPS } from './guide_steps.js';
 
 const KEY = 'keypose.guide';
@@ -15,12 +15,14 @@ let doneBefore = {}; // what was done when the guide was opened does not move it
 let offered = null; // the file the guide was offered for
 let timer = 0;
 let at = { step: -1, corner: null };
+let isPutAside = false; // by hand: then it stays there
 
 /** Open the guide at the first step that is not done yet. */
 export function openGuide() {
+  isPutAside = false;
   doneBefore = { ...S.guide?.done };
   const first = STEPS.findIndex(({ name }) => !doneBefore[name]);
-  put('guideStep', Math.max(0, first));
+  show(Math.max(0, first));
 }
 
 /** Close the guide for good; tells whether it was open. */
@@ -52,6 +54,13 @@ export function mountGuide() {
   addEventListener('resize', () => requestAnimationFrame(draw));
 }
 
+function show(step) {
+  const { tool, tab } = STEPS[step] ?? {};
+  if (tool) put('tool', tool);
+  if (tab) put('tab', tab);
+  put('guideStep', step);
+}
+
 const isOpen = () => Boolean(S.file) && Number.isInteger(U.guideStep);
 
 function notice() {
@@ -68,7 +77,7 @@ function advance() {
   const done = S.guide?.done ?? {};
   let next = U.guideStep + 1;
   while (next < STEPS.length && done[STEPS[next].name] && !doneBefore[STEPS[next].name]) next += 1;
-  put('guideStep', next);
+  show(next);
 }
 
 function wasClosed() {
@@ -82,7 +91,7 @@ function wasClosed() {
 function coach() {
   const step = U.guideStep;
   const { title, text } = STEPS[step] ?? END;
-  return html`<div class="coach" role="dialog" aria-label="First pose">
+  return html`<div class="coach" role="dialog" aria-label="First pose" @pointerdown=${lift}>
     <div class="steps">${STEPS.map((each, i) => bar(each, i))}</div>
     <h3>${title}</h3>
     <p>${text}</p>
@@ -107,15 +116,21 @@ function bar({ name, word }, i) {
   return html`<button
     class="${kind} ${isDone ? 'd' : ''}"
     aria-current=${i === U.guideStep ? 'step' : nothing}
-    @click=${() => put('guideStep', i)}
+    @click=${() => show(i)}
   >
     <i></i><span>${isDone ? icon('check') : nothing}${word}</span>
   </button>`;
 }
 
+function lift(event) {
+  if (event.button !== 0 || event.target.closest('button')) return;
+  isPutAside = true;
+  carry(event);
+}
+
 /** The card keeps its corner while it is out of the way, and never moves under a drag. */
 function place(card) {
-  if (U.dragging) return;
+  if (U.dragging || isPutAside) return;
   const keep = at.step === U.guideStep ? at.corner : null;
   const corner = cornerFor(card, keep);
   at = { step: U.guideStep, corner: corner.name };

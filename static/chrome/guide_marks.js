@@ -17,15 +17,15 @@ function roundRoot() {
   const at = handlePoint('main', S.body?.handles?.find(({ kind }) => kind === 'root'));
   if (!at) return null;
   return svg`<g transform="translate(${at[0]} ${at[1]})">
-    ${ring(0, 0, 19)}
-    ${[0, 90, 180, 270].map((turn) => svg`<path class="tip" transform="rotate(${turn})" d="M0-34l6 8H-6z" />`)}
+    ${ring(0, 0, 20)}
+    ${[0, 90, 180, 270].map((turn) => svg`<path class="tip" transform="rotate(${turn})" d="M0-37l7 9H-7z" />`)}
   </g>`;
 }
 
 /** A measure from head to feet beside the body, and a frame round the field. */
 function besideBody() {
   const box = boxOf('main');
-  const field = frameRound('[data-guide="height"]');
+  const field = frameRound('#insp [aria-label^="Height"]');
   if (!box) return field;
   const x = box.right + 28;
   return svg`${field}<g>
@@ -39,7 +39,7 @@ function roundEnds() {
   return ends
     .map((handle) => handlePoint('main', handle))
     .filter(Boolean)
-    .map(([x, y]) => ring(x, y, 14));
+    .map(([x, y]) => ring(x, y, 15));
 }
 
 /** A frame round the side view, and arrows along the depth. */
@@ -57,7 +57,7 @@ function inSide() {
 }
 
 function onKey() {
-  return frameRound('[data-guide="key"], #time [aria-label^="Add keyframe"]');
+  return frameRound('#time [aria-label^="Add keyframe"]');
 }
 
 function frameRound(selector) {
@@ -66,7 +66,8 @@ function frameRound(selector) {
   return box?.width ? frame(box, 3) : null;
 }
 
-const ring = (x, y, r) => svg`<circle class="ring" cx=${x} cy=${y} r=${r} />`;
+const ring = (x, y, r) => svg`<circle class="halo" cx=${x} cy=${y} r=${r} />
+  <circle class="ring" cx=${x} cy=${y} r=${r} />`;
 
 const frame = (box, room) => svg`<rect
   class="frame"

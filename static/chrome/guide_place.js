@@ -21,6 +21,18 @@ export function cornerFor(card, keep) {
   return corners.reduce((best, one) => (one.away > best.away ? one : best));
 }
 
+/** Carry the card with the pointer that has taken it, within the window. */
+export function carry({ currentTarget: card, pointerId, clientX, clientY }) {
+  const { left, top, width, height } = card.getBoundingClientRect();
+  const within = (value, most) => Math.min(Math.max(value, 4), most - 4);
+  card.setPointerCapture(pointerId);
+  card.onpointermove = (event) => {
+    card.style.left = `${within(left + event.clientX - clientX, innerWidth - width)}px`;
+    card.style.top = `${within(top + event.clientY - clientY, innerHeight - height)}px`;
+  };
+  card.onlostpointercapture = () => (card.onpointermove = null);
+}
+
 function cornersOf(frame, { width, height }) {
   const left = frame.left + ROOM.left;
   const right = frame.right - ROOM.right - width;

@@ -17,14 +17,17 @@ const OWN = ['u:menu', 'u:ended', 'u:library', 'u:connected', 'u:layout', 'u:she
 
 export function mountTopbar() {
   const element = document.getElementById('top');
-  const draw = () => render(bar(), element);
+  const draw = () => {
+    render(bar(), element);
+    document.title = title();
+  };
   watch(['job', 'segments'], noticeJob);
   watch([...SECTIONS, ...OWN], draw);
   setInterval(() => savedTicks() && draw(), 1000);
 }
 
 function bar() {
-  return html`<div class="row logo">${LOGO}Keypose</div>
+  return html`<div class="row logo">${LOGO}<span class="wordmark">Keypose</span></div>
     ${S.file ? session() : html`<span class="sp"></span>`}
     <button
       class="ib ${U.sheet ? 'hov' : ''}"
@@ -35,6 +38,13 @@ function bar() {
       ${icon('help')}
     </button>
     ${themeButton()}`;
+}
+
+/** The browser's tab tells how far the tracking is while one works elsewhere. */
+function title() {
+  if (!S.file) return 'Keypose';
+  const percent = S.job?.state === 'running' ? `${Math.round(S.job.percent ?? 0)} % ` : '';
+  return `${percent}${S.file.name} – Keypose`;
 }
 
 function session() {

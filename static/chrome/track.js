@@ -3,7 +3,8 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../icons.js';
 import { send } from '../link.js';
-import { S, U } from '../state.js';
+import { S } from '../state.js';
+import { frame } from '../timeline/head.js';
 import { menuHolder, toggleMenu } from './menus.js';
 import { count, range } from './words.js';
 
@@ -36,7 +37,7 @@ export function trackButton() {
 function split(open) {
   const off = tooFew() ? TOO_FEW : '';
   const idle = off || (changed().length ? '' : 'All segments are up to date');
-  return html`<span class="split ${off ? 'off' : ''}">
+  return html`<span class="split">
     <button
       class="btn pri"
       aria-disabled=${idle ? 'true' : nothing}
@@ -96,7 +97,7 @@ function namesOf(segments) {
 
 /** The segment of the present frame; at a keyframe the one that begins there. */
 function segmentHere() {
-  const frame = S.view?.frame ?? U.frame ?? 0;
-  const around = (S.segments ?? []).filter((s) => s.first <= frame && frame <= s.last);
+  const at = frame();
+  const around = (S.segments ?? []).filter((s) => s.first <= at && at <= s.last);
   return around.at(-1);
 }

@@ -7,7 +7,7 @@ import { listen } from '../link.js';
 const values = new Map();
 const awaited = new Map();
 const shownBy = new Set();
-const PATIENCE_MS = 2000;
+const PATIENCE_MS = 10_000;
 
 /** Call fn(key) whenever a held value changes or is let go; returns how to stop. */
 export function onHeld(fn) {

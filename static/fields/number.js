@@ -223,7 +223,8 @@ function bound(element, name, value) {
 
 function outside(value, min, max, label, decimals, unit) {
   if (value >= min && value <= max) return null;
-  const word = (x) => `${shortNumber(x, decimals).replace(/\.0+$/, '')}${unit === '°' ? '°' : ` ${unit}`}`.trim();
+  const space = unit === '°' || unit === '' ? '' : ' ';
+  const word = (x) => `${shortNumber(x, decimals).replace(/\.0+$/, '')}${space}${unit}`;
   if (!Number.isFinite(max)) return `${label} is at least ${word(min)}.`;
   if (!Number.isFinite(min)) return `${label} is at most ${word(max)}.`;
   return `${label} goes from ${word(min)} to ${word(max)}.`;

@@ -1,7 +1,7 @@
 // A slider: thin line the range, thick band the limits, tick the rest pose, fill from the tick.
 //
 // spec as in value.js, and: zero (where the fill begins and the tick stands), tick: false to hide
-// it, on (drawn in the accent).
+// it, band (limits that are drawn though they may not hold).
 
 import { html } from '../vendor/lit-html/lit-html.js';
 import { shortNumber } from './arithmetic.js';
@@ -27,14 +27,14 @@ class SlideBar extends ValueElement {
   }
 
   draw() {
-    const { limit, zero = this.spec.min, off = '', label, unit = '', min, max } = this.spec;
+    const { limit, band = limit, zero = this.spec.min, off = '', label, unit = '', min, max } = this.spec;
     const at = this.share(this.value ?? zero);
     const rest = this.share(zero);
-    this.classList.toggle('on', this.held === true || this.spec.on === true);
+    this.classList.toggle('on', this.held === true);
     this.classList.toggle('off', off !== '');
     this.tabIndex = off ? -1 : 0;
     this.title = off || this.spec.title || label;
-    span(this.bars.lim, limit ? this.share(limit[0]) : 0, limit ? this.share(limit[1]) : 0);
+    span(this.bars.lim, band ? this.share(band[0]) : 0, band ? this.share(band[1]) : 0);
     span(this.bars.fill, Math.min(at, rest), off ? Math.min(at, rest) : Math.max(at, rest));
     this.bars.zero.hidden = this.spec.tick === false;
     this.bars.zero.style.left = `${rest}%`;

@@ -11,7 +11,7 @@ const DEPTH_GUIDE = 44;
 
 /** The grab handles in a view: [{key, handle, at, radius, label, part, …}]. */
 export function gripsIn(view) {
-  if (U.tool === 'sizes') return [];
+  if (U.tool === 'size') return [];
   return S.body.handles.map((given) => gripOf(view, given)).filter(Boolean);
 }
 

@@ -132,6 +132,6 @@ function show({ view, x, y }, { parts, outline }) {
 }
 
 function cursorFor(part) {
-  if (U.tool === 'sizes') return 'crosshair';
+  if (U.tool === 'size') return 'crosshair';
   return part ? 'pointer' : '';
 }

@@ -8,6 +8,8 @@ import { isLarge, largeView, ringRadius } from './scale.js';
 import { isReady } from './targets.js';
 
 const AWAY = 20;
+/** What the longest words take. */
+const ROOM = 216;
 const hosts = new Map();
 
 /** Draw a view's labels. */
@@ -62,12 +64,13 @@ function besideGrip(view, gesture) {
   return beside(view, x, y + (gesture.reach ? 26 : 0), AWAY, x < middle);
 }
 
-/** Right or left of a place, whichever side has room. */
-function beside(view, x, y, away, wantsLeft) {
-  const room = 190;
-  const left = wantsLeft ? x - away > room : x + away + room > view.el.clientWidth;
-  const top = Math.min(Math.max(y - 12, 8), view.el.clientHeight - 32);
-  return { x: left ? x - away : x + away, y: top, left };
+/** Right or left of a place as wished; at the border of the view below it. */
+function beside(view, x, y, away, left) {
+  const { clientWidth: width, clientHeight: height } = view.el;
+  const fits = left ? x - away > ROOM : x + away + ROOM < width;
+  const across = fits ? (left ? x - away : x + away) : left ? ROOM : width - ROOM;
+  const down = fits ? y - 12 : y + away + 8;
+  return { x: across, y: Math.min(Math.max(down, 8), height - 32), left };
 }
 
 function drawName(view) {

@@ -145,7 +145,7 @@ function beginMask(view, target, from) {
 
 /** On a part its tool decides; on nothing the view is pushed. */
 function beginSurface(view, part) {
-  if (!part || U.tool === 'sizes') return startPush(view);
+  if (!part || U.tool === 'size') return startPush(view);
   press.mode = 'drag';
   const root = S.body.parts.find(({ name }) => name === part)?.parent == null;
   const tool = surfaceTool(U.tool, root);
@@ -185,9 +185,10 @@ function finish(view, x, y) {
 }
 
 function clicked(view, done) {
-  const { x, y, target } = done;
-  if (target) click(view, x, y, target, []);
-  else done.picked.then(({ parts }) => click(view, x, y, null, parts));
+  // The time of the release counts, not that of the answer which parts were there.
+  const at = { x: done.x, y: done.y, time: performance.now() };
+  if (done.target) click(view, at, done.target, []);
+  else done.picked.then(({ parts }) => click(view, at, null, parts));
 }
 
 function lost(view, event) {
@@ -220,7 +221,7 @@ function lookOf(view, target) {
   if (isHeldKey(' ') || U.tool === 'pan') return 'grab';
   if (isDrawingTool(U.tool)) return view.name === 'main' ? 'crosshair' : '';
   if (target?.kind === 'trail' || target?.kind === 'mask') return 'pointer';
-  if (target) return U.tool === 'sizes' ? 'crosshair' : 'grab';
-  if (U.tool === 'sizes') return 'crosshair';
+  if (target) return U.tool === 'size' ? 'crosshair' : 'grab';
+  if (U.tool === 'size') return 'crosshair';
   return hold.over ? 'pointer' : '';
 }

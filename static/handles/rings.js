@@ -24,7 +24,7 @@ function frameOf(view, part) {
 export function ringsIn(view) {
   const part = S.body.parts.find(({ name }) => name === S.view.selected);
   const centre = part && S.pose.points[part.name];
-  if (!centre || U.tool === 'sizes') return [];
+  if (!centre || U.tool === 'size') return [];
   const px = view.pxPerMetre(centre);
   if (!(px > 0)) return [];
   const axes = frameOf(view, part);
@@ -80,9 +80,12 @@ export function drawRings(view, rings) {
   return svg`<g class="rings ${turning ? 'turning' : ''}">
     ${rings.map((ring) => drawRing(view, ring, turning))}
     ${turning ? drawWedge(view, rings.find((ring) => ring.axis === turning), gesture) : nothing}
-    <circle class="joint" cx=${x} cy=${y} r=${isLarge(view) ? 3 : 2.5} />
+    ${hasGrip(rings[0].part) ? nothing : svg`<circle class="joint" cx=${x} cy=${y} r=${isLarge(view) ? 3 : 2.5} />`}
   </g>`;
 }
+
+/** Where a grab handle stands on the joint already, a dot more would only hide it. */
+const hasGrip = (part) => S.body.handles.some(({ anchor }) => anchor === part.name);
 
 function drawRing(view, ring, turning) {
   const active = turning === ring.axis;

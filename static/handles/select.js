@@ -10,9 +10,8 @@ const SAME_PX = 5;
 
 let last = { time: -Infinity, view: null, at: [0, 0], part: null, frame: -1 };
 
-/** A click in a view: on a target, on parts (front to back), or on nothing. */
-export function click(view, x, y, target, parts) {
-  const now = performance.now();
+/** A click in a view at a time: on a target, on parts (front to back), or on nothing. */
+export function click(view, { x, y, time: now }, target, parts) {
   const here = last.view === view.name && apart(last.at, [x, y]) < SAME_PX;
   const same = here && last.frame === S.view.frame;
   const twice = same && now - last.time < DOUBLE_MS;

@@ -12,7 +12,7 @@ const FLATTEST_PX = 6;
 
 /** The size handles in a view. */
 export function sizesIn(view) {
-  const part = U.tool === 'sizes' && S.body.parts.find(({ name }) => name === S.view.selected);
+  const part = U.tool === 'size' && S.body.parts.find(({ name }) => name === S.view.selected);
   const T = part && S.pose.T[part.name];
   if (!T) return [];
   const sizes = part.sizes.map((given) => sizeOf(view, part, given)).filter(Boolean);

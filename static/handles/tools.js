@@ -7,7 +7,7 @@ export const TOOLS = [
   { name: 'rotate', icon: 'rot', label: 'Rotate', key: 'R' },
   { name: 'move', icon: 'move', label: 'Move the body', key: 'G' },
   { name: 'ends', icon: 'ik', label: 'Drag hands and feet', key: 'E' },
-  { name: 'sizes', icon: 'size', label: 'Sizes', key: 'S' },
+  { name: 'size', icon: 'size', label: 'Sizes', key: 'S' },
 ];
 
 export const PAN = { name: 'pan', icon: 'hand', label: 'Pan and zoom', key: 'Space' };
@@ -25,7 +25,7 @@ const RESTING = {
   rotate: [['Drag', 'turn about its joint'], FINE, DEGREES, FREE],
   move: [['Drag', 'move in the picture plane'], FINE, DEPTH, BACK],
   ends: [['Drag', 'pull a hand or foot, the limb follows'], DEPTH, FINE, CENTIMETRES],
-  sizes: [['Drag', 'cap: length, rim: radius, cross: joint'], FINE, CENTIMETRES, BACK],
+  size: [['Drag', 'cap: length, rim: radius, cross: joint'], FINE, CENTIMETRES, BACK],
   pan: [['Drag', 'push the picture'], ['Wheel', 'zoom at the pointer'], ['0', 'fit']],
   mask: [['Click', 'corner'], ['Enter', 'close'], ['Backspace', 'last corner away'], ['Esc', 'leave']],
   vertical: [['Drag', 'along something upright'], ['Esc', 'leave']],

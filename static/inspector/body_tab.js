@@ -60,8 +60,8 @@ function link() {
 /** A row per part with its two leading sizes; while left and right change together, one for both. */
 function table() {
   const shown = S.body.parts.filter((part) => !S.view.link || !part.mirror || stands(part));
-  return html`<div class="sizes" role="table" aria-label="Sizes in centimetres">
-    <div class="size dim head" role="row"><span>Part</span><span>Length</span><span>Thickness</span></div>
+  return html`<div class="sizes" role="group" aria-label="Sizes in centimetres">
+    <div class="size dim head"><span>Part</span><span>Length</span><span>Thickness</span></div>
     ${shown.map(row)}
   </div>`;
 }
@@ -82,12 +82,19 @@ function stands(part) {
 
 function row(part) {
   const both = S.view.link && part.mirror;
-  return html`<div class="size ${part.name === S.view.selected ? 'sel' : ''}" role="row">
-    <button type="button" class="name" title=${`Select ${part.label.toLowerCase()}`} @click=${() => select(part.name)}>
+  return html`<div class="size ${part.name === S.view.selected ? 'sel' : ''}">
+    <button
+      type="button"
+      class="name"
+      title=${`Select ${part.label.toLowerCase()}`}
+      @click=${() => select(part.name)}
+    >
       <span class="dot ${both ? 'both' : ''}" style="background:var(--${part.side})"></span>
       <span class="cut">${both ? shortLabel(part) : part.label}</span>
     </button>
-    ${leading(part).map((one) =>
-      numberField({ ...sizeSpec(part, one), title: `${part.label}, ${one.label.toLowerCase()}: drag sideways or type` }))}
+    ${leading(part).map((one) => {
+      const title = `${part.label}, ${one.label.toLowerCase()}: drag sideways or type`;
+      return numberField({ ...sizeSpec(part, one), title });
+    })}
   </div>`;
 }

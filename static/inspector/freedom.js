@@ -29,12 +29,22 @@ export function freedom() {
 
 function freedoms(part, wordy) {
   return html`<div class="free ${part.name === S.view.selected && !wordy ? 'sel' : ''}">
-      <button type="button" class="name" title=${`Select ${part.label.toLowerCase()}`} @click=${() => select(part.name)}>
+      <button
+        type="button"
+        class="name"
+        title=${`Select ${part.label.toLowerCase()}`}
+        @click=${() => select(part.name)}
+      >
         <span class="dot" style="background:var(--${part.side})"></span><span class="cut">${part.label}</span>
       </button>
       ${toggles(part, TURNS, wordy)}
     </div>
-    ${part.parent ? nothing : html`<div class="free"><span class="mut indent">Its place</span>${toggles(part, MOVES, wordy)}</div>`}`;
+    ${part.parent ? nothing : place(part, wordy)}`;
+}
+
+/** Only the root may move as well as turn. */
+function place(part, wordy) {
+  return html`<div class="free"><span class="mut indent">Its place</span>${toggles(part, MOVES, wordy)}</div>`;
 }
 
 function toggles(part, dofs, wordy) {

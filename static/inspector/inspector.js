@@ -26,7 +26,8 @@ const TABS = {
 
 const SHOWN = [
   'file', 'camera', 'body', 'view', 'pose', 'keys', 'segments', 'lanes', 'masks', 'settings', 'clipboard',
-  ...['tab', 'tool', 'hover', 'figureHover', 'freeAxes', 'lens', 'mask', 'segmentFirst', 'allFreedoms'].map((n) => `u:${n}`),
+  ...['u:tab', 'u:tool', 'u:hover', 'u:figureHover', 'u:freeAxes', 'u:lens', 'u:mask'],
+  ...['u:segmentFirst', 'u:allFreedoms'],
 ];
 
 /** What was selected when it was last brought into sight. */
@@ -49,14 +50,19 @@ function draw(room) {
   shownSelected = S.view?.selected;
   // With the keyboard in the figure the focus goes along.
   if (document.activeElement?.closest('.fig')) room.querySelector('.fig [tabindex="0"]')?.focus();
-  for (const row of room.querySelectorAll('.tree .sel, .size.sel, .free.sel')) row.scrollIntoView({ block: 'nearest' });
+  const rows = room.querySelectorAll('.tree .sel, .size.sel, .free.sel');
+  for (const row of rows) row.scrollIntoView({ block: 'nearest' });
 }
 
 function contents() {
   const tab = TABS[U.tab] ? U.tab : 'part';
   return html`${picker()}
-    <div class="tabs" role="tablist" aria-label="Inspector" @keydown=${turn}>${Object.keys(TABS).map((id) => head(id, tab))}</div>
-    <div class="body" role="tabpanel" id="insp-body" aria-label=${TABS[tab].label}>${TABS[tab].draw()}</div>`;
+    <div class="tabs" role="tablist" aria-label="Inspector" @keydown=${turn}>
+      ${Object.keys(TABS).map((id) => head(id, tab))}
+    </div>
+    <div class="body" role="tabpanel" id="insp-body" aria-label=${TABS[tab].label}>
+      ${TABS[tab].draw()}
+    </div>`;
 }
 
 function head(id, current) {

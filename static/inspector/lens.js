@@ -68,11 +68,10 @@ function distortion() {
 }
 
 function coefficient(key, value) {
-  const round = { k1: 'Barrel or cushion', k2: 'Barrel or cushion, fourth order', k3: 'Barrel or cushion, sixth order' };
   return measure({
     key: `camera.${key}`, label: key, value, decimals: 4, step: 0.001, coarse: 0.01, perPixel: 0.0005,
     min: -1000, max: 1000,
-    title: `${round[key] ?? 'Lens not square to the sensor'}: drag sideways or type`,
+    title: `${key[0] === 'k' ? 'Barrel or cushion' : 'Lens not square to the sensor'}: drag sideways or type`,
     edit: (number) => ({ do: 'distortion', [key]: number }),
   });
 }

@@ -61,7 +61,7 @@ function passes() {
     ],
     act: (id) => send({ do: 'settings', passes: id === 'auto' ? null : usual }),
   });
-  return html`${line('Passes', automatic)}${chosen === null
-    ? nothing
-    : html`<div class="f w"><label></label>${slider({ ...spec, max: Math.max(20, chosen) })}${numberField(spec)}</div>`}`;
+  const bar = slider({ ...spec, max: Math.max(20, chosen) });
+  const own = html`<div class="f w"><label></label>${bar}${numberField(spec)}</div>`;
+  return html`${line('Passes', automatic)}${chosen === null ? nothing : own}`;
 }

@@ -41,7 +41,8 @@ function face(part) {
 /** The keys of a figure that was reached with Tab. */
 function walk(event) {
   const steps = {
-    ArrowUp: () => alongChain(-1), ArrowDown: () => alongChain(1), ArrowLeft: otherSide, ArrowRight: otherSide,
+    ArrowUp: () => alongChain(-1), ArrowDown: () => alongChain(1),
+    ArrowLeft: otherSide, ArrowRight: otherSide,
     Enter: () => event.target.dispatchEvent(new MouseEvent('click')),
   };
   const step = steps[event.key === ' ' ? 'Enter' : event.key];
@@ -54,7 +55,8 @@ function walk(event) {
 function about(part) {
   return html`<span class="row dim crumbs">${crumbs(part)}</span>
     <h2 class="row" title=${part.label}>
-      <span class="dot" style="background:var(--${part.side})"></span><span class="cut">${part.label}</span>
+      <span class="dot" style="background:var(--${part.side})"></span>
+      <span class="cut">${part.label}</span>
     </h2>
     <span class="mut cut" role="status">${seenHere(part)}</span>
     ${hidden(part)}`;
@@ -113,7 +115,8 @@ function steps(part) {
 
 function byName() {
   return dropdown({
-    label: 'Part', text: isPerson(S.body) ? 'By name' : 'Find', kind: 'ghost', search: true, title: 'Select a part by its name',
+    label: 'Part', text: isPerson(S.body) ? 'By name' : 'Find', kind: 'ghost', search: true,
+    title: 'Select a part by its name',
     value: S.view.selected, options: named(), act: select,
   });
 }
@@ -122,7 +125,8 @@ function byName() {
 function named() {
   const left = new Map(S.body.parts.map((part) => [part.name, part]));
   const options = [];
-  for (const group of [...(S.body.lanes ?? []), { label: 'Other parts', parts: [...left.keys()] }]) {
+  const rest = { label: 'Other parts', parts: [...left.keys()] };
+  for (const group of [...(S.body.lanes ?? []), rest]) {
     for (const name of group.parts) {
       const part = left.get(name);
       if (!part) continue;

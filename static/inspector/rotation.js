@@ -4,7 +4,7 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { S, U, put } from '../state.js';
 import { send } from '../link.js';
 import { icon } from '../icons.js';
-import { checkbox, iconButton, numberField, segmented, slider, tip } from '../fields.js';
+import { checkbox, iconButton, numberField, segmented, shortNumber, slider, tip } from '../fields.js';
 import { section } from './section.js';
 
 const AXES = ['x', 'y', 'z'];
@@ -44,8 +44,10 @@ function angle(part, axis, value) {
   const [min, max] = track(limits, isFree(part, axis));
   const title = `${spec.label}${words(limits)}. Double-click: back to rest`;
   return html`<div class="f">
-    <label class="cut" title=${spec.label}><b style="color:var(--g${axis})">${axis.toUpperCase()}</b>${spec.label}</label>
-    ${slider({ ...spec, min, max, zero: 0, title, limit: limits, held: spec.limit })}
+    <label class="cut" title=${spec.label}>
+      <b style="color:var(--g${axis})">${axis.toUpperCase()}</b>${spec.label}
+    </label>
+    ${slider({ ...spec, min, max, zero: 0, title, band: limits })}
     ${numberField(spec)}${lock(part, axis, limits)}
   </div>`;
 }
@@ -58,7 +60,9 @@ function track(limits, free) {
 }
 
 function words(limits) {
-  return limits ? `, joint limits ${Math.round(limits[0])}° to ${Math.round(limits[1])}°`.replaceAll('-', '−') : '';
+  if (!limits) return '';
+  const [low, high] = limits.map((degrees) => `${shortNumber(degrees, 0)}°`);
+  return `, joint limits ${low} to ${high}`;
 }
 
 function lock(part, axis, limits) {

@@ -4,6 +4,7 @@ import { S } from '../state.js';
 
 const HIDDEN = 0.35;
 const PARTLY = 0.65;
+const JUDGED = new Set(['good', 'check', 'lost']);
 
 /** How well a part is seen at the present frame, as a sentence. */
 export function seenHere(part) {
@@ -36,5 +37,8 @@ function lane(part) {
 }
 
 function restWord(part) {
-  return part.tracked.length ? 'Not tracked yet' : 'Rides along, not tracked';
+  if (part.tracked.length === 0) return 'Rides along, not tracked';
+  const here = S.view.frame;
+  const known = (S.segments ?? []).some((one) => one.first <= here && here <= one.last && JUDGED.has(one.state));
+  return known ? 'Tracked, not judged in a preview' : 'Not tracked yet';
 }

@@ -21,8 +21,8 @@ export function segment() {
   const here = segmentsHere();
   if (here.length === 0) return section('Segment', html`<p class="note">${why()}</p>`);
   const one = here.find((each) => each.first === U.segmentFirst) ?? liveliest(here);
-  const title = `Segment ${one.first}–${one.last}`;
-  return section(title, html`${verdict(one)}${chart(one)}`, here.length > 1 ? sides(here, one) : nothing);
+  const choice = here.length > 1 ? sides(here, one) : nothing;
+  return section(`Segment ${one.first}–${one.last}`, html`${verdict(one)}${chart(one)}`, choice);
 }
 
 function segmentsHere() {
@@ -32,7 +32,8 @@ function segmentsHere() {
 
 /** At a keyframe two segments meet: the one at work is the one to look at. */
 function liveliest(here) {
-  return here.find((each) => each.state === 'tracking') ?? here.find((each) => each.scores.length) ?? here[0];
+  const scored = (each) => each.scores.some(Number.isFinite);
+  return here.find((each) => each.state === 'tracking') ?? here.find(scored) ?? here[0];
 }
 
 function sides(here, one) {
@@ -48,17 +49,23 @@ function why() {
   const frames = S.keys?.frames ?? [];
   if (frames.length < 2) return 'Nothing to track: pose a second keyframe first.';
   const { frame } = S.view;
-  return frame < frames[0] ? `Frames before ${frames[0]} have no keyframe.` : `Frames after ${frames.at(-1)} have no keyframe.`;
+  const side = frame < frames[0] ? `before ${frames[0]}` : `after ${frames.at(-1)}`;
+  return `Only one keyframe stands beside the frames ${side}: key one more to track them.`;
 }
 
 function verdict(one) {
   const [kind, sign] = CHIPS[one.state] ?? CHIPS.none;
   return html`<div class="row verdict" role="status">
-    <span class="chip ${kind}"><span class=${one.state === 'tracking' ? 'turning' : ''}>${icon(sign)}</span><em>${sentence(one)}</em></span>
-    ${one.go === null || one.go === undefined ? nothing : button({
-      label: `Go to ${one.go}`, kind: 'ghost', title: 'The frame to look at', act: () => send({ do: 'go', frame: one.go }),
-    })}
+    <span class="chip ${kind}">
+      <span class=${one.state === 'tracking' ? 'turning' : ''}>${icon(sign)}</span><em>${sentence(one)}</em>
+    </span>
+    ${Number.isInteger(one.go) ? goThere(one.go) : nothing}
   </div>`;
+}
+
+function goThere(frame) {
+  const act = () => send({ do: 'go', frame });
+  return button({ label: `Go to ${frame}`, title: 'The frame to look at', act });
 }
 
 function sentence(one) {
@@ -73,12 +80,11 @@ function sentence(one) {
 const [LEFT, RIGHT, TOP, BOTTOM] = [24, 258, 8, 54];
 
 function chart(one) {
-  if (one.scores.length === 0) {
-    return html`<p class="note">${one.state === 'none' ? 'Track with T. The error of every pass is drawn here.' : 'No pass is finished yet.'}</p>`;
-  }
+  if (!one.scores.some(Number.isFinite)) return html`<p class="note">${nothingDrawn(one)}</p>`;
   const many = Math.max(one.of ?? 0, one.scores.length);
   const top = nice(Math.max(...one.scores.filter(Number.isFinite)));
-  const x = (pass) => (many === 1 ? (LEFT + RIGHT) / 2 : LEFT + 8 + ((RIGHT - LEFT - 8) * (pass - 1)) / (many - 1));
+  const step = (RIGHT - LEFT - 8) / Math.max(1, many - 1);
+  const x = (pass) => LEFT + 8 + step * (pass - 1);
   const y = (score) => BOTTOM - ((BOTTOM - TOP) * Math.min(score, top)) / top;
   return html`<svg class="passes" viewBox="0 0 264 72" role="img" aria-label=${spoken(one)}>
       ${[TOP, (TOP + BOTTOM) / 2, BOTTOM].map((at) => svg`<path class="rule" d="M${LEFT} ${at}H${RIGHT + 4}"/>`)}
@@ -88,14 +94,24 @@ function chart(one) {
     <p class="note">Error per pass, grey levels. The best pass is kept.</p>`;
 }
 
+function nothingDrawn(one) {
+  if (one.state === 'tracking' || one.state === 'waiting') return 'No pass is finished yet.';
+  if (one.scores.length > 0) return 'A preview does not measure its error.';
+  return 'Track with T. The error of every pass is drawn here.';
+}
+
 function curve(one, x, y, many) {
   const spots = one.scores.map((score, i) => [i + 1, score]).filter(([, score]) => Number.isFinite(score));
   const path = spots.map(([pass, score]) => `${x(pass).toFixed(1)} ${y(score).toFixed(1)}`).join('L');
   const [lastPass, lastScore] = spots.at(-1);
   const kind = one.state === 'tracking' ? 'going' : '';
-  const rest = lastPass < many ? svg`<path class="rest" d="M${x(lastPass)} ${y(lastScore)}H${x(many)}"/>` : nothing;
-  const dot = ([pass, score]) => svg`<circle class=${pass - 1 === one.best ? 'best' : ''} cx=${x(pass)} cy=${y(score)} r=${pass - 1 === one.best ? 4 : 3}>
-    <title>Pass ${pass}: ${score.toFixed(2)}</title></circle>`;
+  const more = kind !== '' && lastPass < many;
+  const rest = more ? svg`<path class="rest" d="M${x(lastPass)} ${y(lastScore)}H${x(many)}"/>` : nothing;
+  const dot = ([pass, score]) => {
+    const best = pass - 1 === one.best;
+    return svg`<circle class=${best ? 'best' : ''} cx=${x(pass)} cy=${y(score)} r=${best ? 4 : 3}>
+      <title>Pass ${pass}: ${score.toFixed(2)}</title></circle>`;
+  };
   return svg`<g class=${kind}>${rest}<path class="line" d=${`M${path}`}/>${spots.map(dot)}</g>`;
 }
 

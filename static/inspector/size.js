@@ -15,7 +15,8 @@ const LONG_LABEL = 11;
 export function size(part) {
   const rows = part.sizes.map((one) => measure(sizeSpec(part, one), [one.min, one.max]));
   const wordy = part.sizes.some((one) => one.label.length > LONG_LABEL);
-  return section('Size', html`<div class=${wordy ? 'wordy' : ''}>${rows}</div>${part.parent ? joint(part) : nothing}`, linked(part));
+  const where = part.parent ? joint(part) : nothing;
+  return section('Size', html`<div class=${wordy ? 'wordy' : ''}>${rows}</div>${where}`, linked(part));
 }
 
 /** The number field of one size; the table of the Body tab has it too. */

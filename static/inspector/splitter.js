@@ -49,7 +49,8 @@ function setWidth(bar, width) {
   const root = document.documentElement.style;
   if (width === null) root.removeProperty('--w-insp');
   else root.setProperty('--w-insp', `${Math.round(Math.min(MOST, Math.max(LEAST, width)))}px`);
-  bar.setAttribute('aria-valuenow', parseInt(getComputedStyle(document.documentElement).getPropertyValue('--w-insp'), 10));
+  const now = getComputedStyle(document.documentElement).getPropertyValue('--w-insp');
+  bar.setAttribute('aria-valuenow', parseInt(now, 10));
   keep(width === null ? null : root.getPropertyValue('--w-insp'));
 }
 

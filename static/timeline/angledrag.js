@@ -35,6 +35,7 @@ export function grabAngle(at, row, start) {
   };
   stopPlaying();
   return {
+    edits: true,
     move(place) {
       if (!begun) begin();
       // Step by step, so that Shift may be pressed midway without a jump.

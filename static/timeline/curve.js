@@ -8,6 +8,7 @@ import { rangeOf, scaleOf } from './curvescale.js';
 import { nearest, roomy } from './keymarks.js';
 import { diamond } from './patterns.js';
 import { remembered } from './layers.js';
+import { extent, numbers } from './series.js';
 import { frame } from './head.js';
 import { isKey, keyFrames } from './moves.js';
 
@@ -34,7 +35,7 @@ export function hasCurve() {
 
 /** One value alone, of a single key, is no curve yet. */
 const anyAngle = remembered((curve) =>
-  AXES.some((name) => (curve?.[name] ?? []).filter((value) => value !== null).length > 1),
+  AXES.some((name) => numbers(curve?.[name]).filter((value) => value === value).length > 1),
 );
 
 /** The axis shown: the one chosen, else the first the tracker follows on this part. */
@@ -97,9 +98,7 @@ function pieces() {
   return result;
 }
 
-const largest = remembered((values) =>
-  (values ?? []).reduce((most, value) => (value !== null && value > most ? value : most), 0),
-);
+const largest = remembered((list) => extent(numbers(list))?.high ?? 0);
 
 function errorLine(row) {
   const most = largest(S.curve.error);
@@ -121,7 +120,7 @@ function drawCurveKeys(at, without) {
 
 /** The current key's diamond on the curve, in the accent. */
 export function drawCurrentCurveKey(row) {
-  if (row === null || !isKey(frame())) return nothing;
+  if (row === null || !hasCurve() || !isKey(frame())) return nothing;
   const at = scale(row);
   const value = valueAt(frame());
   if (at === null || value === null) return nothing;

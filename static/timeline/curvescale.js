@@ -1,6 +1,7 @@
 // Degrees up, pixels down: the range a curve is drawn in, and the steps its scale is numbered in.
 
 import { remembered } from './layers.js';
+import { extent, numbers } from './series.js';
 
 const STEPS = [1, 2, 5, 10, 15, 20, 30, 45, 60, 90, 180, 360];
 const LEAST_SPAN = 20;
@@ -9,15 +10,10 @@ const MOST_TICKS = 6;
 const MARGIN = 6;
 
 /** The range of a series with some air: {low, high}; null without values. */
-export const rangeOf = remembered((values) => {
-  let low = Infinity;
-  let high = -Infinity;
-  for (const value of values ?? []) {
-    if (value === null || value === undefined) continue;
-    if (value < low) low = value;
-    if (value > high) high = value;
-  }
-  if (low > high) return null;
+export const rangeOf = remembered((list) => {
+  const found = extent(numbers(list));
+  if (found === null) return null;
+  const { low, high } = found;
   const missing = Math.max(0, LEAST_SPAN - (high - low)) / 2;
   const air = 0.06 * (high - low);
   return { low: low - missing - air, high: high + missing + air };

@@ -40,7 +40,7 @@ export function listenOn(drawing, groundOf, scrollLanes) {
   drawing.addEventListener('wheel', (event) => wheel(event, scrollLanes), { passive: false });
   // A click takes the focus away from no view and gives it to nothing here.
   drawing.addEventListener('mousedown', (event) => event.preventDefault());
-  window.addEventListener('keydown', escape, { capture: true });
+  window.addEventListener('keydown', keyDown, { capture: true });
 }
 
 function placeOf(event) {
@@ -154,10 +154,13 @@ function drop() {
   gesture = null;
 }
 
-function escape(event) {
-  if (event.key !== 'Escape' || gesture === null) return;
+/** Esc takes a gesture back; while one edits, no other key may edit as well. */
+function keyDown(event) {
+  if (gesture === null) return;
+  if (event.key === 'Escape') cancel();
+  else if (!gesture.edits) return;
+  event.preventDefault();
   event.stopImmediatePropagation();
-  cancel();
 }
 
 const CURSORS = { key: 'grab', curvekey: 'ns-resize', segment: 'pointer', overview: 'grab' };

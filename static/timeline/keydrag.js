@@ -14,6 +14,7 @@ export function grabKey(from, start) {
   const offset = x(from) - start.x;
   stopPlaying();
   return {
+    edits: true,
     move(place) {
       const to = clampFrame(frameAt(place.x + offset));
       const taken = to !== from && isKey(to);

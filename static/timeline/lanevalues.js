@@ -2,51 +2,42 @@
 
 import { S } from '../state.js';
 import { remembered } from './layers.js';
+import { extent, numbers } from './series.js';
 
 export const HIDDEN_BELOW = 0.35;
 
 /**
  * One value per frame for several parts: half their mean, half the worst of them, since a limb
- * whose hand is hidden is not seen well however well the arm is. Null where no part has a value.
+ * whose hand is hidden is not seen well however well the arm is. NaN where no part has a value.
  */
-function together(series) {
-  const length = Math.max(0, ...series.map((values) => values.length));
-  const result = new Array(length);
-  for (let i = 0; i < length; i += 1) {
+const together = (sum, count, worst) => (sum / count + worst) / 2;
+const worstOf = (sum, count, worst) => worst;
+
+function combined(series, combine) {
+  const result = new Float32Array(Math.max(0, ...series.map((values) => values.length)));
+  for (let i = 0; i < result.length; i += 1) {
     let sum = 0;
     let count = 0;
     let worst = Infinity;
     for (const values of series) {
       const value = values[i];
-      if (value === null || value === undefined) continue;
+      // Missing values are NaN, which equals nothing, itself included.
+      if (value !== value) continue;
       sum += value;
       count += 1;
       if (value < worst) worst = value;
     }
-    result[i] = count === 0 ? null : (sum / count + worst) / 2;
+    result[i] = count === 0 ? NaN : combine(sum, count, worst);
   }
   return result;
 }
 
-function worstOf(series) {
-  const length = Math.max(0, ...series.map((values) => values.length));
-  const result = new Array(length);
-  for (let i = 0; i < length; i += 1) {
-    let worst = null;
-    for (const values of series) {
-      const value = values[i] ?? null;
-      if (value !== null && (worst === null || value < worst)) worst = value;
-    }
-    result[i] = worst;
-  }
-  return result;
-}
-
-const of = (lanes, parts) => parts.map((part) => lanes[part]).filter(Boolean);
+const of = (lanes, parts) =>
+  parts.filter((part) => lanes[part]).map((part) => numbers(lanes[part]));
 
 /** Whether any part has a value anywhere. */
 export const anyLane = remembered((lanes) =>
-  Object.values(lanes ?? {}).some((values) => values.some((value) => value !== null)),
+  Object.values(lanes ?? {}).some((values) => extent(numbers(values)) !== null),
 );
 
 /**
@@ -57,13 +48,13 @@ export const lanesOf = remembered((lanes, body, folded, open) => {
   if (!body || !anyLane(lanes)) return [];
   const parts = body.parts.map((part) => part.name);
   if (folded) {
-    const values = worstOf(of(lanes, parts));
+    const values = combined(of(lanes, parts), worstOf);
     return [{ label: 'Weakest part', parts, values, kind: 'weakest' }];
   }
   const labels = new Map(body.parts.map((part) => [part.name, part.label]));
   return body.lanes.flatMap((group) => {
     const isOpen = open.has(group.label);
-    const values = together(of(lanes, group.parts));
+    const values = combined(of(lanes, group.parts), together);
     const head = { ...group, values, kind: 'group', open: isOpen };
     if (!isOpen) return [head];
     const single = (part) => ({

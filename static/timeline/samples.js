@@ -3,22 +3,24 @@
 // a dip of one frame is still seen.
 
 import { pxPerFrame, visible, x } from './scale.js';
+import { extent, numbers } from './series.js';
 
 /**
  * The shown part of a series as runs without gaps: [[{x, low, high, frame}, ...], ...].
- * Nulls, and frames outside `first`..`last`, part the runs. `low === high` while frames are wide.
+ * Missing values, and frames outside `first`..`last`, part the runs. `low === high` while frames are wide.
  */
-export function runsOf(values, first = 0, last = values.length - 1) {
+export function runsOf(list, first = 0, last = Infinity) {
+  const values = numbers(list);
   const runs = [];
   let run = null;
   for (const column of columns(Math.max(0, first), Math.min(values.length - 1, last))) {
-    const extent = extentOf(values, column.from, column.to);
-    if (extent === null) {
+    const found = extent(values, column.from, column.to);
+    if (found === null) {
       run = null;
       continue;
     }
     if (run === null) runs.push((run = []));
-    run.push({ x: x((column.from + column.to) / 2), frame: column.from, ...extent });
+    run.push({ x: x((column.from + column.to) / 2), frame: column.from, ...found });
   }
   return runs;
 }
@@ -32,18 +34,6 @@ function* columns(first, last) {
   for (let at = from - (from % each); at <= to; at += each) {
     yield { from: Math.max(at, from), to: Math.min(to, at + each - 1) };
   }
-}
-
-function extentOf(values, from, to) {
-  let low = Infinity;
-  let high = -Infinity;
-  for (let i = from; i <= to; i += 1) {
-    const value = values[i];
-    if (value === null || value === undefined || Number.isNaN(value)) continue;
-    if (value < low) low = value;
-    if (value > high) high = value;
-  }
-  return low <= high ? { low, high } : null;
 }
 
 /** A run as a line: path data through its extremes, `y` turning a value into a pixel. */

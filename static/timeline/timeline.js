@@ -81,14 +81,15 @@ function ground() {
   const folded = areFolded() || isCramped(U.timeSize.height);
   const lanes = lanesOf(S.lanes, S.body, folded, U.timeOpen);
   const box = rows(U.timeSize.height, isZoomed(), lanes.length, folded);
-  const scroll = Math.min(U.timeScroll, Math.max(0, box.lanes.full - box.lanes.room));
+  const most = Math.max(0, box.lanes.full - box.lanes.room);
+  // Whole lanes: a wheel of fine steps adds up until the next one comes.
+  const scroll = Math.round(Math.min(U.timeScroll, most) / box.lanes.each) * box.lanes.each;
   return { rows: box, lanes, scroll, empty: !anyLane(S.lanes) };
 }
 
 function scrollLanes(by) {
-  const { rows: box, scroll } = ground();
-  const most = Math.max(0, box.lanes.full - box.lanes.room);
-  put('timeScroll', Math.min(most, Math.max(0, scroll + by)));
+  const { full, room } = ground().rows.lanes;
+  put('timeScroll', Math.min(Math.max(0, full - room), Math.max(0, U.timeScroll + by)));
 }
 
 let before = { clip: null, frame: null };

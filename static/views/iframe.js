@@ -11,6 +11,7 @@ const TAMED = `
 `;
 const RENDERED_FRAMES = 3;
 const POLL_MS = 30;
+const SETTLED_MS = 120;
 const NODE = '/camera';
 
 /**
@@ -63,6 +64,7 @@ export class Picture {
     this.#inside = inside;
     this.#quieten(this.#frame.contentWindow, inside);
     this.#takeCamera(inside);
+    this.#calm(inside);
     inside.requestRender();
   }
 
@@ -89,5 +91,17 @@ export class Picture {
       if (inside.nodeRefFromName[NODE] && ++rendered === RENDERED_FRAMES) this.#ready();
     };
     inside.camera.updateProjectionMatrix = () => this.#aim(inside.camera);
+  }
+
+  /** One picture per wish and one after it has settled; viser would draw on for 15 frames. */
+  #calm(inside) {
+    const invalidate = inside.scene.__r3f?.root?.getState?.().invalidate;
+    if (!invalidate) return;
+    let settled = 0;
+    inside.requestRender = () => {
+      invalidate();
+      clearTimeout(settled);
+      settled = setTimeout(invalidate, SETTLED_MS);
+    };
   }
 }

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import os
-import re
 import shutil
-import signal
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
+from tests.app.serving import ROOT, Keypose
 from tests.browser.chromium import ARGUMENTS, find
 
-ROOT = Path(__file__).resolve().parents[2]
 SCREENS = ROOT / "out" / "screens"
 SECONDS_TO_START = 60
 
@@ -26,42 +22,6 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if "tests/browser" in item.path.as_posix():
             item.add_marker(pytest.mark.xdist_group("browser"))
-
-
-class Keypose:
-    """A running `keypose open`. `address` lets a browser in."""
-
-    def __init__(self, *arguments: str) -> None:
-        command = [sys.executable, "-m", "app", "open", "--no-browser", "--port", "0", *arguments]
-        self.process = subprocess.Popen(
-            command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
-        )
-        self.address = self._address()
-
-    @property
-    def origin(self) -> str:
-        return self.address.split("/?")[0]
-
-    @property
-    def port(self) -> int:
-        return int(self.origin.rsplit(":", 1)[1])
-
-    def end(self, number: int = signal.SIGTERM) -> int:
-        """Ask it to end; its exit code."""
-        self.process.send_signal(number)
-        try:
-            return self.process.wait(timeout=20)
-        finally:
-            self.process.kill()
-
-    def _address(self) -> str:
-        assert self.process.stdout is not None
-        told = []
-        for line in self.process.stdout:
-            told.append(line)
-            if found := re.search(r"http://\S+", line):
-                return found[0]
-        raise AssertionError("the server did not start: " + "".join(told))
 
 
 @pytest.fixture(scope="session")
@@ -104,7 +64,7 @@ def page(browser: Browser, keypose: Keypose) -> Iterator[Page]:
     complaints: list[str] = []
     tab.on("pageerror", lambda error: complaints.append(str(error)))
     tab.goto(keypose.address)
-    tab.wait_for_selector("html[data-ready]", timeout=SECONDS_TO_START * 1000)
+    tab.wait_for_selector("html[data-ready]", state="attached", timeout=SECONDS_TO_START * 1000)
     yield tab
     context.close()
     assert not complaints, complaints

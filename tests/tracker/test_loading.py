@@ -158,6 +158,28 @@ def test_of_the_clips_those_used_last_stay_as_far_as_the_memory_goes() -> None:
     assert not any(later and not earlier for earlier, later, _ in kept)
 
 
+class Counting(MemoryVideo):
+    """Remembers which frames were asked for."""
+
+    def frames(self, first: int, stop: int) -> Any:
+        self.asked = [*getattr(self, "asked", []), *range(first, stop)]
+        return super().frames(first, stop)
+
+
+def test_frames_that_are_ready_are_not_prepared_again() -> None:
+    video: Any = Counting(noise(12), missing=(3,))
+    clips = ClipLoader(video, CAMERA, WorkingSize(0), masks=(square(20, 30, 2, 6),))
+    left, right = clips.load(1, 4), clips.load(4, 6)
+    assert clips.load(2, 3) is left
+    assert clips.load(5, 6) is right
+    whole = clips.load(0, 8)
+    assert clips.load(4, 6) is whole
+    assert video.asked == [1, 2, 3, 4, 5, 6, 0, 7, 8]
+    afresh = ClipLoader(video, CAMERA, WorkingSize(0), masks=(square(20, 30, 2, 6),)).load(0, 8)
+    for mine, other in zip(whole.levels, afresh.levels, strict=True):
+        np.testing.assert_array_equal(mine, other)
+
+
 def test_a_segment_larger_than_the_memory_is_still_loaded() -> None:
     tight = loader(noise(4), memory=10)
     assert len(tight.load(0, 3)) == 4

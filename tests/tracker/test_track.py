@@ -19,6 +19,7 @@ from tracker.segment import Pass
 from tracker.session import tracking
 from tracker.session.files import load_session, open_video_of
 from tracker.settings import TrackSettings
+from tracker.skeleton import Skeleton
 from tracker.track import (
     PassFinished,
     Progress,
@@ -149,6 +150,34 @@ def test_a_changed_keyframe_changes_its_two_segments_and_no_other(person: Case) 
     after = tracked(tracker)
     equal = [same(a, b) for a, b in zip(before, after, strict=True)]
     assert equal == [False, False, True, True]
+
+
+def test_a_renewed_tracker_finds_what_a_fresh_one_finds_with_the_same_pictures(
+    person: Case,
+) -> None:
+    tracker = person.tracker(*KEYS)
+    before = tracked(tracker)
+    added = {k: person.truth.pose(k) for k in (0, 9, 18)}
+    renewed = tracker.renewed(tracker.skeleton, added)
+    assert renewed.spans == [(0, 9), (9, 18)]
+    assert renewed.loader is tracker.loader
+    for mine, other in zip(tracked(renewed), tracked(person.tracker(*added)), strict=True):
+        assert same(mine, other)
+    assert tracker.spans == [(0, 6), (6, 12), (12, 18)]
+    for mine, other in zip(tracked(tracker), before, strict=True):
+        assert same(mine, other)
+
+
+def test_a_renewed_tracker_takes_another_body(person: Case) -> None:
+    old = person.skeleton.body
+    head = old.parts[old.index("head")].model_copy(update={"joint_m": (0.0, -0.05, 0.0)})
+    other = Skeleton.of(old.with_part(head))
+    poses = {k: person.truth.pose(k) for k in (0, 6)}
+    renewed = person.tracker(*KEYS).renewed(other, poses)
+    fresh = Tracker(renewed.loader.video, person.camera, other, poses)
+    assert same(tracked(renewed)[0], tracked(fresh)[0])
+    with pytest.raises(SessionError, match="at least two"):
+        renewed.renewed(other, {})
 
 
 def test_segments_do_not_depend_on_keyframes_that_are_not_theirs(person: Case) -> None:

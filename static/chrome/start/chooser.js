@@ -37,7 +37,7 @@ function sheet() {
     <div class="row sheethead">
       <span class="title">${lost ? `Find ${lost.video}` : TITLES[kind]}</span><span class="sp"></span>
       <input
-        class="find"
+        class="findbox"
         type="search"
         placeholder="Find"
         aria-label="Find a file"
@@ -93,8 +93,8 @@ function choose({ id }) {
 }
 
 function none() {
-  if (!U.library) return html`<p class="dim none">Looking…</p>`;
-  return html`<p class="dim none">
+  if (!U.library) return html`<p class="dim nothing">Looking…</p>`;
+  return html`<p class="dim nothing">
     ${U.fileFind ? html`Nothing is called “${U.fileFind}”.` : 'There is nothing in these folders.'}
   </p>`;
 }

@@ -19,7 +19,7 @@ export function recentSessions() {
   return html`<div class="row rechead">
       <span class="title">Recent sessions</span><span class="sp"></span>
       <input
-        class="find"
+        class="findbox"
         type="search"
         placeholder="Find"
         aria-label="Find a session"
@@ -30,7 +30,7 @@ export function recentSessions() {
     </div>
     <div class="reclist">
       ${found.filter(({ missing }) => !missing).map(row)}
-      ${found.length ? nothing : html`<p class="dim none">No session is called “${U.find}”.</p>`}
+      ${found.length ? nothing : html`<p class="dim nothing">No session is called “${U.find}”.</p>`}
     </div>
     ${found.filter(({ missing }) => missing).slice(0, MOST_MOVED).map(moved)}`;
 }

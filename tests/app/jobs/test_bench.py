@@ -1,0 +1,106 @@
+"""What stays ready from one job to the next."""
+
+from __future__ import annotations
+
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app.jobs.bench import Bench
+from tests.tracker import session_cases as cases
+from tracker.errors import SessionError, VideoError
+from tracker.session import IgnoreMask, Session
+
+Place = tuple[Session, str]
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Place:
+    return cases.session(), str(cases.write_frames(tmp_path / "frames"))
+
+
+@pytest.fixture
+def bench() -> Iterator[Bench]:
+    made = Bench()
+    yield made
+    made.close()
+
+
+def test_pictures_stay_prepared_when_keyframes_or_the_body_change(
+    bench: Bench, place: Place
+) -> None:
+    of, video = place
+    one = bench.tracker(of, video, 0, 4)
+    clip = one.loader.load(0, 4)
+    fewer = of.model_copy(update={"keyframes": of.keyframes[::2]})
+    taller = of.body.with_part(of.body.parts[2].model_copy(update={"joint_m": (0.3, -0.2, 0.0)}))
+    for session, span in (
+        (of, (4, 8)), (fewer, (0, 8)), (of.model_copy(update={"body": taller}), (0, 4))
+    ):  # fmt: skip
+        other = bench.tracker(session, video, *span)
+        assert other.spans == [span]
+        assert other.loader is one.loader
+        assert other.skeleton.body == session.body
+    assert one.spans == [(0, 4)]
+    assert one.skeleton.body == of.body
+    assert one.loader.load(0, 4) is clip
+
+
+def test_the_body_is_laid_out_once(bench: Bench, place: Place) -> None:
+    of, video = place
+    again = Session.model_validate_json(of.model_dump_json())
+    one, other = bench.tracker(of, video, 0, 4), bench.tracker(again, video, 4, 8)
+    assert one.skeleton is other.skeleton
+
+
+def mask() -> IgnoreMask:
+    return IgnoreMask(polygon=((0, 0), (9, 0), (9, 9)), first_frame=0, last_frame=3)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"camera": cases.CAMERA.model_copy(update={"fx": 61.0})},
+        {"ignore_masks": (mask(),)},
+        {"settings": cases.session().settings.model_copy(update={"static_camera": True})},
+    ],
+    ids=["camera", "mask", "static"],
+)
+def test_pictures_are_prepared_anew_for_another_camera_mask_or_plate(
+    bench: Bench, place: Place, change: dict[str, Any]
+) -> None:
+    of, video = place
+    one = bench.tracker(of, video, 0, 4)
+    other = bench.tracker(of.model_copy(update=change), video, 0, 4)
+    assert other.loader is not one.loader
+    assert other.loader.video is one.loader.video
+
+
+def test_another_video_at_the_same_place_is_opened(
+    bench: Bench, place: Place, tmp_path: Path
+) -> None:
+    of, video = place
+    one = bench.tracker(of, video, 0, 4)
+    shutil.rmtree(video)
+    cases.write_frames(tmp_path / "frames", brightness=50)
+    os.utime(video, (1, 1))
+    other = bench.tracker(of, video, 0, 4)
+    assert other.loader.video is not one.loader.video
+
+
+def test_a_video_that_is_gone_is_told_in_one_sentence(bench: Bench, place: Place) -> None:
+    of, video = place
+    bench.tracker(of, video, 0, 4)
+    shutil.rmtree(video)
+    with pytest.raises(VideoError, match=r"\.$"):
+        bench.tracker(of, video, 0, 4)
+
+
+def test_a_segment_without_its_keyframe_is_refused(bench: Bench, place: Place) -> None:
+    of, video = place
+    with pytest.raises(SessionError, match=r"^Frame 3 has no keyframe"):
+        bench.tracker(of, video, 0, 3)

@@ -1,0 +1,73 @@
+"""How far a job is, and how long it may still take."""
+
+from __future__ import annotations
+
+import pytest
+
+from app.jobs import PassFinished, Progress, SegmentFinished, Started
+from app.jobs.reports import JobFinished
+from tests.app.results_cases import session, track
+from tests.tracker import session_cases as cases
+from tracker.settings import Quality
+
+WANTED = ((0, 4, "a"), (4, 8, "b"))
+
+
+def begun(*stages: Quality) -> Progress:
+    return Progress.of(Started(1, WANTED, stages or ("full",)), now=100.0)
+
+
+def passed(first: int, number: int, of: int = 6, quality: Quality = "full") -> PassFinished:
+    path = cases.segment(first, first + 4).trajectory
+    return PassFinished(1, first, first + 4, "a", quality, number, of, 2.0, path)
+
+
+def done(first: int, quality: Quality = "full") -> SegmentFinished:
+    return SegmentFinished(1, track(session(), first, first + 4, quality))
+
+
+def test_nothing_is_done_at_first_and_all_in_the_end() -> None:
+    assert begun().percent == 0
+    assert begun().after(done(0)).percent == 50
+    assert begun().after(done(0)).after(done(4)).percent == 100
+
+
+def test_passes_move_it_on_and_never_back() -> None:
+    progress, seen = begun(), []
+    for report in (passed(0, 0), passed(0, 1), passed(4, 0), passed(0, 5), done(0), passed(0, 5)):
+        progress = progress.after(report)
+        seen.append(progress.share)
+    assert seen == sorted(seen)
+    assert seen[-1] == seen[-2] < 1.0
+    assert progress.percent_of((0, 4)) == 100
+    assert 0 < progress.percent_of((4, 8)) < 50
+    assert progress.percent_of((8, 9)) == 0
+
+
+def test_more_passes_than_expected_do_not_finish_a_segment() -> None:
+    progress = begun().after(passed(0, 20)).after(passed(4, 20))
+    assert progress.percent < 100
+
+
+def test_a_preview_is_a_small_share_of_the_work() -> None:
+    progress = begun("preview", "full").after(done(0, "preview")).after(done(4, "preview"))
+    assert 10 < progress.percent < 30
+    assert progress.after(done(0)).after(done(4)).percent == 100
+
+
+def test_the_time_left_is_told_once_it_can_be_known() -> None:
+    assert begun().seconds_left(now=110.0) is None
+    half = begun().after(done(0))
+    assert half.seconds_left(now=100.2) is None
+    assert half.seconds_left(now=104.0) == pytest.approx(4.0)
+    assert half.after(done(4)).seconds_left(now=108.0) == 0.0
+
+
+def test_other_reports_and_other_segments_change_nothing() -> None:
+    assert begun().after(JobFinished(1, cancelled=False)).share == 0.0
+    other = SegmentFinished(1, track(session(), 0, 8))
+    assert begun().after(other).share == 0.0
+
+
+def test_a_job_of_nothing_is_done() -> None:
+    assert Progress.of(Started(1, (), ("full",)), now=0.0).percent == 100

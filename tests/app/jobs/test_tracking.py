@@ -1,0 +1,229 @@
+"""The whole road: a loop, a worker process, reports. Nothing here depends on how long it takes."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import threading
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app.jobs import (
+    LIVE,
+    JobFailed,
+    JobFinished,
+    PassFinished,
+    Ready,
+    Report,
+    SegmentFinished,
+    Started,
+    Tracking,
+    Warming,
+)
+from app.results import Results, segment_keys
+from tests.tracker import session_cases as cases
+from tracker.session import Session
+from tracker.session.tracking import track_session
+from tracker.track import TrackFinished
+from tracker.video import Video
+
+PATIENCE_S = 300.0
+"""The loops may have to be compiled first."""
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> tuple[Session, Path]:
+    return cases.session(), cases.write_frames(tmp_path / "frames")
+
+
+def wanted(of: Session) -> list[tuple[int, int, str]]:
+    return [(*span, key) for span, key in segment_keys(of).items()]
+
+
+class Office:
+    """Tracking and all it has reported."""
+
+    def __init__(self) -> None:
+        self.told: list[Report] = []
+        self.threads: set[int] = set()
+        self._more = asyncio.Event()
+        self.tracking = Tracking(self._report, asyncio.get_running_loop())
+
+    def _report(self, report: Report) -> None:
+        self.told.append(report)
+        self.threads.add(threading.get_ident())
+        self._more.set()
+
+    async def until(self, seen: Callable[[Report], bool]) -> Report:
+        """The first report like this, of those told or to come."""
+        while True:
+            for report in self.told:
+                if seen(report):
+                    return report
+            self._more.clear()
+            await asyncio.wait_for(self._more.wait(), PATIENCE_S)
+
+    async def ended(self, job: int) -> Report:
+        return await self.until(
+            lambda report: isinstance(report, JobFinished | JobFailed) and report.job == job
+        )
+
+    def of(self, job: int, kind: Any) -> list[Any]:
+        return [r for r in self.told if isinstance(r, kind) and r.job == job]
+
+
+def in_office(visit: Callable[[Office], Awaitable[None]]) -> None:
+    """Run a visit on a loop, with a worker that is ended afterwards."""
+
+    async def main() -> None:
+        office = Office()
+        try:
+            await visit(office)
+        finally:
+            office.tracking.close()
+
+    asyncio.run(main())
+
+
+def test_a_job_is_told_from_warming_to_its_end_on_the_loops_own_thread(
+    place: tuple[Session, Path],
+) -> None:
+    of, video = place
+
+    async def visit(office: Office) -> None:
+        job = office.tracking.start(of, video, wanted(of), LIVE)
+        assert office.tracking.job == job
+        assert await office.ended(job) == JobFinished(job, cancelled=False)
+        assert office.tracking.job is None
+        assert [type(r) for r in office.told[:3]] == [Warming, Ready, Started]
+        found = [(r.track.span, r.track.quality) for r in office.of(job, SegmentFinished)]
+        assert sorted(found) == [
+            *(((0, 4), "full"), ((0, 4), "preview"), ((4, 8), "full")),
+            ((4, 8), "preview"),
+        ]
+        assert {r.quality for r in office.of(job, PassFinished)} == {"full"}
+        results = Results()
+        for report in office.of(job, SegmentFinished):
+            results = results.with_track(report.track)
+        assert list(results.fitting(of)) == [(0, 4), (4, 8)]
+        assert results.wanted(of, "full") == []
+        assert office.threads == {threading.get_ident()}
+
+    in_office(visit)
+
+
+def test_the_result_is_the_one_the_tracker_finds_without_a_worker(
+    place: tuple[Session, Path],
+) -> None:
+    of, path = place
+    with Video.open(path) as video:
+        *_, last = track_session(of, video)
+    assert isinstance(last, TrackFinished)
+
+    async def visit(office: Office) -> None:
+        job = office.tracking.start(of, path, wanted(of), (of.settings.quality,))
+        await office.ended(job)
+        found = {r.track.first: r.track for r in office.of(job, SegmentFinished)}
+        for segment in last.result.segments:
+            mine = found[segment.trajectory.first_frame]
+            assert mine.trajectory.Rs_parent_part.tolist() == (
+                segment.trajectory.Rs_parent_part.tolist()
+            )
+            assert (mine.kind, mine.told) == (segment.verdict.kind, segment.verdict.words)
+
+    in_office(visit)
+
+
+def test_of_several_jobs_the_newest_is_done_and_every_one_ends_once(
+    place: tuple[Session, Path],
+) -> None:
+    of, video = place
+
+    async def visit(office: Office) -> None:
+        jobs = [office.tracking.start(of, video, wanted(of)) for _ in range(4)]
+        assert await office.ended(jobs[-1]) == JobFinished(jobs[-1], cancelled=False)
+        for job in jobs:
+            assert len(office.of(job, JobFinished)) == 1
+        assert len(office.of(jobs[-1], SegmentFinished)) == 2
+
+    in_office(visit)
+
+
+def test_a_job_that_has_to_wait_for_the_worker_is_told_so(place: tuple[Session, Path]) -> None:
+    of, video = place
+
+    async def visit(office: Office) -> None:
+        await office.until(lambda report: isinstance(report, Warming))
+        assert office.told[0].job is None
+        job = office.tracking.start(of, video, wanted(of))
+        await office.ended(job)
+        kinds = [type(report) for report in office.of(job, Warming | Ready)]
+        assert kinds in ([Warming, Ready], [])  # or it was ready just then
+
+    in_office(visit)
+
+
+def test_a_cancelled_job_ends_and_the_next_one_works(place: tuple[Session, Path]) -> None:
+    of, video = place
+
+    async def visit(office: Office) -> None:
+        first = office.tracking.start(of, video, wanted(of))
+        office.tracking.cancel()
+        assert isinstance(await office.ended(first), JobFinished)
+        office.tracking.cancel()  # there is nothing to cancel, which is no matter
+        second = office.tracking.start(of, video, wanted(of)[:1])
+        assert await office.ended(second) == JobFinished(second, cancelled=False)
+
+    in_office(visit)
+
+
+def test_a_killed_worker_is_told_and_replaced(place: tuple[Session, Path]) -> None:
+    of, video = place
+
+    async def visit(office: Office) -> None:
+        killed = office.tracking.pid
+        job = office.tracking.start(of, video, wanted(of))
+        assert killed is not None
+        os.kill(killed, signal.SIGKILL)
+        end = await office.ended(job)
+        assert isinstance(end, JobFailed)
+        assert end.words.startswith("Tracking stopped unexpectedly")
+        again = office.tracking.start(of, video, wanted(of))
+        assert office.tracking.pid not in (None, killed)
+        assert await office.ended(again) == JobFinished(again, cancelled=False)
+
+    in_office(visit)
+
+
+def test_a_video_that_is_not_there_is_told_in_one_sentence(place: tuple[Session, Path]) -> None:
+    of, video = place
+
+    async def visit(office: Office) -> None:
+        job = office.tracking.start(of, video / "nowhere.mp4", wanted(of))
+        end = await office.ended(job)
+        assert isinstance(end, JobFailed)
+        assert "nowhere.mp4" in end.words
+        assert end.words.endswith(".")
+        after = office.tracking.start(of, video, wanted(of))
+        assert await office.ended(after) == JobFinished(after, cancelled=False)
+
+    in_office(visit)
+
+
+def test_closing_ends_the_process_even_while_it_gets_ready() -> None:
+    async def main() -> None:
+        office = Office()
+        pid = office.tracking.pid
+        assert pid is not None
+        office.tracking.close()
+        with pytest.raises(ProcessLookupError):
+            os.kill(pid, 0)
+        office.tracking.close()
+        with pytest.raises(RuntimeError, match="closed"):
+            office.tracking.start(cases.session(), Path("x"), [])
+
+    asyncio.run(main())

@@ -1,0 +1,205 @@
+"""One job, with a tracker that does as the test says."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from threading import Event
+from typing import Any
+
+import pytest
+
+from app.jobs.reports import (
+    JobFailed,
+    JobFinished,
+    Order,
+    PassFinished,
+    Report,
+    SegmentFinished,
+    Started,
+)
+from app.jobs.work import Job
+from app.results import segment_keys
+from tests.tracker import session_cases as cases
+from tracker.errors import SessionError, VideoError
+from tracker.segment import Pass
+from tracker.session import Session
+from tracker.settings import Quality, TrackSettings
+
+Work = Callable[[int, int, TrackSettings, Callable[[Pass, int], None]], None]
+
+
+class FakeBench:
+    """Its trackers call `work` with first and last frame, and then have found a segment."""
+
+    def __init__(self, work: Work) -> None:
+        self.work = work
+        self.refused: set[tuple[int, int]] = set()
+
+    def tracker(self, session: Session, video_path: str, first: int, last: int) -> Any:
+        if (first, last) in self.refused:
+            raise SessionError(f"Keyframes {first} and {last} lie too far apart.")
+        bench = self
+
+        class FakeTracker:
+            def run_segment(self, index: int, settings: TrackSettings, emit: Any) -> Any:
+                assert index == 0
+                bench.work(first, last, settings, emit)
+                return cases.segment(first, last)
+
+        return FakeTracker()
+
+
+def at_ease(first: int, last: int, settings: TrackSettings, emit: Any) -> None:
+    emit(Pass("both ways", cases.segment(first, last).trajectory, 3.0), 0)
+    emit(Pass("pass", cases.segment(first, last).trajectory, None), 1)
+
+
+def done(
+    bench: FakeBench, *stages: Quality, cancelled: Event | None = None, threads: int = 1,
+    settings: TrackSettings | None = None,
+) -> list[Report]:  # fmt: skip
+    """All reports of a job over both segments."""
+    session = cases.session().model_copy(update={"settings": settings or TrackSettings()})
+    wanted = tuple((*span, key) for span, key in segment_keys(session).items())
+    content = session.model_dump_json().encode()
+    order = Order(7, content, "video", wanted, stages or ("full",))
+    told: list[Report] = []
+    with ThreadPoolExecutor(threads) as pool:
+        Job(order, cancelled or Event(), told.append).run(bench, pool)  # type: ignore[arg-type]
+    return told
+
+
+def finished(told: list[Report]) -> list[tuple[int, str]]:
+    return [(r.track.first, r.track.quality) for r in told if isinstance(r, SegmentFinished)]
+
+
+def test_all_segments_are_done_at_one_quality_before_the_next() -> None:
+    told = done(FakeBench(at_ease), "preview", "full")
+    assert isinstance(told[0], Started)
+    assert finished(told) == [(0, "preview"), (4, "preview"), (0, "full"), (4, "full")]
+    assert told[-1] == JobFinished(7, cancelled=False)
+
+
+def test_passes_are_told_but_not_those_of_a_preview() -> None:
+    told = [r for r in done(FakeBench(at_ease), "preview", "full") if isinstance(r, PassFinished)]
+    assert [(r.first, r.quality, r.number) for r in told] == [
+        *((0, "full", 0), (0, "full", 1), (4, "full", 0)),
+        (4, "full", 1),
+    ]
+    assert all(r.of == 6 for r in told)
+    assert told[0].score == 3.0
+    assert told[1].score != told[1].score  # not judged
+
+
+def test_results_carry_the_key_they_were_ordered_with() -> None:
+    keys = segment_keys(cases.session().model_copy(update={"settings": TrackSettings()}))
+    for report in done(FakeBench(at_ease)):
+        if isinstance(report, SegmentFinished):
+            assert keys[report.track.span] == report.track.key
+
+
+def test_a_preview_keeps_to_its_own_number_of_passes() -> None:
+    seen: list[tuple[str, int | None]] = []
+
+    def work(first: int, last: int, settings: TrackSettings, emit: Any) -> None:
+        seen.append((settings.quality, settings.passes))
+
+    done(FakeBench(work), "preview", "full", settings=TrackSettings(passes=9))
+    assert seen == [("preview", None)] * 2 + [("full", 9)] * 2
+
+
+def test_the_published_method_is_worked_through_once() -> None:
+    seen: list[tuple[str, int | None]] = []
+
+    def work(first: int, last: int, settings: TrackSettings, emit: Any) -> None:
+        seen.append((settings.method, settings.passes))
+
+    told = done(
+        FakeBench(work), "preview", "full", settings=TrackSettings(method="paper", passes=9)
+    )
+    assert seen == [("paper", 9)] * 2
+    assert isinstance(told[0], Started)
+    assert told[0].stages == ("full",)
+
+
+def test_a_cancelled_job_is_left_at_its_next_pass_and_keeps_what_is_finished() -> None:
+    cancelled = Event()
+
+    def work(first: int, last: int, settings: TrackSettings, emit: Any) -> None:
+        if first == 4:
+            emit(Pass("both ways", cases.segment(first, last).trajectory, 3.0), 0)
+            cancelled.set()
+            emit(Pass("pass", cases.segment(first, last).trajectory, 3.0), 1)
+            raise AssertionError("it went on")
+
+    told = done(FakeBench(work), cancelled=cancelled)
+    assert finished(told) == [(0, "full")]
+    assert told[-1] == JobFinished(7, cancelled=True)
+
+
+def test_a_job_cancelled_before_it_began_does_nothing() -> None:
+    cancelled = Event()
+    cancelled.set()
+    told = done(FakeBench(at_ease), cancelled=cancelled)
+    assert finished(told) == []
+    assert told[-1] == JobFinished(7, cancelled=True)
+
+
+def test_a_job_that_was_done_when_it_was_cancelled_is_done() -> None:
+    cancelled = Event()
+
+    def work(first: int, last: int, settings: TrackSettings, emit: Any) -> None:
+        if first == 4:
+            cancelled.set()
+
+    assert done(FakeBench(work), cancelled=cancelled)[-1] == JobFinished(7, cancelled=False)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_what_goes_wrong_in_one_segment_leaves_the_others(threads: int) -> None:
+    def work(first: int, last: int, settings: TrackSettings, emit: Any) -> None:
+        if first == 0:
+            raise VideoError("The video has no frame 3.")
+
+    told = done(FakeBench(work), "preview", "full", threads=threads)
+    assert finished(told) == [(4, "preview"), (4, "full")]
+    assert told[-1] == JobFailed(7, "The video has no frame 3.")
+
+
+def test_a_segment_that_cannot_be_begun_leaves_the_others() -> None:
+    bench = FakeBench(at_ease)
+    bench.refused.add((4, 8))
+    told = done(bench)
+    assert finished(told) == [(0, "full")]
+    assert told[-1] == JobFailed(7, "Keyframes 4 and 8 lie too far apart.")
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (MemoryError(), "There is not enough memory to track 0–4: set a keyframe between"),
+        (ZeroDivisionError(), "a fault of Keypose itself (ZeroDivisionError)"),
+    ],
+)
+def test_faults_are_one_sentence_too(
+    error: Exception, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def work(first: int, last: int, settings: TrackSettings, emit: Any) -> None:
+        raise error
+
+    last = done(FakeBench(work))[-1]
+    assert isinstance(last, JobFailed)
+    assert words in last.words
+    assert last.words.endswith(".")
+    assert ("Traceback" in capsys.readouterr().err) == isinstance(error, ZeroDivisionError)
+
+
+def test_a_session_that_does_not_fit_together_is_told_in_one_sentence() -> None:
+    told: list[Report] = []
+    order = Order(7, b'{"schema_version": 1}', "video", (), ("full",))
+    with ThreadPoolExecutor(1) as pool:
+        Job(order, Event(), told.append).run(FakeBench(at_ease), pool)  # type: ignore[arg-type]
+    (last,) = told
+    assert isinstance(last, JobFailed)
+    assert "field required" in last.words

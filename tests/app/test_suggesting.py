@@ -1,0 +1,132 @@
+"""What to do next, in the page's words."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from app.results import SegmentTrack, Span
+from app.suggesting import middle, next_problem, suggestion
+from tests.app.results_cases import passing, session, told
+
+KEYS = (0, 24, 48, 72)
+PARTS = ("chest", "left_hand")
+
+
+def good(first: int, last: int) -> SegmentTrack:
+    return told(first, last, "good", "good")
+
+
+def fitting(*others: SegmentTrack, keys: tuple[int, ...] = KEYS) -> dict[Span, SegmentTrack]:
+    """All good but for these."""
+    return {span: good(*span) for span in pairwise(keys)} | {t.span: t for t in others}
+
+
+def test_without_keyframes_the_first_pose_is_asked_for() -> None:
+    found = suggestion((), 73, {})
+    assert found.words == "Pose this frame, then press K. Two keyframes make the first segment."
+    assert (found.kind, found.frame) == ("pose", None)
+
+
+def test_with_one_keyframe_another_about_a_second_away_is_asked_for() -> None:
+    assert suggestion((0,), 73, {}).frame == 24
+    assert suggestion((0,), 73, {}).words == "Pose frame 24 next, then press K."
+    assert suggestion((60,), 73, {}).frame == 72
+    assert suggestion((70,), 73, {}).frame == 46
+    assert suggestion((0,), 6, {}).frame == 5
+    assert suggestion((0,), 1, {}).frame is None
+
+
+def test_what_is_not_tracked_is_to_be_tracked() -> None:
+    found = suggestion(KEYS, 73, {(0, 24): good(0, 24)})
+    assert (found.kind, found.words, found.frame) == ("track", "Track next.", None)
+    assert found.reason == "24–48 and 48–72 not tracked as posed now"
+    assert suggestion(KEYS, 73, {}).reason == "0–24, 24–48 and 1 more not tracked as posed now"
+
+
+def test_a_trajectory_on_the_way_does_not_count_as_tracked() -> None:
+    way = passing(session(), 0, 4, 0.1)
+    assert suggestion((0, 4), 9, {(0, 4): way}).kind == "track"
+
+
+def test_what_is_lost_comes_first_with_the_frame_where_a_key_helps() -> None:
+    lost = told(48, 72, "lost", "lost: add a keyframe near 57")
+    check = told(0, 24, "check", "check frames 3–9: left hand not seen")
+    found = suggestion(KEYS, 73, fitting(lost, check))
+    assert (found.kind, found.frame, found.words) == ("key", 57, "Key frame 57 next.")
+    assert found.reason == "Forward and backward differ in 48–72"
+    del (some := fitting(lost, check))[24, 48]
+    assert suggestion(KEYS, 73, some).frame == 57
+
+
+def test_what_is_hidden_where_tracking_was_lost_is_named() -> None:
+    seen = np.full((24, 2), 0.9)
+    seen[4:14, 1] = 0.05
+    lost = told(48, 72, "lost", "lost: add a keyframe near 57", seen)
+    assert suggestion(KEYS, 73, fitting(lost), PARTS).reason == "Left hand hidden 53–62"
+
+
+def test_of_what_is_to_be_checked_the_longest_stretch_comes_first() -> None:
+    short = told(0, 24, "check", "check frames 3–9: chest not seen")
+    long = told(24, 48, "check", "check frames 26–41: left hand not seen")
+    found = suggestion(KEYS, 73, fitting(short, long))
+    assert (found.frame, found.words) == (34, "Key frame 34 next.")
+    assert found.reason == "Left hand hidden 26–41"
+    assert found.kind == "key"
+
+
+def test_everything_is_tracked_before_a_check_is_mended() -> None:
+    check = told(0, 24, "check", "check frames 3–9: chest not seen")
+    assert suggestion(KEYS, 73, {(0, 24): check}).kind == "track"
+
+
+def test_a_key_is_never_asked_for_where_there_is_one() -> None:
+    edge = told(0, 24, "check", "check frame 24: chest uncertain")
+    assert suggestion(KEYS, 73, fitting(edge)).frame == 23
+
+
+def test_keyframes_that_are_wrong_themselves_are_to_be_looked_at() -> None:
+    lost = told(3, 4, "lost", "lost: the keyframes at 3 and 4 contradict each other")
+    found = suggestion((3, 4), 9, {(3, 4): lost})
+    assert (found.kind, found.frame) == ("look", 3)
+    assert found.words == "Look at key 3 again."
+    assert found.reason == "Keys 3 and 4 contradict each other"
+    nowhere = "lost: nothing of the body is seen; check keyframes, camera and masks"
+    found = suggestion((0, 24), 73, {(0, 24): told(0, 24, "lost", nowhere)})
+    assert (found.frame, found.kind) == (0, "look")
+    assert found.reason == "Nothing of the body is seen: check keys, camera and masks"
+
+
+def test_good_but_long_intervals_are_divided() -> None:
+    keys = (0, 48, 60)
+    found = suggestion(keys, 61, fitting(keys=keys))
+    assert (found.frame, found.reason) == (24, "Longest interval, 48 frames")
+
+
+def test_when_all_is_good_nothing_is_asked_for() -> None:
+    found = suggestion(KEYS, 73, fitting())
+    assert found.words == "All Good. Add a key only where you disagree."
+    assert (found.kind, found.frame, found.reason) == ("good", None, "")
+    assert suggestion(KEYS, 100, fitting()).reason == "73–99 outside the keyframes"
+
+
+def test_the_middle_is_that_of_the_interval_one_stands_in() -> None:
+    assert middle(KEYS, 5) == 12
+    assert middle(KEYS, 24) == 36
+    assert middle(KEYS, 72) == 60
+    assert middle(KEYS, 80) is None
+    assert middle((3, 4), 3) is None
+    assert middle((), 3) is None
+    assert middle((3,), 3) is None
+
+
+def test_problems_follow_one_another_and_begin_again() -> None:
+    some = fitting(
+        told(0, 24, "check", "check frames 3–9: chest not seen"),
+        told(48, 72, "lost", "lost: add a keyframe near 57"),
+    )
+    assert [next_problem(KEYS, some, frame) for frame in (0, 6, 57, 72)] == [6, 57, 6, 6]
+    del some[24, 48]
+    assert next_problem(KEYS, some, 6) == 36
+    assert next_problem(KEYS, fitting(), 6) is None
