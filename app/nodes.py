@@ -109,9 +109,9 @@ def add_lines(
 def add_lights(scene: SceneApi, name: str) -> None:
     """A soft sky and a sun; their position says where the light comes from."""
     scene.add_light_hemisphere(
-        f"{name}/sky", sky_color=(255, 255, 255), ground_color=(120, 124, 134), intensity=2.2
+        f"{name}/sky", sky_color=(255, 255, 255), ground_color=(92, 96, 106), intensity=2.0
     )
-    scene.add_light_directional(f"{name}/sun", intensity=1.3)
+    scene.add_light_directional(f"{name}/sun", intensity=1.6)
 
 
 def light(colours: Array | Colour) -> Array:

@@ -12,7 +12,6 @@ from typing import Literal, TypeAlias
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.jobs import (
-    LIVE,
     JobFailed,
     JobFinished,
     PassFinished,
@@ -44,6 +43,7 @@ class Runner:
         self._tracking = Tracking(self._on_report, loop)
         self._number = 0
         self._wanted: dict[Span, str] = {}
+        self._keep: tuple[str, ...] = ()
         self._progress: Progress | None = None
         self.results: Results | None = None
         self.running: dict[Span, Running] = {}
@@ -71,7 +71,7 @@ class Runner:
             return
         wanted = _touching(edit, edit.results.wanted(edit.doc))
         if wanted and not self._is_at(wanted):
-            self._start(piece, edit.doc, wanted, LIVE)
+            self._start(piece, edit.doc, wanted, ("preview", edit.doc.settings.quality))
 
     def track(self, piece: Workpiece, edit: EditorState, what: What) -> None:
         """Track; Refused with the reason when there is nothing to do."""
@@ -92,6 +92,7 @@ class Runner:
         self, piece: Workpiece, doc: Session, wanted: Sequence[Wanted], stages: Sequence[Quality]
     ) -> None:
         self._wanted = {(first, last): key for first, last, key in wanted}
+        self._keep = tuple(segment_keys(doc).values())
         self.running = dict.fromkeys(self._wanted, Running())
         self.job = Job("running", _title(list(self._wanted)), "starting")
         self._progress = None
@@ -109,7 +110,7 @@ class Runner:
             return
         finished = isinstance(report, SegmentFinished)
         if isinstance(report, PassFinished | SegmentFinished):
-            self.results = self.results.with_track(report.track, tuple(self._wanted.values()))
+            self.results = self.results.with_track(report.track, self._keep)
         if report.job == self._number:
             self._on_own(report)
         self._tell(self, finished)

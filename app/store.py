@@ -24,7 +24,7 @@ from app.guiding import guide_after
 from app.library import Library
 from app.opening import Workpiece, edit_state, open_workpiece
 from app.outlook import Guide, Opened, Outlook, Saved
-from app.results import save_results
+from app.results import save_results, tidy_tracks
 from app.running import Runner
 from app.saving import Saver
 from app.sections import Sections
@@ -32,6 +32,9 @@ from app.tabs import Tab
 from tracker.errors import KeyposeError
 from tracker.session.files import save_session
 from tracker.wording import one_sentence
+
+SECONDS_BETWEEN_SAVES = 3.0
+"""Of tracked segments, while more of them are to come; edits are saved at once."""
 
 
 class Store:
@@ -57,6 +60,7 @@ class Store:
         self._saver = Saver(self._on_saved)
         self._runner = Runner(loop, self._on_running)
         self._turn_asked = False
+        self._saving_later: asyncio.TimerHandle | None = None
         self._opening = asyncio.Lock()
         self.frames: Frames | None = None
 
@@ -150,10 +154,21 @@ class Store:
             path.parent.mkdir(parents=True, exist_ok=True)
             session = save_results(edit.doc, path, edit.results)
             save_session(session, path)
+            tidy_tracks(path.parent)
             with suppress(KeyposeError):  # only the list of recent sessions would lack it
                 self._library.remember(path, session)
 
         self._saver.save(write)
+
+    def _save_soon(self, at_once: bool) -> None:
+        """While segments come in one by one, the motion is not written with each of them."""
+        if self._saving_later is not None:
+            self._saving_later.cancel()
+            self._saving_later = None
+        if at_once:
+            self._save()
+        else:
+            self._saving_later = self._loop.call_later(SECONDS_BETWEEN_SAVES, self._save)
 
     def _on_saved(self, saved: Saved) -> None:
         self._look(saved=saved)
@@ -162,12 +177,12 @@ class Store:
 
     def _on_running(self, runner: Runner, finished: bool) -> None:
         """The tracker has told something: its results, its progress."""
-        edit = self._outlook.edit
+        edit, was = self._outlook.edit, self._outlook.job.state
         if edit is not None and runner.results is not None:
             edit = replace(edit, results=runner.results)
         self._look(edit=edit, job=runner.job, running=dict(runner.running))
-        if finished:
-            self._save()
+        if finished or runner.job.state != was:
+            self._save_soon(at_once=runner.job.state != "running")
 
     def _run(self, action: actions.Running) -> None:
         if isinstance(action, actions.Open):

@@ -5,6 +5,5 @@ export { numberField } from './fields/number.js';
 export { slider } from './fields/slider.js';
 export { dropdown } from './fields/dropdown.js';
 export { textField } from './fields/text.js';
-export { checkbox, toggle, segmented, button, iconButton, tip } from './fields/buttons.js';
-export { say, shake } from './fields/refuse.js';
+export { checkbox, segmented, button, iconButton, tip } from './fields/buttons.js';
 export { shortNumber } from './fields/arithmetic.js';

@@ -181,12 +181,11 @@ class CameraView extends View {
   draw() {
     super.draw();
     if (!S.camera) return;
-    const { canvas } = this.screen.getContext('2d');
     const [x, y] = this.window.fromPlane([-0.5, -0.5]);
-    const across = (this.window.scale * S.camera.width) / canvas.width;
-    const down = (this.window.scale * S.camera.height) / canvas.height;
-    canvas.style.transform = `translate(${x}px,${y}px) scale(${across},${down})`;
-    canvas.style.imageRendering = across >= 6 ? 'pixelated' : 'auto';
+    const across = (this.window.scale * S.camera.width) / this.screen.width;
+    const down = (this.window.scale * S.camera.height) / this.screen.height;
+    this.screen.style.transform = `translate(${x}px,${y}px) scale(${across},${down})`;
+    this.screen.style.imageRendering = across >= 6 ? 'pixelated' : 'auto';
   }
 
   paper() {
@@ -218,13 +217,14 @@ class SideView extends View {
     if (!S.pose || U.dragging) return;
     if (!this.eye) this.newEye();
     const box = this.bodyBox();
-    if (!this.window.holds(box) && !this.window.chosen) this.fit();
-    else if (!this.window.touches(box)) this.fit();
+    if (this.window.chosen ? this.window.touches(box) : this.window.holds(box)) return;
+    this.showAll(this.window.scale); // no nearer than before: a walking body must not pulse
+    this.changed();
   }
 
-  showAll() {
+  showAll(greatestScale = Infinity) {
     const room = this.isLarge ? { x: 72, top: 64, bottom: 64 } : { x: 8, top: 26, bottom: 20 };
-    this.window.showBox(this.bodyBox() ?? USUAL_BOX, room);
+    this.window.showBox(this.bodyBox() ?? USUAL_BOX, room, greatestScale);
   }
 
   /** The stretch [left, top, right, bottom] of the plane that the body takes. */
@@ -249,7 +249,8 @@ class SideView extends View {
   cameraSign() {
     const { width, height } = this.window;
     if (this.name === 'front') return nothing;
-    const at = this.name === 'top' ? `${width - 16} ${height - 14}` : `14 ${height / 2}`;
+    const below = `${this.isInLargePlace ? width / 2 : width - 16} ${height - 14}`;
+    const at = this.name === 'top' ? below : `14 ${height / 2}`;
     const turn = this.name === 'top' ? -90 : 0;
     return svg`<g class="camera" transform="translate(${at}) rotate(${turn})">
       <rect x="-5.5" y="-4" width="8" height="8" rx="1.5" />
@@ -263,9 +264,15 @@ class SideView extends View {
   }
 }
 
+let filePath = null;
+
+/** Another film: every window shows all there is. */
 function newFile() {
   document.documentElement.classList.toggle('no-file', !S.file);
-  for (const each of views.values()) each.window.chosen = false;
+  const path = S.file?.path ?? null;
+  if (path === filePath) return;
+  filePath = path;
+  for (const each of views.values()) each.fit();
 }
 
 function drawMoved() {

@@ -1,12 +1,13 @@
 """What can be opened, and where it lives: recent sessions, files, samples, uploads.
 
 library = Library(workspace, roots)
-library.contents()                          # what the start screen shows
-library.find("recent", id)                  # the path behind an id of the contents
-library.session_for(video)                  # where the session of a video lives
+library.contents()                     # what the start screen shows
+library.find("recent", id)             # the path behind an id of the contents
+library.session_for(video)             # where the session of a video lives
 with library.upload("jump.mp4", size) as upload:
     upload.write(chunk)
-    name = upload.finish()                  # find("upload", name) is its path
+    id = upload.finish()               # find("upload", id) is its path
+library.discard(id)                    # when it turns out to be no video
 """
 
 from __future__ import annotations

@@ -147,6 +147,11 @@ class Library:
         """Begin an upload into the workspace; see Upload."""
         return Upload(self.uploads, name, size, self._largest)
 
+    def discard(self, id: str) -> None:
+        """Remove an upload that turned out to be no video."""
+        with suppress(KeyposeError, OSError):
+            self._uploaded(id).unlink()
+
     # --- pictures
 
     def thumb(self, id: str) -> bytes | None:

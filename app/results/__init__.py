@@ -7,7 +7,7 @@ while: undoing a change finds them again.
 from __future__ import annotations
 
 from app.results.collection import Results, State
-from app.results.disk import load_results, save_results
+from app.results.disk import load_results, save_results, tidy_tracks
 from app.results.frames import Fitting, angles_deg, listed, observability, pose_at, residual
 from app.results.keys import Span, segment_key, segment_keys
 from app.results.track import SegmentTrack
@@ -31,4 +31,5 @@ __all__ = [
     "save_results",
     "segment_key",
     "segment_keys",
+    "tidy_tracks",
 ]

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import re
+import time
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,6 +25,9 @@ from tracker.session.tracks import (
 from tracker.settings import Quality
 from tracker.skeleton import Skeleton
 from tracker.trajectory import Trajectory
+
+YOUNG_SECONDS = 60
+TRACKS_NAME = re.compile(r"tracks-[0-9a-f]{12}\.npz")
 
 if TYPE_CHECKING:
     from tracker.track import SegmentResult
@@ -71,6 +77,27 @@ def save_results(session: Session, session_path: Path, results: Results) -> Sess
         for summary, track in zip(saved.segments, kept, strict=True)
     )
     return session.model_copy(update={"results": saved.model_copy(update={"segments": summaries})})
+
+
+def tidy_tracks(folder: Path) -> None:
+    """Remove tracks files that no session in the folder speaks of any more.
+
+    The file before the last save counts, too: `session.json.previous` can be put back. Young files
+    stay: another program may be about to name them in its session.
+    """
+    told = b"".join(_content(file) for file in folder.glob("*.json*"))
+    for file in folder.glob("tracks-*.npz"):
+        if TRACKS_NAME.fullmatch(file.name) and file.name.encode() not in told:
+            with suppress(OSError):  # then it stays, and does no harm
+                if time.time() - file.stat().st_mtime > YOUNG_SECONDS:
+                    file.unlink()
+
+
+def _content(file: Path) -> bytes:
+    try:
+        return file.read_bytes()
+    except OSError:
+        return b""
 
 
 def _present_keys(session: Session) -> dict[Span, str]:

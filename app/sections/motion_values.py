@@ -65,7 +65,8 @@ def suggest(outlook: Outlook) -> Json:
     edit = outlook.edit
     if edit is None:
         return None
-    found = suggestion(edit.keys, edit.frame_count, edit.results.fitting(edit.settled))
+    fitting = edit.results.fitting(edit.settled)
+    found = suggestion(edit.keys, edit.frame_count, fitting, edit.settled.body.names)
     return {
         "frame": found.frame,
         "words": found.words,

@@ -1,5 +1,7 @@
 // Numbers and times as the page says them.
 
+const LONG = 60; // characters of a sentence that is not all said loud
+
 /** "39–50": an interval of frames. */
 export const range = (first, last) => `${first}–${last}`;
 
@@ -48,8 +50,11 @@ export function longAgo(epoch, now = Date.now() / 1000) {
 /** The first sentence and what follows it: messages say the first one louder. */
 export function firstSentence(words) {
   const end = words.search(/[.?!](\s|$)/);
-  if (end < 0) return [words, ''];
-  return [words.slice(0, end + 1), words.slice(end + 1).trim()];
+  const first = end < 0 ? words : words.slice(0, end + 1);
+  // A long sentence says what is wrong, then what to do about it.
+  const half = first.length > LONG ? first.indexOf(': ') : -1;
+  const cut = half < 0 ? first.length : half + 1;
+  return [words.slice(0, cut), words.slice(cut).trim()];
 }
 
 function day(epoch) {

@@ -1,4 +1,4 @@
-// Buttons, boxes to tick, switches and choices. A control that cannot be used now says why in its
+// Buttons, boxes to tick and choices. A control that cannot be used now says why in its
 // tooltip and stays reachable, so that the reason can be read (hence aria-disabled, not disabled).
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
@@ -49,21 +49,6 @@ export function checkbox({ label, on, act, title = label, key = '', off = '' }) 
     @click=${() => off || act(!on)}
   >
     <i>${on ? icon('check') : nothing}</i>${label}
-  </button>`;
-}
-
-/** A switch: it acts at once. */
-export function toggle({ label, on, act, title = label, key = '', off = '' }) {
-  return html`<button
-    type="button"
-    role="switch"
-    class="switch ${off ? 'off' : ''}"
-    aria-checked=${on}
-    aria-disabled=${off ? 'true' : nothing}
-    title=${off || tip(title, key)}
-    @click=${() => off || act(!on)}
-  >
-    ${label}<i></i>
   </button>`;
 }
 

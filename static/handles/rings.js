@@ -46,7 +46,7 @@ function ringOf(view, ring) {
 }
 
 /** A point of the ring, at an angle from e1 toward e2. */
-export function pointOn(ring, angle, share = 1) {
+function pointOn(ring, angle, share = 1) {
   const r = ring.radius * share;
   return add(add(ring.centre, ring.e1, r * Math.cos(angle)), ring.e2, r * Math.sin(angle));
 }
@@ -67,7 +67,7 @@ export function letterAt(ring) {
 }
 
 /** The angle on the ring nearest to a place on the screen. */
-export function angleAt(ring, x, y) {
+function angleAt(ring, x, y) {
   return (nearestOnPath(ring.points, x, y).place / STEPS) * 2 * Math.PI;
 }
 

@@ -5,7 +5,7 @@ import { S } from '../state.js';
 import { send } from '../link.js';
 import { checkbox, dropdown, iconButton, numberField } from '../fields.js';
 import { line, measure, section } from './section.js';
-import { select, shortLabel } from './parts.js';
+import { partNamed, select, shortLabel } from './parts.js';
 import { sizeSpec } from './size.js';
 
 const HEIGHTS_CM = [100, 220];
@@ -59,10 +59,9 @@ function link() {
 
 /** A row per part with its two leading sizes; while left and right change together, one for both. */
 function table() {
-  const shown = S.body.parts.filter((part) => !S.view.link || !part.mirror || stands(part));
   return html`<div class="sizes" role="group" aria-label="Sizes in centimetres">
     <div class="size dim head"><span>Part</span><span>Length</span><span>Thickness</span></div>
-    ${shown.map(row)}
+    ${rows().map(row)}
   </div>`;
 }
 
@@ -73,11 +72,19 @@ function leading(part) {
   return [along, rest.find((one) => /^(Width|At|Radius)/.test(one.label)) ?? rest[0]].filter(Boolean);
 }
 
+/** The parts that have a row. A pair has one, at its first part's place, where both go together. */
+function rows() {
+  const { parts } = S.body;
+  if (!S.view.link) return parts;
+  const place = (part) => parts.findIndex((other) => other.name === part.name);
+  const firsts = parts.filter((part) => !part.mirror || place(part) < place(partNamed(part.mirror)));
+  return firsts.map((part) => (part.mirror ? standing(part, partNamed(part.mirror)) : part));
+}
+
 /** Of a pair the selected side stands for both, else the right one. */
-function stands(part) {
-  const selected = S.view.selected;
-  if (selected === part.name) return true;
-  return selected === part.mirror ? false : part.side === 'R';
+function standing(one, other) {
+  const selected = [one, other].find((part) => part.name === S.view.selected);
+  return selected ?? (one.side === 'R' ? one : other);
 }
 
 function row(part) {

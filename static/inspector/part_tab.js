@@ -1,12 +1,11 @@
 // The Part tab: the selected part's pose and sizes.
 
-import { html } from '../vendor/lit-html/lit-html.js';
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { pose } from './pose.js';
 import { position } from './position.js';
 import { rotation } from './rotation.js';
 import { size } from './size.js';
 import { selectedPart } from './parts.js';
-import { nothing } from '../vendor/lit-html/lit-html.js';
 
 export function partTab() {
   const part = selectedPart();

@@ -10,13 +10,14 @@ import { otherSideWord, partNamed } from './parts.js';
 
 const SMALLEST_CM = 0.2;
 const LARGEST_CM = 1000;
-const LONG_LABEL = 11;
+const LETTER_PX = 6.3;
 
 export function size(part) {
   const rows = part.sizes.map((one) => measure(sizeSpec(part, one), [one.min, one.max]));
-  const wordy = part.sizes.some((one) => one.label.length > LONG_LABEL);
+  const longest = Math.max(...part.sizes.map((one) => one.label.length));
   const where = part.parent ? joint(part) : nothing;
-  return section('Size', html`<div class=${wordy ? 'wordy' : ''}>${rows}</div>${where}`, linked(part));
+  const list = html`<div class="wordy" style="--label:${longest * LETTER_PX}px">${rows}</div>`;
+  return section('Size', html`${list}${where}`, linked(part));
 }
 
 /** The number field of one size; the table of the Body tab has it too. */

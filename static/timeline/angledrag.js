@@ -3,7 +3,7 @@
 import { S } from '../state.js';
 import { newStroke, send } from '../link.js';
 import { axis, freezeRange, scale, valueAt } from './curve.js';
-import { goNow, goTo, hold as stopPlaying } from './head.js';
+import { goTo, hold as stopPlaying } from './head.js';
 import { hold } from './held.js';
 import { paced } from './pace.js';
 
@@ -26,7 +26,7 @@ export function grabAngle(at, row, start) {
   const begin = () => {
     begun = true;
     freezeRange(true);
-    goNow(at);
+    goTo(at);
   };
   const finish = (action) => {
     hold(null);

@@ -41,18 +41,36 @@ function transport() {
     <span class="vsep"></span>`;
 }
 
-const SUGGESTION_ICONS = { good: 'check', pose: 'keyadd', key: 'keyadd' };
+const SUGGESTION_ICONS = { good: 'check', track: 'track', look: 'warn' };
 
+/** What helps most now: bold what to do, then why, then a button that does it. */
 function drawSuggestion() {
   const suggest = S.suggest;
   if (!suggest?.words) return nothing;
-  const to = suggest.frame ?? null;
-  const here = to !== null && to === frame();
-  return html`<div class=${`sug ${suggest.kind}`} role="status" title=${`${suggest.words} ${suggest.reason ?? ''}`}>
+  const [what, why] = whatAndWhy(suggest);
+  return html`<div class=${`sug ${suggest.kind}`} role="status" title=${`${what} ${why}`}>
     ${icon(SUGGESTION_ICONS[suggest.kind] ?? 'keyadd')}
-    <span class="tx"><b>${suggest.words}</b> <span class="mut">${suggest.reason}</span></span>
-    ${to === null || here ? html`<span class="pad"></span>` : html`<button class="btn sm pri"
-      aria-label=${`Go to frame ${to}`} @click=${next}>Go<kbd>N</kbd></button>`}</div>`;
+    <span class="tx"><b>${what}</b> <span class="mut">${why}</span></span>
+    ${suggestionButton(suggest)}</div>`;
+}
+
+/** The first sentence is what to do; the others, and the reason, are why. */
+function whatAndWhy({ words, reason }) {
+  const end = words.search(/[.:] /);
+  const what = end < 0 ? words : words.slice(0, end + 1);
+  const more = end < 0 ? '' : `${words.slice(end + 2)} `;
+  return [what, more + (reason && !reason.endsWith('.') ? `${reason}.` : reason ?? '')];
+}
+
+function suggestionButton({ frame: to, kind }) {
+  const button = (label, key, words, act) => html`<button class="btn sm pri" aria-label=${words}
+    @click=${act}>${label}<kbd>${key}</kbd></button>`;
+  if (kind === 'track' && S.job?.state === 'running') return html`<span class="pad"></span>`;
+  if (kind === 'track') {
+    return button('Track', 'T', 'Track changed segments', () => send({ do: 'track', what: 'changed' }));
+  }
+  if (to === null || to === undefined || to === frame()) return html`<span class="pad"></span>`;
+  return button('Go', 'N', `Go to frame ${to}`, next);
 }
 
 const SIGNS = [['good', 'check'], ['check', 'warn'], ['lost', 'lost']];

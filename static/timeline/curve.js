@@ -72,6 +72,7 @@ export function drawCurve(row, without) {
     ${at === null ? nothing : pieces().map(({ first, last, stale }) => svg`
       <path class=${`angle ${axis()}${stale ? ' stale' : ''}`}
         d=${runsOf(values, first, last).map((run) => line(run, at.y)).join('')} />`)}
+    ${at === null ? nothing : svg`<path class=${`between ${axis()}`} d=${between(at)} />`}
     ${at === null ? nothing : drawCurveKeys(at, without)}`;
 }
 
@@ -100,11 +101,25 @@ function pieces() {
 
 const largest = remembered((list) => extent(numbers(list))?.high ?? 0);
 
+export function hasError() {
+  return largest(S.curve?.error) > 0;
+}
+
 function errorLine(row) {
   const most = largest(S.curve.error);
   if (most <= 0) return '';
   const y = (value) => row.y + row.h - (value / most) * (row.h - 14) * ERROR_SHARE;
   return runsOf(S.curve.error).map((run) => line(run, y)).join('');
+}
+
+/** Straight lines from key to key where nothing between them is known. */
+function between(at) {
+  const keys = curveKeys();
+  const open = (key, i) => i > 0 && key - keys[i - 1] > 1 && valueAt(key - 1) === null;
+  const lines = keys.map((key, i) => (open(key, i)
+    ? `M${x(keys[i - 1])} ${at.y(valueAt(keys[i - 1]))}L${x(key)} ${at.y(valueAt(key))}`
+    : ''));
+  return lines.join('');
 }
 
 export function curveKeys() {

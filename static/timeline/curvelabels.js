@@ -3,7 +3,7 @@
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
 import { S } from '../state.js';
 import { GUTTER } from './scale.js';
-import { axis, chooseAxis, hasCurve, partOf, scale } from './curve.js';
+import { axis, chooseAxis, hasCurve, hasError, partOf, scale } from './curve.js';
 
 const AXES = ['x', 'y', 'z'];
 const PITCH = 14;
@@ -19,7 +19,7 @@ export function drawCurveLabels(row) {
   const ticks = (at?.ticks ?? []).filter((value) => hasRoom(value, at.y(value), row, name));
   return svg`<text class="lbl" x="12" y=${top}>${name}</text>
     ${row.h > 34 ? drawAxes(part, top + 15) : nothing}
-    ${row.h > 46 ? drawErrorLabel(row) : nothing}
+    ${row.h > 46 && hasError() ? drawErrorLabel(row) : nothing}
     ${ticks.map((value) => svg`<text class="d" x=${GUTTER - 8} y=${at.y(value) + 4}
       text-anchor="end">${value}</text>`)}`;
 }

@@ -5,7 +5,7 @@ import { send } from '../link.js';
 import { layer } from './layers.js';
 import { frame } from './head.js';
 import { held, hovered } from './held.js';
-import { segmentAt } from './moves.js';
+import { segmentAt, suggestedFrame } from './moves.js';
 import { drawClip, drawRuler } from './ruler.js';
 import { drawSegments } from './segments.js';
 import { drawCurrent, drawKeys, drawSuggestion } from './keymarks.js';
@@ -37,7 +37,7 @@ const LAYERS = [
   ['frames', 'segments', () => [S.segments, S.suggest], ({ rows }) => drawSegments(rows)],
   ['frames', 'chart', () => [isScore(), ...(isScore() ? [segmentAt(frame())] : curveInputs())],
     ({ rows }) => (isScore() ? drawScores(rows.curve) : drawCurve(rows.curve, angleHeld()))],
-  ['frames', 'suggestion', () => [S.suggest, S.keys, isScore()],
+  ['frames', 'suggestion', () => [suggestedFrame(), S.keys, isScore()],
     ({ rows }) => drawSuggestion(rows, bottomOf(rows))],
   ['frames', 'keys', () => [S.keys, keyHeld()], ({ rows }) => drawKeys(rows, keyHeld())],
   ['frames', 'current', () => [frame(), keyHeld(), angleHeld(), isScore(), ...curveInputs()],

@@ -1,4 +1,4 @@
-// The playhead: the frame all tabs look at, and moving it. A drag shows its own frame at once; the
+// The playhead: the frame all tabs look at, and moving it. It shows its own frame at once; the
 // server's answer takes over as soon as it has heard of the last move.
 
 import { S, U, put } from '../state.js';
@@ -8,10 +8,13 @@ import { paced } from './pace.js';
 
 /** Where this tab has sent the playhead: {frame, n}, n null until it is told. */
 let wanted = null;
+let stopping = false;
 
-const tell = paced((frame) => {
+const tellSoon = paced(tell);
+
+function tell(frame) {
   wanted = { frame, n: send({ do: 'go', frame }) };
-});
+}
 
 /** The frame the playhead stands on. */
 export function frame() {
@@ -19,22 +22,31 @@ export function frame() {
   return wanted === null ? clampFrame(S.view?.frame ?? 0) : wanted.frame;
 }
 
-/** Move the playhead; the server hears of it at most once per animation frame. */
+/** Move the playhead. The server hears of it before any edit that follows. */
 export function goTo(target) {
+  glideTo(target);
+  if (!stopping) tellSoon.flush();
+}
+
+/** Move it as part of a drag: the server hears of it once per animation frame, newest wins. */
+export function glideTo(target) {
   const next = clampFrame(target);
   if (next === frame()) return;
   wanted = { frame: next, n: null };
   put('timeHead', next);
-  tell(next);
+  tellSoon(next);
 }
 
-/** Move it and tell at once: an edit follows that means the new frame. */
-export function goNow(target) {
-  goTo(target);
-  tell.flush();
+/** A drag has ended: tell where. */
+export function settle() {
+  tellSoon.flush();
 }
 
 /** Stop playing: whoever takes the playhead in hand wants it to stay. */
 export function hold() {
-  if (U.playing) put('playing', false);
+  if (!U.playing) return;
+  put('playing', false);
+  // Playing ends with the next animation frame, and tells where it ended: a move comes after that.
+  stopping = true;
+  requestAnimationFrame(() => (stopping = false));
 }

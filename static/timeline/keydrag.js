@@ -3,7 +3,7 @@
 
 import { send } from '../link.js';
 import { clampFrame, frameAt, x } from './scale.js';
-import { goNow, goTo, hold as stopPlaying } from './head.js';
+import { goTo, hold as stopPlaying } from './head.js';
 import { held, hold } from './held.js';
 import { isKey } from './moves.js';
 
@@ -34,7 +34,7 @@ function drop(key) {
   hold(null);
   if (key.to === key.from) return;
   send({ do: key.copy ? 'duplicate_key' : 'move_key', frame: key.from, to: key.to });
-  goNow(key.to);
+  goTo(key.to);
 }
 
 /** Onto another key: the diamond shakes and goes back. */

@@ -5,7 +5,7 @@ import { S } from '../state.js';
 import { GUTTER, right, visible, x } from './scale.js';
 import { diamond } from './patterns.js';
 import { frame } from './head.js';
-import { isKey, keyFrames } from './moves.js';
+import { isKey, keyFrames, suggestedFrame } from './moves.js';
 
 const RADIUS = 6.5;
 const CURRENT = 8;
@@ -67,8 +67,8 @@ export function drawKeys(rows, without = null) {
 
 /** The suggested key: a dashed diamond with a plus, and a dashed line through all rows. */
 export function drawSuggestion(rows, height) {
-  const at = S.suggest?.frame;
-  if (at === null || at === undefined || isKey(at)) return nothing;
+  const at = suggestedFrame();
+  if (at === null || isKey(at) || draftFrames().includes(at)) return nothing;
   const there = x(at);
   const middle = rows.keys.middle;
   // Before the first key the line would say no more than the playhead does.

@@ -4,7 +4,7 @@ import { nothing } from '../vendor/lit-html/lit-html.js';
 import { S } from '../state.js';
 import { send } from '../link.js';
 import { lastFrame } from './scale.js';
-import { frame, goNow, goTo } from './head.js';
+import { frame, goTo } from './head.js';
 import { field, item, open, sentence } from './menu.js';
 import { isKey, keyFrames } from './moves.js';
 import { zoomTo } from './zoom.js';
@@ -18,7 +18,7 @@ export function openKeyMenu(at, page) {
     item('flag', `Go to ${at}`, '', () => goTo(at)),
     field('copy', 'Duplicate to', placeForCopy(at), lastFrame(), (to) => {
       send({ do: 'duplicate_key', frame: at, to });
-      goNow(to);
+      goTo(to);
     }),
     item('trash', 'Delete keyframe', at === frame() ? 'K' : '', () => send({ do: 'delete_key', frame: at })),
   ], page);
@@ -37,7 +37,7 @@ export function openSegmentMenu(segment, page) {
   const busy = state === 'tracking' || state === 'waiting';
   const go = segment.go ?? null;
   open(`Segment ${range}`, [
-    sentence(SIGNS[state], state, range, segment.words || 'Not tracked yet'),
+    sentence(SIGNS[state], state, range, wordsOf(segment)),
     busy
       ? item('x', 'Cancel tracking', 'Esc', () => send({ do: 'cancel' }))
       : item('track', 'Track this', 'Shift T', () => trackThis(segment)),
@@ -46,8 +46,12 @@ export function openSegmentMenu(segment, page) {
   ], page);
 }
 
+function wordsOf({ state, words }) {
+  return state === 'tracking' ? `Tracking, ${words}` : words || 'Not tracked';
+}
+
 /** "This" is the segment of the playhead: it goes in first, should it have moved meanwhile. */
 function trackThis({ first, last }) {
-  if (frame() < first || frame() >= last) goNow(first);
+  if (frame() < first || frame() >= last) goTo(first);
   send({ do: 'track', what: 'this' });
 }

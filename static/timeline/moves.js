@@ -63,22 +63,30 @@ export function middle() {
   const first = keys.findLast((key) => key <= at) ?? 0;
   const last = keys.find((key) => key > at) ?? lastFrame();
   hold();
-  if (last > first) goTo((first + last) / 2);
+  if (last > first) goTo(Math.floor((first + last) / 2));
+}
+
+/** The frame to key next, or null: with no key yet it is the one that is looked at. */
+export function suggestedFrame() {
+  const { frame: to = null, kind } = S.suggest ?? {};
+  return to === null && kind === 'pose' && keyFrames().length === 0 ? frame() : to;
 }
 
 /** To the frame to key next. */
 export function next() {
-  const to = S.suggest?.frame;
+  const to = suggestedFrame();
   hold();
-  if (to !== null && to !== undefined) goTo(to);
+  if (to !== null) goTo(to);
 }
 
-/** To the next segment in trouble, or of one state, after this frame; past the last, the first. */
+const PROBLEMS = ['check', 'lost', 'outdated', 'none'];
+
+/** To the next segment that is not good, or of one state, after this frame; then from the start. */
 export function nextProblem(state = null) {
-  const wanted = state === null ? ['check', 'lost'] : [state];
+  const wanted = state === null ? PROBLEMS : [state];
   const places = (S.segments ?? [])
     .filter((segment) => wanted.includes(segment.state))
-    .map((segment) => segment.go ?? segment.first)
+    .map(({ go, first, last }) => go ?? Math.floor((first + last) / 2))
     .sort((a, b) => a - b);
   if (places.length === 0) return;
   hold();

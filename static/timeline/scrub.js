@@ -3,19 +3,19 @@
 import { S } from '../state.js';
 import { send } from '../link.js';
 import { frameAt } from './scale.js';
-import { goTo, hold as stopPlaying } from './head.js';
+import { glideTo, hold as stopPlaying, settle } from './head.js';
 import { hold } from './held.js';
 import { draftFrames, nearest } from './keymarks.js';
-import { keyFrames } from './moves.js';
+import { keyFrames, suggestedFrame } from './moves.js';
 import { partMeant } from './lanevalues.js';
 
 const SNAP_PX = 4;
 
 /** The frame meant at a place: a key within 4 px, else the nearest frame. */
 function meant(place) {
-  const suggested = S.suggest?.frame;
+  const suggested = suggestedFrame();
   const marks = [...keyFrames(), ...draftFrames()];
-  if (suggested !== null && suggested !== undefined) marks.push(suggested);
+  if (suggested !== null) marks.push(suggested);
   const snapped = place.ctrl ? null : nearest(marks, place.x, SNAP_PX);
   return snapped ?? frameAt(place.x);
 }
@@ -24,15 +24,15 @@ function meant(place) {
 export function grabHead(start, click = () => {}) {
   stopPlaying();
   hold({ kind: 'scrub' });
-  goTo(meant(start));
+  glideTo(meant(start));
   return {
-    move: (place) => goTo(meant(place)),
+    move: (place) => glideTo(meant(place)),
     click() {
-      hold(null);
+      letGo();
       click();
     },
-    end: () => hold(null),
-    cancel: () => hold(null),
+    end: letGo,
+    cancel: letGo,
   };
 }
 
@@ -40,4 +40,9 @@ export function grabHead(start, click = () => {}) {
 export function selectFrom(lane, at) {
   const part = partMeant(lane, at);
   if (part && part !== S.view?.selected) send({ do: 'select', part });
+}
+
+function letGo() {
+  settle();
+  hold(null);
 }

@@ -2,6 +2,7 @@
 
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
 import { S } from '../state.js';
+import { suggestedFrame } from './moves.js';
 import { GUTTER, lastFrame, right, visible, x } from './scale.js';
 
 export const BAR = { half: 6 };
@@ -92,8 +93,8 @@ function clipped({ from, to }) {
 /** The middle, or left of the suggested key's diamond where that stands in the middle. */
 function clearOfSuggestion(from, to, wide) {
   const middle = (from + to) / 2;
-  const suggested = S.suggest?.frame;
-  if (suggested === null || suggested === undefined) return middle;
+  const suggested = suggestedFrame();
+  if (suggested === null) return middle;
   const there = x(suggested);
   if (Math.abs(there - middle) > wide / 2 + 12) return middle;
   const free = [0.24, 0.76].map((share) => from + (to - from) * share);

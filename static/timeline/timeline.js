@@ -25,7 +25,7 @@ export { zoomToInterval } from './zoom.js';
 export { foldLanes } from './fold.js';
 
 const WATCHED = [
-  'file', 'view', 'keys', 'segments', 'suggest', 'lanes', 'curve', 'body',
+  'file', 'view', 'keys', 'segments', 'suggest', 'lanes', 'curve', 'body', 'job',
   'u:playing', 'u:chart', 'u:lanes', 'u:curveAxis', 'u:timeWindow', 'u:timeSize', 'u:timeHead',
   'u:timeHeld', 'u:timeHover', 'u:timeOpen', 'u:timeScroll',
 ];

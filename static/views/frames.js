@@ -3,9 +3,9 @@
 import { S, U, put, watch } from '../state.js';
 import { send } from '../link.js';
 
-const AHEAD = 10;
+const AHEAD = 24;
 const MOST_BYTES = 400e6;
-const MOST_LOADS = 4;
+const MOST_LOADS = 6;
 /** While playing, a picture waits this long for the server's word that the body stands there too. */
 const PATIENCE_MS = 80;
 
@@ -14,6 +14,7 @@ const loading = new Map();
 const queue = [];
 let screen = null;
 let changed = () => {};
+let film = '';
 let version = '';
 let wanted = -1;
 let shown = -1;
@@ -43,8 +44,11 @@ export function showFrame(frame) {
 }
 
 function newFilm() {
-  const now = S.file && S.camera ? `${S.file.path}|${S.file.video}|${S.camera.image_version}` : '';
+  const file = S.file && S.camera ? `${S.file.path}|${S.file.video}` : '';
+  const now = file && `${file}|${S.camera.image_version}`;
   if (now === version) return;
+  if (file !== film) blank(); // the same film through another lens may stay until it is there
+  film = file;
   version = now;
   for (const bitmap of decoded.values()) bitmap.close();
   for (const abort of loading.values()) abort.abort();
@@ -53,6 +57,12 @@ function newFilm() {
   queue.length = 0;
   shown = -1;
   if (now && S.view) showFrame(S.view.frame);
+}
+
+/** Rather no picture than a wrong one. */
+function blank() {
+  delete screen.canvas.dataset.frame;
+  shown = -1;
 }
 
 function draw(frame) {
@@ -99,14 +109,14 @@ function pump() {
 
 async function load(frame) {
   const abort = new AbortController();
-  const film = version;
+  const wished = version;
   loading.set(frame, abort);
   try {
     const url = `/frame/${frame}.jpg?v=${encodeURIComponent(S.camera.image_version)}`;
     const answer = await fetch(url, { signal: abort.signal });
-    if (!answer.ok) return;
+    if (!answer.ok) return void (frame === wanted && blank());
     const bitmap = await createImageBitmap(await answer.blob());
-    if (film !== version) return bitmap.close();
+    if (wished !== version) return void bitmap.close();
     decoded.set(frame, bitmap);
     forget();
     if (frame === wanted) draw(frame);

@@ -10,6 +10,7 @@ const TAMED = `
   [data-testid^="floating-panel"], .stats-panel { display: none !important; }
 `;
 const RENDERED_FRAMES = 3;
+const GREATEST_DPR = 2;
 const POLL_MS = 30;
 const SETTLED_MS = 120;
 const NODE = '/camera';
@@ -34,8 +35,8 @@ export class Picture {
     this.#frame.tabIndex = -1;
     this.#frame.inert = true;
     this.#frame.ariaHidden = 'true';
-    this.#frame.src = `/view/${role}?fixedDpr=${devicePixelRatio}&darkMode=1&hideViserLogo=1`;
     this.#frame.addEventListener('load', () => this.#wait());
+    this.#load();
   }
 
   get element() {
@@ -52,6 +53,15 @@ export class Picture {
     this.#frame.style.width = `${width}px`;
     this.#frame.style.height = `${height}px`;
     this.#inside?.syncCanvasSize?.(width, height);
+  }
+
+  /** viser learns the sharpness of the screen when it is loaded, so another one loads it anew. */
+  #load() {
+    const sharpness = Math.min(devicePixelRatio, GREATEST_DPR);
+    const settings = `fixedDpr=${sharpness}&darkMode=1&hideViserLogo=1`;
+    this.#frame.src = `/view/${this.#role}?${settings}`;
+    const screen = matchMedia(`(resolution: ${devicePixelRatio}dppx)`);
+    screen.addEventListener('change', () => this.#load(), { once: true });
   }
 
   #wait() {

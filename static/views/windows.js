@@ -55,11 +55,11 @@ export class Window {
   }
 
   /** Show a box [left, top, right, bottom] of the plane whole, with room around it in pixels. */
-  showBox(box, room = { x: 0, top: 0, bottom: 0 }) {
+  showBox(box, room = { x: 0, top: 0, bottom: 0 }, greatestScale = Infinity) {
     const wide = Math.max(1, this.width - 2 * room.x);
     const high = Math.max(1, this.height - room.top - room.bottom);
     const scale = Math.min(wide / (box[2] - box[0]), high / (box[3] - box[1]));
-    this.scale = this.#within(scale);
+    this.scale = this.#within(Math.min(scale, greatestScale));
     this.x = (box[0] + box[2]) / 2;
     this.y = (box[1] + box[3]) / 2 - (room.top - room.bottom) / 2 / this.scale;
     this.chosen = false;

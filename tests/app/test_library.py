@@ -301,6 +301,12 @@ def test_an_upload_is_whole_under_its_name(library: Library) -> None:
     assert names(library) == ["jump.mp4"]
 
 
+def test_an_upload_that_is_no_video_is_discarded(library: Library) -> None:
+    library.discard(uploaded(library, "jump.mp4"))
+    library.discard("jump.mp4")
+    assert left_in(library.uploads) == []
+
+
 def test_the_same_name_is_never_overwritten(library: Library) -> None:
     ids = [uploaded(library, "jump.mp4", content) for content in (b"1", b"22", b"333")]
     assert ids == ["jump.mp4", "jump 2.mp4", "jump 3.mp4"]

@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from app.results import Results, angles_deg, collection, listed, observability, pose_at, residual
+from app.results import (
+    Results,
+    angles_deg,
+    collection,
+    listed,
+    observability,
+    pose_at,
+    residual,
+    tidy_tracks,
+)
 from app.results.keys import segment_key, segment_keys
 from tests.app.results_cases import PARTS, both, passing, session, track
 from tests.tracker import session_cases as cases
@@ -227,3 +238,19 @@ def test_angles_are_in_degrees_about_x_y_z_and_do_not_jump() -> None:
     np.testing.assert_allclose((table - straight)[[0, 4, 8]], 0.0, atol=1e-9)
     assert 0.5 * bend < (table - straight)[2, 0] < 1.5 * bend
     assert np.abs(np.diff(table[:9], axis=0)).max() < 90.0
+
+
+def test_old_tracks_files_go_when_no_session_speaks_of_them_and_young_ones_stay(
+    tmp_path: Path,
+) -> None:
+    names = [f"tracks-{letter * 12}.npz" for letter in "abcd"]
+    for name in names:
+        (tmp_path / name).write_bytes(b"")
+        os.utime(tmp_path / name, (1.0, 1.0))
+    os.utime(tmp_path / names[3])
+    (tmp_path / "session.json").write_text(f'"{names[0]}"')
+    (tmp_path / "session.json.previous").write_text(f'"{names[1]}"')
+    (tmp_path / "tracks-mine.npz").write_bytes(b"")
+    tidy_tracks(tmp_path)
+    left = {file.name for file in tmp_path.glob("*.npz")}
+    assert left == {names[0], names[1], names[3], "tracks-mine.npz"}

@@ -1,0 +1,83 @@
+"""What a person does at the page, and what they see of it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any, TypeAlias
+
+from playwright.sync_api import Page
+
+from tests.app.serving import ROOT
+
+SCREENS = ROOT / "out" / "screens"
+"""Where the pictures of every step are kept, to be looked at."""
+
+Spot: TypeAlias = tuple[float, float]
+"""Pixels of the window."""
+
+
+def section(page: Page, path: str) -> Any:
+    """What the server has told the page: "view.frame"."""
+    return page.evaluate(f"() => window.keypose.S.{path}")
+
+
+def until(there: Callable[[], Any], what: str = "it", seconds: float = 60.0) -> Any:
+    """Wait until something is so. The page allows no scripts from strings, hence from outside."""
+    end = time.monotonic() + seconds
+    while True:
+        found = there()
+        if found:
+            return found
+        assert time.monotonic() < end, f"{what} never came"
+        time.sleep(0.03)
+
+
+def until_told(page: Page, path: str, wanted: Callable[[Any], bool], seconds: float = 60.0) -> Any:
+    """Wait until a section is as wanted; its value then."""
+    until(lambda: wanted(section(page, path)), path, seconds)
+    return section(page, path)
+
+
+def settled(page: Page) -> None:
+    """Wait until the page has drawn what it was told."""
+    page.evaluate(
+        "() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))"
+    )
+
+
+def spot(page: Page, point: str, view: str = "main") -> Spot:
+    """Where a joint or landmark is seen."""
+    settled(page)
+    x, y = page.evaluate(
+        """([point, name]) => {
+          const view = window.keypose.view(name);
+          const [x, y] = view.project(window.keypose.S.pose.points[point]);
+          const box = view.el.getBoundingClientRect();
+          return [box.left + x, box.top + y];
+        }""",
+        [point, view],
+    )
+    return x, y
+
+
+def between(page: Page, one: str, other: str, view: str = "main") -> Spot:
+    """The middle between two joints: on the surface of what lies there."""
+    (x0, y0), (x1, y1) = spot(page, one, view), spot(page, other, view)
+    return (x0 + x1) / 2, (y0 + y1) / 2
+
+
+def drag(page: Page, start: Spot, end: Spot, steps: int = 8, drop: bool = True) -> None:
+    """From one spot to another with the left button."""
+    page.mouse.move(*start)
+    page.mouse.down()
+    page.mouse.move(*end, steps=steps)
+    if drop:
+        page.mouse.up()
+
+
+def screen(page: Page, name: str) -> None:
+    """Keep a picture of what the page looks like now."""
+    settled(page)
+    SCREENS.mkdir(parents=True, exist_ok=True)
+    page.screenshot(path=SCREENS / f"{name}.png")

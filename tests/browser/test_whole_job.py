@@ -1,0 +1,177 @@
+"""The whole job, as a person does it: look, pose, key, size, undo, track, export, come back."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+from playwright.sync_api import Page
+
+from tests.browser.hands import (
+    between,
+    drag,
+    screen,
+    section,
+    settled,
+    spot,
+    until,
+    until_told,
+)
+from tracker.session.files import load_session
+
+
+def test_the_whole_job(page: Page, sample: Path, tmp_path: Path) -> None:
+    _looks_around(page)
+    _selects_and_turns(page)
+    _pulls_a_hand(page)
+    _sets_a_keyframe(page)
+    _changes_a_size(page)
+    _undoes_and_redoes(page)
+    _tracks(page)
+    _exports(page, tmp_path)
+    _comes_back(page, sample)
+
+
+def _looks_around(page: Page) -> None:
+    until(lambda: page.locator("#main img").first.is_visible(), "the picture")
+    screen(page, "01-opened")
+    ruler = page.locator("#time svg").first.bounding_box()
+    assert ruler is not None
+    y = ruler["y"] + 8
+    drag(page, (ruler["x"] + ruler["width"] * 0.3, y), (ruler["x"] + ruler["width"] * 0.6, y))
+    frame = until_told(page, "view.frame", lambda f: f > 5)
+    screen(page, "02-scrubbed")
+    page.keyboard.press("ArrowRight")
+    until_told(page, "view.frame", lambda f: f == frame + 1)
+    page.keyboard.press("Home")
+    until_told(page, "view.frame", lambda f: f == 0)
+
+
+def _selects_and_turns(page: Page) -> None:
+    page.mouse.click(*between(page, "right_shin", "right_foot"))
+    until_told(page, "view.selected", lambda part: part == "right_shin")
+    screen(page, "03-selected")
+    before = section(page, "pose.angles.right_shin")
+    knob = page.locator('#main [data-ring="x"]').first
+    box = until(knob.bounding_box, "the ring")
+    middle = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    drag(page, middle, (middle[0] + 30, middle[1] + 30), drop=False)
+    until(lambda: section(page, "pose.gesture"), "the reading")
+    screen(page, "04-turning")
+    page.mouse.up()
+    until_told(page, "pose.stroke", lambda stroke: stroke is None)
+    after = section(page, "pose.angles.right_shin")
+    assert np.abs(np.subtract(after, before)).max() > 1
+    assert section(page, "undo.undo") == "turn right shin"
+
+
+def _pulls_a_hand(page: Page) -> None:
+    page.keyboard.press("ArrowRight")
+    until_told(page, "view.frame", lambda f: f == 1)
+    start = spot(page, "left_hand")
+    end = (start[0] + 22, start[1] - 14)
+    drag(page, start, end, drop=False)
+    until(lambda: section(page, "pose.gesture"), "the reading")
+    screen(page, "05-hand")
+    page.mouse.up()
+    until_told(page, "pose.stroke", lambda stroke: stroke is None)
+    np.testing.assert_allclose(spot(page, "left_hand"), end, atol=1.5)
+    assert section(page, "keys.drafts") == [1]
+
+
+def _sets_a_keyframe(page: Page) -> None:
+    page.keyboard.press("k")
+    until_told(page, "keys.frames", lambda frames: frames == [0, 1, 24, 48, 72])
+    screen(page, "06-keyframe")
+
+
+def _changes_a_size(page: Page) -> None:
+    page.get_by_role("tab", name="Body").click()
+    field = page.get_by_role("spinbutton", name="Height").first
+    field.click()
+    page.keyboard.press("Control+a")
+    page.keyboard.type("181")
+    page.keyboard.press("Enter")
+    until_told(page, "body.height_cm", lambda cm: abs(cm - 181) < 0.01)
+    screen(page, "07-height")
+
+
+def _undoes_and_redoes(page: Page) -> None:
+    page.keyboard.press("Control+z")
+    until_told(page, "body.height_cm", lambda cm: abs(cm - 181) > 0.5)
+    page.keyboard.press("Control+z")
+    until_told(page, "keys.frames", lambda frames: frames == [0, 24, 48, 72])
+    page.keyboard.press("Control+Shift+z")
+    until_told(page, "keys.frames", lambda frames: 1 in frames)
+    page.keyboard.press("k")
+    until_told(page, "keys.frames", lambda frames: frames == [0, 24, 48, 72])
+
+
+def _tracks(page: Page) -> None:
+    page.keyboard.press("t")
+    until_told(page, "segments", lambda segments: any(s["state"] == "tracking" for s in segments))
+    screen(page, "08-tracking")
+    until_told(page, "job.state", lambda state: state == "done", 120)
+    assert {s["state"] for s in section(page, "segments")} <= {"good", "check", "lost"}
+    page.keyboard.press("End")
+    page.keyboard.press("Shift+ArrowLeft")
+    until_told(page, "pose.source", lambda source: source == "tracked")
+    page.keyboard.press("o")
+    until_told(page, "view.ghosts", bool)
+    screen(page, "09-tracked")
+
+
+def _exports(page: Page, folder: Path) -> None:
+    with page.expect_download() as waiting:
+        page.keyboard.press("Shift+E")
+    waiting.value.save_as(folder / "view.png")
+    picture = cv2.imread(str(folder / "view.png"))
+    assert picture is not None
+    assert picture.shape == (360, 640, 3)
+    page.get_by_role("button", name="Export").click()
+    screen(page, "10-export")
+    with page.expect_download() as waiting:
+        page.get_by_role("menuitem", name="BVH").click()
+    waiting.value.save_as(folder / "motion.bvh")
+    assert (folder / "motion.bvh").read_text().startswith("HIERARCHY")
+
+
+def _comes_back(page: Page, sample: Path) -> None:
+    before = _all(page)
+    until_told(page, "saved.state", lambda state: state == "saved")
+    page.reload()
+    page.wait_for_selector("html[data-ready]", state="attached", timeout=60_000)
+    settled(page)
+    after = _all(page)
+    assert after == before
+    screen(page, "11-reloaded")
+    assert len(load_session(sample).keyframes) == 4
+
+
+def _all(page: Page) -> dict[str, Any]:
+    names = ("file", "camera", "body", "view", "pose", "keys", "segments", "undo", "masks")
+    return {name: json.loads(json.dumps(section(page, name))) for name in names}
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (1440, 900)], ids=lambda size: f"{size[0]}")
+@pytest.mark.parametrize("theme", ["dark", "light"])
+def test_nothing_is_cut_off_in_a_small_window(
+    page: Page, size: tuple[int, int], theme: str
+) -> None:
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+    page.evaluate(f"() => document.documentElement.dataset.theme = '{theme}'")
+    settled(page)
+    wide, high = page.evaluate(
+        "() => [document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
+    )
+    assert (wide, high) == size
+    for name in ("#top", "#main", "#views", "#insp", "#time", "#status"):
+        box = page.locator(name).bounding_box()
+        assert box is not None
+        assert box["x"] + box["width"] <= size[0] + 0.5
+        assert box["y"] + box["height"] <= size[1] + 0.5
+    screen(page, f"size-{theme}-{size[0]}")
