@@ -36,6 +36,8 @@ DEPTH_M = 3.5
 FOCAL = (107622.296875 / 64, 107616.632813 / 64)
 CENTRE = (32845.335938 / 64, 61120.328125 / 64)
 DISTORTION = (-0.046705, 0.137622, -0.000542, -0.000517, 0.0)
+UP_CAMERA = (-0.0441, -0.913479, -0.40449)
+"""The upright axis of the calibrated room."""
 
 JOINTS = {
     "shoulder": "upper_arm",
@@ -136,6 +138,7 @@ def session_of(path: Path, posed: Posed) -> Session:
         camera=camera(),
         body=_without_points(posed.skeleton.body),
         keyframes=tuple(keyframes),
+        up_camera=UP_CAMERA,
         settings=TrackSettings(static_camera=True),
     )
 

@@ -90,8 +90,11 @@ class Drag(Edit, Gesture):
 
 
 class Angles(Edit):
+    """Some angles of a part; `free` where its joint limits have been lifted."""
+
     do: Literal["angles"] = "angles"
     part: Name
+    free: bool = False
     x: Degrees | None = None
     y: Degrees | None = None
     z: Degrees | None = None

@@ -48,7 +48,7 @@ def turned(state: EditorState, action: do.Angles) -> Session:
     state.doc.body.index(action.part)
     pose = with_angles(
         state.skeleton, pose, action.part, action.x, action.y, action.z,
-        limits_on=state.display.limits,
+        limits_on=state.display.limits and not action.free,
     )  # fmt: skip
     return _with_pose(state, pose)
 

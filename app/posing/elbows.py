@@ -23,8 +23,9 @@ from tracker.geometry import Array
 FULL = math.radians(100.0)
 """Up to this angle a turn is made whole; beyond, less, until half a circle makes none."""
 
-CLEAR = 0.25
-"""Share of the lower bone's length from which on a direction across the limb is well known."""
+CLEAR = 0.6
+"""Share of the lower bone's length from which on the end lies well to one side of the limb. A limb
+that is nearly straight is swung as a whole instead."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,11 +48,9 @@ class Elbow:
         R_swung = self._swung(unit(place - limb.centre), resting)
         axis = unit(place - limb.centre)
         R_upper = turn(axis, self._twist(R_swung, place)) @ R_swung
-        R_parent = standing.R_camera_parent(limb.upper)
-        R_allowed = standing.allowed_along(limb.upper, R_parent.T @ R_upper, axis)
-        by = self._hinge_turn(R_parent @ R_allowed)
+        by = self._hinge_turn(R_upper)
         rotations = {
-            limb.upper: R_allowed,
+            limb.upper: standing.R_camera_parent(limb.upper).T @ R_upper,
             limb.lower: turn(limb.hinge.axis, by) @ standing.pose.Rs_parent_part[limb.lower],
         }
         return Reached(rotations, limb.centre, radius)

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from tracker.body import Part
-from tracker.geometry import Array, euler_from_rotation, exp_rotation
+from tracker.geometry import Array, euler_from_rotation
 
 TURN = 2.0 * math.pi
 SLACK = 1e-7
@@ -74,27 +74,6 @@ def nearest_within(rotation: Array, box: Array | None) -> Array:
     starts = np.clip(triples(rotation, box), box[:, 0], box[:, 1])
     found = [_descended(rotation, start.tolist(), box) for start in starts]
     return max(found, key=lambda R: float((R * rotation).sum()))
-
-
-def swivelled_within(rotation: Array, axis: Array, box: Array | None) -> Array:
-    """The rotation turned about an axis, by as little as makes it allowed.
-
-    axis: (3,) unit vector in the parent's frame, the line of a limb whose direction is to be kept.
-    Where no turn about it is allowed, the nearest allowed rotation to the least forbidden one.
-    """
-    if box is None or is_within(rotation, box):
-        return rotation
-    low, high = -math.pi, math.pi
-    found = 0.0
-    for _ in range(4):
-        angles = np.linspace(low, high, 49)
-        out = _beyond_either(exp_rotation(np.outer(angles, axis)) @ rotation, box)
-        cost = np.where(out <= SLACK, np.abs(angles) - TURN, out)
-        best = int(np.argmin(cost))
-        found = float(angles[best])
-        step = float(angles[1] - angles[0])
-        low, high = found - step, found + step
-    return nearest_within(exp_rotation(found * axis) @ rotation, box)
 
 
 def _beyond_either(rotations: Array, box: Array) -> Array:

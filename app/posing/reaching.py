@@ -5,14 +5,14 @@ from __future__ import annotations
 from app.posing.chains import Chain
 from app.posing.elbows import Elbow
 from app.posing.gesture import Gesture, Posed, Reach, Readout
-from app.posing.handles import BodyHandle, handle_named, handles
+from app.posing.handles import BodyHandle, handles
 from app.posing.moving import Aim, aim, depth_text, distance_text
 from app.posing.sight import Sight
 from app.posing.spine import Spine
 from app.posing.standing import Standing
 from app.posing.swinging import Swing, on_sphere
 from app.posing.two_bones import Reached, TwoBones
-from app.posing.vectors import length, unit
+from app.posing.vectors import across, length, unit
 from tracker.geometry import Array
 
 MISSED_M = 0.002
@@ -73,17 +73,12 @@ def _swung(
     direction = unit(place - centre)
     by = Swing.of(unit(before - centre), resting).to(direction)
     R = standing.R_camera_parent(part).T @ by @ standing.R_camera_part(part)
-    R = standing.allowed_along(part, R, direction)
     return Reached({part: R}, centre, radius)
 
 
 def _readout(
     sight: Sight, goal: Aim, handle: BodyHandle, found: Reached, before: Array, after: Array
 ) -> Readout:
-    if goal.line is None:
-        off = length(sight.at_depth(goal.at, after) - after)
-    else:
-        off = length(goal.p_camera - after)
     kept = handle.kind == "end" and goal.line is None and sight.camera is not None
     return Readout(
         label=handle.label,
@@ -91,11 +86,24 @@ def _readout(
         change=distance_text(after - before, goal.line),
         part=handle.part,
         reach=Reach(found.centre, found.radius_m),
-        out_of_reach=off > MISSED_M,
+        out_of_reach=_missed(sight, goal, found, after) > MISSED_M,
         depth_m=float(after[2]),
     )
 
 
-def pulled(standing: Standing, sight: Sight, gesture: Gesture, name: str) -> Posed:
-    """As `reached`, by the handle's name."""
-    return reached(standing, sight, gesture, handle_named(standing.skeleton.body, name))
+def _missed(sight: Sight, goal: Aim, found: Reached, after: Array) -> float:
+    """Metres, as the view shows them, by which the handle is not where it was dragged.
+
+    A bone that is swung in a small view goes round a circle. Inside it, the handle lies in the
+    direction of the pointer, which is all that is asked.
+    """
+    wanted = goal.p_camera if goal.line is not None else sight.at_depth(goal.at, after)
+    radius, way = length(after - found.centre), wanted - found.centre
+    is_bone = abs(radius - found.radius_m) < 1e-9
+    if is_bone and (goal.line is not None or sight.camera is None):
+        flat = way if goal.line is not None else across(way, sight.away)
+        now = after - found.centre
+        now = now if goal.line is not None else across(now, sight.away)
+        if length(flat) < length(now):
+            return length(across(now, unit(flat)))
+    return length(wanted - after)

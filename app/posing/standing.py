@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.posing.limits import box_of, fitting, nearest_within, of_angles, swivelled_within, widened
+from app.posing.limits import box_of, fitting, nearest_within, of_angles, widened
 from app.posing.vectors import unit
 from tracker.geometry import Array, nearest_rotation
 from tracker.pose import Pose, pose_transforms
@@ -67,11 +67,6 @@ class Standing:
     def allowed(self, part: int, R_parent_part: Array) -> Array:
         """The nearest rotation that the limits of the part allow."""
         return nearest_within(R_parent_part, self.box(part))
-
-    def allowed_along(self, part: int, R_parent_part: Array, direction: Array) -> Array:
-        """As `allowed`, turning about a direction (3,) of the camera frame while that is enough."""
-        axis = self.R_camera_parent(part).T @ direction
-        return swivelled_within(R_parent_part, axis, self.box(part))
 
     def resting_direction(self, part: int, p_part_tip: Array) -> Array:
         """(3,) where a limb that begins at this part points in the middle of its joint's range.

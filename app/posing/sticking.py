@@ -8,6 +8,7 @@ import numpy as np
 
 from app.posing.moving import Aim
 from app.posing.sight import Sight
+from app.posing.swinging import in_level
 from app.posing.vectors import length, unit
 from tracker.geometry import Array
 
@@ -29,6 +30,9 @@ def within_reach(
         found = _on_line(goal.line, goal.p_camera, p_before, centre, radius)
     else:
         inside = away < nearest_m
+        level = None if inside else in_level(sight, goal, centre, radius, p_before)
+        if level is not None:
+            return level
         found = _under_pointer(sight, goal, centre, radius, p_before if inside else goal.p_camera)
     return np.asarray(centre + radius * unit(found - centre))
 

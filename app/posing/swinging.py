@@ -21,6 +21,9 @@ CHANGED_M = 0.05
 _LEVEL = 0.2
 """Radii within which a point lies about as far away as its joint, on neither side for good."""
 
+_TOP = 0.93
+"""Radii above which a circle of a sphere is too small to be dragged along."""
+
 _TOLD = 0.2
 """How clearly a direction must lead nearer or farther to tell the side."""
 
@@ -61,13 +64,16 @@ def on_sphere(
 ) -> Array:
     """(3,) the point of a sphere to which a point of it, at p_before, is dragged.
 
-    In the plane of the view it lies under the pointer, on the side, near or far, where it was; a
-    point about as far away as the centre goes to the side of `resting`, the middle of the limb's
-    range. Past the sphere's outline it is the nearest point of that. Along a line it is the point
-    toward which the line leads.
+    On the picture it lies under the pointer, on the side, near or far, where it was; a point about
+    as far away as the centre goes to the side of `resting`, the middle of the limb's range. Past
+    the sphere's outline it is the nearest point of that. In the small views it stays in its plane
+    of the view, see `in_level`. Along a line it is the point toward which the line leads.
     """
     if goal.line is not None:
         return np.asarray(centre + radius * unit(goal.p_camera - centre))
+    level = in_level(sight, goal, centre, radius, p_before)
+    if level is not None:
+        return level
     origin, ray = sight.ray(goal.at)
     foot = origin + float((centre - origin) @ ray) * ray - centre
     beside = length(foot)
@@ -76,6 +82,26 @@ def on_sphere(
     share = _farness(sight, goal, centre, radius, p_before, resting)
     way = foot + share * math.sqrt(radius**2 - beside**2) * ray
     return np.asarray(centre + radius * unit(way))
+
+
+def in_level(
+    sight: Sight, goal: Aim, centre: Array, radius: float, p_before: Array
+) -> Array | None:
+    """(3,) in a small view, the point of the sphere at the depth of p_before nearest to the goal.
+
+    Each small view is there to set what the others do not show, so it leaves their direction
+    alone. None on the picture, and where so little of the sphere is at that depth that nothing
+    could move.
+    """
+    if sight.camera is not None:
+        return None
+    height = float((p_before - centre) @ sight.away)
+    if abs(height) > _TOP * radius:
+        return None
+    middle = centre + height * sight.away
+    way = goal.p_camera - middle
+    way = way if length(way) > 1e-9 else p_before - middle
+    return np.asarray(middle + math.sqrt(radius**2 - height**2) * unit(way))
 
 
 def _farness(

@@ -60,7 +60,8 @@ class TwoBones:
         """The limb with its end at the goal, or as near as it can come.
 
         The hinge alone sets the distance; then the whole limb is swung there, and the plane in
-        which it is bent goes along without turning about the limb, unless limits demand it.
+        which it is bent goes along without turning about the limb. The hinge keeps its limits; the
+        upper joint is led by the middle of its range but not held, or the end could not follow.
         """
         hinge, standing = self.hinge, self.standing
         place = within_reach(sight, goal, self.centre, hinge.nearest_m, hinge.farthest_m, self.end)
@@ -70,7 +71,7 @@ class TwoBones:
         direction = unit(place - self.centre)
         R_upper = standing.R_camera_parent(self.upper).T @ self._swung(lower, direction)
         rotations = {
-            self.upper: standing.allowed_along(self.upper, R_upper, direction),
+            self.upper: R_upper,
             self.lower: lower @ standing.pose.Rs_parent_part[self.lower],
         }
         return Reached(rotations, self.centre, hinge.farthest_m)

@@ -36,7 +36,7 @@ export function trackButton() {
 
 function split(open) {
   const off = tooFew() ? TOO_FEW : '';
-  const idle = off || (changed().length ? '' : 'All segments are up to date');
+  const idle = off || (changed().length ? '' : nothingChanged());
   return html`<span class="split">
     <button
       class="btn pri"
@@ -68,7 +68,7 @@ function items() {
       icon: 'track',
       label: html`Track changed${tail(namesOf(changed()))}`,
       right: 'T',
-      off: changed().length ? '' : 'All segments are up to date',
+      off: changed().length ? '' : nothingChanged(),
       run: () => track('changed'),
     },
     {
@@ -84,6 +84,8 @@ function items() {
 
 const tail = (words) => (words ? html` <span class="dim num">${words}</span>` : nothing);
 
+const nothingChanged = () =>
+  S.job?.state === 'running' ? 'Being tracked' : 'All segments are up to date';
 const tooFew = () => (S.keys?.frames.length ?? 0) < 2;
 const isDone = (s) => ['good', 'check', 'lost'].includes(s.state);
 const changed = () => (S.segments ?? []).filter((s) => s.state === 'outdated' || s.state === 'none');

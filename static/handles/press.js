@@ -1,5 +1,6 @@
 // From pointer events to gestures: one press at a time, captured by its view.
 
+import { isFree } from '../limits.js';
 import { S, U, put } from '../state.js';
 import { beginDrag, cancelDrag, endDrag, moveDrag } from './drag.js';
 import { hold } from './hold.js';
@@ -126,7 +127,10 @@ function beginTarget(view, target) {
   if (target.kind === 'trail') return startPush(view);
   const { handle = { kind: 'ring', part: target.part.name, axis: target.axis } } = target;
   const wedge = target.kind === 'ring' ? wedgeOf(target, press.x, press.y) : null;
-  const tell = (at, wishes) => ({ do: 'drag', view: view.name, handle, from, at, ...wishes });
+  const open = handle.kind === 'ring' && isFree(handle.part, handle.axis);
+  const tell = (at, wishes) => ({
+    do: 'drag', view: view.name, handle, from, at, ...wishes, free: open || wishes.free,
+  });
   const extra = { target, wedge, point: target.point, limb: U.limb, hint: handle.kind, axis: handle.axis };
   // The selected part stays so while its own limb is pulled.
   if (target.kind !== 'ring' && !target.limb?.includes(S.view.selected)) select(target.part);
@@ -152,7 +156,10 @@ function beginSurface(view, part) {
   const handle = { kind: 'surface', part, tool };
   const from = view.toView([press.x, press.y]);
   select(part);
-  const tell = (at, wishes) => ({ do: 'drag', view: view.name, handle, from, at, ...wishes });
+  const open = handle.kind === 'ring' && isFree(handle.part, handle.axis);
+  const tell = (at, wishes) => ({
+    do: 'drag', view: view.name, handle, from, at, ...wishes, free: open || wishes.free,
+  });
   const hint = { rotate: 'turn', move: 'root', ends: 'end' }[tool];
   beginDrag(view, press, tell, { target: { key: `part:${part}`, part }, hint });
   view.over.style.cursor = 'grabbing';

@@ -15,7 +15,6 @@ import { addSplitter } from './splitter.js';
 import { upright } from './upright.js';
 
 export { alongChain, otherSide } from './chain.js';
-export { isFree } from './rotation.js';
 
 const TABS = {
   part: { label: 'Part', title: 'The selected part: pose and sizes', draw: partTab },

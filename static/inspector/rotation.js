@@ -5,16 +5,12 @@ import { S, U, put } from '../state.js';
 import { send } from '../link.js';
 import { icon } from '../icons.js';
 import { checkbox, iconButton, numberField, segmented, shortNumber, slider, tip } from '../fields.js';
+import { isFree } from '../limits.js';
 import { section } from './section.js';
 
 const AXES = ['x', 'y', 'z'];
 const FULL_TURN = [-180, 180];
 const ROOM = 0.12;
-
-/** Whether the limits of this axis have been lifted in this tab. */
-export function isFree(part, axis) {
-  return !S.view.limits || (U.freeAxes?.has(`${part.name}.${axis}`) ?? false);
-}
 
 export function rotation(part) {
   return section(
@@ -37,11 +33,11 @@ function angle(part, axis, value) {
     min: -1080,
     max: 1080,
     coarse: 5,
-    limit: isFree(part, axis) ? null : limits,
-    edit: (deg) => ({ do: 'angles', part: part.name, [axis]: deg }),
+    limit: isFree(part.name, axis) ? null : limits,
+    edit: (deg) => ({ do: 'angles', part: part.name, [axis]: deg, free: isFree(part.name, axis) }),
     off: value === null ? 'There is no pose at this frame' : '',
   };
-  const [min, max] = track(limits, isFree(part, axis));
+  const [min, max] = track(limits, isFree(part.name, axis));
   const title = `${spec.label}${words(limits)}. Double-click: back to rest`;
   return html`<div class="f">
     <label class="cut" title=${spec.label}>
@@ -66,7 +62,7 @@ function words(limits) {
 }
 
 function lock(part, axis, limits) {
-  const free = isFree(part, axis);
+  const free = isFree(part.name, axis);
   const off = reasonOff(limits);
   const word = part.words?.[axis] ?? axis.toUpperCase();
   const label = free ? `Hold ${word} within its limits` : `Let ${word} go beyond its limits`;

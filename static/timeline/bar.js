@@ -9,7 +9,9 @@ import { frame } from './head.js';
 import { frameBox } from './framebox.js';
 import { foldLanes } from './fold.js';
 import { zoomToInterval } from './zoom.js';
-import { isKey, keyBeside, keyFrames, middle, next, nextProblem, step, toFirst, togglePlaying, toKey, toLast } from './moves.js';
+import {
+  isKey, keyBeside, keyFrames, middle, next, nextProblem, step, toFirst, togglePlaying, toKey, toLast,
+} from './moves.js';
 
 /** A square button: icon, what it does, its key. */
 function button(name, words, key, act, { off = false, pressed = null } = {}) {
@@ -27,19 +29,23 @@ function transport() {
   const at = frame();
   const key = isKey(at);
   const end = lastFrame();
+  const play = U.playing ? ['pause', 'Stop'] : ['play', 'Play'];
   return html`
     ${button('first', 'First frame', 'Home', toFirst, { off: at === 0 })}
     ${button('pk', 'Previous keyframe', ',', () => toKey(-1), { off: keyBeside(-1) === undefined })}
     ${button('sb', 'Back one frame', '←', () => step(-1), { off: at === 0 })}
-    ${button(U.playing ? 'pause' : 'play', U.playing ? 'Stop' : 'Play', 'Space', togglePlaying, { off: end === 0 })}
+    ${button(...play, 'Space', togglePlaying, { off: end === 0 })}
     ${button('sf', 'Forward one frame', '→', () => step(1), { off: at === end })}
     ${button('nk', 'Next keyframe', '.', () => toKey(1), { off: keyBeside(1) === undefined })}
     ${button('last', 'Last frame', 'End', toLast, { off: at === end })}
     ${frameBox()}
-    ${button('key', key ? 'Remove keyframe' : 'Add keyframe', 'K', () => send({ do: 'toggle_key' }), { pressed: key })}
+    ${button('key', key ? 'Remove keyframe' : 'Add keyframe', 'K', toggleKey, { pressed: key })}
     ${keyFrames().length > 0 ? button('mid', 'Middle of this interval', '/', middle) : nothing}
     <span class="vsep"></span>`;
 }
+
+const toggleKey = () => send({ do: 'toggle_key' });
+const trackChanged = () => send({ do: 'track', what: 'changed' });
 
 const SUGGESTION_ICONS = { good: 'check', track: 'track', look: 'warn' };
 
@@ -67,7 +73,7 @@ function suggestionButton({ frame: to, kind }) {
     @click=${act}>${label}<kbd>${key}</kbd></button>`;
   if (kind === 'track' && S.job?.state === 'running') return html`<span class="pad"></span>`;
   if (kind === 'track') {
-    return button('Track', 'T', 'Track changed segments', () => send({ do: 'track', what: 'changed' }));
+    return button('Track', 'T', 'Track changed segments', trackChanged);
   }
   if (to === null || to === undefined || to === frame()) return html`<span class="pad"></span>`;
   return button('Go', 'N', `Go to frame ${to}`, next);
@@ -78,12 +84,12 @@ const SIGNS = [['good', 'check'], ['check', 'warn'], ['lost', 'lost']];
 /** How many segments are good, to check and lost; a press goes to the next of them. */
 function counts() {
   const states = (S.segments ?? []).map((segment) => segment.state);
-  const told = SIGNS.map(([state, sign]) => [state, sign, states.filter((s) => s === state).length]);
-  if (told.every(([, , count]) => count === 0)) return nothing;
-  return html`<span class="counts">${told.map(([state, sign, count]) => drawCount(state, sign, count))}</span>`;
+  const told = SIGNS.map(([state, sign]) => [states.filter((s) => s === state).length, state, sign]);
+  if (told.every(([count]) => count === 0)) return nothing;
+  return html`<span class="counts">${told.map((each) => drawCount(...each))}</span>`;
 }
 
-function drawCount(state, sign, count) {
+function drawCount(count, state, sign) {
   if (count === 0) return nothing;
   const inside = html`${icon(sign)}${count}<span class="word"> ${state}</span>`;
   const words = `${count} ${state}`;
@@ -95,12 +101,12 @@ function drawCount(state, sign, count) {
 
 function right() {
   if ((S.segments ?? []).length === 0 || frameCount() < 2) return nothing;
-  const choice = (name, label, title) => html`<button aria-pressed=${String(U.chart === name)} title=${title}
-    @click=${() => put('chart', name)}>${label}</button>`;
+  const choice = (name, label, title) => html`<button title=${title}
+    aria-pressed=${String(U.chart === name)} @click=${() => put('chart', name)}>${label}</button>`;
   const fold = U.lanes ? 'Fold the lanes' : 'Show all lanes';
   return html`<div class="seg" role="group" aria-label="Chart">
       ${choice('angle', 'Angle', 'Angle of the selected part')}
       ${choice('score', 'Score', 'Error per pass of this segment')}</div>
     <span class=${`fold${U.lanes ? '' : ' folded'}`}>${button('chev', fold, 'I', foldLanes)}</span>
-    ${button('grow', 'Zoom to this interval', 'Z', zoomToInterval, { pressed: isZoomed() ? true : null })}`;
+    ${button('grow', 'Zoom to this interval', 'Z', zoomToInterval, { pressed: isZoomed() || null })}`;
 }

@@ -21,7 +21,7 @@ export function drawCurveLabels(row) {
     ${row.h > 34 ? drawAxes(part, top + 15) : nothing}
     ${row.h > 46 && hasError() ? drawErrorLabel(row) : nothing}
     ${ticks.map((value) => svg`<text class="d" x=${GUTTER - 8} y=${at.y(value) + 4}
-      text-anchor="end">${value}</text>`)}`;
+      text-anchor="end">${String(value).replace('-', '−')}</text>`)}`;
 }
 
 /** A number stands beside the name of the part only where the name is short enough. */

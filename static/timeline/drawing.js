@@ -35,7 +35,7 @@ const LAYERS = [
   ['frames', 'lanes', () => [S.view?.selected],
     ({ rows, lanes, scroll }) => drawLanes(rows, lanes, scroll)],
   ['frames', 'segments', () => [S.segments, S.suggest], ({ rows }) => drawSegments(rows)],
-  ['frames', 'chart', () => [isScore(), ...(isScore() ? [segmentAt(frame())] : curveInputs())],
+  ['frames', 'chart', () => [isScore(), ...chartInputs()],
     ({ rows }) => (isScore() ? drawScores(rows.curve) : drawCurve(rows.curve, angleHeld()))],
   ['frames', 'suggestion', () => [suggestedFrame(), S.keys, isScore()],
     ({ rows }) => drawSuggestion(rows, bottomOf(rows))],
@@ -45,14 +45,16 @@ const LAYERS = [
       keyHeld() === frame() ? null : drawCurrent(rows),
       isScore() || angleHeld() !== null ? null : drawCurrentCurveKey(rows.curve),
     ]],
-  ['frames', 'nothing', () => [S.curve, isScore()], ({ rows, empty }) => drawNothingYet(rows, empty, isScore())],
+  ['frames', 'nothing', () => [S.curve, isScore()],
+    ({ rows, empty }) => drawNothingYet(rows, empty, isScore())],
   ['above', 'labels', () => [S.keys], ({ rows }) => [drawClip(), drawKeyLabels(rows)]],
   ['above', 'lane-labels', () => [S.view?.selected],
-    ({ rows, lanes, scroll }) => drawLaneLabels(rows, lanes, scroll, { toggle: toggleGroup, select })],
-  ['above', 'chart-labels', () => [isScore(), ...(isScore() ? [segmentAt(frame())] : curveInputs())],
+    ({ rows, lanes, scroll }) => drawLaneLabels(rows, lanes, scroll, toggleGroup, select)],
+  ['above', 'chart-labels', () => [isScore(), ...chartInputs()],
     ({ rows }) => (isScore() ? drawScoreLabels(rows.curve) : drawCurveLabels(rows.curve))],
   ['above', 'overview', () => [S.segments, S.keys, frame()], () => drawOverview()],
-  ['top', 'head', () => [frame(), S.keys, S.segments, isScore()], ({ rows }) => drawPlayhead(bottomOf(rows))],
+  ['top', 'head', () => [frame(), S.keys, S.segments, isScore()],
+    ({ rows }) => drawPlayhead(bottomOf(rows))],
   ['top', 'held', () => [held(), hovered(), S.segments, S.curve, U.curveAxis],
     ({ rows }) => drawHeld(rows)],
 ];
@@ -60,6 +62,8 @@ const LAYERS = [
 function curveInputs() {
   return [S.curve, S.segments, S.keys, S.body, U.curveAxis, angleHeld()];
 }
+
+const chartInputs = () => (isScore() ? [segmentAt(frame())] : curveInputs());
 
 /** Build the groups, and return each layer as a function that draws it where it changed. */
 export function layersOf(drawing, ground) {

@@ -7,7 +7,8 @@ import { frame, goTo, hold } from './head.js';
 
 export function frameBox() {
   const digits = String(lastFrame()).length;
-  return html`<label class="fbox" title="Type a frame, or +5 and -5">${icon('film', 'width:14px;color:var(--t3)')}
+  return html`<label class="fbox" title="Type a frame, or +5 and -5">
+    ${icon('film', 'width:14px;color:var(--t3)')}
     <input aria-label="Frame" inputmode="numeric" autocomplete="off" spellcheck="false"
       style=${`width:${Math.max(2, digits)}ch`} @focus=${(event) => event.target.select()}
       @keydown=${typed} @blur=${(event) => show(event.target)} />

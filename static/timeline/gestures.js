@@ -1,6 +1,6 @@
 // What the pointer does on the drawing: what is under it, and the gesture that begins there.
 
-import { U } from '../state.js';
+import { S, U } from '../state.js';
 import { GUTTER, isZoomed, pxPerFrame, scrollBy, zoomAt } from './scale.js';
 import { OVERVIEW, RULER } from './rows.js';
 import { BAR, barOf } from './segments.js';
@@ -15,10 +15,10 @@ import { openKeyMenu, openSegmentMenu } from './menus.js';
 import { frame } from './head.js';
 import { hover } from './held.js';
 import { isKey, segmentAt } from './moves.js';
-import { S } from '../state.js';
 
 const CLICK_PX = 3;
 const LONG_PRESS_MS = 500;
+const RIGHT_BUTTON = 2;
 
 let element = null;
 let ground = null;
@@ -26,6 +26,7 @@ let gesture = null;
 let start = null;
 let moved = false;
 let pressTimer = 0;
+let takenBack = false;
 
 /** Listen on the drawing; `ground()` tells its rows, lanes and scroll. */
 export function listenOn(drawing, groundOf, scrollLanes) {
@@ -100,10 +101,8 @@ function begin(what, place) {
 }
 
 function down(event) {
-  if (event.button !== 0) {
-    if (gesture !== null) cancel();
-    return;
-  }
+  takenBack = false;
+  if (event.button !== 0) return;
   document.activeElement?.blur?.();
   const place = placeOf(event);
   const what = under(place);
@@ -124,6 +123,11 @@ function press(what, place) {
 
 function move(event) {
   const place = placeOf(event);
+  if (gesture !== null && event.buttons & RIGHT_BUTTON) {
+    cancel();
+    takenBack = true;
+    return;
+  }
   if (gesture === null) {
     pointAt(under(place));
     return;
@@ -174,7 +178,8 @@ function pointAt(what) {
 
 function menu(event) {
   event.preventDefault();
-  if (gesture !== null) return;
+  // The right button pressed during a drag took it back, and asks for no menu.
+  if (gesture !== null || takenBack) return;
   // From the keyboard the menu belongs to what the playhead stands on.
   const fromKeys = event.target.closest?.('.playhead') && event.button !== 2;
   if (!fromKeys) return openMenuOn(under(placeOf(event)), placeOf(event));

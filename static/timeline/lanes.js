@@ -57,8 +57,10 @@ function areaOf(run, base, h) {
   const from = run[0].x - 1;
   const to = run.at(-1).x + 1;
   const top = (value) => (base - Math.min(1, Math.max(0, value)) * h).toFixed(1);
-  const points = run.map((column) => `L${column.x.toFixed(1)} ${top(column.low)}`).join('');
-  return `M${from.toFixed(1)} ${base}L${from.toFixed(1)} ${top(run[0].low)}${points}L${to.toFixed(1)} ${top(run.at(-1).low)}V${base}Z`;
+  const point = (at, value) => `L${at.toFixed(1)} ${top(value)}`;
+  const points = run.map((column) => point(column.x, column.low)).join('');
+  const ends = [point(from, run[0].low), point(to, run.at(-1).low)];
+  return `M${from.toFixed(1)} ${base}${ends[0]}${points}${ends[1]}V${base}Z`;
 }
 
 /** Stretches below the limit as [from, to] in pixels, a little wider than they are. */
@@ -78,7 +80,7 @@ function hiddenRuns(run) {
 }
 
 /** Names of the lanes; a group's arrow opens its parts. */
-export function drawLaneLabels(rows, lanes, scroll, { toggle, select }) {
+export function drawLaneLabels(rows, lanes, scroll, toggle, select) {
   const label = (lane, i) => {
     const { h, base, y } = laneBox(rows, i, scroll);
     const indent = { weakest: 12, group: 26, part: 38 }[lane.kind];

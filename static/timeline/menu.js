@@ -86,13 +86,16 @@ function keys(event) {
   if (!isOpen()) return;
   const on = host.contains(event.target) ? event.target : null;
   if (event.key === 'Tab' || event.key === 'Escape') close();
-  else if (event.key === 'ArrowDown' || event.key === 'ArrowUp') walk(event.key === 'ArrowDown' ? 1 : -1);
-  else if (event.key === 'Enter' && on?.matches('input')) on.parentElement.querySelector('.btn').click();
+  else if (event.key === 'ArrowDown') walk(1);
+  else if (event.key === 'ArrowUp') walk(-1);
+  else if (event.key === 'Enter' && on?.matches('input')) confirm(on);
   else if ((event.key === 'Enter' || event.key === ' ') && on?.matches('button')) on.click();
   else return;
   event.preventDefault();
   event.stopImmediatePropagation();
 }
+
+const confirm = (input) => input.parentElement.querySelector('.btn').click();
 
 function walk(by) {
   const list = choices();

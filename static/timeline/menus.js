@@ -10,7 +10,8 @@ import { isKey, keyFrames } from './moves.js';
 import { zoomTo } from './zoom.js';
 
 const SIGNS = {
-  good: 'check', check: 'warn', lost: 'lost', outdated: 'old', waiting: 'old', tracking: 'run', none: 'track',
+  good: 'check', check: 'warn', lost: 'lost',
+  outdated: 'old', waiting: 'old', tracking: 'run', none: 'track',
 };
 
 export function openKeyMenu(at, page) {
@@ -20,7 +21,9 @@ export function openKeyMenu(at, page) {
       send({ do: 'duplicate_key', frame: at, to });
       goTo(to);
     }),
-    item('trash', 'Delete keyframe', at === frame() ? 'K' : '', () => send({ do: 'delete_key', frame: at })),
+    item('trash', 'Delete keyframe', at === frame() ? 'K' : '', () => {
+      send({ do: 'delete_key', frame: at });
+    }),
   ], page);
 }
 

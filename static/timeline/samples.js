@@ -7,7 +7,8 @@ import { extent, numbers } from './series.js';
 
 /**
  * The shown part of a series as runs without gaps: [[{x, low, high, frame}, ...], ...].
- * Missing values, and frames outside `first`..`last`, part the runs. `low === high` while frames are wide.
+ * Missing values, and frames outside `first`..`last`, part the runs. While frames are wider than
+ * a pixel, `low` and `high` are the same.
  */
 export function runsOf(list, first = 0, last = Infinity) {
   const values = numbers(list);

@@ -80,6 +80,8 @@ export function drawScoreLabels(row) {
   const segment = segmentAt(frame());
   const which = segment ? `Segment ${segment.first}–${segment.last}` : 'No segment here';
   const second = row.h > 34 ? svg`<text x="12" y=${row.y + 29}>Error per pass</text>` : nothing;
-  const third = row.h > 46 ? svg`<text class="d" x="12" y=${row.y + 44}>lower is better</text>` : nothing;
+  const third = row.h > 46 && toldOf(segment).length > 0
+    ? svg`<text class="d" x="12" y=${row.y + 44}>lower is better</text>`
+    : nothing;
   return svg`<text class="lbl" x="12" y=${row.y + 14}>${which}</text>${second}${third}`;
 }
