@@ -13,20 +13,18 @@ from numpy.typing import NDArray
 
 from tracker.body import Body
 from tracker.geometry import Array
-from tracker.shapes import Box, Shape
+from tracker.shapes import SIDES, Box, Shape
 
 Vertices: TypeAlias = NDArray[np.float32]
 Faces: TypeAlias = NDArray[np.uint32]
 Segments: TypeAlias = NDArray[np.float32]
 """(N, 2, 3) the ends of straight lines."""
 
-SIDES = 32
-"""Flat strips that stand for a round side."""
-
 WIRES = 8
-"""Lines along a round side in the wire picture."""
+"""Lines along a round side. Lines cost most where the browser has no graphics card."""
 
 DASH_M = 0.015
+"""Length of a dash, and of the gap after it."""
 
 LIFT_M = 0.0008
 """Lines lie this far off the surface, so that it does not cover half of them."""
@@ -61,14 +59,12 @@ def rim_lines(shape: Shape) -> Segments:
 
 
 def wire_lines(shape: Shape) -> Segments:
-    """Lines along a round side and around its middle; none on a box."""
+    """Lines along a round side; none on a box."""
     if isinstance(shape, Box):
         return np.zeros((0, 2, 3), dtype=np.float32)
     low, high = _rings(shape, LIFT_M)
     step = SIDES // WIRES
-    middle = (low + high) / 2
-    along = np.stack([low[::step], high[::step]], axis=1)
-    return _single(np.concatenate([along, np.stack([middle, np.roll(middle, -1, 0)], axis=1)]))
+    return _single(np.stack([low[::step], high[::step]], axis=1))
 
 
 @dataclass(frozen=True, eq=False)

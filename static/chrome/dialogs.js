@@ -5,6 +5,14 @@ import { U, put } from '../state.js';
 /** Open or close the sheet of keys. */
 export const toggleSheet = () => put('sheet', !U.sheet);
 
+/** Close the sheets; tells whether one was open, or about to open with the next frame. */
+export function closeSheets() {
+  if (!U.sheet && !U.chooser) return false;
+  put('sheet', false);
+  put('chooser', null);
+  return true;
+}
+
 /** A dialog in #screens; `closed` is called however it was closed. */
 export function dialogIn(id, label, closed) {
   const dialog = document.createElement('dialog');

@@ -61,7 +61,7 @@ function pressed(event) {
 const hasText = (chord) => chord === 'Ctrl C' && !getSelection().isCollapsed;
 
 /** Under an open sheet the page does not change; the key that opened it closes it. */
-const isModal = (chord) => chord !== '?' && document.querySelector('dialog[open]') !== null;
+const isModal = (chord) => chord !== '?' && Boolean(U.sheet || U.chooser);
 
 // Space plays when it is let go, unless a drag has used it to move the picture.
 const held = { used: false };

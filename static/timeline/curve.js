@@ -122,7 +122,7 @@ function between(at) {
   return lines.join('');
 }
 
-export function curveKeys() {
+function curveKeys() {
   return keyFrames().filter((at) => valueAt(at) !== null);
 }
 

@@ -37,7 +37,7 @@ export function roomy(frames) {
 }
 
 /** Diamonds shrink, and ticks get thinner, so that the bars between them are still seen. */
-export function radiusFor(room) {
+function radiusFor(room) {
   return Math.min(RADIUS, Math.max(3.5, room * 0.27));
 }
 

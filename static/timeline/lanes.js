@@ -9,7 +9,7 @@ import { HIDDEN_BELOW } from './lanevalues.js';
 const WORD_PX = 52;
 
 /** Where lane `i` stands: {y, h, base}; `scroll` pixels of lanes are above the first one shown. */
-export function laneBox(rows, i, scroll) {
+function laneBox(rows, i, scroll) {
   const y = rows.lanes.y + i * rows.lanes.each - scroll;
   const h = rows.lanes.each - 3;
   return { y, h, base: y + h };
@@ -21,7 +21,7 @@ export function laneAt(rows, lanes, y, scroll) {
   return lanes[Math.floor((within + scroll) / rows.lanes.each)] ?? null;
 }
 
-export function isSelected(lane) {
+function isSelected(lane) {
   return lane.kind !== 'weakest' && lane.parts.includes(S.view?.selected);
 }
 

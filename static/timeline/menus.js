@@ -1,7 +1,6 @@
 // The two menus of the timeline: of a key, and of a segment with its verdict in a sentence.
 
 import { nothing } from '../vendor/lit-html/lit-html.js';
-import { S } from '../state.js';
 import { send } from '../link.js';
 import { lastFrame } from './scale.js';
 import { frame, goTo } from './head.js';

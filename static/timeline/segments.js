@@ -67,7 +67,7 @@ function share(segment) {
 }
 
 /** The word a segment carries; good needs none. */
-export function wordOf(segment) {
+function wordOf(segment) {
   if (segment.state === 'tracking') return `${Math.round(segment.percent ?? 0)} %`;
   const words = { check: 'Check', lost: 'Lost', outdated: 'Outdated', waiting: 'Waiting' };
   return words[segment.state] ?? '';

@@ -159,7 +159,7 @@ function stopPlaying() {
 
 function tick(now) {
   if (!play) return;
-  const due = dueFrame((now - play.began) / 1000);
+  const due = dueFrame(Math.max(0, now - play.began) / 1000);
   const last = S.file.frames - 1;
   const frame = newestReady(Math.min(due, last));
   if (frame !== null && frame !== play.sent) {

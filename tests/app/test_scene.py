@@ -22,7 +22,7 @@ from tracker.eye import Eye
 from tracker.geometry import Array, exp_rotation, frozen, rotation_from_quaternion, transform
 from tracker.pose import Pose, pose_transforms
 from tracker.raster import BodyMesh, raster
-from tracker.shapes import Box, Cylinder, Frustum
+from tracker.shapes import SIDES, Box, Cylinder, Frustum
 from tracker.sizing import with_height
 from tracker.skeleton import Skeleton
 
@@ -273,7 +273,7 @@ def test_a_box_is_flat_and_a_cylinder_round() -> None:
 
     box, round_one = part_mesh(SHAPES[2]), part_mesh(SHAPES[0])
     assert len(box[0]) == 3 * corner_count(SHAPES[2])
-    assert len(round_one[0]) == 4 * figure.SIDES + 2
+    assert len(round_one[0]) == 4 * SIDES + 2
     assert len(rim_lines(SHAPES[2])) == 12
     assert len(wire_lines(SHAPES[2])) == 0
 

@@ -39,6 +39,15 @@ def until_told(page: Page, path: str, wanted: Callable[[Any], bool], seconds: fl
     return section(page, path)
 
 
+def at_rest(page: Page, path: str) -> Any:
+    """A section's value once nothing that was sent is still on its way."""
+    while True:
+        before = page.evaluate("() => window.keypose.S.ack"), section(page, path)
+        page.wait_for_timeout(300)
+        if before == (page.evaluate("() => window.keypose.S.ack"), section(page, path)):
+            return before[1]
+
+
 def settled(page: Page) -> None:
     """Wait until the page has drawn what it was told."""
     page.evaluate(

@@ -12,6 +12,7 @@ import pytest
 from playwright.sync_api import Page
 
 from tests.browser.hands import (
+    at_rest,
     between,
     drag,
     screen,
@@ -37,13 +38,14 @@ def test_the_whole_job(page: Page, sample: Path, tmp_path: Path) -> None:
 
 
 def _looks_around(page: Page) -> None:
-    until(lambda: page.locator("#main img").first.is_visible(), "the picture")
+    page.wait_for_selector("#main canvas.vid[data-frame='0']")
     screen(page, "01-opened")
-    ruler = page.locator("#time svg").first.bounding_box()
+    ruler = page.locator("#tsvg").bounding_box()
     assert ruler is not None
     y = ruler["y"] + 8
     drag(page, (ruler["x"] + ruler["width"] * 0.3, y), (ruler["x"] + ruler["width"] * 0.6, y))
-    frame = until_told(page, "view.frame", lambda f: f > 5)
+    until_told(page, "view.frame", lambda f: f > 30)
+    frame = at_rest(page, "view.frame")
     screen(page, "02-scrubbed")
     page.keyboard.press("ArrowRight")
     until_told(page, "view.frame", lambda f: f == frame + 1)
