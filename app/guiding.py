@@ -32,7 +32,8 @@ def _dragged(action: do.Drag) -> frozenset[str]:
     kind = action.handle.kind
     if kind == "size":
         return frozenset({"height"})
-    steps = {"hips"} if kind == "root" else {"limbs"}
+    whole = kind == "root" or (kind == "surface" and action.handle.tool == "move")
+    steps = {"hips"} if whole else {"limbs"}
     if action.view in ("top", "side") or action.depth:
         steps.add("depth")
     return frozenset(steps)

@@ -208,6 +208,8 @@ class Store:
         try:
             await self.open(await asyncio.to_thread(find))
         except KeyposeError as error:
+            if action.kind == "upload":  # what cannot be opened need not be kept
+                await asyncio.to_thread(self._library.discard, action.id)
             self.note("lost", str(error))
 
     async def open(self, path: Path) -> None:

@@ -9,6 +9,7 @@ import { mountFrames } from './views/frames.js';
 import { gridLines, scaleBar } from './views/grid.js';
 import { Picture } from './views/iframe.js';
 import { mountLayout } from './views/layout.js';
+import { mountPace, rest } from './views/pace.js';
 import { Window } from './views/windows.js';
 
 export { showFrame, shownFrame } from './views/frames.js';
@@ -44,6 +45,7 @@ export function mount() {
     views.set(made.name, made);
   }
   mountLayout();
+  mountPace();
   mountFrames(view('main').screen, () => view('main').changed());
   watch(['file'], newFile);
   watch(['camera', 'views'], () => views.forEach((each) => each.newEye()));
@@ -63,8 +65,11 @@ class View {
   constructor(el) {
     this.el = el;
     this.name = el.dataset.view;
-    const ready = () => el.classList.add('drawn');
-    this.#picture = new Picture(this.name, (camera) => this.#aim(camera), ready);
+    this.#picture = new Picture(this.name, {
+      aim: (camera) => this.#aim(camera),
+      ready: () => el.classList.add('drawn'),
+      rest: () => (this.isInLargePlace || el.matches(':hover') ? 0 : rest()),
+    });
     el.prepend(this.#paper, this.under, this.#picture.element, this.over, this.#marks);
     new ResizeObserver(() => this.resized()).observe(el);
   }

@@ -4,10 +4,11 @@ import { svg, nothing } from '../vendor/lit-html/lit-html.js';
 import { S, U } from '../state.js';
 import { hold, isHot } from './hold.js';
 import { isLarge, ringRadius } from './scale.js';
-import { add, axesOf, axesOfView, nearestOnPath, pathOf } from './space.js';
+import { add, apart, axesOf, axesOfView, nearestOnPath, pathOf } from './space.js';
 
 const AXES = ['x', 'y', 'z'];
 const STEPS = 72;
+const CLEAR_PX = 18;
 // Where along its front half each ring carries its letter: apart from each other in most poses.
 const LETTER_AT = { x: 0.5, y: 0.85, z: 0.2 };
 
@@ -63,7 +64,10 @@ function frontOf(points) {
 /** Where the ring's letter stands. */
 export function letterAt(ring) {
   const { front } = ring;
-  return front[Math.floor((front.length - 1) * LETTER_AT[ring.axis])] ?? null;
+  const usual = front[Math.floor((front.length - 1) * LETTER_AT[ring.axis])];
+  if (!usual || apart(usual, ring.middle) > CLEAR_PX) return usual ?? null;
+  // Edge-on it would cover the handle in the middle: out to the ring's end.
+  return front.reduce((far, p) => (apart(p, ring.middle) > apart(far, ring.middle) ? p : far));
 }
 
 /** The angle on the ring nearest to a place on the screen. */

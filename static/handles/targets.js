@@ -13,6 +13,7 @@ const REACH = 12;
 const RING_REACH = 7;
 const BORDER_REACH = 6;
 const FINGER = 1.7;
+const SURE = 0.7;
 
 /** Whether there is a body to take hold of, and an eye that sees it. */
 export const isReady = (view) => Boolean(S.file && S.pose && S.body && S.view && S.views && view.eye);
@@ -38,7 +39,9 @@ export function targetAt(view, x, y, touch = false) {
     .map((target) => ({ target, miss: missOf(view, target, x, y) / finger }))
     .filter(({ miss }) => miss <= 1)
     .sort((a, b) => a.miss - b.miss);
-  return found[0]?.target ?? null;
+  // A ring seen edge-on runs through the handle in its middle, which must stay within reach.
+  const point = found.find(({ target, miss }) => target.kind !== 'ring' && miss <= SURE);
+  return (point ?? found[0])?.target ?? null;
 }
 
 /** How far the pointer is from a target, as a share of the target's reach. */

@@ -16,20 +16,23 @@ const SETTLED_MS = 120;
 const NODE = '/camera';
 
 /**
- * Put viser's picture for a role into an element. `aim(camera)` is called before every picture and
- * sets the three.js camera; `ready()` once there is something to see.
+ * viser's picture for a role. `aim(camera)` is called before every picture and sets the three.js
+ * camera; `ready()` once there is something to see; `rest()` tells how many milliseconds to let
+ * pass between two pictures.
  */
 export class Picture {
   #frame = document.createElement('iframe');
   #inside = null;
   #aim;
   #ready;
+  #rest;
   #role;
 
-  constructor(role, aim, ready) {
+  constructor(role, { aim, ready, rest }) {
     this.#role = role;
     this.#aim = aim;
     this.#ready = ready;
+    this.#rest = rest;
     this.#frame.className = 'viser';
     this.#frame.title = '';
     this.#frame.tabIndex = -1;
@@ -108,10 +111,16 @@ export class Picture {
     const invalidate = inside.scene.__r3f?.root?.getState?.().invalidate;
     if (!invalidate) return;
     let settled = 0;
-    inside.requestRender = () => {
+    let drawn = 0;
+    const draw = () => {
+      drawn = performance.now();
       invalidate();
+    };
+    inside.requestRender = () => {
+      const wait = drawn + this.#rest() - performance.now();
+      if (wait <= 0) draw();
       clearTimeout(settled);
-      settled = setTimeout(invalidate, SETTLED_MS);
+      settled = setTimeout(draw, Math.max(wait, SETTLED_MS));
     };
   }
 }

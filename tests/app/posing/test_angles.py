@@ -1,0 +1,159 @@
+"""Angles in fields, joint limits, and the places where angles are not unique."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.posing import (
+    angles_deg,
+    at_limit,
+    clamped,
+    part_label,
+    part_words,
+    with_angles,
+    with_reset,
+)
+from app.posing.angles import rotation_of
+from app.posing.limits import box_of, is_within, nearest_within, of_angles
+from tests.app.posing.posing_cases import ARMS, PERSON, bent, difference, standing, walking
+from tracker.body import PRESETS, preset
+from tracker.geometry import exp_rotation, log_rotation, rotation_from_euler
+from tracker.session.tracks import setup_hash
+from tracker.skeleton import Skeleton
+
+SKELETON = Skeleton.of(PERSON)
+angle = st.floats(-180, 180)
+small = st.floats(-80, 80)
+
+
+@given(angle, st.floats(-89, 89), angle)
+def test_angles_that_are_set_are_shown_and_mean_qz_qy_qx(x: float, y: float, z: float) -> None:
+    skeleton = Skeleton.of(ARMS)
+    pose = with_angles(skeleton, standing(ARMS), "left_arm", x, y, z)
+    i = ARMS.index("left_arm")
+    np.testing.assert_allclose(
+        pose.Rs_parent_part[i], rotation_from_euler(*np.radians([z, y, x])), atol=1e-12
+    )
+    shown = angles_deg(skeleton, pose)[i]
+    np.testing.assert_allclose(np.cos(np.radians(shown - [x, y, z])), 1, atol=1e-9)
+
+
+def test_an_angle_that_is_not_given_stays() -> None:
+    pose = with_angles(SKELETON, walking(), "left_thigh", z=12.0)
+    before, after = (angles_deg(SKELETON, p)[PERSON.index("left_thigh")] for p in (walking(), pose))
+    np.testing.assert_allclose(after, [before[0], before[1], 12.0])
+    others = [i for i in range(len(PERSON.parts)) if i != PERSON.index("left_thigh")]
+    np.testing.assert_array_equal(pose.Rs_parent_part[others], walking().Rs_parent_part[others])
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("start", [(10.0, 20.0, -30.0), (0.0, 0.0, 0.0), (-120.0, 60.0, 100.0)])
+def test_a_full_turn_runs_on_through_every_angle(
+    axis: int, start: tuple[float, float, float]
+) -> None:
+    # twice around; y goes through both quarter turns, where x and z cannot be told apart
+    skeleton, wanted = Skeleton.of(ARMS), np.array(start)
+    pose = standing(ARMS)
+    shown = angles_deg(skeleton, with_angles(skeleton, pose, "left_arm", *wanted))
+    i = ARMS.index("left_arm")
+    shown[i] = wanted
+    for _ in range(720):
+        wanted[axis] += 1.0
+        Rs = pose.Rs_parent_part.copy()
+        Rs[i] = rotation_of(wanted)
+        pose = type(pose)(Rs, pose.p_camera_root)
+        shown = angles_deg(skeleton, pose, shown)
+        np.testing.assert_allclose(shown[i], wanted, atol=1e-6)
+
+
+def test_a_typed_angle_stops_at_the_limit_only_when_limits_are_on() -> None:
+    i = PERSON.index("left_shin")
+    free = with_angles(SKELETON, walking(), "left_shin", x=-40.0)
+    assert angles_deg(SKELETON, free)[i, 0] == pytest.approx(-40)
+    held = with_angles(SKELETON, walking(), "left_shin", x=-40.0, limits_on=True)
+    assert angles_deg(SKELETON, held)[i, 0] == pytest.approx(0)
+    assert at_limit(SKELETON, held) == {"left_shin": ["x"]}
+    assert at_limit(SKELETON, walking()) == {}
+
+
+def test_reset_lays_one_part_to_rest() -> None:
+    pose = with_reset(SKELETON, walking(), "left_thigh")
+    np.testing.assert_array_equal(pose.Rs_parent_part[PERSON.index("left_thigh")], np.eye(3))
+    again = with_angles(SKELETON, pose, "left_thigh", *angles_deg(SKELETON, walking())[10])
+    assert PERSON.names[10] == "left_thigh"
+    assert difference(again, walking()) < 1e-12
+
+
+@pytest.mark.parametrize("part", ["left_upper_arm", "right_thigh", "chest", "left_shin"])
+def test_the_nearest_allowed_rotation_is_nearer_than_any_other(part: str) -> None:
+    box = box_of(PERSON.parts[PERSON.index(part)])
+    assert box is not None
+    rng = np.random.default_rng(4)
+    for R in exp_rotation(rng.normal(0, 1.2, (25, 3))):
+        found = nearest_within(R, box)
+        assert is_within(found, box)
+        if is_within(R, box):
+            np.testing.assert_array_equal(found, R)
+            continue
+        made = np.linalg.norm(log_rotation(R.T @ found))
+        tries = rng.uniform(box[:, 0], box[:, 1], (3000, 3))
+        others = np.stack([of_angles(t) for t in tries])
+        least = np.linalg.norm(log_rotation(R.T @ others), axis=-1).min()
+        assert made <= least + 1e-6
+
+
+def test_a_clamped_pose_keeps_every_limit_and_is_not_clamped_again() -> None:
+    for seed in range(5):
+        held = clamped(SKELETON, bent(PERSON, seed, size=0.9))
+        for R, part in zip(held.Rs_parent_part, PERSON.parts, strict=True):
+            assert is_within(R, box_of(part)), part.name
+        assert difference(clamped(SKELETON, held), held) < 1e-6
+        now = angles_deg(SKELETON, held)
+        for i, part in enumerate(PERSON.parts):
+            for k, name in enumerate("xyz"):
+                low, high = part.limits_deg.get(name, (-math.inf, math.inf))
+                assert low - 1e-3 <= now[i, k] <= high + 1e-3
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_every_joint_of_a_person_has_limits_that_hold_the_rest_pose(name: str) -> None:
+    body = preset(name)
+    for part in body.parts[1:]:
+        assert set(part.limits_deg) == {"x", "y", "z"}, part.name
+        assert all(low <= 0 <= high for low, high in part.limits_deg.values()), part.name
+    assert body.parts[0].limits_deg == {}
+    for left, right in body.mirror_pairs:
+        one, other = (body.parts[body.index(part)].limits_deg for part in (left, right))
+        assert one["x"] == other["x"]
+        for axis in ("y", "z"):
+            assert one[axis] == (-other[axis][1], -other[axis][0])  # type: ignore[index]
+
+
+def test_elbows_and_knees_bend_one_way_only() -> None:
+    limits = {part.name: part.limits_deg for part in PERSON.parts}
+    assert limits["left_forearm"]["x"] == (-150, 0)
+    assert limits["left_shin"]["x"] == (0, 135)
+
+
+def test_words_fit_parts_axes_and_sides() -> None:
+    assert part_label("right_forearm") == "Right forearm"
+    assert part_words(PERSON, "waist") == {"x": "Lean", "y": "Turn", "z": "Tilt"}
+    assert part_words(PERSON, "left_shin") == {"x": "Bend", "y": "Twist", "z": "Side"}
+    assert part_words(PERSON, "left_hand")["z"] == "Bend"
+    assert part_words(ARMS, "left_arm") == {"x": "Bend", "y": "Twist", "z": "Side"}
+
+
+def test_limits_do_not_make_a_tracked_motion_outdated() -> None:
+    from tests.app.posing.posing_cases import SAMPLES
+    from tracker.session.files import load_session
+
+    session = load_session(SAMPLES / "person" / "session.json")
+    bare = [part.model_copy(update={"limits_deg": {}}) for part in session.body.parts]
+    without = session.model_copy(update={"body": session.body.replaced(bare)})
+    assert without.body != session.body
+    assert setup_hash(without) == setup_hash(session)
