@@ -2,31 +2,16 @@
 # Another interpreter:  make run PYTHON=python3.12
 
 PYTHON ?= python3
-SAMPLE = sample_videos/person
-OUT = out/person
+SAMPLE = sample_videos/balance
+OUT = out/balance
 KEYPOSE = .venv/bin/keypose
 
 .PHONY: run test browser check bench clean
 .DEFAULT_GOAL := run
 
-# Track the sample, draw it, export it, and compare it with the known motion.
+# Open the sample in the browser, as a copy that is kept in out/.
 run: .venv/.ready
-	@$(KEYPOSE) track $(SAMPLE)/session.json --out $(OUT) --overwrite
-	@for frame in 12 36 60; do \
-	    $(KEYPOSE) shot $(OUT)/session.json --frame $$frame --view all \
-	        --out $(OUT)/frame$$frame.png --overwrite || exit; \
-	done
-	@$(KEYPOSE) export $(OUT)/session.json --format csv --out $(OUT) --overwrite
-	@$(KEYPOSE) export $(OUT)/session.json --format bvh --out $(OUT) --overwrite
-	@$(KEYPOSE) evaluate $(OUT)/session.json --reference $(SAMPLE)/truth.npz > $(OUT)/errors.txt
-	@echo
-	@grep -E '^(in |along|joint|all)' $(OUT)/errors.txt
-	@echo "(left: tracked; right: interpolated between the same keyframes; every joint: $(OUT)/errors.txt)"
-	@echo
-	@echo "The session with its result  $(OUT)/session.json"
-	@echo "Pictures                     $(OUT)/frame12.png frame36.png frame60.png"
-	@echo "Tables                       $(OUT)/joints.csv angles.csv"
-	@echo "For animation programs       $(OUT)/motion.bvh"
+	@$(KEYPOSE) open $(SAMPLE)/session.json --out $(OUT) --workspace out
 
 test: check browser
 	@.venv/bin/pytest -n 2 --dist loadgroup

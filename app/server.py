@@ -18,6 +18,7 @@ from starlette.routing import Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+import static
 from app.guard import Guard, headers_for
 from app.library import Library
 from app.outputs import Outputs
@@ -30,7 +31,7 @@ from app.tabs import Tab
 from app.viser_compat import PAGE, ROLES
 from tracker.errors import KeyposeError
 
-STATIC = Path(__file__).resolve().parent.parent / "static"
+STATIC = Path(static.__file__).parent
 LARGEST_MESSAGE = 1 << 20
 SECONDS_TO_CLOSE = 2
 

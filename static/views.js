@@ -22,6 +22,7 @@ const METRE_SCALES = [4, 20000];
 /** How far the body reaches beyond its joints. */
 const FLESH_M = 0.1;
 const LARGE_PX = 420;
+const PATIENCE_MS = 1200;
 const USUAL_BOX = [-1.2, -1.2, 1.2, 1.2];
 
 const views = new Map();
@@ -46,11 +47,24 @@ export function mount() {
   }
   mountLayout();
   mountPace();
-  mountFrames(view('main').screen, () => view('main').changed());
+  mountFrames(view('main').screen, () => {
+    view('main').changed();
+    begin();
+  });
+  setTimeout(begin, PATIENCE_MS);
   watch(['file'], newFile);
   watch(['camera', 'views'], () => views.forEach((each) => each.newEye()));
   watch(['pose'], () => views.forEach((each) => each.follow()));
   watch(['u:layout'], () => views.forEach((each) => each.changed()));
+}
+
+let begun = false;
+
+/** viser's pages are large: the first picture of the film goes before them. */
+function begin() {
+  if (begun) return;
+  begun = true;
+  for (const each of views.values()) each.begin();
 }
 
 class View {
@@ -72,6 +86,10 @@ class View {
     });
     el.prepend(this.#paper, this.under, this.#picture.element, this.over, this.#marks);
     new ResizeObserver(() => this.resized()).observe(el);
+  }
+
+  begin() {
+    this.#picture.load();
   }
 
   /** Screen pixels in the view, and the distance along its line of sight. */

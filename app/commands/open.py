@@ -102,7 +102,7 @@ def _serve(
     print(f"Keypose is at {address}", flush=True)
     print("Ctrl+C ends it; everything is saved as you go.", flush=True)
     if not arguments.no_browser:
-        webbrowser.open(address)
+        _show(address)
     server.wait()
     print("Keypose has ended; everything is saved.", flush=True)
     return 0
@@ -112,6 +112,16 @@ def _roots(path: Path | None) -> list[Path]:
     """The folders whose videos the page may list: where one is, and where the opened file lies."""
     beside = [] if path is None else [path.absolute().parent]
     return [Path.cwd(), *(folder for folder in beside if folder != Path.cwd())]
+
+
+def _show(address: str) -> None:
+    """In the person's browser; those that would take over the terminal are left alone."""
+    try:
+        browser = webbrowser.get()
+    except webbrowser.Error:
+        return
+    if type(browser) is not webbrowser.GenericBrowser:
+        browser.open(address)
 
 
 def _demand_own(arguments: argparse.Namespace) -> None:

@@ -66,8 +66,8 @@ export function letterAt(ring) {
   const { front } = ring;
   const usual = front[Math.floor((front.length - 1) * LETTER_AT[ring.axis])];
   if (!usual || apart(usual, ring.middle) > CLEAR_PX) return usual ?? null;
-  // Edge-on it would cover the handle in the middle: out to the ring's end.
-  return front.reduce((far, p) => (apart(p, ring.middle) > apart(far, ring.middle) ? p : far));
+  // Edge-on it would cover the handle in the middle: out to the ring's right end.
+  return front.reduce((far, p) => (p[0] - 0.01 * p[1] > far[0] - 0.01 * far[1] ? p : far));
 }
 
 /** The angle on the ring nearest to a place on the screen. */

@@ -39,7 +39,6 @@ export class Picture {
     this.#frame.inert = true;
     this.#frame.ariaHidden = 'true';
     this.#frame.addEventListener('load', () => this.#wait());
-    this.#load();
   }
 
   get element() {
@@ -58,13 +57,13 @@ export class Picture {
     this.#inside?.syncCanvasSize?.(width, height);
   }
 
-  /** viser learns the sharpness of the screen when it is loaded, so another one loads it anew. */
-  #load() {
+  /** Fetch viser's page. It learns the sharpness of the screen then: another one, another page. */
+  load() {
     const sharpness = Math.min(devicePixelRatio, GREATEST_DPR);
     const settings = `fixedDpr=${sharpness}&darkMode=1&hideViserLogo=1`;
     this.#frame.src = `/view/${this.#role}?${settings}`;
     const screen = matchMedia(`(resolution: ${devicePixelRatio}dppx)`);
-    screen.addEventListener('change', () => this.#load(), { once: true });
+    screen.addEventListener('change', () => this.load(), { once: true });
   }
 
   #wait() {

@@ -184,8 +184,9 @@ def test_a_turn_stops_where_it_meets_a_limit_and_never_leaps_it(
     for k, name in enumerate("xyz"):
         assert limits[name][0] - 1e-3 <= after[k] <= limits[name][1] + 1e-3
     made = posed.readout.angle_rad or 0.0
-    assert abs(made) <= abs(angle) + 1e-9
-    assert made * angle >= 0
+    free = turn_ring(pose, "right_forearm", axis, angle, frame=frame).readout.angle_rad or 0.0
+    assert abs(made) <= abs(free) + 1e-9
+    assert made * free >= 0
 
 
 def test_the_limit_is_reached_to_a_hundredth_of_a_degree_and_can_be_lifted() -> None:

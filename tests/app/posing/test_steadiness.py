@@ -1,0 +1,93 @@
+"""A small move of the pointer is a small move of the body: dense sweeps of every handle."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from app.posing import BodyHandle, drag, handles
+from tests.app.posing.posing_cases import (
+    DOG,
+    PERSON,
+    VIEWS,
+    Floats,
+    as_sent,
+    gesture,
+    points,
+    sights,
+    standing,
+    tumbling,
+    walking,
+)
+from tracker.body import Body
+from tracker.geometry import log_rotation, transpose
+from tracker.pose import Pose, pose_transforms
+from tracker.skeleton import Skeleton
+
+STEP_M, FAR_M = 0.03, 0.6
+CLOSE_M = 2e-5
+"""Pointer positions as near to each other as this must give the same pose but for JUMP."""
+JUMP = math.radians(12)
+
+CASES = [
+    ("standing", PERSON, standing(PERSON)),
+    ("walking", PERSON, walking()),
+    ("tumbling", PERSON, tumbling()),
+    ("dog", DOG, standing(DOG)),
+]
+
+
+@pytest.mark.parametrize("view", VIEWS)
+@pytest.mark.parametrize(("body", "pose"), [case[1:] for case in CASES], ids=[c[0] for c in CASES])
+def test_no_limb_jumps_along_a_drag(body: Body, pose: Pose, view: str) -> None:
+    one_side = [h for h in handles(body) if h.kind != "root" and not h.name.startswith("right")]
+    for limits_on in (True, False):
+        for handle in one_side:
+            for degrees in (15, 100, 190, 280):
+                worst = largest_jump(drawn(body, pose, handle, view, degrees, limits_on))
+                assert worst < JUMP, (handle.name, degrees, limits_on, math.degrees(worst))
+
+
+def drawn(
+    body: Body, pose: Pose, handle: BodyHandle, view: str, degrees: float, limits_on: bool
+) -> Callable[[float], Floats]:
+    """All rotations (P, 3, 3) after a drag of so many metres into one direction."""
+    sight, skeleton = sights()[view], Skeleton.of(body)
+    p = points(body, pose)[handle.anchor]
+    start = sight.project(p)
+    way = np.array([math.cos(math.radians(degrees)), math.sin(math.radians(degrees))])
+    way = way / sight.metres_per_unit(p)
+
+    def at(metres: float) -> Floats:
+        sent = gesture(view, as_sent(handle), start, start + metres * way)
+        posed = drag(body, pose, sent, sights(), limits_on=limits_on)
+        return np.asarray(pose_transforms(skeleton, posed.pose)[:, :3, :3])
+
+    return at
+
+
+def largest_jump(at: Callable[[float], Floats]) -> float:
+    """The largest change, radians, between places CLOSE_M apart: where it changes most, looked at
+    ever closer."""
+    places = np.arange(0, FAR_M, STEP_M)
+    found = [at(place) for place in places]
+    worst = 0.0
+    for k in range(len(places) - 1):
+        (a, b), (A, B) = places[k : k + 2], found[k : k + 2]
+        while b - a > CLOSE_M and apart(A, B) > JUMP:
+            middle = (a + b) / 2
+            M = at(middle)
+            if apart(A, M) > apart(M, B):
+                b, B = middle, M
+            else:
+                a, A = middle, M
+        if b - a <= CLOSE_M:
+            worst = max(worst, apart(A, B))
+    return worst
+
+
+def apart(one: Floats, other: Floats) -> float:
+    return float(np.linalg.norm(log_rotation(transpose(one) @ other), axis=-1).max())
