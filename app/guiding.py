@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from app.editor import actions as do
 from app.outlook import Guide
+from app.posing.gesture import Surface
 
 
 def guide_after(guide: Guide, action: do.Editing) -> Guide:
@@ -32,7 +33,8 @@ def _dragged(action: do.Drag) -> frozenset[str]:
     kind = action.handle.kind
     if kind == "size":
         return frozenset({"height"})
-    whole = kind == "root" or (kind == "surface" and action.handle.tool == "move")
+    handle = action.handle
+    whole = kind == "root" or (isinstance(handle, Surface) and handle.tool == "move")
     steps = {"hips"} if whole else {"limbs"}
     if action.view in ("top", "side") or action.depth:
         steps.add("depth")

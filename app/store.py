@@ -60,6 +60,7 @@ class Store:
         self._saver = Saver(self._on_saved)
         self._runner = Runner(loop, self._on_running)
         self._turn_asked = False
+        self._dragging: Tab | None = None
         self._saving_later: asyncio.TimerHandle | None = None
         self._opening = asyncio.Lock()
         self.frames: Frames | None = None
@@ -85,7 +86,7 @@ class Store:
     def leave(self, tab: Tab) -> None:
         """One tab fewer; the gesture it may have been in the middle of ends as it is."""
         self._tabs.discard(tab)
-        if self._outlook.edit is not None and not self._tabs:
+        if self._outlook.edit is not None and self._dragging is tab:
             self._edit_to(ended(self._outlook.edit))
         self._look(tabs=len(self._tabs))
 
@@ -94,7 +95,10 @@ class Store:
         number = message.get("n", 0) if isinstance(message, dict) else 0
         number = number if isinstance(number, int) and 0 <= number < 2**53 else 0
         try:
-            self.do(actions.ACTIONS.validate_python(_without_number(message)))
+            action = actions.ACTIONS.validate_python(_without_number(message))
+            self.do(action)
+            if getattr(action, "stroke", None) is not None:
+                self._dragging = tab
         except ValidationError as error:
             tab.say({"t": "refused", "n": number, "words": one_sentence(error)})
         except KeyposeError as error:

@@ -44,7 +44,8 @@ class Stroke:
 class EditorState:
     """doc: the session as it stands, results left out.  times_s: (frames,) seconds.
 
-    skeleton always is the layout of doc.body; `opening` is where a body first stands.
+    skeleton always is the layout of doc.body; `opening` is where a body first stands.  over: names
+    of the gestures that ended lately, whose late moves count no more.
     """
 
     doc: Session
@@ -57,6 +58,7 @@ class EditorState:
     selected: str | None = None
     display: Display = field(default_factory=Display)
     stroke: Stroke | None = None
+    over: tuple[str, ...] = ()
     clipboard: Keyframe | None = None
 
     @property

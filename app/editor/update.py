@@ -16,6 +16,9 @@ from app.posing import Readout, part_label
 from tracker.session.schema import Session
 
 
+REMEMBERED_STROKES = 50
+
+
 def update(state: EditorState, action: do.Editing) -> EditorState:
     """The state after an action; KeyposeError, in one sentence, when it cannot be done."""
     if isinstance(action, do.Looking):
@@ -75,7 +78,7 @@ def ended(state: EditorState) -> EditorState:
     stroke = state.stroke
     if stroke is None:
         return state
-    state = replace(state, stroke=None)
+    state = _without_stroke(state, stroke)
     if state.doc is stroke.before:
         return state
     return replace(state, history=state.history.after(stroke.before, stroke.label, stroke.frame))
@@ -84,13 +87,19 @@ def ended(state: EditorState) -> EditorState:
 def cancelled(state: EditorState) -> EditorState:
     """With the gesture under way taken back."""
     stroke = state.stroke
-    return state if stroke is None else replace(state.with_doc(stroke.before), stroke=None)
+    return state if stroke is None else _without_stroke(state.with_doc(stroke.before), stroke)
+
+
+def _without_stroke(state: EditorState, stroke: Stroke) -> EditorState:
+    return replace(state, stroke=None, over=(*state.over, stroke.name)[-REMEMBERED_STROKES:])
 
 
 # --- edits
 
 
 def _edit(state: EditorState, action: Any) -> EditorState:
+    if action.stroke in state.over:
+        return state  # it would be applied a second time, to what it has led to
     if action.stroke is None or not _is_under_way(state, action.stroke):
         state = ended(state)
     before = state if state.stroke is None else state.with_doc(state.stroke.before)

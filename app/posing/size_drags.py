@@ -50,7 +50,8 @@ def _key(standing: Standing, handle: SizeHandle) -> str:
     if handle.key in known:
         return handle.key
     end = "start" if handle.side == "joint" else "end"
-    for key in (f"{end}_{handle.key}", f"{end}_width", handle.key.removeprefix(f"{end}_")):
+    meant = [f"{end}_{handle.key}", *([f"{end}_width"] if handle.key == "radius" else [])]
+    for key in meant:
         if key in known:
             return key
     raise BodyError(

@@ -101,6 +101,19 @@ def test_a_late_end_of_another_stroke_changes_nothing() -> None:
     assert after(state, {"do": "cancel_stroke", "stroke": "t"}) is state
 
 
+def test_late_moves_of_a_gesture_that_ended_count_no_more() -> None:
+    state = after(desk(), {**TURN, "stroke": "s"}, {"do": "end_stroke", "stroke": "s"})
+    assert after(state, {**TURN, "x": -80, "stroke": "s"}) is state
+
+
+def test_of_two_gestures_at_once_the_one_that_began_last_goes_on() -> None:
+    first, second = {**TURN, "stroke": "one"}, {"do": "root", "x": 0.3, "stroke": "two"}
+    state = after(desk(), first, second, {**first, "x": -80}, {**second, "x": 0.4})
+    np.testing.assert_allclose(angles(state, "left_forearm")[0], -40, atol=1e-6)
+    assert shown(state).pose.p_camera_root[0] == pytest.approx(0.4)
+    assert after(state, {"do": "end_stroke", "stroke": "two"}, {"do": "undo"}, {"do": "undo"}).doc
+
+
 def test_a_new_edit_forgets_what_could_be_done_again() -> None:
     state = after(desk(), TURN, {"do": "undo"}, {"do": "root", "x": 0.1})
     with pytest.raises(Refused, match="nothing to redo"):

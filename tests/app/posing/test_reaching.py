@@ -154,7 +154,8 @@ def test_a_hand_out_of_reach_sticks_to_the_sphere_straight_toward_the_pointer() 
     np.testing.assert_allclose(reach.centre, p["left_upper_arm"], atol=1e-12)
     assert np.linalg.norm(p["left_hand"] - reach.centre) == pytest.approx(reach.radius_m)
     centre = sights()["main"].project(reach.centre)
-    assert np.cross(end - centre, seen - centre) == pytest.approx(0, abs=0.02 * 700**2)
+    flat = (np.append(at - centre, 0.0) for at in (end, seen))
+    assert off_axis(*flat) < 0.02
 
 
 @given(st.floats(-0.3, 0.3), st.sampled_from(ENDS))
@@ -162,7 +163,10 @@ def test_depth_moves_a_hand_along_the_line_of_sight(up: float, handle: BodyHandl
     pose = walking()
     posed, _, seen = pull(PERSON, pose, handle, "main", (0.0, -up), depth=True)
     before, after = (points(PERSON, p)[handle.anchor] for p in (pose, posed.pose))
-    if not posed.readout.out_of_reach:
+    reach = posed.readout.reach
+    assert reach is not None
+    goal = before + up * before / np.linalg.norm(before)
+    if np.linalg.norm(goal - reach.centre) < reach.radius_m and not posed.readout.out_of_reach:
         np.testing.assert_allclose(seen, sights()["main"].project(before), atol=1e-6)
         assert np.linalg.norm(after - before) == pytest.approx(abs(up), abs=1e-7)
         assert (after - before)[2] * up >= -1e-9
@@ -189,7 +193,7 @@ def test_a_joint_bent_the_wrong_way_is_brought_to_the_right_side_by_the_drag() -
     for metres in np.linspace(0, 0.1, 41):
         posed, end, seen = pull(PERSON, wrong, handle, "side", (0.0, -metres))
         bends.append(angles_deg(SKELETON, posed.pose)[i, 0])
-        assert np.abs(end - seen).max() < 2e-3
+        assert np.abs(end - seen).max() < 6e-3
     assert bends[0] == pytest.approx(angles_deg(SKELETON, wrong)[i, 0])
     assert bends[-1] < -30
     free, _, _ = pull(PERSON, wrong, handle, "side", (0.0, -0.1), limits_on=False)
@@ -205,12 +209,14 @@ def test_an_elbow_follows_the_pointer_on_the_picture(
     posed, end, seen = pull(PERSON, pose, handle, "main", way)
     if not posed.readout.out_of_reach:
         np.testing.assert_allclose(seen, end, atol=0.5)
-        if np.hypot(*way) > 0.06:  # past where it changes sides
-            np.testing.assert_allclose(seen, end, atol=1e-6)
-    else:
-        assert posed.readout.reach is not None
-        upper = points(PERSON, posed.pose)[handle.limb[0]]
-        np.testing.assert_allclose(posed.readout.reach.centre, upper, atol=1e-12)
+    reach, sight = posed.readout.reach, sights()["main"]
+    assert reach is not None
+    origin, ray = sight.ray(end)
+    beside = np.linalg.norm(np.cross(reach.centre - origin, ray))
+    if beside < reach.radius_m and np.hypot(*way) > 0.06:  # past where it changes sides
+        np.testing.assert_allclose(seen, end, atol=1e-6)
+    if beside > reach.radius_m + 0.003:
+        assert posed.readout.out_of_reach
 
 
 def test_a_hand_stays_where_it_is_while_its_bent_elbow_is_dragged_around() -> None:
@@ -250,7 +256,16 @@ def test_neck_and_chest_take_their_shares_when_the_head_is_dragged(
     if turned[2] > 1e-3:
         assert 0.5 < turned[0] / turned[2] < 0.7
     if view == "main" and not posed.readout.out_of_reach and np.hypot(*way) > 0.06:
-        np.testing.assert_allclose(seen, end, atol=1e-4)
+        np.testing.assert_allclose(seen, end, atol=0.3)  # 2 mm past its outline, or exactly
+        assert np.abs(seen - end).max() < 1e-4 or past_outline(posed.pose, end)
+
+
+def past_outline(after: Pose, end: np.ndarray) -> bool:
+    """Whether the pointer is farther from the lowest joint than the head can be."""
+    p = points(PERSON, after)
+    origin, ray = sights()["main"].ray(end)
+    beside = np.linalg.norm(np.cross(p["chest"] - origin, ray))
+    return bool(beside > np.linalg.norm(p["head_top"] - p["chest"]))
 
 
 def test_the_head_keeps_the_limits_of_neck_and_chest() -> None:
@@ -272,14 +287,13 @@ def test_a_chain_of_many_bones_follows_too(view: str, way: tuple[float, float], 
     pose = bent(CHAIN, seed, 0.35)
     handle = next(h for h in handles(CHAIN) if h.kind == "end")
     posed, end, seen = pull(CHAIN, pose, handle, view, way)
-    if not posed.readout.out_of_reach:
+    reach = posed.readout.reach
+    assert reach is not None
+    goal = sights()[view].at_depth(end, points(CHAIN, pose)[handle.anchor])
+    share = np.linalg.norm(goal - reach.centre) / reach.radius_m
+    if share < 0.999:
         np.testing.assert_allclose(seen, end, atol=1e-5)
-    else:
-        reach = posed.readout.reach
-        assert reach is not None
-        before = points(CHAIN, pose)[handle.anchor]
-        goal = sights()[view].at_depth(end, before)
-        assert np.linalg.norm(goal - reach.centre) > 0.97 * reach.radius_m
+    assert share > 0.999 or not posed.readout.out_of_reach
 
 
 def test_a_straight_chain_can_be_folded() -> None:
@@ -297,7 +311,7 @@ def test_every_handle_of_every_body_can_be_dragged_anywhere(body: Body, pose: Po
             for way_m in ((0.05, 0.02), (-3.0, 1.0), (50.0, 50.0)):
                 posed, _, _ = pull(body, pose, handle, view, way_m)
                 R = posed.pose.Rs_parent_part
-                np.testing.assert_allclose(R @ np.swapaxes(R, 1, 2), np.eye(3)[None] + 0 * R)
+                np.testing.assert_allclose(R @ np.swapaxes(R, 1, 2) - np.eye(3), 0, atol=1e-12)
                 assert np.isfinite(posed.pose.p_camera_root).all()
                 assert posed.body is None
                 assert posed.readout.label
@@ -320,7 +334,9 @@ def test_a_part_pulled_by_its_surface_pulls_the_end_beyond() -> None:
 
 
 def test_the_readout_of_a_hand_says_that_its_depth_is_kept() -> None:
-    readout = pull(PERSON, walking(), handle_named(PERSON, "right_hand"), "main", (0.1, 0))[0].readout
+    readout = pull(PERSON, walking(), handle_named(PERSON, "right_hand"), "main", (0.1, 0))[
+        0
+    ].readout
     assert readout.label == "Right hand"
     assert readout.value.startswith("depth kept ")
     assert readout.depth_m == pytest.approx(points(PERSON, walking())["right_hand"][2])

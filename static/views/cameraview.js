@@ -1,0 +1,53 @@
+// The camera's view: the film, and the body over it.
+
+import { svg } from '../vendor/lit-html/lit-html.js';
+import { S, U } from '../state.js';
+import { cameraEye } from './cameras.js';
+import { View } from './view.js';
+
+const GREATEST_SCALE = 64;
+
+export class CameraView extends View {
+  screen = Object.assign(document.createElement('canvas'), { className: 'vid' });
+
+  constructor(el) {
+    super(el);
+    this.screen.setAttribute('role', 'img');
+    this.screen.ariaLabel = 'Picture of the video';
+    el.prepend(this.screen);
+  }
+
+  newEye() {
+    this.eye = S.camera && cameraEye(S.camera);
+    if (S.camera && !this.window.chosen && !U.dragging) this.showAll();
+    this.resized();
+  }
+
+  follow() {}
+
+  showAll() {
+    if (!S.camera) return;
+    this.window.showBox([-0.5, -0.5, S.camera.width - 0.5, S.camera.height - 0.5]);
+    this.window.limit(Math.min(0.1, this.window.scale / 2), GREATEST_SCALE);
+  }
+
+  draw() {
+    super.draw();
+    if (!S.camera) return;
+    const [x, y] = this.window.fromPlane([-0.5, -0.5]);
+    const across = (this.window.scale * S.camera.width) / this.screen.width;
+    const down = (this.window.scale * S.camera.height) / this.screen.height;
+    this.screen.style.transform = `translate(${x}px,${y}px) scale(${across},${down})`;
+    this.screen.style.imageRendering = across >= 6 ? 'pixelated' : 'auto';
+  }
+
+  paper() {
+    const [x, y] = this.window.fromPlane([-0.5, -0.5]);
+    const [width, height] = [S.camera.width, S.camera.height].map((n) => n * this.window.scale);
+    return svg`<rect class="edge" x=${x} y=${y} width=${width} height=${height} />`;
+  }
+
+  marks() {
+    return this.label('plate');
+  }
+}

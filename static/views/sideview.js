@@ -1,0 +1,81 @@
+// The body from above, from the side or from the front, on squared paper.
+
+import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
+import { S, U } from '../state.js';
+import { parallelEye } from './cameras.js';
+import { gridLines, scaleBar } from './grid.js';
+import { View } from './view.js';
+
+const SCALES = [4, 20000];
+/** How far the body reaches beyond its joints. */
+const FLESH_M = 0.1;
+const USUAL_BOX = [-1.2, -1.2, 1.2, 1.2];
+
+export class SideView extends View {
+  constructor(el) {
+    super(el);
+    this.window.limit(...SCALES);
+  }
+
+  newEye() {
+    const points = S.pose ? Object.values(S.pose.points) : [];
+    this.eye = parallelEye(this.name, S.views, middleOf(points));
+    this.resized();
+  }
+
+  /** Keep the body in sight, but never move under a hand. */
+  follow() {
+    if (!S.pose || U.dragging) return;
+    if (!this.eye) this.newEye();
+    const box = this.bodyBox();
+    if (this.window.chosen ? this.window.touches(box) : this.window.holds(box)) return;
+    this.showAll(this.window.scale); // no nearer than before: a walking body must not pulse
+    this.changed();
+  }
+
+  showAll(greatestScale = Infinity) {
+    const room = this.isLarge ? { x: 72, top: 64, bottom: 64 } : { x: 8, top: 26, bottom: 20 };
+    this.window.showBox(this.bodyBox() ?? USUAL_BOX, room, greatestScale);
+  }
+
+  /** The stretch [left, top, right, bottom] of the plane that the body takes. */
+  bodyBox() {
+    if (!S.pose || !this.eye) return null;
+    const points = Object.values(S.pose.points).map(this.eye.project);
+    const across = points.map((p) => p[0]);
+    const down = points.map((p) => p[1]);
+    return [
+      Math.min(...across) - FLESH_M,
+      Math.min(...down) - FLESH_M,
+      Math.max(...across) + FLESH_M,
+      Math.max(...down) + FLESH_M,
+    ];
+  }
+
+  paper() {
+    return svg`${gridLines(this.window)}${this.cameraSign()}`;
+  }
+
+  /** Where the camera stands, at the border it lies beyond. */
+  cameraSign() {
+    const { width, height } = this.window;
+    if (this.name === 'front') return nothing;
+    const below = `${this.isInLargePlace ? width / 2 : width - 16} ${height - 14}`;
+    const at = this.name === 'top' ? below : `14 ${height / 2}`;
+    const turn = this.name === 'top' ? -90 : 0;
+    return svg`<g class="camera" transform="translate(${at}) rotate(${turn})">
+      <rect x="-5.5" y="-4" width="8" height="8" rx="1.5" />
+      <path d="M2.5-1.5 6.5-4v8L2.500 1.500" /></g>`;
+  }
+
+  marks() {
+    const bar = scaleBar(this.window);
+    return html`${this.label()}
+      <div class="scale"><i style="width:${bar.pixels}px"></i>${bar.words}</div>`;
+  }
+}
+
+function middleOf(points) {
+  const sum = points.reduce((a, p) => [a[0] + p[0], a[1] + p[1], a[2] + p[2]], [0, 0, 0]);
+  return sum.map((total) => total / (points.length || 1));
+}

@@ -1,0 +1,148 @@
+// One view: picture, paper, viser's canvas and room for handles, in one place. It says where a point
+// of the camera frame is on the screen and back; its window can be moved.
+
+import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { icon } from '../icons.js';
+import { U, put } from '../state.js';
+import { aim } from './cameras.js';
+import { Picture } from './iframe.js';
+import { rest } from './pace.js';
+import { Window } from './windows.js';
+
+export const VIEWS = ['main', 'top', 'side', 'front'];
+
+const LABELS = { main: 'Camera', top: 'Top', side: 'Side', front: 'Front' };
+const LARGE_PX = 420;
+
+const listeners = new Set();
+const moved = new Set();
+let asked = false;
+
+/** Call fn(names) once per animation frame after windows, cameras or sizes of these changed. */
+export function onViews(fn) {
+  listeners.add(fn);
+}
+
+export class View {
+  window = new Window();
+  under = layer('under');
+  over = layer('over');
+  eye = null;
+  #paper = layer('paper');
+  #marks = Object.assign(document.createElement('div'), { className: 'marks' });
+  #picture;
+
+  constructor(el) {
+    this.el = el;
+    this.name = el.dataset.view;
+    this.#picture = new Picture(this.name, {
+      aim: (camera) => this.#aim(camera),
+      ready: () => el.classList.add('drawn'),
+      rest: () => (this.isInLargePlace || el.matches(':hover') ? 0 : rest()),
+    });
+    el.prepend(this.#paper, this.under, this.#picture.element, this.over, this.#marks);
+    new ResizeObserver(() => this.resized()).observe(el);
+  }
+
+  begin() {
+    this.#picture.load();
+  }
+
+  /** Screen pixels in the view, and the distance along its line of sight. */
+  project(p) {
+    const [a, b, depth] = this.eye.project(p);
+    return [...this.window.fromPlane([a, b]), depth];
+  }
+
+  toView(screen) {
+    return this.window.toPlane(screen);
+  }
+
+  fromView(at) {
+    return this.window.fromPlane(at);
+  }
+
+  pxPerMetre(p) {
+    return this.eye.unitsPerMetre(p) * this.window.scale;
+  }
+
+  zoomAt(x, y, factor) {
+    this.window.zoomAt(x, y, factor);
+    this.changed();
+  }
+
+  panBy(dx, dy) {
+    this.window.panBy(dx, dy);
+    this.changed();
+  }
+
+  /** Back to the window that shows all there is. */
+  fit() {
+    this.showAll();
+    this.changed();
+  }
+
+  /** Draw anew with the next animation frame. */
+  changed() {
+    this.#picture.redraw(); // asked for now, so that it comes in the same frame as the rest
+    moved.add(this);
+    if (asked) return;
+    asked = true;
+    requestAnimationFrame(drawMoved);
+  }
+
+  resized() {
+    const { clientWidth: width, clientHeight: height } = this.el;
+    if (!width || !height) return;
+    this.window.resize(width, height);
+    if (!this.window.chosen && !U.dragging) this.showAll();
+    if (this.eye) this.#picture.resize(width, height);
+    this.changed();
+  }
+
+  draw() {
+    render(this.eye ? this.paper() : nothing, this.#paper);
+    render(this.marks(), this.#marks);
+  }
+
+  get isLarge() {
+    return this.el.clientHeight >= LARGE_PX;
+  }
+
+  get isInLargePlace() {
+    return this.name === (VIEWS.includes(U.layout) ? U.layout : 'main');
+  }
+
+  label(plate = '') {
+    if (this.isInLargePlace) return nothing;
+    const key = VIEWS.indexOf(this.name) + 1;
+    return html`<div class="lab ${plate}"><kbd>${key}</kbd>${LABELS[this.name]}</div>
+      <button
+        class="ib s exp"
+        title="Enlarge   ${key}"
+        aria-label="Enlarge ${LABELS[this.name]}"
+        @click=${() => put('layout', this.name)}
+      >
+        ${icon('grow')}
+      </button>`;
+  }
+
+  #aim(camera) {
+    if (this.eye) aim(camera, this.eye, this.window);
+  }
+}
+
+function drawMoved() {
+  asked = false;
+  const now = [...moved];
+  moved.clear();
+  for (const each of now) each.draw();
+  const names = now.map((each) => each.name);
+  for (const fn of listeners) fn(names);
+}
+
+function layer(name) {
+  const element = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
+  element.setAttribute('class', name);
+  return element;
+}
