@@ -9,8 +9,8 @@ from concurrent.futures import ThreadPoolExecutor
 import cv2
 import numpy as np
 
-from app.lettering import plate
-from app.palette import Picture
+from app.drawing.lettering import plate
+from app.drawing.palette import Picture
 from tracker.camera import Camera
 from tracker.video import MissingFrame, Video
 

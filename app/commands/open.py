@@ -16,7 +16,7 @@ from app.commands.arguments import Subcommands, add_command, file_name, whole_nu
 from tracker.errors import KeyposeError
 
 if TYPE_CHECKING:
-    from app.server import Server
+    from app.serving.server import Server
 
 PORT = 8090
 _EXAMPLES = """\
@@ -74,7 +74,7 @@ def add(commands: Subcommands) -> None:
 def run(arguments: argparse.Namespace) -> int:
     _demand_own(arguments)
     from app.library import Library
-    from app.server import Server
+    from app.serving.server import Server
 
     path = arguments.path
     if arguments.out is not None:
@@ -154,7 +154,7 @@ def _shown(host: str) -> str:
 
 def _listener(host: str, port: int | None) -> socket.socket:
     """A bound socket: the port asked for, or the usual one, or any when that is taken."""
-    from app.listening import bound
+    from app.serving.listening import bound
 
     if port is not None:
         return bound(host, port)

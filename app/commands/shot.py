@@ -102,7 +102,7 @@ def _content(
     """The PNG file's bytes."""
     from contextlib import nullcontext
 
-    from app.snapshots import Look, png, snapshot
+    from app.drawing.snapshots import Look, png, snapshot
     from tracker.session.files import open_video_of
 
     look = Look(arguments.view, arguments.style, arguments.opacity / 100)

@@ -15,7 +15,6 @@ from app.editor.state import EditorState, Stroke
 from app.posing import Readout, part_label
 from tracker.session.schema import Session
 
-
 REMEMBERED_STROKES = 50
 
 

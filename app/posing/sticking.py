@@ -29,25 +29,34 @@ def within_reach(
     if goal.line is not None:
         found = _on_line(goal.line, goal.p_camera, p_before, centre, radius)
     else:
-        inside = away < nearest_m
-        level = None if inside else in_level(sight, goal, centre, radius, p_before)
+        if away < nearest_m:
+            return _pushed_out(sight, goal, centre, radius)
+        level = in_level(sight, goal, centre, radius, p_before)
         if level is not None:
             return level
-        found = _under_pointer(sight, goal, centre, radius, p_before if inside else goal.p_camera)
+        found = _under_pointer(sight, goal, centre, radius)
     return np.asarray(centre + radius * unit(found - centre))
 
 
-def _under_pointer(
-    sight: Sight, goal: Aim, centre: Array, radius: float, on_side_of: Array
-) -> Array:
-    """(3,) where the line of sight meets the sphere, on the side, near or far, of a point."""
+def _under_pointer(sight: Sight, goal: Aim, centre: Array, radius: float) -> Array:
+    """(3,) where the line of sight meets the sphere, on the side, near or far, of the goal."""
     origin, ray = sight.ray(goal.at)
     foot = origin + float((centre - origin) @ ray) * ray
     gap = length(foot - centre)
     if gap >= radius:
         return np.asarray(foot)
-    sign = math.copysign(1.0, float((on_side_of - centre) @ ray))
+    sign = math.copysign(1.0, float((goal.p_camera - centre) @ ray))
     return np.asarray(foot + sign * math.sqrt(radius**2 - gap**2) * ray)
+
+
+def _pushed_out(sight: Sight, goal: Aim, centre: Array, radius: float) -> Array:
+    """(3,) the goal pushed straight nearer or farther, whichever it is of the centre, until it
+    leaves the sphere around it."""
+    way = goal.p_camera - centre
+    height = float(way @ sight.away)
+    beside = way - height * sight.away
+    depth = math.sqrt(radius**2 - float(beside @ beside))
+    return np.asarray(centre + beside + math.copysign(depth, height) * sight.away)
 
 
 def _on_line(direction: Array, place: Array, before: Array, centre: Array, radius: float) -> Array:

@@ -32,7 +32,7 @@ def view_rotations(up_camera: ArrayLike = CAMERA_UP) -> dict[ViewName, Array]:
     away = across(np.array([0.0, 0.0, 1.0]), down)
     if length(away) < 1e-6:  # the camera looks straight up or down: its own up tells the way
         away = across(np.array([0.0, 1.0 if down[2] < 0 else -1.0, 0.0]), down)
-    away = unit(away)
+    away = unit(across(unit(away), down))  # once more: what is left of a short one is inexact
     right = cross(down, away)
     return {
         "top": frozen([right, -away, down]),

@@ -16,8 +16,8 @@ import pytest
 
 from app.cli import main
 from app.commands import follow
-from app.palette import Picture
-from app.snapshots import _with_plate
+from app.drawing.palette import Picture
+from app.drawing.snapshots import _with_plate
 from tests.tracker import session_cases as cases
 from tracker.session.files import load_session, save_session
 from tracker.session.tracks import load_trajectory, save_result
@@ -180,9 +180,9 @@ def test_a_missing_frame_is_drawn_grey_with_the_body_and_says_so(
         said.append(words)
 
     monkeypatch.setattr(Video, "frame", lost)
-    monkeypatch.setattr("app.lettering.plate", plate)
-    monkeypatch.setattr("app.pictures.plate", plate)
-    monkeypatch.setattr("app.snapshots.plate", plate)
+    monkeypatch.setattr("app.drawing.lettering.plate", plate)
+    monkeypatch.setattr("app.drawing.pictures.plate", plate)
+    monkeypatch.setattr("app.drawing.snapshots.plate", plate)
     out = tmp_path / "a.png"
     command = ["shot", str(tracked_path), "--frame", "3", "--view", view, "--out", str(out)]
     assert main(command) == 0

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from app.guard import Guard, headers_for
+from app.serving.guard import Guard, headers_for
 
 TOKEN = "open-sesame"
 PORT = 8123

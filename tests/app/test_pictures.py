@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app import pictures
-from app.lettering import axes, length_name, round_length, scale_bar, write_name
-from app.palette import GRID, GRID_MIDDLE, PAPER, Picture, side_of
-from app.pictures import Style, contact_sheet, four_views, orthographic, overlay
+from app.drawing import pictures
+from app.drawing.lettering import axes, length_name, round_length, scale_bar, write_name
+from app.drawing.palette import GRID, GRID_MIDDLE, PAPER, Picture, side_of
+from app.drawing.pictures import Style, contact_sheet, four_views, orthographic, overlay
 from tracker.body import Body, Part, load_body
 from tracker.camera import Camera
 from tracker.eye import ViewName

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 import viser._messages as messages
 
-from app import figure
-from app.figure import Outline, part_mesh, rim_lines, trail_lines, wire_lines
-from app.nodes import ROOT, SELECTED
-from app.palette import SIDE_COLOURS
-from app.scene import Scenery, Stage, Trail
-from app.viser_compat import ROLES
+from app.drawing.palette import SIDE_COLOURS
+from app.stage import figure
+from app.stage.figure import Outline, part_mesh, rim_lines, trail_lines, wire_lines
+from app.stage.nodes import ROOT, SELECTED
+from app.stage.scene import Scenery, Stage, Trail
+from app.stage.viser_compat import ROLES
 from tracker.body import Body, preset
 from tracker.eye import Eye
 from tracker.geometry import Array, exp_rotation, frozen, rotation_from_quaternion, transform

@@ -17,7 +17,7 @@ import websockets.asyncio.server
 import zstandard
 from starlette.websockets import WebSocket
 
-from app.viser_compat import PAGE, ROLES, SUBPROTOCOL, VERSION, Portless, Role, hide_from
+from app.stage.viser_compat import PAGE, ROLES, SUBPROTOCOL, VERSION, Portless, Role, hide_from
 
 
 @pytest.fixture

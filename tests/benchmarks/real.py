@@ -9,7 +9,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from app.pictures import contact_sheet, overlay
+from app.drawing.pictures import contact_sheet, overlay
 from tests.benchmarks.keeping import ROOT, Absent
 from tests.benchmarks.marked import Person, load_person, load_walk
 from tests.benchmarks.table import Expected, Pair, Report, Table

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.shading import smooth_normal_maps
+from app.drawing.shading import smooth_normal_maps
 from tests.rendering.outfit import part_colours
 from tests.rendering.settings import Occluder, RenderSettings
 from tests.rendering.shade import shade

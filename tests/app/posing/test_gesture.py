@@ -6,6 +6,7 @@ import math
 import time
 from typing import Any
 
+import numpy as np
 import pytest
 from pydantic import ValidationError
 
@@ -96,7 +97,7 @@ def test_a_move_of_the_pointer_is_answered_in_two_milliseconds() -> None:
     calls: dict[str, Any] = {}
     for handle in handles(PERSON):
         start = views["main"].project(p[handle.anchor])
-        sent = gesture("main", as_sent(handle), start, start + [30, -20])
+        sent = gesture("main", as_sent(handle), start, start + np.array([30, -20]))
         calls[handle.name] = lambda sent=sent: drag(PERSON, pose, sent, views)
     for axis in "xyz":
         ring = {"kind": "ring", "part": "left_upper_arm", "axis": axis}

@@ -300,7 +300,7 @@ def test_a_straight_chain_can_be_folded() -> None:
     pose = standing(CHAIN)
     handle = next(h for h in handles(CHAIN) if h.kind == "end")
     for metres in (0.001, 0.02, 0.1, 0.2):
-        posed, end, seen = pull(CHAIN, pose, handle, "side", (0.0, -metres))
+        _, end, seen = pull(CHAIN, pose, handle, "side", (0.0, -metres))
         np.testing.assert_allclose(seen, end, atol=1e-5)
 
 

@@ -142,14 +142,14 @@ def test_a_ring_seen_from_its_edge_follows_its_near_side() -> None:
     centre = points(PERSON, pose)["waist"]
     start = sight.project(centre)
     for metres in (0.05, -0.3, 0.4):
-        end = start + [metres / sight.metres_per_unit(centre), 0]
+        end = start + np.array([metres / sight.metres_per_unit(centre), 0])
         sent = gesture("main", {"kind": "ring", "part": "waist", "axis": "y"}, start, end)
         posed = drag(PERSON, pose, sent, sights(TELEPHOTO))
         turned = made_turn(pose, posed.pose, "waist")
         near_side = exp_rotation(turned * 1e-3) @ [0.0, 0.0, -1.0]
         assert np.sign(near_side[0]) == np.sign(metres)
         assert posed.readout.angle_rad == pytest.approx(-metres / 0.15)
-        across = start + [0, metres / sight.metres_per_unit(centre)]
+        across = start + np.array([0, metres / sight.metres_per_unit(centre)])
         sent = gesture("main", {"kind": "ring", "part": "waist", "axis": "y"}, start, across)
         assert drag(PERSON, pose, sent, sights(TELEPHOTO)).readout.angle_rad == pytest.approx(0)
 
@@ -225,7 +225,7 @@ def test_the_readout_names_the_angle_and_how_much_it_changed() -> None:
 def test_a_part_taken_by_its_surface_turns_as_the_pointer_goes_round_its_joint() -> None:
     pose, sight = walking(), sights(TELEPHOTO)["main"]
     joint = sight.project(points(PERSON, pose)["left_upper_arm"])
-    start, end = joint + [40, 0], joint + [0, 40]
+    start, end = joint + np.array([40, 0]), joint + np.array([0, 40])
     sent = gesture("main", {"kind": "surface", "part": "left_upper_arm"}, start, end)
     posed = drag(PERSON, pose, sent, sights(TELEPHOTO), limits_on=False)
     np.testing.assert_allclose(

@@ -11,9 +11,9 @@ from app.editor.sights import up_of
 from app.editor.state import EditorState
 from app.posing import view_rotations
 from app.sameness import same
-from app.scene import Scenery, Trail
 from app.sections import trail_of
-from app.viser_compat import Role
+from app.stage.scene import Scenery, Trail
+from app.stage.viser_compat import Role
 from tracker.geometry import Array
 from tracker.pose import pose_transforms
 

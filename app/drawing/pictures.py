@@ -11,10 +11,19 @@ from typing import Literal, TypeAlias
 import cv2
 import numpy as np
 
-from app.lettering import axes, plate, round_length, scale_bar, write_name
-from app.palette import GAP, GRID, GRID_MIDDLE, PAPER, Canvas, Picture, part_colours, part_sides
-from app.shading import paint_solid, part_borders, shaded
-from app.strokes import body_lines, paint_dots, paint_lines
+from app.drawing.lettering import axes, plate, round_length, scale_bar, write_name
+from app.drawing.palette import (
+    GAP,
+    GRID,
+    GRID_MIDDLE,
+    PAPER,
+    Canvas,
+    Picture,
+    part_colours,
+    part_sides,
+)
+from app.drawing.shading import paint_solid, part_borders, shaded
+from app.drawing.strokes import body_lines, paint_dots, paint_lines
 from tracker.camera import Camera
 from tracker.eye import Eye, ViewName
 from tracker.geometry import Array, apply_transform

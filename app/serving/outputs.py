@@ -11,14 +11,14 @@ from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
+from app.drawing.snapshots import Look, View, png, snapshot
 from app.editor.actions import Message, Spot
 from app.editor.shown import shown
 from app.editor.sights import sights
 from app.editor.state import EditorState
-from app.guard import headers_for
 from app.motion_files import MotionFormat, motion_archive
 from app.posing import outline, parts_at
-from app.snapshots import Look, View, png, snapshot
+from app.serving.guard import headers_for
 from app.store import Store
 from tracker.errors import KeyposeError
 from tracker.settings import FrameIndex

@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from app.palette import INK, Canvas
+from app.drawing.palette import INK, Canvas
 from tracker.eye import Eye
 from tracker.geometry import Array
 from tracker.raster import BodyMesh, Raster

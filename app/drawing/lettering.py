@@ -6,7 +6,7 @@ import math
 
 import cv2
 
-from app.palette import AXIS_COLOURS, TEXT, Colour, Picture
+from app.drawing.palette import AXIS_COLOURS, TEXT, Colour, Picture
 
 FONT = cv2.FONT_HERSHEY_SIMPLEX
 LETTER_PX = 22.0

@@ -14,8 +14,9 @@ import numpy as np
 from starlette.websockets import WebSocket
 from viser import ClientHandle, LineSegmentsHandle
 
-from app.figure import Outline, Segments, rim_lines, trail_lines
-from app.nodes import (
+from app.drawing.palette import SIDE_COLOURS, WHITE, Colour, part_sides
+from app.stage.figure import Outline, Segments, rim_lines, trail_lines
+from app.stage.nodes import (
     GHOST_PX,
     HELD_LINE_PX,
     LINE_PX,
@@ -29,8 +30,7 @@ from app.nodes import (
     dark,
     light,
 )
-from app.palette import SIDE_COLOURS, WHITE, Colour, part_sides
-from app.viser_compat import ROLES, Portless, Role, hide_from
+from app.stage.viser_compat import ROLES, Portless, Role, hide_from
 from tracker.body import Body
 from tracker.geometry import Array, apply_transform, quaternion_wxyz
 

@@ -8,8 +8,8 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
-from app.guard import headers_for
 from app.library import Library, Upload
+from app.serving.guard import headers_for
 from tracker.errors import KeyposeError
 
 ENOUGH = {"private": "private, max-age=86400", "none": "no-store"}

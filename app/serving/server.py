@@ -19,16 +19,16 @@ from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 import static
-from app.guard import Guard, headers_for
 from app.library import Library
-from app.outputs import Outputs
-from app.scene import Stage
-from app.scenery import SceneryMaker
 from app.sections import image_version
-from app.shelf import Shelf
+from app.serving.guard import Guard, headers_for
+from app.serving.outputs import Outputs
+from app.serving.shelf import Shelf
+from app.stage.scene import Stage
+from app.stage.scenery import SceneryMaker
+from app.stage.viser_compat import PAGE, ROLES
 from app.store import Store
 from app.tabs import Tab
-from app.viser_compat import PAGE, ROLES
 from tracker.errors import KeyposeError
 
 STATIC = Path(static.__file__).parent

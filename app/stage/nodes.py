@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from viser import FrameHandle, LineSegmentsHandle, MeshHandle, SceneApi
 
-from app.figure import Segments, part_mesh, rim_lines, wire_lines
-from app.palette import WHITE, Colour
+from app.drawing.palette import WHITE, Colour
+from app.stage.figure import Segments, part_mesh, rim_lines, wire_lines
 from tracker.geometry import Array
 from tracker.shapes import Shape
 

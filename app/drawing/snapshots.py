@@ -8,9 +8,9 @@ from typing import Literal, TypeAlias
 import cv2
 import numpy as np
 
-from app.lettering import plate, written_width
-from app.palette import Picture
-from app.pictures import OPACITY, Style, four_views, orthographic, overlay
+from app.drawing.lettering import plate, written_width
+from app.drawing.palette import Picture
+from app.drawing.pictures import OPACITY, Style, four_views, orthographic, overlay
 from app.posing import view_rotations
 from tracker.errors import FormatError
 from tracker.pose import Pose

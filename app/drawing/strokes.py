@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.palette import INK, SIDE_COLOURS, WHITE, Canvas, Colour, Side
-from app.shading import CREASE_COSINE, Mask, face_normals
+from app.drawing.palette import INK, SIDE_COLOURS, WHITE, Canvas, Colour, Side
+from app.drawing.shading import CREASE_COSINE, Mask, face_normals
 from tracker.eye import Eye
 from tracker.geometry import Array
 from tracker.raster import BodyMesh, Raster

@@ -1,0 +1,1 @@
+"""Pictures of a posed body, without a window."""

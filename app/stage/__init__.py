@@ -1,0 +1,1 @@
+"""What the four views of the page show, drawn by viser."""
