@@ -13,6 +13,8 @@ const RENDERED_FRAMES = 3;
 const GREATEST_DPR = 2;
 const POLL_MS = 30;
 const SETTLED_MS = 120;
+/** viser draws once a second even when nothing happens: not after so long. */
+const AWAKE_MS = 5000;
 const NODE = '/camera';
 
 /**
@@ -54,6 +56,7 @@ export class Picture {
   resize(width, height) {
     this.#frame.style.width = `${width}px`;
     this.#frame.style.height = `${height}px`;
+    this.redraw(); // else a canvas at rest would stay as empty as its new size makes it
     this.#inside?.syncCanvasSize?.(width, height);
   }
 
@@ -107,15 +110,19 @@ export class Picture {
 
   /** One picture per wish and one after it has settled; viser would draw on for 15 frames. */
   #calm(inside) {
-    const invalidate = inside.scene.__r3f?.root?.getState?.().invalidate;
+    const { invalidate, gl } = inside.scene.__r3f?.root?.getState?.() ?? {};
     if (!invalidate) return;
     let settled = 0;
     let drawn = 0;
+    let wished = performance.now();
+    const render = gl.render.bind(gl);
+    gl.render = (...what) => performance.now() - wished < AWAKE_MS && render(...what);
     const draw = () => {
       drawn = performance.now();
       invalidate();
     };
     inside.requestRender = () => {
+      wished = performance.now();
       const wait = drawn + this.#rest() - performance.now();
       if (wait <= 0) draw();
       clearTimeout(settled);

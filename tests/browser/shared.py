@@ -1,0 +1,120 @@
+"""A server and its page for all tests of a module, each of which begins where the first did."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from playwright.sync_api import Browser, BrowserContext, Page
+
+from tests.app.serving import ROOT, Keypose, Visitor
+from tests.browser.hands import section, settled, until
+
+SECONDS_TO_START = 60
+SIZE = (1280, 720)
+
+
+@contextmanager
+def served(folder: Path) -> Iterator[tuple[Keypose, Path]]:
+    """A server of the person sample, and the session's file. It must end without a stumble."""
+    place = folder / "person"
+    place.mkdir()
+    for name in ("person.mp4", "session.json"):
+        shutil.copy(ROOT / "sample_videos" / "person" / name, place)
+    session = place / "session.json"
+    keypose = Keypose(str(session), "--workspace", str(folder / "workspace"))
+    try:
+        yield keypose, session
+    finally:
+        code, words = keypose.end()
+    assert code == 0, words
+    assert "Traceback" not in words, words
+
+
+@contextmanager
+def let_in(
+    browser: Browser, *, drawn: bool, size: tuple[int, int] = SIZE, **more: Any
+) -> Iterator[BrowserContext]:
+    """A browser of its own, in which no script may fail. Its pages can do without viser's pictures,
+    which software draws slowly."""
+    viewport = {"width": size[0], "height": size[1]}
+    context = browser.new_context(viewport=viewport, **more)  # type: ignore[arg-type]
+    complaints: list[str] = []
+    context.on("weberror", lambda error: complaints.append(str(error.error)))
+    if not drawn:
+        empty = "<!doctype html><title>no picture</title>"
+        context.route("**/view/*", lambda route: route.fulfill(body=empty))
+    yield context
+    context.close()
+    assert not complaints, complaints
+
+
+def opened(context: BrowserContext, keypose: Keypose) -> Page:
+    """One more tab with the page, ready for use."""
+    page = context.new_page()
+    page.goto(keypose.address)
+    page.wait_for_selector(
+        "html[data-ready]", state="attached", timeout=SECONDS_TO_START * 1000
+    )
+    page.wait_for_selector("#main canvas.vid[data-frame]")
+    return page
+
+
+@dataclass
+class Desk:
+    """The page; what the server says of itself to another visitor; the session on disk."""
+
+    page: Page
+    visitor: Visitor
+    keypose: Keypose
+    session: Path
+
+    @property
+    def served(self) -> dict[str, Any]:
+        """The newest of every section, as the server tells it to others."""
+        self.visitor.do(do="end_stroke", stroke="-")  # whatever was told before has come now
+        return self.visitor.seen
+
+    def agreed(self, name: str) -> Any:
+        """A section once page and server say the same."""
+        until(lambda: section(self.page, name) == self.served[name], name)
+        return section(self.page, name)
+
+    def fresh(self) -> None:
+        """Everything as it was when the server began, the page with its usual tool and windows."""
+        page, visitor = self.page, self.visitor
+        page.mouse.up()
+        page.keyboard.press("Escape")
+        while self.served["undo"]["undo"] is not None:
+            visitor.do(do="undo")
+        visitor.do(do="go", frame=0)
+        visitor.do(do="select", part=None)
+        visitor.do(do="display", mode="both", opacity=0.5, ghosts=False, trail=False)
+        for switch in ("limits", "link"):
+            visitor.do(do=switch, on=True)
+        visitor.do(do="axes", frame="part")
+        page.keyboard.press("v")
+        if (layout := page.evaluate("() => window.keypose.U.layout")) != "main":
+            page.keyboard.press(str(1 + ["main", "top", "side", "front", "quad"].index(layout)))
+        page.evaluate(
+            "() => ['main', 'top', 'side', 'front'].forEach((n) => window.keypose.view(n).fit())"
+        )
+        for name in ("pose", "view", "keys", "body", "masks", "undo"):
+            self.agreed(name)
+        page.mouse.move(2, 2)
+        settled(page)
+
+
+@contextmanager
+def desk(
+    browser: Browser, folder: Path, *, drawn: bool = False, size: tuple[int, int] = SIZE
+) -> Iterator[Desk]:
+    """A page to work at, with everything that belongs to it."""
+    with served(folder) as (keypose, session), let_in(browser, drawn=drawn, size=size) as context:
+        visitor = Visitor(keypose)
+        yield Desk(opened(context, keypose), visitor, keypose, session)
+        visitor.leave()
