@@ -11,7 +11,6 @@ ARGUMENTS = (
     "--enable-unsafe-swiftshader",
     "--no-sandbox",
     "--disable-background-networking",
-    "--host-resolver-rules=MAP attacker.test 127.0.0.1",  # a name that leads here, and is not ours
 )
 
 

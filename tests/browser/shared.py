@@ -98,8 +98,8 @@ class Desk:
             visitor.do(do=switch, on=True)
         visitor.do(do="axes", frame="part")
         page.keyboard.press("v")
-        if (layout := page.evaluate("() => window.keypose.U.layout")) != "main":
-            page.keyboard.press(str(1 + ["main", "top", "side", "front", "quad"].index(layout)))
+        if page.evaluate("() => window.keypose.U.layout") != "main":
+            page.keyboard.press("1")
         page.evaluate(
             "() => ['main', 'top', 'side', 'front'].forEach((n) => window.keypose.view(n).fit())"
         )
