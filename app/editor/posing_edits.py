@@ -11,7 +11,6 @@ from app.editor.shown import find, shown
 from app.editor.sights import sights
 from app.editor.state import EditorState
 from app.posing import Posed, Readout, angles_deg, drag, mirrored, with_angles, with_reset
-from tracker.geometry import Array
 from tracker.pose import Pose
 from tracker.session.schema import Keyframe, Session
 
@@ -115,11 +114,6 @@ def angles_at(state: EditorState, pose: Pose) -> dict[str, list[float]]:
     """Every part's [x, y, z] in degrees."""
     values = angles_deg(state.skeleton, pose).round(3).tolist()
     return dict(zip(state.doc.body.names, values, strict=True))
-
-
-def posed_angles(state: EditorState, keyframe: Keyframe) -> Array:
-    """(P, 3) a keyframe's angles x, y, z in degrees."""
-    return angles_deg(state.skeleton, keyframe.pose(state.skeleton))
 
 
 def _fitting(state: EditorState, copied: Keyframe) -> Keyframe:

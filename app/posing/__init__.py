@@ -5,7 +5,14 @@ metres; view coordinates are those of `Sight`. Nothing here keeps anything: a ge
 applied to the pose before it began.
 """
 
-from app.posing.angles import angles_deg, at_limit, clamped, with_angles, with_reset
+from app.posing.angles import (
+    angles_deg,
+    at_limit,
+    clamped,
+    part_angles_deg,
+    with_angles,
+    with_reset,
+)
 from app.posing.dragging import drag
 from app.posing.gesture import Gesture, Posed, Reach, Readout
 from app.posing.handles import BodyHandle, handle_named, handles, lanes
@@ -36,6 +43,7 @@ __all__ = [
     "mirrored",
     "opening_pose",
     "outline",
+    "part_angles_deg",
     "part_label",
     "part_sizes",
     "part_words",

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from app.posing.limits import SLACK, TURN, beyond, box_of, fitting, nearest_within, triples
+from tracker.body import Part
 from tracker.geometry import Array, rotation_from_euler
 from tracker.pose import Pose
 from tracker.skeleton import Skeleton
@@ -21,18 +22,45 @@ def angles_deg(skeleton: Skeleton, pose: Pose, previous_deg: Array | None = None
 
     Two triples give the same rotation. With the angles shown before, (P, 3), the nearer is taken,
     so that a field runs on through 180° and through the place where y is a quarter turn. Without,
-    the one that keeps the part's limits, else the one with y within ±90.
+    it is that of `part_angles_deg`.
     """
     if previous_deg is not None:
         before = np.radians(previous_deg)
         pairs = zip(pose.Rs_parent_part, before, strict=True)
         return np.degrees([continued(R, angles) for R, angles in pairs])
-    plain = triples(pose.Rs_parent_part)[:, 0]
+    both = triples(pose.Rs_parent_part)
+    plain = both[:, 0]
+    plain[0] = _more_upright(both[0])
     for i, part in enumerate(skeleton.body.parts):
         box = box_of(part)
         if box is not None and beyond(plain[i], box) > SLACK:
             plain[i] = fitting(pose.Rs_parent_part[i], box)
     return np.degrees(plain) + 0.0
+
+
+def part_angles_deg(part: Part, Rs_parent_part: Array) -> Array:
+    """One part's [x, y, z] (N, 3) in degrees, of N rotations (N, 3, 3).
+
+    Of the two triples: the one that keeps the part's limits, else the one with y within ±90. The
+    root has no limits; a person who has turned round is told by y, not by lean and tilt.
+    """
+    both, box = triples(Rs_parent_part), box_of(part)
+    if part.parent is None:
+        return np.degrees(_more_upright(both)) + 0.0
+    plain = both[:, 0]
+    if box is not None:
+        boxed = triples(Rs_parent_part, box)
+        out = beyond(boxed, box)
+        inner = np.where((out[:, 1] < out[:, 0] - SLACK)[:, None], boxed[:, 1], boxed[:, 0])
+        plain = np.where((beyond(plain, box) > SLACK)[:, None], inner, plain)
+    return np.degrees(plain) + 0.0
+
+
+def _more_upright(both: Array) -> Array:
+    """Of two triples (..., 2, 3) the one with less lean and tilt (..., 3)."""
+    aside = np.abs(both[..., 0]) + np.abs(both[..., 2])
+    second = aside[..., 1] < aside[..., 0] - SLACK
+    return np.where(second[..., None], both[..., 1, :], both[..., 0, :])
 
 
 def continued(rotation: Array, before_rad: Array) -> Array:

@@ -15,6 +15,8 @@ from app.posing.two_bones import Reached, TwoBones
 from app.posing.vectors import across, length, unit
 from tracker.geometry import Array
 
+LEVEL_M = 0.005
+"""A handle that is no nearer and no farther than this has kept its depth."""
 MISSED_M = 0.002
 """A handle this far from where it was dragged is called out of reach."""
 
@@ -79,11 +81,12 @@ def _swung(
 def _readout(
     sight: Sight, goal: Aim, handle: BodyHandle, found: Reached, before: Array, after: Array
 ) -> Readout:
-    kept = handle.kind == "end" and goal.line is None and sight.camera is not None
+    level = abs(float(after[2] - before[2])) < LEVEL_M
+    kept = handle.kind == "end" and goal.line is None and sight.camera is not None and level
     return Readout(
         label=handle.label,
         value=depth_text(after, kept),
-        change=distance_text(after - before, goal.line),
+        change="" if goal.line is None else distance_text(after - before, goal.line),
         part=handle.part,
         reach=Reach(found.centre, found.radius_m),
         out_of_reach=_missed(sight, goal, found, after) > MISSED_M,

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from app.results.collection import Results, State
 from app.results.disk import load_results, save_results, tidy_tracks
-from app.results.frames import Fitting, angles_deg, listed, observability, pose_at, residual
+from app.results.frames import Fitting, listed, observability, pose_at, residual, rotations
 from app.results.keys import Span, segment_key, segment_keys
 from app.results.track import SegmentTrack
 from app.results.words import Finding, Kind, frames_in_words
@@ -21,13 +21,13 @@ __all__ = [
     "SegmentTrack",
     "Span",
     "State",
-    "angles_deg",
     "frames_in_words",
     "listed",
     "load_results",
     "observability",
     "pose_at",
     "residual",
+    "rotations",
     "save_results",
     "segment_key",
     "segment_keys",

@@ -6,15 +6,14 @@ ready for JSON.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.results.keys import Span
 from app.results.track import SegmentTrack
-from tracker.geometry import Array, euler_from_rotation
+from tracker.geometry import Array
 from tracker.pose import Pose
 
 Fitting: TypeAlias = Mapping[Span, SegmentTrack]
@@ -38,17 +37,11 @@ def residual(fitting: Fitting, frame_count: int, part_count: int) -> Array:
     return _by_frame(fitting, (frame_count, part_count), lambda track: track.residual)
 
 
-def angles_deg(fitting: Fitting, frame_count: int, part: int) -> Array:
-    """(F, 3) a part's angles about x, y, z in its parent's frame, degrees.
-
-    Without jumps of a full turn between neighbouring frames.
-    """
-    table = np.full((frame_count, 3), np.nan)
+def rotations(fitting: Fitting, frame_count: int, part: int) -> Array:
+    """(F, 3, 3) a part's rotation in its parent's frame."""
+    table = np.full((frame_count, 3, 3), np.nan)
     for (first, last), track in fitting.items():
-        zyx = euler_from_rotation(track.trajectory.Rs_parent_part[:, part])
-        table[first : last + 1] = np.degrees(zyx[:, ::-1])
-    for run in _runs(np.isfinite(table[:, 0])):
-        table[run] = np.unwrap(table[run], period=360.0, axis=0)
+        table[first : last + 1] = track.trajectory.Rs_parent_part[:, part]
     return table
 
 
@@ -76,10 +69,3 @@ def _by_frame(
             total[frames] += np.where(known, steps, 0.0)
             count[frames] += known
     return np.where(count > 0, total / np.maximum(count, 1), np.nan)
-
-
-def _runs(flags: NDArray[np.bool_]) -> Iterator[slice]:
-    """Every run of True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
-    for start, stop in zip(edges[::2], edges[1::2], strict=True):
-        yield slice(int(start), int(stop))

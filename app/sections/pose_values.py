@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from typing import Any
 
-from app.editor.posing_edits import angles_at, posed_angles
+import numpy as np
+
+from app.editor.posing_edits import angles_at
 from app.editor.shown import shown
 from app.editor.state import EditorState
 from app.outlook import Outlook
-from app.posing import at_limit
-from app.results import angles_deg, listed, residual
+from app.posing import at_limit, part_angles_deg
+from app.results import listed, residual, rotations
 from app.sections.json_value import Json, doc_of
+from tracker.geometry import Array
 from tracker.pose import joint_names, joint_positions, pose_transforms
 
 TRAIL_REACH = 30
@@ -77,12 +80,23 @@ def curve(outlook: Outlook) -> Json:
     if edit is None or edit.selected is None:
         return None
     index, frames = edit.doc.body.index(edit.selected), edit.frame_count
-    angles = angles_deg(edit.fitting, frames, index)
-    for posed in (*edit.doc.keyframes, *edit.doc.drafts):
-        angles[posed.frame] = posed_angles(edit, posed)[index]
+    angles = _angles(edit, index)
     error = residual(edit.fitting, frames, len(edit.doc.body.parts))[:, index]
     rows = {axis: listed(angles[:, k], 2) for k, axis in enumerate("xyz")}
     return {"part": edit.selected, **rows, "error": listed(error, 2)}
+
+
+def _angles(edit: EditorState, index: int) -> Array:
+    """(F, 3) degrees of a part by frame, NaN where nothing is known; no jumps of a full turn."""
+    Rs = rotations(edit.fitting, edit.frame_count, index)
+    for posed in (*edit.doc.keyframes, *edit.doc.drafts):
+        Rs[posed.frame] = posed.pose(edit.skeleton).Rs_parent_part[index]
+    known = np.flatnonzero(np.isfinite(Rs[:, 0, 0]))
+    angles = np.full((edit.frame_count, 3), np.nan)
+    if len(known):
+        found = part_angles_deg(edit.doc.body.parts[index], Rs[known])
+        angles[known] = np.unwrap(found, period=360.0, axis=0)
+    return angles
 
 
 def trail(outlook: Outlook) -> Json:

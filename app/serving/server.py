@@ -129,8 +129,8 @@ class Server:
         sender = asyncio.ensure_future(_send(websocket, tab))
         try:
             while True:
-                self._receive(tab, await websocket.receive_json())
-        except (WebSocketDisconnect, json.JSONDecodeError, KeyError, RuntimeError):
+                self._receive(tab, await _heard(websocket))
+        except (WebSocketDisconnect, RuntimeError):
             pass  # the tab is gone, or does not speak JSON: either way this line is over
         finally:
             sender.cancel()
@@ -157,6 +157,14 @@ def _uvicorn(guard: Guard) -> uvicorn.Server:
         timeout_graceful_shutdown=SECONDS_TO_CLOSE,
     )
     return uvicorn.Server(config)
+
+
+async def _heard(websocket: WebSocket) -> Any:
+    """The next message; WebSocketDisconnect where it is no JSON."""
+    try:
+        return await websocket.receive_json()
+    except (ValueError, KeyError, RecursionError) as error:  # numbers may be too long for Python
+        raise WebSocketDisconnect(1003) from error
 
 
 async def _send(websocket: WebSocket, tab: Tab) -> None:

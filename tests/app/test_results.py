@@ -12,12 +12,12 @@ import pytest
 
 from app.results import (
     Results,
-    angles_deg,
     collection,
     listed,
     observability,
     pose_at,
     residual,
+    rotations,
     tidy_tracks,
 )
 from app.results.keys import segment_key, segment_keys
@@ -223,21 +223,14 @@ def test_a_trajectory_on_the_way_measures_nothing() -> None:
     of = session()
     fitting = Results().with_track(passing(of, 0, 4, 0.1)).fitting(of)
     assert np.isnan(observability(fitting, 9, PARTS)).all()
-    assert np.isfinite(angles_deg(fitting, 9, 0)[:5]).all()
+    assert np.isfinite(rotations(fitting, 9, 0)[:5]).all()
 
 
-def test_angles_are_in_degrees_about_x_y_z_and_do_not_jump() -> None:
+def test_rotations_are_known_by_frame_where_something_fits() -> None:
     of = session()
-    fitting = both(of).fitting(of)
-    table = angles_deg(fitting, 12, 2)
-    bend = np.degrees(0.1)
-    straight = angles_deg(
-        {(0, 4): track(of, 0, 4, bend=0.0), (4, 8): track(of, 4, 8, bend=0.0)}, 12, 2
-    )
+    table = rotations(both(of).fitting(of), 12, 2)
     assert np.isnan(table[9:]).all()
-    np.testing.assert_allclose((table - straight)[[0, 4, 8]], 0.0, atol=1e-9)
-    assert 0.5 * bend < (table - straight)[2, 0] < 1.5 * bend
-    assert np.abs(np.diff(table[:9], axis=0)).max() < 90.0
+    np.testing.assert_allclose(table[:9] @ np.swapaxes(table[:9], 1, 2), [np.eye(3)] * 9, atol=1e-9)
 
 
 def test_old_tracks_files_go_when_no_session_speaks_of_them_and_young_ones_stay(

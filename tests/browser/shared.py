@@ -57,9 +57,7 @@ def opened(context: BrowserContext, keypose: Keypose) -> Page:
     """One more tab with the page, ready for use."""
     page = context.new_page()
     page.goto(keypose.address)
-    page.wait_for_selector(
-        "html[data-ready]", state="attached", timeout=SECONDS_TO_START * 1000
-    )
+    page.wait_for_selector("html[data-ready]", state="attached", timeout=SECONDS_TO_START * 1000)
     page.wait_for_selector("#main canvas.vid[data-frame]")
     return page
 

@@ -13,6 +13,7 @@ from app.posing import (
     angles_deg,
     at_limit,
     clamped,
+    part_angles_deg,
     part_label,
     part_words,
     with_angles,
@@ -157,3 +158,19 @@ def test_limits_do_not_make_a_tracked_motion_outdated() -> None:
     without = session.model_copy(update={"body": session.body.replaced(bare)})
     assert without.body != session.body
     assert setup_hash(without) == setup_hash(session)
+
+
+def test_a_person_who_has_turned_round_is_told_by_the_turn_alone() -> None:
+    root = PERSON.parts[0]
+    leaning = [rotation_of(np.array([8.0, turn, -3.0])) for turn in range(-175, 180, 10)]
+    shown = part_angles_deg(root, np.stack(leaning))
+    np.testing.assert_allclose(shown[:, 0], 8.0, atol=1e-9)
+    np.testing.assert_allclose(shown[:, 1], np.arange(-175, 180, 10), atol=1e-9)
+    np.testing.assert_allclose(shown[:, 2], -3.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", PERSON.names)
+def test_one_part_alone_is_told_as_it_is_among_the_others(name: str) -> None:
+    i, pose = PERSON.index(name), walking()
+    alone = part_angles_deg(PERSON.parts[i], pose.Rs_parent_part[i][None])
+    np.testing.assert_allclose(alone[0], angles_deg(SKELETON, pose)[i], atol=1e-9)
