@@ -181,8 +181,8 @@ class Stage:
                 self._reserve(f"{ROOT}/light/{role}/{kind}", (role,))
             for lines in ("outline", "held"):
                 self._reserve(f"{ROOT}/{lines}/{role}", (role,))
-        for number in range(2):
-            self._reserve(f"{ROOT}/ghost/{number}", ("main",))
+            for number in range(2):
+                self._reserve(f"{ROOT}/ghost/{number}/{role}", (role,))
 
     async def _welcome(self, client: ClientHandle) -> None:
         role = self._viser.role_of(client)
@@ -252,20 +252,21 @@ class Stage:
 
     def _draw_ghosts(self, scenery: Scenery) -> None:
         for number, colour in enumerate(GHOST_COLOURS):
-            lines = np.zeros((0, 2, 3), dtype=np.float32)
-            if number < len(scenery.ghosts):
-                lines = self._ghost(scenery, scenery.ghosts[number][1])
-            self._put(f"{ROOT}/ghost/{number}", lines, colour, GHOST_PX)
+            for role in ROLES:
+                lines = np.zeros((0, 2, 3), dtype=np.float32)
+                if number < len(scenery.ghosts):
+                    lines = self._ghost(scenery, scenery.ghosts[number][1], role)
+                self._put(f"{ROOT}/ghost/{number}/{role}", lines, colour, GHOST_PX)
 
-    def _ghost(self, scenery: Scenery, Ts_camera_part: Array) -> Segments:
-        """All lines (N, 2, 3) of another pose, camera frame."""
+    def _ghost(self, scenery: Scenery, Ts_camera_part: Array, role: Role) -> Segments:
+        """All lines (N, 2, 3) of another pose as one view sees it, camera frame."""
         assert self._outline is not None
         parts = [rim_lines(part.shape).astype(np.float64) for part in scenery.body.parts]
         rims = [
             apply_transform(T, lines.reshape(-1, 3)).reshape(-1, 2, 3)
             for T, lines in zip(Ts_camera_part, parts, strict=True)
         ]
-        sides = self._outline.lines(Ts_camera_part, scenery.rays("main"))
+        sides = self._outline.lines(Ts_camera_part, scenery.rays(role))
         return np.concatenate([sides.reshape(-1, 2, 3), *rims]).astype(np.float32)
 
     def _draw_trail(self, trail: Trail | None) -> None:

@@ -199,11 +199,11 @@ def test_ghosts_come_and_go(listener: Listener) -> None:
     scenery = Scenery(BODY, posed())
     listener.show(scenery)
     told = listener.show(replace(scenery, ghosts=((3, posed(0.2)), (9, posed(0.4)))))
-    assert names(told) == {f"{ROOT}/ghost", f"{ROOT}/ghost/0", f"{ROOT}/ghost/1"}
+    assert {f"{ROOT}/ghost/{k}/{role}" for k in range(2) for role in ROLES} <= names(told)
     told = listener.show(replace(scenery, ghosts=((3, posed(0.2)),)))
-    assert f"{ROOT}/ghost/1" in names([m for m in told if "Remove" in type(m).__name__])
+    assert f"{ROOT}/ghost/1/main" in names([m for m in told if "Remove" in type(m).__name__])
     listener.show(scenery)
-    assert listener.stage._scene.get_handle_by_name(f"{ROOT}/ghost/0") is None
+    assert listener.stage._scene.get_handle_by_name(f"{ROOT}/ghost/0/main") is None
 
 
 def test_a_trail_comes_moves_on_and_goes(listener: Listener) -> None:

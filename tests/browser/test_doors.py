@@ -16,7 +16,7 @@ from playwright.sync_api import Browser, BrowserContext, Page
 from tests.app.serving import ROOT, Keypose, Visitor
 from tests.browser.cable import Cable, cable
 from tests.browser.foreigner import Foreigner, foreigner
-from tests.browser.hands import section, until
+from tests.browser.hands import section
 from tests.browser.shared import let_in, opened, served
 
 ATTEMPTS = """
@@ -137,7 +137,8 @@ def visiting(context: BrowserContext, address: str) -> Page:
 def cannot_frame(page: Page, origin: str) -> bool:
     """Whether the browser shows an error where a frame should show the server's page."""
     page.evaluate(FRAMED, origin + "/")
-    return bool(until(lambda: page.frames[1].url) == "chrome-error://chromewebdata/")
+    (frame,) = page.frames[1:]
+    return bool(frame.evaluate("() => location.protocol") == "chrome-error:")
 
 
 def all_refused(found: dict[str, str], words: str = "") -> bool:
