@@ -6,7 +6,7 @@
 
 const FIRST = -1;
 
-/** By view and by the kind of node, which is the last word of its name, or the one before. */
+/** By view and by the kind of node, which is one of the last three words of its name. */
 const LOOKS = {
   main: {
     solid: { order: FIRST, colorWrite: false },
@@ -15,6 +15,7 @@ const LOOKS = {
     trail: { depthTest: false, transparent: true, depthWrite: false },
   },
   small: {
+    ghost: { transparent: true, opacity: 0.6, depthWrite: false },
     trail: { depthTest: false, transparent: true, depthWrite: false },
   },
 };
@@ -24,7 +25,7 @@ export function dress(role, nodes) {
   const looks = LOOKS[role] ?? LOOKS.small;
   for (const name in nodes) {
     const words = name.split('/');
-    const look = looks[words.at(-1)] ?? looks[words.at(-2)];
+    const look = looks[words.at(-1)] ?? looks[words.at(-2)] ?? looks[words.at(-3)];
     if (look) nodes[name]?.traverse((object) => wear(object, look));
   }
 }
