@@ -13,7 +13,7 @@ let byKey = false;
 export const reachedByKey = () => byKey;
 
 /** Whether what is typed goes into this element as text. */
-export function takesText(element) {
+function takesText(element) {
   if (element instanceof HTMLInputElement) return !NO_TEXT.has(element.type);
   return element instanceof HTMLTextAreaElement || Boolean(element?.isContentEditable);
 }

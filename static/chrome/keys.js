@@ -16,7 +16,7 @@ export function mountKeys() {
 }
 
 /** "Ctrl Shift Z": the key with those held beside it; empty when none of ours is meant. */
-export function chordOf(event) {
+function chordOf(event) {
   // On many keyboards [ ] and / need AltGr, which some systems report as Ctrl and Alt.
   const graph = event.getModifierState('AltGraph');
   if (event.altKey && !graph) return '';

@@ -74,6 +74,7 @@ class Visitor:
             origin=keypose.origin,  # type: ignore[arg-type]
             additional_headers={"Cookie": keypose.cookie},
             proxy=None,
+            max_queue=None,  # one that does not listen for a while must not be taken for gone
         )
         self.seen: dict[str, Any] = {}
         self.said: list[dict[str, Any]] = []

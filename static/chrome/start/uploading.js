@@ -30,7 +30,7 @@ export function takeFiles(files) {
 }
 
 /** Stop the copying; tells whether there was any. */
-export function cancelUpload() {
+function cancelUpload() {
   if (!request) return false;
   request.abort();
   return true;
