@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from app.posing.moving import Aim
+from app.posing.pulled import Pulled
 from app.posing.sight import Sight
-from app.posing.standing import Standing
 from app.posing.sticking import within_reach
 from app.posing.two_bones import Reached
 from app.posing.vectors import any_across, cross, length, smooth_step, unit
@@ -23,37 +22,17 @@ _STRETCHED = 0.9
 """Share of its length from which on a chain is so straight that it must be told how to fold."""
 
 
-@dataclass(frozen=True, eq=False)
-class Chain:
-    """A chain of parts; tip (3,) is its end in the last part's frame."""
-
-    standing: Standing
-    parts: tuple[int, ...]
-    tip: Array
-
-    @property
-    def centre(self) -> Array:
-        """(3,) the first joint, in the camera frame."""
-        return self.standing.joint(self.parts[0])
-
-    @property
-    def end(self) -> Array:
-        """(3,) the tip before the drag, in the camera frame."""
-        return self.standing.placed(self.parts[-1], self.tip)
+class Chain(Pulled):
+    """A chain of parts that folds as little as it must."""
 
     def reach(self, sight: Sight, goal: Aim) -> Reached:
         """The chain with its end at the goal, or as near as it can come."""
-        levers = self._levers()
+        levers = self.levers()
         sizes = np.sqrt((levers**2).sum(axis=1))
         farthest, nearest = float(sizes.sum()), max(0.0, float(2 * sizes.max() - sizes.sum()))
         place = within_reach(sight, goal, self.centre, nearest, farthest, self.end)
         turns = self._solved(levers, self._folded(levers, farthest, place), place)
         return Reached(self._rotations(turns), self.centre, farthest)
-
-    def _levers(self) -> Array:
-        """(K, 3) from each part's joint to the next one's, at last to the tip, camera frame."""
-        points = [self.standing.joint(part) for part in self.parts]
-        return np.diff(np.stack([*points, self.end]), axis=0)
 
     def _folded(self, levers: Array, farthest: float, place: Array) -> Array:
         """(K, 3, 3) turns to begin with: a zigzag where a straight chain is to become shorter."""

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from app.posing.moving import Aim
+from app.posing.pulled import Pulled
 from app.posing.sight import Sight
-from app.posing.standing import Standing
 from app.posing.swinging import Swing, on_sphere
 from app.posing.two_bones import Reached
 from app.posing.vectors import cross, length, unit
@@ -24,23 +23,8 @@ MOST = math.radians(200.0)
 _ROUNDS = 40
 
 
-@dataclass(frozen=True, eq=False)
-class Spine:
-    """A chain of parts that bends evenly; tip (3,) is its end in the last part's frame."""
-
-    standing: Standing
-    parts: tuple[int, ...]
-    tip: Array
-
-    @property
-    def centre(self) -> Array:
-        """(3,) the lowest joint, in the camera frame."""
-        return self.standing.joint(self.parts[0])
-
-    @property
-    def end(self) -> Array:
-        """(3,) the top before the drag, in the camera frame."""
-        return self.standing.placed(self.parts[-1], self.tip)
+class Spine(Pulled):
+    """A chain of parts that bends evenly."""
 
     def reach(self, sight: Sight, goal: Aim) -> Reached:
         """The chain bent about one axis so that its end comes under the pointer.
@@ -48,7 +32,7 @@ class Spine:
         How far the end is from the lowest joint follows from the bend; it is found together with
         it. Where limits stop the upper parts, the lowest does the rest.
         """
-        levers = self._levers()
+        levers = self.levers()
         shares = _shares(len(self.parts))
         resting = self._resting()
         vector, end = np.zeros(3), self.end
@@ -63,11 +47,6 @@ class Spine:
             turns = exp_rotation(shares[:, None] * vector)
             end = self.centre + np.einsum("kij,kj->i", turns, levers)
         return self._limited(shares, vector, sight, goal, resting)
-
-    def _levers(self) -> Array:
-        """(K, 3) from each part's joint to the next one's, at last to the tip, camera frame."""
-        points = [self.standing.joint(part) for part in self.parts]
-        return np.diff(np.stack([*points, self.end]), axis=0)
 
     def _resting(self) -> Array:
         rest = self.standing.skeleton.joints[list(self.parts[1:])].sum(axis=0) + self.tip

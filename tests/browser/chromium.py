@@ -11,6 +11,7 @@ ARGUMENTS = (
     "--enable-unsafe-swiftshader",
     "--no-sandbox",
     "--disable-background-networking",
+    "--disable-gpu-rasterization",  # letters and lines by software that plays a graphics card: slow
 )
 
 
