@@ -40,14 +40,14 @@ SECONDS_BETWEEN_SAVES = 3.0
 class Store:
     """State, tabs, files and jobs of one server.
 
-    `show` draws the state in the views; `library` knows what can be opened and where a video's
-    session lives. All methods are for the loop's thread.
+    `show` draws the state and its trail in the views; `library` knows what can be opened and where
+    a video's session lives. All methods are for the loop's thread.
     """
 
     def __init__(
         self,
         loop: asyncio.AbstractEventLoop,
-        show: Callable[[EditorState], None],
+        show: Callable[[EditorState, Any], None],
         library: Library,
     ) -> None:
         self._loop = loop
@@ -144,7 +144,7 @@ class Store:
             for tab in self._tabs:
                 tab.tell(fresh)
         if self._outlook.edit is not None:
-            self._show(self._outlook.edit)
+            self._show(self._outlook.edit, self._sections.all["trail"])
 
     # --- saving
 

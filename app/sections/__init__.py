@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from app.sections.changes import Sections
-from app.sections.pose_values import trail_of
 from app.sections.scene_values import image_version
 
-__all__ = ["Sections", "image_version", "trail_of"]
+__all__ = ["Sections", "image_version"]

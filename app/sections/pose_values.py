@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from app.editor.posing_edits import angles_at
 from app.editor.shown import shown
 from app.editor.state import EditorState
+from app.editor.trail import way
 from app.outlook import Outlook
 from app.posing import at_limit, part_angles_deg
 from app.results import listed, residual, rotations
 from app.sections.json_value import Json, doc_of
 from tracker.geometry import Array
 from tracker.pose import joint_names, joint_positions, pose_transforms
-
-TRAIL_REACH = 30
-"""Frames to both sides of the present that the trail shows where there is no keyframe."""
 
 
 def pose(outlook: Outlook) -> Json:
@@ -102,43 +98,9 @@ def _angles(edit: EditorState, index: int) -> Array:
 def trail(outlook: Outlook) -> Json:
     """The way of the selected part's far end around the present frame."""
     edit = outlook.edit
-    if edit is None or not edit.display.trail:
+    found = way(edit) if edit is not None and edit.display.trail else None
+    if found is None or len(found.frames) < 2:
         return None
-    found = trail_of(edit)
-    return found and {**found, "points": [[f, *p] for f, p in found["points"]]}
-
-
-def trail_of(edit: EditorState) -> dict[str, Any] | None:
-    """part, points [(frame, [x, y, z])] and keys of the trail; None with nothing tracked."""
-    part = edit.selected or edit.doc.body.parts[0].name
-    first, last = _reach(edit)
-    anchor = _far_end(edit, part)
-    index = joint_names(edit.skeleton).index(anchor)
-    points = []
-    for frame in range(first, last + 1):
-        standing = shown(edit, frame)
-        if standing.source in ("held", "rest"):
-            continue
-        p = joint_positions(edit.skeleton, pose_transforms(edit.skeleton, standing.pose))[index]
-        points.append((frame, p.round(5).tolist()))
-    if len(points) < 2:
-        return None
-    return {"part": part, "points": points, "keys": [k for k in edit.keys if first <= k <= last]}
-
-
-def _reach(edit: EditorState) -> tuple[int, int]:
-    """From the keyframe before the present frame to the one behind it, but not without end."""
-    before = [k for k in edit.keys if k < edit.frame]
-    after = [k for k in edit.keys if k > edit.frame]
-    first = before[-1] if before else edit.frame
-    last = after[0] if after else edit.frame
-    return max(first, edit.frame - TRAIL_REACH), min(last, edit.frame + TRAIL_REACH)
-
-
-def _far_end(edit: EditorState, part: str) -> str:
-    """The joint of the part's only child, else a landmark of its own, else its own joint."""
-    children = [p.name for p in edit.doc.body.parts if p.parent == part]
-    if len(children) == 1:
-        return children[0]
-    landmarks = list(edit.doc.body.parts[edit.doc.body.index(part)].landmarks)
-    return landmarks[0] if landmarks else part
+    places = found.p_camera.round(5).tolist()
+    points = [[frame, *p] for frame, p in zip(found.frames, places, strict=True)]
+    return {"part": found.part, "points": points, "keys": list(found.keys)}

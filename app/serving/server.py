@@ -44,7 +44,7 @@ class Server:
         maker = SceneryMaker()
         self.store = Store(
             self.stage.loop,
-            lambda edit: self.stage.show(maker.of(edit)),
+            lambda edit, trail: self.stage.show(maker.of(edit, trail)),
             library,
         )
         self._shelf = Shelf(library)

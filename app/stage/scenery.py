@@ -11,7 +11,6 @@ from app.editor.sights import up_of
 from app.editor.state import EditorState
 from app.posing import view_rotations
 from app.sameness import same
-from app.sections import trail_of
 from app.stage.scene import Scenery, Trail
 from app.stage.viser_compat import Role
 from tracker.geometry import Array
@@ -26,11 +25,10 @@ class SceneryMaker:
     def __init__(self) -> None:
         self._made: dict[str, tuple[tuple[Any, ...], Any]] = {}
 
-    def of(self, edit: EditorState) -> Scenery:
-        """What is to be seen at the present frame."""
+    def of(self, edit: EditorState, trail: Any = None) -> Scenery:
+        """What is to be seen at the present frame; `trail` is the section of that name."""
         looks, settled = edit.display, edit.settled
         around = (settled.body, settled.keyframes, edit.frame, looks)
-        moved = (*around, settled.drafts, settled.camera, edit.selected, edit.results)
         pose = shown(edit).pose
         return Scenery(
             body=edit.doc.body,
@@ -41,7 +39,7 @@ class SceneryMaker:
             mode=looks.mode,
             opacity=looks.opacity,
             ghosts=self._once("ghosts", around, lambda: _ghosts(edit)),
-            trail=self._once("trail", moved, lambda: _trail(edit)),
+            trail=self._once("trail", (trail, edit.frame), lambda: _trail(trail, edit.frame)),
             Rs_view_camera=self._once("views", (edit.doc.up_camera,), lambda: _views(edit)),
             telephoto=edit.doc.camera.telephoto_distance_m is not None,
         )
@@ -78,12 +76,10 @@ def _ghosts(edit: EditorState) -> Ghosts:
     return tuple(ghosts)
 
 
-def _trail(edit: EditorState) -> Trail | None:
-    if not edit.display.trail:
+def _trail(told: Any, frame: int) -> Trail | None:
+    """From the section the page is told: it has been worked out already."""
+    if told is None:
         return None
-    found = trail_of(edit)
-    if found is None:
-        return None
-    frames = [frame for frame, _ in found["points"]]
-    present = min(range(len(frames)), key=lambda k: abs(frames[k] - edit.frame))
-    return Trail(np.array([p for _, p in found["points"]]), present)
+    frames = [point[0] for point in told["points"]]
+    present = min(range(len(frames)), key=lambda k: abs(frames[k] - frame))
+    return Trail(np.array([point[1:] for point in told["points"]]), present)
