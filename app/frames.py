@@ -12,6 +12,7 @@ import numpy as np
 from app.drawing.lettering import plate
 from app.drawing.palette import Picture
 from tracker.camera import Camera
+from tracker.errors import VideoError
 from tracker.video import MissingFrame, Video
 
 CACHE_BYTES = 192 * 2**20
@@ -26,6 +27,7 @@ class Frames:
         self._pool = ThreadPoolExecutor(1, thread_name_prefix="frames")
         self._made: OrderedDict[tuple[int, str], bytes] = OrderedDict()
         self._bytes = 0
+        self._closed = False
 
     async def jpeg(self, index: int, camera: Camera, version: str) -> bytes:
         """Frame `index` as this camera would have taken it with an ideal lens.
@@ -37,12 +39,18 @@ class Frames:
             self._made.move_to_end((index, version))
             return known
         loop = asyncio.get_running_loop()
-        made = await loop.run_in_executor(self._pool, self._make, index, camera)
+        try:
+            made = await loop.run_in_executor(self._pool, self._make, index, camera)
+        except asyncio.CancelledError:
+            if self._closed:
+                raise VideoError("The video has been closed.") from None
+            raise
         self._keep((index, version), made)
         return made
 
     def close(self) -> None:
         """End the thread; the video stays open."""
+        self._closed = True
         self._pool.shutdown(wait=False, cancel_futures=True)
 
     def _make(self, index: int, camera: Camera) -> bytes:

@@ -6,23 +6,40 @@ from dataclasses import replace
 
 from app.editor import actions as do
 from app.outlook import Guide
-from app.posing.gesture import Surface
+from app.posing import handles
+from app.posing.gesture import End, Surface
+from tracker.body import Body
+
+ENOUGH_ENDS = 4
+"""Hands and feet."""
 
 
-def guide_after(guide: Guide, action: do.Editing) -> Guide:
+def guide_after(guide: Guide, action: do.Editing, body: Body) -> Guide:
     """The guide with the steps this action does ticked off."""
+    pulled = guide.pulled | _pulled(action)
     done = guide.done | _steps(action)
-    return guide if done == guide.done else replace(guide, done=done)
+    if len(pulled) >= min(ENOUGH_ENDS, _ends_of(body)):
+        done |= {"limbs"}
+    same = done == guide.done and pulled == guide.pulled
+    return guide if same else replace(guide, done=done, pulled=pulled)
+
+
+def _ends_of(body: Body) -> int:
+    return max(1, sum(handle.kind == "end" for handle in handles(body)))
+
+
+def _pulled(action: do.Editing) -> frozenset[str]:
+    if isinstance(action, do.Drag) and isinstance(action.handle, End):
+        return frozenset({action.handle.name})
+    return frozenset()
 
 
 def _steps(action: do.Editing) -> frozenset[str]:
     if isinstance(action, do.Drag):
         return _dragged(action)
     if isinstance(action, do.Root):
-        return frozenset({"hips"} if action.z is None else {"depth"})
-    if isinstance(action, do.Height | do.Preset | do.Size):
-        return frozenset({"height"})
-    if isinstance(action, do.Angles | do.PastePose | do.TakeTracked):
+        return frozenset({"hips"} if action.z is None else {"height"})
+    if isinstance(action, do.PastePose | do.TakeTracked):
         return frozenset({"limbs"})
     if isinstance(action, do.ToggleKey | do.AddKey):
         return frozenset({"key"})
@@ -30,12 +47,10 @@ def _steps(action: do.Editing) -> frozenset[str]:
 
 
 def _dragged(action: do.Drag) -> frozenset[str]:
-    kind = action.handle.kind
-    if kind == "size":
-        return frozenset({"height"})
-    handle = action.handle
-    whole = kind == "root" or (isinstance(handle, Surface) and handle.tool == "move")
-    steps = {"hips"} if whole else {"limbs"}
-    if action.view in ("top", "side") or action.depth:
-        steps.add("depth")
-    return frozenset(steps)
+    """The whole body's distance is its size in the picture; of the limbs, depth is depth."""
+    handle, aside = action.handle, action.view in ("top", "side")
+    if handle.kind == "root" or (isinstance(handle, Surface) and handle.tool == "move"):
+        return frozenset({"height"} if action.depth or aside else {"hips"})
+    if isinstance(handle, End) and (action.depth or aside):
+        return frozenset({"depth"})
+    return frozenset()

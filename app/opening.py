@@ -38,6 +38,14 @@ class Workpiece:
         folder = self.session_path.parent.name
         return folder.removesuffix(".keypose") or self.video.info.path.stem
 
+    def is_same(self, other: Workpiece) -> bool:
+        """Whether both are saved in one file."""
+        return os.path.realpath(self.session_path) == os.path.realpath(other.session_path)
+
+    def film(self) -> str:
+        """Equal for the same video only; reads a little of the file."""
+        return self.session.video.fingerprint or self.video.fingerprint()
+
 
 def open_workpiece(path: Path, session_for: Callable[[Path], Path]) -> Workpiece:
     """Open a session file, or a video with the session that belongs to it.
@@ -52,16 +60,21 @@ def open_workpiece(path: Path, session_for: Callable[[Path], Path]) -> Workpiece
     if not path.exists():
         raise SessionError(f"There is no file {str(path)!r}.")
     video = Video.open(path)
-    session_path = session_for(video.info.path)
-    if session_path.exists():
+    try:
+        session_path = session_for(video.info.path)
+        if not session_path.exists():
+            return Workpiece(session_path, new_session(video, session_path), video, fresh=True)
+    except BaseException:
         video.close()
-        return _opened(session_path)
-    return Workpiece(session_path, new_session(video, session_path), video, fresh=True)
+        raise
+    video.close()
+    return _opened(session_path)
 
 
 def new_session(video: Video, session_path: Path) -> Session:
     """An empty session of a video: a guessed camera, an adult, no keyframes."""
     info = video.info
+    _demand_text(info.path)
     return Session(
         video=VideoReference(
             path=_relative(info.path, session_path.parent),
@@ -93,6 +106,16 @@ def edit_state(piece: Workpiece) -> EditorState:
 def _opened(path: Path) -> Workpiece:
     session = load_session(path)
     return Workpiece(path, session, open_video_of(session, path), fresh=False)
+
+
+def _demand_text(path: Path) -> None:
+    """A session is text, and so is what it calls its video."""
+    try:
+        str(path).encode()
+    except UnicodeEncodeError:
+        raise SessionError(
+            f"The name {str(path)!r} is no text in UTF-8: rename the video or its folder."
+        ) from None
 
 
 def _relative(path: Path, folder: Path) -> str:

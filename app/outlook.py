@@ -32,10 +32,11 @@ class Saved:
 
 @dataclass(frozen=True)
 class Guide:
-    """The first pose: which of its steps have been done, in whatever way."""
+    """The first pose: the steps that have been done, in whatever way, and the ends pulled."""
 
     first: bool = False
     done: frozenset[str] = frozenset()
+    pulled: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True)
@@ -51,11 +52,12 @@ class Running:
 
 @dataclass(frozen=True, eq=False)
 class Opened:
-    """The session's file and its video."""
+    """The session's file and its video; `film` tells videos apart, whatever they are called."""
 
     name: str
     session_path: str
     info: VideoInfo
+    film: str = ""
 
 
 @dataclass(frozen=True, eq=False)

@@ -42,6 +42,7 @@ class Runner:
         self._tell = tell
         self._tracking = Tracking(self._on_report, loop)
         self._number = 0
+        self._past = 0
         self._wanted: dict[Span, str] = {}
         self._keep: tuple[str, ...] = ()
         self._progress: Progress | None = None
@@ -58,7 +59,7 @@ class Runner:
     def closed(self) -> None:
         """No session is open any more; what a job still tells does not count."""
         self._tracking.cancel()
-        self._number = 0
+        self._past = self._number
         self.running, self.results, self.job = {}, None, Job()
 
     def stop(self) -> None:
@@ -105,8 +106,9 @@ class Runner:
         return at_work and set(self._wanted.values()) == {key for *_, key in wanted}
 
     def _on_report(self, report: Report) -> None:
-        """Results count whichever job they are of, for their keys; the rest for the newest job."""
-        if self.results is None:
+        """Results count whichever job of this session they are of, for their keys; the rest for
+        the newest job."""
+        if self.results is None or (report.job is not None and report.job <= self._past):
             return
         finished = isinstance(report, SegmentFinished)
         if isinstance(report, PassFinished | SegmentFinished):

@@ -7,7 +7,8 @@ session saved, segments tracked anew) is done once per turn of the loop, for the
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable
+import traceback
+from collections.abc import Callable, Coroutine
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
@@ -23,13 +24,14 @@ from app.frames import Frames
 from app.guiding import guide_after
 from app.library import Library
 from app.opening import Workpiece, edit_state, open_workpiece
-from app.outlook import Guide, Opened, Outlook, Saved
+from app.outlook import Guide, Job, Opened, Outlook, Saved
 from app.results import save_results, tidy_tracks
 from app.running import Runner
 from app.saving import Saver
 from app.sections import Sections
 from app.tabs import Tab
-from tracker.errors import KeyposeError
+from tracker.errors import KeyposeError, SessionError, VideoError
+from tracker.session.atomic import make_folder
 from tracker.session.files import save_session
 from tracker.wording import one_sentence
 
@@ -63,6 +65,8 @@ class Store:
         self._dragging: Tab | None = None
         self._saving_later: asyncio.TimerHandle | None = None
         self._opening = asyncio.Lock()
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._warned: str | None = None
         self.frames: Frames | None = None
 
     @property
@@ -80,7 +84,8 @@ class Store:
         tab = Tab()
         self._tabs.add(tab)
         self._look(tabs=len(self._tabs))
-        tab.tell({**self._sections.all, **self._sections.changed(self._outlook)})
+        self._tell()
+        tab.tell(self._sections.all)
         return tab
 
     def leave(self, tab: Tab) -> None:
@@ -97,12 +102,17 @@ class Store:
         try:
             action = actions.ACTIONS.validate_python(_without_number(message))
             self.do(action)
-            if getattr(action, "stroke", None) is not None:
+            under_way = self._outlook.edit.stroke if self._outlook.edit else None
+            if under_way is not None and under_way.name == getattr(action, "stroke", None):
                 self._dragging = tab
         except ValidationError as error:
             tab.say({"t": "refused", "n": number, "words": one_sentence(error)})
         except KeyposeError as error:
             tab.say({"t": "refused", "n": number, "words": str(error)})
+        except Exception as error:  # noqa: BLE001 — the state is as it was, the line stays
+            traceback.print_exception(error)
+            words = f"This met a fault of Keypose itself ({type(error).__name__})."
+            tab.say({"t": "refused", "n": number, "words": words})
         self._loop.call_soon(tab.acknowledge, number)  # after the turn that tells what it did
 
     def do(self, action: actions.Action) -> None:
@@ -113,7 +123,7 @@ class Store:
         if self._outlook.edit is None:
             raise Refused("Open a video first.")
         self._edit_to(update(self._outlook.edit, action))
-        guide = guide_after(self._outlook.guide, action)
+        guide = guide_after(self._outlook.guide, action, self._outlook.edit.doc.body)
         if guide is not self._outlook.guide:
             self._look(guide=guide)
 
@@ -139,26 +149,35 @@ class Store:
 
     def _turn(self) -> None:
         self._turn_asked = False
+        self._tell()
+        if self._outlook.edit is not None:
+            self._show(self._outlook.edit, self._sections.all["trail"])
+
+    def _tell(self) -> None:
+        """Tell every tab what has changed since they were told last."""
         fresh = self._sections.changed(self._outlook)
         if fresh:
             for tab in self._tabs:
                 tab.tell(fresh)
-        if self._outlook.edit is not None:
-            self._show(self._outlook.edit, self._sections.all["trail"])
 
     # --- saving
 
     def _save(self) -> None:
+        """Save the document as it stands, without a gesture that may yet be taken back."""
+        if self._saving_later is not None:
+            self._saving_later.cancel()
+            self._saving_later = None
         edit, piece = self._outlook.edit, self._piece
         if edit is None or piece is None:
             return
-        path = piece.session_path
+        path, doc = piece.session_path, edit.settled
 
         def write() -> None:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            session = save_results(edit.doc, path, edit.results)
+            make_folder(path.parent, error=SessionError)
+            session = save_results(doc, path, edit.results)
             save_session(session, path)
-            tidy_tracks(path.parent)
+            with suppress(OSError):  # what is left over does no harm
+                tidy_tracks(path.parent)
             with suppress(KeyposeError):  # only the list of recent sessions would lack it
                 self._library.remember(path, session)
 
@@ -166,15 +185,14 @@ class Store:
 
     def _save_soon(self, at_once: bool) -> None:
         """While segments come in one by one, the motion is not written with each of them."""
-        if self._saving_later is not None:
-            self._saving_later.cancel()
-            self._saving_later = None
         if at_once:
             self._save()
-        else:
+        elif self._saving_later is None:
             self._saving_later = self._loop.call_later(SECONDS_BETWEEN_SAVES, self._save)
 
     def _on_saved(self, saved: Saved) -> None:
+        if saved.state == "saved":
+            self._warned = None
         self._look(saved=saved)
 
     # --- tracking
@@ -190,9 +208,9 @@ class Store:
 
     def _run(self, action: actions.Running) -> None:
         if isinstance(action, actions.Open):
-            self._loop.create_task(self._open_named(action))
+            self._in_background(self._open_named(action))
         elif isinstance(action, actions.Close):
-            self._loop.create_task(self.close_session())
+            self._in_background(self.close_session())
         elif isinstance(action, actions.SaveAgain):
             self._saver.again()
         elif isinstance(action, actions.Cancel):
@@ -205,27 +223,54 @@ class Store:
 
     # --- opening and closing
 
+    def _in_background(self, work: Coroutine[Any, Any, None]) -> None:
+        """Do it while the loop goes on; what goes wrong is told to the tabs."""
+
+        async def told() -> None:
+            try:
+                await work
+            except KeyposeError as error:
+                self.note("lost", str(error))
+            except Exception as error:  # noqa: BLE001 — or the page would wait for ever
+                traceback.print_exception(error)
+                self.note("lost", f"This met a fault of Keypose itself ({type(error).__name__}).")
+
+        task = self._loop.create_task(told())
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
     async def _open_named(self, action: actions.Open) -> None:
         def find() -> Path:
             return self._library.find(action.kind, action.id, action.video)
 
         try:
             await self.open(await asyncio.to_thread(find))
-        except KeyposeError as error:
-            if action.kind == "upload":  # what cannot be opened need not be kept
+        except VideoError:
+            if action.kind == "upload":  # what is no video need not be kept
                 await asyncio.to_thread(self._library.discard, action.id)
-            self.note("lost", str(error))
+            raise
 
     async def open(self, path: Path) -> None:
-        """Open a session or a video; KeyposeError when it cannot be, and all stays as it was."""
+        """Open a session or a video; KeyposeError when it cannot be, and all stays as it was.
+
+        What is open already stays open as it is: the file may lag behind.
+        """
         async with self._opening:
             piece = await asyncio.to_thread(open_workpiece, path, self._library.session_for)
-            edit = await asyncio.to_thread(edit_state, piece)
-            await self._put_away()
+            try:
+                if self._piece is not None and self._piece.is_same(piece):
+                    await asyncio.to_thread(piece.video.close)
+                    return
+                edit = await asyncio.to_thread(edit_state, piece)
+                film = await asyncio.to_thread(piece.film)
+                await self._put_away()
+            except BaseException:
+                piece.video.close()
+                raise
             self._piece = piece
             self.frames = Frames(piece.video)
             self._look(
-                opened=Opened(piece.name, str(piece.session_path), piece.video.info),
+                opened=Opened(piece.name, str(piece.session_path), piece.video.info, film),
                 edit=edit,
                 guide=Guide(first=not edit.doc.keyframes),
                 saved=Saved("saved", 0.0, "Nothing to save yet" if piece.fresh else ""),
@@ -238,23 +283,52 @@ class Store:
             await self._put_away()
 
     async def _put_away(self) -> None:
-        edit = self._outlook.edit
-        if edit is not None:
-            self._edit_to(ended(edit))
+        """Close what is open; SessionError, and it stays open, when it cannot be saved.
+
+        A person who asks for it once more gives up what is not saved.
+        """
+        await self._settle()
+        problem = self._saver.problem
+        if problem is not None and problem != self._warned:
+            self._warned = problem
+            raise SessionError(f"{problem} Ask once more to go on without saving.")
+        await self._let_go()
+
+    async def _settle(self) -> None:
+        """Have everything written, as far as the disk takes it."""
+        if self._saving_later is not None:
+            self._save()
+        self._saver.again()
+        while True:
+            if self._outlook.edit is not None:
+                self._edit_to(ended(self._outlook.edit))
+            if self._saver.is_settled:
+                return
+            await self._saver.settled()
+
+    async def _let_go(self) -> None:
+        """Nothing is open from here on, at once; what is slow to close is closed after that."""
+        piece, frames = self._piece, self.frames
+        self._piece = self.frames = self._warned = None
+        self._saver.give_up()
         self._runner.closed()
-        await self._saver.settled()
-        if self.frames is not None:
-            self.frames.close()
-            self.frames = None
-        if self._piece is not None:
-            await asyncio.to_thread(self._piece.video.close)
-            self._piece = None
-        self._look(opened=None, edit=None, running={})
+        self._look(opened=None, edit=None, running={}, job=Job(), saved=Saved())
+        if frames is not None:
+            frames.close()
+        if piece is not None:
+            await asyncio.to_thread(piece.video.close)
 
     async def stop(self) -> None:
-        """Save what is unsaved and end the worker."""
-        await self.close_session()
-        await asyncio.to_thread(self._runner.stop)
+        """Save what is unsaved and end the worker; SessionError when something is lost."""
+        try:
+            async with self._opening:
+                await self._settle()
+                problem = self._saver.problem
+                await self._let_go()
+        finally:
+            await asyncio.to_thread(self._runner.stop)
+        if problem is not None:
+            raise SessionError(f"{problem} The last changes are lost.")
 
     def note(self, kind: str, words: str, button: dict[str, Any] | None = None) -> None:
         """Tell every tab something worth a sentence."""

@@ -1,6 +1,7 @@
 // The page's rooms, put together.
 
 import { connect } from './link.js';
+import { mount as mountMemory } from './remember.js';
 import { S, U, watch } from './state.js';
 import { mount as mountViews, view } from './views.js';
 import { mount as mountHandles } from './handles/handles.js';
@@ -8,6 +9,7 @@ import { mount as mountInspector } from './inspector/inspector.js';
 import { mount as mountTimeline } from './timeline/timeline.js';
 import { mount as mountChrome } from './chrome/chrome.js';
 
+mountMemory();
 mountViews();
 mountHandles();
 mountInspector();

@@ -47,10 +47,15 @@ function mark(name) {
   changed.add(name);
   if (asked) return;
   asked = true;
-  requestAnimationFrame(redraw);
+  // A tab in the background gets no animation frames, but is right when one comes back to it.
+  if (document.hidden) setTimeout(redraw);
+  else requestAnimationFrame(redraw);
 }
 
+document.addEventListener('visibilitychange', () => asked && setTimeout(redraw));
+
 function redraw() {
+  if (!asked) return;
   asked = false;
   const names = [...changed];
   changed.clear();

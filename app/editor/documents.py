@@ -34,7 +34,8 @@ def posed(doc: Session, skeleton: Skeleton, pose: Pose, frame: int, times_s: Arr
     demand_before_camera(skeleton, pose)
     keyframe = keyframe_of(skeleton, pose, frame, times_s)
     if any(known.frame == frame for known in doc.keyframes):
-        return with_keyframes(doc, (*without(doc.keyframes, frame), keyframe))
+        doc = with_keyframes(doc, (*without(doc.keyframes, frame), keyframe))
+        return with_drafts(doc, without(doc.drafts, frame))  # it would be shown instead
     return with_drafts(doc, (*without(doc.drafts, frame), keyframe))
 
 

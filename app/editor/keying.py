@@ -2,8 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from app.editor import actions as do
-from app.editor.documents import keyframe_of, with_drafts, with_keyframes, without
+from app.editor.documents import (
+    demand_before_camera,
+    keyframe_of,
+    with_drafts,
+    with_keyframes,
+    without,
+)
 from app.editor.refusal import Refused
 from app.editor.shown import find, shown
 from app.editor.state import EditorState
@@ -12,7 +20,9 @@ from tracker.session.schema import Keyframe, Session
 
 def added(state: EditorState, frame: int) -> Session:
     """The pose that stands at a frame made its keyframe."""
-    keyframe = keyframe_of(state.skeleton, shown(state, frame).pose, frame, state.times_s)
+    pose = shown(state, frame).pose
+    demand_before_camera(state.skeleton, pose)
+    keyframe = keyframe_of(state.skeleton, pose, frame, state.times_s)
     doc = with_keyframes(state.doc, (*without(state.doc.keyframes, frame), keyframe))
     return with_drafts(doc, without(doc.drafts, frame))
 
@@ -37,14 +47,20 @@ def moved(state: EditorState, action: do.MoveKey) -> Session:
     keyframe = _demand(state, action.frame)
     _demand_free(state, action.to)
     rest = without(state.doc.keyframes, action.frame)
-    return with_keyframes(state.doc, (*rest, _at(state, keyframe, action.to)))
+    return _keyed(state, rest, _at(state, keyframe, action.to))
 
 
 def duplicated(state: EditorState, action: do.DuplicateKey) -> Session:
     """The same pose as a keyframe of another frame, too."""
     keyframe = _demand(state, action.frame)
     _demand_free(state, action.to)
-    return with_keyframes(state.doc, (*state.doc.keyframes, _at(state, keyframe, action.to)))
+    return _keyed(state, state.doc.keyframes, _at(state, keyframe, action.to))
+
+
+def _keyed(state: EditorState, rest: Iterable[Keyframe], keyframe: Keyframe) -> Session:
+    """With one more keyframe, in the place of what may be drafted there: that would hide it."""
+    doc = with_keyframes(state.doc, (*rest, keyframe))
+    return with_drafts(doc, without(doc.drafts, keyframe.frame))
 
 
 def _at(state: EditorState, keyframe: Keyframe, frame: int) -> Keyframe:

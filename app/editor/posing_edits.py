@@ -7,6 +7,7 @@ import numpy as np
 from app.editor import actions as do
 from app.editor.documents import posed
 from app.editor.refusal import Refused
+from app.editor.shaping import with_body
 from app.editor.shown import find, shown
 from app.editor.sights import sights
 from app.editor.state import EditorState
@@ -20,9 +21,8 @@ def dragged(
 ) -> tuple[Session, Readout | None]:
     """The document after a gesture that began in `before`."""
     result = _drag(state, before, action)
-    doc = before.doc if result.body is None else before.doc.model_copy(update={"body": result.body})
     if result.body is not None:
-        return doc, result.readout
+        return with_body(before, result.body), result.readout
     return _with_pose(before, result.pose), result.readout
 
 

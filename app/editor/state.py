@@ -7,7 +7,8 @@ from functools import cached_property
 from typing import Literal
 
 from app.editor.history import History
-from app.posing import Readout
+from app.editor.sights import up_of
+from app.posing import Readout, opening_pose
 from app.results import Fitting, Results, pose_at
 from tracker.geometry import Array
 from tracker.pose import Pose
@@ -86,6 +87,9 @@ class EditorState:
 
     def with_doc(self, doc: Session) -> EditorState:
         """The same with another document; the skeleton is laid out anew only for another body."""
-        same = doc.body is self.doc.body
-        skeleton = self.skeleton if same else Skeleton.of(doc.body)
-        return replace(self, doc=doc, skeleton=skeleton)
+        if doc.body is self.doc.body:
+            return replace(self, doc=doc)
+        changed = replace(self, doc=doc, skeleton=Skeleton.of(doc.body))
+        if doc.body.names == self.doc.body.names:
+            return changed
+        return replace(changed, opening=opening_pose(doc.body, doc.camera, up_of(doc)))

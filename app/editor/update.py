@@ -13,6 +13,7 @@ from app.editor.refusal import Refused
 from app.editor.shown import shown
 from app.editor.state import EditorState, Stroke
 from app.posing import Readout, part_label
+from app.posing.gesture import Surface
 from tracker.session.schema import Session
 
 REMEMBERED_STROKES = 50
@@ -86,7 +87,9 @@ def ended(state: EditorState) -> EditorState:
 def cancelled(state: EditorState) -> EditorState:
     """With the gesture under way taken back."""
     stroke = state.stroke
-    return state if stroke is None else _without_stroke(state.with_doc(stroke.before), stroke)
+    if stroke is None:
+        return state
+    return _still_there(_without_stroke(state.with_doc(stroke.before), stroke))
 
 
 def _without_stroke(state: EditorState, stroke: Stroke) -> EditorState:
@@ -181,11 +184,13 @@ def label_of(action: Any) -> str:
     name = getattr(action, field, None) if field else None
     if name is None:
         return verb
-    return f"{verb} {part_label(name).lower() if field == 'part' else name}"
+    return f"{verb} {part_label(name).lower() if isinstance(name, str) else name}"
 
 
 def _drag_label(action: do.Drag) -> str:
     handle = action.handle
+    if isinstance(handle, Surface) and (handle.tool or action.tool) == "move":
+        return "move the body"
     verbs = {"ring": "turn", "root": "move the body", "size": "resize", "surface": "turn"}
     verb = verbs.get(handle.kind, "move")
     name = getattr(handle, "part", None) or getattr(handle, "name", None)

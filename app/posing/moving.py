@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +22,11 @@ NEAREST_M = 0.3
 """No nearer to the camera than this can anything be dragged."""
 
 FARTHEST_M = 100.0
+
+RISE_TO_E = 0.6
+"""Share of the picture's height that the pointer rises to make the body's distance e times."""
+
+MOST_E = 6.0
 
 _SEEN_ALONG = 0.15
 """Sine of the angle to the line of sight under which an axis is too short to be followed."""
@@ -100,7 +106,10 @@ def _on_axis(sight: Sight, p_camera: Array, direction: Array, gesture: Gesture) 
 def moved_root(standing: Standing, sight: Sight, gesture: Gesture) -> Posed:
     """The whole body carried: along the picture at its depth, or in depth, or along one axis."""
     start = standing.pose.p_camera_root
-    goal = aim(sight, start, gesture)
+    if gesture.depth and gesture.axis is None and sight.camera is not None:
+        goal = _farther(sight, start, gesture)
+    else:
+        goal = aim(sight, start, gesture)
     place = _before_camera(goal.p_camera)
     pose = Pose(standing.pose.Rs_parent_part, place)
     root = standing.skeleton.body.names[0]
@@ -113,6 +122,17 @@ def moved_root(standing: Standing, sight: Sight, gesture: Gesture) -> Posed:
         depth_m=float(place[2]),
     )
     return Posed(pose, None, readout)
+
+
+def _farther(sight: Sight, p_camera: Array, gesture: Gesture) -> Aim:
+    """The body along the line of sight: each stretch of the pointer's way changes its size in the
+    picture by the same ratio, so that near and far bodies are fitted alike."""
+    assert sight.camera is not None
+    risen = (gesture.from_[1] - gesture.at[1]) / sight.camera.height
+    direction = sight.ray_through(p_camera)
+    ratio = math.exp(min(max(risen / RISE_TO_E, -MOST_E), MOST_E))
+    away = float(p_camera @ direction)
+    return _along(sight, p_camera, direction, _stepped((ratio - 1) * away, gesture))
 
 
 def _before_camera(place: Array) -> Array:

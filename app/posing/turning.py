@@ -120,6 +120,10 @@ def furthest(rotation: Array, axis: Array, angle: float, box: Array | None) -> f
     """
     if box is None or angle == 0.0:
         return angle
+    if abs(angle) > TURN:  # what does not stop one turn stops none
+        once = math.copysign(TURN, angle)
+        stopped = furthest(rotation, axis, once, box)
+        return angle if stopped == once else stopped
     low, high = 0.0, 1.0
     count = max(3, math.ceil(abs(angle) / math.radians(2.0)) + 1)
     for _ in range(4):

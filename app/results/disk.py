@@ -51,7 +51,8 @@ def load_results(session: Session, session_path: Path) -> Results:
         if path is None:
             continue
         key = summary.key or _key(session, keys, path)
-        results = results.with_track(_loaded(session, tracks, summary, frames, path, key))
+        track = _loaded(session, tracks, summary, frames, path, key)
+        results = results.with_track(track, keep=results.tracks)
     return results
 
 

@@ -61,7 +61,9 @@ _TRACKED = _both(
 
 SECTIONS: dict[str, _Section] = {
     "file": _Section(lambda o: (o.opened,), scene_values.file),
-    "camera": _Section(_doc("camera", "up_camera"), scene_values.camera),
+    "camera": _Section(
+        _both(_doc("camera", "up_camera"), lambda o: (o.opened,)), scene_values.camera
+    ),
     "views": _Section(_doc("up_camera"), scene_values.views),
     "body": _Section(_doc("body"), body_values.body),
     "view": _Section(_edit("frame", "selected", "display"), scene_values.view),

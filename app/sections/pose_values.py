@@ -12,8 +12,10 @@ from app.outlook import Outlook
 from app.posing import at_limit, part_angles_deg
 from app.results import listed, residual, rotations
 from app.sections.json_value import Json, doc_of
-from tracker.geometry import Array
+from tracker.geometry import Array, rotation_from_quaternion
 from tracker.pose import joint_names, joint_positions, pose_transforms
+
+AT_REST = (1.0, 0.0, 0.0, 0.0)
 
 
 def pose(outlook: Outlook) -> Json:
@@ -85,8 +87,10 @@ def curve(outlook: Outlook) -> Json:
 def _angles(edit: EditorState, index: int) -> Array:
     """(F, 3) degrees of a part by frame, NaN where nothing is known; no jumps of a full turn."""
     Rs = rotations(edit.fitting, edit.frame_count, index)
-    for posed in (*edit.doc.keyframes, *edit.doc.drafts):
-        Rs[posed.frame] = posed.pose(edit.skeleton).Rs_parent_part[index]
+    name, poses = edit.doc.body.names[index], (*edit.doc.keyframes, *edit.doc.drafts)
+    if poses:
+        wxyz = [posed.rotations_wxyz.get(name, AT_REST) for posed in poses]
+        Rs[[posed.frame for posed in poses]] = rotation_from_quaternion(wxyz)
     known = np.flatnonzero(np.isfinite(Rs[:, 0, 0]))
     angles = np.full((edit.frame_count, 3), np.nan)
     if len(known):

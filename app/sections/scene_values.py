@@ -47,16 +47,18 @@ def camera(outlook: Outlook) -> Json:
         "up_origin": "camera" if doc.up_camera is None else "drawn",
         "tilt_deg": tilt,
         "roll_deg": roll,
-        "image_version": image_version(given),
+        "image_version": image_version(given, outlook.opened.film if outlook.opened else ""),
     }
 
 
-def image_version(camera: Camera) -> str:
-    """What the pictures of this camera are named by: they depend on its distortion."""
-    if not camera.is_distorted:
-        return "plain"
-    numbers = (camera.fx, camera.fy, camera.cx, camera.cy, *camera.distortion)
-    return hashlib.sha256(repr(numbers).encode()).hexdigest()[:12]
+def image_version(camera: Camera, film: str) -> str:
+    """What pictures are named by: they depend on the video and on the lens's distortion.
+
+    Browsers keep them by that name, also for the next video on the same port.
+    """
+    lens = (camera.fx, camera.fy, camera.cx, camera.cy, *camera.distortion)
+    made_of = (film, lens if camera.is_distorted else ())
+    return hashlib.sha256(repr(made_of).encode()).hexdigest()[:16]
 
 
 def views(outlook: Outlook) -> Json:

@@ -56,4 +56,5 @@ def guide(outlook: Outlook) -> Json:
     """The first pose's steps."""
     given = outlook.guide
     steps = ("hips", "height", "limbs", "depth", "key")
-    return {"first": given.first, "done": {step: step in given.done for step in steps}}
+    first = given.first and "key" not in given.done
+    return {"first": first, "done": {step: step in given.done for step in steps}}

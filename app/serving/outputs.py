@@ -80,21 +80,21 @@ class Outputs:
     async def _picture(self, request: Request) -> Response:
         try:
             shot = SHOT.validate_strings(dict(request.query_params))
-            edit, video = self._opened()
+            (edit, video), name = self._opened(), self._name()
             frame = edit.frame if shot.frame is None else min(shot.frame, edit.frame_count - 1)
             content = await asyncio.to_thread(_png, edit, video, frame, shot)
         except (ValidationError, KeyposeError) as error:
             return _refused(error)
-        return _download(content, "image/png", f"{self._name()}-{frame}-{shot.view}.png")
+        return _download(content, "image/png", f"{name}-{frame}-{shot.view}.png")
 
     async def _motion(self, request: Request) -> Response:
         try:
             wanted = MOTION.validate_strings(dict(request.query_params))
-            edit, _ = self._opened()
+            (edit, _), name = self._opened(), self._name()
             file = await asyncio.to_thread(motion_archive, wanted.format, edit)
         except (ValidationError, KeyposeError) as error:
             return _refused(error)
-        return _download(file.content, file.media_type, f"{self._name()}{file.suffix}")
+        return _download(file.content, file.media_type, f"{name}{file.suffix}")
 
     def _opened(self) -> tuple[EditorState, Video]:
         edit, piece = self._store.outlook.edit, self._store.piece
@@ -129,7 +129,7 @@ def _refused(error: ValidationError | KeyposeError) -> Response:
 def _download(content: bytes, media_type: str, name: str) -> Response:
     """Shown in the page or saved under this name, as the page asks; never kept by the browser."""
     headers = {
-        "Content-Disposition": f"inline; filename*=UTF-8''{quote(name)}",
+        "Content-Disposition": f"inline; filename*=UTF-8''{quote(name, errors='replace')}",
         "Cache-Control": "no-store",
     }
     return Response(content, media_type=media_type, headers={**headers_for("data"), **headers})

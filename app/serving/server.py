@@ -106,13 +106,17 @@ class Server:
         edit, frames = store.outlook.edit, store.frames
         if edit is None or frames is None or index >= edit.frame_count:
             return PlainTextResponse("There is no such frame.\n", 404, headers_for("data"))
-        camera = edit.doc.camera
+        camera, opened = edit.doc.camera, store.outlook.opened
+        version = image_version(camera, opened.film if opened else "")
         try:
-            content = await frames.jpeg(index, camera, image_version(camera))
+            content = await frames.jpeg(index, camera, version)
         except KeyposeError as error:
             return PlainTextResponse(f"{error}\n", 404, headers_for("data"))
-        kept = {"Cache-Control": "private, max-age=31536000, immutable"}
-        return Response(content, media_type="image/jpeg", headers={**headers_for("data"), **kept})
+        kept = "private, max-age=31536000, immutable"
+        if request.query_params.get("v") != version:  # asked for before lens or video changed
+            kept = "no-store"
+        headers = {**headers_for("data"), "Cache-Control": kept}
+        return Response(content, media_type="image/jpeg", headers=headers)
 
     # --- sockets
 

@@ -1,9 +1,11 @@
 // Everything around the work: top bar, menus, keys, guide, start screen, messages, status.
 
+import { mountBanner } from './banner.js';
 import { mountFocus } from './focus.js';
 import { mountGuide } from './guide.js';
 import { mountKeys } from './keys.js';
 import { mountSheet } from './keys_sheet.js';
+import { mountLine } from './line.js';
 import { mountMenus } from './menus.js';
 import { mountStatus } from './status.js';
 import { mountTheme } from './theme.js';
@@ -23,6 +25,8 @@ export function mount() {
   mountSheet();
   mountChooser();
   mountToasts();
+  mountLine();
+  mountBanner();
   mountTips();
   mountDropping();
   mountMenus();

@@ -1,15 +1,20 @@
-// The guide to a first pose: a card that ticks its five steps off as they are done in any way.
+// The guide to a first pose: a card that ticks its five steps off as they are done in any way, and
+// gives way to the handles and to what is dragged.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../icons.js';
 import { S, U, put, watch } from '../state.js';
 import { onViews } from '../views.js';
+import { onHold } from '../handles/hold.js';
+import { isUnderHand } from '../handles/underhand.js';
 import { drawMarks } from './guide_marks.js';
-import { carry, cornerFor } from './guide_place.js';
-import { END, STEPS } from './guide_steps.js';
+import { carry, cornerFor, covers } from './guide_place.js';
+import { forgetPulled, mountPulled } from './guide_pulled.js';
+import { STEPS, ending } from './guide_steps.js';
 
 const KEY = 'keypose.guide';
 const PAUSE_MS = 900; // long enough to see the tick
+const SECTIONS = ['guide', 'file', 'pose', 'body', 'keys', 'suggest'];
 
 let doneBefore = {}; // what was done when the guide was opened does not move it on
 let offered = null; // the file the guide was offered for
@@ -17,12 +22,12 @@ let timer = 0;
 let at = { step: -1, corner: null };
 let isPutAside = false; // by hand: then it stays there
 
-/** Open the guide at the first step that is not done yet. */
+/** Open the guide at the first step that is not done yet; at its end when all are. */
 export function openGuide() {
   isPutAside = false;
   doneBefore = { ...S.guide?.done };
   const first = STEPS.findIndex(({ name }) => !doneBefore[name]);
-  show(Math.max(0, first));
+  show(first < 0 ? STEPS.length : first);
 }
 
 /** Close the guide for good; tells whether it was open. */
@@ -46,18 +51,20 @@ export function mountGuide() {
   const draw = () => {
     render(isOpen() ? coach() : nothing, card);
     if (isOpen()) place(card.firstElementChild);
-    drawMarks(marks, isOpen() && !U.dragging ? STEPS[U.guideStep]?.name : null);
+    drawMarks(marks, isOpen() && !U.dragging ? STEPS[U.guideStep] : null);
   };
+  mountPulled();
   watch(['guide', 'file'], notice);
-  watch(['guide', 'file', 'pose', 'body', 'u:guideStep', 'u:layout', 'u:dragging', 'u:tab'], draw);
+  watch([...SECTIONS, 'u:guideStep', 'u:layout', 'u:dragging', 'u:pulled'], draw);
   onViews(draw);
+  onHold(() => isOpen() && fade(card.firstElementChild));
   addEventListener('resize', () => requestAnimationFrame(draw));
 }
 
 function show(step) {
-  const { tool, tab } = STEPS[step] ?? {};
+  const { tool } = STEPS[step] ?? {};
   if (tool) put('tool', tool);
-  if (tab) put('tab', tab);
+  if (step !== U.guideStep) forgetPulled();
   put('guideStep', step);
 }
 
@@ -68,7 +75,7 @@ function notice() {
   if (S.guide.first && offered !== S.file.path && !wasClosed()) openGuide();
   offered = S.file.path;
   const step = STEPS[U.guideStep];
-  if (!step || !S.guide.done[step.name] || doneBefore[step.name]) return;
+  if (!step || step.again || !S.guide.done[step.name] || doneBefore[step.name]) return;
   clearTimeout(timer);
   timer = setTimeout(() => STEPS[U.guideStep] === step && advance(), PAUSE_MS);
 }
@@ -90,7 +97,7 @@ function wasClosed() {
 
 function coach() {
   const step = U.guideStep;
-  const { title, text } = STEPS[step] ?? END;
+  const { title, text } = STEPS[step] ?? ending();
   return html`<div class="coach" role="dialog" aria-label="First pose" @pointerdown=${lift}>
     <div class="steps">${STEPS.map((each, i) => bar(each, i))}</div>
     <h3>${title}</h3>
@@ -103,11 +110,18 @@ function coach() {
 }
 
 function stepFoot(step) {
+  const isDone = Boolean(S.guide?.done?.[STEPS[step].name]);
   return html`<span class="dim num">Step ${step + 1} of ${STEPS.length}</span><span class="sp"></span>
     <button class="btn ghost sm" title="Close for good   Esc" @click=${closeGuide}>
       Close guide
     </button>
-    <button class="btn sm" @click=${advance}>Skip step</button>`;
+    <button
+      class="btn sm ${isDone ? 'pri' : ''}"
+      title=${isDone ? 'On to the next step' : 'Leave it as it is'}
+      @click=${advance}
+    >
+      Next
+    </button>`;
 }
 
 function bar({ name, word }, i) {
@@ -128,12 +142,24 @@ function lift(event) {
   carry(event);
 }
 
-/** The card keeps its corner while it is out of the way, and never moves under a drag. */
+/**
+ * The card keeps its corner while it is out of the way, and never moves under a drag. Put somewhere
+ * by hand it stays there, unless it covers what is to be dragged.
+ */
 function place(card) {
-  if (U.dragging || isPutAside) return;
+  fade(card);
+  if (U.dragging) return;
+  const step = STEPS[U.guideStep];
+  if (isPutAside && !covers(card, step)) return;
+  isPutAside = false;
   const keep = at.step === U.guideStep ? at.corner : null;
-  const corner = cornerFor(card, keep);
+  const corner = cornerFor(card, step, keep);
   at = { step: U.guideStep, corner: corner.name };
   card.style.left = `${corner.x}px`;
   card.style.top = `${corner.y}px`;
+}
+
+/** What is dragged past behind the card can be seen through it. */
+function fade(card) {
+  card?.classList.toggle('behind', isUnderHand(card));
 }

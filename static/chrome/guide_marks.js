@@ -1,69 +1,57 @@
-// What the guide points at: drawn over the whole window, and never in the pointer's way.
+// What the guide points at: drawn over the whole window, and never in the pointer's way. What
+// belongs to a view ends at its edge.
 
 import { nothing, render, svg, html } from '../vendor/lit-html/lit-html.js';
 import { S } from '../state.js';
 import { view } from '../views.js';
+import { spotsOf } from './guide_spots.js';
 
-const MARKS = { hips: roundRoot, height: besideBody, limbs: roundEnds, depth: inSide, key: onKey };
+const MARKS = { hips: anywhere, height: upAndDown, limbs: roundEnds, depth: inSide, key: onKey };
 
 /** Draw the marks of this step, or none. */
 export function drawMarks(place, step) {
-  const shapes = step && S.pose ? MARKS[step]() : null;
+  const shapes = step && S.pose ? MARKS[step.name](step) : null;
   render(shapes ? html`<svg aria-hidden="true">${shapes}</svg>` : nothing, place);
 }
 
 /** A ring round the diamond, with arrows: it may go anywhere. */
-function roundRoot() {
-  const at = handlePoint('main', S.body?.handles?.find(({ kind }) => kind === 'root'));
-  if (!at) return null;
-  return svg`<g transform="translate(${at[0]} ${at[1]})">
-    ${ring(0, 0, 20)}
-    ${[0, 90, 180, 270].map((turn) => svg`<path class="tip" transform="rotate(${turn})" d="M0-37l7 9H-7z" />`)}
-  </g>`;
+function anywhere(step) {
+  return within(step, ([x, y]) => svg`<g transform="translate(${x} ${y})">
+    ${ring(0, 0, 20)}${[0, 90, 180, 270].map(tip)}
+  </g>`);
 }
 
-/** A measure from head to feet beside the body, and a frame round the field. */
-function besideBody() {
-  const box = boxOf('main');
-  const field = frameRound('#insp [aria-label^="Height"]');
-  if (!box) return field;
-  const x = box.right + 28;
-  return svg`${field}<g>
-    <path class="dash" d="M${x} ${box.top}V${box.bottom}" />
-    <path class="line" d="M${x - 8} ${box.top}h16M${x - 8} ${box.bottom}h16" />
-  </g>`;
+/** A double arrow through the diamond. */
+function upAndDown(step) {
+  return within(step, ([x, y]) => svg`<g transform="translate(${x} ${y})">
+    ${ring(0, 0, 20)}<path class="line" d="M0-28V-46M0 28V46" />
+    <g transform="translate(0 -14)">${tip(0)}</g><g transform="translate(0 14)">${tip(180)}</g>
+  </g>`);
 }
 
-function roundEnds() {
-  const ends = (S.body?.handles ?? []).filter(({ kind }) => kind === 'end');
-  return ends
-    .map((handle) => handlePoint('main', handle))
-    .filter(Boolean)
-    .map(([x, y]) => ring(x, y, 15));
+const tip = (turn) => svg`<path class="tip" transform="rotate(${turn})" d="M0-37l7 9H-7z" />`;
+
+function roundEnds(step) {
+  return within(step, ([x, y], { kind }) => ring(x, y, kind === 'end' ? 15 : 12));
 }
 
-/** A frame round the side view, and arrows along the depth. */
-function inSide() {
+/** A frame round the side view, and rings round what may be pulled there. */
+function inSide(step) {
   const side = view('side')?.el?.getBoundingClientRect();
   if (!side) return null;
-  const at = handlePoint('side', S.body?.handles?.find(({ kind }) => kind === 'root'));
-  const arrows = at
-    ? svg`<g transform="translate(${at[0]} ${at[1]})">
-        <path class="dash" d="M-34 0H34" />
-        <path class="tip" d="M-44 0l9-6v12zM44 0l-9-6v12z" />
-      </g>`
-    : nothing;
-  return svg`${frame(side, -2)}${arrows}`;
+  return svg`${frame(side, -2)}${within(step, ([x, y]) => ring(x, y, 9))}`;
 }
 
 function onKey() {
-  return frameRound('#time [aria-label^="Add keyframe"]');
+  const box = document.querySelector('#time [aria-label^="Add keyframe"]')?.getBoundingClientRect();
+  return box?.width ? frame(box, 3) : null;
 }
 
-function frameRound(selector) {
-  const element = document.querySelector(selector);
-  const box = element?.getBoundingClientRect();
-  return box?.width ? frame(box, 3) : null;
+/** A mark on each of the step's handles, none of it outside their view. */
+function within(step, draw) {
+  const { left, top, width, height } = view(step.takes.view).el.getBoundingClientRect();
+  return svg`<clipPath id="guide-clip"><rect x=${left} y=${top} width=${width} height=${height} /></clipPath>
+    <g clip-path="url(#guide-clip)">${spotsOf(step).map(({ at, handle }) => draw(at, handle))}</g>`;
 }
 
 const ring = (x, y, r) => svg`<circle class="halo" cx=${x} cy=${y} r=${r} />
@@ -77,27 +65,3 @@ const frame = (box, room) => svg`<rect
   height=${box.height + 2 * room}
   rx="6"
 />`;
-
-/** A handle's place in window pixels. */
-function handlePoint(name, handle) {
-  const point = handle && S.pose.points?.[handle.anchor];
-  return point ? inWindow(name, point) : null;
-}
-
-function inWindow(name, point) {
-  const shown = view(name);
-  const at = shown?.eye && shown.project(point);
-  if (!at || !Number.isFinite(at[0])) return null;
-  const { left, top } = shown.el.getBoundingClientRect();
-  return [left + at[0], top + at[1]];
-}
-
-function boxOf(name) {
-  const points = Object.values(S.pose.points ?? {})
-    .map((point) => inWindow(name, point))
-    .filter(Boolean);
-  if (!points.length) return null;
-  const xs = points.map(([x]) => x);
-  const ys = points.map(([, y]) => y);
-  return { right: Math.max(...xs), top: Math.min(...ys), bottom: Math.max(...ys) };
-}

@@ -1,24 +1,38 @@
-// Where the guide's card stands: in the corner of the large view that is farthest from the body.
+// Where the guide's card stands: in the corner of the large view that is out of the way of the
+// handles to be dragged in this step, and otherwise farthest from the body.
 
 import { S } from '../state.js';
 import { view } from '../views.js';
+import { largeView } from '../handles/scale.js';
+import { bodyInWindow, spotsOf } from './guide_spots.js';
 
 // Room left for the tools, the heading and the panels at the view's edges, px.
 const ROOM = { left: 72, top: 56, right: 12, bottom: 60 };
-const NEAR = 16; // px; nearer than this the card is in the way
+const NEAR = 16; // px; nearer to the body than this the card is in the way
+const GRASP = 48; // px round a handle in which the hand moves, and its mark stands
+const FAR = 400; // px; beyond this it makes no difference
 
 /** {name, x, y} for a card of this size; the corner `keep` as long as it is not in the way. */
-export function cornerFor(card, keep) {
-  const frame = document.getElementById('main').getBoundingClientRect();
+export function cornerFor(card, step, keep) {
+  const name = largeView();
+  const frame = view(name).el.getBoundingClientRect();
   const size = { width: card.offsetWidth, height: card.offsetHeight };
-  const points = bodyInWindow();
-  const corners = cornersOf(frame, size).map((corner) => ({
-    ...corner,
-    away: Math.min(400, ...points.map((point) => distance(point, corner, size))),
-  }));
-  const kept = corners.find(({ name }) => name === keep);
-  if (kept && kept.away > NEAR) return kept;
-  return corners.reduce((best, one) => (one.away > best.away ? one : best));
+  const body = bodyInWindow(name);
+  const spots = spotsOf(step).map(({ at }) => at);
+  const corners = cornersOf(frame, size).map((corner) => {
+    const away = nearest(body, corner, size);
+    const clear = Math.min(GRASP, nearest(spots, corner, size));
+    return { ...corner, away, clear, bare: overPicture(corner, size) ? 0 : 1 };
+  });
+  const kept = corners.find((corner) => corner.name === keep);
+  if (kept && kept.away > NEAR && kept.clear >= GRASP) return kept;
+  return corners.reduce((best, one) => (goodness(one) > goodness(best) ? one : best));
+}
+
+/** Whether the card, wherever it is, covers a handle that is to be dragged. */
+export function covers(card, step) {
+  const { left: x, top: y, width, height } = card.getBoundingClientRect();
+  return spotsOf(step).some(({ at }) => distance(at, { x, y }, { width, height }) < GRASP / 2);
 }
 
 /** Carry the card with the pointer that has taken it, within the window. */
@@ -33,9 +47,22 @@ export function carry({ currentTarget: card, pointerId, clientX, clientY }) {
   card.onlostpointercapture = () => (card.onpointermove = null);
 }
 
+/** To keep clear of the handles counts more than all else, then to leave the picture free. */
+const goodness = ({ away, clear, bare }) => (FAR / GRASP) * 4 * clear + 2 * FAR * bare + away;
+
+/** Whether the card would cover any of the film: the person may be there. */
+function overPicture({ x, y }, { width, height }) {
+  if (largeView() !== 'main' || !S.camera) return false;
+  const camera = view('main');
+  const { left, top } = camera.el.getBoundingClientRect();
+  const [x0, y0] = camera.fromView([-0.5, -0.5]);
+  const [x1, y1] = camera.fromView([S.camera.width - 0.5, S.camera.height - 0.5]);
+  return x < left + x1 && x + width > left + x0 && y < top + y1 && y + height > top + y0;
+}
+
 function cornersOf(frame, { width, height }) {
   const left = frame.left + ROOM.left;
-  const right = frame.right - ROOM.right - width;
+  const right = Math.max(left, frame.right - ROOM.right - width);
   const top = frame.top + ROOM.top;
   const bottom = Math.max(top, frame.bottom - ROOM.bottom - height - 12);
   return [
@@ -46,17 +73,8 @@ function cornersOf(frame, { width, height }) {
   ];
 }
 
-/** Every joint of the body in window pixels, in the view that shows the camera's picture. */
-function bodyInWindow() {
-  const camera = view('main');
-  const points = Object.values(S.pose?.points ?? {});
-  if (!camera?.eye || !points.length) return [];
-  const { left, top } = camera.el.getBoundingClientRect();
-  return points
-    .map((point) => camera.project(point))
-    .filter((at) => at && Number.isFinite(at[0]))
-    .map(([x, y]) => [left + x, top + y]);
-}
+const nearest = (points, corner, size) =>
+  Math.min(FAR, ...points.map((point) => distance(point, corner, size)));
 
 /** From a point to the nearest edge of the card; 0 inside. */
 function distance([px, py], { x, y }, { width, height }) {

@@ -1,34 +1,48 @@
 // The five steps to a first pose, in the order the guide goes through them. A step takes its tool in
-// hand and opens its tab; any other way of doing it counts as well.
+// hand; any other way of doing it counts as well. `name` is the server's key.
 
+import { S } from '../state.js';
+
+/**
+ * takes: which handles are to be dragged, in which view. again: it is rarely done with one drag, so
+ * the card waits for Next instead of moving on by itself.
+ */
 export const STEPS = [
   {
     name: 'hips',
     tool: 'move',
+    takes: { view: 'main', kinds: ['root'] },
     word: 'Hips',
     title: 'Drag the waist onto the hips',
     text: 'Put the white diamond where the person’s hips are. The whole body comes along.',
   },
   {
     name: 'height',
-    tab: 'body',
-    word: 'Height',
-    title: 'Match the person’s height',
-    text: 'Set Height in the Body tab until head and feet reach as far as the person’s.',
+    tool: 'move',
+    again: true,
+    takes: { view: 'main', kinds: ['root'] },
+    word: 'Size',
+    title: 'As large as the person',
+    text: `Hold D and drag the diamond up or down until head and feet match the person’s. The body
+      comes nearer or goes farther. Set the height in the Body tab first if you know it.`,
   },
   {
     name: 'limbs',
     tool: 'ends',
+    again: true,
+    takes: { view: 'main', kinds: ['end', 'middle'] },
     word: 'Limbs',
-    title: 'Pull hands and feet into place',
-    text: 'Drag the white circles onto the hands and feet. Elbows and knees follow.',
+    title: 'Pull the limbs into place',
+    text: 'Drag the white circles onto hands and feet, then onto elbows and knees.',
   },
   {
     name: 'depth',
-    tool: 'move',
+    tool: 'ends',
+    again: true,
+    takes: { view: 'side', kinds: ['end'] },
     word: 'Depth',
     title: 'Look from the side',
-    text: 'In Side, drag what lies too near or too far. Nothing moves in the camera view.',
+    text: 'In Side, pull hands and feet that lie too near or too far.',
   },
   {
     name: 'key',
@@ -38,7 +52,17 @@ export const STEPS = [
   },
 ];
 
-export const END = {
-  title: 'The first keyframe stands',
-  text: 'Go some 10 to 20 frames on, pose again, press K. Then T tracks the frames between.',
-};
+/** What stands on the card after the last step: where to go on is the server's to say. */
+export function ending() {
+  const keys = S.keys?.frames.length ?? 0;
+  const { words = '', reason = '' } = S.suggest ?? {};
+  if (keys > 1) return { title: 'The first segment stands', text: `${words} ${sentence(reason)}` };
+  const title = keys === 1 ? 'The first keyframe stands' : 'That is how to pose';
+  return { title, text: `${words} Then T tracks the frames between.` };
+}
+
+/** A reason as a sentence of its own. */
+function sentence(reason) {
+  if (!reason) return '';
+  return `${reason[0].toUpperCase()}${reason.slice(1)}${reason.endsWith('.') ? '' : '.'}`;
+}

@@ -19,11 +19,12 @@ export const savedTicks = () => S.saved?.state === 'saved' && Boolean(S.saved.at
 
 function isSaved({ at }) {
   if (!U.connected) return nothing; // the status bar says that edits wait
-  return html`<span class="row saved">${icon('check')}Saved${at ? ` ${shortAgo(at)}` : ''}</span>`;
+  const words = `Saved${at ? ` ${shortAgo(at)}` : ''}`;
+  return html`<span class="row saved" title=${words}>${icon('check')}<span class="say">${words}</span></span>`;
 }
 
 function isSaving() {
-  return html`<span class="row saved saving">${icon('run')}Saving…</span>`;
+  return html`<span class="row saved saving" title="Saving…">${icon('run')}<span class="say">Saving…</span></span>`;
 }
 
 function hasFailed({ words }) {
@@ -38,7 +39,7 @@ function hasFailed({ words }) {
 function isReadOnly({ words }) {
   const [what] = split(words, 'Read only');
   return html`<span class="row saved readonly" title=${words || nothing}>
-    ${icon('lock')}<span class="cut">Read only${what && `: ${what}`}</span>
+    ${icon('lock')}<span class="cut say">Read only${what && `: ${what}`}</span>
   </span>`;
 }
 

@@ -5,14 +5,13 @@ import { icon } from '../icons.js';
 import { backlog } from '../link.js';
 import { S, U, watch } from '../state.js';
 import * as tools from '../handles/tools.js';
+import { waitingEdits } from './banner.js';
 import { count } from './words.js';
-
-const PATIENCE_MS = 10000; // then it may not come back by itself
 
 export function mountStatus() {
   const element = document.getElementById('status');
   const draw = () => render(bar(), element);
-  watch(['file', 'tabs', 'view', 'u:tool', 'u:dragging', 'u:connected', 'u:hover', 'u:seen'], draw);
+  watch(['file', 'tabs', 'view', 'u:tool', 'u:dragging', 'u:connected', 'u:line'], draw);
   // How many edits wait is known to the link alone.
   setInterval(() => U.connected || draw(), 500);
   addEventListener('beforeunload', keepWaiting);
@@ -40,20 +39,14 @@ function tabs() {
   return html`<span class="h">${icon('tabs')}${count(S.tabs, 'tab')} open</span>`;
 }
 
-let lostAt = 0;
-
 function connection() {
   if (U.connected) {
-    lostAt = 0;
     return html`<span class="h"
       ><i class="dot" style="background:var(--good)"></i>Connected
       <span class="dim num">${location.host}</span></span
     >`;
   }
-  lostAt ||= performance.now();
-  const isLong = performance.now() - lostAt > PATIENCE_MS;
-  const advice = isLong ? '. If Keypose has ended, start it again.' : '';
-  const waiting = backlog();
-  const edits = waiting ? `${count(waiting, 'edit')} ${waiting === 1 ? 'waits' : 'wait'} here` : 'edits wait here';
-  return html`<span class="h lostlink" role="status">${icon('warn')}Reconnecting… ${edits}${advice}</span>`;
+  // Where another one answers, nothing that waits will ever be taken.
+  const words = U.line === 'ended' ? 'Not connected' : `Reconnecting… ${waitingEdits()}`;
+  return html`<span class="h lostlink" role="status">${icon('warn')}${words}</span>`;
 }

@@ -3,10 +3,11 @@
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../icons.js';
 import { listen, send } from '../link.js';
-import { U, put, watch } from '../state.js';
+import { S, U, put, watch } from '../state.js';
 import { firstSentence } from './words.js';
 
 const MOST = 4;
+const OPENING_MS = 1500; // what is told while a file opens may come before the file
 const STAYS_MS = { good: 4000, info: 6000, check: 9000, lost: 12000 };
 const ICONS = { good: 'check', check: 'warn', lost: 'lost', info: 'help' };
 
@@ -18,8 +19,10 @@ export function toast(message) {
   const same = shown.find(({ words }) => words === message.words);
   const until = performance.now() + (STAYS_MS[message.kind] ?? STAYS_MS.info);
   if (same) same.until = until;
-  else put('toasts', [...shown, { ...message, until, id: ++count }].slice(-MOST));
+  else put('toasts', [...shown, { ...message, until, ...stamp() }].slice(-MOST));
 }
+
+const stamp = () => ({ id: ++count, path: S.file?.path ?? null, at: performance.now() });
 
 export function mountToasts() {
   const place = document.createElement('div');
@@ -28,8 +31,19 @@ export function mountToasts() {
   document.getElementById('screens').append(place);
   listen('note', toast);
   listen('refused', ({ words }) => toast({ kind: 'check', words }));
+  watch(['file'], forgetOthers);
   watch(['u:toasts'], () => render((U.toasts ?? []).map(card), place));
   setInterval(sweep, 500);
+}
+
+/** Another file is open: what was said of the one before goes. */
+function forgetOthers() {
+  if (!S.file) return;
+  const now = performance.now();
+  const isOurs = ({ path, at }) => path === S.file.path || now - at < OPENING_MS;
+  const shown = U.toasts ?? [];
+  const left = shown.filter(isOurs);
+  if (left.length < shown.length) put('toasts', left);
 }
 
 /** What is old goes; what is being read stays, and so does what waits for an answer. */

@@ -6,9 +6,10 @@ import { onViews, view as viewNamed } from '../views.js';
 import { displaybar, onSlide } from './displaybar.js';
 import { footbars } from './footbars.js';
 import { headbar } from './headbar.js';
-import { onHold } from './hold.js';
+import { hold, onHold } from './hold.js';
 import { largeView } from './scale.js';
 import { toolbar } from './toolbar.js';
+import { hidesHandle } from './underhand.js';
 
 const host = document.createElement('div');
 
@@ -27,6 +28,9 @@ function draw() {
   if (place && host.parentElement !== place) place.append(host);
   host.classList.toggle('quad', U.layout === 'quad');
   render(S.file && S.view ? bars() : nothing, host);
+  for (const bar of host.querySelectorAll('.glass')) {
+    bar.classList.toggle('faded', hold.drag !== null || hidesHandle(bar));
+  }
 }
 
 function bars() {

@@ -73,6 +73,7 @@ function finish(word) {
   if (!drag) return;
   clearTimeout(late);
   late = null;
+  drag.kept = word === 'end_stroke';
   if (drag.told) send({ do: word, stroke: drag.stroke });
   hold.drag = null;
   if ('limb' in drag) put('limb', drag.limb ?? null);

@@ -22,10 +22,10 @@ const CHIPS = {
 export function headbar() {
   const name = largeView();
   return html`<div class="glass" id="mhead">
-    <span class="row b what"><kbd>${VIEWS.indexOf(name) + 1}</kbd>${LABELS[name]}</span>
+    <span class="row b what name"><kbd>${VIEWS.indexOf(name) + 1}</kbd>${LABELS[name]}</span>
     <span class="vsep"></span>
     ${standing()}
-    ${U.layout === 'quad' ? nothing : neighbours().map(chip)}
+    ${U.layout === 'quad' ? nothing : chips()}
   </div>`;
 }
 
@@ -34,13 +34,13 @@ function standing() {
   const { frame } = S.view;
   const source = S.pose?.source;
   if (source === 'keyframe') {
-    return html`<span class="row b what key">${icon('key')}Keyframe ${frame}</span>`;
+    return html`<span class="row b what key">${icon('key')}<span class="word">Keyframe</span> ${frame}</span>`;
   }
   if (source === 'draft') {
-    return html`<span class="row b what draft">${icon('keyadd')}Frame ${frame}</span>
+    return html`<span class="row b what draft">${icon('keyadd')}<span class="word">Frame</span> ${frame}</span>
       <span class="mut say">Posed, press <kbd>K</kbd> to keep</span>`;
   }
-  return html`<span class="row b what">Frame ${frame}</span><span class="mut say">${words(source)}</span>`;
+  return html`<span class="row b what"><span class="word">Frame</span> ${frame}</span><span class="mut say">${words(source)}</span>`;
 }
 
 function words(source) {
@@ -64,22 +64,34 @@ function neighbours() {
   );
 }
 
-function chip(segment) {
+/** Two of them say a word each, one alone its sentence; where to go is never cut. */
+function chips() {
+  const all = neighbours();
+  return all.map((segment) => chip(segment, all.length > 1));
+}
+
+function chip(segment, isShort) {
   const [kind, sign] = CHIPS[segment.state];
-  const say = verdict(segment);
+  const { say, where } = verdict(segment);
   const range = `${segment.first}–${segment.last}`;
-  const go = target(segment);
-  return html`<button class="chip ${kind}" title="${range} ${say}" @click=${() => send({ do: 'go', frame: go })}>
-    ${icon(sign)}<span class="num">${range}</span> <em>${say}</em>
+  const title = `${range}: ${where ? `${say}. ${where}` : say}`;
+  return html`<button class="chip ${kind}" title=${title} aria-label=${title}
+    @click=${() => send({ do: 'go', frame: target(segment) })}>
+    ${icon(sign)}<span class="num">${range}</span>
+    <em class="say">${isShort ? say.split(/[:. ]/)[0] : say}</em>
+    ${where ? html`<em class="num where">${isShort ? `→ ${segment.go}` : where}</em>` : nothing}
   </button>`;
 }
 
-function verdict({ state, words: said, go, pass, of }) {
-  if (state === 'tracking') return pass == null ? 'tracking' : `pass ${pass} of ${of}`;
-  if (state === 'waiting') return 'Waiting';
-  if (state === 'check' && go != null && !said.includes('Go to')) return `${said}. Go to ${go}`;
-  if (state === 'lost' && go != null && !said.includes('Key frame')) return `${said}. Key frame ${go}`;
-  return said;
+/** What is said of a segment, and the sentence which frame to go to, where there is one. */
+function verdict({ state, words: said = '', go, pass, of }) {
+  if (state === 'tracking') return { say: pass == null ? 'Tracking' : `Pass ${pass} of ${of}` };
+  if (state === 'waiting') return { say: 'Waiting' };
+  const say = said.replace(/[.:,;]? *(Go to|Key frame) \d+\.?/, '');
+  // Where the trouble is a keyframe itself, one only looks at it.
+  const isKeyed = S.keys?.frames.includes(go);
+  const word = { check: 'Go to', lost: isKeyed ? 'Go to' : 'Key frame' }[state];
+  return { say, where: go != null && word ? `${word} ${go}` : '' };
 }
 
 /** Where a click on a chip goes: to the trouble, or to the segment's other end. */

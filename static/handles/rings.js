@@ -3,6 +3,7 @@
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
 import { S, U } from '../state.js';
 import { hold, isHot } from './hold.js';
+import { gripsIn } from './grips.js';
 import { isLarge, ringRadius } from './scale.js';
 import { add, apart, axesOf, axesOfView, nearestOnPath, pathOf } from './space.js';
 
@@ -11,6 +12,8 @@ const STEPS = 72;
 const CLEAR_PX = 18;
 // Where along its front half each ring carries its letter: apart from each other in most poses.
 const LETTER_AT = { x: 0.5, y: 0.85, z: 0.2 };
+// How far along it may give way where something stands there already.
+const WAYS = [0, 0.1, -0.1, 0.2, -0.2, 0.3, -0.3, 0.4, -0.4, 0.5, -0.5];
 
 /** The axes a ring turns about, in the frame the person chose. */
 function frameOf(view, part) {
@@ -29,10 +32,12 @@ export function ringsIn(view) {
   const px = view.pxPerMetre(centre);
   if (!(px > 0)) return [];
   const axes = frameOf(view, part);
-  return AXES.map((axis, i) => {
+  const rings = AXES.map((axis, i) => {
     const [e1, e2] = [axes[(i + 1) % 3], axes[(i + 2) % 3]];
     return ringOf(view, { part, axis, centre, e1, e2, radius: ringRadius(view) / px });
   });
+  placeLetters(view, rings);
+  return rings;
 }
 
 function ringOf(view, ring) {
@@ -61,13 +66,25 @@ function frontOf(points) {
   return turned.slice(0, turned.findIndex((p) => !p[2]));
 }
 
-/** Where the ring's letter stands. */
-export function letterAt(ring) {
-  const { front } = ring;
-  const usual = front[Math.floor((front.length - 1) * LETTER_AT[ring.axis])];
-  if (!usual || apart(usual, ring.middle) > CLEAR_PX) return usual ?? null;
-  // Edge-on it would cover the handle in the middle: out to the ring's right end.
-  return front.reduce((far, p) => (p[0] - 0.01 * p[1] > far[0] - 0.01 * far[1] ? p : far));
+/** Give each ring the place of its letter: clear of handles, of the joint and of one another. */
+function placeLetters(view, rings) {
+  if (!isLarge(view)) return;
+  const taken = [rings[0].middle, ...gripsIn(view).map(({ at }) => at)];
+  for (const ring of rings) {
+    ring.letter = freePlace(ring, taken);
+    if (ring.letter) taken.push(ring.letter);
+  }
+}
+
+/** The usual place, or the nearest along the ring that is free; where none is, the freest. */
+function freePlace({ axis, front }, taken) {
+  const room = (p) => Math.min(...taken.map((other) => apart(p, other)));
+  const places = WAYS.map((way) => LETTER_AT[axis] + way)
+    .filter((share) => share >= 0 && share <= 1)
+    .map((share) => front[Math.floor((front.length - 1) * share)])
+    .filter(Boolean);
+  const free = places.find((p) => room(p) > CLEAR_PX);
+  return free ?? places.sort((p, q) => room(q) - room(p))[0] ?? null;
 }
 
 /** The angle on the ring nearest to a place on the screen. */
@@ -95,7 +112,7 @@ function drawRing(view, ring, turning) {
   const active = turning === ring.axis;
   const state = `${active ? 'active' : turning ? 'faded' : ''} ${isHot(view, ring) ? 'hot' : ''}`;
   const front = pathOf(ring.front);
-  const letter = isLarge(view) && !(turning && !active) ? letterAt(ring) : null;
+  const letter = turning && !active ? null : ring.letter;
   return svg`<g class="ring ${ring.axis} ${state}" data-ring=${ring.axis}>
     <path class="back" d=${pathOf(ring.points)} />
     <path class="edge" d=${front} /><path class="front" d=${front} />

@@ -74,17 +74,10 @@ export function sketchKey(key) {
 function closeMask() {
   const { points } = hold.sketch;
   if (points.length < 3) return;
-  const { first, last } = stretch();
-  send({ do: 'add_mask', polygon: points, first, last });
+  // The whole film: what covers something for a while only is given its frames in the Camera tab.
+  send({ do: 'add_mask', polygon: points, first: 0, last: S.file.frames - 1 });
   put('mask', (S.masks ?? []).length);
   put('tool', 'select');
-}
-
-/** The segment one stands in, or the whole clip. */
-function stretch() {
-  const { frame } = S.view;
-  const segment = (S.segments ?? []).find(({ first, last }) => first <= frame && frame <= last);
-  return segment ?? { first: 0, last: S.file.frames - 1 };
 }
 
 function finishVertical(view, x, y) {
@@ -102,7 +95,7 @@ export function sketchHint() {
   if (!sketch) return null;
   if (sketch.tool === 'vertical') return 'Drag along something upright: a wall, a door, a pole.';
   const begun = sketch.points.length;
-  if (!begun) return 'Click around what hides the person.';
+  if (!begun) return 'Cover what moves but is not the body: click around it.';
   if (begun < 3) return 'Go on clicking. Backspace takes back a corner, Esc leaves.';
   return 'Enter or the first corner closes. Backspace takes back a corner, Esc leaves.';
 }

@@ -3,7 +3,7 @@
 import { S, U } from '../state.js';
 import { gripsIn } from './grips.js';
 import { masksIn } from './masks.js';
-import { letterAt, ringsIn } from './rings.js';
+import { ringsIn } from './rings.js';
 import { gripScale, isLarge } from './scale.js';
 import { sizesIn } from './sizes.js';
 import { apart, nearestOnPath } from './space.js';
@@ -11,6 +11,7 @@ import { trailKeysIn } from './trail.js';
 
 const REACH = 12;
 const RING_REACH = 7;
+const LETTER_REACH = 10;
 const BORDER_REACH = 6;
 const FINGER = 1.7;
 const SURE = 0.7;
@@ -55,6 +56,7 @@ function missOf(view, target, x, y) {
 function ringMiss(view, ring, x, y) {
   const reach = isLarge(view) ? RING_REACH : 5;
   const line = nearestOnPath(ring.front, x, y).distance / reach;
-  const letter = isLarge(view) && letterAt(ring);
-  return letter ? Math.min(line, apart(letter, [x, y]) / 10) : line;
+  const letter = ring.letter ? apart(ring.letter, [x, y]) / LETTER_REACH : Infinity;
+  // On the letter there is no doubt which ring is meant, whatever runs through it.
+  return letter < SURE ? letter - 1 : Math.min(line, letter);
 }

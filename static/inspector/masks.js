@@ -16,8 +16,8 @@ export function masks() {
       </p>`}
     ${button({
       name: 'plus', label: drawing ? 'Click the corners, Enter closes' : 'Draw a mask on the picture',
-      kind: drawing ? 'wide on' : 'wide',
-      title: drawing ? 'Stop drawing' : 'Click around what is to be left out',
+      kind: drawing ? 'full on' : 'full',
+      title: drawing ? 'Stop drawing' : 'Cover what moves but is not the body: click around it',
       key: drawing ? 'Esc' : '',
       act: () => put('tool', drawing ? 'select' : 'mask'),
     })}`,

@@ -28,7 +28,7 @@ export function measure(spec, track) {
 
 /** A number that is only told. */
 export function fact(label, words, title = '') {
-  return html`<div class="f w" title=${title}>
+  return html`<div class="f told" title=${title}>
     <label>${label}</label><span></span><output class="num">${words}</output>
   </div>`;
 }

@@ -20,7 +20,7 @@ export function upright() {
     ${fact('Roll', `${shortNumber(roll, 1)}°`, 'How far the camera leans to one side')}
     ${button({
       name: 'mid', label: drawing ? 'Drag along something upright' : 'Draw a vertical on the picture',
-      kind: drawing ? 'wide on' : 'wide',
+      kind: drawing ? 'full on' : 'full',
       title: drawing ? 'Stop drawing' : 'Drag along a door frame, a wall’s edge, a lamp post',
       key: drawing ? 'Esc' : '',
       act: () => put('tool', drawing ? 'select' : 'vertical'),

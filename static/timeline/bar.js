@@ -9,6 +9,7 @@ import { frame } from './head.js';
 import { frameBox } from './framebox.js';
 import { foldLanes } from './fold.js';
 import { zoomToInterval } from './zoom.js';
+import { drawZoomHint } from './zoomhint.js';
 import {
   isKey, keyBeside, keyFrames, middle, next, nextProblem, step, toFirst, togglePlaying, toKey, toLast,
 } from './moves.js';
@@ -22,7 +23,7 @@ function button(name, words, key, act, { off = false, pressed = null } = {}) {
 
 export function drawBar() {
   if (!S.file) return nothing;
-  return html`${transport()}${drawSuggestion()}<span class="sp"></span>${counts()}${right()}`;
+  return html`${transport()}${drawSuggestion()}<span class="sp"></span>${counts()}${drawZoomHint()}${right()}`;
 }
 
 function transport() {

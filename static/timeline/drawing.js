@@ -34,7 +34,7 @@ const LAYERS = [
   ['frames', 'bands', () => [frame(), S.keys, isScore()], ({ rows }) => drawBand(rows, bottomOf(rows))],
   ['frames', 'lanes', () => [S.view?.selected],
     ({ rows, lanes, scroll }) => drawLanes(rows, lanes, scroll)],
-  ['frames', 'segments', () => [S.segments, S.suggest], ({ rows }) => drawSegments(rows)],
+  ['frames', 'segments', () => [S.segments, S.suggest, S.keys], ({ rows }) => drawSegments(rows)],
   ['frames', 'chart', () => [isScore(), ...chartInputs()],
     ({ rows }) => (isScore() ? drawScores(rows.curve) : drawCurve(rows.curve, angleHeld()))],
   ['frames', 'suggestion', () => [suggestedFrame(), S.keys, isScore()],

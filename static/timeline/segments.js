@@ -3,6 +3,7 @@
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
 import { S } from '../state.js';
 import { suggestedFrame } from './moves.js';
+import { draftFrames } from './keymarks.js';
 import { GUTTER, lastFrame, right, visible, x } from './scale.js';
 
 export const BAR = { half: 6 };
@@ -79,8 +80,8 @@ function drawWord(segment, middle) {
   const word = wordOf(segment);
   const { from, to } = clipped(barOf(segment));
   const wide = word.length * 6 + 14;
-  if (word === '' || to - from < wide + 8) return nothing;
-  const at = clearOfSuggestion(from, to, wide);
+  const at = word === '' ? null : freePlace(from, to, wide);
+  if (at === null) return nothing;
   const ink = INKS[segment.state] ?? `f-${segment.state}`;
   return svg`<rect class="f-panel" x=${at - wide / 2} y=${middle - 8} width=${wide} height="16" rx="8" />
     <text class=${`word ${ink}`} x=${at} y=${middle + 4} text-anchor="middle">${word}</text>`;
@@ -90,13 +91,17 @@ function clipped({ from, to }) {
   return { from: Math.max(from, GUTTER), to: Math.min(to, right()) };
 }
 
-/** The middle, or left of the suggested key's diamond where that stands in the middle. */
-function clearOfSuggestion(from, to, wide) {
-  const middle = (from + to) / 2;
+/**
+ * The middle, or beside it where a diamond stands there. Null where no place is free: then the
+ * pattern has to tell.
+ */
+function freePlace(from, to, wide) {
+  if (to - from < wide + 8) return null;
   const suggested = suggestedFrame();
-  if (suggested === null) return middle;
-  const there = x(suggested);
-  if (Math.abs(there - middle) > wide / 2 + 12) return middle;
-  const free = [0.24, 0.76].map((share) => from + (to - from) * share);
-  return free.find((at) => Math.abs(there - at) > wide / 2 + 12) ?? middle;
+  const diamonds = [...draftFrames(), ...(suggested === null ? [] : [suggested])].map(x);
+  const isFree = (at) =>
+    at - wide / 2 >= from && at + wide / 2 <= to &&
+    diamonds.every((there) => Math.abs(there - at) > wide / 2 + 10);
+  const places = [0.5, 0.24, 0.76].map((share) => from + (to - from) * share);
+  return places.find(isFree) ?? null;
 }

@@ -12,7 +12,9 @@ import { listenOn } from './gestures.js';
 import { mountMenu } from './menu.js';
 import { mountSplitter, splitter } from './splitter.js';
 import { PATTERNS } from './patterns.js';
-import { GUTTER, isZoomed, reveal, setWidth, showAll } from './scale.js';
+import { GUTTER, isZoomed, reveal, setWidth } from './scale.js';
+import { showOpened } from './zoom.js';
+import { noticeZoom } from './zoomhint.js';
 import { clearNumbers } from './ruler.js';
 import { flagWidth } from './playhead.js';
 import { headKeys } from './headkeys.js';
@@ -27,7 +29,7 @@ export { foldLanes } from './fold.js';
 const WATCHED = [
   'file', 'view', 'keys', 'segments', 'suggest', 'lanes', 'curve', 'body', 'job',
   'u:playing', 'u:chart', 'u:lanes', 'u:curveAxis', 'u:timeWindow', 'u:timeSize', 'u:timeHead',
-  'u:timeHeld', 'u:timeHover', 'u:timeOpen', 'u:timeScroll',
+  'u:timeHeld', 'u:timeHover', 'u:timeOpen', 'u:timeScroll', 'u:zoomHint',
 ];
 
 U.timeSize = { width: 0, height: 0 };
@@ -96,6 +98,7 @@ let before = { clip: null, frame: null };
 
 function redraw(bar, drawing, layers) {
   follow();
+  noticeZoom();
   render(drawBar(), bar);
   show(bar.querySelector('.fbox input'));
   for (const draw of layers) draw();
@@ -106,7 +109,7 @@ function redraw(bar, drawing, layers) {
 /** Another clip is shown whole; a playhead that leaves the window takes it along. */
 function follow() {
   const clip = S.file ? `${S.file.path} ${S.file.frames}` : null;
-  if (clip !== before.clip) showAll();
+  if (clip !== before.clip) showOpened();
   else if (frame() !== before.frame) reveal(frame(), pageFor());
   before = { clip, frame: frame() };
 }

@@ -5,6 +5,22 @@ import { frame } from './head.js';
 import { around, keyFrames } from './moves.js';
 
 const AIR = 0.06;
+const AIR_OPENED = 0.1;
+const LITTLE = 0.25; // of the film: the keyframes stand too close together to be worked with
+
+/** Whether the keyframes take up little of a long film. */
+export function isKeyedLittle() {
+  const keys = keyFrames();
+  return keys.length > 1 && keys.at(-1) - keys[0] < LITTLE * lastFrame();
+}
+
+/** A film just opened is shown whole, or where its keyframes are. */
+export function showOpened() {
+  if (!isKeyedLittle()) return showAll();
+  const [first, last] = [keyFrames()[0], keyFrames().at(-1)];
+  const air = (last - first) * AIR_OPENED;
+  return showFrames(first - air, last + air);
+}
 
 /** Show these frames with a little air on both sides. */
 export function zoomTo(first, last) {

@@ -6,6 +6,7 @@ import { cameraEye } from './cameras.js';
 import { View } from './view.js';
 
 const GREATEST_SCALE = 64;
+const BARS_PX = 52; // the height of the bars at the top
 
 export class CameraView extends View {
   screen = Object.assign(document.createElement('canvas'), { className: 'vid' });
@@ -27,8 +28,16 @@ export class CameraView extends View {
 
   showAll() {
     if (!S.camera) return;
-    this.window.showBox([-0.5, -0.5, S.camera.width - 0.5, S.camera.height - 0.5]);
+    const { width, height } = S.camera;
+    const room = { x: 0, top: this.topRoom(width, height), bottom: 0 };
+    this.window.showBox([-0.5, -0.5, width - 0.5, height - 0.5], room);
     this.window.limit(Math.min(0.1, this.window.scale / 2), GREATEST_SCALE);
+  }
+
+  /** A standing film has its head at the top: it begins below the bars. */
+  topRoom(width, height) {
+    const isStanding = height > width;
+    return isStanding && this.isInLargePlace && this.isLarge ? BARS_PX : 0;
   }
 
   draw() {

@@ -5,7 +5,7 @@ import { icon } from '../../icons.js';
 import { send } from '../../link.js';
 import { U, put, watch } from '../../state.js';
 import { dialogIn } from '../dialogs.js';
-import { bytes, longAgo } from '../words.js';
+import { bytes, listed, longAgo } from '../words.js';
 import { loadLibrary } from './library.js';
 import { takeFiles } from './uploading.js';
 
@@ -95,14 +95,26 @@ function choose({ id }) {
 function none() {
   if (!U.library) return html`<p class="dim nothing">Looking…</p>`;
   return html`<p class="dim nothing">
-    ${U.fileFind ? html`Nothing is called “${U.fileFind}”.` : 'There is nothing in these folders.'}
+    ${U.fileFind ? html`Nothing is called “${U.fileFind}”.` : nowhere()}
   </p>`;
 }
 
 function footnote(found) {
   if (U.library?.more || found > MOST) return 'There are more files than shown: find them by name.';
   const roots = U.library?.folders ?? [];
-  return roots.length ? `Looked in ${roots.join(', ')}` : '';
+  if (!roots.length || !found) return '';
+  return U.chooser.lost ? nowhere() : `Looked in ${roots.join(', ')}`;
+}
+
+/** Which folders were looked into, and what to do when it lies in another. */
+function nowhere() {
+  const { kind, lost } = U.chooser;
+  const roots = U.library?.folders ?? [];
+  const what = lost ? lost.video : kind === 'session' ? 'A session' : 'A video';
+  // A copy of a video that was moved would not be the session's own.
+  const drop = lost || kind === 'session' ? '' : ', or drop the video here';
+  const where = roots.length ? `Listed: ${listed(roots)}. ` : '';
+  return `${where}${what} in another folder? Start Keypose in that folder${drop}.`;
 }
 
 /** A video that lies in another folder is copied into Keypose's own. */

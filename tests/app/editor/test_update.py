@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from app.editor.refusal import Refused
 from app.editor.shown import shown
 from tests.app.editor.desk import after, angles, desk
 from tracker.errors import KeyposeError
+from tracker.pose import Pose
 from tracker.session import Session
 from tracker.session.files import session_json
 
@@ -242,3 +244,45 @@ def test_undoing_everything_leads_back_to_the_beginning(edits: list[dict[str, An
     while state.history.past:
         state = after(state, {"do": "undo"})
     assert state.doc is start.doc
+
+
+def test_a_keyframe_that_comes_to_a_drafted_frame_is_what_is_shown_there() -> None:
+    drafted = after(desk(), {"do": "go", "frame": 12}, TURN)
+    for do in ("move_key", "duplicate_key"):
+        state = after(drafted, {"do": do, "frame": 24, "to": 12})
+        assert state.doc.drafts == ()
+        assert shown(state).source == "keyframe"
+
+
+def test_an_edit_at_a_frame_with_a_keyframe_and_a_draft_can_be_seen() -> None:
+    start = desk()
+    draft = start.doc.keyframes[0]
+    state = after(start.with_doc(start.doc.model_copy(update={"drafts": (draft,)})), TURN)
+    np.testing.assert_allclose(angles(state, "left_forearm")[0], -40, atol=1e-6)
+
+
+def test_a_body_of_other_parts_stands_though_nothing_is_posed_yet() -> None:
+    start = desk(keyframes=False)
+    parts = start.doc.body.parts[:1]
+    one = start.doc.body.model_copy(update={"parts": parts, "mirror_pairs": ()})
+    state = after(start.with_doc(start.doc.model_copy(update={"body": one})))
+    assert len(shown(state).pose.Rs_parent_part) == 1
+    state = after(state, {"do": "preset", "name": "adult_male"}, {"do": "toggle_key"})
+    assert len(shown(state).pose.Rs_parent_part) == 16
+
+
+def test_a_body_behind_the_camera_is_no_keyframe_for_no_file_could_hold_it() -> None:
+    state = desk(keyframes=False)
+    near = Pose(state.opening.Rs_parent_part, np.array([0.0, 0.0, 0.03]))
+    with pytest.raises(Refused, match="behind the camera"):
+        after(replace(state, opening=near), {"do": "toggle_key"})
+
+
+def test_undo_says_what_it_takes_back_as_a_person_would() -> None:
+    handle = {"kind": "surface", "part": "head", "tool": "move"}
+    way = {"view": "main", "from": [300, 200], "at": [320, 200]}
+    moved = after(desk(), {"do": "drag", "handle": handle, **way})
+    assert moved.history.past[-1].label == "move the body"
+    assert after(desk(), {"do": "preset", "name": "adult_female"}).history.past[-1].label == (
+        "body adult female"
+    )

@@ -89,7 +89,7 @@ def test_neck_and_chest_take_their_shares_when_the_head_is_dragged(
     if turned[2] > 1e-3:
         assert 0.5 < turned[0] / turned[2] < 0.7
     if view == "main" and not posed.readout.out_of_reach and np.hypot(*way) > 0.06:
-        np.testing.assert_allclose(seen, end, atol=0.3)  # 2 mm past its outline, or exactly
+        np.testing.assert_allclose(seen, end, atol=0.5)  # 2 mm past its outline, or exactly
         assert np.abs(seen - end).max() < 1e-4 or past_outline(posed.pose, end)
 
 

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.posing import Posed, angles_deg, drag
+from app.posing.turning import furthest
 from app.posing.vectors import any_across
 from tests.app.posing.posing_cases import (
     CAMERA,
@@ -237,3 +238,12 @@ def test_a_part_taken_by_its_surface_turns_as_the_pointer_goes_round_its_joint()
     turned = made_turn(pose, about_x.pose, "left_upper_arm")
     own = ring_axis(pose, "left_upper_arm", "x", "part", "main")
     np.testing.assert_allclose(np.cross(turned, own), 0, atol=1e-9)
+
+
+def test_an_angle_of_a_million_turns_is_looked_at_for_one_turn_only() -> None:
+    box = np.radians([[-30.0, 30.0], [-30.0, 30.0], [-30.0, 30.0]])
+    axis = np.array([1.0, 0.0, 0.0])
+    far = furthest(np.eye(3), axis, 2e6 * np.pi, box)
+    assert far == pytest.approx(furthest(np.eye(3), axis, 2.0, box), abs=1e-4)
+    free = np.array([[-np.pi, np.pi]] * 3)
+    assert furthest(np.eye(3), axis, 2e6 * np.pi, free) == 2e6 * np.pi

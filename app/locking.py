@@ -1,0 +1,62 @@
+"""One writer for each session: a lock that ends with the process that holds it, however it ends."""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from pathlib import Path
+
+try:
+    import fcntl
+except ImportError:  # not on Windows, where two Keyposes on one session are not noticed
+    fcntl = None  # type: ignore[assignment]
+
+from tracker.errors import SessionError
+
+NAME = ".keypose.lock"
+
+
+class HeldElsewhere(SessionError):
+    """Another process has the session; the text says which."""
+
+
+class SessionLock:
+    """The right to write into a session's folder, until it is released."""
+
+    def __init__(self, descriptor: int | None) -> None:
+        self._descriptor = descriptor
+
+    @classmethod
+    def take(cls, folder: Path) -> SessionLock:
+        """Take the lock of a folder that exists; HeldElsewhere when another process has it.
+
+        Where no file can be made, nothing can be saved either, which is told when it is tried.
+        """
+        if fcntl is None:
+            return cls(None)
+        try:
+            descriptor = os.open(folder / NAME, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+        except OSError:
+            return cls(None)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            holder = _holder(descriptor)
+            os.close(descriptor)
+            raise HeldElsewhere(f"open in another Keypose{holder}") from None
+        os.ftruncate(descriptor, 0)
+        os.pwrite(descriptor, str(os.getpid()).encode(), 0)
+        return cls(descriptor)
+
+    def release(self) -> None:
+        """Let others write; the file stays, since removing it could take another's lock away."""
+        if self._descriptor is not None:
+            with suppress(OSError):
+                os.close(self._descriptor)
+            self._descriptor = None
+
+
+def _holder(descriptor: int) -> str:
+    with suppress(OSError, ValueError):
+        return f" (pid {int(os.pread(descriptor, 20, 0))})"
+    return ""

@@ -1,0 +1,43 @@
+// What lies over a picture gives way to what is under it: a drag that passes there, and a handle
+// that the pointer comes near.
+
+import { view as viewNamed } from '../views.js';
+import { gripsIn } from './grips.js';
+import { hold } from './hold.js';
+import { apart } from './space.js';
+import { isReady } from './targets.js';
+
+const MARGIN = 24;
+const NEAR = 90;
+
+/** Whether the drag under way, the pointer or the handle it pulls, is at this element. */
+export function isUnderHand(element) {
+  const { drag } = hold;
+  if (!drag) return false;
+  const view = viewNamed(drag.view);
+  const held = gripsIn(view).find(({ key }) => key === drag.target?.key);
+  const box = boxIn(view, element);
+  return [drag.seen, ...(held ? [held.at] : [])].some((at) => holds(box, at, MARGIN));
+}
+
+/** Whether the resting pointer is near a handle that lies under this element. */
+export function hidesHandle(element) {
+  const { pointer } = hold;
+  if (!pointer || !isReady(pointer.view)) return false;
+  const box = boxIn(pointer.view, element);
+  const near = [pointer.x, pointer.y];
+  return gripsIn(pointer.view).some(({ at, radius }) => holds(box, at, radius) && apart(at, near) < NEAR);
+}
+
+/** An element's box in pixels of a view. */
+function boxIn(view, element) {
+  const own = view.over.getBoundingClientRect();
+  const { left, top, width, height } = element.getBoundingClientRect();
+  return { left: left - own.left, top: top - own.top, width, height };
+}
+
+function holds({ left, top, width, height }, [x, y], margin) {
+  return (
+    x > left - margin && x < left + width + margin && y > top - margin && y < top + height + margin
+  );
+}

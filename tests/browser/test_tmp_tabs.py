@@ -1,0 +1,193 @@
+"""One session in several tabs, after a reload, and after the line to the server was lost."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, Page
+
+from tests.app.serving import Visitor
+from tests.browser.cable import Cable, cable
+from tests.browser.hands import drag, section, spot, until, until_told
+from tests.browser.shared import Desk, let_in, opened, served
+
+SHARED = ("file", "camera", "views", "body", "view", "pose", "keys", "segments", "undo", "masks")
+"""What all tabs show alike."""
+
+DRAWN = """
+() => [...document.querySelectorAll('iframe.viser')].map((frame) => {
+  const node = frame.contentWindow.__viserMutable?.nodeRefFromName['/camera/body/0'];
+  return node ? node.position.toArray() : null;
+})
+"""
+"""Where viser's four pictures have the body's first part, camera frame."""
+
+
+@pytest.fixture(scope="module")
+def wired(
+    browser: Browser, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[tuple[Desk, Cable]]:
+    """A page whose line to the server can be cut, with viser's pictures."""
+    with (
+        cable() as laid,
+        served(tmp_path_factory.mktemp("tabs")) as (keypose, session),
+        let_in(browser, drawn=True, proxy={"server": laid.address}) as context,
+    ):
+        visitor = Visitor(keypose)
+        page = opened(context, keypose)
+        until(lambda: page.locator(".view.drawn").count() == 4, "the four views", 120)
+        yield Desk(page, visitor, keypose, session), laid
+        visitor.leave()
+
+
+@pytest.fixture
+def at(wired: tuple[Desk, Cable]) -> Desk:
+    """The page as if it had just been opened."""
+    wired[0].fresh()
+    return wired[0]
+
+
+@pytest.fixture
+def other(browser: Browser, at: Desk) -> Iterator[Page]:
+    """Another tab, in a browser of its own."""
+    with let_in(browser, drawn=False) as context:
+        yield opened(context, at.keypose)
+
+
+@pytest.fixture
+def line(wired: tuple[Desk, Cable]) -> Iterator[Cable]:
+    """The line, whole again afterwards."""
+    yield wired[1]
+    wired[1].mend()
+    until(lambda: _connected(wired[0].page), "the line")
+
+
+def _connected(page: Page) -> bool:
+    return bool(page.evaluate("() => window.keypose.U.connected"))
+
+
+def _all(page: Page) -> dict[str, Any]:
+    return {name: json.loads(json.dumps(section(page, name))) for name in SHARED}
+
+
+def _alike(*pages: Page) -> bool:
+    return all(_all(page) == _all(pages[0]) for page in pages)
+
+
+def _is_drawn(page: Page) -> bool:
+    """Whether all four pictures of viser show the pose that the page was told."""
+    root = np.array(section(page, "pose.root"))
+    there = page.evaluate(DRAWN)
+    return len(there) == 4 and all(p is not None and np.allclose(p, root, atol=1e-4) for p in there)
+
+
+def test_what_one_tab_does_appears_in_the_other(at: Desk, other: Page) -> None:
+    one = at.page
+    assert _alike(one, other)
+    until_told(one, "tabs", lambda count: count == 3)
+    assert "3 tabs open" in one.locator("#status").inner_text()
+    start = spot(one, "left_hand")
+    drag(one, start, (start[0] + 16, start[1] - 20), steps=3)
+    until(
+        lambda: _alike(one, other) and section(other, "undo.undo") == "move left hand", "the edit"
+    )
+    np.testing.assert_allclose(spot(other, "left_hand"), spot(one, "left_hand"), atol=0.5)
+    other.keyboard.press("ArrowRight")
+    until(lambda: section(one, "view.frame") == 1, "the frame")
+    one.wait_for_selector("#main canvas.vid[data-frame='1']")
+    other.keyboard.press("k")
+    until(lambda: 1 in section(one, "keys.frames"), "the keyframe")
+    one.keyboard.press("Control+z")
+    one.keyboard.press("Control+z")
+    until(lambda: section(other, "undo.undo") is None, "the undo")
+    until(lambda: _alike(one, other), "the same state")
+    other.close()
+    until_told(one, "tabs", lambda count: count == 2)
+
+
+def test_tool_and_layout_are_each_tabs_own(at: Desk, other: Page) -> None:
+    own = "() => [window.keypose.U.tool, window.keypose.U.layout]"
+    at.page.keyboard.press("r")
+    at.page.keyboard.press("2")
+    assert at.page.evaluate(own) == ["rotate", "top"]
+    assert other.evaluate(own) == ["select", "main"]
+
+
+def test_a_reload_comes_back_to_the_same(at: Desk) -> None:
+    at.page.keyboard.press("ArrowRight")
+    until_told(at.page, "view.frame", lambda frame: frame == 1)
+    start = spot(at.page, "waist")
+    drag(at.page, start, (start[0] + 30, start[1] + 10), steps=3)
+    until_told(at.page, "undo.undo", lambda label: label == "move the body")
+    at.page.keyboard.press("w")
+    until_told(at.page, "view.mode", lambda mode: mode != "both")
+    before, place = _all(at.page), spot(at.page, "waist")
+    at.page.reload()
+    at.page.wait_for_selector("html[data-ready]", state="attached")
+    at.page.wait_for_selector("#main canvas.vid[data-frame='1']")
+    assert _all(at.page) == before
+    np.testing.assert_allclose(spot(at.page, "waist"), place, atol=0.5)
+    until(lambda: at.page.locator(".view.drawn").count() == 4, "the four views", 120)
+    until(lambda: _is_drawn(at.page), "viser's pictures")
+
+
+def test_without_a_line_edits_wait_and_arrive_in_order(at: Desk, line: Cable) -> None:
+    page = at.page
+    line.cut()
+    status = page.locator("#status")
+    try:
+        until(lambda: "Reconnecting… edits wait here" in status.inner_text(), "the word", 8)
+    except AssertionError:
+        print("STATUS", status.inner_text(), page.evaluate("()=>[window.keypose.U.connected, window.keypose.S.ack]"), line._lines, line._whole)
+        raise
+    for key in ("ArrowRight", "k", "ArrowRight", "k", "Control+z", "ArrowRight", "k"):
+        page.keyboard.press(key)
+    until(lambda: "7 edits wait here" in status.inner_text(), "the count")
+    assert at.served["view"]["frame"] == 0
+    assert at.served["undo"]["undo"] is None
+    line.mend()
+    until(lambda: at.served["keys"]["frames"] == [0, 1, 3, 24, 48, 72], "the edits")
+    until(lambda: "Connected" in status.inner_text(), "the word")
+    assert at.agreed("view")["frame"] == 3
+    for name in SHARED:
+        at.agreed(name)
+    until(lambda: at.agreed("saved")["state"] == "saved", "the file")
+
+
+def test_after_the_line_was_lost_all_four_views_come_back(at: Desk, line: Cable) -> None:
+    until(lambda: _is_drawn(at.page), "viser's pictures")
+    line.cut()
+    until(lambda: not _connected(at.page), "the loss")
+    at.visitor.do(do="root", x=0.4, z=6.0)
+    line.mend()
+    until(lambda: _connected(at.page), "the line")
+    at.agreed("pose")
+    until(lambda: _is_drawn(at.page), "viser's pictures")
+    start = spot(at.page, "waist")
+    drag(at.page, start, (start[0] - 30, start[1]), steps=3)
+    at.agreed("pose")
+    until(lambda: _is_drawn(at.page), "viser's pictures")
+
+
+def test_a_drag_is_one_step_though_the_line_is_lost_meanwhile(at: Desk, line: Cable) -> None:
+    page, before = at.page, at.served["pose"]
+    start = spot(page, "left_hand")
+    drag(page, start, (start[0] + 6, start[1] - 6), steps=2, drop=False)
+    until_told(page, "pose.gesture", bool)
+    line.cut()
+    until(lambda: not _connected(page), "the loss")
+    page.mouse.move(start[0] + 12, start[1] - 12, steps=5)
+    line.mend()
+    page.mouse.up()
+    until(lambda: _connected(page), "the line")
+    until(lambda: at.agreed("pose")["stroke"] is None, "the end of the drag")
+    for name in SHARED:
+        at.agreed(name)
+    assert at.served["undo"]["undo"] == "move left hand"
+    at.visitor.do(do="undo")
+    assert at.agreed("pose") == before
+    assert at.served["undo"]["undo"] is None
