@@ -23,6 +23,7 @@ from app.editor.update import ended, update
 from app.frames import Frames
 from app.guiding import guide_after
 from app.library import Library
+from app.locking import HeldElsewhere, SessionLock
 from app.opening import Workpiece, edit_state, open_workpiece
 from app.outlook import Guide, Job, Opened, Outlook, Saved
 from app.results import save_results, tidy_tracks
@@ -67,6 +68,8 @@ class Store:
         self._opening = asyncio.Lock()
         self._tasks: set[asyncio.Task[None]] = set()
         self._warned: str | None = None
+        self._lock: SessionLock | None = None
+        self._read_only = ""
         self.frames: Frames | None = None
 
     @property
@@ -122,6 +125,8 @@ class Store:
             return
         if self._outlook.edit is None:
             raise Refused("Open a video first.")
+        if not isinstance(action, actions.Looking):
+            self._demand_writable()
         self._edit_to(update(self._outlook.edit, action))
         guide = guide_after(self._outlook.guide, action, self._outlook.edit.doc.body)
         if guide is not self._outlook.guide:
@@ -168,12 +173,14 @@ class Store:
             self._saving_later.cancel()
             self._saving_later = None
         edit, piece = self._outlook.edit, self._piece
-        if edit is None or piece is None:
+        if edit is None or piece is None or self._read_only:
             return
         path, doc = piece.session_path, edit.settled
 
         def write() -> None:
             make_folder(path.parent, error=SessionError)
+            if self._lock is None:  # the folder is new
+                self._lock = SessionLock.take(path.parent)
             session = save_results(doc, path, edit.results)
             save_session(session, path)
             with suppress(OSError):  # what is left over does no harm
@@ -218,8 +225,13 @@ class Store:
         elif self._outlook.edit is None or self._piece is None:
             raise Refused("Open a video first.")
         else:
+            self._demand_writable()
             self._edit_to(ended(self._outlook.edit))
             self._runner.track(self._piece, self._outlook.edit, action.what)
+
+    def _demand_writable(self) -> None:
+        if self._read_only:
+            raise Refused(f"{self._read_only}. Close it there, then open it here again.")
 
     # --- opening and closing
 
@@ -268,14 +280,25 @@ class Store:
                 piece.video.close()
                 raise
             self._piece = piece
+            self._take_lock(piece.session_path.parent)
             self.frames = Frames(piece.video)
             self._look(
                 opened=Opened(piece.name, str(piece.session_path), piece.video.info, film),
                 edit=edit,
                 guide=Guide(first=not edit.doc.keyframes),
-                saved=Saved("saved", 0.0, "Nothing to save yet" if piece.fresh else ""),
+                saved=Saved("readonly" if self._read_only else "saved", 0.0, self._read_only),
             )
             self._runner.opened(edit)
+
+    def _take_lock(self, folder: Path) -> None:
+        """Be the one who writes there, or know who is."""
+        self._read_only = ""
+        if not folder.is_dir():
+            return
+        try:
+            self._lock = SessionLock.take(folder)
+        except HeldElsewhere as held:
+            self._read_only = f"Read only: {held}"
 
     async def close_session(self) -> None:
         """Save, and go back to the start screen."""
@@ -312,6 +335,10 @@ class Store:
         self._piece = self.frames = self._warned = None
         self._saver.give_up()
         self._runner.closed()
+        if self._lock is not None:
+            self._lock.release()
+            self._lock = None
+        self._read_only = ""
         self._look(opened=None, edit=None, running={}, job=Job(), saved=Saved())
         if frames is not None:
             frames.close()

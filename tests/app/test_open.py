@@ -180,3 +180,33 @@ def test_a_video_without_a_session_begins_one_beside_it(session: Path, tmp_path:
     assert len(load_session(session.parent / "person.keypose" / "session.json").keyframes) == 1
     tab.leave()
     keypose.end()
+
+
+def test_a_second_program_on_one_session_reads_only_and_says_who_writes(
+    tab: Visitor, keypose: Keypose, session: Path
+) -> None:
+    second = Keypose(str(session), "--workspace", str(session.parent / "w"))
+    reader = Visitor(second)
+    told = f"Read only: open in another Keypose (pid {keypose.process.pid})"
+    assert reader.seen["saved"] == {"state": "readonly", "at": 0.0, "words": told}
+    reader.do(do="go", frame=7)
+    assert reader.seen["view"]["frame"] == 7
+    for action in (turn(-20), {"do": "undo"}, {"do": "track", "what": "all"}):
+        reader.do(**action)
+        assert reader.refusal().startswith(told)
+    tab.do(**turn(-33))
+    tab.until(lambda: tab.seen["saved"]["state"] == "saved" and tab.seen["saved"]["at"] > 0)
+    reader.leave()
+    second.end()
+    assert load_session(session).keyframes[0].rotations_wxyz["left_forearm"][0] > 0.9
+
+
+def test_what_another_program_let_go_of_can_be_written_again(
+    tab: Visitor, keypose: Keypose, session: Path
+) -> None:
+    keypose.end()
+    second = Keypose(str(session), "--workspace", str(session.parent / "w"))
+    writer = Visitor(second)
+    assert writer.seen["saved"]["state"] == "saved"
+    writer.leave()
+    second.end()

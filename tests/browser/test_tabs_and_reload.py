@@ -85,11 +85,16 @@ def _is_drawn(page: Page) -> bool:
     return len(there) == 4 and all(p is not None and np.allclose(p, root, atol=1e-4) for p in there)
 
 
+def status(page: Page) -> str:
+    """The words of the bar below, in small letters."""
+    return page.locator("#status").inner_text().lower()
+
+
 def test_what_one_tab_does_appears_in_the_other(at: Desk, other: Page) -> None:
     one = at.page
     assert _alike(one, other)
     until_told(one, "tabs", lambda count: count == 3)
-    assert "3 tabs open" in one.locator("#status").inner_text()
+    until(lambda: "3 tabs open" in status(one), "the count")
     start = spot(one, "left_hand")
     drag(one, start, (start[0] + 16, start[1] - 20), steps=3)
     until(
@@ -138,16 +143,15 @@ def test_a_reload_comes_back_to_the_same(at: Desk) -> None:
 def test_without_a_line_edits_wait_and_arrive_in_order(at: Desk, line: Cable) -> None:
     page = at.page
     line.cut()
-    status = page.locator("#status")
-    until(lambda: "Reconnecting… edits wait here" in status.inner_text(), "the word")
+    until(lambda: "reconnecting… edits wait here" in status(page), "the word")
     for key in ("ArrowRight", "k", "ArrowRight", "k", "Control+z", "ArrowRight", "k"):
         page.keyboard.press(key)
-    until(lambda: "7 edits wait here" in status.inner_text(), "the count")
+    until(lambda: "7 edits wait here" in status(page), "the count")
     assert at.served["view"]["frame"] == 0
     assert at.served["undo"]["undo"] is None
     line.mend()
     until(lambda: at.served["keys"]["frames"] == [0, 1, 3, 24, 48, 72], "the edits")
-    until(lambda: "Connected" in status.inner_text(), "the word")
+    until(lambda: "connected" in status(page), "the word")
     assert at.agreed("view")["frame"] == 3
     for name in SHARED:
         at.agreed(name)

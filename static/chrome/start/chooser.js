@@ -110,11 +110,11 @@ function footnote(found) {
 function nowhere() {
   const { kind, lost } = U.chooser;
   const roots = U.library?.folders ?? [];
-  const what = lost ? lost.video : kind === 'session' ? 'A session' : 'A video';
+  const what = lost ? lost.video : kind === 'session' ? 'a session' : 'a video';
   // A copy of a video that was moved would not be the session's own.
   const drop = lost || kind === 'session' ? '' : ', or drop the video here';
-  const where = roots.length ? `Listed: ${listed(roots)}. ` : '';
-  return `${where}${what} in another folder? Start Keypose in that folder${drop}.`;
+  const listing = roots.length ? `Listed are ${listed(roots)}` : 'No folder is listed';
+  return `${listing}: for ${what} in another folder, start Keypose in that folder${drop}.`;
 }
 
 /** A video that lies in another folder is copied into Keypose's own. */

@@ -85,7 +85,7 @@ def test_neck_and_chest_take_their_shares_when_the_head_is_dragged(
         np.arccos(np.clip((np.trace(after[name] @ before[name].T) - 1) / 2, -1, 1))
         for name in ("chest", "neck", "head")
     ]
-    assert turned[0] <= turned[1] + 1e-9 <= turned[2] + 2e-9
+    assert turned[0] <= turned[1] + 1e-6 <= turned[2] + 2e-6  # as exact as arccos is near 1
     if turned[2] > 1e-3:
         assert 0.5 < turned[0] / turned[2] < 0.7
     if view == "main" and not posed.readout.out_of_reach and np.hypot(*way) > 0.06:
