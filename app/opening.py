@@ -10,7 +10,7 @@ from pathlib import Path
 from app.editor.sights import up_of
 from app.editor.state import EditorState
 from app.posing import opening_pose
-from app.results import load_results
+from app.results import Results, load_results
 from tracker.body import preset
 from tracker.camera import Camera
 from tracker.errors import SessionError
@@ -88,11 +88,17 @@ def new_session(video: Video, session_path: Path) -> Session:
     )
 
 
-def edit_state(piece: Workpiece) -> EditorState:
-    """What the page starts from: the session at its first keyframe, with its tracked motion."""
+def edit_state(piece: Workpiece) -> tuple[EditorState, str]:
+    """What the page starts from: the session at its first keyframe, with its tracked motion.
+
+    And a sentence where that cannot be read, for the keyframes are worth more than the motion.
+    """
     session = piece.session
-    results = load_results(session, piece.session_path)
-    return EditorState(
+    try:
+        results, problem = load_results(session, piece.session_path), ""
+    except SessionError as error:
+        results, problem = Results(), f"{error} The keyframes are all there: track again."
+    state = EditorState(
         doc=session.model_copy(update={"results": None}),
         skeleton=Skeleton.of(session.body),
         times_s=piece.video.info.times_s,
@@ -101,6 +107,7 @@ def edit_state(piece: Workpiece) -> EditorState:
         frame=session.keyframes[0].frame if session.keyframes else 0,
         selected=session.body.parts[0].name,
     )
+    return state, problem
 
 
 def _opened(path: Path) -> Workpiece:

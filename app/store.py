@@ -70,6 +70,7 @@ class Store:
         self._warned: str | None = None
         self._lock: SessionLock | None = None
         self._read_only = ""
+        self._unheard: list[dict[str, Any]] = []
         self.frames: Frames | None = None
 
     @property
@@ -89,6 +90,9 @@ class Store:
         self._look(tabs=len(self._tabs))
         self._tell()
         tab.tell(self._sections.all)
+        for message in self._unheard:
+            tab.say(message)
+        self._unheard.clear()
         return tab
 
     def leave(self, tab: Tab) -> None:
@@ -273,7 +277,7 @@ class Store:
                 if self._piece is not None and self._piece.is_same(piece):
                     await asyncio.to_thread(piece.video.close)
                     return
-                edit = await asyncio.to_thread(edit_state, piece)
+                edit, problem = await asyncio.to_thread(edit_state, piece)
                 film = await asyncio.to_thread(piece.film)
                 await self._put_away()
             except BaseException:
@@ -289,6 +293,8 @@ class Store:
                 saved=Saved("readonly" if self._read_only else "saved", 0.0, self._read_only),
             )
             self._runner.opened(edit)
+            if problem:
+                self.note("check", problem)
 
     def _take_lock(self, folder: Path) -> None:
         """Be the one who writes there, or know who is."""
@@ -358,9 +364,12 @@ class Store:
             raise SessionError(f"{problem} The last changes are lost.")
 
     def note(self, kind: str, words: str, button: dict[str, Any] | None = None) -> None:
-        """Tell every tab something worth a sentence."""
+        """Tell every tab something worth a sentence; when there is none, the first that comes."""
+        message = {"t": "note", "kind": kind, "words": words, "button": button}
         for tab in self._tabs:
-            tab.say({"t": "note", "kind": kind, "words": words, "button": button})
+            tab.say(message)
+        if not self._tabs:
+            self._unheard.append(message)
 
 
 def _without_number(message: Any) -> Any:

@@ -92,7 +92,8 @@ def _serve(
     server: Server, listener: socket.socket, path: Path | None, arguments: argparse.Namespace
 ) -> int:
     """Until a signal asks to end."""
-    for number in (signal.SIGINT, signal.SIGTERM):
+    hang_up = getattr(signal, "SIGHUP", signal.SIGTERM)  # the terminal was closed
+    for number in (signal.SIGINT, signal.SIGTERM, hang_up):
         signal.signal(number, lambda *_: server.ask_to_stop())
     loop = server.stage.loop
     if path is not None:

@@ -55,6 +55,18 @@ def _both(*makers: Callable[[Outlook], tuple[Any, ...]]) -> Callable[[Outlook], 
 
 
 _POSES = _doc("body", "keyframes", "drafts")
+
+
+def _curve_poses(outlook: Outlook) -> tuple[Any, ...]:
+    """A drag moves its point of the curve at once, but not where the curve is long to draw."""
+    long = outlook.edit is not None and outlook.edit.frame_count > LONG_CURVE
+    names = ("body", "keyframes", "drafts")
+    return (_settled if long else _doc)(*names)(outlook)
+
+
+LONG_CURVE = 1500
+"""Frames of a curve that is not made anew with every move of the pointer."""
+
 _TRACKED = _both(
     _settled("body", "camera", "keyframes", "ignore_masks", "settings"), _edit("results")
 )
@@ -72,7 +84,7 @@ SECTIONS: dict[str, _Section] = {
     "segments": _Section(_both(_TRACKED, lambda o: (o.running,)), motion_values.segments),
     "suggest": _Section(_both(_TRACKED, _edit("frame")), motion_values.suggest),
     "lanes": _Section(_TRACKED, motion_values.lanes),
-    "curve": _Section(_both(_TRACKED, _POSES, _edit("selected")), pose_values.curve),
+    "curve": _Section(_both(_TRACKED, _curve_poses, _edit("selected")), pose_values.curve),
     "trail": _Section(
         _both(_TRACKED, _settled("drafts"), _edit("selected", "frame", "display")),
         pose_values.trail,

@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import json
 import socket
+import traceback
 from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
@@ -142,7 +143,10 @@ class Server:
 
     def _receive(self, tab: Tab, message: Any) -> None:
         if isinstance(message, dict) and "ask" in message:
-            tab.say(self._outputs.answer(message))
+            try:
+                tab.say(self._outputs.answer(message))
+            except Exception:  # noqa: BLE001 — a fault of ours; the line must not break with it
+                traceback.print_exc()
         else:
             self.store.receive(tab, message)
 

@@ -210,3 +210,21 @@ def test_what_another_program_let_go_of_can_be_written_again(
     assert writer.seen["saved"]["state"] == "saved"
     writer.leave()
     second.end()
+
+
+def test_a_session_with_a_damaged_motion_opens_with_its_keyframes_and_says_so(
+    tab: Visitor, keypose: Keypose, session: Path
+) -> None:
+    tab.do(do="settings", quality="preview")
+    tab.do(do="track", what="all")
+    tab.until(lambda: tab.seen["job"]["state"] == "done")
+    keypose.end()
+    tracks = next(session.parent.glob("tracks-*.npz"))
+    tracks.write_bytes(tracks.read_bytes()[:-9])
+    again = Keypose(str(session), "--workspace", str(session.parent / "w"))
+    back = Visitor(again)
+    assert back.seen["keys"]["frames"] == [0, 24, 48, 72]
+    assert [s["state"] for s in back.seen["segments"]] == ["none"] * 3
+    assert "damaged" in back.said[0]["words"]
+    back.leave()
+    again.end()
