@@ -2,6 +2,7 @@
 // origin, so the page reaches in through the handle viser leaves on its window.
 
 import { dress } from './looks.js';
+import { keepLine } from './reviving.js';
 
 const TAMED = `
   html, body, body * { background: transparent !important; }
@@ -29,6 +30,7 @@ export class Picture {
   #ready;
   #rest;
   #role;
+  #leaveLine = () => {};
 
   constructor(role, { aim, ready, rest }) {
     this.#role = role;
@@ -92,8 +94,8 @@ export class Picture {
     const style = window.document.createElement('style');
     style.textContent = TAMED;
     window.document.head.append(style);
-    window.document.hasFocus = () => true; // viser reconnects only in the window with the focus
-    window.dispatchEvent(new Event('focus'));
+    this.#leaveLine();
+    this.#leaveLine = keepLine(window);
   }
 
   /** The camera is ours: whatever viser did to it, before each picture it is set again. */

@@ -458,7 +458,7 @@ def test_a_mask_is_drawn_on_the_picture_moved_and_deleted(
     at.page.keyboard.press("Enter")
     (mask,) = until(lambda: at.agreed("masks"), "the mask")
     np.testing.assert_allclose(mask["polygon"], corners, atol=0.6)
-    assert (mask["first"], mask["last"]) == (0, 24)
+    assert (mask["first"], mask["last"]) == (0, 72)  # the whole film
     until(lambda: at.page.locator("#main path.mask.chosen").count() == 1, "the chosen mask")
     start = on_picture(at.page, corners[2])
     drag(at.page, start, (start[0] + 12, start[1] + 12), steps=3)
