@@ -39,6 +39,10 @@ from tracker.wording import one_sentence
 SECONDS_BETWEEN_SAVES = 3.0
 """Of tracked segments, while more of them are to come; edits are saved at once."""
 
+SECONDS_BETWEEN_NEWS = 0.2
+SECONDS_IN_A_GESTURE = 0.6
+"""Of passes, which may come faster than any page can draw them; a hand that drags goes first."""
+
 
 class Store:
     """State, tabs, files and jobs of one server.
@@ -65,6 +69,8 @@ class Store:
         self._turn_asked = False
         self._dragging: Tab | None = None
         self._saving_later: asyncio.TimerHandle | None = None
+        self._news_later: asyncio.TimerHandle | None = None
+        self._next_news = 0.0
         self._opening = asyncio.Lock()
         self._tasks: set[asyncio.Task[None]] = set()
         self._warned: str | None = None
@@ -210,12 +216,26 @@ class Store:
 
     def _on_running(self, runner: Runner, finished: bool) -> None:
         """The tracker has told something: its results, its progress."""
-        edit, was = self._outlook.edit, self._outlook.job.state
+        was = self._outlook.job.state
+        if finished or runner.job.state != was or self._loop.time() >= self._next_news:
+            self._hear()
+        elif self._news_later is None:
+            self._news_later = self._loop.call_at(self._next_news, self._hear)
+        if finished or runner.job.state != was:
+            self._save_soon(at_once=runner.job.state != "running")
+
+    def _hear(self) -> None:
+        """Take over what the tracker has told until now."""
+        if self._news_later is not None:
+            self._news_later.cancel()
+            self._news_later = None
+        edit, runner = self._outlook.edit, self._runner
+        is_dragged = edit is not None and edit.stroke is not None
+        rest = SECONDS_IN_A_GESTURE if is_dragged else SECONDS_BETWEEN_NEWS
+        self._next_news = self._loop.time() + rest
         if edit is not None and runner.results is not None:
             edit = replace(edit, results=runner.results)
         self._look(edit=edit, job=runner.job, running=dict(runner.running))
-        if finished or runner.job.state != was:
-            self._save_soon(at_once=runner.job.state != "running")
 
     def _run(self, action: actions.Running) -> None:
         if isinstance(action, actions.Open):

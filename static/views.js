@@ -1,6 +1,6 @@
 // The four views: the rest of the page finds them here.
 
-import { S, watch } from './state.js';
+import { S, put, watch } from './state.js';
 import { CameraView } from './views/cameraview.js';
 import { mountFrames } from './views/frames.js';
 import { mountLayout } from './views/layout.js';
@@ -43,6 +43,7 @@ export function mount() {
 function begin() {
   if (begun) return;
   begun = true;
+  if (!draws3D()) return put('flat', true);
   for (const each of views.values()) each.begin();
 }
 
@@ -53,4 +54,9 @@ function newFile() {
   if (path === filePath) return;
   filePath = path;
   for (const each of views.values()) each.fit();
+}
+
+/** Some browsers draw no 3D at all, most often for want of a graphics card. */
+function draws3D() {
+  return Boolean(document.createElement('canvas').getContext('webgl2'));
 }

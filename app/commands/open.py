@@ -110,9 +110,12 @@ def _serve(
 
 
 def _roots(path: Path | None) -> list[Path]:
-    """The folders whose videos the page may list: where one is, and where the opened file lies."""
+    """The folders whose videos the page may list: where one is, where the opened file lies, and
+    where people keep films."""
     beside = [] if path is None else [path.absolute().parent]
-    return [Path.cwd(), *(folder for folder in beside if folder != Path.cwd())]
+    from app.library import usual_folders
+
+    return list(dict.fromkeys([Path.cwd(), *beside, *usual_folders(Path.home())]))
 
 
 def _show(address: str) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 from app.jobs.wire import receive, send
 from app.jobs.worker import work
 
-NICENESS = 7
+NICENESS = 19
 """The page's server goes first."""
 PATIENCE_S = 0.3
 """For a process that was asked to end; then it is ended."""

@@ -13,6 +13,7 @@ library.discard(id)                    # when it turns out to be no video
 from __future__ import annotations
 
 from app.library.library import Library
+from app.library.places import usual_folders
 from app.library.uploading import LARGEST_BYTES, Upload
 
-__all__ = ["LARGEST_BYTES", "Library", "Upload"]
+__all__ = ["LARGEST_BYTES", "Library", "Upload", "usual_folders"]

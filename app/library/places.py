@@ -14,6 +14,14 @@ from tracker.session.atomic import demand_folder
 
 SESSION = "session.json"
 
+USUAL = ("Videos", "Movies", "Downloads", "Desktop")
+"""Folders of a home where people keep films."""
+
+
+def usual_folders(home: Path) -> list[Path]:
+    """Those of them that there are."""
+    return [home / name for name in USUAL if (home / name).is_dir()]
+
 
 def session_for(video: Path, workspace: Path) -> Path:
     """`jump.keypose/session.json` beside jump.mp4; in the workspace where nothing can be written

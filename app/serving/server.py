@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import json
 import socket
 import traceback
 from concurrent.futures import Future
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import uvicorn
+from pydantic_core import to_json
 from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import FileResponse, PlainTextResponse, Response
@@ -181,7 +181,9 @@ async def _send(websocket: WebSocket, tab: Tab) -> None:
         while True:
             for message in await tab.next():
                 number += 1
-                await websocket.send_text(json.dumps({**message, "seq": number}))
+                # JSON has no word for what is no number: null, which the page shows as nothing.
+                text = to_json({**message, "seq": number}, inf_nan_mode="null").decode()
+                await websocket.send_text(text)
 
 
 def _fresh(request: Request, kind: Any) -> dict[str, str]:

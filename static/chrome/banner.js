@@ -1,5 +1,5 @@
-// A banner over the large view for what concerns everything one does: the server is gone, or
-// nothing can be saved.
+// A banner over the large view for what concerns everything one does: the server is gone, nothing
+// can be saved, or the browser draws no bodies.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../icons.js';
@@ -8,13 +8,15 @@ import { S, U, put, watch } from '../state.js';
 import { count } from './words.js';
 
 U.readOnlyRead = null; // the file whose banner was put away
+U.flatRead = false;
 
 export function mountBanner() {
   const place = document.createElement('div');
   place.id = 'banner';
   document.getElementById('screens').append(place);
   const draw = () => render(banner(), place);
-  watch(['file', 'saved', 'u:line', 'u:connected', 'u:dragging', 'u:readOnlyRead'], draw);
+  const news = ['u:line', 'u:connected', 'u:dragging', 'u:readOnlyRead', 'u:flat', 'u:flatRead'];
+  watch(['file', 'saved', ...news], draw);
   // How many edits wait is known to the link alone.
   setInterval(() => U.line && draw(), 500);
 }
@@ -22,7 +24,8 @@ export function mountBanner() {
 function banner() {
   if (U.line || (!U.connected && U.dragging && S.file)) return noLine();
   const isNews = S.saved?.state === 'readonly' && S.file && U.readOnlyRead !== S.file.path;
-  return isNews ? readOnly(S.saved.words) : nothing;
+  if (isNews) return readOnly(S.saved.words);
+  return U.flat && S.file && !U.flatRead ? flat() : nothing;
 }
 
 /** It stirs while one drags: what is done shows only when the line is back. */
@@ -49,10 +52,19 @@ export function waitingEdits() {
 }
 
 function readOnly(words) {
+  const what = words || 'Read only: nothing is saved.';
+  return dismissible('lock', what, () => put('readOnlyRead', S.file.path));
+}
+
+function flat() {
+  const words = html`<b>This browser draws no 3D, so no body is seen.</b>
+    Turn on graphics acceleration in its settings, or open this address in another browser.`;
+  return dismissible('warn', words, () => put('flatRead', true));
+}
+
+function dismissible(sign, words, dismiss) {
   return html`<div class="banner check" role="alert">
-    ${icon('lock')}<span>${words || 'Read only: nothing is saved.'}</span>
-    <button class="ib s" aria-label="Dismiss" title="Dismiss" @click=${() => put('readOnlyRead', S.file.path)}>
-      ${icon('x')}
-    </button>
+    ${icon(sign)}<span>${words}</span>
+    <button class="ib s" aria-label="Dismiss" title="Dismiss" @click=${dismiss}>${icon('x')}</button>
   </div>`;
 }

@@ -13,30 +13,30 @@ const TAMED = `
 const RENDERED_FRAMES = 3;
 const GREATEST_DPR = 2;
 const POLL_MS = 30;
-const SETTLED_MS = 120;
 /** viser draws once a second even when nothing happens: not after so long. */
 const AWAKE_MS = 5000;
 const NODE = '/camera';
 
 /**
  * viser's picture for a role. `aim(camera)` is called before every picture and sets the three.js
- * camera; `ready()` once there is something to see; `rest()` tells how many milliseconds to let
- * pass between two pictures.
+ * camera; `ready()` once there is something to see; `pace()` tells how many milliseconds to let
+ * pass between two pictures (rest), before the first (behind), and until all is drawn (settled),
+ * and whether one picture has to do for all that came at once (once).
  */
 export class Picture {
   #frame = document.createElement('iframe');
   #inside = null;
   #aim;
   #ready;
-  #rest;
+  #pace;
   #role;
   #leaveLine = () => {};
 
-  constructor(role, { aim, ready, rest }) {
+  constructor(role, { aim, ready, pace }) {
     this.#role = role;
     this.#aim = aim;
     this.#ready = ready;
-    this.#rest = rest;
+    this.#pace = pace;
     this.#frame.className = 'viser';
     this.#frame.title = '';
     this.#frame.tabIndex = -1;
@@ -114,21 +114,36 @@ export class Picture {
   #calm(inside) {
     const { invalidate, gl } = inside.scene.__r3f?.root?.getState?.() ?? {};
     if (!invalidate) return;
-    let settled = 0;
-    let drawn = 0;
+    let [planned, settled] = [0, 0];
+    let [drawn, unread, skipped] = [0, false, false];
     let wished = performance.now();
+    const later = (wait) => {
+      planned ||= setTimeout(() => {
+        planned = 0;
+        invalidate();
+      }, wait);
+    };
     const render = gl.render.bind(gl);
-    gl.render = (...what) => performance.now() - wished < AWAKE_MS && render(...what);
-    const draw = () => {
-      drawn = performance.now();
-      invalidate();
+    gl.render = (...what) => {
+      const now = performance.now();
+      if (now - wished > AWAKE_MS) return;
+      const pace = this.#pace();
+      const wait = Math.max(drawn + pace.rest, wished + pace.behind) - now;
+      if (wait > 0) return later(wait);
+      // With the first picture viser reads what it was told, and has it all in the second.
+      skipped = unread && !skipped && pace.once;
+      unread = false;
+      if (skipped) return invalidate();
+      drawn = now;
+      render(...what);
     };
     inside.requestRender = () => {
-      wished = performance.now();
-      const wait = drawn + this.#rest() - performance.now();
-      if (wait <= 0) draw();
+      const now = performance.now();
+      if (!planned) wished = now;
+      unread = true;
+      invalidate();
       clearTimeout(settled);
-      settled = setTimeout(draw, Math.max(wait, SETTLED_MS));
+      settled = setTimeout(invalidate, this.#pace().settled);
     };
   }
 }

@@ -1,31 +1,48 @@
-// A browser without a graphics card draws four views too slowly to play a film. Where pictures come
-// late, the views that nobody looks at draw less often.
+// A browser without a graphics card draws four views too slowly to follow a hand. Where pictures
+// come late, the view that is looked at draws first, and the others less often.
 
 import { U, watch } from '../state.js';
 
 const SLOW_MS = 24;
 const REST_MS = 250;
+const SETTLED_MS = 120;
+/** A step to another frame is measured so long. */
+const STEP_MS = 400;
 
 let late = 0;
 let last = 0;
 let measuring = false;
+let stepped = -Infinity;
 
 export function mountPace() {
-  watch(['u:playing', 'u:dragging'], () => {
-    if (measuring || !isBusy()) return;
-    measuring = true;
-    last = 0;
-    requestAnimationFrame(measure);
+  watch(['u:playing', 'u:dragging'], begin);
+  watch(['view'], () => {
+    stepped = performance.now();
+    begin();
   });
 }
 
-/** Milliseconds a view in the background lets pass between two pictures. */
-export function rest() {
-  return measuring && late > SLOW_MS ? REST_MS : 0;
+/**
+ * When a view draws, in milliseconds: how long it rests between two pictures, how far it stays
+ * behind what asks for one, how long after the last wish it draws once more, and whether it draws
+ * only once what came at once.
+ */
+export function pace(isLookedAt) {
+  const settled = Math.max(SETTLED_MS, 4 * late);
+  const once = late > SLOW_MS;
+  const waits = once && !isLookedAt;
+  return { rest: waits ? REST_MS : 0, behind: waits ? 2 * late : 0, settled, once };
+}
+
+function begin() {
+  if (measuring || !isBusy()) return;
+  measuring = true;
+  last = 0;
+  requestAnimationFrame(measure);
 }
 
 function isBusy() {
-  return U.playing || U.dragging;
+  return U.playing || U.dragging || performance.now() - stepped < STEP_MS;
 }
 
 function measure(now) {

@@ -6,7 +6,7 @@ import { icon } from '../icons.js';
 import { U, put } from '../state.js';
 import { aim } from './cameras.js';
 import { Picture } from './iframe.js';
-import { rest } from './pace.js';
+import { pace } from './pace.js';
 import { Window } from './windows.js';
 
 export const VIEWS = ['main', 'top', 'side', 'front'];
@@ -38,7 +38,7 @@ export class View {
     this.#picture = new Picture(this.name, {
       aim: (camera) => this.#aim(camera),
       ready: () => el.classList.add('drawn'),
-      rest: () => (this.isInLargePlace || el.matches(':hover') ? 0 : rest()),
+      pace: () => pace(this.isInLargePlace || el.matches(':hover')),
     });
     el.prepend(this.#paper, this.under, this.#picture.element, this.over, this.#marks);
     new ResizeObserver(() => this.resized()).observe(el);

@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 import pytest
 
-from app.library import Library
+from app.library import Library, usual_folders
 from app.library.files import find_files
 from app.library.names import clean_name
 from app.library.recents import strip_of
@@ -77,6 +77,14 @@ def test_videos_sessions_and_folders_of_images_are_listed(library: Library, home
     assert found["throw"] == "session"
     assert found["shots"] == "images"
     assert not {"notes.txt", "other.json"} & set(found)
+
+
+def test_films_in_the_usual_folders_of_a_home_are_listed(tmp_path: Path, home: Path) -> None:
+    clip(home / "Videos", "dance.mp4")
+    clip(home / "Letters", "private.mp4")
+    folders = usual_folders(home)
+    assert folders == [home / "Videos"]
+    assert names(Library(tmp_path / "workspace", folders)) == ["dance.mp4"]
 
 
 def test_hidden_folders_are_not_looked_into(library: Library, home: Path) -> None:

@@ -32,9 +32,18 @@ async () => {
   };
   for (const kind of ['pointermove', 'pointerup', 'keydown']) addEventListener(kind, begin, true);
 
+  // A preview tells nothing before its segment is done.
+  const isAtWork = ({ state }) => state === 'waiting' || state === 'tracking';
+  let atWork = new Set();
   listen('state', ({ set }) => {
     if ('pose' in set) told('told');
-    const passed = (set.segments ?? []).some((s) => s.state === 'tracking' && s.pass >= 1);
+    const segments = set.segments ?? [];
+    const passed = segments.some((s) => (
+      isAtWork(s) ? s.pass >= 1 : atWork.has(`${s.first} ${s.last}`)
+    ));
+    if (set.segments) atWork = new Set(
+      segments.filter(isAtWork).map(({ first, last }) => `${first} ${last}`),
+    );
     if (passed) { told('pass'); mark('pass seen'); }
   });
 

@@ -7,11 +7,9 @@ import sys
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 ARGUMENTS = (
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
+    "--enable-unsafe-swiftshader",  # 3D by software, as everywhere without a graphics card
     "--no-sandbox",
     "--disable-background-networking",
-    "--disable-gpu-rasterization",  # letters and lines by software that plays a graphics card: slow
 )
 
 

@@ -39,6 +39,11 @@ def until_told(page: Page, path: str, wanted: Callable[[Any], bool], seconds: fl
     return section(page, path)
 
 
+def until_counted(page: Page, selector: str, count: int) -> None:
+    """Wait until so many of these are in the page: it draws a moment after it was told."""
+    until(lambda: page.locator(selector).count() == count, f"{count} of {selector}")
+
+
 def at_rest(page: Page, path: str) -> Any:
     """A section's value once nothing that was sent is still on its way."""
     while True:

@@ -10,7 +10,17 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
-from tests.browser.hands import Spot, between, drag, section, settled, spot, until, until_told
+from tests.browser.hands import (
+    Spot,
+    between,
+    drag,
+    section,
+    settled,
+    spot,
+    until,
+    until_counted,
+    until_told,
+)
 from tests.browser.shared import Desk, desk
 from tracker.geometry import Array
 
@@ -116,8 +126,8 @@ def test_beyond_its_reach_a_hand_stays_on_the_circle_and_says_so(at: Desk) -> No
     drag(at.page, start, (start[0] + 250, start[1] - 200), steps=4, drop=False)
     gesture = until_told(at.page, "pose.gesture", lambda g: bool(g) and g["out_of_reach"])
     reach = gesture["reach"]
-    assert at.page.locator("#main circle.reach").count() == 1
-    assert at.page.locator("#main .grip.far").count() == 1
+    until_counted(at.page, "#main circle.reach", 1)
+    until_counted(at.page, "#main .grip.far", 1)
     released(at)
     away = np.linalg.norm(points(at)["left_hand"] - np.array(reach["centre"]))
     assert away == pytest.approx(reach["radius_m"], abs=2e-3)
@@ -259,7 +269,8 @@ def test_a_click_on_the_body_selects_what_lies_there(at: Desk) -> None:
     for one, other in (("right_shin", "right_foot"), ("left_thigh", "left_shin")):
         at.page.mouse.click(*between(at.page, one, other))
         until_told(at.page, "view.selected", lambda part, one=one: part == one)
-        assert at.page.locator(f".fig [data-part='{one}'], .fig .part.selected").count() >= 1
+        label = one.replace("_", " ").capitalize()
+        until_counted(at.page, f".fig [aria-label='{label}'][aria-pressed=true]", 1)
     at.page.mouse.click(*_beside_the_body(at.page))
     until_told(at.page, "view.selected", lambda part: part is None)
 
