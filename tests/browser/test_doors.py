@@ -305,8 +305,9 @@ def test_what_is_no_message_ends_its_own_line_at_most(doors: Doors, what: str) -
             socket.send({BROKEN[what]});
             socket.send('{{"do": "end_stroke", "stroke": "-", "n": 7}}');
           }};
-          socket.onmessage = ({{ data }}) => data.includes('"ack": 7') && done('lives on');
+          socket.onmessage = ({{ data }}) => data.includes('"ack":7') && done('lives on');
           socket.onclose = () => done('ended');
+          setTimeout(() => done('neither'), 20000);
         }})
         """,
         f"ws://{doors.keypose.host}/events",
