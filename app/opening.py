@@ -4,18 +4,28 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from app.editor.sights import up_of
 from app.editor.state import EditorState
+from app.journaling import Beginning
 from app.posing import opening_pose
 from app.results import Results, load_results
 from tracker.body import preset
 from tracker.camera import Camera
 from tracker.errors import SessionError
 from tracker.session.atomic import make_folder
-from tracker.session.files import load_session, open_video_of, save_session, video_path
+from tracker.session.chronicle import OUTSIDE, Recovered
+from tracker.session.files import (
+    load_session,
+    open_session,
+    open_video_of,
+    save_session,
+    video_path,
+)
+from tracker.session.first_motion import carry_first_motion
+from tracker.session.history import History
 from tracker.session.schema import Session, VideoReference
 from tracker.skeleton import Skeleton
 from tracker.video import Video
@@ -25,12 +35,19 @@ FIRST_BODY = "adult_male"
 
 @dataclass(frozen=True, eq=False)
 class Workpiece:
-    """A session, the file it is saved in, and its video; `fresh` when it was begun just now."""
+    """A session, the file it is saved in, and its video; `fresh` when it was begun just now.
+
+    history: what can be undone and done again since another day.  journal: where it stands.
+    news:    what a person has to know of it, in sentences.
+    """
 
     session_path: Path
     session: Session
     video: Video
     fresh: bool
+    history: History = field(default_factory=History)
+    journal: Beginning = field(default_factory=Beginning)
+    news: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -104,6 +121,7 @@ def edit_state(piece: Workpiece) -> tuple[EditorState, str]:
         times_s=piece.video.info.times_s,
         opening=opening_pose(session.body, session.camera, up_of(session)),
         results=results,
+        history=piece.history,
         frame=session.keyframes[0].frame if session.keyframes else 0,
         selected=session.body.parts[0].name,
     )
@@ -111,8 +129,27 @@ def edit_state(piece: Workpiece) -> tuple[EditorState, str]:
 
 
 def _opened(path: Path) -> Workpiece:
-    session = load_session(path)
-    return Workpiece(path, session, open_video_of(session, path), fresh=False)
+    opened = open_session(path)
+    found = opened.recovered
+    return Workpiece(
+        path,
+        opened.session,
+        open_video_of(opened.session, path),
+        fresh=False,
+        history=found.moment.history,
+        journal=Beginning(opened.size, found.follows),
+        news=_news(found),
+    )
+
+
+def _news(found: Recovered) -> tuple[str, ...]:
+    if found.ahead:
+        edits = "An edit" if found.ahead == 1 else f"{found.ahead} edits"
+        return (f"{edits} made before Keypose ended unexpectedly came back.",)
+    past = found.moment.history.past
+    if not found.follows and past and past[-1].label == OUTSIDE:
+        return ("The session was changed outside this page; undo brings back how you left it.",)
+    return ()
 
 
 def _demand_text(path: Path) -> None:
@@ -140,6 +177,7 @@ def copied_session(path: Path, out: Path) -> Path:
         return target
     session = load_session(path)
     make_folder(out)
+    carry_first_motion(session, path.parent, out)
     place = os.path.relpath(video_path(session, path), out.absolute())
     reference = session.video.model_copy(update={"path": place})
     save_session(session.model_copy(update={"video": reference, "results": None}), target)

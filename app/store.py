@@ -11,6 +11,7 @@ import traceback
 from collections.abc import Callable, Coroutine
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from app.editor.state import EditorState
 from app.editor.update import ended, update
 from app.frames import Frames
 from app.guiding import guide_after
+from app.journaling import Journaling
 from app.library import Library
 from app.locking import HeldElsewhere, SessionLock
 from app.opening import Workpiece, edit_state, open_workpiece
@@ -75,6 +77,7 @@ class Store:
         self._tasks: set[asyncio.Task[None]] = set()
         self._warned: str | None = None
         self._lock: SessionLock | None = None
+        self._journaling: Journaling | None = None
         self._read_only = ""
         self._unheard: list[dict[str, Any]] = []
         self.frames: Frames | None = None
@@ -126,7 +129,14 @@ class Store:
             traceback.print_exception(error)
             words = f"This met a fault of Keypose itself ({type(error).__name__})."
             tab.say({"t": "refused", "n": number, "words": words})
-        self._loop.call_soon(tab.acknowledge, number)  # after the turn that tells what it did
+        self._loop.call_soon(self._acknowledge, tab, number)  # after the turn that tells it
+
+    def _acknowledge(self, tab: Tab, number: int) -> None:
+        """Only once what was decided is on the disk."""
+        if self._journaling is None:
+            tab.acknowledge(number)
+        else:
+            self._journaling.when_written(lambda: tab.acknowledge(number))
 
     def do(self, action: actions.Action) -> None:
         """Do it; KeyposeError, in one sentence, when it cannot be done."""
@@ -149,11 +159,11 @@ class Store:
         if edit is before:
             return
         self._look(edit=edit)
+        if self._journaling is not None and self._journaling.note(edit):
+            self._save()
         if before is None or edit.stroke is not None:
             return
-        settled = before.stroke.before if before.stroke else before.doc
-        if edit.doc is not settled:
-            self._save()
+        if edit.doc is not before.settled:
             self._runner.changed(self._piece, edit)
 
     def _look(self, **changes: Any) -> None:
@@ -182,8 +192,8 @@ class Store:
         if self._saving_later is not None:
             self._saving_later.cancel()
             self._saving_later = None
-        edit, piece = self._outlook.edit, self._piece
-        if edit is None or piece is None or self._read_only:
+        edit, piece, journaling = self._outlook.edit, self._piece, self._journaling
+        if edit is None or piece is None or journaling is None:
             return
         path, doc = piece.session_path, edit.settled
 
@@ -191,8 +201,13 @@ class Store:
             make_folder(path.parent, error=SessionError)
             if self._lock is None:  # the folder is new
                 self._lock = SessionLock.take(path.parent)
+            if not path.exists():  # a journal alone would not be found
+                save_session(doc, path)
+            journaling.write()
+            self._loop.call_soon_threadsafe(journaling.heard)
             session = save_results(doc, path, edit.results)
             save_session(session, path)
+            journaling.saved(doc)
             with suppress(OSError):  # what is left over does no harm
                 tidy_tracks(path.parent)
             with suppress(KeyposeError):  # only the list of recent sessions would lack it
@@ -211,6 +226,8 @@ class Store:
         if saved.state == "saved":
             self._warned = None
         self._look(saved=saved)
+        if saved.state == "failed" and self._journaling is not None:
+            self._loop.call_soon(partial(self._journaling.heard, failed=True))
 
     # --- tracking
 
@@ -255,7 +272,7 @@ class Store:
 
     def _demand_writable(self) -> None:
         if self._read_only:
-            raise Refused(f"{self._read_only}. Close it there, then open it here again.")
+            raise Refused(self._read_only)
 
     # --- opening and closing
 
@@ -304,7 +321,9 @@ class Store:
                 piece.video.close()
                 raise
             self._piece = piece
-            self._take_lock(piece.session_path.parent)
+            self._take_lock(piece)
+            if not self._read_only:
+                self._journaling = Journaling(piece.session_path, edit, piece.journal)
             self.frames = Frames(piece.video)
             self._look(
                 opened=Opened(piece.name, str(piece.session_path), piece.video.info, film),
@@ -313,18 +332,19 @@ class Store:
                 saved=Saved("readonly" if self._read_only else "saved", 0.0, self._read_only),
             )
             self._runner.opened(edit)
-            if problem:
-                self.note("check", problem)
+            for words in (*piece.news, *([problem] if problem else [])):
+                self.note("check", words)
 
-    def _take_lock(self, folder: Path) -> None:
-        """Be the one who writes there, or know who is."""
-        self._read_only = ""
-        if not folder.is_dir():
-            return
-        try:
-            self._lock = SessionLock.take(folder)
-        except HeldElsewhere as held:
-            self._read_only = f"Read only: {held}"
+    def _take_lock(self, piece: Workpiece) -> None:
+        """Be the one who writes there, or know why that cannot be."""
+        self._read_only, folder = "", piece.session_path.parent
+        if piece.session.is_newer:
+            self._read_only = f"Read only: a newer Keypose wrote {piece.session_path.name}."
+        elif folder.is_dir():
+            try:
+                self._lock = SessionLock.take(folder)
+            except HeldElsewhere as held:
+                self._read_only = f"Read only: {held}. Close it there, then open it here again."
 
     async def close_session(self) -> None:
         """Save, and go back to the start screen."""
@@ -361,6 +381,10 @@ class Store:
         self._piece = self.frames = self._warned = None
         self._saver.give_up()
         self._runner.closed()
+        if self._journaling is not None:
+            self._journaling.heard(failed=True)
+            self._journaling.close()
+            self._journaling = None
         if self._lock is not None:
             self._lock.release()
             self._lock = None

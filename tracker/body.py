@@ -48,7 +48,7 @@ class Part(BaseModel):
     Posing a keyframe is free in all three rotations of every part, whatever is tracked.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="allow")
 
     name: Name
     parent: Name | None = None
@@ -82,7 +82,7 @@ class Body(BaseModel):
     Its validation errors name the part and say what is allowed.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="allow")
 
     name: Name
     parts: Annotated[tuple[Part, ...], Field(min_length=1, max_length=120)]

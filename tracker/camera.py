@@ -31,7 +31,7 @@ GUESSED_FIELD_OF_VIEW = math.radians(50.0)
 class Camera(BaseModel):
     """A calibrated camera for pictures of one size; `origin` says how far to trust it."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="allow")
 
     width: PixelSize
     height: PixelSize

@@ -10,12 +10,13 @@ FrameIndex: TypeAlias = Annotated[int, Field(ge=0, le=100_000_000)]
 Pixel: TypeAlias = tuple[FiniteFloat, FiniteFloat]
 MethodName: TypeAlias = Literal["keypose", "paper"]
 Quality: TypeAlias = Literal["full", "fast", "preview"]
+Initial: TypeAlias = Literal["auto", "import", "linear"]
 
 
 class Plain(BaseModel):
-    """Immutable plain data that refuses fields it does not know."""
+    """Immutable plain data. Fields it does not know are kept, for whoever wrote them."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="allow")
 
 
 class IgnoreMask(Plain):
@@ -44,4 +45,10 @@ class TrackSettings(Plain):
     )
     passes: Annotated[int, Field(ge=1, le=50)] | None = Field(
         default=None, description="Passes over a segment; the method's own number when left out."
+    )
+    initial: Initial = Field(
+        default="auto",
+        description="Where a segment starts from: auto, the method's own start or the imported "
+        "motion, whichever scores better; import, the imported motion wherever it reaches; "
+        "linear, plain interpolation.",
     )

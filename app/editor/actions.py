@@ -11,7 +11,7 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, TypeAdapter
 
-from app.posing import Gesture
+from app.posing import Gesture, Way
 from tracker.body import Dof, Name
 from tracker.settings import FrameIndex, MethodName, Quality
 
@@ -82,6 +82,12 @@ class Link(Message):
     on: bool
 
 
+class BeginGuide(Message):
+    """The guide through the first pose once more: none of its steps is done."""
+
+    do: Literal["begin_guide"] = "begin_guide"
+
+
 # --- posing
 
 
@@ -105,6 +111,13 @@ class Root(Edit):
     x: Metres | None = None
     y: Metres | None = None
     z: Metres | None = None
+
+
+class Face(Edit):
+    """The whole body turned about what is up, to face a way as seen in the picture."""
+
+    do: Literal["face"] = "face"
+    way: Way
 
 
 class ResetPart(Edit):
@@ -139,11 +152,9 @@ class TakeTracked(Edit):
 # --- keyframes
 
 
-class ToggleKey(Edit):
-    do: Literal["toggle_key"] = "toggle_key"
-
-
 class AddKey(Edit):
+    """The pose that stands at a frame is its keyframe; where it is already, nothing changes."""
+
     do: Literal["add_key"] = "add_key"
     frame: FrameIndex
 
@@ -333,9 +344,11 @@ class Open(Message):
     )
 
 
-Looking: TypeAlias = Go | Select | Show | Live | Limits | Axes | Link | CopyPose
-Posing: TypeAlias = Drag | Angles | Root | ResetPart | ResetPose | PastePose | CopyKey | TakeTracked
-Keying: TypeAlias = ToggleKey | AddKey | DeleteKey | MoveKey | DuplicateKey | KeyAngle
+Looking: TypeAlias = Go | Select | Show | Live | Limits | Axes | Link | BeginGuide | CopyPose
+Posing: TypeAlias = (
+    Drag | Angles | Root | Face | ResetPart | ResetPose | PastePose | CopyKey | TakeTracked
+)
+Keying: TypeAlias = AddKey | DeleteKey | MoveKey | DuplicateKey | KeyAngle
 Shaping: TypeAlias = Size | Joint | Height | Preset | ResetBody | Tracked
 Filming: TypeAlias = Intrinsics | FieldOfView | Distortion | Vertical | ResetUp
 Choosing: TypeAlias = AddMask | ChangeMask | DeleteMask | Settings

@@ -19,8 +19,11 @@ from tracker.session.schema import Keyframe, Session
 
 
 def added(state: EditorState, frame: int) -> Session:
-    """The pose that stands at a frame made its keyframe."""
-    pose = shown(state, frame).pose
+    """The pose that stands at a frame made its keyframe, unless it is that already."""
+    stands = shown(state, frame)
+    if stands.source == "keyframe":
+        return state.doc
+    pose = stands.pose
     demand_before_camera(state.skeleton, pose)
     keyframe = keyframe_of(state.skeleton, pose, frame, state.times_s)
     doc = with_keyframes(state.doc, (*without(state.doc.keyframes, frame), keyframe))
@@ -31,13 +34,6 @@ def deleted(state: EditorState, frame: int) -> Session:
     """Without the keyframe at a frame."""
     _demand(state, frame)
     return with_keyframes(state.doc, without(state.doc.keyframes, frame))
-
-
-def toggled(state: EditorState) -> Session:
-    """A keyframe at the present frame, or none there if there is one and nothing is drafted."""
-    drafted = find(state.doc.drafts, state.frame) is not None
-    is_key = find(state.doc.keyframes, state.frame) is not None
-    return deleted(state, state.frame) if is_key and not drafted else added(state, state.frame)
 
 
 def moved(state: EditorState, action: do.MoveKey) -> Session:

@@ -9,9 +9,18 @@ from app.editor.documents import posed
 from app.editor.refusal import Refused
 from app.editor.shaping import with_body
 from app.editor.shown import find, shown
-from app.editor.sights import sights
+from app.editor.sights import sights, up_of
 from app.editor.state import EditorState
-from app.posing import Posed, Readout, angles_deg, drag, mirrored, with_angles, with_reset
+from app.posing import (
+    Posed,
+    Readout,
+    angles_deg,
+    drag,
+    facing,
+    mirrored,
+    with_angles,
+    with_reset,
+)
 from tracker.pose import Pose
 from tracker.session.schema import Keyframe, Session
 
@@ -60,6 +69,11 @@ def placed(state: EditorState, action: do.Root) -> Session:
         old if new is None else new for old, new in zip(pose.p_camera_root, wanted, strict=True)
     ]
     return _with_pose(state, Pose(pose.Rs_parent_part, np.array(place)))
+
+
+def faced(state: EditorState, action: do.Face) -> Session:
+    """The whole body facing a way, where it stands."""
+    return _with_pose(state, facing(shown(state).pose, action.way, up_of(state.doc)))
 
 
 def part_reset(state: EditorState, action: do.ResetPart) -> Session:

@@ -6,12 +6,12 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
-from app.editor.history import History
 from app.editor.sights import up_of
 from app.posing import Readout, opening_pose
 from app.results import Fitting, Results, pose_at
 from tracker.geometry import Array
 from tracker.pose import Pose
+from tracker.session.history import History
 from tracker.session.schema import Keyframe, Session
 from tracker.skeleton import Skeleton
 

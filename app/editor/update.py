@@ -40,6 +40,8 @@ def _look(state: EditorState, action: do.Looking) -> EditorState:
         pose = shown(state).pose
         copied = keyframe_of(state.skeleton, pose, state.frame, state.times_s)
         return replace(state, clipboard=copied)
+    if isinstance(action, do.BeginGuide):
+        return state
     return replace(state, display=replace(state.display, **_switches(action)))
 
 
@@ -127,13 +129,13 @@ def _changed(
 _HOW: dict[type, Callable[[EditorState, Any], Session]] = {
     do.Angles: posing_edits.turned,
     do.Root: posing_edits.placed,
+    do.Face: posing_edits.faced,
     do.ResetPart: posing_edits.part_reset,
     do.ResetPose: lambda state, _: posing_edits.pose_reset(state),
     do.PastePose: posing_edits.pasted,
     do.CopyKey: posing_edits.key_copied,
     do.TakeTracked: lambda state, _: posing_edits.tracked_taken(state),
     do.KeyAngle: posing_edits.key_turned,
-    do.ToggleKey: lambda state, _: keying.toggled(state),
     do.AddKey: lambda state, action: keying.added(state, _in_video(state, action.frame)),
     do.DeleteKey: lambda state, action: keying.deleted(state, action.frame),
     do.MoveKey: lambda state, action: keying.moved(_reaching(state, action.to), action),
@@ -200,12 +202,12 @@ def _drag_label(action: do.Drag) -> str:
 _LABELS: dict[str, tuple[str, str | None]] = {
     "angles": ("turn", "part"),
     "root": ("move the body", None),
+    "face": ("turn the body", None),
     "reset_part": ("reset", "part"),
     "reset_pose": ("reset the pose", None),
     "paste_pose": ("paste the pose", None),
     "copy_key": ("copy keyframe", "from_frame"),
     "take_tracked": ("take the tracked pose", None),
-    "toggle_key": ("keyframe", None),
     "add_key": ("add keyframe", "frame"),
     "delete_key": ("delete keyframe", "frame"),
     "move_key": ("move keyframe", "frame"),

@@ -175,7 +175,7 @@ def test_a_video_without_a_session_begins_one_beside_it(session: Path, tmp_path:
     tab = Visitor(keypose)
     assert tab.seen["keys"] == {"frames": [], "drafts": []}
     assert tab.seen["guide"]["first"] is True
-    tab.do(do="toggle_key")
+    tab.do(do="add_key", frame=0)
     tab.until(lambda: tab.seen["saved"]["state"] == "saved" and tab.seen["saved"]["at"] > 0)
     assert len(load_session(session.parent / "person.keypose" / "session.json").keyframes) == 1
     tab.leave()
@@ -187,7 +187,8 @@ def test_a_second_program_on_one_session_reads_only_and_says_who_writes(
 ) -> None:
     second = Keypose(str(session), "--workspace", str(session.parent / "w"))
     reader = Visitor(second)
-    told = f"Read only: open in another Keypose (pid {keypose.process.pid})"
+    told = f"Read only: open in another Keypose (pid {keypose.process.pid}). Close it there, "
+    told += "then open it here again."
     assert reader.seen["saved"] == {"state": "readonly", "at": 0.0, "words": told}
     reader.do(do="go", frame=7)
     assert reader.seen["view"]["frame"] == 7

@@ -240,7 +240,6 @@ BAD_BODIES = {
     "no length": (reshape(2, start_m=0.1, end_m=0.1), "parts.2.shape.cylinder: end_m must differ"),
     "a flat box": (reshape(6, low_m=[1, 1, 1]), "high_m must be larger than low_m along x"),
     "an unknown shape": (reshape(2, kind="torus"), "parts.2.shape"),
-    "an unknown field": (edit(2, colour="red"), "parts.2.colour"),
     "a pair of strangers": (pair("chest", "rib"), "names 'rib', which is not a part"),
     "a part in two pairs": (pair("left_hand", "chest"), "part 'left_hand' may stand in one mirror"),
     "a part paired to itself": (pair("chest", "chest"), "part 'chest' may stand in one mirror"),

@@ -159,7 +159,6 @@ def test_an_impossible_field_of_view_is_refused_in_one_sentence(degrees: float) 
         ({"projection": "telephoto"}, "telephoto_distance_m"),
         ({"telephoto_distance_m": 3.0}, "telephoto_distance_m"),
         ({"projection": "fisheye"}, "projection"),
-        ({"lens": 1.0}, "lens"),
     ],
 )
 def test_numbers_that_are_no_camera_are_refused_by_name(

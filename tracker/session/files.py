@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pydantic import ValidationError
 from pydantic_core import from_json
 
 from tracker.errors import SessionError
 from tracker.session.atomic import write_file
-from tracker.session.schema import SCHEMA_VERSION, Session
+from tracker.session.chronicle import Recovered, recovered
+from tracker.session.journal import NAME as JOURNAL
+from tracker.session.journal import Read, read_journal
+from tracker.session.schema import Session
+from tracker.session.versions import PRESENT, brought_up, version_in
 from tracker.wording import one_sentence
 
 if TYPE_CHECKING:
@@ -20,32 +25,96 @@ LARGEST_SESSION_BYTES = 256 * 2**20
 """Far above any session: what is larger is a video or an archive chosen by mistake."""
 
 
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """A session as it was left, wherever the last edit is kept.
+
+    session:   the newest document, with the results of the session file.
+    recovered: the same with its history, and whether the journal can be gone on with.
+    size:      bytes of the journal that are whole.
+    """
+
+    session: Session
+    recovered: Recovered
+    size: int
+
+
 def load_session(path: Path) -> Session:
-    """The session in a file; SessionError in one sentence that names the file and the field."""
-    content = _read(path)
+    """The session in a file, with the edits that only its journal has.
+
+    SessionError in one sentence that names the file and the field.
+    """
+    return open_session(path).session
+
+
+def open_session(path: Path) -> Opened:
+    """The same with its history."""
+    session = read_session(path)
     try:
-        _demand_version(path, from_json(content))
-        return Session.model_validate_json(content)
-    except ValidationError as error:
-        text = one_sentence(error)
-        raise SessionError(f"{path.name}: {text[:1].lower()}{text[1:]}") from None
+        journal = read_journal(journal_path(path))
+    except SessionError:  # the session file is whole by itself
+        journal = Read()
+    found = recovered(session, journal.records)
+    newest = found.moment.doc.model_copy(update={"results": session.results})
+    return Opened(newest if found.ahead else session, found, journal.size)
+
+
+def read_session(path: Path) -> Session:
+    """What the session file alone says; as `load_session` but for edits on their way to it."""
+    try:
+        data = brought_up(from_json(_read(path)), path.name)
     except ValueError as error:
         raise SessionError(f"{path.name} is not JSON: {error}.") from None
+    try:
+        return Session.model_validate(data)
+    except ValidationError as error:
+        text = one_sentence(error)
+        version = data["schema_version"]
+        newer = f"written by a newer Keypose (version {version}), and here " * (version > PRESENT)
+        raise SessionError(f"{path.name}: {newer}{text[:1].lower()}{text[1:]}") from None
+
+
+def journal_path(session_path: Path) -> Path:
+    """Where the journal of a session file lies: journal.jsonl for session.json."""
+    stem = "" if session_path.name == "session.json" else f"{session_path.stem}."
+    return session_path.with_name(f"{stem}{JOURNAL}")
 
 
 def save_session(session: Session, path: Path) -> None:
     """Write the session file in one step that either happens or does not.
 
-    The file that was there is kept as `<name>.previous`, unless it says the same already; then
-    nothing is written. SessionError when the disk refuses.
+    The file that was there is kept as `<name>.previous`, and one of an older version as
+    `<name>.v1` for good, unless it says the same already; then nothing is written. SessionError
+    when the disk refuses, and for a file of a newer Keypose, which stays as it is.
     """
     content = session_json(session)
     try:
-        if path.is_file() and path.read_bytes() == content:
-            return
+        there = path.read_bytes() if path.is_file() else b""
     except OSError:  # it cannot be compared, so it is written, which tells what is wrong
-        pass
+        there = b""
+    if there == content:
+        return
+    _demand_not_newer(session, path, there)
+    _back_up(path, there)
     write_file(path, content, overwrite=True, keep_previous=True, error=SessionError)
+
+
+def _demand_not_newer(session: Session, path: Path, there: bytes) -> None:
+    version = max(version_in(there) or 0, session.schema_version)
+    if version > PRESENT:
+        raise SessionError(
+            f"{path.name} is of a newer Keypose (version {version}) and is not changed by this one."
+        )
+
+
+def _back_up(path: Path, there: bytes) -> None:
+    """Keep a file of an older version for whoever goes back to that Keypose."""
+    version = version_in(there)
+    if version is None or version >= PRESENT:
+        return
+    kept = path.with_name(f"{path.name}.v{version}")
+    if not kept.exists():
+        write_file(kept, there, error=SessionError)
 
 
 def session_json(session: Session) -> bytes:
@@ -118,22 +187,3 @@ def _read(path: Path) -> bytes:
     except (OSError, ValueError) as error:  # ValueError: a NUL character in the name
         why = getattr(error, "strerror", None) or error
         raise SessionError(f"The session file {str(path)!r} cannot be read: {why}.") from None
-
-
-def _demand_version(path: Path, data: Any) -> None:
-    """Told before everything else: a newer file's other fields would give misleading errors."""
-    if not isinstance(data, dict):
-        raise SessionError(f"{path.name} is not a session: its JSON is not an object.")
-    if "schema_version" not in data:
-        raise SessionError(
-            f"{path.name}: schema_version is missing; a session of this Keypose says "
-            f"{SCHEMA_VERSION}."
-        )
-    version = data["schema_version"]
-    if isinstance(version, int) and version > SCHEMA_VERSION:
-        raise SessionError(
-            f"{path.name}: schema_version is {version}, written by a newer Keypose; this one reads "
-            f"version {SCHEMA_VERSION}."
-        )
-    if version != SCHEMA_VERSION:
-        raise SessionError(f"{path.name}: schema_version must be {SCHEMA_VERSION}.")

@@ -1,14 +1,15 @@
-"""The session file's contents, version 1: plain numbers, validated once at the door.
+"""The session file's contents: plain numbers, validated once at the door.
 
 Every text of an error names the field and what is allowed. Lengths are metres, angles radians,
-rotations unit quaternions [w, x, y, z] of a part in its parent's frame.
+rotations unit quaternions [w, x, y, z] of a part in its parent's frame. Fields that are not known
+are kept as they are: another program may have its own.
 """
 
 from __future__ import annotations
 
 import math
 from itertools import pairwise
-from typing import Annotated, Final, Literal, Self, TypeAlias
+from typing import Annotated, Literal, Self, TypeAlias
 
 import numpy as np
 from pydantic import Field, FiniteFloat, field_validator, model_validator
@@ -17,10 +18,9 @@ from tracker.body import Body, Name
 from tracker.camera import Camera
 from tracker.geometry import quaternion_wxyz, rotation_from_quaternion
 from tracker.pose import Pose, pose_transforms
+from tracker.session.versions import PRESENT
 from tracker.settings import FrameIndex, IgnoreMask, MethodName, Plain, Quality, TrackSettings
 from tracker.skeleton import Skeleton
-
-SCHEMA_VERSION: Final = 1
 
 Quaternion: TypeAlias = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
 Metres: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e5, le=1e5)]
@@ -119,10 +119,24 @@ class Results(Plain):
     )
 
 
+class FirstMotion(Plain):
+    """A motion from elsewhere, fitted to the body: a start for tracking, not its result."""
+
+    file: Annotated[str, Field(pattern=r"^first-[0-9a-f]{12}\.npz$")] = Field(
+        description="File of the motion, beside the session file."
+    )
+    source: str = Field(description="Name of the file that it was imported from.")
+    matched: dict[str, str] = Field(
+        default_factory=dict, description="The joints of that file with the body's own."
+    )
+
+
 class Session(Plain):
     """All about one video: the camera, the body, the keyframes, the settings, the results."""
 
-    schema_version: Literal[1] = SCHEMA_VERSION
+    schema_version: Annotated[int, Field(ge=1)] = Field(
+        default=PRESENT, description=f"{PRESENT}; a greater one is of a newer Keypose."
+    )
     video: VideoReference
     camera: Camera
     body: Body
@@ -136,7 +150,15 @@ class Session(Plain):
     )
     ignore_masks: tuple[IgnoreMask, ...] = ()
     settings: TrackSettings = TrackSettings()
+    first_motion: FirstMotion | None = Field(
+        default=None, description="An imported motion that tracking may start from."
+    )
     results: Results | None = None
+
+    @property
+    def is_newer(self) -> bool:
+        """Whether a newer Keypose wrote it: then it may be looked at, not changed."""
+        return self.schema_version > PRESENT
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:

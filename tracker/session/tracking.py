@@ -4,15 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 
+from tracker.errors import SessionError
 from tracker.loading import MEMORY_BYTES
 from tracker.session.schema import Session
 from tracker.skeleton import Skeleton
 from tracker.track import Progress, Tracker, never, run
+from tracker.trajectory import Trajectory
 from tracker.video import Video
 
 
-def tracker_of(session: Session, video: Video, memory: int = MEMORY_BYTES) -> Tracker:
-    """A session made ready to be tracked; SessionError with fewer than two keyframes."""
+def tracker_of(
+    session: Session,
+    video: Video,
+    memory: int = MEMORY_BYTES,
+    first_motion: Trajectory | None = None,
+) -> Tracker:
+    """A session made ready to be tracked; SessionError with fewer than two keyframes, or without
+    the first motion that the session speaks of and its settings use."""
+    demand_first_motion(session, first_motion)
     skeleton = Skeleton.of(session.body)
     return Tracker(
         video,
@@ -22,6 +31,7 @@ def tracker_of(session: Session, video: Video, memory: int = MEMORY_BYTES) -> Tr
         session.ignore_masks,
         session.settings.static_camera,
         memory,
+        first_motion,
     )
 
 
@@ -32,10 +42,26 @@ def track_session(
     segments: Sequence[int] | None = None,
     workers: int = 1,
     cancelled: Callable[[], bool] = never,
+    first_motion: Trajectory | None = None,
 ) -> Iterator[Progress]:
     """Track a session's segments with its own settings; see tracker.track.run for the events.
 
-    Each worker may hold one segment's pictures.
+    Each worker may hold one segment's pictures. first_motion: what `first_motion.of_session` reads
+    beside the session's file.
     """
-    tracker = tracker_of(session, video, MEMORY_BYTES)
+    tracker = tracker_of(session, video, MEMORY_BYTES, first_motion)
     yield from run(tracker, session.settings, segments, workers, cancelled)
+
+
+def demand_first_motion(session: Session, first_motion: Trajectory | None) -> None:
+    """SessionError unless the motion that the settings start from is there."""
+    initial, told = session.settings.initial, session.first_motion
+    if initial == "import" and told is None:
+        raise SessionError(
+            "settings.initial is import, but the session has no imported motion: run keypose "
+            "import first, or set it to auto."
+        )
+    if initial != "linear" and told is not None and first_motion is None:
+        raise SessionError(
+            f"The imported motion {told.file} was not read; tracking starts from it."
+        )

@@ -1,0 +1,110 @@
+"""Every edit on the disk before it is acknowledged: what the store tells the journal.
+
+Edits are noted on the loop's thread and written on another; what is acknowledged meanwhile waits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Lock
+
+from app.editor.state import EditorState
+from tracker.session.chronicle import (
+    Moment,
+    edit_record,
+    mark_of,
+    saved_record,
+    whole_record,
+)
+from tracker.session.files import journal_path
+from tracker.session.journal import Journal
+from tracker.session.schema import Session
+
+MOST_BYTES = 32 * 2**20
+"""A longer journal is begun anew, with the steps that can still be undone."""
+
+
+@dataclass(frozen=True)
+class Beginning:
+    """Where a session's journal stands when it is opened: `size` bytes of it are whole, and it can
+    be gone on with (`follows`), or the next edit begins it anew."""
+
+    size: int = 0
+    follows: bool = False
+
+
+class Journaling:
+    """The journal of the session that is open."""
+
+    def __init__(self, session_path: Path, edit: EditorState, beginning: Beginning) -> None:
+        size = beginning.size if beginning.follows else 0
+        self._journal = Journal(journal_path(session_path), size)
+        self._follows = beginning.follows
+        self._last = _moment(edit)
+        self._lock = Lock()
+        self._pending: list[tuple[Moment, Moment]] = []
+        self._marked = ""
+        self._noted = self._written = 0
+        self._waiting: list[tuple[int, Callable[[], None]]] = []
+
+    # --- on the loop's thread
+
+    def note(self, edit: EditorState) -> bool:
+        """Whether something was decided, which has to be written."""
+        if edit.settled is self._last.doc and edit.history is self._last.history:
+            return False
+        moment = _moment(edit)
+        with self._lock:
+            self._pending.append((self._last, moment))
+            self._noted += 1
+        self._last = moment
+        return True
+
+    def when_written(self, call: Callable[[], None]) -> None:
+        """Call once all that was noted until now is on the disk, or cannot be brought there."""
+        if self._noted == self._written:
+            call()
+        else:
+            self._waiting.append((self._noted, call))
+
+    def heard(self, *, failed: bool = False) -> None:
+        """Call those whose wait is over."""
+        ready = [call for number, call in self._waiting if failed or number <= self._written]
+        self._waiting = [w for w in self._waiting if not failed and w[0] > self._written]
+        for call in ready:
+            call()
+
+    # --- on the thread that writes
+
+    def write(self) -> None:
+        """Bring everything noted to the disk; SessionError when it refuses, and nothing is lost."""
+        with self._lock:
+            pending = list(self._pending)
+        if not pending:
+            return
+        if not self._follows or self._journal.size > MOST_BYTES:
+            records = whole_record(pending[-1][1])
+            self._journal.begin_anew(records, keep_previous=not self._follows)
+            self._follows = True
+        else:
+            self._journal.append(edit_record(before, after) for before, after in pending)
+        with self._lock:
+            del self._pending[: len(pending)]
+            self._written += len(pending)
+
+    def saved(self, session: Session) -> None:
+        """The session file now holds this; only then is it known to follow the journal."""
+        mark = mark_of(session)
+        if self._follows and mark != self._marked:
+            self._journal.append([saved_record(mark)], durable=False)
+            self._marked = mark
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._journal.close()
+
+
+def _moment(edit: EditorState) -> Moment:
+    return Moment(edit.settled, edit.history, edit.frame)

@@ -1,0 +1,219 @@
+"""An edit that was acknowledged is never lost, and can be undone after a restart."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import os
+import shutil
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app import running
+from app.library import Library
+from app.store import Store
+from tests.app.killing import kill_once
+from tests.app.serving import ROOT
+from tracker.session.files import journal_path, load_session, open_session
+from tracker.session.journal import Journal, read_journal
+
+KILLS = 5
+"""The benchmark kills two hundred times."""
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    shutil.copytree(ROOT / "sample_videos" / "person", tmp_path / "person")
+    return tmp_path / "person" / "session.json"
+
+
+class _NoWorker:
+    def __init__(self, *_: object) -> None: ...
+
+    def cancel(self) -> None: ...
+
+    def close(self) -> None: ...
+
+
+@pytest.fixture(autouse=True)
+def _without_worker(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(running, "Tracking", _NoWorker)
+
+
+def with_store(path: Path, work: Callable[[Store], Awaitable[None]], *, ends: bool = True) -> None:
+    """Open, work, and end well or, so to speak, not at all."""
+
+    async def whole() -> None:
+        folder = path.parent.parent
+        library = Library(folder / "work", [folder])
+        store = Store(asyncio.get_running_loop(), lambda *_: None, library)
+        await store.open(path)
+        await work(store)
+        if ends:
+            await store.stop()
+
+    asyncio.run(whole())
+
+
+async def done(store: Store, *actions: dict[str, Any]) -> None:
+    """Each is acknowledged before the next is sent."""
+    tab = store.join()
+    for number, action in enumerate(actions, start=1):
+        store.receive(tab, {**action, "n": number})
+        acknowledged = 0
+        while acknowledged < number:
+            messages = await tab.next()
+            acknowledged = max(m.get("ack", 0) for m in messages)
+    store.leave(tab)
+
+
+def turn(x: float, **more: Any) -> dict[str, Any]:
+    return {"do": "angles", "part": "left_forearm", "x": x, **more}
+
+
+def labels(path: Path) -> list[str]:
+    return [step.label for step in open_session(path).recovered.moment.history.past]
+
+
+def test_undo_and_redo_survive_a_restart(path: Path) -> None:
+    first = load_session(path).keyframes
+
+    async def edit(store: Store) -> None:
+        await done(store, turn(-10), turn(-20), {"do": "delete_key", "frame": 24}, {"do": "undo"})
+
+    async def go_on(store: Store) -> None:
+        edit = store.outlook.edit
+        assert edit is not None
+        assert len(edit.history.past) == 2
+        assert len(edit.history.future) == 1
+        await done(store, {"do": "redo"})
+        assert [k.frame for k in load_session(path).keyframes] == [0, 48, 72]
+        await done(store, {"do": "undo"}, {"do": "undo"}, {"do": "undo"})
+
+    with_store(path, edit)
+    with_store(path, go_on)
+    assert load_session(path).keyframes == first
+    assert len(open_session(path).recovered.moment.history.future) == 3
+
+
+def test_an_edit_is_in_the_journal_when_it_is_acknowledged(path: Path) -> None:
+    async def edit(store: Store) -> None:
+        for number in range(1, 6):
+            await done(store, turn(-10 * number))
+            records = read_journal(journal_path(path)).records
+            assert sum("kept" in record for record in records) == number
+
+    with_store(path, edit, ends=False)
+
+
+def test_a_drag_is_one_line_of_the_journal(path: Path) -> None:
+    async def edit(store: Store) -> None:
+        drag = [turn(-x, stroke="d") for x in range(30)]
+        await done(store, *drag, {"do": "end_stroke", "stroke": "d"})
+
+    with_store(path, edit)
+    assert sum("kept" in r for r in read_journal(journal_path(path)).records) == 1
+    assert len(labels(path)) == 1
+
+
+def test_what_the_journal_alone_has_comes_back_with_a_word(path: Path) -> None:
+    before = path.read_bytes()
+
+    async def edit(store: Store) -> None:
+        await done(store, turn(-10), turn(-20))
+
+    with_store(path, edit)
+    after = load_session(path).keyframes
+    path.write_bytes(before)  # as if the power had gone before the session file was written
+    drop_saved(journal_path(path))
+    assert load_session(path).keyframes == after
+
+    async def look(store: Store) -> None:
+        said = (await store.join().next())[0]
+        assert said["words"] == "2 edits made before Keypose ended unexpectedly came back."
+
+    with_store(path, look)
+
+
+def drop_saved(path: Path) -> None:
+    """As if the session file had never been written."""
+    records = [record for record in read_journal(path).records if "saved" not in record]
+    Journal(path, 0).begin_anew(records)
+
+
+def test_a_session_changed_outside_is_taken_as_it_is_and_told(path: Path) -> None:
+    async def edit(store: Store) -> None:
+        await done(store, turn(-10))
+
+    with_store(path, edit)
+    edited = load_session(path).keyframes
+    shutil.copy(ROOT / "sample_videos" / "person" / "session.json", path)
+
+    async def look(store: Store) -> None:
+        said = (await store.join().next())[0]
+        assert "changed outside" in said["words"]
+        await done(store, {"do": "undo"})
+
+    with_store(path, look)
+    assert load_session(path).keyframes == edited
+
+
+def test_a_newer_session_is_shown_and_nothing_is_written(path: Path) -> None:
+    content = path.read_bytes().replace(b'"schema_version": 2', b'"schema_version": 3', 1)
+    path.write_bytes(content)
+
+    async def edit(store: Store) -> None:
+        tab = store.join()
+        store.receive(tab, turn(-10, n=1))
+        refused = [m for m in await tab.next() if m["t"] == "refused"]
+        assert "a newer Keypose" in refused[0]["words"]
+        assert store.outlook.saved.state == "readonly"
+
+    with_store(path, edit)
+    assert path.read_bytes() == content
+    assert not journal_path(path).exists()
+
+
+def test_a_disk_that_is_full_is_told_and_what_was_done_is_written_once_there_is_room(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def edit(store: Store) -> None:
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "write", _full)
+            await done(store, turn(-10), turn(-20))
+            assert store.outlook.saved.state == "failed"
+            assert "No space left" in store.outlook.saved.words
+        await done(store, turn(-30))
+
+    with_store(path, edit)
+    assert len(labels(path)) == 3
+
+
+def _full(*_: object) -> int:
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def test_a_long_journal_is_begun_anew_without_losing_a_step(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.journaling.MOST_BYTES", 100_000)
+
+    async def edit(store: Store) -> None:
+        await done(store, *(turn(-x / 4) for x in range(1, 60)))
+
+    with_store(path, edit)
+    assert len(labels(path)) == 59
+    records = read_journal(journal_path(path)).records
+    assert sum("base" in record for record in records) == 1
+
+
+def test_a_killed_keypose_loses_no_edit_it_has_acknowledged(path: Path) -> None:
+    acknowledged = 0
+    for seed in range(KILLS):
+        death = kill_once(path, seed)
+        assert death.lost == 0
+        acknowledged += death.acknowledged
+    assert acknowledged > KILLS

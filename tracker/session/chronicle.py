@@ -1,0 +1,224 @@
+"""The journal's records: how a document and its history became what they are.
+
+    {"base": session, "mark": …}                         where the journal begins
+    {"frame", "doc", "kept", "past", "future", "mark"}   one edit, undo or redo
+    {"saved": mark}                                      the session file then held this
+
+`doc` are the changes from the document before; `kept` tells which steps of the history stay: the
+past's first and behind its last, the future's number. `past` and `future` are the steps that are
+new, each with where its document is found: "doc", the document before, or changes from it. A mark
+is a digest of the document, by which the session file is found in the journal.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from tracker.session.changes import changed, changes
+from tracker.session.history import History, Step
+from tracker.session.journal import Record
+from tracker.session.schema import Session
+
+OUTSIDE = "change made outside"
+"""What a step is called that brought a session file changed by another program."""
+
+
+@dataclass(frozen=True, eq=False)
+class Moment:
+    """A document, its history, and the frame one stood at."""
+
+    doc: Session
+    history: History = field(default_factory=History)
+    frame: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class Recovered:
+    """What journal and session file together say.
+
+    moment: the newest state.  ahead: edits that the session file does not have yet.
+    follows: whether the journal can be gone on with; otherwise it is begun anew.
+    """
+
+    moment: Moment
+    ahead: int
+    follows: bool
+
+
+def mark_of(session: Session) -> str:
+    """Equal for documents that say the same, wherever the video lies and whatever was tracked."""
+    left_out: Any = {"results": True, "video": {"path"}, "schema_version": True}
+    content = session.model_dump_json(exclude=left_out).encode()
+    return hashlib.sha256(content).hexdigest()[:16]
+
+
+def without_results(session: Session) -> Session:
+    """The document: what a person decides."""
+    return session if session.results is None else session.model_copy(update={"results": None})
+
+
+# --- writing
+
+
+def base_record(moment: Moment) -> Record:
+    """The beginning of a journal; the history is told by what follows."""
+    doc = moment.doc
+    return {"base": doc.model_dump(mode="json"), "frame": moment.frame, "mark": mark_of(doc)}
+
+
+def edit_record(before: Moment, after: Moment) -> Record:
+    """What leads from one moment to the next."""
+    first, stop = _kept(before.history.past, after.history.past)
+    future = _common(before.history.future, after.history.future)
+    return {
+        "frame": after.frame,
+        "doc": changes(before.doc, after.doc),
+        "kept": [first, stop, future],
+        "past": [_told(step, before.doc) for step in after.history.past[stop - first :]],
+        "future": [_told(step, before.doc) for step in after.history.future[future:]],
+        "mark": mark_of(after.doc),
+    }
+
+
+def saved_record(mark: str) -> Record:
+    """The session file holds the document of this mark."""
+    return {"saved": mark}
+
+
+def whole_record(moment: Moment) -> Iterator[Record]:
+    """A journal that says what there is, and no more."""
+    past, future = moment.history.past, moment.history.future
+    docs = [*(step.doc for step in past), moment.doc]
+    last = Moment(docs[0], frame=past[0].frame if past else moment.frame)
+    yield base_record(last)
+    for number, doc in enumerate(docs[1:], start=1):
+        frame = past[number].frame if number < len(past) else moment.frame
+        here = Moment(doc, History(past[:number]), frame)
+        yield edit_record(last, here)
+        last = here
+    if future:
+        yield edit_record(last, moment)
+
+
+# --- reading
+
+
+def recovered(session: Session, records: Sequence[Record]) -> Recovered:
+    """The newest state, of the session file as it was read and the journal beside it.
+
+    What the journal has beyond the file is brought back. Where the file holds what the journal
+    does not know, another program wrote it: it counts, as one more step, which can be undone.
+    """
+    doc = without_results(session)
+    alone = Recovered(Moment(doc), 0, follows=False)
+    try:
+        last, marks, saved = _replayed(records)
+    except (ValueError, KeyError, IndexError, TypeError, AttributeError):
+        return alone
+    if last is None or not _is_same_film(last.doc, doc):
+        return alone
+    mark = mark_of(doc)
+    known = [k for k in range(saved, len(marks)) if marks[k] == mark]
+    if known:
+        newest = _of_film(last, doc)
+        if not _fits_together(newest.doc):
+            return alone
+        return Recovered(newest, len(marks) - 1 - known[-1], follows=True)
+    last = _of_film(last, doc)
+    history = last.history.after(last.doc, OUTSIDE, last.frame)
+    return Recovered(Moment(doc, history, last.frame), 0, follows=False)
+
+
+def _fits_together(doc: Session) -> bool:
+    """Each change was validated by itself; whether all fit together is seen here."""
+    try:
+        Session.model_validate(doc.model_dump())
+    except ValueError:
+        return False
+    return True
+
+
+def _of_film(moment: Moment, doc: Session) -> Moment:
+    """The same with the video where it lies now: session and video may have been moved."""
+
+    def here(one: Session) -> Session:
+        return one.model_copy(update={"video": doc.video, "schema_version": doc.schema_version})
+
+    def moved(steps: tuple[Step, ...]) -> tuple[Step, ...]:
+        return tuple(replace(step, doc=here(step.doc)) for step in steps)
+
+    history = History(moved(moment.history.past), moved(moment.history.future))
+    return Moment(here(moment.doc), history, moment.frame)
+
+
+def _is_same_film(one: Session, other: Session) -> bool:
+    a, b = one.video, other.video
+    facts = (a.frame_count, a.width, a.height) == (b.frame_count, b.width, b.height)
+    return facts and (a.fingerprint == b.fingerprint or "" in (a.fingerprint, b.fingerprint))
+
+
+def _replayed(records: Sequence[Record]) -> tuple[Moment | None, list[str], int]:
+    """The last moment, the marks of all, and which of them the session file was last known to
+    hold."""
+    last: Moment | None = None
+    marks: list[str] = []
+    saved = 0
+    for record in records:
+        if "saved" in record:
+            found = [k for k in range(saved, len(marks)) if marks[k] == record["saved"]]
+            saved = found[-1] if found else saved
+            continue
+        if "base" in record:
+            last = _base(record)
+        elif last is not None:
+            last = _next(last, record)
+        marks.append(str(record["mark"]))
+    return last, marks, saved
+
+
+def _base(record: Mapping[str, Any]) -> Moment:
+    return Moment(Session.model_validate(record["base"]), frame=int(record["frame"]))
+
+
+def _next(before: Moment, record: Mapping[str, Any]) -> Moment:
+    first, stop, future = (int(number) for number in record["kept"])
+    past = (*before.history.past[first:stop], *_steps(record["past"], before.doc))
+    ahead = (*before.history.future[:future], *_steps(record["future"], before.doc))
+    doc = changed(before.doc, record["doc"])
+    return Moment(doc, History(past, ahead), int(record["frame"]))
+
+
+# --- steps
+
+
+def _told(step: Step, doc: Session) -> Record:
+    where = {} if step.doc is doc else changes(doc, step.doc)
+    return {"label": step.label, "frame": step.frame, "doc": where}
+
+
+def _steps(told: Sequence[Mapping[str, Any]], doc: Session) -> Iterator[Step]:
+    for one in told:
+        yield Step(changed(doc, one["doc"]), str(one["label"]), int(one["frame"]))
+
+
+def _kept(before: Sequence[Step], after: Sequence[Step]) -> tuple[int, int]:
+    """Which stretch of the past the new past begins with: the oldest steps may be forgotten."""
+    if not before or not after:
+        return 0, 0
+    first = next((k for k, step in enumerate(before) if step is after[0]), None)
+    if first is None:
+        return 0, 0
+    return first, first + _common(before[first:], after)
+
+
+def _common(before: Sequence[Step], after: Sequence[Step]) -> int:
+    """How many steps both begin with."""
+    count = 0
+    for one, other in zip(before, after, strict=False):
+        if one is not other:
+            break
+        count += 1
+    return count
