@@ -18,7 +18,7 @@ from tracker.session.chronicle import (
     saved_record,
     whole_record,
 )
-from tracker.session.files import journal_path
+from tracker.session.files import journal_path, session_json
 from tracker.session.journal import Journal
 from tracker.session.schema import Session
 
@@ -28,20 +28,25 @@ MOST_BYTES = 32 * 2**20
 
 @dataclass(frozen=True)
 class Beginning:
-    """Where a session's journal stands when it is opened: `size` bytes of it are whole, and it can
-    be gone on with (`follows`), or the next edit begins it anew."""
+    """Where a session's files stand when it is opened.
+
+    size: bytes of the journal that are whole.  follows: it can be gone on with; otherwise the next
+    edit begins it anew.  content: of the session file.
+    """
 
     size: int = 0
     follows: bool = False
+    content: bytes = b""
 
 
 class Journaling:
-    """The journal of the session that is open."""
+    """The journal of the session that is open; `known` is what the session file holds of ours."""
 
     def __init__(self, session_path: Path, edit: EditorState, beginning: Beginning) -> None:
         size = beginning.size if beginning.follows else 0
         self._journal = Journal(journal_path(session_path), size)
         self._follows = beginning.follows
+        self.known = beginning.content
         self._last = _moment(edit)
         self._lock = Lock()
         self._pending: list[tuple[Moment, Moment]] = []
@@ -96,6 +101,7 @@ class Journaling:
 
     def saved(self, session: Session) -> None:
         """The session file now holds this; only then is it known to follow the journal."""
+        self.known = session_json(session)
         mark = mark_of(session)
         if self._follows and mark != self._marked:
             self._journal.append([saved_record(mark)], durable=False)

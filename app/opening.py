@@ -16,7 +16,7 @@ from tracker.body import preset
 from tracker.camera import Camera
 from tracker.errors import SessionError
 from tracker.session.atomic import make_folder
-from tracker.session.chronicle import OUTSIDE, Recovered
+from tracker.session.chronicle import OUTSIDE, Recovered, of_film
 from tracker.session.files import (
     load_session,
     open_session,
@@ -129,17 +129,31 @@ def edit_state(piece: Workpiece) -> tuple[EditorState, str]:
 
 
 def _opened(path: Path) -> Workpiece:
+    content = path.read_bytes() if path.is_file() else b""
     opened = open_session(path)
-    found = opened.recovered
+    session, found = opened.session, opened.recovered
+    video = open_video_of(session, path)
+    moment, news = found.moment, _news(found)
+    if not _is_there(video_path(session, path), video.info.path):
+        place = _relative(video.info.path, path.parent)
+        session = session.model_copy(
+            update={"video": session.video.model_copy(update={"path": place})}
+        )
+        moment = of_film(moment, session)
+        news = (*news, f"The video was found again at {place}.")
     return Workpiece(
         path,
-        opened.session,
-        open_video_of(opened.session, path),
+        session,
+        video,
         fresh=False,
-        history=found.moment.history,
-        journal=Beginning(opened.size, found.follows),
-        news=_news(found),
+        history=moment.history,
+        journal=Beginning(opened.size, found.follows, content),
+        news=news,
     )
+
+
+def _is_there(told: Path, found: Path) -> bool:
+    return os.path.realpath(told) == os.path.realpath(found)
 
 
 def _news(found: Recovered) -> tuple[str, ...]:

@@ -35,7 +35,7 @@ from app.sections import Sections
 from app.tabs import Tab
 from tracker.errors import KeyposeError, SessionError, VideoError
 from tracker.session.atomic import make_folder
-from tracker.session.files import save_session
+from tracker.session.files import save_session, set_aside
 from tracker.wording import one_sentence
 
 SECONDS_BETWEEN_SAVES = 3.0
@@ -203,11 +203,15 @@ class Store:
                 self._lock = SessionLock.take(path.parent)
             if not path.exists():  # a journal alone would not be found
                 save_session(doc, path)
+                journaling.saved(doc)
             journaling.write()
             self._loop.call_soon_threadsafe(journaling.heard)
             session = save_results(doc, path, edit.results)
+            theirs = set_aside(path, journaling.known)
             save_session(session, path)
-            journaling.saved(doc)
+            journaling.saved(session)
+            if theirs is not None:
+                self._loop.call_soon_threadsafe(self.note, "check", _aside(path, theirs))
             with suppress(OSError):  # what is left over does no harm
                 tidy_tracks(path.parent)
             with suppress(KeyposeError):  # only the list of recent sessions would lack it
@@ -414,6 +418,13 @@ class Store:
             tab.say(message)
         if not self._tabs:
             self._unheard.append(message)
+
+
+def _aside(path: Path, theirs: Path) -> str:
+    return (
+        f"Another program changed {path.name} meanwhile: its version is kept as {theirs.name}, "
+        "yours goes on."
+    )
 
 
 def _without_number(message: Any) -> Any:

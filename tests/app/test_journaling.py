@@ -161,6 +161,31 @@ def test_a_session_changed_outside_is_taken_as_it_is_and_told(path: Path) -> Non
     assert load_session(path).keyframes == edited
 
 
+def test_what_another_program_writes_meanwhile_is_kept_beside(path: Path) -> None:
+    theirs = path.read_bytes().replace(b'"note"', b'"words"') + b"\n"
+
+    async def edit(store: Store) -> None:
+        await done(store, turn(-10))
+        await saved(store)
+        path.write_bytes(theirs)
+        tab = store.join()
+        await done(store, turn(-20))
+        await saved(store)
+        words = [m["words"] for m in await tab.next() if m["t"] == "note"]
+        assert len(words) == 1
+        assert "Another program changed session.json" in words[0]
+
+    with_store(path, edit)
+    kept = [file.read_bytes() for file in path.parent.glob("session.theirs-*.json")]
+    assert kept == [theirs]
+    assert len(labels(path)) == 2
+
+
+async def saved(store: Store) -> None:
+    while store.outlook.saved.state != "saved":
+        await asyncio.sleep(0.01)
+
+
 def test_a_newer_session_is_shown_and_nothing_is_written(path: Path) -> None:
     content = path.read_bytes().replace(b'"schema_version": 2', b'"schema_version": 3', 1)
     path.write_bytes(content)

@@ -40,7 +40,7 @@ class _Tracking:
         self.orders: list[tuple[Session, Sequence[Wanted]]] = []
         _Tracking.newest = self
 
-    def start(self, doc: Session, _: Path, wanted: Sequence[Wanted], __: object) -> int:
+    def start(self, doc: Session, _: Path, wanted: Sequence[Wanted], *__: object) -> int:
         self.orders.append((doc, wanted))
         return len(self.orders)
 

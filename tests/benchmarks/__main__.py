@@ -17,7 +17,7 @@ from typing import Any
 from tests.benchmarks.keeping import ROOT, Absent, digest
 from tests.benchmarks.table import Report
 
-GROUPS = ("rendered", "cube", "real", "cost", "page", "repeat")
+GROUPS = ("rendered", "cube", "real", "cost", "page", "sessions", "repeat", "batch")
 OUT = Path("benchmarks.json")
 
 

@@ -65,7 +65,7 @@ def _long_session(folder: Path) -> Path:
 
 
 def _hour(folder: Path) -> Path:
-    found = sorted(DATA.glob("broken_videos/*hour*"))
+    found = sorted(DATA.glob("broken_videos/*1h*"))
     if not found:
         raise Absent("an hour of video")
     place = folder / "hour"

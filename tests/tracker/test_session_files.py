@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,8 @@ from tracker.session.files import (
 )
 
 Change = Callable[[dict[str, Any]], None]
+
+SAMPLES = Path(__file__).resolve().parents[2] / "sample_videos"
 
 
 def _set(*steps: str | int, to: object) -> Change:
@@ -303,6 +306,33 @@ def test_another_video_of_the_same_size_is_told_by_its_fingerprint(tmp_path: Pat
     (tmp_path / "frames").rename(tmp_path / "old")
     cases.write_frames(tmp_path / "frames", brightness=30)
     with pytest.raises(SessionError, match=r"not the one .* \(fingerprint differs\)"):
+        open_video_of(load_session(path), path)
+
+
+def _film(folder: Path) -> Path:
+    """A session of a film that is one file."""
+    folder.mkdir()
+    shutil.copyfile(SAMPLES / "box" / "box.mp4", folder / "box.mp4")
+    shutil.copyfile(SAMPLES / "box" / "session.json", folder / "session.json")
+    return folder / "session.json"
+
+
+@pytest.mark.parametrize("place", ["renamed.mp4", "../box.mp4", "../other name.mp4"])
+def test_a_video_that_was_moved_nearby_is_found_again(tmp_path: Path, place: str) -> None:
+    path = _film(tmp_path / "take")
+    (path.parent / "box.mp4").rename(path.parent / place)
+    with open_video_of(load_session(path), path) as video:
+        assert video.info.path.resolve() == (path.parent / place).resolve()
+
+
+def test_another_video_in_its_place_is_not_taken_for_it(tmp_path: Path) -> None:
+    path = _film(tmp_path / "take")
+    (path.parent / "box.mp4").rename(path.parent / "mine.mp4")
+    shutil.copyfile(SAMPLES / "person" / "person.mp4", path.parent / "box.mp4")
+    with open_video_of(load_session(path), path) as video:
+        assert video.info.path.name == "mine.mp4"
+    (path.parent / "mine.mp4").unlink()
+    with pytest.raises(SessionError, match="not the one"):
         open_video_of(load_session(path), path)
 
 

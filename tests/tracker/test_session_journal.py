@@ -31,7 +31,7 @@ from tracker.session.files import journal_path, load_session, open_session, save
 from tracker.session.history import MOST_STEPS, History, Step
 from tracker.session.journal import Journal, lines, read_journal
 
-RECORDS = [{"n": 0}, {"n": 1, "text": "ä\n"}, {"n": 2, "list": [1.5, None]}]
+RECORDS: list[dict[str, Any]] = [{"n": 0}, {"n": 1, "text": "ä\n"}, {"n": 2, "list": [1.5, None]}]
 
 
 # --- lines

@@ -60,6 +60,19 @@ def without_results(session: Session) -> Session:
     return session if session.results is None else session.model_copy(update={"results": None})
 
 
+def of_film(moment: Moment, doc: Session) -> Moment:
+    """The same with the video where it lies now: session and video may have been moved."""
+
+    def here(one: Session) -> Session:
+        return one.model_copy(update={"video": doc.video, "schema_version": doc.schema_version})
+
+    def moved(steps: tuple[Step, ...]) -> tuple[Step, ...]:
+        return tuple(replace(step, doc=here(step.doc)) for step in steps)
+
+    history = History(moved(moment.history.past), moved(moment.history.future))
+    return Moment(here(moment.doc), history, moment.frame)
+
+
 # --- writing
 
 
@@ -123,11 +136,11 @@ def recovered(session: Session, records: Sequence[Record]) -> Recovered:
     mark = mark_of(doc)
     known = [k for k in range(saved, len(marks)) if marks[k] == mark]
     if known:
-        newest = _of_film(last, doc)
+        newest = of_film(last, doc)
         if not _fits_together(newest.doc):
             return alone
         return Recovered(newest, len(marks) - 1 - known[-1], follows=True)
-    last = _of_film(last, doc)
+    last = of_film(last, doc)
     history = last.history.after(last.doc, OUTSIDE, last.frame)
     return Recovered(Moment(doc, history, last.frame), 0, follows=False)
 
@@ -139,19 +152,6 @@ def _fits_together(doc: Session) -> bool:
     except ValueError:
         return False
     return True
-
-
-def _of_film(moment: Moment, doc: Session) -> Moment:
-    """The same with the video where it lies now: session and video may have been moved."""
-
-    def here(one: Session) -> Session:
-        return one.model_copy(update={"video": doc.video, "schema_version": doc.schema_version})
-
-    def moved(steps: tuple[Step, ...]) -> tuple[Step, ...]:
-        return tuple(replace(step, doc=here(step.doc)) for step in steps)
-
-    history = History(moved(moment.history.past), moved(moment.history.future))
-    return Moment(here(moment.doc), history, moment.frame)
 
 
 def _is_same_film(one: Session, other: Session) -> bool:

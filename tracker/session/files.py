@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +13,7 @@ from pydantic_core import from_json
 from tracker.errors import SessionError
 from tracker.session.atomic import write_file
 from tracker.session.chronicle import Recovered, recovered
+from tracker.session.finding import found_again
 from tracker.session.journal import NAME as JOURNAL
 from tracker.session.journal import Read, read_journal
 from tracker.session.schema import Session
@@ -117,6 +119,24 @@ def _back_up(path: Path, there: bytes) -> None:
         write_file(kept, there, error=SessionError)
 
 
+def set_aside(path: Path, known: bytes) -> Path | None:
+    """Keep what another program wrote into a session file, before it is saved over.
+
+    known: the file's content as this program read or wrote it last.  Returns the copy, None where
+    nothing else was written. SessionError when it cannot be kept.
+    """
+    try:
+        there = path.read_bytes()
+    except OSError:  # nothing there that could be lost
+        return None
+    if there == known:
+        return None
+    copy = path.with_name(f"{path.stem}.theirs-{hashlib.sha256(there).hexdigest()[:8]}.json")
+    if not copy.exists():
+        write_file(copy, there, error=SessionError)
+    return copy
+
+
 def session_json(session: Session) -> bytes:
     """The bytes of the session's file; the same session has the same bytes."""
     return session.model_dump_json(indent=2).encode() + b"\n"
@@ -128,14 +148,24 @@ def video_path(session: Session, session_path: Path) -> Path:
 
 
 def open_video_of(session: Session, session_path: Path) -> Video:
-    """The session's video, opened.
+    """The session's video, opened; where it was moved or renamed nearby, it is found again.
 
     SessionError when it is missing or is not the one the keyframes were set on: frames are never
     shifted to fit. VideoError when it cannot be decoded.
     """
+    path = video_path(session, session_path)
+    try:
+        return _opened_as(session, session_path, path)
+    except SessionError:
+        found = found_again(session, session_path, path)
+        if found is None:
+            raise
+        return _opened_as(session, session_path, found)
+
+
+def _opened_as(session: Session, session_path: Path, path: Path) -> Video:
     from tracker.video import Video  # the decoder's libraries load when a video is wanted
 
-    path = video_path(session, session_path)
     if not _exists(path):
         raise SessionError(
             f"The video {str(path)!r} is missing; put it there or change video.path in "
