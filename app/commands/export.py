@@ -22,22 +22,34 @@ if TYPE_CHECKING:
     from app.motion_files import MotionFormat
     from tracker.geometry import Array
     from tracker.session import Session
-    from tracker.trajectory import Trajectory
+    from tracker.session.tracks import Tracks
 
 _EXAMPLES = """\
-  keypose export session.json --format csv --out tables
-  keypose export session.json --format bvh --out motion --overwrite
+  keypose export session.json --format bvh --out motion
+  keypose export session.json --format csv,npz --out tables --overwrite
 """
 
 
 def add(commands: Subcommands) -> None:
     text = (
-        "Write the tracked motion as joints.csv and angles.csv, or as motion.bvh. CSV: metres in "
-        "the camera frame (x right, y down, z forward) and degrees. BVH: centimetres, y up."
+        "Write the tracked motion for other programs. bvh: motion.bvh for animation programs, "
+        "centimetres and degrees. glb: motion.glb, the moving body for any 3D viewer, metres. "
+        "trc and c3d: motion.trc and motion.c3d, joints as markers for OpenSim and motion "
+        "laboratories, millimetres. All four have x right, y up, z toward the camera. csv: "
+        "joints.csv, metres in the camera frame (x right, y down, z forward), angles.csv, degrees, "
+        "and frames.csv, how far to trust every frame. npz: motion.npz, all of this and the camera "
+        "for NumPy, metres and radians. Frames that are not tracked stay empty in csv, npz, trc "
+        "and c3d; bvh and glb hold no gaps."
     )
     command = add_command(commands, "export", run, text, _EXAMPLES)
     add_session(command)
-    command.add_argument("--format", choices=("csv", "bvh"), required=True)
+    command.add_argument(
+        "--format",
+        metavar="FORMAT[,FORMAT]",
+        type=_formats,
+        required=True,
+        help="one or several of bvh, glb, trc, c3d, csv, npz",
+    )
     command.add_argument(
         "--out",
         metavar="DIR",
@@ -52,32 +64,50 @@ def add(commands: Subcommands) -> None:
 def run(arguments: argparse.Namespace) -> int:
     from tracker.session.atomic import demand_absent, demand_folder, make_folder, write_file
     from tracker.session.files import load_session
-    from tracker.session.tracks import load_trajectory, outdated_words
+    from tracker.session.tracks import load_tracks, outdated_words
 
     session = load_session(arguments.session)
-    trajectory = load_trajectory(session, arguments.session)
-    files = _files(arguments.format, session, arguments.session, trajectory)
-    places = {arguments.out / name: text for name, text in files.items()}
+    tracks = load_tracks(session, arguments.session)
+    files = _files(arguments.format, session, arguments.session, tracks)
+    places = {arguments.out / name: content for name, content in files.items()}
     if not arguments.overwrite:
         demand_absent(places)
     demand_folder(arguments.out)
     make_folder(arguments.out)
-    for place, text in places.items():
-        write_file(place, text.encode(), overwrite=arguments.overwrite)
+    for place, content in places.items():
+        write_file(place, content, overwrite=arguments.overwrite)
     print_written(places, arguments.json)
-    note(outdated_words(session, trajectory))
+    note(outdated_words(session, tracks))
     return 0
 
 
-def _files(
-    format_name: MotionFormat, session: Session, session_path: Path, trajectory: Trajectory
-) -> dict[str, str]:
-    """The texts to write by file name."""
-    from app.motion_files import motion_files
-    from tracker.skeleton import Skeleton
+def _formats(text: str) -> tuple[MotionFormat, ...]:
+    """The formats of a list with commas between, each once."""
+    from app.motion_files import FORMATS
 
-    times_s = _times_s(session, session_path)[trajectory.first_frame : trajectory.last_frame + 1]
-    return motion_files(format_name, Skeleton.of(session.body), trajectory, times_s)
+    names = dict.fromkeys(name.strip().lower() for name in text.split(","))
+    known = tuple(name for name in FORMATS if name in names)
+    unknown = [name for name in names if name not in FORMATS]
+    if unknown:
+        choices = ", ".join(FORMATS)
+        raise argparse.ArgumentTypeError(
+            f"invalid choice: {unknown[0][:40]!r} (choose from {choices})"
+        )
+    return known
+
+
+def _files(
+    formats: tuple[MotionFormat, ...], session: Session, session_path: Path, tracks: Tracks
+) -> dict[str, bytes]:
+    """The contents to write by file name."""
+    from app.motion_files import motion_files, saved_motion
+
+    recording = saved_motion(session, tracks, _times_s(session, session_path))
+    return {
+        name: content
+        for format_name in formats
+        for name, content in motion_files(format_name, recording).items()
+    }
 
 
 def _times_s(session: Session, session_path: Path) -> Array:

@@ -31,7 +31,7 @@ export async function copyPicture() {
   }
 }
 
-/** Save the motion as "csv" or "bvh". */
+/** Save the motion in a format: "bvh", "glb", "trc", "c3d", "csv" or "npz". */
 export const saveMotion = (format) =>
   saveFrom(`/motion?format=${format}`, `${S.file.name}.${format}`);
 

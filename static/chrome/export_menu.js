@@ -8,6 +8,14 @@ import { copyPicture, saveMotion, savePicture, viewShown } from './export.js';
 import { heading, line, menuHolder, note, toggleMenu } from './menus.js';
 import { listed, range } from './words.js';
 
+const MOTIONS = [
+  { format: 'bvh', icon: 'bone', right: 'Blender, Maya' },
+  { format: 'glb', icon: 'both', right: 'any 3D viewer' },
+  { format: 'trc', icon: 'trail', right: 'OpenSim' },
+  { format: 'c3d', icon: 'ghost', right: 'motion laboratories' },
+  { format: 'csv', icon: 'copy', right: 'joints, angles, verdicts' },
+  { format: 'npz', icon: 'quad', right: 'NumPy' },
+];
 const TRACKED = ['good', 'check', 'lost', 'outdated', 'tracking'];
 
 export function exportButton() {
@@ -34,8 +42,12 @@ function items() {
     { icon: 'clip', label: 'Copy this view', right: 'Shift C', run: copyPicture },
     line,
     heading(`Motion${frames}`),
-    { icon: 'bone', label: 'BVH', right: 'Blender, Maya', off, run: () => saveMotion('bvh') },
-    { icon: 'copy', label: 'CSV', right: 'joints and angles', off, run: () => saveMotion('csv') },
+    ...MOTIONS.map(({ format, ...looks }) => ({
+      ...looks,
+      label: format.toUpperCase(),
+      off,
+      run: () => saveMotion(format),
+    })),
     warning(),
   ];
 }
@@ -48,21 +60,38 @@ function sizeAndKey() {
 
 const hasMotion = () => (S.segments ?? []).some((s) => TRACKED.includes(s.state));
 
-/** "Segment 75–99 is lost and 50–61 is outdated. The file says so per frame." */
+/** The frames of segments in a state, neighbours as one: [[50, 61], [75, 99]]. */
+function spans(state) {
+  const found = [];
+  for (const { first, last } of (S.segments ?? []).filter((s) => s.state === state)) {
+    if (found.at(-1)?.[1] === first) found.at(-1)[1] = last;
+    else found.push([first, last]);
+  }
+  return found;
+}
+
+/** What BVH and GLB, which hold no gaps, make of segments that are not tracked. */
+function withoutGaps() {
+  const tracked = (S.segments ?? []).filter((s) => ['good', 'check', 'lost'].includes(s.state));
+  if (!tracked.length || tracked.length === S.segments.length) return nothing;
+  const gap = tracked.some((s, i) => i && tracked[i - 1].last !== s.first);
+  const held = range(tracked[0].first, tracked.at(-1).last);
+  return gap ? ' BVH and GLB need all of them.' : ` BVH and GLB hold ${held} alone.`;
+}
+
+/** "Frames 75–99 are lost and 50–61 are outdated. CSV and NPZ say so per frame." */
 function warning() {
-  const parts = ['lost', 'outdated'].flatMap((state) => {
-    const names = (S.segments ?? [])
-      .filter((s) => s.state === state)
-      .map((s) => range(s.first, s.last));
+  const parts = ['lost', 'outdated', 'none'].flatMap((state) => {
+    const names = spans(state).map(([first, last]) => range(first, last));
     return names.length ? [{ state, names }] : [];
   });
-  if (!parts.length) return null;
+  if (!parts.length || !hasMotion()) return null;
   const say = ({ state, names }, first) => {
-    const many = names.length > 1;
-    const noun = first ? `Segment${many ? 's' : ''} ` : ' and ';
+    const noun = first ? 'Frames ' : ' and ';
     return html`<span class=${state === 'lost' ? 'lostword' : nothing}
-      >${noun}${listed(names)} ${many ? 'are' : 'is'} ${state}</span
+      >${noun}${listed(names)} are ${state === 'none' ? 'not tracked' : state}</span
     >`;
   };
-  return note(html`${parts.map((part, i) => say(part, i === 0))}. The file says so per frame.`);
+  const told = parts.map((part, i) => say(part, i === 0));
+  return note(html`${told}. CSV and NPZ say so per frame.${withoutGaps()}`);
 }

@@ -90,7 +90,8 @@ def test_a_distorted_camera_draws_over_the_rectified_frame(
 def test_tables_are_exported(tracked_path: Path, tmp_path: Path) -> None:
     out = tmp_path / "tables"
     assert main(["export", str(tracked_path), "--format", "csv", "--out", str(out)]) == 0
-    assert sorted(path.name for path in out.iterdir()) == ["angles.csv", "joints.csv"]
+    names = ["angles.csv", "frames.csv", "joints.csv"]
+    assert sorted(path.name for path in out.iterdir()) == names
     assert len((out / "joints.csv").read_text().splitlines()) == 10
 
 
@@ -163,7 +164,7 @@ def test_json_lists_the_files_that_were_written(
     monkeypatch.chdir(tracked_path.parent)
     assert main([command, "session.json", *COMMANDS_WITH_RESULTS[command], "--json"]) == 0
     written = json.loads(capsys.readouterr().out)["written"]
-    assert len(written) == {"shot": 1, "export": 2}[command]
+    assert len(written) == {"shot": 1, "export": 3}[command]
     assert all(Path(name).is_file() for name in written)
 
 
@@ -235,7 +236,7 @@ def test_a_fault_of_the_program_is_told_in_full_with_an_exit_code_of_its_own(
     def broken(*_: object, **__: object) -> Iterator[Any]:
         raise ZeroDivisionError
 
-    monkeypatch.setattr(follow, "track_session", broken)
+    monkeypatch.setattr(follow, "rerun", broken)
     assert main(["track", str(session_path)]) == 70
     err = capsys.readouterr().err
     assert err.startswith("Traceback")

@@ -134,11 +134,13 @@ def _pixels(content: bytes) -> np.ndarray:  # type: ignore[type-arg]
     return cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
 
 
-def test_the_motion_as_bvh_is_that_of_the_command_line(at: Desk, tmp_path: Path) -> None:
-    saved = downloaded(at.page, tmp_path, item(at.page, "BVH"))
+@pytest.mark.parametrize("kind", ["bvh", "glb", "trc", "c3d", "npz"])
+def test_the_motion_is_that_of_the_command_line(at: Desk, tmp_path: Path, kind: str) -> None:
+    saved = downloaded(at.page, tmp_path, item(at.page, kind.upper()))
+    assert saved.suffix == f".{kind}"
     out = tmp_path / "out"
-    assert main(["export", str(at.session), "--format", "bvh", "--out", str(out)]) == 0
-    assert saved.read_bytes() == (out / "motion.bvh").read_bytes()
+    assert main(["export", str(at.session), "--format", kind, "--out", str(out)]) == 0
+    assert saved.read_bytes() == (out / f"motion.{kind}").read_bytes()
 
 
 def test_the_tables_are_those_of_the_command_line(at: Desk, tmp_path: Path) -> None:

@@ -6,27 +6,27 @@ frame is turned likewise, R' = F R F and offset' = F offset, so that in the rest
 the file are parallel to its world, and a body that stands has its legs along −y.
 
 Lengths are centimetres, angles degrees. Channels: position, then Z, Y, X rotation for the root;
-Z, Y, X rotation for the others: R' = Rz·Ry·Rx, as the order of the channels says. The root's offset
-is zero: its channels hold the whole position. A part without children ends in its farthest landmark
-or, when it has none, in the end of its shape. Frames are evenly spaced, as BVH knows nothing else.
+Z, Y, X rotation for the others: R' = Rz·Ry·Rx, as the order of the channels says. Angles run on
+smoothly from frame to frame, past half a turn where the motion does. The root's offset is zero: its
+channels hold the whole position. A part without children ends in its farthest landmark or, when it
+has none, in the end of its shape. Frames are evenly spaced, as BVH knows nothing else.
 """
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from tracker.body import Part
 from tracker.errors import FormatError
-from tracker.geometry import Array, euler_from_rotation
+from tracker.formats.axes import flipped, flipped_rotations
+from tracker.formats.euler_curves import smooth_euler
+from tracker.formats.names import single_words
+from tracker.geometry import Array
 from tracker.shapes import Box
 from tracker.skeleton import Skeleton
 from tracker.trajectory import Trajectory
-
-FLIP = np.array([1.0, -1.0, -1.0])
-"""The diagonal of F."""
 
 CM_PER_M = 100.0
 DECIMALS = 6
@@ -36,7 +36,7 @@ def bvh(skeleton: Skeleton, trajectory: Trajectory, seconds_per_frame: float) ->
     """The text of the file. FormatError when the time between frames is not positive."""
     if not 0.0 < seconds_per_frame < np.inf:
         raise FormatError("A BVH file needs a positive time between its frames.")
-    hierarchy = _part_lines(skeleton, 0, bvh_names(skeleton), indent="")
+    hierarchy = _part_lines(skeleton, 0, single_words(skeleton.body.names), indent="")
     motion = [
         "MOTION",
         f"Frames: {len(trajectory)}",
@@ -44,17 +44,6 @@ def bvh(skeleton: Skeleton, trajectory: Trajectory, seconds_per_frame: float) ->
         *(_row(values) for values in _channels(skeleton, trajectory)),
     ]
     return "\n".join(["HIERARCHY", *hierarchy, *motion]) + "\n"
-
-
-def bvh_names(skeleton: Skeleton) -> tuple[str, ...]:
-    """The parts' names without blanks and braces, which would end a name in BVH."""
-    names: list[str] = []
-    for name in skeleton.body.names:
-        plain = re.sub(r"[\s{}]", "_", name)
-        while plain in names:
-            plain += "_"
-        names.append(plain)
-    return tuple(names)
 
 
 def end_site(part: Part) -> tuple[float, float, float]:
@@ -98,8 +87,8 @@ def _part_lines(
 
 def _channels(skeleton: Skeleton, trajectory: Trajectory) -> Array:
     """(N, 3 + 3P): the root's position, then the angles of the parts in the file's order."""
-    Rs = FLIP[:, None] * trajectory.Rs_parent_part * FLIP
-    angles = np.rad2deg(euler_from_rotation(Rs))[:, list(_depth_first(skeleton, 0))]
+    angles = smooth_euler(flipped_rotations(trajectory.Rs_parent_part))
+    angles = np.rad2deg(angles)[:, list(_depth_first(skeleton, 0))]
     positions = _flipped_cm(trajectory.ps_camera_root)
     return np.concatenate([positions, angles.reshape(len(trajectory), -1)], axis=1)
 
@@ -111,7 +100,7 @@ def _depth_first(skeleton: Skeleton, index: int) -> Iterator[int]:
 
 
 def _flipped_cm(points_m: Array) -> Array:
-    return np.asarray(points_m * FLIP * CM_PER_M)
+    return flipped(points_m) * CM_PER_M
 
 
 def _row(values: Sequence[float] | Array) -> str:

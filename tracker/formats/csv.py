@@ -1,4 +1,4 @@
-"""The motion as two tables of comma-separated values, one row per frame.
+"""The motion as three tables of comma-separated values, one row per frame.
 
 joints: `frame`, `time_s`, then `<joint>_x_m`, `<joint>_y_m`, `<joint>_z_m` for every joint and
 landmark: metres in the camera frame, x right, y down, z away from the camera.
@@ -6,6 +6,21 @@ landmark: metres in the camera frame, x right, y down, z away from the camera.
 angles: `frame`, `time_s`, then `<part>_rz_deg`, `<part>_ry_deg`, `<part>_rx_deg` for every part:
 degrees of its rotation in its parent's frame (the root's: the camera frame), R = Rz·Ry·Rx. Angles
 lie within ±180, that of y within ±90.
+
+frames: what is known of every frame, and how far to trust it.
+
+    frame, time_s
+    pose                    keyframe, tracked, or missing
+    verdict, words          good, check or lost, and why, of the segment that the frame is in; a
+                            keyframe between two is in the one that begins there
+    first_frame, last_frame the keyframes of that segment
+    rank                    of the step to the next frame: how many motions the picture decided
+    degrees_of_freedom      of how many
+    <part>_observability    of that step: 0, all guessed, to 1, all seen
+    <part>_residual         of that step: difference of brightness, grey levels
+
+What is not known is left empty: poses of frames that are not tracked, evidence where none was taken
+(such as in a preview, or of a part that is not tracked), the step after the last frame.
 
 The first line holds the names of the columns; there are no comments. Rows end in CR LF, as
 RFC 4180 says.
@@ -20,8 +35,9 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from tracker.errors import FormatError
+from tracker.formats.names import column_names
+from tracker.formats.recording import Recording
 from tracker.geometry import Array, euler_from_rotation
-from tracker.pose import joint_names
 from tracker.skeleton import Skeleton
 from tracker.trajectory import Trajectory
 
@@ -42,14 +58,36 @@ def angles_csv(skeleton: Skeleton, trajectory: Trajectory, times_s: Sequence[flo
     return _table(trajectory, times_s, columns, angles)
 
 
-def column_names(skeleton: Skeleton) -> tuple[str, ...]:
-    """Names as of `joint_names`; a landmark whose name is not the only one carries its part's."""
-    names = joint_names(skeleton)
-    owners = [part.name for part in skeleton.body.parts for _ in part.landmarks]
-    landmarks = names[skeleton.part_count :]
-    pairs = zip(owners, landmarks, strict=True)
-    marks = (f"{owner}.{name}" if names.count(name) > 1 else name for owner, name in pairs)
-    return (*skeleton.body.names, *marks)
+def frames_csv(recording: Recording) -> str:
+    """The table of frames."""
+    parts, tracks = recording.skeleton.body.names, recording.tracks
+    evidence = [f"{part}_{what}" for what in ("observability", "residual") for part in parts]
+    steps = np.concatenate([tracks.observability, tracks.residual], axis=1)
+    steps = np.concatenate([steps, np.full((1, 2 * len(parts)), np.nan)])
+    ranks = np.append(tracks.rank, -1)
+    text = io.StringIO(newline="")
+    writer = csv.writer(text)
+    writer.writerow([*_FRAME_COLUMNS, *evidence])
+    for i, frame in enumerate(recording.frames):
+        rank = [int(ranks[i]), recording.degrees_of_freedom] if ranks[i] >= 0 else ["", ""]
+        time_s = _written([recording.times_s[i]])
+        writer.writerow([frame, *time_s, *_finding(recording, i), *rank, *_written(steps[i])])
+    return text.getvalue()
+
+
+_FRAME_COLUMNS = (
+    *("frame", "time_s", "pose", "verdict", "words", "first_frame", "last_frame"),
+    *("rank", "degrees_of_freedom"),
+)
+
+
+def _finding(recording: Recording, i: int) -> tuple[str | int, ...]:
+    """pose, verdict, words, first_frame, last_frame of a row."""
+    if recording.stretch_at[i] < 0:
+        return ("tracked" if recording.tracks.tracked[i] else "missing", "", "", "", "")
+    stretch = recording.stretches[recording.stretch_at[i]]
+    pose = "keyframe" if recording.at_keyframe[i] else "tracked"
+    return (pose, stretch.verdict, stretch.words, stretch.first_frame, stretch.last_frame)
 
 
 def _table(
@@ -69,5 +107,8 @@ def _table(
 
 
 def _written(numbers: Iterable[float]) -> list[str]:
-    """Fixed decimals, and no minus before a zero."""
-    return [f"{round(float(number), DECIMALS) + 0.0:.{DECIMALS}f}" for number in numbers]
+    """Fixed decimals, no minus before a zero, and nothing for what is not a number."""
+    return [
+        "" if np.isnan(number) else f"{round(float(number), DECIMALS) + 0.0:.{DECIMALS}f}"
+        for number in numbers
+    ]

@@ -1,0 +1,116 @@
+"""Motions of the bundled samples to write out, with what tracking might have said of them."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from tracker.formats.recording import Recording, Stretch
+from tracker.geometry import exp_rotation
+from tracker.session import Session
+from tracker.session.files import load_session
+from tracker.session.tracks import Tracks
+from tracker.skeleton import Skeleton
+from tracker.trajectory import Trajectory, interpolate, joined
+
+SAMPLES = Path(__file__).parents[3] / "sample_videos"
+NAMES = ("person", "box", "balance", "twirl")
+"""The samples, and the person's with the whole body turning over and over."""
+
+TO_FILE = np.diag([1.0, -1.0, -1.0])
+"""Camera frame (y down, z forward) to a file with y up and z toward the viewer."""
+
+VERDICTS = (
+    Stretch(0, 0, "good", "good"),
+    Stretch(0, 0, "check", "check frames 3–4: left hand not seen"),
+    Stretch(0, 0, "lost", "lost: add a keyframe near 7"),
+)
+
+
+def session(name: str) -> Session:
+    """The session of a sample."""
+    return load_session(SAMPLES / name.replace("twirl", "person") / "session.json")
+
+
+def trajectory(name: str) -> Trajectory:
+    """The true motion of a sample, or the one that leads evenly through its keyframes."""
+    if name == "twirl":
+        return _twirled(trajectory("person"))
+    truth = SAMPLES / name / "truth.npz"
+    if truth.exists():
+        with np.load(truth) as arrays:
+            Rs, ps = arrays["Rs_parent_part"], arrays["ps_camera_root"]
+            return Trajectory(int(arrays["first_frame"]), Rs, ps)
+    made = session(name)
+    skeleton = Skeleton.of(made.body)
+    neighbours = pairwise(made.keyframes)
+    return joined(
+        [interpolate(a.pose(skeleton), b.pose(skeleton), a.frame, b.frame) for a, b in neighbours]
+    )
+
+
+def _twirled(motion: Trajectory) -> Trajectory:
+    turn = np.outer(np.linspace(0, 5 * np.pi, len(motion)), [0.6, 0.64, 0.48])
+    Rs = motion.Rs_parent_part.copy()
+    Rs[:, 0] = Rs[:, 0] @ exp_rotation(turn)
+    return Trajectory(motion.first_frame, Rs, motion.ps_camera_root)
+
+
+def uneven_times(count: int) -> np.ndarray:  # type: ignore[type-arg]
+    """Times as of a video whose rate changes."""
+    steps = np.where(np.arange(count) % 7 < 4, 1 / 30, 1 / 24)
+    return np.concatenate([[0.0], np.cumsum(steps)[:-1]])
+
+
+def recording(name: str, *, without: tuple[int, ...] = (), first_key: int = 0) -> Recording:
+    """A sample's motion as it is written.
+
+    without: segments, by number, that are not tracked.  first_key: by number, earlier ones are not
+    set.
+    """
+    made, motion = session(name), trajectory(name)
+    made = made.model_copy(update={"keyframes": made.keyframes[first_key:]})
+    keyframes = [keyframe.frame for keyframe in made.keyframes]
+    spans = list(pairwise(keyframes))
+    tracked = [span for i, span in enumerate(spans) if i not in without]
+    rows = np.zeros(keyframes[-1] + 1, dtype=bool)
+    for first, last in tracked:
+        rows[first : last + 1] = True
+    stretches = [
+        Stretch(first, last, VERDICTS[i % 3].verdict, VERDICTS[i % 3].words)
+        for i, (first, last) in enumerate(spans)
+        if i not in without
+    ]
+    tracks = _tracks(made, motion, rows)
+    return Recording.of(made, tracks, stretches, uneven_times(made.video.frame_count))
+
+
+def _tracks(made: Session, motion: Trajectory, rows: np.ndarray) -> Tracks:  # type: ignore[type-arg]
+    """Of the frames from the first tracked one to the last, with evidence where both ends are."""
+    skeleton = Skeleton.of(made.body)
+    first, last = np.flatnonzero(rows)[[0, -1]]
+    assert motion.first_frame == 0
+    keep = rows[first : last + 1]
+    Rs = np.where(keep[:, None, None, None], motion.Rs_parent_part[first : last + 1], np.nan)
+    ps = np.where(keep[:, None], motion.ps_camera_root[first : last + 1], np.nan)
+    steps = keep[1:] & keep[:-1]
+    rng = np.random.default_rng(1)
+    observability = rng.uniform(size=(len(steps), skeleton.part_count))
+    observability[~steps] = np.nan
+    return Tracks(
+        int(first),
+        made.body.names,
+        Rs,
+        ps,
+        np.where(steps, np.arange(len(steps)) % 5, -1),
+        rng.uniform(size=(len(steps), skeleton.dof_count)),
+        observability,
+        10 * observability,
+    )
+
+
+def joints_in_file(made: Recording) -> np.ndarray:  # type: ignore[type-arg]
+    """Where joints and landmarks are by our own forward kinematics (N, J, 3), y up, metres."""
+    return made.trajectory.joints(made.skeleton) @ TO_FILE.T

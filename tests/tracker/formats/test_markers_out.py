@@ -1,0 +1,168 @@
+"""Joints as markers: TRC read as a plain table, C3D by ezc3d."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import ezc3d
+import numpy as np
+import pytest
+
+from tests.tracker.formats import recordings
+from tracker.errors import FormatError
+from tracker.formats.c3d import c3d
+from tracker.formats.recording import Recording
+from tracker.formats.trc import trc
+from tracker.pose import joint_names
+from tracker.skeleton import Skeleton
+
+
+@dataclass
+class Table:
+    """A TRC file; positions (N, J, 3) in its own unit."""
+
+    header: dict[str, str]
+    names: list[str]
+    frames: list[int]
+    times_s: list[float]
+    positions: np.ndarray  # type: ignore[type-arg]
+
+
+def read_trc(text: str) -> Table:
+    """The table, cell by cell, as strictly as OpenSim reads it."""
+    lines = text.split("\n")
+    assert lines[0].split("\t")[:3] == ["PathFileType", "4", "(X/Y/Z)"]
+    header = dict(zip(lines[1].split("\t"), lines[2].split("\t"), strict=True))
+    names = [cell for cell in lines[3].split("\t") if cell]
+    assert names[:2] == ["Frame#", "Time"]
+    count = int(header["NumMarkers"])
+    axes = [cell for cell in lines[4].split("\t") if cell]
+    assert axes == [f"{axis}{i + 1}" for i in range(count) for axis in "XYZ"]
+    assert lines[5] == ""
+    assert lines[-1] == ""
+    rows = [line.split("\t") for line in lines[6:-1]]
+    for row in rows:
+        assert row.pop() == ""  # every cell ends in a tab, also an empty last one
+        assert len(row) == 2 + 3 * count
+    numbers = [[float(cell) if cell else np.nan for cell in row[2:]] for row in rows]
+    positions = np.array(numbers).reshape(len(rows), count, 3)
+    assert len(rows) == int(header["NumFrames"])
+    return Table(
+        header, names[2:], [int(r[0]) for r in rows], [float(r[1]) for r in rows], positions
+    )
+
+
+@pytest.mark.parametrize("name", recordings.NAMES)
+def test_trc_holds_every_joint_in_millimetres_with_y_up(name: str) -> None:
+    made = recordings.recording(name)
+    table = read_trc(trc(made, "motion.trc"))
+    assert table.header["Units"] == "mm"
+    assert table.names == list(joint_names(made.skeleton))
+    assert table.frames == list(made.frames)
+    np.testing.assert_allclose(table.times_s, made.times_s, atol=1e-6)
+    np.testing.assert_allclose(table.positions / 1e3, recordings.joints_in_file(made), atol=1e-6)
+    rate = (len(made) - 1) / (made.times_s[-1] - made.times_s[0])
+    assert float(table.header["DataRate"]) == pytest.approx(rate)
+    assert float(table.header["CameraRate"]) == pytest.approx(rate)
+
+
+def test_trc_leaves_frames_empty_that_are_not_tracked() -> None:
+    made = recordings.recording("person", without=(1,))
+    table = read_trc(trc(made, "motion.trc"))
+    missing = np.isnan(table.positions).all(axis=(1, 2))
+    assert np.flatnonzero(missing).tolist() == list(range(25, 48))
+    assert table.frames == list(range(73))
+    np.testing.assert_allclose(
+        table.positions / 1e3, recordings.joints_in_file(made), atol=1e-6, equal_nan=True
+    )
+
+
+def test_markers_with_blanks_are_one_word_in_trc() -> None:
+    made = recordings.recording("box")
+    part = made.skeleton.body.parts[0].model_copy(update={"name": "the box"})
+    body = made.skeleton.body.model_copy(update={"parts": (part,)})
+    renamed = Recording(
+        Skeleton.of(body), made.camera, made.tracks, (), made.times_s, made.up_camera
+    )
+    assert read_trc(trc(renamed, "motion.trc")).names[0] == "the_box"
+
+
+def read_c3d(content: bytes, folder: Path) -> Any:
+    (folder / "read.c3d").write_bytes(content)
+    return ezc3d.c3d(str(folder / "read.c3d"))
+
+
+@pytest.mark.parametrize("name", recordings.NAMES)
+def test_c3d_holds_every_joint_in_millimetres_with_y_up(name: str, tmp_path: Path) -> None:
+    made = recordings.recording(name)
+    file = read_c3d(c3d(made), tmp_path)
+    point = file["parameters"]["POINT"]
+    assert point["UNITS"]["value"] == ["mm"]
+    assert point["LABELS"]["value"] == list(joint_names(made.skeleton))
+    assert [point[axis]["value"] for axis in ("X_SCREEN", "Y_SCREEN")] == [["+X"], ["+Y"]]
+    rate = (len(made) - 1) / (made.times_s[-1] - made.times_s[0])
+    assert point["RATE"]["value"][0] == pytest.approx(rate, rel=1e-6)
+    assert file["header"]["points"]["first_frame"] == 0
+    assert file["header"]["points"]["last_frame"] == len(made) - 1
+    assert file["parameters"]["ANALOG"]["USED"]["value"][0] == 0
+    found = np.moveaxis(file["data"]["points"][:3], 0, -1).swapaxes(0, 1) / 1e3
+    np.testing.assert_allclose(found, recordings.joints_in_file(made), atol=1e-5)
+    assert (file["data"]["meta_points"]["residuals"] >= 0).all()
+
+
+def test_c3d_marks_points_of_frames_that_are_not_tracked(tmp_path: Path) -> None:
+    made = recordings.recording("person", without=(1,))
+    file = read_c3d(c3d(made), tmp_path)
+    lacking = file["data"]["meta_points"]["residuals"][0] == -1
+    assert np.flatnonzero(lacking.all(axis=0)).tolist() == list(range(25, 48))
+    assert lacking.any(axis=0).sum() == 23
+
+
+def test_frames_keep_their_numbers_where_the_first_keyframe_is_late(tmp_path: Path) -> None:
+    made = recordings.recording("person", first_key=1)
+    file = read_c3d(c3d(made), tmp_path)
+    assert file["header"]["points"]["first_frame"] == 24
+    assert file["header"]["points"]["last_frame"] == 72
+    found = np.moveaxis(file["data"]["points"][:3], 0, -1).swapaxes(0, 1) / 1e3
+    np.testing.assert_allclose(found, recordings.joints_in_file(made), atol=1e-5)
+    table = read_trc(trc(made, "motion.trc"))
+    assert table.frames == list(range(24, 73))
+    assert table.header["OrigDataStartFrame"] == "24"
+    assert table.times_s[0] == pytest.approx(recordings.uneven_times(73)[24], abs=1e-6)
+
+
+def test_c3d_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "ezc3d", None)
+    with pytest.raises(FormatError) as told:
+        c3d(recordings.recording("box"))
+    assert str(told.value) == "C3D files need ezc3d: pip install 'keypose[c3d]'."
+
+
+def test_c3d_says_where_its_room_ends() -> None:
+    made = recordings.recording("box")
+    part = made.skeleton.body.parts[0]
+
+    def with_part(**more: Any) -> Recording:
+        body = made.skeleton.body.model_copy(update={"parts": (part.model_copy(update=more),)})
+        return Recording(
+            Skeleton.of(body), made.camera, made.tracks, (), made.times_s, made.up_camera
+        )
+
+    many = {f"mark {i}": (0.0, 0.0, 0.1) for i in range(260)}
+    with pytest.raises(FormatError, match="holds 255 points and the body has 261"):
+        c3d(with_part(landmarks=many))
+    with pytest.raises(FormatError, match=r"no room for the name .* of 240 bytes"):
+        c3d(with_part(name="\N{GRINNING FACE}" * 60))
+
+
+def test_a_motion_without_two_times_has_no_rate() -> None:
+    made = recordings.recording("box")
+    still = Recording(
+        made.skeleton, made.camera, made.tracks, (), np.zeros(len(made)), made.up_camera
+    )
+    for write in (lambda: c3d(still), lambda: trc(still, "motion.trc")):
+        with pytest.raises(FormatError, match="two frames and the time between"):
+            write()

@@ -1,0 +1,85 @@
+"""The motion as C3D, the file of motion laboratories, written by ezc3d.
+
+Joints and landmarks are the points. Millimetres, as POINT:UNITS says; axes as in
+`tracker.formats.axes`: x right, y up, z toward the camera, which is the origin. Points are single
+precision, good to a thousandth of a millimetre. Where a frame is not tracked its points have the
+residual −1, C3D's word for invalid. There are no analog channels. Frames are evenly spaced by the
+mean rate, as C3D knows nothing else; they are numbered from 1, so that frame 0 of the video is the
+file's frame 1.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tracker.errors import FormatError
+from tracker.formats.axes import flipped
+from tracker.formats.names import column_names
+from tracker.formats.recording import Recording
+
+MM_PER_M = 1000.0
+
+LAST_FRAME = 65_535
+MOST_POINTS = 255
+"""The file's numbers for these have two bytes and one."""
+
+LONGEST_LABEL = 127
+"""Bytes of a point's name: some readers take a longer length for a negative one."""
+
+
+def c3d(recording: Recording) -> bytes:
+    """The bytes of the file.
+
+    FormatError where ezc3d is not installed, where the format has no room, or without two times.
+    """
+    labels = column_names(recording.skeleton)
+    _demand_room(recording, labels)
+    file = _library().c3d()
+    file["header"]["points"]["first_frame"] = recording.frames[0]
+    point = file["parameters"]["POINT"]
+    point["RATE"]["value"] = [recording.frames_per_second]
+    point["UNITS"]["value"] = ["mm"]
+    point["LABELS"]["value"] = list(labels)
+    point["DESCRIPTIONS"]["value"] = [""] * len(labels)
+    file.add_parameter("POINT", "X_SCREEN", ["+X"])
+    file.add_parameter("POINT", "Y_SCREEN", ["+Y"])
+    ps = np.moveaxis(flipped(recording.ps_camera_joint) * MM_PER_M, -1, 0).swapaxes(1, 2)
+    missing = np.isnan(ps).any(axis=0)
+    file["data"]["points"] = np.concatenate([ps, np.ones((1, *missing.shape))])
+    marks = file["data"]["meta_points"]
+    marks["residuals"] = np.where(missing, -1.0, 0.0)[None]
+    marks["camera_masks"] = np.zeros((7, *missing.shape), dtype=np.bool_)
+    with tempfile.TemporaryDirectory() as folder:  # ezc3d writes to a path and nowhere else
+        path = Path(folder) / "motion.c3d"
+        file.write(str(path))
+        return path.read_bytes()
+
+
+def _library() -> Any:
+    try:
+        import ezc3d
+    except ImportError:
+        raise FormatError("C3D files need ezc3d: pip install 'keypose[c3d]'.") from None
+    return ezc3d
+
+
+def _demand_room(recording: Recording, labels: tuple[str, ...]) -> None:
+    if recording.frames[-1] + 1 > LAST_FRAME:
+        raise FormatError(
+            f"C3D numbers frames up to {LAST_FRAME} and this motion goes beyond: choose CSV or NPZ."
+        )
+    if len(labels) > MOST_POINTS:
+        raise FormatError(
+            f"C3D holds {MOST_POINTS} points and the body has {len(labels)} joints and landmarks: "
+            "choose CSV or NPZ."
+        )
+    longest = max(labels, key=lambda label: len(label.encode()))
+    if len(longest.encode()) > LONGEST_LABEL:
+        raise FormatError(
+            f"C3D has no room for the name {longest!r} of {len(longest.encode())} bytes; "
+            f"{LONGEST_LABEL} are the most."
+        )

@@ -1,0 +1,55 @@
+"""Euler angles that run smoothly over time, for programs that draw and edit them as curves.
+
+A rotation has many triples [z, y, x] with R = Qz·Qy·Qx: any angle may gain a full turn, and
+(z + π, π − y, x + π) is the same rotation as (z, y, x). Where y is a quarter turn, only the sum or
+the difference of z and x counts. Of all these the one nearest to the frame before is taken.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from tracker.geometry import Array, euler_from_rotation
+
+LOCKED = 1e-8
+"""cos y below which z and x turn about one axis, as far as any file can tell."""
+
+FULL_TURN = 2 * np.pi
+
+
+def smooth_euler(rotations: Array) -> Array:
+    """[z, y, x] (N, ..., 3), radians, of rotations (N, ..., 3, 3) of consecutive frames.
+
+    The first frame has the usual triple, with y within ±pi/2.
+    """
+    angles = euler_from_rotation(rotations)
+    for before, now in pairwise(angles):
+        now[...] = _nearest(before, now)
+    return angles
+
+
+def _nearest(before: Array, now: Array) -> Array:
+    """The triple (..., 3) equivalent to `now` that is nearest to `before`."""
+    z, y, x = np.moveaxis(now, -1, 0)
+    other = np.stack([z + np.pi, np.pi - y, x + np.pi], axis=-1)
+    both = np.stack([_unwound(before, now), _unwound(before, other)])
+    distance = np.square(both - before).sum(axis=-1)
+    nearer = np.where((distance[1] < distance[0])[..., None], both[1], both[0])
+    locked = np.abs(np.cos(y)) < LOCKED
+    return np.where(locked[..., None], _slid(before, nearer), nearer)
+
+
+def _unwound(before: Array, now: Array) -> Array:
+    """Every angle with the full turns that bring it nearest to the one before."""
+    return np.asarray(now + FULL_TURN * np.round((before - now) / FULL_TURN))
+
+
+def _slid(before: Array, now: Array) -> Array:
+    """A locked triple with z and x as near to those before as their common turn allows."""
+    sign = np.where(np.sin(now[..., 1]) > 0, -1.0, 1.0)  # where sin y is 1, x − z counts
+    miss = (now[..., 2] + sign * now[..., 0]) - (before[..., 2] + sign * before[..., 0])
+    half = (miss - FULL_TURN * np.round(miss / FULL_TURN)) / 2
+    y = now[..., 1]
+    return np.stack([before[..., 0] + sign * half, y, before[..., 2] + half], axis=-1)

@@ -1,0 +1,120 @@
+"""The motion with all that is known of it as a NumPy archive, for programs of one's own.
+
+Frames are the N from the first keyframe to the last, parts P, joints and landmarks J, segments S.
+Positions are metres in the camera frame: x right, y down, z away from the camera. Where a frame is
+not tracked, its numbers are NaN. The fields `first_frame`, `part_names`, `Rs_parent_part` and
+`ps_camera_root` make the file of a motion without gaps a reference for `keypose evaluate`, too.
+
+    first_frame            ()              number of the first frame in the video
+    frame, time_s          (N,)            numbers of the frames; their times, seconds
+    part_names             (P,)            text
+    names                  (J,)            of joints (each part's own) and landmarks
+    Rs_parent_part         (N, P, 3, 3)    rotations in the parents' frames (root: the camera's)
+    ps_camera_root         (N, 3)
+    ps_camera_joint        (N, J, 3)
+    angles_zyx_rad         (N, P, 3)       [z, y, x] with R = Rz·Ry·Rx, running on smoothly
+    tracked, keyframe      (N,)            true where there is a pose; where it is a keyframe's
+    verdict                (N,)            good, check, lost, or empty where not tracked
+    segment                (N,)            row of the three below, −1 where not tracked; a keyframe
+                                           between two counts to the one that begins there
+    segment_frames         (S, 2)          its two keyframes
+    segment_verdict        (S,)
+    segment_words          (S,)            the verdict in full
+    rank                   (N−1,)          of the step from a frame to the next, −1 where not known
+    degrees_of_freedom     ()              the rank that there can be
+    observability          (N−1, P)        of the step: 0, all guessed, to 1, all seen
+    residual               (N−1, P)        of the step: difference of brightness, grey levels
+    K                      (3, 3)          the camera; pixel centres are at integers
+    distortion             (5,)            k1, k2, p1, p2, k3
+    image_size             (2,)            width and height, pixels
+    projection             ()              perspective or telephoto
+    telephoto_distance_m   ()              NaN for a perspective camera
+    up_camera              (3,)            what is up, a unit vector in the camera frame
+"""
+
+from __future__ import annotations
+
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.camera import Camera
+from tracker.formats.euler_curves import smooth_euler
+from tracker.formats.names import column_names
+from tracker.formats.recording import Recording
+from tracker.geometry import Array
+from tracker.session.archive import archive_bytes
+
+Arrays: TypeAlias = dict[str, NDArray[Any]]
+
+
+def npz(recording: Recording) -> bytes:
+    """The bytes of the file; the same motion has the same bytes."""
+    return archive_bytes(
+        {
+            **_poses(recording),
+            **_findings(recording),
+            **_camera(recording.camera),
+            "up_camera": recording.up_camera,
+        }
+    )
+
+
+def _poses(recording: Recording) -> Arrays:
+    tracks = recording.tracks
+    return {
+        "first_frame": _whole(tracks.first_frame),
+        "frame": _whole(recording.frames),
+        "time_s": recording.times_s,
+        "part_names": _text(tracks.part_names),
+        "names": _text(column_names(recording.skeleton)),
+        "Rs_parent_part": tracks.Rs_parent_part,
+        "ps_camera_root": tracks.ps_camera_root,
+        "ps_camera_joint": recording.ps_camera_joint,
+        "angles_zyx_rad": _angles(tracks.Rs_parent_part, tracks.tracked),
+    }
+
+
+def _findings(recording: Recording) -> Arrays:
+    tracks, stretches, at = recording.tracks, recording.stretches, recording.stretch_at
+    return {
+        "tracked": tracks.tracked,
+        "keyframe": recording.at_keyframe,
+        "segment": _whole(at),
+        "verdict": _text([stretches[i].verdict if i >= 0 else "" for i in at]),
+        "segment_frames": _whole([(s.first_frame, s.last_frame) for s in stretches]),
+        "segment_verdict": _text([s.verdict for s in stretches]),
+        "segment_words": _text([s.words for s in stretches]),
+        "rank": _whole(tracks.rank),
+        "degrees_of_freedom": _whole(recording.degrees_of_freedom),
+        "observability": tracks.observability,
+        "residual": tracks.residual,
+    }
+
+
+def _camera(camera: Camera) -> Arrays:
+    distance = camera.telephoto_distance_m
+    return {
+        "K": camera.K,
+        "distortion": np.array(camera.distortion),
+        "image_size": _whole((camera.width, camera.height)),
+        "projection": _text(camera.projection),
+        "telephoto_distance_m": np.array(np.nan if distance is None else distance),
+    }
+
+
+def _angles(Rs_parent_part: Array, tracked: NDArray[np.bool_]) -> Array:
+    """Smooth over the tracked frames, also across a gap."""
+    angles = np.full(Rs_parent_part.shape[:-1], np.nan)
+    angles[tracked] = smooth_euler(Rs_parent_part[tracked])
+    return angles
+
+
+def _whole(values: Any) -> NDArray[np.int64]:
+    """The same type on every system."""
+    return np.asarray(values).astype("<i8")
+
+
+def _text(values: Any) -> NDArray[np.str_]:
+    return np.asarray(values, dtype=np.str_)

@@ -1,0 +1,180 @@
+"""What the writers write: a tracked motion, its clock, and what is known of every frame of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.camera import Camera
+from tracker.errors import FormatError
+from tracker.geometry import Array, frozen
+from tracker.session.schema import Session
+from tracker.session.tracks import Tracks
+from tracker.skeleton import Skeleton
+from tracker.trajectory import Trajectory
+
+CAMERA_UP = (0.0, -1.0, 0.0)
+"""Where no other direction is known to be up, it is the camera's own."""
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """The frames from one keyframe to the next, and what tracking found there."""
+
+    first_frame: int
+    last_frame: int
+    verdict: Literal["good", "check", "lost"]
+    words: str
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """N consecutive frames. Where one is not tracked, its pose is NaN and no stretch holds it.
+
+    tracks:    the poses, and what the pictures told about them.
+    stretches: what was tracked, ascending; neighbours share a keyframe.
+    times_s:   (N,) seconds from the video's first frame.
+    up_camera: (3,) what is up, a unit vector in the camera frame.
+    """
+
+    skeleton: Skeleton
+    camera: Camera
+    tracks: Tracks
+    stretches: tuple[Stretch, ...]
+    times_s: Array
+    up_camera: Array
+
+    @classmethod
+    def of(
+        cls, session: Session, tracks: Tracks, stretches: Sequence[Stretch], times_s: Array
+    ) -> Recording:
+        """The motion of a session from its first keyframe to its last, or as far as it reaches.
+
+        times_s are those of all the video's frames, from frame 0. A stretch whose frames have no
+        poses is left out.
+        """
+        keyed = [keyframe.frame for keyframe in session.keyframes]
+        first = min([tracks.first_frame, *keyed])
+        last = max([tracks.first_frame + len(tracks.tracked) - 1, *keyed])
+        if first < 0 or last >= len(times_s):
+            raise FormatError("The tracked motion is longer than the video.")
+        up = np.array(session.up_camera or CAMERA_UP)
+        return cls(
+            Skeleton.of(session.body),
+            session.camera,
+            _over(tracks, first, last),
+            tuple(s for s in sorted(stretches, key=_begin) if _is_tracked(tracks, s)),
+            frozen(times_s[first : last + 1]),
+            frozen(up / np.linalg.norm(up)),
+        )
+
+    def __len__(self) -> int:
+        return len(self.times_s)
+
+    @property
+    def frames(self) -> range:
+        """The numbers of the frames."""
+        return range(self.tracks.first_frame, self.tracks.first_frame + len(self))
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """How many motions were estimated: the highest rank there can be."""
+        return int(self.tracks.singular_values.shape[-1])
+
+    @property
+    def frames_per_second(self) -> float:
+        """The mean rate, for formats that know no other. FormatError where there is none."""
+        seconds = float(self.times_s[-1] - self.times_s[0])
+        if len(self) < 2 or not 0.0 < seconds < np.inf:
+            raise FormatError("A motion needs two frames and the time between them.")
+        return (len(self) - 1) / seconds
+
+    @cached_property
+    def trajectory(self) -> Trajectory:
+        """The poses, NaN where not tracked."""
+        tracks = self.tracks
+        return Trajectory(tracks.first_frame, tracks.Rs_parent_part, tracks.ps_camera_root)
+
+    @cached_property
+    def ps_camera_joint(self) -> Array:
+        """Joints and landmarks (N, J, 3) in the camera frame, metres, NaN where not tracked."""
+        return frozen(self.trajectory.joints(self.skeleton))
+
+    def whole(self, name: str) -> Recording:
+        """From the first tracked frame to the last, for a format of this name that holds no gaps.
+
+        FormatError tells the frames between that are not tracked.
+        """
+        rows = np.flatnonzero(self.tracks.tracked)
+        if not len(rows):
+            raise FormatError("No frame is tracked.")
+        first = self.tracks.first_frame + int(rows[0])
+        tracks = _over(self.tracks, first, self.tracks.first_frame + int(rows[-1]))
+        if not tracks.tracked.all():
+            missing = tracks.runs(tracked=False)
+            words = f"Frames {missing} are" if " " in missing else f"Frame {missing} is"
+            raise FormatError(
+                f"{words} not tracked, and {name} holds no gaps: track them first, or choose CSV, "
+                "NPZ, TRC or C3D."
+            )
+        return replace(self, tracks=tracks, times_s=self.times_s[rows[0] : rows[-1] + 1])
+
+    @cached_property
+    def stretch_at(self) -> NDArray[np.int64]:
+        """(N,) which stretch a frame is in, −1 for none: of two, the one that begins there."""
+        at = np.full(len(self), -1)
+        for i, stretch in enumerate(self.stretches):
+            at[self._rows(stretch)] = i
+        at.setflags(write=False)
+        return at
+
+    @cached_property
+    def at_keyframe(self) -> NDArray[np.bool_]:
+        """(N,) True where the pose is not a tracked one but that of a keyframe."""
+        keyed = np.zeros(len(self), dtype=np.bool_)
+        for stretch in self.stretches:
+            rows = self._rows(stretch)
+            keyed[[rows.start, rows.stop - 1]] = True
+        keyed.setflags(write=False)
+        return keyed
+
+    def _rows(self, stretch: Stretch) -> slice:
+        first = self.tracks.first_frame
+        return slice(stretch.first_frame - first, stretch.last_frame - first + 1)
+
+
+def _over(tracks: Tracks, first: int, last: int) -> Tracks:
+    """The tracks from one frame to another: fewer than they are, or more, which have no poses."""
+    start = max(first, tracks.first_frame)
+    count = min(last + 1, tracks.first_frame + len(tracks.tracked)) - start
+
+    def over(values: NDArray[Any], nothing: float, steps: int = 0) -> NDArray[Any]:
+        rows = np.full((last + 1 - first - steps, *values.shape[1:]), nothing, values.dtype)
+        old = start - tracks.first_frame
+        rows[start - first : start - first + count - steps] = values[old : old + count - steps]
+        return rows
+
+    return Tracks(
+        first,
+        tracks.part_names,
+        over(tracks.Rs_parent_part, np.nan),
+        over(tracks.ps_camera_root, np.nan),
+        over(tracks.rank, -1, 1),
+        over(tracks.singular_values, np.nan, 1),
+        over(tracks.observability, np.nan, 1),
+        over(tracks.residual, np.nan, 1),
+    )
+
+
+def _begin(stretch: Stretch) -> int:
+    return stretch.first_frame
+
+
+def _is_tracked(tracks: Tracks, stretch: Stretch) -> bool:
+    start, end = (f - tracks.first_frame for f in (stretch.first_frame, stretch.last_frame))
+    return 0 <= start < end < len(tracks.tracked) and bool(tracks.tracked[start : end + 1].all())

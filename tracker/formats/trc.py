@@ -1,0 +1,58 @@
+"""The motion as TRC, the table of markers that OpenSim and motion capture programs read.
+
+Joints and landmarks are the markers. Millimetres, as `Units` says; axes as in
+`tracker.formats.axes`: x right, y up, z toward the camera, which is the origin. Columns are parted
+by tabs. Frames that are not tracked have no positions, and a tab ends every row, without which
+OpenSim would miss a last marker left empty. `Time` holds the video's own times in seconds and
+`Frame#` the video's frame numbers, from 0; the rates in the header are the mean.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from tracker.formats.axes import flipped
+from tracker.formats.names import column_names, single_words
+from tracker.formats.recording import Recording
+from tracker.geometry import Array
+
+MM_PER_M = 1000.0
+DECIMALS = 4
+"""A tenth of a micrometre."""
+
+_HEADER = (
+    *("DataRate", "CameraRate", "NumFrames", "NumMarkers"),
+    *("Units", "OrigDataRate", "OrigDataStartFrame", "OrigNumFrames"),
+)
+
+
+def trc(recording: Recording, file_name: str) -> str:
+    """The text of the file, which says its own name. FormatError without two times."""
+    names = single_words(column_names(recording.skeleton))
+    rate, count = f"{recording.frames_per_second:.6f}", str(len(recording))
+    first = str(recording.frames[0])
+    axes = (f"{axis}{i + 1}" for i in range(len(names)) for axis in "XYZ")
+    lines = [
+        "\t".join(("PathFileType", "4", "(X/Y/Z)", file_name)),
+        "\t".join(_HEADER),
+        "\t".join((rate, rate, count, str(len(names)), "mm", rate, first, count)),
+        _row(("Frame#", "Time", *(cell for name in names for cell in (name, "", "")))),
+        _row(("", "", *axes)),
+        "",
+    ]
+    ps = flipped(recording.ps_camera_joint) * MM_PER_M
+    for frame, time_s, positions in zip(recording.frames, recording.times_s, ps, strict=True):
+        lines.append(_row((str(frame), f"{time_s:.6f}", *_numbers(positions.ravel()))))
+    return "\n".join(lines) + "\n"
+
+
+def _row(cells: Iterable[str]) -> str:
+    return "".join(f"{cell}\t" for cell in cells)
+
+
+def _numbers(values: Array) -> list[str]:
+    """Fixed decimals, no minus before a zero, and nothing for what is not a number."""
+    return [
+        "" if value != value else f"{round(value, DECIMALS) + 0.0:.{DECIMALS}f}"  # NaN
+        for value in values.tolist()
+    ]
