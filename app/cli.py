@@ -1,8 +1,8 @@
 """The command line: `keypose COMMAND …`.
 
-Exit codes: 0 done; 1 tracking was lost somewhere; 2 the input cannot be used, said in one sentence
-on stderr; 70 a fault of Keypose itself, with a traceback; 130 interrupted; 141 nobody reads the
-output any more.
+Exit codes: 0 done; 1 tracking was lost somewhere, or a session of a batch was not done; 2 the
+input cannot be used, said in one sentence on stderr; 70 a fault of Keypose itself, with a
+traceback; 130 interrupted; 141 nobody reads the output any more.
 """
 
 from __future__ import annotations
@@ -15,7 +15,20 @@ import traceback
 from collections.abc import Sequence
 from typing import NoReturn
 
-from app.commands import evaluate, export, info, open, schema, shot, track
+from app.commands import (
+    batch,
+    evaluate,
+    export,
+    film,
+    import_,
+    info,
+    open,
+    report,
+    schema,
+    sheet,
+    shot,
+    track,
+)
 from tracker.errors import KeyposeError
 
 BAD_INPUT = 2
@@ -27,6 +40,7 @@ _EXAMPLES = """\
 examples:
   keypose info jump.mp4
   keypose track jump/session.json
+  keypose batch recordings --only outdated
   keypose shot jump/session.json --frame 40 --view all --out frame40.png
   keypose export jump/session.json --format bvh --out motion
 """
@@ -73,7 +87,20 @@ def parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     commands = top.add_subparsers(metavar="COMMAND", required=True)
-    for command in (open, track, evaluate, shot, export, info, schema):
+    for command in (
+        open,
+        track,
+        batch,
+        evaluate,
+        shot,
+        film,
+        sheet,
+        report,
+        export,
+        import_,
+        info,
+        schema,
+    ):
         command.add(commands)
     return top
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from app.editor import actions as do
 from app.outlook import Guide
 from app.posing import handles
-from app.posing.gesture import End, Surface
+from app.posing.gesture import End, Ring, Surface
 from tracker.body import Body
 
 ENOUGH_ENDS = 4
@@ -16,8 +16,10 @@ ENOUGH_ENDS = 4
 
 def guide_after(guide: Guide, action: do.Editing, body: Body) -> Guide:
     """The guide with the steps this action does ticked off."""
+    if isinstance(action, do.BeginGuide):
+        return replace(guide, done=frozenset(), pulled=frozenset())
     pulled = guide.pulled | _pulled(action)
-    done = guide.done | _steps(action)
+    done = guide.done | _steps(action, body.parts[0].name)
     if len(pulled) >= min(ENOUGH_ENDS, _ends_of(body)):
         done |= {"limbs"}
     same = done == guide.done and pulled == guide.pulled
@@ -34,23 +36,27 @@ def _pulled(action: do.Editing) -> frozenset[str]:
     return frozenset()
 
 
-def _steps(action: do.Editing) -> frozenset[str]:
+def _steps(action: do.Editing, root: str) -> frozenset[str]:
     if isinstance(action, do.Drag):
-        return _dragged(action)
+        return _dragged(action, root)
     if isinstance(action, do.Root):
         return frozenset({"hips"} if action.z is None else {"height"})
+    if isinstance(action, do.Face) or (isinstance(action, do.Angles) and action.part == root):
+        return frozenset({"facing"})
     if isinstance(action, do.PastePose | do.TakeTracked):
         return frozenset({"limbs"})
-    if isinstance(action, do.ToggleKey | do.AddKey):
+    if isinstance(action, do.AddKey):
         return frozenset({"key"})
     return frozenset()
 
 
-def _dragged(action: do.Drag) -> frozenset[str]:
+def _dragged(action: do.Drag, root: str) -> frozenset[str]:
     """The whole body's distance is its size in the picture; of the limbs, depth is depth."""
     handle, aside = action.handle, action.view in ("top", "side")
     if handle.kind == "root" or (isinstance(handle, Surface) and handle.tool == "move"):
         return frozenset({"height"} if action.depth or aside else {"hips"})
+    if isinstance(handle, Ring) and handle.part == root:
+        return frozenset({"facing"})
     if isinstance(handle, End) and (action.depth or aside):
         return frozenset({"depth"})
     return frozenset()

@@ -97,7 +97,8 @@ class Runner:
         self.running = dict.fromkeys(self._wanted, Running())
         self.job = Job("running", _title(list(self._wanted)), "starting")
         self._progress = None
-        self._number = self._tracking.start(doc, piece.video.info.path, wanted, stages)
+        folder = piece.session_path.parent
+        self._number = self._tracking.start(doc, piece.video.info.path, wanted, stages, folder)
         self._tell(self, False)
 
     def _is_at(self, wanted: Sequence[Wanted]) -> bool:
@@ -169,7 +170,8 @@ class Runner:
         )
         kinds = [track.kind for track in found if track is not None]
         counts = ((kind, kinds.count(kind)) for kind in ("good", "check", "lost"))
-        return ", ".join(f"{count} {kind}" for kind, count in counts if count)
+        said = {"check": "to check"}
+        return ", ".join(f"{count} {said.get(kind, kind)}" for kind, count in counts if count)
 
 
 def _wanted(edit: EditorState, what: What) -> list[Wanted]:

@@ -16,6 +16,9 @@ NEXT_FRAMES = 24
 """A good first distance of keyframes: about a second."""
 LONG_FRAMES = 32
 """Past this length, fast motion is lost in half of all segments."""
+SHORT_FRAMES, SHORT_HIDDEN_FRAMES = 4, 6
+"""Intervals up to these lengths gain nothing from one keyframe more. What is hidden, whoever sets
+the keyframe does not see either."""
 HIDDEN, HIDDEN_FRAMES = 0.15, 3
 """As in the verdict: a part below this observability, for so many frames, is not seen."""
 
@@ -27,7 +30,8 @@ class Suggestion:
     """What to do next. words: a sentence or two; reason: why, without a full stop, may be empty.
 
     kind: "pose" a frame and press K; "key" set the keyframe `frame`; "track" what is not tracked as
-    it is posed now; "look" at `frame`, where keyframes themselves are wrong; "good" nothing.
+    it is posed now; "look" at `frame`, where keyframes themselves are wrong or no keyframe more
+    would help; "good" nothing.
     """
 
     frame: int | None
@@ -48,15 +52,20 @@ def suggestion(
         return _first_poses(keys, frame_count)
     spans = list(pairwise(keys))
     done = {span: fitting[span] for span in spans if span in fitting and fitting[span].finished}
+    bad = [track for track in done.values() if track.kind != "good"]
+    to_mend = [track for track in bad if not _is_past_mending(track)]
     for kind in ("lost", "check"):
-        found = [track for track in done.values() if track.kind == kind]
+        found = [track for track in to_mend if track.kind == kind]
         if kind == "check" and len(done) < len(spans):
             break  # first everything is tracked, then it is made better
         if found:
             return _about(max(found, key=_need), parts)
     if len(done) < len(spans):
         return _to_track([span for span in spans if span not in done])
-    return _longest(spans) or _all_good(keys, frame_count)
+    divided = _longest(spans)
+    if divided is None and bad:
+        return _look(max(bad, key=lambda track: (track.kind == "lost", _need(track))), parts)
+    return divided or _all_good(keys, frame_count)
 
 
 def middle(keys: Sequence[int], frame: int) -> int | None:
@@ -117,13 +126,36 @@ def _about(track: SegmentTrack, parts: Sequence[str]) -> Suggestion:
     """What a segment that is lost, or to be checked, needs."""
     finding, (first, last) = track.finding, track.span
     assert finding is not None
-    if finding.what in ("contradiction", "nowhere") or last - first < 2:
+    if _blames_keys(track):
         sentence = finding.sentence(first, last).removeprefix("Lost. ").removeprefix("Check: ")
         frame = first if finding.go is None else finding.go
         return Suggestion(frame, f"Look at key {frame} again.", _upper(sentence), "look")
     frame = (first + last) // 2 if finding.go is None else finding.go
     frame = min(max(frame, first + 1), last - 1)
     return Suggestion(frame, f"Key frame {frame} next.", _reason(track, finding, parts), "key")
+
+
+def _blames_keys(track: SegmentTrack) -> bool:
+    """Whether keyframes themselves are wrong, not what lies between them."""
+    finding = track.finding
+    wrong = finding is not None and finding.what in ("contradiction", "nowhere")
+    return wrong or (track.kind == "lost" and track.last - track.first < 2)
+
+
+def _is_past_mending(track: SegmentTrack) -> bool:
+    """Whether the interval is too short for a keyframe to help: it would be halved for ever."""
+    hidden = track.finding is not None and track.finding.what == "hidden"
+    short = SHORT_HIDDEN_FRAMES if hidden else SHORT_FRAMES
+    return not _blames_keys(track) and track.last - track.first <= short
+
+
+def _look(track: SegmentTrack, parts: Sequence[str]) -> Suggestion:
+    """Nothing but to look at a segment, and to be content where it is right."""
+    finding = track.finding
+    assert finding is not None
+    frame = (track.first + track.last) // 2 if finding.go is None else finding.go
+    words = f"Look at frame {frame} and go on."
+    return Suggestion(frame, words, _reason(track, finding, parts), "look")
 
 
 def _need(track: SegmentTrack) -> int:

@@ -1,11 +1,12 @@
-"""First trajectories of a segment: interpolation, and following from both keyframes."""
+"""First trajectories of a segment: following from both keyframes, and a motion from elsewhere."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry import Array, log_rotation, transpose
+from tracker.drift import Motions, correct_drift
+from tracker.geometry import Array, log_rotation, nearest_rotation, transpose
 from tracker.images import Clip
 from tracker.kernels.closing import blend
 from tracker.kernels.pairs import follow_chain
@@ -16,6 +17,9 @@ from tracker.trajectory import Trajectory
 TRUST_TURN_RAD = np.radians(1.5)
 TRUST_SHIFT_PX = 2.0
 """Misses below which two chains are trusted alike."""
+EVENED_FRAMES = 2.0
+"""Spread of the mean over time that takes the jitter of a motion from elsewhere: passes would
+accumulate it."""
 
 
 def follow(
@@ -68,6 +72,44 @@ def blended_by_trust(scene: Scene, forward: Trajectory, backward: Trajectory) ->
     turned[:, ~_is_tracked(scene)] = s[:, None]  # led evenly, as everywhere
     shifted = _leaning(s, shift_f, shift_b, TRUST_SHIFT_PX * scene.pixel_m)
     return _mixed(forward, backward, turned, shifted)
+
+
+def brought(motion: Trajectory, start: Pose, end: Pose, first: int, last: int) -> Trajectory | None:
+    """A motion from elsewhere made to meet both keyframes; None where it does not reach both.
+
+    Its jitter is evened out. Its turns are carried on from the first keyframe, and drift correction
+    closes them on the second one. The root's path is shifted, evenly from what is missing at one
+    end to that at the other.
+    """
+    if first < motion.first_frame or last > motion.last_frame:
+        return None
+    R, t = _evened(motion, first, last)
+    s = np.linspace(0.0, 1.0, len(t))[:, None]
+    path = t + (1 - s) * (start.p_camera_root - t[0]) + s * (end.p_camera_root - t[-1])
+    path[0], path[-1] = start.p_camera_root, end.p_camera_root
+    R_next = R[1:].copy()
+    R_next[0] = start.Rs_parent_part @ transpose(R[0]) @ R[1]
+    R[0] = start.Rs_parent_part
+    closed = correct_drift(Trajectory(first, R, path), Motions(R_next, path[1:].copy()), end)
+    return Trajectory(first, closed.trajectory.Rs_parent_part, path)
+
+
+def _evened(motion: Trajectory, first: int, last: int) -> tuple[Array, Array]:
+    """Rotations and root positions of these frames, each the mean over those around it.
+
+    As many count before as after, so that an even motion stays where it is.
+    """
+    n = np.arange(first, last + 1) - motion.first_frame
+    Rs, ps = motion.Rs_parent_part[n].copy(), motion.ps_camera_root[n].copy()
+    weights = np.ones(len(n))
+    for away in range(1, int(3 * EVENED_FRAMES) + 1):
+        weight = np.exp(-0.5 * (away / EVENED_FRAMES) ** 2)
+        k = np.flatnonzero((n >= away) & (n + away < len(motion)))
+        for side in (n[k] - away, n[k] + away):
+            Rs[k] += weight * motion.Rs_parent_part[side]
+            ps[k] += weight * motion.ps_camera_root[side]
+        weights[k] += 2 * weight
+    return nearest_rotation(Rs), ps / weights[:, None]
 
 
 def _leaning(s: Array, miss_forward: Array, miss_backward: Array, least: float) -> Array:

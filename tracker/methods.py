@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from tracker.refine import Refinement
-from tracker.settings import TrackSettings
+from tracker.settings import Initial, TrackSettings
 
 
 @dataclass(frozen=True)
@@ -13,12 +13,14 @@ class Paper:
     """DRIFT as printed: interpolation, least squares with a hard cut, the printed score.
 
     patience: passes without a new best score after which the cycle ends.
+    initial: where a segment starts from, as in the settings.
     """
 
     passes: int = 8
     inner: int = 5
     patience: int = 3
     density: float = 1.3
+    initial: Initial = "auto"
 
 
 @dataclass(frozen=True)
@@ -30,6 +32,7 @@ class Keypose:
     inner, stop: solves of a frame pair at most, and the step (rad, m) that ends them.
     judged: whether trajectories are scored and observed; without, the last one is taken.
     density: surface points as a share of the usual number.
+    initial: where a segment starts from, as in the settings.
     """
 
     passes: int
@@ -41,6 +44,7 @@ class Keypose:
     stop: float = 1e-3
     judged: bool = True
     density: float = 1.0
+    initial: Initial = "auto"
 
 
 Method = Paper | Keypose
@@ -53,6 +57,6 @@ PREVIEW = Keypose(1, 3, 2, Refinement(solves=2, of=3), finest=1, judged=False, d
 def method_of(settings: TrackSettings) -> Method:
     """The method that settings name."""
     if settings.method == "paper":
-        return Paper(settings.passes or Paper.passes)
+        return Paper(settings.passes or Paper.passes, initial=settings.initial)
     base = {"full": FULL, "fast": FAST, "preview": PREVIEW}[settings.quality]
-    return replace(base, passes=settings.passes or base.passes)
+    return replace(base, passes=settings.passes or base.passes, initial=settings.initial)

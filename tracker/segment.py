@@ -38,20 +38,25 @@ NEAREST_M, FURTHEST = 0.05, 50.0
 
 @dataclass(frozen=True, eq=False)
 class Segment:
-    """A stretch between two keyframes, with its pictures."""
+    """A stretch between two keyframes, with its pictures.
+
+    imported: a motion from elsewhere that meets both keyframes, to start from; None without one.
+    """
 
     first_frame: int
     last_frame: int
     start: Pose
     end: Pose
     clip: Clip
+    imported: Trajectory | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class Pass:
     """A trajectory on the way, and its score (the lower the better within one segment).
 
-    what: "interpolation", "both ways", "pass" or "refinement".  score: None where not judged.
+    what: "interpolation", "both ways", "import", "pass" or "refinement".
+    score: None where not judged.
     """
 
     what: str
@@ -96,11 +101,11 @@ def track_segment(scene: Scene, segment: Segment, method: Method) -> Work:
 
 
 def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
-    present = interpolate(segment.start, segment.end, segment.first_frame, segment.last_frame)
+    present, start = _paper_start(scene, segment, method)
     tried: list[Pass] = []
     diverged, drift, gap = False, _nothing_px(scene, present)[1:], 0.0
     for number in range(method.passes + 1):
-        what = "pass" if number else "interpolation"
+        what = "pass" if number else start
         if number == method.passes:
             tried.append(Pass(what, present, printed_score(scene, segment.clip, present)))
             yield tried[-1]
@@ -120,18 +125,48 @@ def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
     return Outcome(tuple(tried), _best(tried), apart, drift, True, diverged, gap)
 
 
+def _paper_start(scene: Scene, segment: Segment, method: Paper) -> tuple[Trajectory, str]:
+    """Interpolation, or the imported motion where it is wanted or scores better as printed."""
+    plain = interpolate(segment.start, segment.end, segment.first_frame, segment.last_frame)
+    imported = _imported(scene, segment, method)
+    if imported is None:
+        return plain, "interpolation"
+    if method.initial == "auto":
+        scores = [printed_score(scene, segment.clip, path) for path in (imported, plain)]
+        if not scores[0] < scores[1]:
+            return plain, "interpolation"
+    return imported, "import"
+
+
+def _imported(scene: Scene, segment: Segment, method: Method) -> Trajectory | None:
+    """The imported motion, where it may be started from and lies before the camera."""
+    imported = segment.imported
+    if imported is None or method.initial == "linear" or not _is_sound(scene, segment, imported):
+        return None
+    return imported
+
+
 def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
     tried: list[Pass] = []
     plain = interpolate(segment.start, segment.end, segment.first_frame, segment.last_frame)
     chains = _from_both_ends(scene, segment, method)
     present, what = plain, "interpolation"
-    if chains is not None:
+    if chains is not None and method.initial != "linear":
         present, what = _met_halfway(scene, segment, method, *chains), "both ways"
     apart = _nothing_px(scene, plain) if chains is None else _distance_px(scene, *chains)
     drift, gap = _nothing_px(scene, plain)[1:], 0.0
     if method.judged and _in_doubt(scene, apart, plain, present):
         tried.append(Pass("interpolation", plain, _score(scene, segment.clip, plain, method)))
         yield tried[-1]
+    imported = _imported(scene, segment, method)
+    if imported is not None:
+        ours = Pass(what, present, _score(scene, segment.clip, present, method))
+        theirs = Pass("import", imported, _score(scene, segment.clip, imported, method))
+        better, worse = (theirs, ours) if _is_preferred(theirs, ours, method) else (ours, theirs)
+        if method.judged:  # the other one stays a choice, so that the result is worse than neither
+            tried.append(worse)
+            yield worse
+        present, what = better.trajectory, better.what
     diverged = False
     for _ in range(method.passes):
         motions, score = robust_pass(
@@ -183,6 +218,13 @@ def _met_halfway(
     # every second pair is enough to tell one blend from the other
     trusted, other = (_score(scene, segment.clip, t, method, step=2) for t in (by_trust, even))
     return by_trust if trusted < TRUST_ALLOWANCE * other else even
+
+
+def _is_preferred(imported: Pass, own: Pass, method: Keypose) -> bool:
+    """Whether to start from the imported motion."""
+    assert imported.score is not None
+    assert own.score is not None
+    return method.initial == "import" or imported.score < own.score
 
 
 def _in_doubt(scene: Scene, apart_px: Array, plain: Trajectory, blend: Trajectory) -> bool:

@@ -17,6 +17,7 @@ from tracker.camera import Camera
 from tracker.drift import closing_error
 from tracker.errors import SessionError
 from tracker.geometry import Array
+from tracker.initial import brought
 from tracker.loading import MEMORY_BYTES, ClipLoader, WorkingSize, demand_short
 from tracker.methods import Method, Paper, method_of
 from tracker.observe import observe, unobserved
@@ -135,7 +136,7 @@ class Tracker:
     """A video, a camera, a body and its keyposes, made ready to be tracked.
 
     Keep it to track again after a keyframe has changed: pictures stay prepared. Raises SessionError
-    with fewer than two keyposes.
+    with fewer than two keyposes. `first_motion` is one to start from, wherever it reaches.
     """
 
     def __init__(
@@ -147,7 +148,9 @@ class Tracker:
         masks: Sequence[IgnoreMask] = (),
         static_camera: bool = False,
         memory: int = MEMORY_BYTES,
+        first_motion: Trajectory | None = None,
     ) -> None:
+        self._first_motion = first_motion
         self._prepared = _Prepared(video, camera, masks, static_camera, memory)
         self._laid: dict[float, SurfacePoints] = {}
         self._pose(skeleton, keyposes)
@@ -165,13 +168,19 @@ class Tracker:
         self.size = self.loader.size
         self.camera = self.size.camera(self.loader.camera)
 
-    def renewed(self, skeleton: Skeleton, keyposes: Mapping[int, Pose]) -> Tracker:
+    def renewed(
+        self,
+        skeleton: Skeleton,
+        keyposes: Mapping[int, Pose],
+        first_motion: Trajectory | None = None,
+    ) -> Tracker:
         """A tracker of other keyposes, or of another body, before the same video.
 
         Prepared pictures are shared between the two, and what was laid out for the body where it is
         the same object. Both may be in use at the same time.
         """
         other = copy(self)
+        other._first_motion = first_motion
         if skeleton is not self.skeleton:
             other._laid = {}
         other._pose(skeleton, keyposes)
@@ -205,7 +214,10 @@ class Tracker:
         """Track one segment; `emit` is told every trajectory and may raise to stop the work."""
         first, last = self.spans[index]
         start, end = self.keyposes[first], self.keyposes[last]
-        segment = Segment(first, last, start, end, self.loader.load(first, last))
+        imported = None
+        if self._first_motion is not None:
+            imported = brought(self._first_motion, start, end, first, last)
+        segment = Segment(first, last, start, end, self.loader.load(first, last), imported)
         method = method_of(settings)
         scene = self.scene((first, last), method.density)
         work, number = track_segment(scene, segment, method), 0

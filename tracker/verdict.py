@@ -73,8 +73,10 @@ def judge(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -
         part, first, last = unseen
         return Verdict("check", f"check {_frames(first, last)}: {part} not seen", (first, last))
     if apart > CHECK_APART or drift > CHECK_DRIFT:
-        part, first, last = _most_uncertain(scene, segment, evidence)
-        return Verdict("check", f"check {_frames(first, last)}: {part} uncertain", (first, last))
+        index, first, last = _most_uncertain(scene, segment, evidence)
+        why = "not seen" if _is_hidden(segment, seen, index, first, last) else "uncertain"
+        name = _spoken(scene.skeleton.body.names[index])
+        return Verdict("check", f"check {_frames(first, last)}: {name} {why}", (first, last))
     return Verdict("good", "good")
 
 
@@ -106,17 +108,36 @@ def _neediest(evidence: _Evidence) -> int:
     return int(np.argmax(need)) if need.max() > 0 else n // 2
 
 
-def _most_uncertain(scene: Scene, segment: Segment, evidence: _Evidence) -> tuple[str, int, int]:
-    """The part with the strongest evidence against it: its name, first and last frame."""
+def _most_uncertain(scene: Scene, segment: Segment, evidence: _Evidence) -> tuple[int, int, int]:
+    """The part with the strongest evidence against it: its index, first and last frame."""
     drift = evidence.drift * len(evidence.drift)
     strength = np.maximum(evidence.apart[1:] / CHECK_APART, drift / CHECK_DRIFT)
     mark = int(strength.max(axis=0).argmax())
     doubtful = np.flatnonzero(strength[:, mark] >= 0.5 * strength[:, mark].max())
     first, last = int(doubtful[0]), int(doubtful[-1])
-    name = scene.skeleton.body.names[scene.marks[1][mark]]
+    part = _carrier(scene, int(scene.marks[1][mark]))
     start = segment.first_frame + 1
     last = max(first, min(last, segment.last_frame - 1 - start))
-    return _spoken(name), start + first, start + last
+    return part, start + first, start + last
+
+
+def _carrier(scene: Scene, part: int) -> int:
+    """The part itself where it is tracked, else what carries it: a hand goes with its forearm."""
+    skeleton = scene.skeleton
+    tracked = set(skeleton.dof_part.tolist())
+    at = part
+    while at >= 0 and at not in tracked:
+        at = int(skeleton.parents[at])
+    return part if at < 0 else at
+
+
+def _is_hidden(segment: Segment, seen: Observation, part: int, first: int, last: int) -> bool:
+    """Whether the part was looked for and not seen in most of these frames."""
+    start = segment.first_frame + 1
+    within = slice(first - start, last - start + 1)
+    looked = seen.rank[within] >= 0
+    unseen = (seen.observability[within, part] < UNSEEN) | (seen.shown[within, part] == 0)
+    return bool(2 * (unseen & looked).sum() > looked.sum())
 
 
 def _spoken(name: str) -> str:

@@ -2,32 +2,28 @@
 
 from __future__ import annotations
 
-import signal
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from app.commands.interrupting import set_by_ctrl_c
 from app.commands.json_output import print_json
+from app.jobs import JobFinished, PassFinished, Report, SegmentFinished
+from app.rerun import all_segments, rerun
+from app.results import SegmentTrack, Span
 from tracker.errors import KeyposeError
-from tracker.session.tracking import track_session
-from tracker.track import (
-    PassFinished,
-    Progress,
-    SegmentFinished,
-    SegmentResult,
-    SegmentStarted,
-    TrackFinished,
-    TrackResult,
-)
 
 if TYPE_CHECKING:
     from tracker.session import Session
     from tracker.video import Video
 
-Report: TypeAlias = Callable[[Progress], None]
+Telling: TypeAlias = Callable[[Report], None]
+Places: TypeAlias = Mapping[Span, int]
+"""Of every segment, its number among all."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,142 +31,132 @@ class Run:
     """The finished segments; `interrupted` when the person stopped before all were, and `error`
     what else ended the run early."""
 
-    result: TrackResult
+    found: tuple[SegmentTrack, ...]
     interrupted: bool = False
     error: KeyposeError | None = None
 
 
-def follow(session: Session, video: Video, workers: int, as_json: bool) -> Run:
+def follow(session: Session, session_path: Path, video: Video, workers: int, as_json: bool) -> Run:
     """Track, and tell on the way: JSON lines, a bar at a terminal, or a line per segment.
 
     However the run ends, the segments finished by then are in it. The first Ctrl+C lets the
     tracker come to rest and say all it has finished; a second one breaks off even that.
     """
     stop = threading.Event()
-    events = track_session(session, video, workers=workers, cancelled=stop.is_set)
-    finished: dict[int, SegmentResult] = {}
-    with _set_by_ctrl_c(stop), _reporter(session, as_json) as report:
+    given = (session, session_path, video, all_segments(session))
+    finished: dict[Span, SegmentTrack] = {}
+    cancelled = False
+    with set_by_ctrl_c(stop), _telling(session, as_json) as tell:
         try:
-            for event in events:
-                if isinstance(event, TrackFinished):
-                    return Run(event.result, interrupted=event.cancelled)
-                if isinstance(event, SegmentFinished):
-                    finished[event.index] = event.result
-                _tell(report, event, stop)
+            for report in rerun(*given, workers=workers, stop=stop):
+                if isinstance(report, SegmentFinished):
+                    finished[report.track.span] = report.track
+                if isinstance(report, JobFinished):
+                    cancelled = report.cancelled
+                _tell(tell, report, stop)
         except KeyboardInterrupt:
-            return Run(_result(session, finished), interrupted=True)
+            return Run(_in_order(finished), interrupted=True)
         except KeyposeError as error:
-            return Run(_result(session, finished), error=error)
-    raise AssertionError("a run ends with TrackFinished")
+            return Run(_in_order(finished), error=error)
+    return Run(_in_order(finished), interrupted=cancelled)
 
 
-def _tell(report: Report, event: Progress, stop: threading.Event) -> None:
+def _tell(tell: Telling, report: Report, stop: threading.Event) -> None:
     try:
-        report(event)
+        tell(report)
     except OSError:  # nobody listens any more
         stop.set()
 
 
-def _result(session: Session, finished: dict[int, SegmentResult]) -> TrackResult:
-    """What a run that broke off has found."""
-    from tracker.skeleton import Skeleton
-
-    segments = tuple(finished[index] for index in sorted(finished))
-    return TrackResult(Skeleton.of(session.body), session.settings, segments)
+def _in_order(finished: Mapping[Span, SegmentTrack]) -> tuple[SegmentTrack, ...]:
+    return tuple(finished[span] for span in sorted(finished))
 
 
 @contextmanager
-def _set_by_ctrl_c(stop: threading.Event) -> Iterator[None]:
-    """Within, the first Ctrl+C sets the event and the next one raises KeyboardInterrupt."""
-    before = signal.getsignal(signal.SIGINT)
-    on_main = threading.current_thread() is threading.main_thread()
-    if before in (signal.SIG_IGN, None) or not on_main:  # whoever ignores Ctrl+C goes on doing so
-        yield
-        return
-
-    def handle(*_: object) -> None:
-        if stop.is_set():
-            raise KeyboardInterrupt
-        stop.set()
-
-    signal.signal(signal.SIGINT, handle)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-@contextmanager
-def _reporter(session: Session, as_json: bool) -> Iterator[Report]:
+def _telling(session: Session, as_json: bool) -> Iterator[Telling]:
+    places = {wanted[:2]: index for index, wanted in enumerate(all_segments(session))}
     if as_json:
-        yield lambda event: print_json(_as_json(event))
+        yield _JsonLines(places).tell
     elif sys.stderr.isatty():
-        with _bar(session) as report:
-            yield report
+        with _bar(session) as tell:
+            yield tell
     else:
-        yield _line
+        yield lambda report: _line(report, places)
 
 
-def _line(event: Progress) -> None:
+def _line(report: Report, places: Places) -> None:
     """One quiet line for each finished segment, for logs."""
-    if isinstance(event, SegmentFinished):
-        frames = event.result.trajectory
+    if isinstance(report, SegmentFinished):
+        track = report.track
         print(
-            f"segment {event.index + 1} of {event.count}, frames "
-            f"{frames.first_frame}–{frames.last_frame}: {event.result.verdict.kind}",
+            f"segment {places[track.span] + 1} of {len(places)}, frames "
+            f"{track.first}–{track.last}: {track.kind}",
             file=sys.stderr,
             flush=True,
         )
 
 
 @contextmanager
-def _bar(session: Session) -> Iterator[Report]:
+def _bar(session: Session) -> Iterator[Telling]:
     """A bar that counts frames: a segment's share of passes done is that share of its frames."""
     from tqdm import tqdm
 
     total = session.keyframes[-1].frame - session.keyframes[0].frame
-    done: dict[int, float] = {}
+    done: dict[Span, float] = {}
     with tqdm(total=total, unit="frame", file=sys.stderr, dynamic_ncols=True) as bar:
 
-        def report(event: Progress) -> None:
-            if isinstance(event, PassFinished):
-                share = min((event.number + 1) / max(event.of, 1), 1.0)  # numbers start at 0
-                done[event.index] = (len(event.trajectory) - 1) * share
-            elif isinstance(event, SegmentFinished):
-                done[event.index] = len(event.result.trajectory) - 1
+        def tell(report: Report) -> None:
+            if isinstance(report, PassFinished):
+                share = min((report.number + 1) / max(report.of, 1), 1.0)  # numbers start at 0
+                done[report.span] = (report.last - report.first) * share
+            elif isinstance(report, SegmentFinished):
+                done[report.track.span] = report.track.last - report.track.first
             bar.n = min(round(sum(done.values())), total)
             bar.refresh()
 
-        yield report
+        yield tell
 
 
-def _as_json(event: Progress) -> dict[str, Any]:
-    """The event without its arrays."""
-    if isinstance(event, SegmentStarted):
+class _JsonLines:
+    """Reports without their arrays, a line each; a segment's first is preceded by its beginning."""
+
+    def __init__(self, places: Places) -> None:
+        self._places = places
+        self._begun: set[Span] = set()
+
+    def tell(self, report: Report) -> None:
+        if isinstance(report, PassFinished):
+            self._begin(report.span)
+            print_json(self._passed(report))
+        elif isinstance(report, SegmentFinished):
+            self._begin(report.track.span)
+            print_json(self._finished(report.track))
+
+    def _begin(self, span: Span) -> None:
+        if span not in self._begun:
+            self._begun.add(span)
+            first, last = span
+            event = {**self._head("segment_started", span), "of": len(self._places)}
+            print_json({**event, "first_frame": first, "last_frame": last})
+
+    def _passed(self, report: PassFinished) -> dict[str, Any]:
         return {
-            "event": "segment_started",
-            "segment": event.index,
-            "of": event.count,
-            "first_frame": event.first_frame,
-            "last_frame": event.last_frame,
+            **self._head("pass_finished", report.span),
+            "pass": report.number,
+            "of": report.of,
+            "score": report.score,
         }
-    if isinstance(event, PassFinished):
+
+    def _finished(self, track: SegmentTrack) -> dict[str, Any]:
         return {
-            "event": "pass_finished",
-            "segment": event.index,
-            "pass": event.number,
-            "of": event.of,
-            "score": event.score,
+            **self._head("segment_finished", track.span),
+            "of": len(self._places),
+            "verdict": track.kind,
+            "words": track.told,
+            "frames": track.frames,
+            "best_pass": track.best_pass,
+            "closing_error": track.closing_error,
         }
-    assert isinstance(event, SegmentFinished)
-    result = event.result
-    return {
-        "event": "segment_finished",
-        "segment": event.index,
-        "of": event.count,
-        "verdict": result.verdict.kind,
-        "words": result.verdict.words,
-        "frames": result.verdict.frames,
-        "best_pass": result.best_pass,
-        "closing_error": result.closing_error,
-    }
+
+    def _head(self, event: str, span: Span) -> dict[str, Any]:
+        return {"event": event, "segment": self._places[span]}

@@ -1,4 +1,4 @@
-"""`keypose shot`: a picture of the posed body, over the video or from the top, side and front."""
+"""`keypose shot`: a picture of the posed body, over the video or from anywhere."""
 
 from __future__ import annotations
 
@@ -17,16 +17,19 @@ from app.commands.arguments import (
     whole_number,
 )
 from app.commands.json_output import print_written
+from app.commands.views import MOST_PIXELS, add_style, scale, size, still_view
 from tracker.errors import FormatError, SessionError
 
 if TYPE_CHECKING:
-    from tracker.pose import Pose
+    from app.drawing.poses import KnownPoses
+    from app.drawing.stills import Still
     from tracker.session import Session
-    from tracker.skeleton import Skeleton
 
 _EXAMPLES = """\
   keypose shot session.json --frame 40 --view main --out frame40.png
   keypose shot session.json --frame 40 --view all --style wire --out views.png --overwrite
+  keypose shot session.json --frame 40 --view orbit:60,20 --size 1920x1080 --out corner.png
+  keypose shot session.json --frame 40 --background none --scale 2 --out body.png
 """
 
 
@@ -34,23 +37,33 @@ def add(commands: Subcommands) -> None:
     text = (
         "Draw the body at one frame into a PNG file. The pose is the keyframe's where one is set "
         "and the tracked one elsewhere; main is the video's frame with the body over it, without "
-        "the lens's distortion, or plain grey where the video's frame is missing."
+        "the lens's distortion, or plain grey where the video's frame is missing. orbit looks at "
+        "the body from any side, on a floor: an azimuth of 0 looks as the video's camera does, 90 "
+        "from the right of its picture; the elevation is 12 degrees when left out."
     )
     command = add_command(commands, "shot", run, text, _EXAMPLES)
     add_session(command)
     command.add_argument("--frame", metavar="N", type=whole_number(0), required=True)
-    views = ("main", "top", "side", "front", "all")
-    command.add_argument("--view", choices=views, default="main", help="default: main")
-    styles = ("wire", "solid", "both")
     command.add_argument(
-        "--style", choices=styles, default="both", help="of the body over the video; default: both"
+        "--view",
+        metavar="VIEW",
+        type=still_view,
+        default="main",
+        help="main, top, side, front, all, or orbit:AZIMUTH,ELEVATION; default: main",
+    )
+    add_style(command)
+    how_large = command.add_mutually_exclusive_group()
+    how_large.add_argument(
+        "--size", metavar="WxH", type=size, help="of the picture, pixels; default: the video's"
+    )
+    how_large.add_argument(
+        "--scale", metavar="N", type=scale, default=1.0, help="so many times the video's size"
     )
     command.add_argument(
-        "--opacity",
-        metavar="PERCENT",
-        type=whole_number(0, 100),
-        default=50,
-        help="of the solid body over the video; default: 50",
+        "--background",
+        choices=("video", "none"),
+        default="video",
+        help="none: the body alone, transparent around it, without letters and floor",
     )
     command.add_argument("--out", metavar="FILE.png", type=file_name, required=True)
     add_json(command)
@@ -60,7 +73,6 @@ def add(commands: Subcommands) -> None:
 def run(arguments: argparse.Namespace) -> int:
     from tracker.session.atomic import demand_absent, demand_folder, write_file
     from tracker.session.files import load_session
-    from tracker.skeleton import Skeleton
 
     out: Path = arguments.out
     if out.suffix.lower() != ".png":
@@ -69,44 +81,68 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.overwrite:
         demand_absent([out])
     demand_folder(out.parent)
-    skeleton = Skeleton.of(session.body)
-    pose = _pose(session, arguments.session, skeleton, arguments.frame)
-    write_file(out, _content(session, skeleton, pose, arguments), overwrite=arguments.overwrite)
+    wanted = _wanted(session, arguments)
+    poses = _poses(session, arguments.session, arguments.frame, wanted)
+    content = _content(session, poses, wanted, arguments)
+    write_file(out, content, overwrite=arguments.overwrite)
     print_written([out], arguments.json)
     return 0
 
 
-def _pose(session: Session, session_path: Path, skeleton: Skeleton, frame: int) -> Pose:
-    """The pose to draw; SessionError when the frame is neither a keyframe nor tracked."""
+def _wanted(session: Session, arguments: argparse.Namespace) -> Still:
+    from app.drawing.stills import Still
+    from app.drawing.studio import Paint
+
+    pixels = session.video.width * session.video.height * arguments.scale**2
+    if arguments.scale > 1 and pixels > MOST_PIXELS:
+        raise FormatError(
+            f"A scale of {arguments.scale:g} makes a picture of {pixels / 1e6:.0f} million pixels; "
+            f"at most {MOST_PIXELS // 10**6} million are drawn."
+        )
+    return Still(
+        view=arguments.view,
+        paint=Paint(arguments.style, arguments.opacity / 100),
+        size=arguments.size,
+        scale=arguments.scale,
+        on_nothing=arguments.background == "none",
+    )
+
+
+def _poses(session: Session, session_path: Path, frame: int, wanted: Still) -> KnownPoses:
+    """With the pose to draw; SessionError when the frame is neither a keyframe nor tracked."""
+    from app.drawing.poses import KnownPoses
     from tracker.session.tracks import load_tracks, outdated_words
+    from tracker.skeleton import Skeleton
 
     if frame >= session.video.frame_count:
         raise SessionError(
             f"There is no frame {frame}; the video's frames are 0 to "
             f"{session.video.frame_count - 1}."
         )
-    for keyframe in session.keyframes:
-        if keyframe.frame == frame:
-            return keyframe.pose(skeleton)
+    skeleton = Skeleton.of(session.body)
+    keys = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.keyframes}
+    if frame in keys and not (wanted.has_floor and session.results):
+        return KnownPoses(skeleton, keys, None)
     tracks = load_tracks(session, session_path)
-    pose = tracks.pose(frame)
-    if pose is None:
-        raise SessionError(f"Frame {frame} is not tracked; the tracked frames are {tracks.runs()}.")
-    note(outdated_words(session, tracks))
-    return pose
+    if frame not in keys:
+        if tracks.pose(frame) is None:
+            raise SessionError(
+                f"Frame {frame} is not tracked; the tracked frames are {tracks.runs()}."
+            )
+        note(outdated_words(session, tracks))
+    return KnownPoses(skeleton, keys, tracks)
 
 
 def _content(
-    session: Session, skeleton: Skeleton, pose: Pose, arguments: argparse.Namespace
+    session: Session, poses: KnownPoses, wanted: Still, arguments: argparse.Namespace
 ) -> bytes:
     """The PNG file's bytes."""
     from contextlib import nullcontext
 
-    from app.drawing.snapshots import Look, png, snapshot
+    from app.drawing.snapshots import png
+    from app.drawing.stills import still
     from tracker.session.files import open_video_of
 
-    look = Look(arguments.view, arguments.style, arguments.opacity / 100)
-    needs_video = look.view in ("main", "all")
-    opened = open_video_of(session, arguments.session) if needs_video else nullcontext()
+    opened = open_video_of(session, arguments.session) if wanted.needs_video else nullcontext()
     with opened as video:
-        return png(snapshot(session, video, arguments.frame, pose, look))
+        return png(still(session, video, arguments.frame, poses, wanted))

@@ -6,7 +6,8 @@ import argparse
 import os
 import shlex
 import sys
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,11 +20,12 @@ from app.commands.arguments import (
     whole_number,
 )
 from app.commands.json_output import print_json
+from app.commands.preparing import prepare_loops
 from tracker.errors import SessionError
 
 if TYPE_CHECKING:
     from app.commands.follow import Run
-    from tracker.session import Session
+    from tracker.session import Results, Session
 
 DONE, LOST, INTERRUPTED = 0, 1, 130
 
@@ -38,8 +40,9 @@ def add(commands: Subcommands) -> None:
     text = (
         "Track the motion between the keyframes. Results are written beside the session, which "
         "then refers to them; with --out, a copy of the session and the results go to that folder "
-        "and the session stays as it is. Ctrl+C keeps the segments that are finished. The exit "
-        "code is 1 when tracking was lost somewhere."
+        "and the session stays as it is. Ctrl+C keeps the segments that are finished. A session "
+        "that is open in the page is left alone. The exit code is 1 when tracking was lost "
+        "somewhere."
     )
     command = add_command(commands, "track", run, text, _EXAMPLES)
     add_session(command)
@@ -61,19 +64,19 @@ def add(commands: Subcommands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from app.commands.follow import follow
+    from app.rerun import demand_trackable, with_settings
     from tracker.session.files import load_session, open_video_of
 
     session = load_session(arguments.session)
-    if len(session.keyframes) < 2:
-        count = "one keyframe" if session.keyframes else "no keyframes"
-        raise SessionError(f"{arguments.session.name} has {count}; tracking needs two.")
+    demand_trackable(session, arguments.session)
     _demand_place(arguments)
-    _prepare_loops()
-    with open_video_of(session, arguments.session) as video:
-        found = follow(_with_settings(session, arguments), video, arguments.workers, arguments.json)
-    if found.error is not None and not found.result.segments:
-        raise found.error
-    summary = _keep(session, found, arguments)
+    asked = with_settings(session, arguments.method, arguments.quality)
+    with open_video_of(session, arguments.session) as video, _locked(arguments):
+        prepare_loops()
+        found = follow(asked, arguments.session, video, arguments.workers, arguments.json)
+        if found.error is not None and not found.found:
+            raise found.error
+        summary = _keep(session, asked, found, arguments)
     _tell(summary, arguments.json)
     if found.error is not None:
         raise found.error
@@ -82,21 +85,24 @@ def run(arguments: argparse.Namespace) -> int:
     return LOST if summary["lost"] else DONE
 
 
-def _prepare_loops() -> None:
-    """The first run on a computer takes its time, and says so."""
-    from tracker.warm import is_warm, warm
+@contextmanager
+def _locked(arguments: argparse.Namespace) -> Iterator[None]:
+    """Be the one who writes there; SessionError when another Keypose is."""
+    from app.locking import HeldElsewhere, SessionLock
 
-    if not is_warm():
-        print("Preparing the tracker for this computer, once: about a minute.", file=sys.stderr)
-        warm()
-
-
-def _with_settings(session: Session, arguments: argparse.Namespace) -> Session:
-    """The session with the settings asked for in this run; the file keeps its own."""
-    wanted = {"method": arguments.method, "quality": arguments.quality}
-    chosen = {name: value for name, value in wanted.items() if value is not None}
-    settings = session.settings.model_copy(update=chosen)
-    return session.model_copy(update={"settings": settings})
+    place = _place(arguments)
+    if not place.parent.is_dir():  # a new folder is nobody else's
+        yield
+        return
+    try:
+        lock = SessionLock.take(place.parent)
+    except HeldElsewhere as held:
+        copy = "add --out DIR to track a copy" if arguments.out is None else "choose another --out"
+        raise SessionError(f"{str(place)!r} is {held}: close it there, or {copy}.") from None
+    try:
+        yield
+    finally:
+        lock.release()
 
 
 def _demand_place(arguments: argparse.Namespace) -> None:
@@ -116,44 +122,49 @@ def _place(arguments: argparse.Namespace) -> Path:
     return session_path if out is None else out / "session.json"
 
 
-def _keep(session: Session, found: Run, arguments: argparse.Namespace) -> dict[str, Any]:
-    """Write what was found, if anything; the summary of it."""
+def _keep(
+    session: Session, asked: Session, found: Run, arguments: argparse.Namespace
+) -> dict[str, Any]:
+    """Write what was found for the session as it was asked for, if anything; the summary of it."""
     summary: dict[str, Any] = {"interrupted": found.interrupted, "session": None, "tracks": None}
-    summary |= {"segments_of": len(session.keyframes) - 1, "segments": [], "lost": False}
+    summary |= {"segments_of": len(asked.keyframes) - 1, "segments": [], "lost": False}
     summary["error"] = None if found.error is None else str(found.error)
-    if not found.result.segments:
+    results = _write(session, asked, found, arguments)
+    if results is None:
         return summary
-    results = _write(session, found, arguments)
+    spans = {track.span for track in found.found}
+    mine = [s for s in results.segments if (s.first_frame, s.last_frame) in spans]
     summary |= {
         "session": str(_place(arguments)),
         "tracks": str(_place(arguments).with_name(results.tracks)),
-        "segments": [segment.model_dump() for segment in results.segments],
-        "lost": any(segment.verdict == "lost" for segment in results.segments),
+        "segments": [segment.model_dump() for segment in mine],
+        "lost": any(segment.verdict == "lost" for segment in mine),
     }
     return summary
 
 
-def _write(session: Session, found: Run, arguments: argparse.Namespace) -> Any:
+def _write(
+    session: Session, asked: Session, found: Run, arguments: argparse.Namespace
+) -> Results | None:
+    from app.rerun import keep, keep_elsewhere
     from tracker.session.atomic import make_folder, write_file
-    from tracker.session.files import load_session, save_session, session_json
-    from tracker.session.tracks import save_result
+    from tracker.session.files import session_json
+    from tracker.session.first_motion import carry_first_motion
 
-    place = _place(arguments)
-    if arguments.out is None:
-        results = save_result(session, place, found.result).results
-        # The person may have gone on editing meanwhile: only the results are ours to change.
-        save_session(load_session(place).model_copy(update={"results": results}), place)
-        return results
+    if arguments.out is None or not found.found:
+        return keep(asked, arguments.session, found.found)
     make_folder(arguments.out, error=SessionError)
-    saved = save_result(_moved(session, arguments), place, found.result)
+    carry_first_motion(session, arguments.session.parent, arguments.out)
+    place = _place(arguments)
+    results = keep_elsewhere(asked, place, found.found)
     write_file(
         place,
-        session_json(saved),
+        session_json(_moved(session, arguments).model_copy(update={"results": results})),
         overwrite=arguments.overwrite,
         keep_previous=True,
         error=SessionError,
     )
-    return saved.results
+    return results
 
 
 def _moved(session: Session, arguments: argparse.Namespace) -> Session:

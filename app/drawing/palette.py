@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from tracker.body import Body
 from tracker.geometry import Array
@@ -14,8 +14,11 @@ Side: TypeAlias = Literal["left", "right", "middle"]
 Colour: TypeAlias = tuple[int, int, int]
 Picture: TypeAlias = NDArray[np.uint8]
 """(H, W, 3) RGB."""
+CutOut: TypeAlias = NDArray[np.uint8]
+"""(H, W, 4) RGBA: what is seen, and how much it covers."""
 Canvas: TypeAlias = NDArray[np.float32]
-"""(H, W, 3) RGB, 0 to 255, while it is being painted."""
+"""(H, W, 3) RGB, 0 to 255, while it is being painted; or (H, W, 4) for a picture on nothing, begun
+with zeros: then colours are weighed by the fourth, which is how much is covered, 0 to 255."""
 
 SIDE_COLOURS: dict[Side, Colour] = {
     "left": (111, 180, 255),
@@ -40,6 +43,14 @@ def side_of(body: Body, name: str) -> Side:
     if name.startswith("left"):
         return "left"
     return "right" if name.startswith("right") else "middle"
+
+
+def on_canvas(colours: ArrayLike, canvas: Canvas) -> Array:
+    """Colours (..., 3) with as many channels as the canvas has: paint itself covers wholly."""
+    rgb = np.asarray(colours, dtype=np.float64)
+    if canvas.shape[2] == 3:
+        return rgb
+    return np.concatenate([rgb, np.full((*rgb.shape[:-1], 1), 255.0)], axis=-1)
 
 
 def part_sides(body: Body) -> tuple[Side, ...]:

@@ -1,44 +1,28 @@
-"""Posed body → picture, without a window: over the video, from the top, the side and the front.
-
-Everything is painted at twice its size and averaged down, so that edges are smooth.
-"""
+"""Posed body → picture, without a window: over the video, from the top, the side and the front."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Literal, TypeAlias
+from dataclasses import dataclass
+from typing import TypeAlias
 
 import cv2
 import numpy as np
 
+from app.drawing.form import form_of
 from app.drawing.lettering import axes, plate, round_length, scale_bar, write_name
-from app.drawing.palette import (
-    GAP,
-    GRID,
-    GRID_MIDDLE,
-    PAPER,
-    Canvas,
-    Picture,
-    part_colours,
-    part_sides,
-)
-from app.drawing.shading import paint_solid, part_borders, shaded
-from app.drawing.strokes import body_lines, paint_dots, paint_lines
+from app.drawing.painting import Style, painted_over
+from app.drawing.palette import GAP, GRID, GRID_MIDDLE, PAPER, Picture
 from tracker.camera import Camera
 from tracker.eye import Eye, ViewName
 from tracker.geometry import Array, apply_transform
 from tracker.pose import Pose, pose_transforms
-from tracker.raster import BodyMesh, raster
 from tracker.skeleton import Skeleton
 
-Style: TypeAlias = Literal["wire", "solid", "both"]
 Rotations: TypeAlias = Mapping[ViewName, Array]
 """R_view_camera (3, 3) of the three views, where up is not the camera's own up."""
 
 OPACITY = 0.5
-
-FINE = 2
-"""Painted this many times as large as wanted."""
 
 MOST_GRID_LINES = 40
 LEAST_HEIGHT_OF_FOUR = 24
@@ -50,6 +34,49 @@ _AXES: dict[ViewName, tuple[str, str]] = {
     "side": ("z", "-y"),
     "front": ("x", "-y"),
 }
+
+
+@dataclass(frozen=True, eq=False)
+class Framing:
+    """What views along parallel rays show; what is None is made to fit the body.
+
+    centre_m: (3,) the point of the camera frame in the middle. metres_across: a picture's width.
+    Rs: the views' directions, where up is not the camera's own up.
+    """
+
+    centre_m: Array | None = None
+    metres_across: float | None = None
+    Rs: Rotations | None = None
+
+
+@dataclass(frozen=True)
+class FourPlaces:
+    """The sizes (width, height) of the large picture and of the three beside it, which a very low
+    picture has no room for."""
+
+    main: tuple[int, int]
+    small: tuple[tuple[int, int], ...]
+    gap: int
+
+    @classmethod
+    def of(cls, camera: Camera, height: int) -> FourPlaces:
+        """In a picture so many pixels high."""
+        main = (max(1, round(height * camera.width / camera.height)), height)
+        gap = max(2, height // 240)
+        if height < LEAST_HEIGHT_OF_FOUR:
+            return cls(main, (), gap)
+        heights = np.diff(np.rint(np.linspace(0, height + gap, 4)).astype(int)) - gap
+        return cls(main, tuple((int(1.3 * height / 3), int(h)) for h in heights), gap)
+
+    @property
+    def views(self) -> dict[ViewName, tuple[int, int]]:
+        """What the small ones show, from the top to the bottom, and their sizes."""
+        return dict(zip(VIEW_NAMES, self.small, strict=False))
+
+    @property
+    def width(self) -> int:
+        """Of the whole picture."""
+        return self.main[0] + (self.gap + self.small[0][0] if self.small else 0)
 
 
 def overlay(
@@ -75,7 +102,7 @@ def overlay(
 
 def orthographic(
     skeleton: Skeleton,
-    pose: Pose,
+    pose: Pose | None,
     view: ViewName = "front",
     size: tuple[int, int] = (480, 480),
     centre_m: Array | None = None,
@@ -90,14 +117,9 @@ def orthographic(
     Grid lines lie at multiples of the scale bar's length in the camera frame: a round one that
     suits the picture's width, 0.5 m for a person. What finds no room is not lettered.
     """
-    p_camera = BodyMesh.of(skeleton).posed(pose_transforms(skeleton, pose))
-    centre = _middle(p_camera) if centre_m is None else np.asarray(centre_m, dtype=np.float64)
-    R = Rs_view_camera[view] if Rs_view_camera else None
-    eye = Eye.orthographic(view, centre, 1.0, size, R)
-    if metres_across is None:
-        metres_across = _width_to_fit(apply_transform(eye.T_eye_camera, p_camera), size)
-    eye = Eye.orthographic(view, centre, size[0] / metres_across, size, R)
-    step_m = round_length(metres_across)
+    frame = Framing(centre_m, metres_across, Rs_view_camera)
+    eye = parallel_eye(skeleton, pose, view, size, frame)
+    step_m = round_length(size[0] / eye.focal[0])
     picture = _over(_grid(eye, step_m), eye, skeleton, pose, "solid", 1.0)
     letter_px = _letter_px(size[1])
     write_name(picture, view.capitalize(), letter_px)
@@ -110,32 +132,63 @@ def four_views(
     image_rgb: Picture,
     camera: Camera,
     skeleton: Skeleton,
-    pose: Pose,
+    pose: Pose | None,
     style: Style = "both",
     opacity: float = OPACITY,
     height: int = 720,
     label: str = "Camera",
     Rs_view_camera: Rotations | None = None,
+    framing: Framing | None = None,
 ) -> Picture:
     """The overlay, large, and the three orthographic views, all at one scale, stacked beside it.
 
     The picture is `height` pixels high; its width follows from the camera's shape. One less
     than LEAST_HEIGHT_OF_FOUR pixels high is the overlay alone.
     """
-    width = max(1, round(height * camera.width / camera.height))
+    layout = FourPlaces.of(camera, height)
+    width = layout.main[0]
     enlarged = cv2.INTER_CUBIC if height > camera.height else cv2.INTER_AREA
     frame = np.asarray(cv2.resize(image_rgb, (width, height), interpolation=enlarged), np.uint8)
     main = _over(frame, Eye.of(camera).resized(width, height), skeleton, pose, style, opacity)
     letter_px = _letter_px(height // 3)
     plate(main, label, *(round(0.8 * letter_px),) * 2, letter_px)
-    if height < LEAST_HEIGHT_OF_FOUR:
+    if not layout.small:
         return main
-    gap = max(2, height // 240)
-    heights = np.diff(np.rint(np.linspace(0, height + gap, 4)).astype(int)) - gap
-    sizes = [(int(1.3 * height / 3), int(h)) for h in heights]
-    small = _three_views(skeleton, pose, sizes, Rs_view_camera)
-    column = _stacked(small, gap, axis=0)
-    return _stacked([main, column], gap, axis=1)
+    if framing is None:
+        framing = framing_of(_points(skeleton, pose), layout.views, Rs_view_camera)
+    centre, across = framing.centre_m, framing.metres_across
+    small = [
+        orthographic(skeleton, pose, view, size, centre, across, framing.Rs)
+        for view, size in layout.views.items()
+    ]
+    column = _stacked(small, layout.gap, axis=0)
+    return _stacked([main, column], layout.gap, axis=1)
+
+
+def parallel_eye(
+    skeleton: Skeleton, pose: Pose | None, view: ViewName, size: tuple[int, int], framing: Framing
+) -> Eye:
+    """The eye of one of the three views; without a pose, the framing must be told."""
+    p_camera = _points(skeleton, pose)
+    centre = middle(p_camera) if framing.centre_m is None else np.asarray(framing.centre_m, float)
+    R = framing.Rs[view] if framing.Rs else None
+    across = framing.metres_across
+    if across is None:
+        eye = Eye.orthographic(view, centre, 1.0, size, R)
+        across = width_to_fit(apply_transform(eye.T_eye_camera, p_camera), size)
+    return Eye.orthographic(view, centre, size[0] / across, size, R)
+
+
+def framing_of(
+    p_camera: Array, sizes: Mapping[ViewName, tuple[int, int]], Rs: Rotations | None
+) -> Framing:
+    """The framing that shows points (N, 3) at one scale in views of these sizes."""
+    centre, across = middle(p_camera), 0.0
+    for view, size in sizes.items():
+        eye = Eye.orthographic(view, centre, 1.0, size, Rs[view] if Rs else None)
+        fit = width_to_fit(apply_transform(eye.T_eye_camera, p_camera), size)
+        across = max(across, fit)
+    return Framing(centre, across, Rs)
 
 
 def contact_sheet(
@@ -158,87 +211,31 @@ def contact_sheet(
     return _stacked(rows, gap, axis=0)
 
 
-def _three_views(
-    skeleton: Skeleton,
-    pose: Pose,
-    sizes: Sequence[tuple[int, int]],
-    Rs_view_camera: Rotations | None,
-) -> list[Picture]:
-    p_camera = BodyMesh.of(skeleton).posed(pose_transforms(skeleton, pose))
-    centre = _middle(p_camera)
-    across = 0.0
-    for view, size in zip(VIEW_NAMES, sizes, strict=True):
-        R = Rs_view_camera[view] if Rs_view_camera else None
-        eye = Eye.orthographic(view, centre, 1.0, size, R)
-        fit = _width_to_fit(apply_transform(eye.T_eye_camera, p_camera), size)
-        across = max(across, fit)
-    return [
-        orthographic(skeleton, pose, view, size, centre, across, Rs_view_camera)
-        for view, size in zip(VIEW_NAMES, sizes, strict=True)
-    ]
-
-
 def _over(
-    image: Picture, eye: Eye, skeleton: Skeleton, pose: Pose, style: Style, opacity: float
+    image: Picture, eye: Eye, skeleton: Skeleton, pose: Pose | None, style: Style, opacity: float
 ) -> Picture:
-    """Paint the body over an image of the eye's size; only the pixels around it are touched."""
-    result = image.copy()
-    mesh, Ts_camera_part = BodyMesh.of(skeleton), pose_transforms(skeleton, pose)
-    left, top, right, bottom = _box(mesh.posed(eye.T_eye_camera @ Ts_camera_part), eye)
-    if right <= left or bottom <= top:
-        return result
-    width, height = right - left, bottom - top
-    fine = eye.cropped(left, top, width, height).resized(FINE * width, FINE * height)
-    ground = image[top:bottom, left:right].astype(np.float32)
-    canvas = ground.repeat(FINE, axis=0).repeat(FINE, axis=1)
-    stroke = max(1, round(FINE * eye.height / 420))
-    _paint_body(canvas, fine, skeleton, mesh, Ts_camera_part, style, opacity, stroke)
-    small = cv2.resize(canvas, (width, height), interpolation=cv2.INTER_AREA)
-    result[top:bottom, left:right] = np.clip(np.rint(small), 0, 255)
-    return result
+    """The body over an image of the eye's size; the image itself without a pose."""
+    if pose is None:
+        return image.copy()
+    Ts_camera_part = pose_transforms(skeleton, pose)
+    return painted_over(image, eye, form_of(skeleton), Ts_camera_part, style, opacity)
 
 
-def _paint_body(
-    canvas: Canvas,
-    eye: Eye,
-    skeleton: Skeleton,
-    mesh: BodyMesh,
-    Ts_camera_part: Array,
-    style: Style,
-    opacity: float,
-    stroke: int,
-) -> None:
-    seen = raster(mesh, Ts_camera_part, eye)
-    if style != "wire":
-        rgb, mask = shaded(mesh, part_colours(skeleton.body), Ts_camera_part, eye, seen)
-        paint_solid(canvas, rgb, mask, opacity, part_borders(seen))
-    if style != "solid":
-        lines = body_lines(mesh, Ts_camera_part, eye, seen)
-        paint_lines(canvas, lines, part_sides(skeleton.body), stroke)
-        p_eye = apply_transform(eye.T_eye_camera, Ts_camera_part[:, :3, 3])
-        paint_dots(canvas, eye.project(p_eye), 1.1 * stroke)
+def posed_points(skeleton: Skeleton, pose: Pose) -> Array:
+    """The corners (V, 3) of the body's triangles in the camera frame."""
+    return form_of(skeleton).mesh.posed(pose_transforms(skeleton, pose))
 
 
-def _box(p_eye: Array, eye: Eye) -> tuple[int, int, int, int]:
-    """Left, top, right, bottom of the pixels a body can touch, right and bottom left out."""
-    margin = 4 + eye.height // 100
-    uv = eye.project(p_eye)
-    if np.isnan(uv).all():
-        return 0, 0, 0, 0
-    if np.isnan(uv).any():  # partly behind the camera: its outline may go anywhere
-        return 0, 0, eye.width, eye.height
-    limits = (eye.width, eye.height)
-    low = np.clip(np.floor(uv.min(axis=0)) - margin, 0, limits).astype(int)
-    high = np.clip(np.ceil(uv.max(axis=0)) + 1 + margin, 0, limits).astype(int)
-    return int(low[0]), int(low[1]), int(high[0]), int(high[1])
+def _points(skeleton: Skeleton, pose: Pose | None) -> Array:
+    return np.zeros((1, 3)) if pose is None else posed_points(skeleton, pose)
 
 
-def _middle(points: Array) -> Array:
+def middle(points: Array) -> Array:
     """Middle (3,) of the box around points (N, 3)."""
     return np.asarray((points.min(axis=0) + points.max(axis=0)) / 2)
 
 
-def _width_to_fit(p_eye: Array, size: tuple[int, int]) -> float:
+def width_to_fit(p_eye: Array, size: tuple[int, int]) -> float:
     """Metres across a picture of that size in which points around the centre fit with a margin."""
     half = np.abs(p_eye[:, :2]).max(axis=0)
     return float(max(2 * half[0], 2 * half[1] * size[0] / size[1]) * 1.22)

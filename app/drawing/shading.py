@@ -7,7 +7,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from app.drawing.palette import INK, Canvas
+from app.drawing.palette import INK, Canvas, on_canvas
 from tracker.eye import Eye
 from tracker.geometry import Array
 from tracker.raster import BodyMesh, Raster
@@ -59,14 +59,20 @@ def _corner_normals(mesh: BodyMesh, flat: Array) -> Array:
 
 
 def shaded(
-    mesh: BodyMesh, colours: Array, Ts_camera_part: Array, eye: Eye, seen: Raster
+    mesh: BodyMesh,
+    normal_maps: Array,
+    colours: Array,
+    Ts_camera_part: Array,
+    eye: Eye,
+    seen: Raster,
 ) -> tuple[Array, Mask]:
     """The colours (N, 3), 0 to 255, of the N pixels in the mask (H, W) that show the body.
 
-    colours (P, 3) are those of the parts.
+    normal_maps are those of `smooth_normal_maps`, colours (P, 3) those of the parts.
     """
     mask = seen.part >= 0
-    normals = _pixel_normals(mesh, eye.T_eye_camera @ Ts_camera_part, eye, seen, mask)
+    Ts_eye_part = eye.T_eye_camera @ Ts_camera_part
+    normals = _pixel_normals(mesh, normal_maps, Ts_eye_part, eye, seen, mask)
     wrapped = np.clip((normals @ TO_LIGHT + 0.35) / 1.35, 0.0, 1.0)
     edge = np.clip(1.0 + normals[:, 2], 0.0, 1.0)
     brightness = 0.55 + 0.53 * wrapped - 0.14 * edge**3
@@ -74,14 +80,15 @@ def shaded(
     return np.clip(rgb, 0.0, 255.0), mask
 
 
-def _pixel_normals(mesh: BodyMesh, Ts_eye_part: Array, eye: Eye, seen: Raster, mask: Mask) -> Array:
+def _pixel_normals(
+    mesh: BodyMesh, normal_maps: Array, Ts_eye_part: Array, eye: Eye, seen: Raster, mask: Mask
+) -> Array:
     """Unit normals (N, 3) in the eye's frame, turned toward the eye."""
     rows, columns = np.nonzero(mask)
     depth = seen.depth[mask].astype(np.float64)
     p_eye = eye.back_project(np.column_stack([columns, rows]), depth)
-    T = Ts_eye_part[mesh.face_part]
-    turn = T[:, :3, :3] @ smooth_normal_maps(mesh)
-    to_part = np.linalg.inv(T)
+    turn = Ts_eye_part[mesh.face_part, :3, :3] @ normal_maps
+    to_part = np.linalg.inv(Ts_eye_part)[mesh.face_part]
     maps = (turn @ to_part)[seen.face[mask]]
     normals = np.einsum("nij,nj->ni", maps[:, :, :3], p_eye) + maps[:, :, 3]
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
@@ -102,6 +109,11 @@ def part_borders(seen: Raster) -> Mask:
 
 
 def paint_solid(canvas: Canvas, rgb: Array, mask: Mask, opacity: float, border: Mask) -> None:
-    """Lay the shaded body, and the dark line of its borders, over a canvas (H, W, 3) in place."""
-    canvas[mask] += opacity * (rgb - canvas[mask])
-    canvas[border] += 0.65 * min(1.0, opacity + 0.15) * (np.array(INK) - canvas[border])
+    """Lay the shaded body, and the dark line of its borders, over a canvas in place."""
+    flat = canvas.reshape(-1, canvas.shape[2])
+    for pixels, colours, share in (
+        (np.flatnonzero(mask), on_canvas(rgb, canvas), opacity),
+        (np.flatnonzero(border), on_canvas(INK, canvas), 0.65 * min(1.0, opacity + 0.15)),
+    ):
+        before = flat[pixels]
+        flat[pixels] = before + share * (colours - before)

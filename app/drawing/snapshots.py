@@ -9,9 +9,11 @@ import cv2
 import numpy as np
 
 from app.drawing.lettering import plate, written_width
-from app.drawing.palette import Picture
-from app.drawing.pictures import OPACITY, Style, four_views, orthographic, overlay
+from app.drawing.painting import Style
+from app.drawing.palette import CutOut, Picture
+from app.drawing.pictures import OPACITY, four_views, orthographic, overlay
 from app.posing import view_rotations
+from tracker.camera import Camera
 from tracker.errors import FormatError
 from tracker.pose import Pose
 from tracker.session.schema import Session
@@ -41,27 +43,40 @@ def snapshot(session: Session, video: Video | None, frame: int, pose: Pose, look
     Rs = view_rotations(session.up_camera or (0.0, -1.0, 0.0))
     if look.view != "main" and look.view != "all":
         return orthographic(skeleton, pose, look.view, size, Rs_view_camera=Rs)
-    image = _image(session, video, frame)
+    image = rectified(session, video, frame)
     label = f"Frame {frame}" + (" is missing" if image is None else "")
-    ground = np.full((size[1], size[0], 3), 128, dtype=np.uint8) if image is None else image
+    ground = ground_of(camera, image)
     if look.view == "main":
         picture = overlay(ground, camera, skeleton, pose, look.style, look.opacity)
-        return picture if image is not None else _with_plate(picture, label)
+        return picture if image is not None else labelled(picture, frame)
     return four_views(
         ground, camera, skeleton, pose, look.style, look.opacity, camera.height, label, Rs
     )
 
 
-def png(picture: Picture) -> bytes:
-    """The picture as a PNG file."""
+def ground_of(camera: Camera, image: Picture | None) -> Picture:
+    """The image, or grey where there is none."""
+    if image is not None:
+        return image
+    return np.full((camera.height, camera.width, 3), 128, dtype=np.uint8)
+
+
+def labelled(picture: Picture, frame: int) -> Picture:
+    """The picture of a frame that the video has lost, saying so."""
+    return _with_plate(picture, f"Frame {frame} is missing")
+
+
+def png(picture: Picture | CutOut) -> bytes:
+    """The picture as a PNG file, with how much it covers where it tells."""
     smaller = [cv2.IMWRITE_PNG_COMPRESSION, 6]
-    good, content = cv2.imencode(".png", cv2.cvtColor(picture, cv2.COLOR_RGB2BGR), smaller)
+    order = cv2.COLOR_RGB2BGR if picture.shape[2] == 3 else cv2.COLOR_RGBA2BGRA
+    good, content = cv2.imencode(".png", cv2.cvtColor(picture, order), smaller)
     if not good:
         raise FormatError("The picture cannot be written as PNG.")
     return content.tobytes()
 
 
-def _image(session: Session, video: Video | None, frame: int) -> Picture | None:
+def rectified(session: Session, video: Video | None, frame: int) -> Picture | None:
     """The video's frame without the lens's distortion; None when the video has lost it."""
     if video is None:
         return None

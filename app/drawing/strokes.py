@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.drawing.palette import INK, SIDE_COLOURS, WHITE, Canvas, Colour, Side
+from app.drawing.palette import INK, SIDE_COLOURS, WHITE, Canvas, Colour, Side, on_canvas
 from app.drawing.shading import CREASE_COSINE, Mask, face_normals
 from tracker.eye import Eye
 from tracker.geometry import Array
@@ -21,6 +22,8 @@ DEPTH_SLACK_M = 0.02
 PIECE_PX = 6.0
 SHIFT = 4
 """OpenCV draws at fractions of 1/2**SHIFT pixel."""
+
+Coverage: TypeAlias = NDArray[np.uint8]
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,9 +67,10 @@ class Lines:
     hidden: Mask
 
 
-def body_lines(mesh: BodyMesh, Ts_camera_part: Array, eye: Eye, seen: Raster) -> Lines:
+def body_lines(
+    mesh: BodyMesh, edges: BodyEdges, Ts_camera_part: Array, eye: Eye, seen: Raster
+) -> Lines:
     """Outlines and creases of every part, cut into pieces that are wholly seen or wholly hidden."""
-    edges = BodyEdges.of(mesh)
     p_eye = mesh.posed(eye.T_eye_camera @ Ts_camera_part)
     toward = _facing(mesh, p_eye, eye)[edges.faces]
     outline = np.logical_xor(toward[:, 0], toward[:, 1])
@@ -129,34 +133,37 @@ def _is_behind(p_eye: Array, eye: Eye, seen: Raster) -> Mask:
 
 
 def paint_lines(canvas: Canvas, lines: Lines, sides: tuple[Side, ...], thickness: int) -> None:
-    """Draw lines over a canvas (H, W, 3) in place, seen ones with a dark halo under them."""
+    """Draw lines over a canvas in place, seen ones with a dark halo under them."""
     side = np.array(sides)[lines.part]
-    halo = _coverage(canvas, lines.uv[~lines.hidden], thickness + 2)
-    _blend(canvas, INK, 0.35 * halo)
+    _blend(canvas, INK, 0.35, _coverage(canvas, lines.uv[~lines.hidden], thickness + 2))
     for name, colour in SIDE_COLOURS.items():
         for hidden, opacity in ((True, HIDDEN_OPACITY), (False, 1.0)):
             chosen = (side == name) & (lines.hidden == hidden)
-            _blend(canvas, colour, opacity * _coverage(canvas, lines.uv[chosen], thickness))
+            _blend(canvas, colour, opacity, _coverage(canvas, lines.uv[chosen], thickness))
 
 
 def paint_dots(canvas: Canvas, uv: Array, radius: float) -> None:
-    """White dots with a dark rim at pixels (N, 2), over a canvas (H, W, 3) in place."""
+    """White dots with a dark rim at pixels (N, 2), over a canvas in place."""
     for colour, size in ((INK, radius * 1.5), (WHITE, radius)):
         mask = np.zeros(canvas.shape[:2], np.uint8)
         for u, v in uv[np.isfinite(uv).all(axis=1) & (np.abs(uv) < 30_000).all(axis=1)]:
             centre = (round(u * 2**SHIFT), round(v * 2**SHIFT))
             cv2.circle(mask, centre, round(size * 2**SHIFT), 255, -1, cv2.LINE_AA, SHIFT)
-        _blend(canvas, colour, mask / 255.0)
+        _blend(canvas, colour, 1.0, mask)
 
 
-def _coverage(canvas: Canvas, uv: Array, thickness: int) -> Array:
-    """How much of every pixel (H, W) the pieces (N, 2, 2) cover, 0 to 1."""
+def _coverage(canvas: Canvas, uv: Array, thickness: int) -> Coverage:
+    """How much of every pixel (H, W) the pieces (N, 2, 2) cover, 0 to 255."""
     mask = np.zeros(canvas.shape[:2], np.uint8)
     pieces = list(np.rint(uv * 2**SHIFT).astype(np.int32))
     cv2.polylines(mask, pieces, False, 255, thickness, cv2.LINE_AA, SHIFT)
-    return mask / 255.0
+    return mask
 
 
-def _blend(canvas: Canvas, colour: Colour, opacity: Array) -> None:
-    touched = opacity > 0
-    canvas[touched] += opacity[touched][:, None] * (np.array(colour) - canvas[touched])
+def _blend(canvas: Canvas, colour: Colour, opacity: float, coverage: Coverage) -> None:
+    """Only what is covered is looked at: lines are thin."""
+    touched = np.flatnonzero(coverage != 0)  # a mask of truth values is searched far quicker
+    share = opacity * (coverage.reshape(-1)[touched] / 255.0)
+    flat = canvas.reshape(-1, canvas.shape[2])
+    before = flat[touched]
+    flat[touched] = before + share[:, None] * (on_canvas(colour, canvas) - before)

@@ -129,6 +129,12 @@ class ResetPose(Edit):
     do: Literal["reset_pose"] = "reset_pose"
 
 
+class Exchange(Edit):
+    """Left and right exchanged, where they are seen."""
+
+    do: Literal["exchange"] = "exchange"
+
+
 class CopyPose(Message):
     do: Literal["copy_pose"] = "copy_pose"
 
@@ -346,7 +352,16 @@ class Open(Message):
 
 Looking: TypeAlias = Go | Select | Show | Live | Limits | Axes | Link | BeginGuide | CopyPose
 Posing: TypeAlias = (
-    Drag | Angles | Root | Face | ResetPart | ResetPose | PastePose | CopyKey | TakeTracked
+    Drag
+    | Angles
+    | Root
+    | Face
+    | ResetPart
+    | ResetPose
+    | Exchange
+    | PastePose
+    | CopyKey
+    | TakeTracked
 )
 Keying: TypeAlias = AddKey | DeleteKey | MoveKey | DuplicateKey | KeyAngle
 Shaping: TypeAlias = Size | Joint | Height | Preset | ResetBody | Tracked

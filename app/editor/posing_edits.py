@@ -16,6 +16,7 @@ from app.posing import (
     Readout,
     angles_deg,
     drag,
+    exchanged,
     facing,
     mirrored,
     with_angles,
@@ -85,6 +86,13 @@ def pose_reset(state: EditorState) -> Session:
     """The whole body at rest, where it stands."""
     rest = Pose.rest(state.skeleton, tuple(shown(state).pose.p_camera_root))
     return _with_pose(state, rest)
+
+
+def sides_exchanged(state: EditorState) -> Session:
+    """Left limbs where the right ones are seen."""
+    if not state.doc.body.mirror_pairs:
+        raise Refused("This body has no left and right.")
+    return _with_pose(state, exchanged(state.skeleton, state.doc.camera, shown(state).pose))
 
 
 def pasted(state: EditorState, action: do.PastePose) -> Session:

@@ -8,6 +8,8 @@ from typing import Any
 from tracker.errors import SessionError
 from tracker.pose import Pose
 from tracker.session import Session
+from tracker.session.first_motion import of_session
+from tracker.session.tracking import demand_first_motion
 from tracker.skeleton import Skeleton
 from tracker.track import Tracker
 from tracker.video import Video
@@ -26,8 +28,12 @@ class Bench:
         self._prepared_for: Any = None
         self._tracker: Tracker | None = None
 
-    def tracker(self, session: Session, video_path: str, first: int, last: int) -> Tracker:
+    def tracker(
+        self, session: Session, video_path: str, first: int, last: int, folder: Path = Path()
+    ) -> Tracker:
         """A tracker of one segment, which depends on nothing but that segment.
+
+        folder: of the session's file, where the motion lies that it may start from.
 
         SessionError or VideoError in one sentence where it cannot be had.
         """
@@ -38,10 +44,14 @@ class Bench:
             self._tracker, self._prepared_for = None, prepared_for
         skeleton = self._skeleton(session)
         poses = _ends(session, skeleton, first, last)
+        start = of_session(session, folder)
+        demand_first_motion(session, start)
         if self._tracker is None:
-            self._tracker = Tracker(video, session.camera, skeleton, poses, masks, static)
+            self._tracker = Tracker(
+                video, session.camera, skeleton, poses, masks, static, first_motion=start
+            )
         else:
-            self._tracker = self._tracker.renewed(skeleton, poses)
+            self._tracker = self._tracker.renewed(skeleton, poses, start)
         return self._tracker
 
     def close(self) -> None:

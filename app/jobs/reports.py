@@ -18,6 +18,7 @@ class Order:
     """Track these segments, all at the first quality, then all at the next.
 
     session: JSON of a session that holds at least their keyframes.
+    folder: of the session's file, where its imported motion lies.
     """
 
     job: int
@@ -25,6 +26,7 @@ class Order:
     video_path: str
     wanted: tuple[Wanted, ...]
     stages: tuple[Quality, ...]
+    folder: str = ""
 
 
 @dataclass(frozen=True)

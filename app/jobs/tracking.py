@@ -53,8 +53,11 @@ class Tracking:
         video_path: Path,
         wanted: Sequence[Wanted],
         stages: Sequence[Quality] = ("full",),
+        folder: Path | None = None,
     ) -> int:
         """Track these segments, in this order, at one quality after another; the job's number.
+
+        folder: of the session's file, which may have an imported motion beside it.
 
         Ends a job that is at work. Every job ends in one JobFinished or JobFailed; one that has to
         wait until the worker is ready is told so by a Warming of its own.
@@ -65,7 +68,8 @@ class Tracking:
         job = self._last_job
         content = _needed(session, wanted).model_dump_json().encode()
         self._open.add(job)
-        self._hire().send(Order(job, content, str(video_path), tuple(wanted), tuple(stages)))
+        place = "" if folder is None else str(folder)
+        self._hire().send(Order(job, content, str(video_path), tuple(wanted), tuple(stages), place))
         if self._warming is not None:
             self._loop.call_soon(self._report, replace(self._warming, job=job))
         return job

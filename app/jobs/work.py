@@ -6,6 +6,7 @@ import sys
 import traceback
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, wait
+from pathlib import Path
 from threading import Event, Lock
 
 from pydantic import ValidationError
@@ -79,7 +80,9 @@ class Job:
         """What is wrong with one segment does not stop the others."""
         first, last, _ = wanted
         try:
-            return bench.tracker(session, self.order.video_path, first, last)
+            return bench.tracker(
+                session, self.order.video_path, first, last, Path(self.order.folder)
+            )
         except KeyposeError as error:
             self._fail((first, last), str(error))
             return None

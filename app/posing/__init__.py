@@ -14,6 +14,8 @@ from app.posing.angles import (
     with_reset,
 )
 from app.posing.dragging import drag
+from app.posing.exchanging import exchanged
+from app.posing.facing import Way, facing
 from app.posing.gesture import Gesture, Posed, Reach, Readout
 from app.posing.handles import BodyHandle, handle_named, handles, lanes
 from app.posing.mirroring import mirrored, with_other_side
@@ -33,10 +35,13 @@ __all__ = [
     "Readout",
     "Sight",
     "Size",
+    "Way",
     "angles_deg",
     "at_limit",
     "clamped",
     "drag",
+    "exchanged",
+    "facing",
     "handle_named",
     "handles",
     "lanes",

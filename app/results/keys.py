@@ -27,9 +27,15 @@ AT_REST = (1.0, 0.0, 0.0, 0.0)
 
 def segment_keys(session: Session) -> dict[Span, str]:
     """The keys of all segments of a session, in the order of their frames."""
-    setup = _setup(session)
-    neighbours = pairwise(session.keyframes)
-    return {(a.frame, b.frame): _key(session, setup, a, b) for a, b in neighbours}
+    return dict(_keys(_Same(session)))
+
+
+@lru_cache(maxsize=8)
+def _keys(session: _Same) -> dict[Span, str]:
+    """Asked for many times while a session stays as it is."""
+    setup = _setup(session.it)
+    neighbours = pairwise(session.it.keyframes)
+    return {(a.frame, b.frame): _key(session.it, setup, a, b) for a, b in neighbours}
 
 
 def segment_key(session: Session, first: int, last: int) -> str:
@@ -59,9 +65,17 @@ def _masks(masks: tuple[IgnoreMask, ...], span: Span) -> list[Any]:
 
 def _setup(session: Session) -> bytes:
     """What decides every segment's motion besides its poses and masks."""
-    settings = session.settings.model_dump(mode="json", exclude={"quality"})
-    setup = [_body(_Same(session.body)), _camera(_Same(session.camera)), settings]
+    settings = session.settings.model_dump(mode="json", exclude={"quality", "initial"})
+    setup = [_body(_Same(session.body)), _camera(_Same(session.camera)), settings, *_start(session)]
     return hashlib.sha256(json.dumps(setup, sort_keys=True).encode()).digest()
+
+
+def _start(session: Session) -> list[Any]:
+    """What segments start from, besides the method's own start; nothing where that is all."""
+    initial, first_motion = session.settings.initial, session.first_motion
+    if initial == "linear":
+        return [initial]
+    return [] if first_motion is None else [initial, first_motion.file]
 
 
 class _Same:

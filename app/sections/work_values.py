@@ -55,6 +55,6 @@ def clipboard(outlook: Outlook) -> Json:
 def guide(outlook: Outlook) -> Json:
     """The first pose's steps."""
     given = outlook.guide
-    steps = ("hips", "height", "limbs", "depth", "key")
+    steps = ("hips", "height", "facing", "limbs", "depth", "key")
     first = given.first and "key" not in given.done
     return {"first": first, "done": {step: step in given.done for step in steps}}

@@ -6,6 +6,7 @@ import { S, put } from '../state.js';
 import { TOOLS } from '../handles/tools.js';
 import * as inspector from '../inspector/inspector.js';
 import { frame } from '../timeline/head.js';
+import { deleteKey, setKey } from '../timeline/keying.js';
 import * as timeline from '../timeline/timeline.js';
 import { copyPicture, savePicture } from './export.js';
 import { toggleSheet } from './dialogs.js';
@@ -34,7 +35,8 @@ const FRAMES = [
 ];
 
 const POSE = [
-  row('Add or remove keyframe', ['K', () => send({ do: 'toggle_key' })]),
+  row('Keep the pose as a keyframe', ['K', setKey]),
+  row('Delete the keyframe', ['Delete', () => deleteKey()]),
   row('Copy, paste', ['Ctrl C', () => send({ do: 'copy_pose' })], ['Ctrl V', () => paste(false)]),
   row('Paste mirrored', ['Ctrl Shift V', () => paste(true)]),
   row('Copy previous keyframe', ['P', copyPrevious]),

@@ -1,32 +1,40 @@
-// The guide to a first pose: a card that ticks its five steps off as they are done in any way, and
-// gives way to the handles and to what is dragged.
+// The guide to a first pose: a card that ticks its six steps off as they are done in any way, and
+// gives way to the handles, to what is dragged and to what is told of it.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../icons.js';
+import { send } from '../link.js';
 import { S, U, put, watch } from '../state.js';
 import { onViews } from '../views.js';
 import { onHold } from '../handles/hold.js';
+import { isDrawingTool } from '../handles/sketch.js';
 import { isUnderHand } from '../handles/underhand.js';
 import { drawMarks } from './guide_marks.js';
-import { carry, cornerFor, covers } from './guide_place.js';
+import { carry, cornerFor, covers, coversWords } from './guide_place.js';
 import { forgetPulled, mountPulled } from './guide_pulled.js';
-import { STEPS, ending } from './guide_steps.js';
+import { STEPS, ending, takeWaist } from './guide_steps.js';
 
 const KEY = 'keypose.guide';
 const PAUSE_MS = 900; // long enough to see the tick
-const SECTIONS = ['guide', 'file', 'pose', 'body', 'keys', 'suggest'];
+const SECTIONS = ['guide', 'file', 'pose', 'body', 'keys', 'suggest', 'segments', 'job'];
 
-let doneBefore = {}; // what was done when the guide was opened does not move it on
+let wasDone = false; // what was done before its step was shown does not move it on
 let offered = null; // the file the guide was offered for
 let timer = 0;
-let at = { step: -1, corner: null };
+let corner = null; // where the card stands
 let isPutAside = false; // by hand: then it stays there
 
-/** Open the guide at the first step that is not done yet; at its end when all are. */
+/** The guide from its first step, for the present frame, whatever was done before. */
 export function openGuide() {
   isPutAside = false;
-  doneBefore = { ...S.guide?.done };
-  const first = STEPS.findIndex(({ name }) => !doneBefore[name]);
+  send({ do: 'begin_guide' });
+  show(0);
+}
+
+/** The guide at the first step that is not done yet; at its end when all are. */
+function offerGuide() {
+  isPutAside = false;
+  const first = STEPS.findIndex(({ name }) => !S.guide.done[name]);
   show(first < 0 ? STEPS.length : first);
 }
 
@@ -54,17 +62,19 @@ export function mountGuide() {
     drawMarks(marks, isOpen() && !U.dragging ? STEPS[U.guideStep] : null);
   };
   mountPulled();
-  watch(['guide', 'file'], notice);
-  watch([...SECTIONS, 'u:guideStep', 'u:layout', 'u:dragging', 'u:pulled'], draw);
+  watch(['guide', 'file', 'u:dragging'], notice);
+  watch([...SECTIONS, 'u:guideStep', 'u:layout', 'u:tool', 'u:dragging', 'u:pulled'], draw);
   onViews(draw);
   onHold(() => isOpen() && fade(card.firstElementChild));
   addEventListener('resize', () => requestAnimationFrame(draw));
 }
 
 function show(step) {
-  const { tool } = STEPS[step] ?? {};
+  const { name, tool, rings } = STEPS[step] ?? {};
   if (tool) put('tool', tool);
+  if (rings) takeWaist();
   if (step !== U.guideStep) forgetPulled();
+  wasDone = Boolean(S.guide?.done[name]);
   put('guideStep', step);
 }
 
@@ -72,18 +82,24 @@ const isOpen = () => Boolean(S.file) && Number.isInteger(U.guideStep);
 
 function notice() {
   if (!S.file || !S.guide) return;
-  if (S.guide.first && offered !== S.file.path && !wasClosed()) openGuide();
+  if (S.guide.first && offered !== S.file.path && !wasClosed()) offerGuide();
   offered = S.file.path;
   const step = STEPS[U.guideStep];
-  if (!step || step.again || !S.guide.done[step.name] || doneBefore[step.name]) return;
+  if (!step) return;
+  if (!S.guide.done[step.name]) wasDone = false;
+  else if (!wasDone && !step.again && !U.dragging) soonOn(step);
+}
+
+/** On to the next step, once the tick was seen. */
+function soonOn(step) {
   clearTimeout(timer);
-  timer = setTimeout(() => STEPS[U.guideStep] === step && advance(), PAUSE_MS);
+  timer = setTimeout(() => STEPS[U.guideStep] === step && !U.dragging && advance(), PAUSE_MS);
 }
 
 function advance() {
   const done = S.guide?.done ?? {};
   let next = U.guideStep + 1;
-  while (next < STEPS.length && done[STEPS[next].name] && !doneBefore[STEPS[next].name]) next += 1;
+  while (next < STEPS.length && done[STEPS[next].name]) next += 1;
   show(next);
 }
 
@@ -97,16 +113,27 @@ function wasClosed() {
 
 function coach() {
   const step = U.guideStep;
-  const { title, text } = STEPS[step] ?? ending();
+  const { title, text, choices } = STEPS[step] ?? ending();
   return html`<div class="coach" role="dialog" aria-label="First pose" @pointerdown=${lift}>
     <div class="steps">${STEPS.map((each, i) => bar(each, i))}</div>
     <h3>${title}</h3>
     <p>${text}</p>
+    ${choices
+      ? html`<div class="choices">${choices.map((choice) => choiceButton(STEPS[step], choice))}</div>`
+      : nothing}
     <div class="row foot">
       ${step < STEPS.length ? stepFoot(step) : html`<span class="sp"></span>
             <button class="btn sm" @click=${closeGuide}>Close guide</button>`}
     </div>
   </div>`;
+}
+
+function choiceButton(step, { label, title, act, ends }) {
+  const choose = () => {
+    act();
+    if (ends) soonOn(step);
+  };
+  return html`<button class="btn sm" title=${title} @click=${choose}>${label}</button>`;
 }
 
 function stepFoot(step) {
@@ -143,8 +170,8 @@ function lift(event) {
 }
 
 /**
- * The card keeps its corner while it is out of the way, and never moves under a drag. Put somewhere
- * by hand it stays there, unless it covers what is to be dragged.
+ * The card keeps its corner while it covers nothing that is needed, and never moves under a drag.
+ * Put somewhere by hand it stays there, unless it covers what is to be dragged.
  */
 function place(card) {
   fade(card);
@@ -152,14 +179,14 @@ function place(card) {
   const step = STEPS[U.guideStep];
   if (isPutAside && !covers(card, step)) return;
   isPutAside = false;
-  const keep = at.step === U.guideStep ? at.corner : null;
-  const corner = cornerFor(card, step, keep);
-  at = { step: U.guideStep, corner: corner.name };
-  card.style.left = `${corner.x}px`;
-  card.style.top = `${corner.y}px`;
+  const { name, x, y } = cornerFor(card, step, corner);
+  corner = name;
+  card.style.left = `${x}px`;
+  card.style.top = `${y}px`;
 }
 
-/** What is dragged past behind the card can be seen through it. */
+/** What is dragged or drawn behind the card, and what is told of it, can be seen through it. */
 function fade(card) {
-  card?.classList.toggle('behind', isUnderHand(card));
+  const gives = isDrawingTool(U.tool) || (card && (isUnderHand(card) || coversWords(card)));
+  card?.classList.toggle('behind', Boolean(gives));
 }

@@ -6,7 +6,9 @@ import { S } from '../state.js';
 import { view } from '../views.js';
 import { spotsOf } from './guide_spots.js';
 
-const MARKS = { hips: anywhere, height: upAndDown, limbs: roundEnds, depth: inSide, key: onKey };
+const MARKS = {
+  hips: anywhere, height: upAndDown, facing: () => null, limbs: roundEnds, depth: inSide, key: onKey,
+};
 
 /** Draw the marks of this step, or none. */
 export function drawMarks(place, step) {
@@ -14,14 +16,14 @@ export function drawMarks(place, step) {
   render(shapes ? html`<svg aria-hidden="true">${shapes}</svg>` : nothing, place);
 }
 
-/** A ring round the diamond, with arrows: it may go anywhere. */
+/** A ring round the point at the hips, with arrows: it may go anywhere. */
 function anywhere(step) {
   return within(step, ([x, y]) => svg`<g transform="translate(${x} ${y})">
     ${ring(0, 0, 20)}${[0, 90, 180, 270].map(tip)}
   </g>`);
 }
 
-/** A double arrow through the diamond. */
+/** A double arrow through the point at the hips. */
 function upAndDown(step) {
   return within(step, ([x, y]) => svg`<g transform="translate(${x} ${y})">
     ${ring(0, 0, 20)}<path class="line" d="M0-28V-46M0 28V46" />

@@ -1,5 +1,6 @@
 // Where the guide's card stands: in the corner of the large view that is out of the way of the
-// handles to be dragged in this step, and otherwise farthest from the body.
+// handles to be dragged in this step, and otherwise farthest from the body. It stays there as long
+// as it covers neither of them.
 
 import { S } from '../state.js';
 import { view } from '../views.js';
@@ -8,7 +9,6 @@ import { bodyInWindow, spotsOf } from './guide_spots.js';
 
 // Room left for the tools, the heading and the panels at the view's edges, px.
 const ROOM = { left: 72, top: 56, right: 12, bottom: 60 };
-const NEAR = 16; // px; nearer to the body than this the card is in the way
 const GRASP = 48; // px round a handle in which the hand moves, and its mark stands
 const FAR = 400; // px; beyond this it makes no difference
 
@@ -25,7 +25,7 @@ export function cornerFor(card, step, keep) {
     return { ...corner, away, clear, bare: overPicture(corner, size) ? 0 : 1 };
   });
   const kept = corners.find((corner) => corner.name === keep);
-  if (kept && kept.away > NEAR && kept.clear >= GRASP) return kept;
+  if (kept && kept.away > 0 && kept.clear >= GRASP / 2) return kept;
   return corners.reduce((best, one) => (goodness(one) > goodness(best) ? one : best));
 }
 
@@ -33,6 +33,15 @@ export function cornerFor(card, step, keep) {
 export function covers(card, step) {
   const { left: x, top: y, width, height } = card.getBoundingClientRect();
   return spotsOf(step).some(({ at }) => distance(at, { x, y }, { width, height }) < GRASP / 2);
+}
+
+/** Whether the card covers the value of a drag, or the hint of a drawing. */
+export function coversWords(card) {
+  const box = card.getBoundingClientRect();
+  return [...document.querySelectorAll('.hud .flt:not(.name), #mhint')].some((words) => {
+    const { left, top, right, bottom } = words.getBoundingClientRect();
+    return left < box.right && right > box.left && top < box.bottom && bottom > box.top;
+  });
 }
 
 /** Carry the card with the pointer that has taken it, within the window. */

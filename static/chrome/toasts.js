@@ -13,7 +13,10 @@ const ICONS = { good: 'check', check: 'warn', lost: 'lost', info: 'help' };
 
 let count = 0;
 
-/** Show a message: {kind, words, button?: {label, send?: action, run?: fn}}. */
+/**
+ * Show a message: {kind, words, button?: {label, send?: action, run?: fn}, brief?}. One with a button
+ * waits for an answer, unless it is brief.
+ */
 export function toast(message) {
   const shown = U.toasts ?? [];
   const same = shown.find(({ words }) => words === message.words);
@@ -51,7 +54,7 @@ function sweep() {
   const isRead = ({ id }) =>
     document.querySelector(`[data-toast="${id}"]`)?.matches(':hover, :focus-within');
   const shown = U.toasts ?? [];
-  const left = shown.filter((one) => one.button || one.until > performance.now() || isRead(one));
+  const left = shown.filter((one) => (one.button && !one.brief) || one.until > performance.now() || isRead(one));
   if (left.length < shown.length) put('toasts', left);
 }
 

@@ -11,11 +11,15 @@ const CLOSE_PX = 10;
 const SAME_PX = 4;
 const SHORTEST_PX = 12;
 
+/** The tool that was in hand before the drawing began, and is taken up again after it. */
+let before = 'select';
+
 export const isDrawingTool = (tool) => tool === 'mask' || tool === 'vertical';
 
 /** The tool changed: forget what was begun, and show the picture large. */
 export function toolChanged() {
   if (!isDrawingTool(U.tool)) {
+    before = U.tool;
     hold.sketch = null;
     return;
   }
@@ -63,7 +67,7 @@ export function sketchKey(key) {
   if (!isDrawingTool(U.tool)) return false;
   toolChanged();
   const { sketch } = hold;
-  if (key === 'escape') put('tool', 'select');
+  if (key === 'escape') leaveSketch();
   else if (sketch.tool === 'mask' && key === 'enter') closeMask();
   else if (sketch.tool === 'mask' && (key === 'backspace' || key === 'delete')) sketch.points.pop();
   else return false;
@@ -77,7 +81,12 @@ function closeMask() {
   // The whole film: what covers something for a while only is given its frames in the Camera tab.
   send({ do: 'add_mask', polygon: points, first: 0, last: S.file.frames - 1 });
   put('mask', (S.masks ?? []).length);
-  put('tool', 'select');
+  leaveSketch();
+}
+
+/** Put the drawing tool away. */
+export function leaveSketch() {
+  put('tool', before);
 }
 
 function finishVertical(view, x, y) {
@@ -85,7 +94,7 @@ function finishVertical(view, x, y) {
   hold.sketch.points = [];
   if (!a || apart(view.fromView(a), [x, y]) < SHORTEST_PX) return touch();
   send({ do: 'vertical', a, b: view.toView([x, y]) });
-  put('tool', 'select');
+  leaveSketch();
   touch();
 }
 

@@ -4,6 +4,7 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { S, U, put } from '../state.js';
 import { send } from '../link.js';
 import { button, iconButton, numberField, textField } from '../fields.js';
+import { leaveSketch } from '../handles/sketch.js';
 import { section } from './section.js';
 
 export function masks() {
@@ -19,7 +20,7 @@ export function masks() {
       kind: drawing ? 'full on' : 'full',
       title: drawing ? 'Stop drawing' : 'Cover what moves but is not the body: click around it',
       key: drawing ? 'Esc' : '',
-      act: () => put('tool', drawing ? 'select' : 'mask'),
+      act: () => (drawing ? leaveSketch() : put('tool', 'mask')),
     })}`,
   );
 }

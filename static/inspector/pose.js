@@ -1,4 +1,4 @@
-// Poses taken over whole: tracked, from the keyframes around, copied, mirrored, at rest.
+// Poses taken over whole: tracked, from the keyframes around, copied, mirrored, at rest; exchanged sides.
 
 import { html } from '../vendor/lit-html/lit-html.js';
 import { S } from '../state.js';
@@ -31,9 +31,19 @@ export function pose() {
         act: () => send({ do: 'paste_pose', mirrored: true }),
       })}
       ${fromKey(neighbour(-1), 'before', 'P')} ${fromKey(neighbour(1), 'after', '')}
+      ${button({
+        name: 'loop', label: 'Exchange sides', off: sides(),
+        title: 'Exchange left and right: the left limbs go where the right ones are seen',
+        act: () => send({ do: 'exchange' }),
+      })}
     </div>`,
     icons,
   );
+}
+
+/** Why left and right cannot be exchanged, or ''. */
+function sides() {
+  return S.body.parts.some((part) => part.mirror) ? '' : 'This body has no left and right';
 }
 
 /** Why no tracked pose can be taken here, or ''. */

@@ -4,6 +4,7 @@ import { html } from '../vendor/lit-html/lit-html.js';
 import { S, U, put } from '../state.js';
 import { send } from '../link.js';
 import { button, dropdown, shortNumber } from '../fields.js';
+import { leaveSketch } from '../handles/sketch.js';
 import { fact, line, section } from './section.js';
 
 export function upright() {
@@ -23,7 +24,7 @@ export function upright() {
       kind: drawing ? 'full on' : 'full',
       title: drawing ? 'Stop drawing' : 'Drag along a door frame, a wall’s edge, a lamp post',
       key: drawing ? 'Esc' : '',
-      act: () => put('tool', drawing ? 'select' : 'vertical'),
+      act: () => (drawing ? leaveSketch() : put('tool', 'vertical')),
     })}`,
   );
 }

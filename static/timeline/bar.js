@@ -8,6 +8,7 @@ import { frameCount, isZoomed, lastFrame } from './scale.js';
 import { frame } from './head.js';
 import { frameBox } from './framebox.js';
 import { foldLanes } from './fold.js';
+import { deleteKey, setKey } from './keying.js';
 import { zoomToInterval } from './zoom.js';
 import { drawZoomHint } from './zoomhint.js';
 import {
@@ -40,12 +41,13 @@ function transport() {
     ${button('nk', 'Next keyframe', '.', () => toKey(1), { off: keyBeside(1) === undefined })}
     ${button('last', 'Last frame', 'End', toLast, { off: at === end })}
     ${frameBox()}
-    ${button('key', key ? 'Remove keyframe' : 'Add keyframe', 'K', toggleKey, { pressed: key })}
+    ${key
+      ? button('key', 'Delete keyframe', 'Delete', () => deleteKey(), { pressed: true })
+      : button('key', 'Add keyframe', 'K', setKey, { pressed: false })}
     ${keyFrames().length > 0 ? button('mid', 'Middle of this interval', '/', middle) : nothing}
     <span class="vsep"></span>`;
 }
 
-const toggleKey = () => send({ do: 'toggle_key' });
 const trackChanged = () => send({ do: 'track', what: 'changed' });
 
 const SUGGESTION_ICONS = { good: 'check', track: 'track', look: 'warn' };
@@ -92,8 +94,9 @@ function counts() {
 
 function drawCount(count, state, sign) {
   if (count === 0) return nothing;
-  const inside = html`${icon(sign)}${count}<span class="word"> ${state}</span>`;
-  const words = `${count} ${state}`;
+  const said = state === 'check' ? 'to check' : state;
+  const inside = html`${icon(sign)}${count}<span class="word"> ${said}</span>`;
+  const words = `${count} ${said}`;
   if (state === 'good') return html`<span class="count good" title=${words}>${inside}</span>`;
   return html`<button class=${`count ${state}`} aria-label=${`${words}, go to the next`}
     title=${`Go to the next ${state === 'check' ? 'one to check' : 'lost one'}   Shift N`}

@@ -5,6 +5,7 @@ import { send } from '../link.js';
 import { lastFrame } from './scale.js';
 import { frame, goTo } from './head.js';
 import { field, item, open, sentence } from './menu.js';
+import { deleteKey } from './keying.js';
 import { isKey, keyFrames } from './moves.js';
 import { zoomTo } from './zoom.js';
 
@@ -20,9 +21,7 @@ export function openKeyMenu(at, page) {
       send({ do: 'duplicate_key', frame: at, to });
       goTo(to);
     }),
-    item('trash', 'Delete keyframe', at === frame() ? 'K' : '', () => {
-      send({ do: 'delete_key', frame: at });
-    }),
+    item('trash', 'Delete keyframe', at === frame() ? 'Delete' : '', () => deleteKey(at)),
   ], page);
 }
 

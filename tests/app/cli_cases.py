@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from threading import Event
 from typing import Any
 
 import pytest
 
 from app.cli import main
+from app.jobs import JobFinished, PassFinished, SegmentFinished, Started, Wanted
+from app.locking import NAME
+from app.results import SegmentTrack
 from tests.tracker import session_cases as cases
 from tracker.session import Session
-from tracker.track import (
-    PassFinished,
-    SegmentFinished,
-    SegmentStarted,
-    TrackFinished,
-    TrackResult,
-    never,
-)
 from tracker.video import Video
 
 Fake = Callable[..., Iterator[Any]]
@@ -36,39 +32,40 @@ def tracker(
     After `stop_after` segments it meets the error or, when there is none, Ctrl+C that many times.
     """
 
-    def track(
+    def rerun(
         session: Session,
+        session_path: Path,
         video: Video,
+        wanted: Sequence[Wanted],
         *,
-        workers: int = 1,
-        cancelled: Callable[[], bool] = never,
+        workers: int,
+        stop: Event,
     ) -> Iterator[Any]:
         assert video.info.frame_count == session.video.frame_count
-        found = []
-        for i, (kind, first) in enumerate(zip(kinds, (0, 4), strict=True)):
+        quality = session.settings.quality
+        yield Started(1, tuple(wanted), (quality,))
+        for i, (kind, (first, last, key)) in enumerate(zip(kinds, wanted, strict=True)):
             if i == stop_after and error is not None:
                 raise error
             if i == stop_after:
                 for _ in range(stops):
                     signal.raise_signal(signal.SIGINT)
-                assert cancelled()
+                assert stop.is_set()
                 break
-            segment = cases.segment(first, first + 4, kind)
-            yield SegmentStarted(i, 2, first, first + 4)
-            yield PassFinished(i, 1, 2, 3.5, segment.trajectory)
-            yield SegmentFinished(i, 2, segment)
-            found.append(segment)
-        result = TrackResult(cases.SKELETON, session.settings, tuple(found))
-        yield TrackFinished(result, cancelled=cancelled())
+            segment = cases.segment(first, last, kind)
+            yield PassFinished(1, first, last, key, quality, 1, 2, 3.5, segment.trajectory)
+            yield SegmentFinished(1, SegmentTrack.of(key, quality, segment))
+        yield JobFinished(1, cancelled=stop.is_set())
 
-    return track
+    return rerun
 
 
 def everything_in(folder: Path) -> dict[str, bytes]:
+    """Of every file its bytes; the lock's file counts for nothing, and stays wherever it was."""
     return {
         str(path.relative_to(folder)): path.read_bytes()
         for path in folder.rglob("*")
-        if path.is_file()
+        if path.is_file() and path.name != NAME
     }
 
 

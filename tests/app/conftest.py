@@ -27,7 +27,7 @@ def heeded_ctrl_c() -> Iterator[None]:
 @pytest.fixture
 def session_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A session on disk, not yet tracked; tracking is a fake."""
-    monkeypatch.setattr(follow, "track_session", tracker())
+    monkeypatch.setattr(follow, "rerun", tracker())
     monkeypatch.setattr(warm, "is_warm", lambda: True)
     folder = tmp_path / "job"
     folder.mkdir()

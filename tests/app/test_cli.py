@@ -244,7 +244,8 @@ def test_a_fault_of_the_program_is_told_in_full_with_an_exit_code_of_its_own(
     assert err.endswith("\nThis is a fault of Keypose, not of your input.\n")
 
 
-COMMANDS = ("track", "evaluate", "shot", "export", "info", "schema")
+COMMANDS = ("track", "batch", "evaluate", "shot", "film", "sheet", "report", "export", "info")
+COMMANDS += ("schema",)
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -156,7 +156,7 @@ def test_a_folder_that_may_not_be_written_is_told_before_the_work(
     def forbidden(self: Path, *_: object) -> None:
         raise PermissionError(errno.EACCES, "Permission denied")
 
-    monkeypatch.setattr(follow, "track_session", pytest.fail)
+    monkeypatch.setattr(follow, "rerun", pytest.fail)
     with monkeypatch.context() as patch:
         patch.setattr("tracker.session.atomic._write_through", forbidden)
         sentence = refused(capsys, session_path.parent, ["track", session_path])

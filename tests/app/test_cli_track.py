@@ -5,25 +5,22 @@ from __future__ import annotations
 import json
 import signal
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
+from threading import Event
 from typing import Any
 
 import pytest
 
 from app.cli import main
 from app.commands import follow
+from app.locking import NAME
 from tests.app.cli_cases import everything_in, refused, tracker
+from tests.app.test_locking import holder
 from tests.tracker import session_cases as cases
 from tracker.errors import VideoError
 from tracker.session.files import load_session, save_session
-from tracker.session.tracking import track_session
 from tracker.session.tracks import load_trajectory, outdated_words
-from tracker.track import (
-    SegmentFinished,
-    TrackFinished,
-)
-from tracker.video import Video
 
 
 def test_tracking_writes_beside_the_session(session_path: Path) -> None:
@@ -34,7 +31,8 @@ def test_tracking_writes_beside_the_session(session_path: Path) -> None:
     assert load_trajectory(session, session_path).last_frame == 8
     assert session.model_copy(update={"results": None}) == before
     names = {path.name for path in session_path.parent.iterdir()}
-    assert names == {"frames", "session.json", "session.json.previous", session.results.tracks}
+    written = {"session.json", "session.json.previous", session.results.tracks}
+    assert names == {"frames", NAME, *written}
 
 
 def test_tracking_into_a_folder_leaves_the_session_as_it_is(
@@ -57,6 +55,22 @@ def test_an_absolute_path_of_the_video_stays(session_path: Path, tmp_path: Path)
     assert load_session(tmp_path / "try" / "session.json").video.path == frames
 
 
+def test_a_session_that_is_open_in_the_page_is_left_alone_and_a_copy_offered(
+    session_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder, copy = session_path.parent, tmp_path / "copy"
+    with holder(folder) as page:
+        sentence = refused(capsys, folder, ["track", session_path])
+        assert f"is open in another Keypose (pid {page.pid})" in sentence
+        assert "--out DIR" in sentence
+        assert main(["track", str(session_path), "--out", str(copy)]) == 0
+    with holder(copy):
+        capsys.readouterr()
+        again: list[str | Path] = ["track", session_path, "--out", copy, "--overwrite"]
+        assert "choose another --out" in refused(capsys, copy, again)
+    assert main(["track", str(session_path)]) == 0
+
+
 def test_method_and_quality_are_of_this_run_only(session_path: Path) -> None:
     command = ["track", str(session_path), "--method", "paper", "--quality", "preview"]
     assert main(command) == 0
@@ -74,11 +88,7 @@ def test_edits_made_while_tracking_are_kept(
         edited = load_session(session_path)
         save_session(edited.model_copy(update={"keyframes": edited.keyframes[:2]}), session_path)
 
-    def late(*given: Any, **more: Any) -> Iterator[Any]:
-        events = list(track(*given, **more))
-        yield from events
-
-    monkeypatch.setattr(follow, "track_session", late)
+    monkeypatch.setattr(follow, "rerun", track)
     assert main(["track", str(session_path)]) == 0
     session = load_session(session_path)
     assert len(session.keyframes) == 2
@@ -88,7 +98,7 @@ def test_edits_made_while_tracking_are_kept(
 def test_a_lost_segment_gives_exit_code_1(
     session_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(follow, "track_session", tracker(("good", "lost")))
+    monkeypatch.setattr(follow, "rerun", tracker(("good", "lost")))
     assert main(["track", str(session_path)]) == 1
     assert "frames 4–8: lost: add a keyframe near 2" in capsys.readouterr().out
     assert load_session(session_path).results is not None
@@ -97,7 +107,7 @@ def test_a_lost_segment_gives_exit_code_1(
 def test_ctrl_c_keeps_the_finished_segments(
     session_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(follow, "track_session", tracker(stop_after=1))
+    monkeypatch.setattr(follow, "rerun", tracker(stop_after=1))
     assert main(["track", str(session_path)]) == 130
     assert load_trajectory(load_session(session_path), session_path).last_frame == 4
     assert "Interrupted: 1 of 2 segments are kept." in capsys.readouterr().err
@@ -106,14 +116,13 @@ def test_ctrl_c_keeps_the_finished_segments(
 def test_the_first_ctrl_c_asks_the_tracker_for_all_it_has_finished(
     session_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def track(*_: Any, cancelled: Callable[[], bool], **__: Any) -> Iterator[Any]:
-        assert not cancelled()
+    def track(*given: Any, stop: Event, **more: Any) -> Iterator[Any]:
+        assert not stop.is_set()
         signal.raise_signal(signal.SIGINT)
-        assert cancelled()
-        # Segments that finished while the tracker came to rest are told by no event of their own.
-        yield TrackFinished(cases.result(), cancelled=True)
+        assert stop.is_set()
+        yield from tracker()(*given, stop=stop, **more)  # finished while it came to rest
 
-    monkeypatch.setattr(follow, "track_session", track)
+    monkeypatch.setattr(follow, "rerun", track)
     before = signal.getsignal(signal.SIGINT)
     assert main(["track", str(session_path)]) == 130
     assert signal.getsignal(signal.SIGINT) is before
@@ -123,7 +132,7 @@ def test_the_first_ctrl_c_asks_the_tracker_for_all_it_has_finished(
 def test_a_second_ctrl_c_ends_the_run_at_once_and_keeps_what_was_told(
     session_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(follow, "track_session", tracker(stop_after=1, stops=2))
+    monkeypatch.setattr(follow, "rerun", tracker(stop_after=1, stops=2))
     before = signal.getsignal(signal.SIGINT)
     assert main(["track", str(session_path)]) == 130
     assert signal.getsignal(signal.SIGINT) is before
@@ -133,12 +142,12 @@ def test_a_second_ctrl_c_ends_the_run_at_once_and_keeps_what_was_told(
 def test_whoever_ignores_ctrl_c_goes_on_ignoring_it(
     session_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def track(*_: Any, cancelled: Callable[[], bool], **__: Any) -> Iterator[Any]:
+    def track(*given: Any, stop: Event, **more: Any) -> Iterator[Any]:
         signal.raise_signal(signal.SIGINT)
-        assert not cancelled()
-        yield TrackFinished(cases.result())
+        assert not stop.is_set()
+        yield from tracker()(*given, stop=stop, **more)
 
-    monkeypatch.setattr(follow, "track_session", track)
+    monkeypatch.setattr(follow, "rerun", track)
     before = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         assert main(["track", str(session_path)]) == 0
@@ -151,7 +160,7 @@ def test_an_error_midway_is_told_after_the_finished_segments_are_written(
     session_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     broken = tracker(stop_after=1, error=VideoError("Frame 6 is gone."))
-    monkeypatch.setattr(follow, "track_session", broken)
+    monkeypatch.setattr(follow, "rerun", broken)
     assert main(["track", str(session_path), "--json"]) == 2
     out, err = capsys.readouterr()
     assert err == "Frame 6 is gone.\n"
@@ -163,7 +172,7 @@ def test_an_error_before_the_first_segment_changes_nothing(
     session_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     broken = tracker(stop_after=0, error=VideoError("Frame 1 is gone."))
-    monkeypatch.setattr(follow, "track_session", broken)
+    monkeypatch.setattr(follow, "rerun", broken)
     assert "Frame 1 is gone." in refused(capsys, session_path.parent, ["track", session_path])
 
 
@@ -174,7 +183,7 @@ def test_what_changed_while_tracking_leaves_the_results_out_of_date(
         cases.altered(session_path, lambda data: data["camera"].update(fx=70.0))
         yield from tracker()(*given, **more)
 
-    monkeypatch.setattr(follow, "track_session", track)
+    monkeypatch.setattr(follow, "rerun", track)
     assert main(["track", str(session_path)]) == 0
     session = load_session(session_path)
     assert session.camera.fx == 70.0
@@ -200,7 +209,7 @@ def test_ctrl_c_before_the_first_segment_changes_nothing(
     session_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     before = everything_in(session_path.parent)
-    monkeypatch.setattr(follow, "track_session", tracker(stop_after=0))
+    monkeypatch.setattr(follow, "rerun", tracker(stop_after=0))
     assert main(["track", str(session_path)]) == 130
     assert everything_in(session_path.parent) == before
 
@@ -238,12 +247,3 @@ def test_json_of_tracking_is_lines_of_events_and_a_summary(
     assert Path(events[-1]["tracks"]).is_file()
     assert [s["verdict"] for s in events[-1]["segments"]] == ["good", "good"]
     assert events[-1]["segments"][0]["scores"] == [3.0, 2.0, None]
-
-
-def test_the_real_tracker_follows_the_contract(session_path: Path) -> None:
-    with Video.open(session_path.parent / "frames") as video:
-        events = list(track_session(load_session(session_path), video))
-    assert isinstance(events[-1], TrackFinished)
-    assert [s.trajectory.first_frame for s in events[-1].result.segments] == [0, 4]
-    finished = [event for event in events if isinstance(event, SegmentFinished)]
-    assert sorted(event.index for event in finished) == [0, 1]

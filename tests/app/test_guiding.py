@@ -26,6 +26,11 @@ def pull(name: str, **more: Any) -> dict[str, Any]:
     return {"do": "drag", "view": "main", "handle": handle, "from": [1, 1], "at": [9, 9], **more}
 
 
+def turn(part: str) -> dict[str, Any]:
+    ring = {"kind": "ring", "part": part, "axis": "y"}
+    return {"do": "drag", "view": "main", "handle": ring, "from": [1, 1], "at": [9, 9]}
+
+
 @pytest.mark.parametrize(
     ("message", "steps"),
     [
@@ -36,7 +41,12 @@ def pull(name: str, **more: Any) -> dict[str, Any]:
         (pull("left_hand"), set()),
         ({"do": "height", "cm": 170}, set()),
         ({"do": "paste_pose"}, {"limbs"}),
-        ({"do": "toggle_key"}, {"key"}),
+        ({"do": "add_key", "frame": 0}, {"key"}),
+        ({"do": "face", "way": "away"}, {"facing"}),
+        ({"do": "angles", "part": "waist", "y": 90}, {"facing"}),
+        ({"do": "angles", "part": "head", "y": 20}, set()),
+        (turn("waist"), {"facing"}),
+        (turn("head"), set()),
         ({"do": "go", "frame": 3}, set()),
     ],
     ids=str,
@@ -49,3 +59,11 @@ def test_limbs_are_done_when_both_hands_and_both_feet_were_pulled() -> None:
     ends = ["left_hand", "right_hand", "left_foot", "right_foot"]
     assert after(*(pull(name) for name in ends[:3]), pull("left_hand")) == set()
     assert after(*map(pull, ends)) == {"limbs"}
+
+
+def test_the_guide_begins_again_with_nothing_done() -> None:
+    again = {"do": "begin_guide"}
+    assert after(pull("root"), {"do": "add_key", "frame": 0}, again) == set()
+    ends = ["left_hand", "right_hand", "left_foot", "right_foot"]
+    assert after(*map(pull, ends[:3]), again, pull(ends[3])) == set()
+    assert after(again, pull("root")) == {"hips"}

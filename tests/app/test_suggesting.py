@@ -98,6 +98,55 @@ def test_keyframes_that_are_wrong_themselves_are_to_be_looked_at() -> None:
     assert found.reason == "Nothing of the body is seen: check keys, camera and masks"
 
 
+def one(first: int, last: int, words: str, kind: str = "check") -> SegmentTrack:
+    return told(first, last, kind, words)  # type: ignore[arg-type]
+
+
+def test_in_a_short_interval_there_is_nothing_to_do_but_look() -> None:
+    for words in ("left forearm uncertain", "left forearm not seen", "a pass diverged"):
+        keys = (0, 10, 14, 24)
+        check = one(10, 14, f"check frames 11–13: {words}")
+        found = suggestion(keys, 25, fitting(check, keys=keys))
+        assert (found.kind, found.frame) == ("look", 12)
+        assert found.words == "Look at frame 12 and go on."
+    keys = (0, 10, 15, 24)
+    check = one(10, 15, "check frames 11–14: left forearm uncertain")
+    assert suggestion(keys, 25, fitting(check, keys=keys)).kind == "key"
+
+
+def test_where_a_part_is_hidden_no_keyframe_is_asked_for_in_a_short_interval() -> None:
+    for length, kind in ((6, "look"), (7, "key")):
+        keys = (0, 10, 10 + length)
+        check = one(10, 10 + length, f"check frames 12–{8 + length}: left shin not seen")
+        found = suggestion(keys, 30, fitting(check, keys=keys))
+        assert found.kind == kind
+        assert found.reason == f"Left shin hidden 12–{8 + length}"
+
+
+def test_halving_where_a_keyframe_was_asked_for_comes_to_an_end() -> None:
+    keys, asked = [0, 24], 0
+    while True:
+        spans = list(pairwise(keys))
+        bad = {s: one(*s, f"check frames {s[0] + 1}–{s[1] - 1}: chest uncertain") for s in spans}
+        found = suggestion(keys, 25, bad)
+        if found.kind != "key":
+            break
+        assert found.frame is not None
+        keys, asked = sorted({*keys, found.frame}), asked + 1
+    assert found.kind == "look"
+    assert asked < 8
+
+
+def test_what_a_keyframe_can_mend_comes_before_what_is_only_to_be_looked_at() -> None:
+    keys = (0, 4, 28)
+    short = one(0, 4, "lost: add a keyframe near 2", "lost")
+    long = one(4, 28, "check frames 9–12: chest uncertain")
+    found = suggestion(keys, 29, fitting(short, long, keys=keys))
+    assert (found.kind, found.frame) == ("key", 11)
+    assert suggestion(keys, 29, {(0, 4): short}).kind == "track"
+    assert suggestion(keys, 29, fitting(short, keys=keys)).words == "Look at frame 2 and go on."
+
+
 def test_good_but_long_intervals_are_divided() -> None:
     keys = (0, 48, 60)
     found = suggestion(keys, 61, fitting(keys=keys))

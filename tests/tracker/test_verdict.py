@@ -110,11 +110,48 @@ def test_one_evidence_alone_names_the_part_and_the_frames_to_look_at(strong: str
     assert found.words.startswith(f"check frames {found.frames[0]}–{found.frames[1]}: ")
 
 
-def test_a_mark_is_called_by_the_name_of_its_part() -> None:
-    joint = int(np.flatnonzero(SCENE.marks[1] == SKELETON.body.index("left_hand"))[-1])
+def drifting(part: str, first: int = 0, last: int = N) -> NDArray[np.float64]:
+    """Drift of one mark of a part alone, strong enough for a word."""
+    joint = int(np.flatnonzero(SCENE.marks[1] == SKELETON.body.index(part))[-1])
     drift = np.zeros((N, MARKS))
-    drift[:, joint] = FAR
-    assert "left hand" in verdict(outcome(drift=drift)).words
+    drift[first:last, joint] = FAR
+    return drift
+
+
+@pytest.mark.parametrize(
+    ("marked", "named"),
+    [
+        ("left_forearm", "left forearm"),
+        ("left_hand", "left forearm"),
+        ("right_foot", "right shin"),
+        ("neck", "chest"),
+        ("head", "head"),
+        ("waist", "waist"),
+    ],
+)
+def test_a_part_that_is_not_tracked_is_told_by_the_one_that_carries_it(
+    marked: str, named: str
+) -> None:
+    found = verdict(outcome(drift=drifting(marked)))
+    assert found.words == f"check frames {FIRST + 1}–{LAST - 1}: {named} uncertain"
+
+
+def test_an_uncertain_part_that_was_hidden_meanwhile_is_told_as_not_seen() -> None:
+    drift = drifting("right_hand", 6, 8)
+    words = f"check frames {FIRST + 7}–{FIRST + 8}: right forearm"
+    assert verdict(outcome(drift=drift)).words == f"{words} uncertain"
+    assert verdict(outcome(drift=drift), hidden("right_forearm", 6, 7)).words == f"{words} not seen"
+    covered = clear()
+    covered.shown[6:8, SKELETON.body.index("right_forearm")] = 0
+    assert verdict(outcome(drift=drift), covered).words == f"{words} not seen"
+    assert (
+        verdict(outcome(drift=drift), hidden("right_forearm", 0, 1)).words == f"{words} uncertain"
+    )
+
+
+def test_without_having_looked_an_uncertain_part_is_not_called_unseen() -> None:
+    blind = unobserved(SCENE, SEGMENT.clip, PATH)
+    assert verdict(outcome(drift=drifting("left_shin")), blind).words.endswith("uncertain")
 
 
 def test_at_the_keyframes_themselves_the_chains_may_differ() -> None:

@@ -27,7 +27,7 @@ EDITS: list[dict[str, Any]] = [
     {"do": "root", "x": 0.4},
     {"do": "reset_part", "part": "chest"},
     {"do": "reset_pose"},
-    {"do": "toggle_key"},
+    {"do": "face", "way": "left"},
     {"do": "add_key", "frame": 10},
     {"do": "delete_key", "frame": 24},
     {"do": "move_key", "frame": 24, "to": 30},
@@ -69,15 +69,24 @@ def test_a_pose_set_where_no_keyframe_is_becomes_a_draft_and_k_makes_it_a_keyfra
     assert [d.frame for d in state.doc.drafts] == [12]
     assert state.keys == (0, 24, 48, 72)
     assert shown(state).source == "draft"
-    keyed = after(state, {"do": "toggle_key"})
+    keyed = after(state, {"do": "add_key", "frame": 12})
     assert keyed.keys == (0, 12, 24, 48, 72)
     assert keyed.doc.drafts == ()
     np.testing.assert_allclose(angles(keyed, "left_forearm")[0], -40, atol=1e-6)
 
 
-def test_k_at_a_keyframe_takes_it_away_and_undo_brings_it_back() -> None:
-    state = after(desk(), {"do": "go", "frame": 24}, {"do": "toggle_key"})
+def test_k_at_a_keyframe_that_was_corrected_keeps_it_and_is_no_step() -> None:
+    corrected = after(desk(), {"do": "go", "frame": 24}, TURN)
+    state = after(corrected, {"do": "add_key", "frame": 24})
+    assert state.doc is corrected.doc
+    assert state.history is corrected.history
+    np.testing.assert_allclose(angles(state, "left_forearm")[0], -40, atol=1e-6)
+
+
+def test_a_deleted_keyframe_is_brought_back_by_undo() -> None:
+    state = after(desk(), {"do": "delete_key", "frame": 24})
     assert state.keys == (0, 48, 72)
+    assert state.history.past[-1].label == "delete keyframe 24"  # the page's Undo looks for it
     assert after(state, {"do": "undo"}).keys == (0, 24, 48, 72)
 
 
@@ -267,7 +276,7 @@ def test_a_body_of_other_parts_stands_though_nothing_is_posed_yet() -> None:
     one = start.doc.body.model_copy(update={"parts": parts, "mirror_pairs": ()})
     state = after(start.with_doc(start.doc.model_copy(update={"body": one})))
     assert len(shown(state).pose.Rs_parent_part) == 1
-    state = after(state, {"do": "preset", "name": "adult_male"}, {"do": "toggle_key"})
+    state = after(state, {"do": "preset", "name": "adult_male"}, {"do": "add_key", "frame": 0})
     assert len(shown(state).pose.Rs_parent_part) == 16
 
 
@@ -275,7 +284,7 @@ def test_a_body_behind_the_camera_is_no_keyframe_for_no_file_could_hold_it() -> 
     state = desk(keyframes=False)
     near = Pose(state.opening.Rs_parent_part, np.array([0.0, 0.0, 0.03]))
     with pytest.raises(Refused, match="behind the camera"):
-        after(replace(state, opening=near), {"do": "toggle_key"})
+        after(replace(state, opening=near), {"do": "add_key", "frame": 0})
 
 
 def test_undo_says_what_it_takes_back_as_a_person_would() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from threading import Event
 from typing import Any
 
@@ -36,7 +37,9 @@ class FakeBench:
         self.work = work
         self.refused: set[tuple[int, int]] = set()
 
-    def tracker(self, session: Session, video_path: str, first: int, last: int) -> Any:
+    def tracker(
+        self, session: Session, video_path: str, first: int, last: int, folder: Path
+    ) -> Any:
         if (first, last) in self.refused:
             raise SessionError(f"Keyframes {first} and {last} lie too far apart.")
         bench = self

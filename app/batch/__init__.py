@@ -1,0 +1,1 @@
+"""Saved sessions tracked anew, many at a time, without a page."""

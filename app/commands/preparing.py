@@ -1,0 +1,14 @@
+"""Compiling the loops before the work, so that a person knows what takes a minute."""
+
+from __future__ import annotations
+
+import sys
+
+
+def prepare_loops() -> None:
+    """The first run on a computer takes its time, and says so."""
+    from tracker.warm import is_warm, warm
+
+    if not is_warm():
+        print("Preparing the tracker for this computer, once: about a minute.", file=sys.stderr)
+        warm()

@@ -1,0 +1,102 @@
+"""`keypose sheet`: all keyframes on one picture."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.commands.arguments import (
+    Subcommands,
+    add_command,
+    add_json,
+    add_overwrite,
+    add_session,
+    file_name,
+    note,
+    whole_number,
+)
+from app.commands.json_output import print_written
+from app.commands.views import add_style
+from tracker.errors import FormatError, SessionError
+
+if TYPE_CHECKING:
+    from app.drawing.palette import Picture
+    from app.drawing.sheet import Cell
+    from app.reporting.subject import Subject
+    from tracker.video import Video
+
+MOST_KEYFRAMES = 2000
+_EXAMPLES = """\
+  keypose sheet session.json --out keyframes.png
+  keypose sheet session.json --columns 4 --style wire --out keyframes.png --overwrite
+"""
+
+
+def add(commands: Subcommands) -> None:
+    text = (
+        "Draw all keyframes on one sheet, a PNG file. Under each picture stand its frame, its "
+        "time and how many frames it is to the next keyframe; the bar has the colour of that "
+        "stretch's verdict: green good, yellow check, red lost, grey not tracked as it is posed "
+        "now."
+    )
+    command = add_command(commands, "sheet", run, text, _EXAMPLES)
+    add_session(command)
+    command.add_argument(
+        "--columns", metavar="N", type=whole_number(1, 100), help="default: as it fits"
+    )
+    add_style(command)
+    command.add_argument("--out", metavar="FILE.png", type=file_name, required=True)
+    add_json(command)
+    add_overwrite(command)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from app.drawing.sheet import sheet, sheet_layout
+    from app.drawing.snapshots import png
+    from app.reporting.subject import subject_of
+    from tracker.session.atomic import demand_absent, demand_folder, write_file
+    from tracker.session.files import load_session, open_video_of
+
+    out: Path = arguments.out
+    if out.suffix.lower() != ".png":
+        raise FormatError(f"{str(out)!r} must end in .png, the format of the picture.")
+    session = load_session(arguments.session)
+    count = len(session.keyframes)
+    if not 0 < count <= MOST_KEYFRAMES:
+        words = f"more than {MOST_KEYFRAMES}" if count else "no"
+        raise SessionError(f"{arguments.session.name} has {words} keyframes to draw.")
+    if not arguments.overwrite:
+        demand_absent([out])
+    demand_folder(out.parent)
+    columns, size = sheet_layout(count, session.video.width / session.video.height)
+    with open_video_of(session, arguments.session) as video:
+        subject = subject_of(session, arguments.session, video.info)
+        cells = _cells(subject, video, size, arguments)
+        content = png(sheet(cells, arguments.columns or columns, size))
+    write_file(out, content, overwrite=arguments.overwrite)
+    print_written([out], arguments.json)
+    note(subject.problem)
+    return 0
+
+
+def _cells(
+    subject: Subject, video: Video, size: tuple[int, int], arguments: argparse.Namespace
+) -> Iterator[Cell]:
+    import cv2
+    import numpy as np
+
+    from app.drawing.sheet import Cell, intervals
+    from app.drawing.snapshots import Look, rectified, snapshot
+
+    look = Look("main", arguments.style, arguments.opacity / 100)
+    states = [*subject.states.values(), None]
+    rows = zip(subject.keys, intervals(subject.keys), states, strict=True)
+    for frame, interval, state in rows:
+        small: Picture | None = None
+        pose = subject.poses.pose(frame)
+        if pose is not None and rectified(subject.session, video, frame) is not None:
+            picture = snapshot(subject.session, video, frame, pose, look)
+            small = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
+        yield Cell(small, frame, subject.time_s(frame), interval, state)

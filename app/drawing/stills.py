@@ -1,0 +1,112 @@
+"""A picture of one frame as a person asks for it: any view, any size, over the video or on nothing.
+
+What is asked for plainly is the page's own picture.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from app.drawing.palette import CutOut, Picture
+from app.drawing.pictures import FourPlaces, middle, posed_points
+from app.drawing.poses import KnownPoses
+from app.drawing.snapshots import Look, View, rectified, snapshot
+from app.drawing.studio import Paint, Size, Studio
+from app.drawing.viewpoints import Ground, Viewpoint, eye_at, least_distance
+from tracker.errors import SessionError
+from tracker.pose import Pose
+from tracker.session.schema import Session
+from tracker.video import Video
+
+
+@dataclass(frozen=True)
+class Still:
+    """What is asked for. size: None for the video's, or what it gives with four views.
+
+    scale: so many times that size. on_nothing: the body alone, without video, floor and letters.
+    """
+
+    view: View | Viewpoint = "main"
+    paint: Paint = field(default_factory=lambda: Paint("both", 0.5))
+    size: Size | None = None
+    scale: float = 1.0
+    on_nothing: bool = False
+
+    @property
+    def needs_video(self) -> bool:
+        return self.view in ("main", "all") and not self.on_nothing
+
+    @property
+    def has_floor(self) -> bool:
+        return isinstance(self.view, Viewpoint) and not self.on_nothing
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the page draws it, too."""
+        return self.size is None and self.scale == 1.0 and not self.on_nothing
+
+
+def still(
+    session: Session, video: Video | None, frame: int, poses: KnownPoses, wanted: Still
+) -> Picture | CutOut:
+    """The picture at a frame that has a pose."""
+    pose = poses.pose(frame)
+    if pose is None:
+        raise SessionError(f"Frame {frame} has no pose.")
+    if wanted.is_plain and not isinstance(wanted.view, Viewpoint):
+        look = Look(wanted.view, wanted.paint.style, wanted.paint.opacity)
+        return snapshot(session, video, frame, pose, look)
+    studio = Studio.of(session, poses.skeleton)
+    size = _size(studio, wanted)
+    if isinstance(wanted.view, Viewpoint):
+        return _from_viewpoint(studio, poses, pose, wanted.view, size, wanted.on_nothing)
+    if wanted.on_nothing:
+        return _on_nothing(studio, pose, wanted, size)
+    if wanted.view not in ("main", "all"):
+        return studio.parallel(wanted.view, pose, size)  # type: ignore[arg-type]
+    image = rectified(session, video, frame)
+    draw = studio.main if wanted.view == "main" else studio.four
+    return draw(image, frame, pose, size, wanted.paint)
+
+
+def natural_size(studio: Studio, view: object) -> Size:
+    """The size of a picture for which none is asked."""
+    camera = studio.camera
+    if view == "all":
+        return FourPlaces.of(camera, camera.height).width, camera.height
+    return camera.width, camera.height
+
+
+def _size(studio: Studio, wanted: Still) -> Size:
+    if wanted.size is not None:
+        return wanted.size
+    width, height = natural_size(studio, wanted.view)
+    return max(1, round(width * wanted.scale)), max(1, round(height * wanted.scale))
+
+
+def _on_nothing(studio: Studio, pose: Pose, wanted: Still, size: Size) -> CutOut:
+    if wanted.view == "main":
+        return studio.main_cut_out(pose, size, wanted.paint)
+    if wanted.view == "all":
+        return studio.four_cut_out(pose, size, wanted.paint)
+    return studio.parallel_cut_out(wanted.view, pose, size)  # type: ignore[arg-type]
+
+
+def _from_viewpoint(
+    studio: Studio,
+    poses: KnownPoses,
+    pose: Pose,
+    viewpoint: Viewpoint,
+    size: Size,
+    on_nothing: bool,
+) -> Picture | CutOut:
+    """About the body as it is at this frame; the floor is where the whole motion has it."""
+    level = studio.Rs["front"]
+    points = posed_points(studio.skeleton, pose)
+    centre = middle(points @ level.T) @ level
+    distance = viewpoint.distance_m or least_distance(viewpoint, level, centre, points, size)
+    eye = eye_at(viewpoint, distance, level, centre, size)
+    if on_nothing:
+        return studio.cut_out_by(eye, pose)
+    every = [found for frame in poses.frames if (found := poses.pose(frame)) is not None]
+    return studio.perspective(eye, Ground.under(studio.skeleton, level, every), centre, pose)

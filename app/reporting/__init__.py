@@ -1,0 +1,1 @@
+"""What tracking found, as one page to read, print and send: no server, no outside reference."""

@@ -1,0 +1,119 @@
+"""What a report is about: a session, what tracking found for it, when its frames are shown."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from app.drawing.poses import KnownPoses
+from app.results import Results, SegmentTrack, Span, State, load_results
+from tracker.errors import SessionError
+from tracker.session.schema import Session
+from tracker.session.tracks import outdated_words
+from tracker.skeleton import Skeleton
+from tracker.video import VideoInfo
+
+STATE_WORDS: Mapping[State, str] = {
+    "good": "Good",
+    "check": "Check",
+    "lost": "Lost",
+    "outdated": "Outdated",
+    "none": "Not tracked",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """states has every stretch between two keyframes; fitting those with a motion that is theirs.
+
+    video:   the facts of the video, None where it is not at hand.
+    problem: a sentence where the motion is absent in part or does not fit; None where all is well.
+    """
+
+    session: Session
+    session_path: Path
+    poses: KnownPoses
+    states: Mapping[Span, State]
+    fitting: Mapping[Span, SegmentTrack]
+    video: VideoInfo | None
+    problem: str | None
+
+    @property
+    def skeleton(self) -> Skeleton:
+        return self.poses.skeleton
+
+    @property
+    def name(self) -> str:
+        """What a person calls it: the folder's name, as the page does, or the video's."""
+        folder = self.session_path.absolute().parent.name
+        return folder.removesuffix(".keypose") or Path(self.session.video.path).stem
+
+    @property
+    def keys(self) -> tuple[int, ...]:
+        """The keyframes' frames, ascending."""
+        return tuple(keyframe.frame for keyframe in self.session.keyframes)
+
+    @property
+    def spans(self) -> tuple[Span, ...]:
+        """The stretches between neighbouring keyframes."""
+        return tuple(pairwise(self.keys))
+
+    @property
+    def mean_interval(self) -> float:
+        """Frames between neighbouring keyframes, on average; NaN with fewer than two."""
+        return (self.keys[-1] - self.keys[0]) / len(self.spans) if self.spans else np.nan
+
+    def words(self, span: Span) -> str:
+        """The verdict on a segment for a person, or what keeps it from having one."""
+        track = self.fitting.get(span)
+        return track.words if track is not None else STATE_WORDS[self.states[span]]
+
+    def time_s(self, frame: int) -> float:
+        """When a frame is shown, seconds; by the keyframes' times where the video is not at hand,
+        NaN where these do not tell."""
+        if self.video is not None:
+            return float(self.video.times_s[frame])
+        return _time_by_keyframes(self.session, frame)
+
+
+def subject_of(session: Session, session_path: Path, video: VideoInfo | None = None) -> Subject:
+    """All that is known of a session; it need not be tracked, and its tracks may be damaged."""
+    present = _as_tracked(session)
+    try:
+        poses, results = KnownPoses.of(session, session_path), load_results(present, session_path)
+        problem = None if poses.tracks is None else outdated_words(session, poses.tracks)
+    except SessionError as error:
+        bare = session.model_copy(update={"results": None})
+        poses, results, problem = KnownPoses.of(bare, session_path), Results(), str(error)
+    return Subject(
+        session,
+        session_path,
+        poses,
+        results.states(present),
+        results.fitting(present),
+        video,
+        problem,
+    )
+
+
+def _as_tracked(session: Session) -> Session:
+    """With the method it was tracked by: what another one would find is not asked here."""
+    if session.results is None:
+        return session
+    settings = session.settings.model_copy(update={"method": session.results.method})
+    return session.model_copy(update={"settings": settings})
+
+
+def _time_by_keyframes(session: Session, frame: int) -> float:
+    """Between two keyframes by theirs; beyond them at the mean rate."""
+    frames = [keyframe.frame for keyframe in session.keyframes]
+    times_s = [keyframe.time_s for keyframe in session.keyframes]
+    if len(frames) < 2:
+        return times_s[0] if frames == [frame] else np.nan
+    pace = (times_s[-1] - times_s[0]) / (frames[-1] - frames[0])
+    beyond = min(frame - frames[0], 0) + max(frame - frames[-1], 0)
+    return float(np.interp(frame, frames, times_s)) + pace * beyond

@@ -1,0 +1,108 @@
+"""Segments, keyframes and the video's facts as tables."""
+
+from __future__ import annotations
+
+import math
+
+from app.posing.words import number_text
+from app.reporting.markup import Child, Html, element
+from app.reporting.subject import Subject
+from app.results import SegmentTrack, Span, State
+
+
+def segments_table(subject: Subject) -> Html:
+    """Every stretch between two keyframes with its verdict in words."""
+    head = ("Frames", "Time, s", "Length", "Verdict", "Passes", "Best score")
+    return table(head, [_segment_row(subject, span) for span in subject.spans], _NUMBERS)
+
+
+def keyframes_table(subject: Subject) -> Html:
+    """Every keyframe with the interval to the next; below, frames, keyframes and mean interval."""
+    head = ("Keyframe", "Frame", "Time, s", "To the next", "Seconds", "Segment after it")
+    keys = subject.keys
+    rows = [_keyframe_row(subject, i) for i in range(len(keys))]
+    foot: list[Child] = []
+    if len(keys) > 1:
+        covered = keys[-1] - keys[0] + 1
+        words = f"{covered} frames, {len(keys)} keyframes"
+        mean = f"mean {number_text(subject.mean_interval, 1)}"
+        seconds = subject.time_s(keys[-1]) - subject.time_s(keys[0])
+        foot = [element("th", words, colspan=3, scope="row"), _number(mean),
+                _number(figure(seconds / (len(keys) - 1), 2)), element("td")]  # fmt: skip
+    return table(head, rows, (0, 1, 2, 3, 4), foot)
+
+
+def table(
+    head: tuple[str, ...],
+    rows: list[list[Child]],
+    numbers: tuple[int, ...],
+    foot: list[Child] | None = None,
+) -> Html:
+    """A table of rows of cells (td or th); the columns in `numbers` are set to the right."""
+    titles = (
+        element("th", words, scope="col", class_="num" if i in numbers else None)
+        for i, words in enumerate(head)
+    )
+    return element(
+        "table",
+        element("thead", element("tr", *titles)),
+        element("tbody", *(element("tr", *row) for row in rows)),
+        element("tfoot", element("tr", *foot)) if foot else None,
+        class_="rows",
+    )
+
+
+def verdict(state: State, words: str) -> Html:
+    """The words of a verdict in its colour."""
+    return element("span", words, class_=f"verdict {state}")
+
+
+def figure(value: float, digits: int) -> str:
+    """A number, or a dash where there is none."""
+    return number_text(value, digits) if math.isfinite(value) else "–"
+
+
+def best_score(track: SegmentTrack) -> float:
+    """The score of the pass that was kept; NaN where a file names one that is not there."""
+    known = 0 <= track.best_pass < len(track.scores)
+    return track.scores[track.best_pass] if known else math.nan
+
+
+def _segment_row(subject: Subject, span: Span) -> list[Child]:
+    first, last = span
+    track = subject.fitting.get(span)
+    passes, score = "–", math.nan
+    if track is not None and track.finished:
+        passes = str(len(track.scores))
+        score = best_score(track)
+    times = f"{figure(subject.time_s(first), 2)}–{figure(subject.time_s(last), 2)}"
+    return [
+        _number(f"{first}–{last}"),
+        _number(times),
+        _number(str(last - first)),
+        element("td", verdict(subject.states[span], subject.words(span))),
+        _number(passes),
+        _number(figure(score, 2)),
+    ]
+
+
+_NUMBERS = (0, 1, 2, 4, 5)
+
+
+def _keyframe_row(subject: Subject, i: int) -> list[Child]:
+    keys = subject.keys
+    frame, time_s = keys[i], subject.time_s(keys[i])
+    cells = [_number(str(i + 1)), _number(str(frame)), _number(figure(time_s, 2))]
+    if i + 1 == len(keys):
+        return [*cells, _number(""), _number(""), element("td")]
+    span = (frame, keys[i + 1])
+    return [
+        *cells,
+        _number(str(span[1] - span[0])),
+        _number(figure(subject.time_s(span[1]) - time_s, 2)),
+        element("td", verdict(subject.states[span], subject.words(span))),
+    ]
+
+
+def _number(words: str) -> Html:
+    return element("td", words, class_="num")

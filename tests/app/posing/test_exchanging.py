@@ -1,0 +1,86 @@
+"""Left and right exchanged where they are seen."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from app.editor import actions as do
+from app.editor.refusal import Refused
+from app.editor.state import EditorState
+from app.editor.update import update
+from app.posing import exchanged, opening_pose
+from app.results import Results
+from tests.tracker.formats import recordings
+from tracker.fitting import Places
+from tracker.pose import Pose, joint_names, pose_transforms
+from tracker.session import Session
+from tracker.skeleton import Skeleton
+
+Floats = NDArray[np.float64]
+
+
+def _seen(session: Session, pose: Pose) -> dict[str, Floats]:
+    """Pixels of joints and landmarks by their names."""
+    skeleton = Skeleton.of(session.body)
+    places = [((i, (0.0, 0.0, 0.0)),) for i in range(skeleton.part_count)]
+    places += [
+        ((i, p),) for i, part in enumerate(session.body.parts) for p in part.landmarks.values()
+    ]
+    uv = session.camera.project(Places(skeleton, tuple(places)).at(pose_transforms(skeleton, pose)))
+    return dict(zip(joint_names(skeleton), uv, strict=True))
+
+
+def _other(name: str) -> str:
+    swapped = {"left": "right", "right": "left"}
+    side, _, rest = name.partition("_")
+    return f"{swapped[side]}_{rest}" if side in swapped else name
+
+
+@pytest.mark.parametrize("frame", [0, 48])
+def test_the_left_limbs_are_seen_where_the_right_ones_were(frame: int) -> None:
+    session = recordings.session("person")
+    skeleton = Skeleton.of(session.body)
+    pose = next(k for k in session.keyframes if k.frame == frame).pose(skeleton)
+    before = _seen(session, pose)
+    after = _seen(session, exchanged(skeleton, session.camera, pose))
+    away = [np.linalg.norm(after[_other(name)] - uv) for name, uv in before.items()]
+    stayed = [np.linalg.norm(after[name] - uv) for name, uv in before.items()]
+    assert np.mean(away) < 1.5
+    assert np.mean(stayed) > 20.0
+
+
+def test_a_really_filmed_man_is_turned_around_at_about_his_distance() -> None:
+    session = recordings.session("balance")
+    skeleton = Skeleton.of(session.body)
+    pose = session.keyframes[0].pose(skeleton)
+    found = exchanged(skeleton, session.camera, pose)
+    assert found.p_camera_root[2] == pytest.approx(pose.p_camera_root[2], rel=0.1)
+    before, after = _seen(session, pose), _seen(session, found)
+    assert np.mean([np.linalg.norm(after[_other(n)] - uv) for n, uv in before.items()]) < 8.0
+
+
+def _state(session: Session) -> EditorState:
+    return EditorState(
+        doc=session.model_copy(update={"results": None}),
+        skeleton=Skeleton.of(session.body),
+        times_s=np.arange(session.video.frame_count) / 30,
+        opening=opening_pose(session.body, session.camera),
+        results=Results(),
+        frame=0,
+        selected=session.body.parts[0].name,
+    )
+
+
+def test_the_page_exchanges_and_takes_back_in_one_step() -> None:
+    state = _state(recordings.session("person"))
+    after = update(state, do.Exchange())
+    assert after.doc.keyframes[0] != state.doc.keyframes[0]
+    assert after.doc.keyframes[1:] == state.doc.keyframes[1:]
+    assert update(after, do.Undo()).doc == state.doc
+
+
+def test_a_box_has_no_sides_to_exchange() -> None:
+    with pytest.raises(Refused, match="no left and right"):
+        update(_state(recordings.session("box")), do.Exchange())

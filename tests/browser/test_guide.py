@@ -1,0 +1,208 @@
+"""The guide to a first pose, and the keys K and Delete, as a person meets them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, Locator, Page
+
+from tests.browser.hands import drag, section, settled, spot, until, until_told
+from tests.browser.shared import Desk, desk
+
+
+@pytest.fixture(scope="module")
+def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    with desk(browser, tmp_path_factory.mktemp("guide")) as made:
+        yield made
+
+
+@pytest.fixture
+def at(shared: Desk) -> Desk:
+    """The page as if it had just been opened."""
+    shared.fresh()
+    return shared
+
+
+@pytest.fixture
+def guided(at: Desk) -> Page:
+    """The guide opened from the help, on a keyframe that stands."""
+    page = at.page
+    page.keyboard.press("?")
+    page.get_by_text("Show the first-pose guide").click()
+    until_told(page, "guide.done", lambda done: not any(done.values()))
+    until(lambda: title(page) == "Drag the waist onto the hips", "the first step")
+    return page
+
+
+def title(page: Page) -> str:
+    return page.locator("#guide h3").inner_text()
+
+
+def button(page: Page, words: str) -> Locator:
+    return page.locator("#guide").get_by_role("button", name=words, exact=True)
+
+
+def up_to(page: Page, wanted: str) -> None:
+    """Press Next until this step is shown."""
+    until(lambda: title(page) == wanted or went_on(page), wanted)
+
+
+def went_on(page: Page) -> bool:
+    button(page, "Next").click()
+    return False
+
+
+def pulled(page: Page, point: str, by: tuple[float, float], view: str = "main") -> None:
+    x, y = spot(page, point, view)
+    drag(page, (x, y), (x + by[0], y + by[1]), steps=4)
+    until_told(page, "pose.stroke", lambda stroke: stroke is None)
+    settled(page)
+
+
+def corner(page: Page) -> tuple[float, float]:
+    """Left and bottom of the card."""
+    box = page.locator("#guide .coach").bounding_box()
+    assert box is not None
+    return box["x"], round(box["y"] + box["height"])
+
+
+# --- the guide
+
+
+def test_the_guide_begins_anew_although_keyframes_stand(guided: Page) -> None:
+    assert section(guided, "keys.frames") == [0, 24, 48, 72]
+    assert guided.locator("#guide .foot").inner_text().startswith("Step 1 of 6")
+    pulled(guided, "waist", (6, 4))
+    until(lambda: title(guided) == "As large as the person", "the next step")
+
+
+def test_a_step_does_not_end_under_a_drag(guided: Page) -> None:
+    x, y = spot(guided, "waist")
+    drag(guided, (x, y), (x + 9, y), drop=False)
+    until_told(guided, "guide.done", lambda done: done["hips"])
+    guided.wait_for_timeout(1200)
+    assert title(guided) == "Drag the waist onto the hips"
+    guided.mouse.up()
+    until(lambda: title(guided) == "As large as the person", "the next step")
+
+
+@pytest.mark.parametrize(
+    ("words", "ahead"),
+    [
+        ("Faces the camera", (0, -1)),
+        ("Turned away", (0, 1)),
+        ("Faces left", (-1, 0)),
+        ("Faces right", (1, 0)),
+    ],
+)
+def test_a_button_turns_the_body_and_leads_on(
+    at: Desk, guided: Page, words: str, ahead: tuple[int, int]
+) -> None:
+    before = at.served["pose"]
+    up_to(guided, "Which way the person faces")
+    assert section(guided, "view.selected") == "waist"  # its green ring is spoken of
+    button(guided, words).click()
+    until(lambda: title(guided) == "Pull the limbs into place", "the next step")
+    after = at.agreed("pose")
+    np.testing.assert_allclose(after["root"], before["root"], atol=1e-9)
+    assert others(after) == others(before)
+    T = np.array(after["T"]["waist"]).reshape(3, 4)
+    x, _, z = -T[:, 2]
+    np.testing.assert_allclose((x, z) / np.hypot(x, z), ahead, atol=1e-6)
+    assert at.agreed("undo")["undo"] == "turn the body"
+    at.visitor.do(do="undo")
+    np.testing.assert_allclose(at.served["pose"]["T"]["waist"], before["T"]["waist"])
+
+
+def others(pose: dict[str, Any]) -> dict[str, Any]:
+    return {name: angles for name, angles in pose["angles"].items() if name != "waist"}
+
+
+def test_the_waist_is_taken_up_where_the_body_leans_wrongly(at: Desk, guided: Page) -> None:
+    at.visitor.do(do="select", part="left_shin")
+    up_to(guided, "Look from the side")
+    at.visitor.do(do="select", part="left_shin")
+    button(guided, "Turn the waist").click()
+    until_told(guided, "view.selected", lambda part: part == "waist")
+    guided.locator("[data-view=side] [data-ring=x]").wait_for(state="attached")
+
+
+def test_the_card_stays_in_its_place_during_a_step(guided: Page) -> None:
+    up_to(guided, "Pull the limbs into place")
+    stands = corner(guided)
+    for point, by in (("left_foot", (-8, -6)), ("right_hand", (6, -9)), ("left_hand", (5, 4))):
+        pulled(guided, point, by)
+        assert corner(guided) == stands, point
+
+
+def test_the_reading_of_a_drag_is_not_hidden_by_the_card(guided: Page) -> None:
+    up_to(guided, "As large as the person")
+    put_over(guided, spot(guided, "waist"))
+    x, y = spot(guided, "waist")
+    drag(guided, (x, y), (x + 4, y + 2), drop=False)
+    guided.locator("#main .hud .flt").wait_for()
+    guided.locator("#guide .coach.behind").wait_for(timeout=5000)
+    guided.mouse.up()
+    until_told(guided, "pose.stroke", lambda stroke: stroke is None)
+    until(lambda: guided.locator("#guide .coach.behind").count() == 0, "the card")
+
+
+def put_over(page: Page, place: tuple[float, float]) -> None:
+    """Carry the card until its left edge is a little right of a place: where a reading stands."""
+    box = page.locator("#guide .coach").bounding_box()
+    assert box is not None
+    hold = (box["x"] + 20, box["y"] + box["height"] - 8)
+    drag(page, hold, (place[0] + 80, place[1] + 60))
+    settled(page)
+
+
+def test_while_a_vertical_is_drawn_the_card_gives_way_and_the_tool_comes_back(
+    guided: Page,
+) -> None:
+    guided.keyboard.press("r")
+    guided.get_by_role("tab", name="Camera").click()
+    guided.get_by_text("Draw a vertical on the picture").click()
+    guided.locator("#guide .coach.behind").wait_for()
+    box = guided.locator("#main canvas.vid").bounding_box()
+    assert box is not None
+    middle = box["x"] + box["width"] / 2
+    drag(guided, (middle, box["y"] + 40), (middle + 9, box["y"] + box["height"] - 60))
+    until_told(guided, "camera.up_origin", lambda origin: origin == "drawn")
+    assert guided.evaluate("() => window.keypose.U.tool") == "rotate"
+    until(lambda: guided.locator("#guide .coach.behind").count() == 0, "the card")
+
+
+def test_at_its_end_the_guide_says_what_is_to_be_done_and_praises_nothing(guided: Page) -> None:
+    up_to(guided, "Press K")
+    button(guided, "Next").click()
+    until(lambda: title(guided) == "Press Track (T)", "the end")
+    assert "stands" not in guided.locator("#guide").inner_text()
+
+
+# --- K and Delete
+
+
+def test_k_on_a_keyframe_that_was_corrected_keeps_it(at: Desk) -> None:
+    pulled(at.page, "left_hand", (7, -5))
+    corrected = at.agreed("pose")
+    at.page.keyboard.press("k")
+    at.page.get_by_text("Frame 0 is a keyframe already.").wait_for()
+    assert at.agreed("keys")["frames"] == [0, 24, 48, 72]
+    assert at.agreed("pose")["points"] == corrected["points"]
+    assert at.agreed("undo")["undo"] == "move left hand"
+
+
+def test_what_delete_takes_away_its_message_brings_back(at: Desk) -> None:
+    page = at.page
+    in_bar = page.get_by_role("button", name="Delete keyframe", exact=True)
+    for pressed in (True, False):
+        if pressed:
+            page.keyboard.press("Delete")
+        else:
+            in_bar.click()
+        until_told(page, "keys.frames", lambda frames: frames == [24, 48, 72])
+        page.locator(".toast", has_text="Keyframe 0 deleted.").get_by_text("Undo").click()
+        until_told(page, "keys.frames", lambda frames: frames == [0, 24, 48, 72])

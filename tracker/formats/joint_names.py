@@ -1,0 +1,231 @@
+"""The names that other programs give to joints, and where on our body they are.
+
+A convention is taken as a whole: the same name is another joint in another one, as LeftShoulder is
+the collar bone's joint here and the upper arm's there. The one that knows most of a file's names
+counts; the body's own names come first. Case, blanks, dots, dashes, underscores and what stands
+before a colon, as in `mixamorig:`, do not matter.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from tracker.body import Body, Point
+from tracker.errors import FormatError
+from tracker.evaluate import Place
+from tracker.formats.bvh import end_site
+from tracker.formats.marker_names import places_of
+from tracker.shapes import Frustum
+from tracker.skeleton import Skeleton
+
+LARGEST_NAMES_BYTES = 2**20
+
+_SHOULDERS = "left_upper_arm+right_upper_arm"
+_HIPS = "left_thigh+right_thigh"
+_SIDES = {"left": ("left", "l"), "right": ("right", "r")}
+
+
+def _both(**joints: str) -> dict[str, str]:
+    """Names of both sides: `{}` in a name stands for the side as the convention writes it."""
+    return {
+        name.format(side): f"{ours}_{part}"
+        for name, part in joints.items()
+        for ours, sides in _SIDES.items()
+        for side in sides
+    }
+
+
+_FACE = _both(**{"{}eye": "eye", "{}ear": "ear"}) | {"nose": "nose"}
+_LIMBS = _both(
+    **{
+        "{}shoulder": "upper_arm", "{}elbow": "forearm", "{}wrist": "hand",
+        "{}hip": "thigh", "{}knee": "shin", "{}ankle": "foot",
+        "{}bigtoe": "toe", "{}smalltoe": "toe", "{}toe": "toe", "{}foot": "toe", "{}heel": "heel",
+    }
+)  # fmt: skip
+
+CONVENTIONS: dict[str, dict[str, str]] = {
+    "COCO, OpenPose": _LIMBS | _FACE | {"neck": _SHOULDERS, "midhip": _HIPS, "hip": _HIPS},
+    "BVH with elbows and knees": _LIMBS
+    | {"neck": "neck", "head": "head", "headend": "head_top"}
+    | _both(**{"{}ankle": "foot", "{}toeend": "toe"}),
+    "Mixamo, MotionBuilder": _both(
+        **{
+            "{}upleg": "thigh", "{}leg": "shin", "{}foot": "foot", "{}toebase": "toe",
+            "{}arm": "upper_arm", "{}forearm": "forearm", "{}hand": "hand",
+        }
+    )
+    | {"neck": "neck", "head": "head", "headtopend": "head_top"},
+    "CMU": _both(
+        **{
+            "{}femur": "thigh", "{}tibia": "shin", "{}foot": "foot", "{}toes": "toe",
+            "{}humerus": "upper_arm", "{}radius": "forearm", "{}wrist": "hand",
+        }
+    )
+    | {"lowerneck": "neck", "head": "head"},
+    "Poser, DAZ": _both(
+        **{
+            "{}thigh": "thigh", "{}shin": "shin", "{}foot": "foot",
+            "{}shldr": "upper_arm", "{}forearm": "forearm", "{}hand": "hand",
+            "{}footend": "toe",
+        }
+    )
+    | {"neck": "neck", "head": "head"},
+    "OpenSim, Plug-in Gait": _both(
+        **{
+            "{}sho": "upper_arm", "{}acromium": "upper_arm", "{}sjc": "upper_arm",
+            "{}elb": "forearm", "{}ejc": "forearm", "{}wjc": "hand",
+            "{}hjc": "thigh", "{}kne": "shin", "{}kjc": "shin", "{}ank": "foot", "{}ajc": "foot",
+            "{}toe": "toe", "{}hee": "heel", "{}heel": "heel",
+        }
+    )
+    | {"c7": "neck", "topofhead": "head_top", "vsacral": _HIPS},
+}  # fmt: skip
+"""By convention, plain names with a part, a landmark, a place of the face, or the middle of two."""
+
+
+@dataclass(frozen=True)
+class Matched:
+    """Which of a file's names are known.
+
+    convention: whose names they are.
+    known: their index among the file's names, the name given to their place, and the place.
+    left_out: names without a place.
+    """
+
+    convention: str
+    known: tuple[tuple[int, str, Place], ...]
+    left_out: tuple[str, ...]
+
+    @property
+    def indices(self) -> list[int]:
+        return [index for index, _, _ in self.known]
+
+    @property
+    def places(self) -> list[Place]:
+        return [place for _, _, place in self.known]
+
+
+def matched(
+    skeleton: Skeleton, names: Sequence[str], file: str, given: Mapping[str, str] | None = None
+) -> Matched:
+    """The joints of a file by their names; `given` names ours by theirs, and then alone counts.
+
+    A place that several names claim goes to the first of them.
+    """
+    if given is not None:
+        return _of_given(skeleton, names, file, given)
+    tables = {"the body's own": _own(skeleton)}
+    for convention, table in CONVENTIONS.items():
+        tables[convention] = {
+            name: (ours, place)
+            for name, ours in table.items()
+            if (place := _place(skeleton.body, ours)) is not None
+        }
+    found = {c: _matched(c, names, table) for c, table in tables.items()}
+    return max(found.values(), key=lambda m: len(m.known))  # the first of those alike
+
+
+def load_names(path: Path) -> dict[str, str]:
+    """A file {"their name": "our joint"}; FormatError in one sentence when it is not one."""
+    try:
+        if path.stat().st_size > LARGEST_NAMES_BYTES:
+            raise FormatError(f"{path.name} is too large for a list of names.")
+        names = json.loads(path.read_bytes())
+    except OSError as error:
+        raise FormatError(f"{str(path)!r} cannot be read: {error.strerror or error}.") from None
+    except (ValueError, RecursionError):
+        raise FormatError(f"{path.name} is not JSON.") from None
+    if not isinstance(names, dict) or not all(isinstance(v, str) for v in names.values()):
+        raise FormatError(f'{path.name} should read {{"their name": "our joint", …}}.')
+    return names
+
+
+def plain(name: str) -> str:
+    """A name without what does not matter."""
+    return re.sub(r"[\W_]", "", name.rsplit(":", 1)[-1]).lower()
+
+
+def _matched(
+    convention: str, names: Sequence[str], table: Mapping[str, tuple[str, Place]]
+) -> Matched:
+    known, left_out, taken = [], [], set()
+    for index, name in enumerate(names):
+        ours, place = table.get(plain(name), ("", ()))
+        if not place or place in taken:
+            left_out.append(name)
+            continue
+        taken.add(place)
+        known.append((index, ours, place))
+    return Matched(convention, tuple(known), tuple(left_out))
+
+
+def _of_given(
+    skeleton: Skeleton, names: Sequence[str], file: str, given: Mapping[str, str]
+) -> Matched:
+    missing = sorted(set(given) - set(names))
+    if missing:
+        raise FormatError(f"{file} has no joint {missing[0]!r}, which the list of names speaks of.")
+    places = dict(zip(given, places_of(skeleton, list(given.values()), "The list"), strict=True))
+    known = tuple((i, given[n], places[n]) for i, n in enumerate(names) if n in places)
+    return Matched("given", known, tuple(name for name in names if name not in places))
+
+
+def _own(skeleton: Skeleton) -> dict[str, tuple[str, Place]]:
+    """The body's parts and landmarks, and the ends of parts as our own BVH files have them."""
+    table: dict[str, tuple[str, Place]] = {}
+    for i, part in enumerate(skeleton.body.parts):
+        table[plain(part.name)] = (part.name, ((i, (0.0, 0.0, 0.0)),))
+        if not (skeleton.parents == i).any():
+            table[plain(f"{part.name}_end")] = (f"{part.name}_end", ((i, end_site(part)),))
+    for i, part in enumerate(skeleton.body.parts):
+        for name, p in part.landmarks.items():
+            table.setdefault(plain(name), (name, ((i, p),)))
+            table.setdefault(plain(f"{part.name}.{name}"), (name, ((i, p),)))
+    return table
+
+
+def _place(body: Body, ours: str) -> Place | None:
+    """A part's joint, a landmark, a place of the face, or the middle of parts; None without it."""
+    points: list[tuple[int, Point]] = []
+    for name in ours.split("+"):
+        point = _point(body, name)
+        if point is None:
+            return None
+        points.append(point)
+    return tuple(points)
+
+
+def _point(body: Body, name: str) -> tuple[int, Point] | None:
+    if name in body.names:
+        return body.index(name), (0.0, 0.0, 0.0)
+    for i, part in enumerate(body.parts):
+        if name in part.landmarks:
+            return i, part.landmarks[name]
+    if "head" in body.names:
+        i = body.index("head")
+        face = _face(body.parts[i].shape)
+        if name in face:
+            return i, face[name]
+    return None
+
+
+def _face(shape: object) -> dict[str, Point]:
+    """Nose, eyes and ears on a head that looks toward −z at rest; none on another shape."""
+    if not isinstance(shape, Frustum):
+        return {}
+    rx = (shape.start_radii_m[0] + shape.end_radii_m[0]) / 2
+    rz = (shape.start_radii_m[1] + shape.end_radii_m[1]) / 2
+
+    def at(share: float, x: float, z: float) -> Point:
+        return (x * rx, shape.start_m + share * (shape.end_m - shape.start_m), -z * rz)
+
+    face = {"nose": at(0.4, 0.0, 1.15)}
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        face[f"{side}_eye"] = at(0.55, 0.45 * sign, 0.9)
+        face[f"{side}_ear"] = at(0.5, sign, 0.0)
+    return face

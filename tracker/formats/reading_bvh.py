@@ -1,0 +1,149 @@
+"""BVH files in: the hierarchy, its channels, and where they put every joint.
+
+Any order of rotation channels, position channels at any joint (they stand in the place of its
+offset, as animation programs have it). An End Site is the joint `<parent>_end`. BVH is y up and
+names no unit; centimetres are the custom.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from tracker.errors import FormatError
+from tracker.formats.reading import MOST_JOINTS, JointMotion, demand_size
+from tracker.geometry import Array, exp_rotation
+
+_CHANNELS = {f"{axis}{kind}": ("xyz".index(axis), kind) for axis in "xyz" for kind in
+             ("position", "rotation")}  # fmt: skip
+
+
+@dataclass
+class _Joint:
+    """One joint of the hierarchy: its channels are (column, axis, "position" or "rotation")."""
+
+    name: str
+    parent: int
+    offset: Array = field(default_factory=lambda: np.zeros(3))
+    channels: list[tuple[int, int, str]] = field(default_factory=list)
+
+
+def read_bvh(path: Path) -> JointMotion:
+    """The motion of a BVH file; FormatError in one sentence."""
+    file, text = path.name, path.read_text("utf-8-sig")
+    head, mark, tail = text.partition("MOTION")
+    if not mark:
+        raise FormatError(f"{file} has no MOTION section, so it is no whole BVH file.")
+    joints, columns = _hierarchy(file, iter(head.split()))
+    count, seconds, rows = _header(file, tail)
+    demand_size(file, count, len(joints))
+    values = _values(file, rows, count, columns)
+    names = [joint.name for joint in joints]
+    times_s: Array = seconds * np.arange(count, dtype=np.float64)
+    return JointMotion.of(file, names, _positions(joints, values), times_s, "y up", None, "cm")
+
+
+def _hierarchy(file: str, words: Iterator[str]) -> tuple[list[_Joint], int]:
+    """The joints, parents first, and how many channels they have together."""
+    joints: list[_Joint] = []
+    open_joints: list[int] = []
+    columns, waiting = 0, False
+    try:
+        if next(words) != "HIERARCHY":
+            raise FormatError(f"{file} does not begin with HIERARCHY, so it is no BVH file.")
+        for word in words:
+            key = word.upper()
+            if key in ("ROOT", "JOINT", "END"):
+                parent = open_joints[-1] if open_joints else -1
+                if waiting or (parent < 0) != (key == "ROOT") or len(joints) >= MOST_JOINTS:
+                    raise FormatError(f"{file}: {key} does not belong where it stands.")
+                label = next(words)
+                name = f"{joints[parent].name}_end" if key == "END" else label
+                joints.append(_Joint(_unused(name, joints), parent))
+                waiting = True
+            elif key == "{" and waiting:
+                open_joints.append(len(joints) - 1)
+                waiting = False
+            elif key == "}" and open_joints and not waiting:
+                open_joints.pop()
+            elif key == "OFFSET" and open_joints:
+                joints[open_joints[-1]].offset = np.array([float(next(words)) for _ in range(3)])
+            elif key == "CHANNELS" and open_joints:
+                for _ in range(int(next(words))):
+                    axis, kind = _CHANNELS[next(words).lower()]
+                    joints[open_joints[-1]].channels.append((columns, axis, kind))
+                    columns += 1
+            else:
+                raise FormatError(f"{file}: {word[:40]!r} does not belong in its hierarchy.")
+    except (StopIteration, ValueError, KeyError):
+        raise FormatError(f"{file}: its hierarchy is damaged or not of the usual kind.") from None
+    if open_joints or waiting:
+        raise FormatError(f"{file}: its hierarchy does not end.")
+    if not np.isfinite([joint.offset for joint in joints]).all():
+        raise FormatError(f"{file} has an offset that is no number.")
+    return joints, columns
+
+
+def _unused(name: str, joints: list[_Joint]) -> str:
+    while any(joint.name == name for joint in joints):
+        name += "_"
+    return name
+
+
+def _header(file: str, tail: str) -> tuple[int, float, str]:
+    """How many frames, the seconds between them, and the text of their rows."""
+    try:
+        frames, time, rows = tail.lstrip().split("\n", 2)
+        count, seconds = int(_after(frames, "Frames:")), float(_after(time, "Frame Time:"))
+    except ValueError:
+        raise FormatError(f"{file}: after MOTION come Frames: and Frame Time:.") from None
+    if count < 1 or not 1e-6 < seconds < 1e4:
+        raise FormatError(f"{file} says {count} frames, {seconds:g} s apart; both must be more.")
+    return count, seconds, rows
+
+
+def _after(line: str, label: str) -> str:
+    if not line.strip().lower().startswith(label.lower()):
+        raise ValueError
+    return line.strip()[len(label) :]
+
+
+def _values(file: str, rows: str, count: int, columns: int) -> Array:
+    """(N, C) what the channels say."""
+    words = rows.split()
+    if len(words) != count * columns:
+        raise FormatError(
+            f"{file} should hold {count} rows of {columns} numbers and holds {len(words)} numbers."
+        )
+    try:
+        values = np.array(words, dtype=np.float64).reshape(count, columns)
+    except ValueError:
+        raise FormatError(f"{file} has something else than numbers in its rows.") from None
+    if not np.isfinite(values).all():
+        raise FormatError(f"{file} has a channel that is not a finite number.")
+    return values
+
+
+def _positions(joints: list[_Joint], values: Array) -> Array:
+    """(N, J, 3) in the file's world and unit: forward kinematics of the hierarchy."""
+    N = len(values)
+    Rs, ps = np.empty((len(joints), N, 3, 3)), np.empty((N, len(joints), 3))
+    for i, joint in enumerate(joints):
+        local, R = np.tile(joint.offset, (N, 1)), np.tile(np.eye(3), (N, 1, 1))
+        for column, axis, kind in joint.channels:
+            if kind == "position":
+                local[:, axis] = values[:, column]
+            else:
+                turn = np.zeros((N, 3))
+                turn[:, axis] = np.radians(values[:, column])
+                R = R @ exp_rotation(turn)
+        if joint.parent < 0:
+            Rs[i], ps[:, i] = R, local
+            continue
+        above = Rs[joint.parent]
+        Rs[i] = above @ R
+        ps[:, i] = ps[:, joint.parent] + (above @ local[..., None])[..., 0]
+    return ps

@@ -1,0 +1,58 @@
+"""C3D files in: markers as motion capture systems write them; read by ezc3d, an optional extra.
+
+The unit is the file's own; z is up unless POINT:Y_SCREEN says +Y. A marker with a negative residual
+was not seen. Time runs from the trial's first frame, also where the file begins later.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tracker.errors import FormatError
+from tracker.formats.reading import JointMotion, Unit, World, demand_size
+
+_UNITS: dict[str, Unit] = {"m": "m", "cm": "cm", "mm": "mm"}
+_MAGIC = 0x50
+"""The second byte of every C3D file."""
+
+
+def read_c3d(path: Path) -> JointMotion:
+    """The motion of a C3D file; FormatError in one sentence."""
+    file = path.name
+    with path.open("rb") as content:
+        start = content.read(512)
+    if len(start) < 512 or start[1] != _MAGIC:
+        raise FormatError(f"{file} does not begin as a C3D file does.")
+    held = _opened(path)
+    try:
+        points, point = held["data"]["points"], held["parameters"]["POINT"]
+        names = [str(name).strip() for name in point["LABELS"]["value"]][: points.shape[1]]
+        rate = float(np.ravel(point["RATE"]["value"])[0])
+        unit = _UNITS.get(str(point["UNITS"]["value"][0]).strip().lower())
+        screen = point["Y_SCREEN"]["value"] if "Y_SCREEN" in point else [""]
+        world: World = "y up" if str(screen[0]).strip().upper() == "+Y" else "z up"
+        first = int(held["header"]["points"]["first_frame"])
+        seen = held["data"]["meta_points"]["residuals"][0] >= 0
+    except (KeyError, IndexError, TypeError, ValueError):
+        raise FormatError(f"{file} lacks the markers' labels, rate or unit.") from None
+    if unit is None or not 1e-4 < rate < 1e6 or len(names) != points.shape[1]:
+        raise FormatError(f"{file} lacks the markers' labels, rate or unit.")
+    demand_size(file, points.shape[2], points.shape[1])
+    positions = np.where(seen[..., None], np.moveaxis(points[:3], 0, -1), np.nan)
+    times_s = (first + np.arange(points.shape[2], dtype=np.float64)) / rate
+    return JointMotion.of(file, names, np.swapaxes(positions, 0, 1), times_s, world, unit)
+
+
+def _opened(path: Path) -> Any:
+    try:
+        import ezc3d
+    except ImportError:
+        raise FormatError("C3D files need ezc3d: pip install 'keypose[c3d]'.") from None
+    try:
+        return ezc3d.c3d(str(path))
+    except Exception as error:  # noqa: BLE001 — whatever its reader raises, the file is at fault
+        why = " ".join(str(error).split()).rstrip(".")[:120]
+        raise FormatError(f"{path.name} is no C3D file that can be read: {why}.") from None

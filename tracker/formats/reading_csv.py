@@ -1,0 +1,92 @@
+"""Tables of joint positions in: our own joints.csv, and plain wide tables.
+
+The first line names the columns: a time (`time_s`, `time` or `t`, seconds), a `frame` if one
+likes, and `<joint>_x`, `<joint>_y`, `<joint>_z` for every joint, with the unit behind when it is
+known, as in `left_hand_x_m`. A table with `frame`, `time_s` and units is our own: it lies in the
+camera frame. Any other is taken to be y up. An empty place is a joint that was not seen.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from pathlib import Path
+
+import numpy as np
+
+from tracker.errors import FormatError
+from tracker.formats.reading import MOST_FRAMES, JointMotion, Unit, World, demand_size
+
+_COLUMN = re.compile(r"(?P<name>.+)[_ .](?P<axis>[xyzXYZ])(?:_(?P<unit>m|cm|mm))?")
+_TIMES = ("time_s", "time", "t")
+
+
+def read_csv(path: Path) -> JointMotion:
+    """The motion of a table; FormatError in one sentence."""
+    file = path.name
+    rows = _rows(path)
+    heads = [head.strip() for head in rows[0]]
+    time = next((heads.index(head) for head in _TIMES if head in heads), None)
+    if time is None:
+        raise FormatError(f"{file} has no column of times; one called time_s is expected.")
+    columns, unit = _columns(file, heads)
+    demand_size(file, len(rows) - 1, len(columns))
+    table = np.full((len(rows) - 1, len(heads)), np.nan)
+    wanted = [time, *(i for axes in columns.values() for i in axes)]
+    for row, words in enumerate(rows[1:]):
+        if len(words) != len(heads):
+            raise FormatError(
+                f"{file}: row {row + 2} has {len(words)} columns where {len(heads)} are due."
+            )
+        for i in wanted:
+            table[row, i] = _number(file, words[i])
+    positions = table[:, list(columns.values())]
+    ours = unit == "m" and heads[:2] == ["frame", "time_s"]
+    world: World = "camera" if ours else "y up"
+    return JointMotion.of(file, list(columns), positions, table[:, time], world, unit)
+
+
+def _rows(path: Path) -> list[list[str]]:
+    rows: list[list[str]] = []
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as text:
+            for row in csv.reader(text):
+                if row:
+                    rows.append(row)
+                if len(rows) > MOST_FRAMES + 1:
+                    raise FormatError(f"{path.name} has more than {MOST_FRAMES} rows.")
+    except csv.Error as error:
+        raise FormatError(f"{path.name} is no table of comma-separated values: {error}.") from None
+    if not rows:
+        raise FormatError(f"{path.name} is empty.")
+    return rows
+
+
+def _columns(file: str, heads: list[str]) -> tuple[dict[str, list[int]], Unit | None]:
+    """The columns of x, y, z by joint, and the unit that they name, if they do."""
+    found: dict[str, dict[str, int]] = {}
+    units: set[str | None] = set()
+    for i, head in enumerate(heads):
+        match = _COLUMN.fullmatch(head)
+        if match is None:
+            continue
+        axes = found.setdefault(match["name"], {})
+        if match["axis"].lower() in axes:
+            raise FormatError(f"{file} has the column {head!r} twice.")
+        axes[match["axis"].lower()] = i
+        units.add(match["unit"])
+    columns = {name: [axes[a] for a in "xyz"] for name, axes in found.items() if len(axes) == 3}
+    if not columns:
+        raise FormatError(f"{file} has no joint with the columns NAME_x, NAME_y and NAME_z.")
+    if len(units) > 1:
+        raise FormatError(f"{file} has columns in several units; one is expected.")
+    unit = units.pop()
+    known: dict[str | None, Unit] = {"m": "m", "cm": "cm", "mm": "mm"}
+    return columns, known.get(unit)
+
+
+def _number(file: str, word: str) -> float:
+    try:
+        return float(word) if word.strip() else np.nan
+    except ValueError:
+        raise FormatError(f"{file} has {word[:40]!r} where a number is expected.") from None

@@ -1,0 +1,58 @@
+"""TRC files in: marker tables as motion capture and OpenSim write them, tabs between columns.
+
+The unit is the header's, y is up, and an empty place is a marker that was not seen.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from tracker.errors import FormatError
+from tracker.formats.reading import JointMotion, Unit, demand_size
+from tracker.geometry import Array
+
+_UNITS: dict[str, Unit] = {"m": "m", "meters": "m", "metres": "m", "cm": "cm", "mm": "mm"}
+
+
+def read_trc(path: Path) -> JointMotion:
+    """The motion of a TRC file; FormatError in one sentence."""
+    file, lines = path.name, path.read_text("utf-8-sig").splitlines()
+    if len(lines) < 6 or not lines[0].startswith("PathFileType"):
+        raise FormatError(f"{file} does not begin as a TRC file does, with PathFileType.")
+    header = dict(zip(lines[1].split(), lines[2].split(), strict=False))
+    unit = _UNITS.get(header.get("Units", "").lower())
+    if unit is None:
+        raise FormatError(f"{file} names the unit {header.get('Units', '')!r}; m, cm or mm is due.")
+    names = [name.strip() for name in lines[3].split("\t")[2:] if name.strip()]
+    rows = [line for line in lines[5:] if line.strip()]
+    _demand_counts(file, header, len(rows), len(names))
+    demand_size(file, len(rows), len(names))
+    table = np.array([_numbers(file, line, 2 + 3 * len(names)) for line in rows])
+    positions = table[:, 2:].reshape(len(rows), len(names), 3)
+    return JointMotion.of(file, names, positions, table[:, 1], "y up", unit)
+
+
+def _demand_counts(file: str, header: dict[str, str], frames: int, markers: int) -> None:
+    for key, found, what in (
+        ("NumFrames", frames, "frames"),
+        ("NumMarkers", markers, "markers"),
+    ):
+        said = header.get(key, "")
+        if said and said != str(found):
+            raise FormatError(f"{file} says {said[:20]} {what} and holds {found}.")
+
+
+def _numbers(file: str, line: str, count: int) -> Array:
+    """A row's numbers, NaN where its places are empty; what is left out at its end is empty."""
+    words = [word.strip() for word in line.rstrip("\r\n").split("\t")]
+    while len(words) > count and not words[-1]:
+        words.pop()
+    words += [""] * (count - len(words))
+    if len(words) > count:
+        raise FormatError(f"{file} has a row of {len(words)} columns where {count} are due.")
+    try:
+        return np.array([float(word) if word else np.nan for word in words])
+    except ValueError:
+        raise FormatError(f"{file} has something else than numbers in its rows.") from None

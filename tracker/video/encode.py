@@ -1,0 +1,171 @@
+"""Pictures into a film: H.264 in MP4, every one at the time it is given.
+
+    with film_file(Path("film.mp4"), overwrite=False) as place:
+        with FilmWriter(place, (640, 360), Fraction(1, 25), Fraction(25)) as film:
+            for pts, picture in enumerate(pictures):  # (height, width, 3) uint8 RGB
+                film.add(picture, pts)
+
+One picture is held at a time, and the quality is even: what is hard to code gets more bytes.
+"""
+
+from __future__ import annotations
+
+import os
+import secrets
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from fractions import Fraction
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import av
+import av.error
+from av.video.reformatter import ColorRange, Colorspace, VideoReformatter
+
+from tracker.errors import VideoError
+from tracker.video.picture import Picture
+
+QUALITY = 18
+"""Of H.264, lower is better: drawn lines and letters show no harm."""
+LARGEST_SIDE = 8192
+BT709 = 1
+"""The number of that standard, for colours, their spread and their primaries."""
+
+
+class FilmWriter:
+    """A film being written. Leaving its block by an error leaves the file unfinished."""
+
+    def __init__(
+        self,
+        place: Path,
+        size: tuple[int, int],
+        time_base: Fraction,
+        rate: Fraction,
+        pixel_aspect: Fraction | None = None,
+    ) -> None:
+        """Begin a film of this size, both sides even, whose times count in time_base seconds.
+
+        rate: frames a second, on average. pixel_aspect: width over height of a pixel.
+        VideoError in one sentence when it cannot be begun.
+        """
+        width, height = size
+        if width % 2 or height % 2 or not 2 <= min(size) <= max(size) <= LARGEST_SIDE:
+            raise VideoError(
+                f"A film of {width}×{height} pixels cannot be made: both sides must be even, "
+                f"and at most {LARGEST_SIDE}."
+            )
+        self._place, self._time_base = place, time_base
+        self._reformatter = VideoReformatter()
+        self._last: int | None = None
+        with _told(place):
+            self._container = av.open(
+                f"file:{place}", "w", format="mp4", options={"movflags": "+faststart"}
+            )
+        try:
+            with _told(place):
+                self._begin(size, rate, pixel_aspect)
+        except BaseException:
+            self._container.close()
+            raise
+
+    def _begin(self, size: tuple[int, int], rate: Fraction, pixel_aspect: Fraction | None) -> None:
+        options = {"crf": str(QUALITY), "preset": "veryfast"}
+        stream = self._container.add_stream("libx264", rate=rate, options=options)
+        stream.width, stream.height = size
+        stream.pix_fmt = "yuv420p"
+        stream.time_base = self._time_base
+        context = stream.codec_context
+        context.time_base = self._time_base
+        context.color_range = ColorRange.MPEG
+        context.colorspace = Colorspace.ITU709
+        context.color_primaries = context.color_trc = BT709
+        if pixel_aspect is not None and pixel_aspect != 1:
+            context.sample_aspect_ratio = pixel_aspect
+        self._stream = stream
+        self._duration = max(1, round(1 / (rate * self._time_base)))
+
+    def add(self, picture: Picture, pts: int) -> None:
+        """The next picture, shown from pts on, in units of the film's time base."""
+        if self._last is not None and pts <= self._last:
+            raise ValueError(f"a picture at {pts} cannot follow one at {self._last}")
+        self._last = pts
+        frame = self._reformatter.reformat(
+            av.VideoFrame.from_ndarray(picture, format="rgb24"),
+            format="yuv420p",
+            dst_colorspace=Colorspace.ITU709,
+            threads=1,
+        )
+        frame.pts, frame.time_base = pts, self._time_base
+        with _told(self._place):
+            self._container.mux(self._packets(frame))
+
+    def _packets(self, frame: av.VideoFrame | None) -> list[av.Packet[av.VideoStream]]:
+        packets = self._stream.encode(frame)
+        for packet in packets:
+            packet.duration = self._duration  # which counts for the last one alone
+        return packets
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if kind is not None:
+            with suppress(av.error.FFmpegError, OSError):
+                self._container.close()
+            return
+        with _told(self._place):
+            if self._last is not None:
+                self._container.mux(self._packets(None))
+            self._container.close()
+
+
+@contextmanager
+def film_file(path: Path, *, overwrite: bool) -> Iterator[Path]:
+    """A place beside the path to write to; when the block ends well, the file gets its name.
+
+    However else the block ends, nothing is left. VideoError when the disk refuses.
+    """
+    beside = path.with_name(f".{path.name}.{secrets.token_hex(6)}.part")
+    try:
+        beside.open("xb").close()  # whether it can be written is known before the work
+        yield beside
+        with beside.open("rb") as file:
+            os.fsync(file.fileno())
+        _put(beside, path, overwrite)
+    except OSError as problem:
+        raise VideoError(
+            f"{str(path)!r} cannot be written: {problem.strerror or problem}."
+        ) from None
+    finally:
+        with suppress(OSError):
+            beside.unlink()
+
+
+def _put(beside: Path, path: Path, overwrite: bool) -> None:
+    if overwrite:
+        beside.replace(path)
+        return
+    try:
+        path.hardlink_to(beside)
+    except FileExistsError:
+        raise VideoError(f"{str(path)!r} exists already and is not overwritten.") from None
+    except OSError:  # a file system without links: the look and the rename are two steps there
+        if path.exists():
+            raise VideoError(f"{str(path)!r} exists already and is not overwritten.") from None
+        beside.rename(path)
+
+
+@contextmanager
+def _told(place: Path) -> Iterator[None]:
+    """What the encoder throws, in one sentence."""
+    try:
+        yield
+    except av.error.FFmpegError as error:
+        name = place.name.lstrip(".").rsplit(".", 2)[0] if place.suffix == ".part" else place.name
+        raise VideoError(f'The film "{name}" cannot be written: {error.strerror}.') from error
