@@ -80,7 +80,10 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str]] = {
     "another frame count": (lambda data: data["video"].update(frame_count=99), "9 frames instead"),
     "a missing video": (lambda data: data["video"].update(path="gone.mp4"), "is missing"),
     "a newer version": (lambda data: data.update(schema_version=7), "written by a newer Keypose"),
-    "a field with an odd name": (lambda data: data.update({"a\n\x1b[31mb": 1}), "extra inputs"),
+    "a part with an odd name": (
+        lambda data: data["keyframes"][0]["rotations_wxyz"].update({"a\n\x1b[31mb": 1}),
+        "rotations_wxyz",
+    ),
 }
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from pathlib import Path
 
+import av
 import cv2
 import numpy as np
 import pytest
@@ -115,6 +116,14 @@ def test_sizes_that_cannot_be_coded_are_refused(tmp_path: Path, size: tuple[int,
     with pytest.raises(VideoError, match="both sides must be even"):
         FilmWriter(tmp_path / "film.mp4", size, Fraction(1, 25), Fraction(25))
     assert list(tmp_path.iterdir()) == []
+
+
+def test_without_the_encoder_it_is_told_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(av, "codecs_available", {"h264"})
+    with pytest.raises(VideoError, match=r"pip install av\.$"):
+        FilmWriter(tmp_path / "film.mp4", SIZE, Fraction(1, 25), Fraction(25))
 
 
 def test_a_folder_that_is_not_there_is_told_in_a_sentence(tmp_path: Path) -> None:

@@ -55,6 +55,10 @@ class FilmWriter:
                 f"A film of {width}×{height} pixels cannot be made: both sides must be even, "
                 f"and at most {LARGEST_SIDE}."
             )
+        if "libx264" not in av.codecs_available:
+            raise VideoError(
+                "The installed PyAV cannot write H.264: install it anew with pip install av."
+            )
         self._place, self._time_base = place, time_base
         self._reformatter = VideoReformatter()
         self._last: int | None = None
