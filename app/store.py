@@ -411,6 +411,17 @@ class Store:
         if problem is not None:
             raise SessionError(f"{problem} The last changes are lost.")
 
+    async def saved_path(self) -> Path:
+        """The session's file once it holds everything; SessionError when it cannot be written."""
+        piece = self._piece
+        if piece is None:
+            raise Refused("Open a video first.")
+        self._saver.again()
+        await self._saver.settled()
+        if self._saver.problem is not None:
+            raise SessionError(self._saver.problem)
+        return piece.session_path
+
     def note(self, kind: str, words: str, button: dict[str, Any] | None = None) -> None:
         """Tell every tab something worth a sentence; when there is none, the first that comes."""
         message = {"t": "note", "kind": kind, "words": words, "button": button}

@@ -157,7 +157,7 @@ _PAGE_POLICY = (
     "frame-ancestors 'self'; base-uri 'none'; form-action 'none'"
 )
 _VIEW_POLICY = (  # viser's page is one file that unpacks and starts itself
-    "default-src 'none'; script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval' blob: data:; "
+    "default-src 'none'; script-src 'self' 'unsafe-inline' 'unsafe-eval' blob: data:; "
     "worker-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; "
     "font-src 'self' data: blob:; img-src 'self' data: blob:; "
     "connect-src 'self'{socket} data: blob:; "

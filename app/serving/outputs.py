@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from pathlib import Path
 from typing import Annotated, Any, Literal
 from urllib.parse import quote
 
@@ -21,6 +22,7 @@ from app.posing import outline, parts_at
 from app.serving.guard import headers_for
 from app.store import Store
 from tracker.errors import KeyposeError
+from tracker.session.files import load_session
 from tracker.settings import FrameIndex
 from tracker.video import Video
 from tracker.wording import one_sentence
@@ -63,7 +65,11 @@ class Outputs:
 
     def routes(self) -> list[Route]:
         """Where pictures and motion are to be had."""
-        return [Route("/picture.png", self._picture), Route("/motion", self._motion)]
+        return [
+            Route("/picture.png", self._picture),
+            Route("/motion", self._motion),
+            Route("/report.html", self._report),
+        ]
 
     def answer(self, message: dict[str, Any]) -> dict[str, Any]:
         """The reply to a question of a tab."""
@@ -96,6 +102,15 @@ class Outputs:
             return _refused(error)
         return _download(file.content, file.media_type, f"{name}{file.suffix}")
 
+    async def _report(self, _: Request) -> Response:
+        try:
+            (_edit, video), name = self._opened(), self._name()
+            path = await self._store.saved_path()
+            content = await asyncio.to_thread(_report_of, path, video)
+        except KeyposeError as error:
+            return _refused(error)
+        return _download(content, "text/html", f"{name}-report.html")
+
     def _opened(self) -> tuple[EditorState, Video]:
         edit, piece = self._store.outlook.edit, self._store.piece
         if edit is None or piece is None:
@@ -119,6 +134,12 @@ def _png(edit: EditorState, video: Video, frame: int, shot: Shot) -> bytes:
     opacity = looks.opacity if shot.opacity is None else shot.opacity
     look = Look(shot.view, shot.mode or looks.mode, opacity)
     return png(snapshot(edit.doc, video, frame, shown(edit, frame).pose, look))
+
+
+def _report_of(path: Path, video: Video) -> bytes:
+    from app.reporting.report import report_html  # its charts and letters load when wanted
+
+    return report_html(load_session(path), path, video)
 
 
 def _refused(error: ValidationError | KeyposeError) -> Response:

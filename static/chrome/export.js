@@ -35,6 +35,9 @@ export async function copyPicture() {
 export const saveMotion = (format) =>
   saveFrom(`/motion?format=${format}`, `${S.file.name}.${format}`);
 
+/** Save the report: verdicts, charts and pictures in one page that needs no other. */
+export const saveReport = () => saveFrom('/report.html', `${S.file.name}-report.html`);
+
 function pictureAddress(view) {
   const { mode, opacity } = S.view;
   const query = new URLSearchParams({ view, frame: frame() });
@@ -46,7 +49,9 @@ function pictureAddress(view) {
 async function saveFrom(address, name) {
   try {
     const response = await answered(address);
-    saveBlob(await response.blob(), nameIn(response) ?? name);
+    const saved = nameIn(response) ?? name;
+    saveBlob(await response.blob(), saved);
+    toast({ kind: 'good', words: `Saved as ${saved}.` });
   } catch (error) {
     toast({ kind: 'check', words: `Nothing was saved. ${sentence(error.message)}` });
   }

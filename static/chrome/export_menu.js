@@ -4,7 +4,7 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../icons.js';
 import { S } from '../state.js';
 import { frame } from '../timeline/head.js';
-import { copyPicture, saveMotion, savePicture, viewShown } from './export.js';
+import { copyPicture, saveMotion, savePicture, saveReport, viewShown } from './export.js';
 import { heading, line, menuHolder, note, toggleMenu } from './menus.js';
 import { listed, range } from './words.js';
 
@@ -49,6 +49,11 @@ function items() {
       run: () => saveMotion(format),
     })),
     warning(),
+    line,
+    {
+      icon: 'film', label: 'Report, HTML', right: 'verdicts, charts, pictures',
+      off: keys.length ? '' : 'Pose a keyframe first', run: saveReport,
+    },
   ];
 }
 

@@ -152,6 +152,15 @@ def test_the_tables_are_those_of_the_command_line(at: Desk, tmp_path: Path) -> N
     assert packed == {path.name: path.read_bytes() for path in out.iterdir()}
 
 
+def test_the_report_is_that_of_the_command_line(at: Desk, tmp_path: Path) -> None:
+    saved = downloaded(at.page, tmp_path, item(at.page, "Report"))
+    assert saved.name == "person-report.html"
+    out = tmp_path / "report.html"
+    assert main(["report", str(at.session), "--out", str(out)]) == 0
+    assert saved.read_bytes() == out.read_bytes()
+    until(lambda: at.page.get_by_text("Saved as person-report.html").count(), "the word on it")
+
+
 def test_without_a_motion_the_menu_says_why(at: Desk) -> None:
     for frame in (24, 48, 72):
         at.visitor.do(do="delete_key", frame=frame)
