@@ -83,6 +83,10 @@ class Runner:
             raise Refused("Nothing has changed: every segment is tracked already.")
         self._start(piece, edit.doc, wanted, (edit.doc.settings.quality,))
 
+    def hold(self, on: bool) -> None:
+        """Stand back while a hand drags."""
+        self._tracking.hold(on)
+
     def cancel(self) -> None:
         """Stop within a pass; what is finished stays."""
         self._tracking.cancel()

@@ -159,6 +159,8 @@ class Store:
         if edit is before:
             return
         self._look(edit=edit)
+        if (before is not None and before.stroke is not None) != (edit.stroke is not None):
+            self._runner.hold(edit.stroke is not None)
         if self._journaling is not None and self._journaling.note(edit):
             self._save()
         if before is None or edit.stroke is not None:

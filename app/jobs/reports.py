@@ -37,6 +37,13 @@ class Cancel:
 
 
 @dataclass(frozen=True)
+class Hold:
+    """Stand back while a hand drags (`on`), or go on: each pass waits, though not for long."""
+
+    on: bool
+
+
+@dataclass(frozen=True)
 class Warming:
     """The worker is getting ready; the job, if there is one, waits for it."""
 

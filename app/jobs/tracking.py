@@ -12,6 +12,7 @@ from typing import Any
 from app.jobs.process import WorkerProcess
 from app.jobs.reports import (
     Cancel,
+    Hold,
     JobFailed,
     JobFinished,
     Order,
@@ -78,6 +79,11 @@ class Tracking:
         """Leave the newest job within one pass; it then ends with JobFinished(cancelled=True)."""
         if self._worker is not None and self._last_job in self._open:
             self._worker.send(Cancel(self._last_job))
+
+    def hold(self, on: bool) -> None:
+        """Stand back while a hand drags, so that the page follows it; then go on."""
+        if self._worker is not None and self.job is not None:
+            self._worker.send(Hold(on))
 
     def close(self) -> None:
         """End the worker, within a second; nothing is reported any more."""

@@ -7,14 +7,26 @@ import signal
 import traceback
 from concurrent.futures import ThreadPoolExecutor
 from multiprocessing.connection import Connection
-from threading import Lock, Thread
+from threading import Event, Lock, Thread
 
 from app.jobs.desk import Desk
-from app.jobs.reports import Cancel, JobFinished, Order, Ready, Report, Warming
+from app.jobs.reports import (
+    Cancel,
+    Hold,
+    JobFinished,
+    Order,
+    PassFinished,
+    Ready,
+    Report,
+    Warming,
+)
 from app.jobs.wire import receive, send
 
 THREADS = 2
 """Segments side by side. More would gain little and take the page's share of a small computer."""
+
+LONGEST_HOLD_S = 1.0
+"""A pass waits no longer than this for a hand that drags: tracking slows down, it does not stop."""
 
 
 def work(connection: Connection, niceness: int) -> None:
@@ -32,6 +44,8 @@ class Worker:
         self._connection = connection
         self._sending = Lock()
         self._desk = Desk()
+        self._may_go_on = Event()
+        self._may_go_on.set()
 
     def serve(self) -> None:
         """Until there is nobody left to serve."""
@@ -42,7 +56,11 @@ class Worker:
         except (EOFError, OSError):
             os._exit(0)  # whatever is at work is of no use to anyone now
 
-    def _heed(self, message: Order | Cancel) -> None:
+    def _heed(self, message: Order | Cancel | Hold) -> None:
+        if isinstance(message, Hold):
+            (self._may_go_on.clear if message.on else self._may_go_on.set)()
+            return
+        self._may_go_on.set()
         if isinstance(message, Order):
             dropped = self._desk.put(message)
         else:
@@ -78,5 +96,7 @@ class Worker:
                 Job(order, cancelled, self._tell).run(bench, threads)
 
     def _tell(self, report: Report) -> None:
+        if isinstance(report, PassFinished):
+            self._may_go_on.wait(LONGEST_HOLD_S)
         with self._sending:
             send(self._connection, report)

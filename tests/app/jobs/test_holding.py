@@ -1,0 +1,56 @@
+"""While a hand drags, tracking stands back at its next pass, and goes on when the hand lets go."""
+
+from __future__ import annotations
+
+from threading import Thread
+
+import pytest
+
+from app.jobs import PassFinished, Ready, worker
+from app.jobs.reports import Cancel, Hold, Report
+from app.jobs.worker import Worker
+
+
+@pytest.fixture
+def told(monkeypatch: pytest.MonkeyPatch) -> list[Report]:
+    heard: list[Report] = []
+    monkeypatch.setattr(worker, "send", lambda _, report: heard.append(report))
+    return heard
+
+
+def _pass() -> PassFinished:
+    return PassFinished.__new__(PassFinished)
+
+
+def _telling(desk: Worker, report: Report) -> Thread:
+    thread = Thread(target=desk._tell, args=(report,), daemon=True)
+    thread.start()
+    thread.join(0.1)
+    return thread
+
+
+@pytest.mark.parametrize("release", [Hold(False), Cancel(1)])
+def test_a_pass_waits_for_the_hand_and_nothing_else_does(
+    told: list[Report], monkeypatch: pytest.MonkeyPatch, release: Hold | Cancel
+) -> None:
+    monkeypatch.setattr(worker, "LONGEST_HOLD_S", 60)
+    desk = Worker(None)  # type: ignore[arg-type]
+    desk._heed(Hold(True))
+    waiting, ready = _telling(desk, found := _pass()), Ready()
+    _telling(desk, ready)
+    assert told == [ready]
+    assert waiting.is_alive()
+    desk._heed(release)
+    waiting.join()
+    assert told[1] is found
+
+
+def test_a_hand_that_never_lets_go_slows_tracking_and_does_not_stop_it(
+    told: list[Report], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(worker, "LONGEST_HOLD_S", 0.01)
+    desk = Worker(None)  # type: ignore[arg-type]
+    desk._heed(Hold(True))
+    for _ in range(3):
+        desk._tell(_pass())
+    assert len(told) == 3
