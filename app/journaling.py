@@ -22,36 +22,38 @@ from tracker.session.files import journal_path, session_json
 from tracker.session.journal import Journal
 from tracker.session.schema import Session
 
-MOST_BYTES = 32 * 2**20
-"""A longer journal is begun anew, with the steps that can still be undone."""
+MOST_BYTES = 4 * 2**20
+"""A longer journal, and twice as long as it began, is begun anew with what can still be undone."""
 
 
 @dataclass(frozen=True)
 class Beginning:
     """Where a session's files stand when it is opened.
 
-    size: bytes of the journal that are whole.  follows: it can be gone on with; otherwise the next
-    edit begins it anew.  content: of the session file.
+    size: bytes of the journal that are whole, of `length` in all.  follows: it can be gone on with;
+    otherwise the next edit begins it anew.  content: of the session file.
     """
 
     size: int = 0
     follows: bool = False
     content: bytes = b""
+    length: int = 0
 
 
 class Journaling:
-    """The journal of the session that is open; `known` is what the session file holds of ours."""
+    """The journal of the session that is open; `known` are contents of its file that are ours."""
 
     def __init__(self, session_path: Path, edit: EditorState, beginning: Beginning) -> None:
         size = beginning.size if beginning.follows else 0
         self._journal = Journal(journal_path(session_path), size)
         self._follows = beginning.follows
-        self.known = beginning.content
+        self.known: tuple[bytes, ...] = (beginning.content,)
+        self._began_with = size
         self._last = _moment(edit)
         self._lock = Lock()
         self._pending: list[tuple[Moment, Moment]] = []
         self._marked = ""
-        self._noted = self._written = 0
+        self._noted = self._written = self._given_up = 0
         self._waiting: list[tuple[int, Callable[[], None]]] = []
 
     # --- on the loop's thread
@@ -69,13 +71,15 @@ class Journaling:
 
     def when_written(self, call: Callable[[], None]) -> None:
         """Call once all that was noted until now is on the disk, or cannot be brought there."""
-        if self._noted == self._written:
+        if self._noted <= max(self._written, self._given_up):
             call()
         else:
             self._waiting.append((self._noted, call))
 
     def heard(self, *, failed: bool = False) -> None:
         """Call those whose wait is over."""
+        if failed:
+            self._given_up = self._noted
         ready = [call for number, call in self._waiting if failed or number <= self._written]
         self._waiting = [w for w in self._waiting if not failed and w[0] > self._written]
         for call in ready:
@@ -89,21 +93,35 @@ class Journaling:
             pending = list(self._pending)
         if not pending:
             return
-        if not self._follows or self._journal.size > MOST_BYTES:
-            records = whole_record(pending[-1][1])
-            self._journal.begin_anew(records, keep_previous=not self._follows)
-            self._follows = True
+        if not self._follows or self._is_long() or not self._journal.is_there():
+            self._begin_anew(pending[-1][1])
         else:
             self._journal.append(edit_record(before, after) for before, after in pending)
         with self._lock:
             del self._pending[: len(pending)]
             self._written += len(pending)
 
+    def _is_long(self) -> bool:
+        return self._journal.size > max(MOST_BYTES, 2 * self._began_with)
+
+    def _begin_anew(self, moment: Moment) -> None:
+        self._journal.begin_anew(whole_record(moment), keep_previous=not self._follows)
+        self._follows, self._marked = True, ""
+        self._began_with = self._journal.size
+
+    def is_written(self) -> bool:
+        """Whether the journal has everything."""
+        return self._noted == self._written
+
+    def saving(self, session: Session) -> None:
+        """The session file is about to hold this: what it then holds is ours."""
+        self.known = (*self.known[-1:], session_json(session))
+
     def saved(self, session: Session) -> None:
         """The session file now holds this; only then is it known to follow the journal."""
-        self.known = session_json(session)
+        self.known = self.known[-1:]
         mark = mark_of(session)
-        if self._follows and mark != self._marked:
+        if self._follows and mark != self._marked and self._journal.is_there():
             self._journal.append([saved_record(mark)], durable=False)
             self._marked = mark
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from contextlib import suppress
 from pathlib import Path
@@ -40,12 +41,15 @@ class SessionLock:
             return cls(None)
         try:
             fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
+        except OSError as error:
             holder = _holder(descriptor)
             os.close(descriptor)
-            raise HeldElsewhere(f"open in another Keypose{holder}") from None
-        os.ftruncate(descriptor, 0)
-        os.pwrite(descriptor, str(os.getpid()).encode(), 0)
+            if error.errno in (errno.EWOULDBLOCK, errno.EACCES):
+                raise HeldElsewhere(f"open in another Keypose{holder}") from None
+            return cls(None)  # a file system without locks
+        with suppress(OSError):  # who holds it is only for the words; the disk may be full
+            os.ftruncate(descriptor, 0)
+            os.pwrite(descriptor, str(os.getpid()).encode(), 0)
         return cls(descriptor)
 
     def release(self) -> None:

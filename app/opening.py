@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from app.editor.sights import up_of
@@ -15,9 +15,11 @@ from app.results import Results, load_results
 from tracker.body import preset
 from tracker.camera import Camera
 from tracker.errors import SessionError
+from tracker.geometry import Array
 from tracker.session.atomic import make_folder
-from tracker.session.chronicle import OUTSIDE, Recovered, of_film
+from tracker.session.chronicle import OUTSIDE, Moment, Recovered, is_same_film, of_film
 from tracker.session.files import (
+    journal_path,
     load_session,
     open_session,
     open_video_of,
@@ -25,8 +27,9 @@ from tracker.session.files import (
     video_path,
 )
 from tracker.session.first_motion import carry_first_motion
-from tracker.session.history import History
-from tracker.session.schema import Session, VideoReference
+from tracker.session.history import History, Step
+from tracker.session.journal import Read
+from tracker.session.schema import Keyframe, Session, VideoReference
 from tracker.skeleton import Skeleton
 from tracker.video import Video
 
@@ -58,6 +61,12 @@ class Workpiece:
     def is_same(self, other: Workpiece) -> bool:
         """Whether both are saved in one file."""
         return os.path.realpath(self.session_path) == os.path.realpath(other.session_path)
+
+    def is_stale(self) -> bool:
+        """Whether its files have been written to since they were read."""
+        return _content(self.session_path) != self.journal.content or (
+            _length(journal_path(self.session_path)) != self.journal.length
+        )
 
     def film(self) -> str:
         """Equal for the same video only; reads a little of the file."""
@@ -129,11 +138,13 @@ def edit_state(piece: Workpiece) -> tuple[EditorState, str]:
 
 
 def _opened(path: Path) -> Workpiece:
-    content = path.read_bytes() if path.is_file() else b""
+    path = Path(os.path.realpath(path))  # journal and lock lie beside the file, not beside a link
+    content = _content(path)
     opened = open_session(path)
     session, found = opened.session, opened.recovered
+    journal, follows = opened.journal, found.follows and opened.journal.whole
     video = open_video_of(session, path)
-    moment, news = found.moment, _news(found)
+    moment, news = found.moment, _news(found, journal)
     if not _is_there(video_path(session, path), video.info.path):
         place = _relative(video.info.path, path.parent)
         session = session.model_copy(
@@ -141,22 +152,67 @@ def _opened(path: Path) -> Workpiece:
         )
         moment = of_film(moment, session)
         news = (*news, f"The video was found again at {place}.")
+    timed = timed_by(session, video.info.times_s)
+    if timed is not session:  # a new keyframe's time would not stand between the others'
+        session, follows = timed, False
+        moment = _each(moment, lambda doc: timed_by(doc, video.info.times_s))
     return Workpiece(
         path,
         session,
         video,
         fresh=False,
         history=moment.history,
-        journal=Beginning(opened.size, found.follows, content),
+        journal=Beginning(journal.size, follows, content, journal.length),
         news=news,
     )
+
+
+def timed_by(doc: Session, times_s: Array) -> Session:
+    """With each pose at its frame's time in the video, which hand-written sessions may not know."""
+
+    def timed(poses: tuple[Keyframe, ...]) -> tuple[Keyframe, ...]:
+        told = [(pose, float(times_s[pose.frame])) for pose in poses]
+        if all(pose.time_s == time_s for pose, time_s in told):
+            return poses
+        return tuple(pose.model_copy(update={"time_s": time_s}) for pose, time_s in told)
+
+    keyframes, drafts = timed(doc.keyframes), timed(doc.drafts)
+    if keyframes is doc.keyframes and drafts is doc.drafts:
+        return doc
+    return doc.model_copy(update={"keyframes": keyframes, "drafts": drafts})
+
+
+def _each(moment: Moment, changed: Callable[[Session], Session]) -> Moment:
+    """The same with every document changed."""
+
+    def steps(told: tuple[Step, ...]) -> tuple[Step, ...]:
+        return tuple(replace(step, doc=changed(step.doc)) for step in told)
+
+    history = History(steps(moment.history.past), steps(moment.history.future))
+    return Moment(changed(moment.doc), history, moment.frame)
 
 
 def _is_there(told: Path, found: Path) -> bool:
     return os.path.realpath(told) == os.path.realpath(found)
 
 
-def _news(found: Recovered) -> tuple[str, ...]:
+def _content(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError:
+        return b""
+
+
+def _length(path: Path) -> int:
+    try:
+        return path.stat().st_size
+    except OSError:
+        return 0
+
+
+def _news(found: Recovered, journal: Read) -> tuple[str, ...]:
+    if not journal.whole:
+        return ("The journal of edits is damaged: some steps may not come back by undo.",)
     if found.ahead:
         edits = "An edit" if found.ahead == 1 else f"{found.ahead} edits"
         return (f"{edits} made before Keypose ended unexpectedly came back.",)
@@ -187,9 +243,11 @@ def _relative(path: Path, folder: Path) -> str:
 def copied_session(path: Path, out: Path) -> Path:
     """A session of one's own in a folder: made when it is not there yet, else as it was left."""
     target = out / "session.json"
-    if target.exists():
-        return target
     session = load_session(path)
+    if target.exists():
+        if not is_same_film(load_session(target), session):
+            raise SessionError(f"{str(out)!r} holds the session of another video; choose another.")
+        return target
     make_folder(out)
     carry_first_motion(session, path.parent, out)
     place = os.path.relpath(video_path(session, path), out.absolute())

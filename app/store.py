@@ -204,12 +204,14 @@ class Store:
             if self._lock is None:  # the folder is new
                 self._lock = SessionLock.take(path.parent)
             if not path.exists():  # a journal alone would not be found
+                journaling.saving(doc)
                 save_session(doc, path)
                 journaling.saved(doc)
             journaling.write()
             self._loop.call_soon_threadsafe(journaling.heard)
             session = save_results(doc, path, edit.results)
             theirs = set_aside(path, journaling.known)
+            journaling.saving(session)
             save_session(session, path)
             journaling.saved(session)
             if theirs is not None:
@@ -323,14 +325,20 @@ class Store:
                 edit, problem = await asyncio.to_thread(edit_state, piece)
                 film = await asyncio.to_thread(piece.film)
                 await self._put_away()
+                self._take_lock(piece)
+                if piece.is_stale():  # another Keypose wrote on until it let go of the lock
+                    piece.video.close()
+                    piece = await asyncio.to_thread(
+                        open_workpiece, piece.session_path, self._library.session_for
+                    )
+                    edit, problem = await asyncio.to_thread(edit_state, piece)
             except BaseException:
                 piece.video.close()
+                self._release_lock()
                 raise
-            self._piece = piece
-            self._take_lock(piece)
             if not self._read_only:
                 self._journaling = Journaling(piece.session_path, edit, piece.journal)
-            self.frames = Frames(piece.video)
+            self._piece, self.frames = piece, Frames(piece.video)
             self._look(
                 opened=Opened(piece.name, str(piece.session_path), piece.video.info, film),
                 edit=edit,
@@ -352,6 +360,11 @@ class Store:
             except HeldElsewhere as held:
                 self._read_only = f"Read only: {held}. Close it there, then open it here again."
 
+    def _release_lock(self) -> None:
+        if self._lock is not None:
+            self._lock.release()
+            self._lock = None
+
     async def close_session(self) -> None:
         """Save, and go back to the start screen."""
         async with self._opening:
@@ -371,12 +384,12 @@ class Store:
 
     async def _settle(self) -> None:
         """Have everything written, as far as the disk takes it."""
-        if self._saving_later is not None:
-            self._save()
         self._saver.again()
         while True:
             if self._outlook.edit is not None:
                 self._edit_to(ended(self._outlook.edit))
+            if self._saving_later is not None:
+                self._save()
             if self._saver.is_settled:
                 return
             await self._saver.settled()
@@ -391,9 +404,7 @@ class Store:
             self._journaling.heard(failed=True)
             self._journaling.close()
             self._journaling = None
-        if self._lock is not None:
-            self._lock.release()
-            self._lock = None
+        self._release_lock()
         self._read_only = ""
         self._look(opened=None, edit=None, running={}, job=Job(), saved=Saved())
         if frames is not None:
@@ -407,11 +418,13 @@ class Store:
             async with self._opening:
                 await self._settle()
                 problem = self._saver.problem
+                kept = self._journaling is not None and self._journaling.is_written()
                 await self._let_go()
         finally:
             await asyncio.to_thread(self._runner.stop)
         if problem is not None:
-            raise SessionError(f"{problem} The last changes are lost.")
+            rest = "The last changes are in its journal." if kept else "The last changes are lost."
+            raise SessionError(f"{problem} {rest}")
 
     async def saved_path(self) -> Path:
         """The session's file once it holds everything; SessionError when it cannot be written."""
@@ -419,6 +432,8 @@ class Store:
         if piece is None:
             raise Refused("Open a video first.")
         self._saver.again()
+        if self._saving_later is not None:
+            self._save()
         await self._saver.settled()
         if self._saver.problem is not None:
             raise SessionError(self._saver.problem)

@@ -4,19 +4,24 @@ from __future__ import annotations
 
 import asyncio
 import errno
+import json
 import os
 import shutil
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from app import running
+from app import store as store_module
 from app.library import Library
+from app.opening import Workpiece, copied_session
 from app.store import Store
 from tests.app.killing import kill_once
 from tests.app.serving import ROOT
+from tracker.errors import SessionError
 from tracker.session.files import journal_path, load_session, open_session
 from tracker.session.journal import Journal, read_journal
 
@@ -235,6 +240,108 @@ def test_a_long_journal_is_begun_anew_without_losing_a_step(
     assert len(labels(path)) == 59
     records = read_journal(journal_path(path)).records
     assert sum("base" in record for record in records) == 1
+
+
+def test_one_that_opens_while_another_still_writes_reads_what_that_one_wrote_last(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = store_module.edit_state
+
+    async def both(first: Store) -> None:
+        await done(first, turn(-10))
+        await saved(first)
+        loop = asyncio.get_running_loop()
+
+        def slowly(piece: Workpiece) -> Any:
+            state = real(piece)
+            monkeypatch.setattr(store_module, "edit_state", real)
+            asyncio.run_coroutine_threadsafe(done(first, turn(-20), turn(-30)), loop).result()
+            asyncio.run_coroutine_threadsafe(first.stop(), loop).result()
+            return state
+
+        monkeypatch.setattr(store_module, "edit_state", slowly)
+        second = Store(loop, lambda *_: None, Library(path.parent / "work", [path.parent]))
+        await second.open(path)
+        await done(second, turn(-40))
+        await second.stop()
+
+    with_store(path, both, ends=False)
+    assert len(labels(path)) == 4
+
+
+def test_times_that_are_not_the_videos_do_not_spoil_the_file(path: Path) -> None:
+    data = json.loads(path.read_text())
+    for keyframe in data["keyframes"]:
+        keyframe["time_s"] *= 3
+    path.write_text(json.dumps(data))
+
+    async def edit(store: Store) -> None:
+        await done(store, {"do": "add_key", "frame": 30}, turn(-20))
+
+    with_store(path, edit)
+    assert [keyframe.frame for keyframe in load_session(path).keyframes] == [0, 24, 30, 48, 72]
+    assert len(labels(path)) == 2
+
+
+def test_a_journal_that_is_removed_or_cut_while_open_is_begun_anew(path: Path) -> None:
+    async def edit(store: Store) -> None:
+        await done(store, turn(-10))
+        await saved(store)
+        journal_path(path).unlink()
+        await done(store, turn(-20))
+        await saved(store)
+        journal_path(path).write_bytes(b"")
+        await done(store, turn(-30))
+
+    with_store(path, edit)
+    assert len(labels(path)) == 3
+
+
+def test_of_a_damaged_journal_a_copy_is_kept_and_it_is_told(path: Path) -> None:
+    async def edit(store: Store) -> None:
+        await done(store, turn(-10), turn(-20), turn(-30))
+
+    async def go_on(store: Store) -> None:
+        said = (await store.join().next())[0]
+        assert "damaged" in said["words"]
+        await done(store, turn(-40))
+
+    with_store(path, edit)
+    content = bytearray(journal_path(path).read_bytes())
+    content[len(content) // 2] ^= 1
+    journal_path(path).write_bytes(content)
+    with_store(path, go_on)
+    assert path.with_name("journal.jsonl.previous").read_bytes() == content
+    assert load_session(path).keyframes[0].rotations_wxyz["left_forearm"] == pytest.approx(
+        (np.cos(np.radians(20)), -np.sin(np.radians(20)), 0, 0), abs=1e-6
+    )
+
+
+def test_fields_that_are_not_known_survive_undo(path: Path) -> None:
+    async def edit(store: Store) -> None:
+        await done(store, turn(-10))
+
+    with_store(path, edit)
+    path.write_text(json.dumps({**json.loads(path.read_text()), "lab": 7}))
+    with_store(path, edit_twice)
+    with_store(path, undo)
+    assert json.loads(path.read_text())["lab"] == 7
+
+
+async def edit_twice(store: Store) -> None:
+    await done(store, turn(-20), turn(-30))
+
+
+async def undo(store: Store) -> None:
+    await done(store, {"do": "undo"})
+
+
+def test_a_copy_of_another_session_is_not_taken_for_this_one(path: Path, tmp_path: Path) -> None:
+    box = ROOT / "sample_videos" / "box" / "session.json"
+    copied_session(box, tmp_path / "copy")
+    assert copied_session(box, tmp_path / "copy") == tmp_path / "copy" / "session.json"
+    with pytest.raises(SessionError, match="another video"):
+        copied_session(path, tmp_path / "copy")
 
 
 def test_a_killed_keypose_loses_no_edit_it_has_acknowledged(path: Path) -> None:

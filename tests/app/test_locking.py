@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import subprocess
 import sys
@@ -11,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from app import locking
 from app.locking import HeldElsewhere, SessionLock
 
 _HOLD = """
@@ -61,3 +63,26 @@ def test_released_it_can_be_taken_again_and_twice_released_is_no_harm(tmp_path: 
 
 def test_where_nothing_can_be_written_there_is_nothing_to_lock(tmp_path: Path) -> None:
     SessionLock.take(tmp_path / "nowhere").release()
+
+
+def test_where_files_cannot_be_locked_one_writes_all_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr(locking.fcntl, "flock", refuse)
+    SessionLock.take(tmp_path).release()
+
+
+def test_a_full_disk_keeps_nobody_from_the_lock(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "pwrite", refuse)
+    lock = SessionLock.take(tmp_path)
+    with pytest.raises(HeldElsewhere):
+        SessionLock.take(tmp_path)
+    lock.release()

@@ -203,7 +203,7 @@ def test_what_cannot_be_saved_is_not_closed_before_a_person_knows(
         desk.receive(desk.join(), EDIT)
 
     monkeypatch.setattr(store, "save_session", full)
-    with pytest.raises(SessionError, match="The last changes are lost"):
+    with pytest.raises(SessionError, match="The last changes are in its journal"):
         _with_store(path, work)
 
 

@@ -17,10 +17,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from tracker.errors import SessionError
 from tracker.session.changes import changed, changes
 from tracker.session.history import History, Step
 from tracker.session.journal import Record
 from tracker.session.schema import Session
+from tracker.session.versions import brought_up
 
 OUTSIDE = "change made outside"
 """What a step is called that brought a session file changed by another program."""
@@ -61,10 +63,12 @@ def without_results(session: Session) -> Session:
 
 
 def of_film(moment: Moment, doc: Session) -> Moment:
-    """The same with the video where it lies now: session and video may have been moved."""
+    """The same with the video where it lies now, for both may have been moved, and with the fields
+    that are not known: they are no edit."""
+    told = {"video": doc.video, "schema_version": doc.schema_version, **(doc.model_extra or {})}
 
     def here(one: Session) -> Session:
-        return one.model_copy(update={"video": doc.video, "schema_version": doc.schema_version})
+        return one.model_copy(update=told)
 
     def moved(steps: tuple[Step, ...]) -> tuple[Step, ...]:
         return tuple(replace(step, doc=here(step.doc)) for step in steps)
@@ -129,9 +133,17 @@ def recovered(session: Session, records: Sequence[Record]) -> Recovered:
     alone = Recovered(Moment(doc), 0, follows=False)
     try:
         last, marks, saved = _replayed(records)
-    except (ValueError, KeyError, IndexError, TypeError, AttributeError):
+    except (
+        ValueError,
+        KeyError,
+        IndexError,
+        TypeError,
+        AttributeError,
+        OverflowError,
+        SessionError,
+    ):
         return alone
-    if last is None or not _is_same_film(last.doc, doc):
+    if last is None or not is_same_film(last.doc, doc):
         return alone
     mark = mark_of(doc)
     known = [k for k in range(saved, len(marks)) if marks[k] == mark]
@@ -154,7 +166,8 @@ def _fits_together(doc: Session) -> bool:
     return True
 
 
-def _is_same_film(one: Session, other: Session) -> bool:
+def is_same_film(one: Session, other: Session) -> bool:
+    """Whether both are about one video, as far as they tell."""
     a, b = one.video, other.video
     facts = (a.frame_count, a.width, a.height) == (b.frame_count, b.width, b.height)
     return facts and (a.fingerprint == b.fingerprint or "" in (a.fingerprint, b.fingerprint))
@@ -180,7 +193,8 @@ def _replayed(records: Sequence[Record]) -> tuple[Moment | None, list[str], int]
 
 
 def _base(record: Mapping[str, Any]) -> Moment:
-    return Moment(Session.model_validate(record["base"]), frame=int(record["frame"]))
+    base = brought_up(record["base"], "the journal")
+    return Moment(Session.model_validate(base), frame=int(record["frame"]))
 
 
 def _next(before: Moment, record: Mapping[str, Any]) -> Moment:

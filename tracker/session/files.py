@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -33,12 +34,12 @@ class Opened:
 
     session:   the newest document, with the results of the session file.
     recovered: the same with its history, and whether the journal can be gone on with.
-    size:      bytes of the journal that are whole.
+    journal:   what was read of it.
     """
 
     session: Session
     recovered: Recovered
-    size: int
+    journal: Read
 
 
 def load_session(path: Path) -> Session:
@@ -58,7 +59,7 @@ def open_session(path: Path) -> Opened:
         journal = Read()
     found = recovered(session, journal.records)
     newest = found.moment.doc.model_copy(update={"results": session.results})
-    return Opened(newest if found.ahead else session, found, journal.size)
+    return Opened(newest if found.ahead else session, found, journal)
 
 
 def read_session(path: Path) -> Session:
@@ -119,17 +120,17 @@ def _back_up(path: Path, there: bytes) -> None:
         write_file(kept, there, error=SessionError)
 
 
-def set_aside(path: Path, known: bytes) -> Path | None:
+def set_aside(path: Path, known: Collection[bytes]) -> Path | None:
     """Keep what another program wrote into a session file, before it is saved over.
 
-    known: the file's content as this program read or wrote it last.  Returns the copy, None where
+    known: contents that this program has read or written itself.  Returns the copy, None where
     nothing else was written. SessionError when it cannot be kept.
     """
     try:
         there = path.read_bytes()
     except OSError:  # nothing there that could be lost
         return None
-    if there == known:
+    if there in known:
         return None
     copy = path.with_name(f"{path.stem}.theirs-{hashlib.sha256(there).hexdigest()[:8]}.json")
     if not copy.exists():

@@ -29,11 +29,15 @@ Record: TypeAlias = dict[str, Any]
 
 @dataclass(frozen=True, eq=False)
 class Read:
-    """records: those before the first that is damaged.  size: their bytes.  whole: that is all."""
+    """records: those before the first that is damaged.  size: their bytes.
+
+    whole: nothing follows them but part of a line.  length: bytes of the file.
+    """
 
     records: tuple[Record, ...] = ()
     size: int = 0
     whole: bool = True
+    length: int = 0
 
 
 def read_journal(path: Path) -> Read:
@@ -54,7 +58,8 @@ def read_journal(path: Path) -> Read:
             break
         records.append(record)
         size += len(line)
-    return Read(tuple(records), size, whole=size == len(content))
+    whole = b"\n" not in content[size:]
+    return Read(tuple(records), size, whole, len(content))
 
 
 def lines(records: Iterable[Mapping[str, Any]]) -> bytes:
@@ -70,6 +75,16 @@ class Journal:
         self.path = path
         self.size = size
         self._file: int | None = None
+
+    def is_there(self) -> bool:
+        """Whether the file still is the one to go on with: nobody removed or exchanged it."""
+        try:
+            there = self.path.stat()
+        except OSError:
+            return self.size == 0
+        if self._file is not None and not os.path.samestat(there, os.fstat(self._file)):
+            return False
+        return there.st_size >= self.size
 
     def append(self, records: Iterable[Mapping[str, Any]], *, durable: bool = True) -> None:
         """Write records; they are on the disk when this returns, unless told that it may wait.
