@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 from app.editor import actions as do
 from app.outlook import Guide
@@ -14,10 +14,49 @@ ENOUGH_ENDS = 4
 """Hands and feet."""
 
 
+@dataclass(frozen=True)
+class _UnderHand(Guide):
+    """The guide as before a gesture that is under way, and as it is `then`, once that ends."""
+
+    stroke: str = ""
+    then: Guide = field(default_factory=Guide)
+
+
 def guide_after(guide: Guide, action: do.Editing, body: Body) -> Guide:
-    """The guide with the steps this action does ticked off."""
+    """The guide with the steps this action does ticked off; those of a gesture once it ends."""
     if isinstance(action, do.BeginGuide):
-        return replace(guide, done=frozenset(), pulled=frozenset())
+        return Guide(guide.first)
+    if isinstance(guide, _UnderHand):
+        if _goes_on(guide.stroke, action):
+            return guide
+        before = Guide(guide.first, guide.done, guide.pulled)
+        if _stroke_of(action) != guide.stroke:
+            guide = guide.then
+        elif isinstance(action, do.EndStroke | do.CancelStroke):
+            return guide.then if isinstance(action, do.EndStroke) else before
+        else:
+            guide = before
+    then = _ticked(guide, action, body)
+    stroke = _stroke_of(action)
+    if stroke is None or then is guide:
+        return then
+    return _UnderHand(guide.first, guide.done, guide.pulled, stroke, then)
+
+
+def _goes_on(stroke: str, action: do.Editing) -> bool:
+    """Whether this gesture is still under way after the action."""
+    if isinstance(action, do.EndStroke | do.CancelStroke):
+        return action.stroke != stroke
+    return isinstance(action, do.Looking) and not isinstance(action, do.Go)
+
+
+def _stroke_of(action: do.Editing) -> str | None:
+    return getattr(action, "stroke", None)
+
+
+def _ticked(guide: Guide, action: do.Editing, body: Body) -> Guide:
+    if isinstance(action, do.Drag) and action.at == action.from_:
+        return guide  # back where it began
     pulled = guide.pulled | _pulled(action)
     done = guide.done | _steps(action, body.parts[0].name)
     if len(pulled) >= min(ENOUGH_ENDS, _ends_of(body)):

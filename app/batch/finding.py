@@ -6,7 +6,7 @@ import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from app.library.files import _is_session as looks_like_a_session
+from app.library.files import is_session
 from tracker.errors import SessionError
 
 SESSION = "session.json"
@@ -16,7 +16,8 @@ def find_sessions(paths: Sequence[Path]) -> tuple[Path, ...]:
     """The session files, absolute, each once, in the order they were named; a folder's by name.
 
     A file stands for itself, a folder for all sessions in it and below, hidden folders left out
-    and links to folders not followed. SessionError when a path is not there or a folder has none.
+    and links to folders not followed; what was set aside of a session is none of its own.
+    SessionError when a path is not there or a folder has none.
     """
     found: dict[str, Path] = {}
     for path in paths:
@@ -58,5 +59,5 @@ def _below(folder: Path) -> Iterator[Path]:
         for name in sorted(names):
             path = Path(here) / name
             is_shown = not name.startswith(".") and name.lower().endswith(".json")
-            if is_shown and looks_like_a_session(path):
+            if is_shown and is_session(path):
                 yield path

@@ -16,6 +16,7 @@ from app.commands.arguments import (
     note,
 )
 from app.commands.json_output import print_written
+from app.commands.views import video_if_there
 from tracker.errors import FormatError
 
 if TYPE_CHECKING:
@@ -114,12 +115,9 @@ def _times_s(session: Session, session_path: Path) -> Array:
     """The time of every frame; from the keyframes, with a word on it, when the video is gone."""
     import numpy as np
 
-    from tracker.session.files import open_video_of, video_path
-
-    if video_path(session, session_path).exists():
-        with open_video_of(session, session_path) as video:
-            return video.info.times_s
-    note("the video is missing; times are those between keyframes.")
+    with video_if_there(session, session_path, "times are those between keyframes") as video:
+        if video is not None:
+            return np.asarray(video.info.times_s)
     frames = [keyframe.frame for keyframe in session.keyframes]
     times_s = [keyframe.time_s for keyframe in session.keyframes]
     if len(frames) < 2 or min(np.diff(times_s)) <= 0:

@@ -30,6 +30,9 @@ if TYPE_CHECKING:
     from tracker.session import Session
     from tracker.video import Video
 
+USUAL_FPS = 25.0
+"""Where neither the video nor two keyframes tell the pace."""
+
 _EXAMPLES = """\
   keypose film session.json --out overlay.mp4
   keypose film session.json --view orbit --size 1280x720 --out round.mp4
@@ -129,7 +132,12 @@ def _video(session: Session, session_path: Path, film: Film) -> Any:
 
     if film.needs_video:
         return open_video_of(session, session_path)
-    pace = "the film's rate is that of the keyframes' times"
+    paced = len(session.keyframes) > 1
+    pace = (
+        "the film's rate is that of the keyframes' times"
+        if paced
+        else f"the film has {USUAL_FPS:g} frames a second"
+    )
     return video_if_there(session, session_path, pace)
 
 
@@ -139,11 +147,15 @@ def _clock(session: Session, video: Video | None, film: Film, fps: Fraction | No
         info = video.info
         pts = info.pts[film.first : film.last + 1]
         return _Clock(info.time_base, (pts - pts[0]).tolist(), _fraction(info.fps))
-    keys = session.keyframes
     if fps is None:
-        seconds = keys[-1].time_s - keys[0].time_s
-        fps = _fraction((keys[-1].frame - keys[0].frame) / seconds if seconds > 0 else 25.0)
+        fps = _fraction(_fps_of_keyframes(session))
     return _Clock(1 / fps, list(range(count)), fps)
+
+
+def _fps_of_keyframes(session: Session) -> float:
+    keys = session.keyframes
+    seconds = keys[-1].time_s - keys[0].time_s if keys else 0.0
+    return (keys[-1].frame - keys[0].frame) / seconds if seconds > 0 else USUAL_FPS
 
 
 def _fraction(value: float) -> Fraction:

@@ -47,10 +47,17 @@ def video_if_there(session: Session, session_path: Path, otherwise: str) -> Any:
     try:
         return open_video_of(session, session_path)
     except SessionError:
-        if video_path(session, session_path).exists():  # another one, or damaged
+        if _exists(video_path(session, session_path)):  # another one, or damaged
             raise
     note(f"the video is missing; {otherwise}.")
     return nullcontext()
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except OSError:  # such as a name too long for any file
+        return False
 
 
 def still_view(text: str) -> View | Viewpoint:

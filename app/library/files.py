@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -25,6 +26,8 @@ LONGEST_SECONDS = 3.0
 SESSION_FOLDER = ".keypose"
 _IMAGES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".pgm")
 _HEAD_BYTES = 512
+_SET_ASIDE = re.compile(r"\.theirs-[0-9a-f]{8}\.json$")
+"""The name of what another program wrote into a session, kept beside it."""
 
 
 @dataclass(frozen=True)
@@ -126,11 +129,16 @@ def _kind(path: Path) -> Kind | None:
     suffix = path.suffix.lower()
     if suffix in SUFFIXES:
         return "video"
-    return "session" if suffix == ".json" and _is_session(path) else None
+    return "session" if suffix == ".json" and is_session(path) else None
 
 
-def _is_session(path: Path) -> bool:
-    """Told by its first bytes: a folder may hold many large files of other kinds."""
+def is_session(path: Path) -> bool:
+    """Told by its first bytes: a folder may hold many large files of other kinds.
+
+    A version that was set aside is no session of its own.
+    """
+    if _SET_ASIDE.search(path.name):
+        return False
     try:
         if not path.is_file():  # a pipe would wait for ever
             return False

@@ -82,7 +82,10 @@ const isOpen = () => Boolean(S.file) && Number.isInteger(U.guideStep);
 
 function notice() {
   if (!S.file || !S.guide) return;
-  if (S.guide.first && offered !== S.file.path && !wasClosed()) offerGuide();
+  if (offered !== S.file.path) {
+    if (S.guide.first && !wasClosed()) offerGuide();
+    else put('guideStep', null); // it was of the session before
+  }
   offered = S.file.path;
   const step = STEPS[U.guideStep];
   if (!step) return;

@@ -17,6 +17,15 @@ const POLL_MS = 30;
 const AWAKE_MS = 5000;
 const NODE = '/camera';
 
+/** What viser leaves on its window; nothing while the browser shows a page of its own there. */
+function handleOf(frame) {
+  try {
+    return frame.contentWindow?.__viserMutable;
+  } catch {
+    return null; // its error page is of another origin
+  }
+}
+
 /**
  * viser's picture for a role. `aim(camera)` is called before every picture and sets the three.js
  * camera; `ready()` once there is something to see; `pace()` tells how many milliseconds to let
@@ -72,7 +81,7 @@ export class Picture {
   }
 
   #wait() {
-    const inside = this.#frame.contentWindow?.__viserMutable;
+    const inside = handleOf(this.#frame);
     if (!inside?.canvas || !inside.cameraControl || !inside.scene || !inside.camera) {
       setTimeout(() => this.#wait(), POLL_MS);
       return;
@@ -126,7 +135,8 @@ export class Picture {
     const render = gl.render.bind(gl);
     gl.render = (...what) => {
       const now = performance.now();
-      if (now - wished > AWAKE_MS) return;
+      // A tab in the background may draw a wish much later.
+      if (drawn >= wished && now - wished > AWAKE_MS) return;
       const pace = this.#pace();
       const wait = Math.max(drawn + pace.rest, wished + pace.behind) - now;
       if (wait > 0) return later(wait);

@@ -230,6 +230,27 @@ def test_without_the_video_a_new_camera_films_at_the_keyframes_pace(
         np.testing.assert_allclose(found.info.times_s, np.arange(9) / 25, atol=1e-9)
 
 
+@pytest.mark.parametrize("count", [0, 1])
+def test_with_neither_video_nor_two_keyframes_a_film_has_25_frames_a_second(
+    tracked_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], count: int
+) -> None:
+    (tracked_path.parent / "frames").rename(tmp_path / "elsewhere")
+    cases.altered(tracked_path, lambda data: data.update(keyframes=data["keyframes"][:count]))
+    out = tmp_path / "film.mp4"
+    assert film(tracked_path, out, "--view", "orbit") == 0
+    assert "25 frames a second" in capsys.readouterr().err
+    with Video.open(out) as found:
+        np.testing.assert_allclose(found.info.times_s, np.arange(9) / 25, atol=1e-9)
+
+
+def test_a_path_of_a_video_that_no_file_can_have_is_a_missing_video(
+    tracked_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cases.altered(tracked_path, lambda data: data["video"].update(path="x" * 300 + ".mp4"))
+    assert film(tracked_path, tmp_path / "film.mp4", "--view", "orbit") == 0
+    assert "the video is missing" in capsys.readouterr().err
+
+
 def test_ctrl_c_leaves_no_file(
     tracked_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

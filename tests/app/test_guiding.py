@@ -61,6 +61,38 @@ def test_limbs_are_done_when_both_hands_and_both_feet_were_pulled() -> None:
     assert after(*map(pull, ends)) == {"limbs"}
 
 
+END, CANCEL = ({"do": what, "stroke": "s"} for what in ("end_stroke", "cancel_stroke"))
+
+
+def test_a_step_is_done_when_its_drag_ends_and_not_under_the_hand() -> None:
+    moves = [pull("root", stroke="s"), pull("root", stroke="s", at=[20, 9])]
+    assert after(*moves) == set()
+    assert after(*moves, {"do": "select", "part": None}) == set()
+    assert after(*moves, {"do": "end_stroke", "stroke": "other"}) == set()
+    assert after(*moves, END) == {"hips"}
+    assert after(*moves, {"do": "go", "frame": 3}) == {"hips"}
+    assert after(*moves, {"do": "add_key", "frame": 0}) == {"hips", "key"}
+    assert after(*moves, turn("waist") | {"stroke": "t"}) == {"hips"}
+
+
+def test_a_drag_that_is_taken_back_or_comes_back_does_no_step() -> None:
+    moved = pull("root", stroke="s")
+    assert after(moved, CANCEL) == set()
+    assert after(moved, CANCEL, {"do": "go", "frame": 3}) == set()
+    assert after({"do": "add_key", "frame": 0}, moved, CANCEL) == {"key"}
+    assert after(moved, pull("root", stroke="s", at=[1, 1]), END) == set()
+    ends = ["left_hand", "right_hand", "left_foot", "right_foot"]
+    pulls = [pull(name, stroke=name) for name in ends]
+    assert after(*pulls, {"do": "cancel_stroke", "stroke": ends[3]}) == set()
+    assert after(*pulls, {"do": "end_stroke", "stroke": ends[3]}) == {"limbs"}
+
+
+def test_what_a_drag_does_depends_on_how_it_ends() -> None:
+    held = pull("root", stroke="s", depth=True)
+    assert after(held, pull("root", stroke="s"), END) == {"hips"}
+    assert after(pull("root", stroke="s"), held, END) == {"height"}
+
+
 def test_the_guide_begins_again_with_nothing_done() -> None:
     again = {"do": "begin_guide"}
     assert after(pull("root"), {"do": "add_key", "frame": 0}, again) == set()

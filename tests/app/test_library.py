@@ -79,6 +79,14 @@ def test_videos_sessions_and_folders_of_images_are_listed(library: Library, home
     assert not {"notes.txt", "other.json"} & set(found)
 
 
+def test_what_was_set_aside_of_a_session_is_not_listed(library: Library, home: Path) -> None:
+    path = session_in(home / "throw.keypose")
+    shutil.copyfile(path, path.with_name("session.theirs-0123abcd.json"))
+    shutil.copyfile(path, path.with_name("take2.json"))
+    found = [file["name"] for file in library.contents()["files"] if file["kind"] == "session"]
+    assert sorted(found) == ["take2.json", "throw"]
+
+
 def test_films_in_the_usual_folders_of_a_home_are_listed(tmp_path: Path, home: Path) -> None:
     clip(home / "Videos", "dance.mp4")
     clip(home / "Letters", "private.mp4")

@@ -25,6 +25,7 @@ from tests.tracker.video_cases import write_numbered
 from tracker.errors import FormatError
 from tracker.session.files import load_session, open_video_of, save_session
 from tracker.session.tracks import save_result
+from tracker.video.fingerprint import fingerprint_of_file
 
 LAST = 8
 EVERY = ",".join(FORMATS)
@@ -94,6 +95,21 @@ def test_times_are_those_of_a_video_with_an_uneven_rate(path: Path) -> None:
     np.testing.assert_allclose([float(row.split("\t")[1]) for row in rows], times_s, atol=1e-6)
     rows = files["frames.csv"].decode().splitlines()[1:]
     np.testing.assert_allclose([float(row.split(",")[1]) for row in rows], times_s, atol=1e-6)
+
+
+def test_times_are_those_of_a_video_that_was_renamed(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    opened(path, results_cases.both(load_session(path)))
+    pts = [0, 30, 70, 90, 200, 233, 240, 300, 420]
+    clip = path.parent / "renamed.mkv"
+    write_numbered(clip, LAST + 1, pts=pts, time_base=Fraction(1, 1000))
+    fingerprint = fingerprint_of_file(clip, LAST + 1)
+    film = {"path": "uneven.mkv", "fingerprint": fingerprint}
+    cases.altered(path, lambda data: data["video"].update(film))
+    with np.load(io.BytesIO(exported(path, "npz")["motion.npz"])) as arrays:
+        np.testing.assert_allclose(arrays["time_s"], np.array(pts) / 1000, atol=1e-12)
+    assert "missing" not in capsys.readouterr().err
 
 
 def with_a_gap(path: Path) -> EditorState:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -82,11 +83,39 @@ def test_the_guide_begins_anew_although_keyframes_stand(guided: Page) -> None:
 def test_a_step_does_not_end_under_a_drag(guided: Page) -> None:
     x, y = spot(guided, "waist")
     drag(guided, (x, y), (x + 9, y), drop=False)
-    until_told(guided, "guide.done", lambda done: done["hips"])
+    until_told(guided, "pose.stroke", lambda stroke: stroke is not None)
     guided.wait_for_timeout(1200)
     assert title(guided) == "Drag the waist onto the hips"
+    assert not section(guided, "guide.done")["hips"]
     guided.mouse.up()
+    until_told(guided, "guide.done", lambda done: done["hips"])
     until(lambda: title(guided) == "As large as the person", "the next step")
+
+
+def test_a_drag_that_is_taken_back_does_no_step(at: Desk, guided: Page) -> None:
+    x, y = spot(guided, "waist")
+    drag(guided, (x, y), (x + 9, y), drop=False)
+    until_told(guided, "pose.stroke", lambda stroke: stroke is not None)
+    guided.keyboard.press("Escape")
+    until_told(guided, "pose.stroke", lambda stroke: stroke is None)
+    guided.mouse.up()
+    assert not at.agreed("guide")["done"]["hips"]
+    assert title(guided) == "Drag the waist onto the hips"
+
+
+def test_the_guide_closes_when_a_session_is_opened_that_has_keyframes(
+    browser: Browser, tmp_path: Path
+) -> None:
+    with desk(browser, tmp_path) as own:
+        page = own.page
+        page.keyboard.press("?")
+        page.get_by_text("Show the first-pose guide").click()
+        until(lambda: page.locator("#guide h3").count(), "the guide")
+        before = section(page, "file.path")
+        own.visitor.do(do="open", kind="sample", id="box")
+        until_told(page, "file", lambda file: file and file["path"] != before)
+        assert section(page, "guide.first") is False
+        until(lambda: not page.locator("#guide h3").count(), "the guide gone")
 
 
 @pytest.mark.parametrize(

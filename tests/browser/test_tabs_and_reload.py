@@ -27,6 +27,23 @@ DRAWN = """
 """Where viser's four pictures have the body's first part, camera frame."""
 
 
+WISHED_LONG_AGO = """
+() => {
+  const inside = document.querySelector('iframe.viser').contentWindow.__viserMutable;
+  const usual = inside.scene.onBeforeRender;
+  inside.scene.onBeforeRender = (...what) => {
+    document.body.dataset.drawnLate = 'yes';
+    inside.scene.onBeforeRender = usual;
+    usual(...what);
+  };
+  inside.requestRender();
+  const now = performance.now.bind(performance);
+  performance.now = () => now() + 10_000;
+}
+"""
+"""Wish for a picture and let ten seconds pass before the browser gets to it."""
+
+
 @pytest.fixture(scope="module")
 def wired(
     browser: Browser, tmp_path_factory: pytest.TempPathFactory
@@ -191,3 +208,25 @@ def test_a_drag_is_one_step_though_the_line_is_lost_meanwhile(at: Desk, line: Ca
     at.visitor.do(do="undo")
     assert at.agreed("pose") == before
     assert at.served["undo"]["undo"] is None
+
+
+def test_a_picture_wished_for_in_the_background_is_drawn_when_the_browser_comes_to_it(
+    at: Desk,
+) -> None:
+    at.page.wait_for_timeout(1500)  # whatever was wished for before is drawn
+    at.page.evaluate(WISHED_LONG_AGO)
+    until(lambda: at.page.locator("body[data-drawn-late]").count(), "the picture", 20)
+
+
+def test_views_that_could_not_be_fetched_are_drawn_once_they_can_be(at: Desk) -> None:
+    page = at.page
+    context = page.context
+    context.route("**/view/*", lambda route: route.abort())
+    page.reload()
+    page.wait_for_selector("html[data-ready]", state="attached")
+    page.wait_for_selector("#main canvas.vid[data-frame]")
+    until(lambda: any(frame.url.startswith("chrome-error:") for frame in page.frames), "the error")
+    assert not page.locator(".view.drawn").count()
+    context.unroute("**/view/*")
+    page.evaluate("() => document.querySelectorAll('iframe.viser').forEach((f) => (f.src = f.src))")
+    until(lambda: page.locator(".view.drawn").count() == 4, "the four views", 60)

@@ -93,7 +93,7 @@ def _people(path: Path) -> list[Any]:
     people = data.get("people") if isinstance(data, dict) else None
     if not isinstance(people, list) or not all(isinstance(one, dict) for one in people):
         raise FormatError(f"{path.name} is no OpenPose file: it lists no people.")
-    return [one.get("pose_keypoints_2d", []) for one in people]
+    return [one.get("pose_keypoints_2d") for one in people]
 
 
 def _coco(path: Path) -> Keypoints:
@@ -102,16 +102,17 @@ def _coco(path: Path) -> Keypoints:
     annotations = given.get("annotations")
     if not isinstance(annotations, list) or not all(isinstance(one, dict) for one in annotations):
         raise FormatError(f"{path.name} is no COCO file: it holds no list of annotations.")
+    listed = given.get("images")
     images = {
         str(image.get("id")): str(image.get("file_name", ""))
-        for image in given.get("images") or []
+        for image in (listed if isinstance(listed, list) else [])
         if isinstance(image, dict)
     }
     frames: dict[int, list[Any]] = {}
     for place, one in enumerate(annotations):
         image = one.get("image_id", place)
         name = images.get(str(image)) or str(image)
-        frames.setdefault(_number(name, place), []).append(one.get("keypoints", []))
+        frames.setdefault(_number(name, place), []).append(one.get("keypoints"))
     return _of_people(path.name, _category_names(given.get("categories")), frames)
 
 
@@ -127,10 +128,13 @@ def _category_names(categories: Any) -> tuple[str, ...] | None:
 def _of_people(
     file: str, names: tuple[str, ...] | None, frames: Mapping[int, Sequence[Any]]
 ) -> Keypoints:
-    """Of each frame's people the surest; FormatError where their numbers are no keypoints."""
+    """Of each frame's people the surest; FormatError where their numbers are no keypoints.
+
+    A person may have none at all, such as one that is only a box, and is passed over.
+    """
     found: dict[int, tuple[Array, Array]] = {}
     for frame, people in frames.items():
-        tables = [_table(file, numbers) for numbers in people]
+        tables = [_table(file, numbers) for numbers in people if numbers not in (None, [])]
         for table in tables:
             names = names or LAYOUTS.get(len(table))
             if names is None or len(table) != len(names):
@@ -150,7 +154,7 @@ def _table(file: str, numbers: Any) -> Array:
     """(J, 3) of u, v and how sure, from a flat list."""
     try:
         flat = np.array(numbers, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         flat = np.empty(1)
     if flat.ndim != 1 or not len(flat) or len(flat) % 3:
         raise FormatError(f"{file} has keypoints that are not u, v and confidence in turn.")

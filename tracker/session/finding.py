@@ -23,20 +23,19 @@ def found_again(session: Session, session_path: Path, was: Path) -> Path | None:
         return None
     for place in _nearby(Path(session_path).absolute().parent, was):
         try:
-            if fingerprint_of_file(place, wanted.frame_count) == wanted.fingerprint:
-                return place
+            found = place.is_file() and fingerprint_of_file(place, wanted.frame_count)
         except OSError:  # it cannot be read, so it is not the one
             continue
+        if found == wanted.fingerprint:
+            return place
     return None
 
 
 def _nearby(folder: Path, was: Path) -> Iterator[Path]:
     for place in dict.fromkeys((folder, folder.parent, was.parent)):
         try:
-            files = sorted(place.iterdir())[:MOST_FILES]
-        except OSError:
+            there = [file for file in place.iterdir() if not file.name.lower().endswith(NOT_FILMS)]
+        except (OSError, ValueError):  # ValueError: a NUL character in its name
             continue
         # One of the old name first; it is the likeliest.
-        for file in sorted(files, key=lambda file: file.name != was.name):
-            if file.is_file() and not file.name.lower().endswith(NOT_FILMS):
-                yield file
+        yield from sorted(there, key=lambda file: (file.name != was.name, file))[:MOST_FILES]

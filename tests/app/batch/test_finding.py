@@ -21,6 +21,14 @@ def test_a_folder_stands_for_all_sessions_below_it_and_nothing_else(tmp_path: Pa
     assert find_sessions([tmp_path]) == (one, other, deep)
 
 
+def test_what_was_set_aside_of_a_session_is_none_unless_it_is_named(tmp_path: Path) -> None:
+    (one,) = write_sessions(tmp_path, "one")
+    aside = one.with_name("session.theirs-0123abcd.json")
+    aside.write_bytes(one.read_bytes())
+    assert find_sessions([tmp_path]) == (one,)
+    assert find_sessions([aside]) == (aside,)
+
+
 def test_a_session_named_twice_counts_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     one, two = write_sessions(tmp_path, "one", "two")
     (tmp_path / "link.json").symlink_to(two)

@@ -56,6 +56,33 @@ def test_openpose_files_are_frames_and_the_surest_person_counts(tmp_path: Path) 
     assert np.allclose(found.frames[3][0][0], [20, 20])
 
 
+EMPTY = ({}, {"keypoints": []}, {"keypoints": None})
+
+
+@pytest.mark.parametrize("empty", EMPTY, ids=str)
+def test_a_coco_annotation_without_keypoints_is_passed_over(
+    tmp_path: Path, empty: dict[str, Any]
+) -> None:
+    one = {"image_id": 3, "keypoints": _person(17, 100, 2)}
+    boxes = [{"image_id": image, "bbox": [0, 0, 1, 1], **empty} for image in (3, 4)]
+    found = load_keypoints(_write(tmp_path / "a.json", [*boxes, one]))
+    assert list(found.frames) == [3]
+    assert np.allclose(found.frames[3][0][0], [100, 100])
+    with pytest.raises(FormatError, match="anybody"):
+        load_keypoints(_write(tmp_path / "b.json", boxes))
+
+
+def test_an_openpose_person_without_keypoints_is_passed_over(tmp_path: Path) -> None:
+    people = [{"pose_keypoints_2d": []}, {}, {"pose_keypoints_2d": _person(25, 20, 0.9)}]
+    _write(tmp_path / "clip_000000000003_keypoints.json", {"people": people})
+    assert np.allclose(load_keypoints(tmp_path).frames[3][0][0], [20, 20])
+
+
+def test_images_that_are_no_list_name_no_frames(tmp_path: Path) -> None:
+    data = {"images": 5, "annotations": [{"image_id": 8, "keypoints": _person(17, 100, 2)}]}
+    assert list(load_keypoints(_write(tmp_path / "a.json", data)).frames) == [8]
+
+
 @pytest.mark.parametrize("layout", sorted(LAYOUTS))
 def test_exchanging_left_and_right_twice_changes_nothing(layout: int) -> None:
     names = LAYOUTS[layout]
@@ -76,6 +103,7 @@ def test_exchanging_left_and_right_twice_changes_nothing(layout: int) -> None:
         ([], "nobody|anybody"),
         ([{"keypoints": [1, 2]}], "in turn"),
         ([{"keypoints": ["a", 1, 1]}], "in turn"),
+        ([{"keypoints": [10**400, 1, 1] * 17}], "in turn"),
         ([{"keypoints": _person(9, 0, 1)}], "9 keypoints"),
         ([{"keypoints": _person(17, 1e9, 1)}], "nowhere near"),
         ([{"keypoints": _person(17, 0, 0)}], "anybody"),
