@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import errno
 import os
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Self
 
 try:
     import fcntl
@@ -52,12 +54,32 @@ class SessionLock:
             os.pwrite(descriptor, str(os.getpid()).encode(), 0)
         return cls(descriptor)
 
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.release()
+
     def release(self) -> None:
         """Let others write; the file stays, since removing it could take another's lock away."""
         if self._descriptor is not None:
             with suppress(OSError):
                 os.close(self._descriptor)
             self._descriptor = None
+
+
+@contextmanager
+def locked(session_path: Path, advice: str) -> Iterator[None]:
+    """Be the one who writes a session; SessionError, with the advice, when another Keypose is."""
+    if not session_path.parent.is_dir():  # a new folder is nobody else's
+        yield
+        return
+    try:
+        lock = SessionLock.take(session_path.parent)
+    except HeldElsewhere as held:
+        raise SessionError(f"{str(session_path)!r} is {held}: {advice}.") from None
+    with lock:
+        yield
 
 
 def _holder(descriptor: int) -> str:

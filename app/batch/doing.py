@@ -5,8 +5,7 @@ from __future__ import annotations
 import sys
 import time
 import traceback
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from threading import Event
@@ -35,7 +34,7 @@ def do(task: Task, tell: Tell, stop: Event) -> Summary:
 def _told(task: Task, tell: Tell, stop: Event) -> Summary:
     name = str(task.session)
     try:
-        with _locked(task.session.parent):
+        with SessionLock.take(task.session.parent):
             return _done(task, tell, stop)
     except HeldElsewhere as held:
         return Summary(name, "open", f"{str(held)[:1].upper()}{str(held)[1:]}: left alone.")
@@ -47,15 +46,6 @@ def _told(task: Task, tell: Tell, stop: Event) -> Summary:
         traceback.print_exc(file=sys.stderr)
         words = f"This met a fault of Keypose itself ({type(error).__name__})."
         return Summary(name, "failed", words)
-
-
-@contextmanager
-def _locked(folder: Path) -> Iterator[None]:
-    lock = SessionLock.take(folder)
-    try:
-        yield
-    finally:
-        lock.release()
 
 
 @dataclass(eq=False)

@@ -20,8 +20,16 @@ from app.commands.arguments import (
     note,
 )
 from app.commands.json_output import print_json, print_written
-from app.commands.views import add_style, film_view, rate, size, stretch, video_if_there
-from tracker.errors import FormatError, SessionError
+from app.commands.views import (
+    add_style,
+    film_view,
+    rate,
+    session_to_draw,
+    size,
+    stretch,
+    video_if_there,
+)
+from tracker.errors import SessionError
 
 if TYPE_CHECKING:
     from app.drawing.films import Film
@@ -79,16 +87,8 @@ def add(commands: Subcommands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from app.drawing.poses import KnownPoses
-    from tracker.session.atomic import demand_absent, demand_folder
-    from tracker.session.files import load_session
 
-    out: Path = arguments.out
-    if out.suffix.lower() != ".mp4":
-        raise FormatError(f"{str(out)!r} must end in .mp4, the format of the film.")
-    session = load_session(arguments.session)
-    if not arguments.overwrite:
-        demand_absent([out])
-    demand_folder(out.parent)
+    session, out = session_to_draw(arguments, "film", ".mp4"), arguments.out
     poses = KnownPoses.of(session, arguments.session)
     film = _film(session, poses, arguments)
     opened = _video(session, arguments.session, film)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +18,7 @@ from app.commands.arguments import (
     whole_number,
 )
 from app.commands.json_output import print_json
-from tracker.errors import FormatError, SessionError
+from tracker.errors import FormatError
 
 if TYPE_CHECKING:
     from app.importing import Draft, ImportedMotion
@@ -86,12 +85,15 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    from app.locking import locked
     from tracker.session.files import load_session, open_video_of
 
     _demand_of_a_kind(arguments)
     keypoints = _keypoints(arguments) if arguments.keypoints else None
     motion = None if arguments.keypoints else _motion(arguments)
-    with _locked(arguments.session):
+    path: Path = arguments.session
+    # One that is not there is told of by reading it.
+    with locked(path, "close it there first") if path.is_file() else nullcontext():
         session = load_session(arguments.session)
         with open_video_of(session, arguments.session) as video:
             times_s = video.info.times_s
@@ -100,24 +102,6 @@ def run(arguments: argparse.Namespace) -> int:
         elif motion is not None:
             _import_motion(session, motion, arguments, times_s)
     return 0
-
-
-@contextmanager
-def _locked(session_path: Path) -> Iterator[None]:
-    """Be the one who writes there; SessionError when another Keypose is."""
-    from app.locking import HeldElsewhere, SessionLock
-
-    if not session_path.is_file():  # reading it tells what is wrong
-        yield
-        return
-    try:
-        lock = SessionLock.take(session_path.parent)
-    except HeldElsewhere as held:
-        raise SessionError(f"{str(session_path)!r} is {held}: close it there first.") from None
-    try:
-        yield
-    finally:
-        lock.release()
 
 
 _MOTION = ("names", "offset_frames", "offset_s", "unit", "fps")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from app.commands.arguments import (
     Subcommands,
@@ -14,8 +13,7 @@ from app.commands.arguments import (
     file_name,
 )
 from app.commands.json_output import print_written
-from app.commands.views import video_if_there
-from tracker.errors import FormatError
+from app.commands.views import session_to_draw, video_if_there
 
 _EXAMPLES = """\
   keypose report session.json --out report.html
@@ -39,16 +37,9 @@ def add(commands: Subcommands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from app.reporting.report import report_html
-    from tracker.session.atomic import demand_absent, demand_folder, write_file
-    from tracker.session.files import load_session
+    from tracker.session.atomic import write_file
 
-    out: Path = arguments.out
-    if out.suffix.lower() not in (".html", ".htm"):
-        raise FormatError(f"{str(out)!r} must end in .html, the format of the report.")
-    session = load_session(arguments.session)
-    if not arguments.overwrite:
-        demand_absent([out])
-    demand_folder(out.parent)
+    session, out = session_to_draw(arguments, "report", ".html", ".htm"), arguments.out
     with video_if_there(session, arguments.session, "the report has no pictures") as video:
         content = report_html(session, arguments.session, video)
     write_file(out, content, overwrite=arguments.overwrite)

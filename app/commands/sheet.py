@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.commands.arguments import (
@@ -18,8 +17,8 @@ from app.commands.arguments import (
     whole_number,
 )
 from app.commands.json_output import print_written
-from app.commands.views import add_style
-from tracker.errors import FormatError, SessionError
+from app.commands.views import add_style, session_to_draw
+from tracker.errors import SessionError
 
 if TYPE_CHECKING:
     from app.drawing.palette import Picture
@@ -56,20 +55,14 @@ def run(arguments: argparse.Namespace) -> int:
     from app.drawing.sheet import sheet, sheet_layout
     from app.drawing.snapshots import png
     from app.reporting.subject import subject_of
-    from tracker.session.atomic import demand_absent, demand_folder, write_file
-    from tracker.session.files import load_session, open_video_of
+    from tracker.session.atomic import write_file
+    from tracker.session.files import open_video_of
 
-    out: Path = arguments.out
-    if out.suffix.lower() != ".png":
-        raise FormatError(f"{str(out)!r} must end in .png, the format of the picture.")
-    session = load_session(arguments.session)
+    session, out = session_to_draw(arguments, "picture", ".png"), arguments.out
     count = len(session.keyframes)
     if not 0 < count <= MOST_KEYFRAMES:
         words = f"more than {MOST_KEYFRAMES}" if count else "no"
         raise SessionError(f"{arguments.session.name} has {words} keyframes to draw.")
-    if not arguments.overwrite:
-        demand_absent([out])
-    demand_folder(out.parent)
     columns, size = sheet_layout(count, session.video.width / session.video.height)
     with open_video_of(session, arguments.session) as video:
         subject = subject_of(session, arguments.session, video.info)

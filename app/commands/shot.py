@@ -17,7 +17,7 @@ from app.commands.arguments import (
     whole_number,
 )
 from app.commands.json_output import print_written
-from app.commands.views import MOST_PIXELS, add_style, scale, size, still_view
+from app.commands.views import MOST_PIXELS, add_style, scale, session_to_draw, size, still_view
 from tracker.errors import FormatError, SessionError
 
 if TYPE_CHECKING:
@@ -71,16 +71,9 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from tracker.session.atomic import demand_absent, demand_folder, write_file
-    from tracker.session.files import load_session
+    from tracker.session.atomic import write_file
 
-    out: Path = arguments.out
-    if out.suffix.lower() != ".png":
-        raise FormatError(f"{str(out)!r} must end in .png, the format of the picture.")
-    session = load_session(arguments.session)
-    if not arguments.overwrite:
-        demand_absent([out])
-    demand_folder(out.parent)
+    session, out = session_to_draw(arguments, "picture", ".png"), arguments.out
     wanted = _wanted(session, arguments)
     poses = _poses(session, arguments.session, arguments.frame, wanted)
     content = _content(session, poses, wanted, arguments)

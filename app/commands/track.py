@@ -6,8 +6,7 @@ import argparse
 import os
 import shlex
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -64,6 +63,7 @@ def add(commands: Subcommands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from app.commands.follow import follow
+    from app.locking import locked
     from app.rerun import demand_trackable, with_settings
     from tracker.session.files import load_session, open_video_of
 
@@ -71,7 +71,9 @@ def run(arguments: argparse.Namespace) -> int:
     demand_trackable(session, arguments.session)
     _demand_place(arguments)
     asked = with_settings(session, arguments.method, arguments.quality)
-    with open_video_of(session, arguments.session) as video, _locked(arguments):
+    copy = "add --out DIR to track a copy" if arguments.out is None else "choose another --out"
+    lock = locked(_place(arguments), f"close it there, or {copy}")
+    with open_video_of(session, arguments.session) as video, lock:
         prepare_loops()
         found = follow(asked, arguments.session, video, arguments.workers, arguments.json)
         if found.error is not None and not found.found:
@@ -83,26 +85,6 @@ def run(arguments: argparse.Namespace) -> int:
     if found.interrupted:
         return INTERRUPTED
     return LOST if summary["lost"] else DONE
-
-
-@contextmanager
-def _locked(arguments: argparse.Namespace) -> Iterator[None]:
-    """Be the one who writes there; SessionError when another Keypose is."""
-    from app.locking import HeldElsewhere, SessionLock
-
-    place = _place(arguments)
-    if not place.parent.is_dir():  # a new folder is nobody else's
-        yield
-        return
-    try:
-        lock = SessionLock.take(place.parent)
-    except HeldElsewhere as held:
-        copy = "add --out DIR to track a copy" if arguments.out is None else "choose another --out"
-        raise SessionError(f"{str(place)!r} is {held}: close it there, or {copy}.") from None
-    try:
-        yield
-    finally:
-        lock.release()
 
 
 def _demand_place(arguments: argparse.Namespace) -> None:

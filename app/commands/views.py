@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.commands.arguments import note, whole_number
+from tracker.errors import FormatError
 
 if TYPE_CHECKING:
     from app.drawing.films import FilmView
@@ -22,6 +23,21 @@ if TYPE_CHECKING:
 NAMES = ("main", "top", "side", "front", "all")
 SMALLEST_SIDE, LARGEST_SIDE, MOST_PIXELS = 16, 8192, 20_000_000
 _NUMBER = re.compile(r"[+-]?\d{1,6}(\.\d{0,9})?")
+
+
+def session_to_draw(arguments: argparse.Namespace, what: str, *suffixes: str) -> Session:
+    """The session to draw, once it is known that the file can be written."""
+    from tracker.session.atomic import demand_absent, demand_folder
+    from tracker.session.files import load_session
+
+    out: Path = arguments.out
+    if out.suffix.lower() not in suffixes:
+        raise FormatError(f"{str(out)!r} must end in {suffixes[0]}, the format of the {what}.")
+    session = load_session(arguments.session)
+    if not arguments.overwrite:
+        demand_absent([out])
+    demand_folder(out.parent)
+    return session
 
 
 def add_style(command: argparse.ArgumentParser) -> None:

@@ -14,7 +14,7 @@ import pytest
 
 from app import running
 from tests.app.serving import ROOT
-from tests.app.test_journaling import done, turn, with_store
+from tests.app.test_journaling import NoWorker, done, turn, with_store
 from tracker.session.chronicle import mark_of, without_results
 from tracker.session.files import load_session, open_session
 
@@ -24,19 +24,9 @@ STEPS = 12
 CALLS = ("write", "fsync", "open", "ftruncate", "rename", "replace", "link", "lseek")
 
 
-class _NoWorker:
-    def __init__(self, *_: object) -> None: ...
-
-    def cancel(self) -> None: ...
-
-    def hold(self, on: bool) -> None: ...
-
-    def close(self) -> None: ...
-
-
 @pytest.fixture(autouse=True)
 def _without_worker(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(running, "Tracking", _NoWorker)
+    monkeypatch.setattr(running, "Tracking", NoWorker)
 
 
 @pytest.fixture

@@ -35,7 +35,9 @@ def path(tmp_path: Path) -> Path:
     return tmp_path / "person" / "session.json"
 
 
-class _NoWorker:
+class NoWorker:
+    """Tracks nothing."""
+
     def __init__(self, *_: object) -> None: ...
 
     def cancel(self) -> None: ...
@@ -47,7 +49,7 @@ class _NoWorker:
 
 @pytest.fixture(autouse=True)
 def _without_worker(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(running, "Tracking", _NoWorker)
+    monkeypatch.setattr(running, "Tracking", NoWorker)
 
 
 def with_store(path: Path, work: Callable[[Store], Awaitable[None]], *, ends: bool = True) -> None:
