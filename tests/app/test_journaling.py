@@ -15,9 +15,8 @@ import numpy as np
 import pytest
 
 from app import running
-from app import store as store_module
 from app.library import Library
-from app.opening import Workpiece, copied_session
+from app.opening import Workpiece, copied_session, edit_state
 from app.store import Store
 from tests.app.killing import kill_once
 from tests.app.serving import ROOT
@@ -247,21 +246,19 @@ def test_a_long_journal_is_begun_anew_without_losing_a_step(
 def test_one_that_opens_while_another_still_writes_reads_what_that_one_wrote_last(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    real = store_module.edit_state
-
     async def both(first: Store) -> None:
         await done(first, turn(-10))
         await saved(first)
         loop = asyncio.get_running_loop()
 
         def slowly(piece: Workpiece) -> Any:
-            state = real(piece)
-            monkeypatch.setattr(store_module, "edit_state", real)
+            state = edit_state(piece)
+            monkeypatch.setattr("app.store.edit_state", edit_state)
             asyncio.run_coroutine_threadsafe(done(first, turn(-20), turn(-30)), loop).result()
             asyncio.run_coroutine_threadsafe(first.stop(), loop).result()
             return state
 
-        monkeypatch.setattr(store_module, "edit_state", slowly)
+        monkeypatch.setattr("app.store.edit_state", slowly)
         second = Store(loop, lambda *_: None, Library(path.parent / "work", [path.parent]))
         await second.open(path)
         await done(second, turn(-40))
