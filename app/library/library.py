@@ -18,6 +18,7 @@ from tracker.errors import KeyposeError, SessionError
 from tracker.session.atomic import make_folder, write_file
 from tracker.session.files import load_session, open_video_of, save_session
 from tracker.session.schema import Session
+from tracker.video.fingerprint import fingerprint_of_file
 
 Kind: TypeAlias = Literal["recent", "file", "sample", "upload"]
 
@@ -194,7 +195,7 @@ def _thumb_id(recent: Recent) -> str:
 
 
 def _recent_json(recent: Recent) -> dict[str, Any]:
-    missing = not Path(recent.video).exists()
+    exchanged = _is_exchanged(recent)
     return {
         "id": recent.id,
         "name": shown(recent.name),
@@ -205,5 +206,17 @@ def _recent_json(recent: Recent) -> dict[str, Any]:
         "strip": [list(piece) for piece in recent.strip],
         "opened_at": recent.opened_at,
         "thumb": f"/thumb/{_thumb_id(recent)}.jpg",
-        "missing": missing,
+        "missing": exchanged or not Path(recent.video).exists(),
+        "exchanged": exchanged,
     }
+
+
+def _is_exchanged(recent: Recent) -> bool:
+    """Whether another video lies where the session's was."""
+    video = Path(recent.video)
+    try:
+        if not recent.fingerprint or not video.is_file():
+            return False
+        return fingerprint_of_file(video, recent.frames) != recent.fingerprint
+    except (OSError, ValueError):
+        return False

@@ -38,6 +38,7 @@ class Recent(BaseModel):
     middle_frame: int
     strip: tuple[Piece, ...]
     opened_at: float
+    fingerprint: str = ""
 
     @property
     def id(self) -> str:
@@ -55,6 +56,7 @@ class Recent(BaseModel):
             middle_frame=middle_frame(session),
             strip=strip_of(spans, session.video.frame_count),
             opened_at=now_s,
+            fingerprint=session.video.fingerprint,
         )
 
 

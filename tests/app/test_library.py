@@ -194,6 +194,21 @@ def test_a_moved_video_is_told(library: Library, home: Path) -> None:
     assert recent["missing"]
 
 
+def test_another_video_in_the_place_of_the_sessions_own_is_told(
+    library: Library, home: Path
+) -> None:
+    film, other = clip(home / "throw"), SAMPLES / "person" / "person.mp4"
+    shutil.copyfile(SAMPLES / "box" / "session.json", film.parent / "session.json")
+    film.rename(film.with_name("box.mp4"))
+    path = film.parent / "session.json"
+    library.remember(path, load_session(path))
+    assert not library.contents()["recents"][0]["exchanged"]
+    shutil.copyfile(other, film.with_name("box.mp4"))
+    (recent,) = library.contents()["recents"]
+    assert recent["missing"]
+    assert recent["exchanged"]
+
+
 def test_a_moved_video_is_found_again(library: Library, home: Path) -> None:
     path = session_in(home / "throw")
     session = load_session(path)

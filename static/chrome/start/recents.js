@@ -103,11 +103,11 @@ const patterns = () => svg`<defs>
 </defs>`;
 
 function moved(recent) {
-  const { video, keyframes } = recent;
+  const { video, keyframes, exchanged } = recent;
   return html`<div class="moved">
     <span class="sign">${icon('warn')}</span>
     <span
-      ><b>${video} was moved.</b>
+      ><b>${video} ${exchanged ? 'is another video now' : 'was moved'}.</b>
       <span class="mut">Its session is safe: ${count(keyframes, 'keyframe')}.</span><br />
       <button class="textlink" @click=${() => openChooser('video', recent)}>Find the video…</button>
     </span>
