@@ -1,4 +1,4 @@
-"""Every edit on the disk before it is acknowledged: what the store tells the journal.
+"""Every edit on the disk before it is acknowledged: journal and session file of an open session.
 
 Edits are noted on the loop's thread and written on another; what is acknowledged meanwhile waits.
 """
@@ -18,7 +18,7 @@ from tracker.session.chronicle import (
     saved_record,
     whole_record,
 )
-from tracker.session.files import journal_path, session_json
+from tracker.session.files import journal_path, save_session, session_json, set_aside
 from tracker.session.journal import Journal
 from tracker.session.schema import Session
 
@@ -41,13 +41,13 @@ class Beginning:
 
 
 class Journaling:
-    """The journal of the session that is open; `known` are contents of its file that are ours."""
+    """The journal of the session that is open, and its file."""
 
     def __init__(self, session_path: Path, edit: EditorState, beginning: Beginning) -> None:
         size = beginning.size if beginning.follows else 0
         self._journal = Journal(journal_path(session_path), size)
         self._follows = beginning.follows
-        self.known: tuple[bytes, ...] = (beginning.content,)
+        self._ours: tuple[bytes, ...] = (beginning.content,)
         self._began_with = size
         self._last = _moment(edit)
         self._lock = Lock()
@@ -113,14 +113,19 @@ class Journaling:
         """Whether the journal has everything."""
         return self._noted == self._written
 
-    def saving(self, session: Session) -> None:
-        """The session file is about to hold this: what it then holds is ours."""
-        self.known = (*self.known[-1:], session_json(session))
+    def save(self, session: Session, path: Path) -> Path | None:
+        """Save the session file. Returns where the version of another program that wrote it
+        meanwhile is kept, None where none did; SessionError when the disk refuses."""
+        theirs = set_aside(path, self._ours)
+        content = session_json(session)
+        self._ours = (*self._ours[-1:], content)  # either may be there if this fails
+        save_session(session, path)
+        self._ours = (content,)
+        self._mark(mark_of(session))
+        return theirs
 
-    def saved(self, session: Session) -> None:
-        """The session file now holds this; only then is it known to follow the journal."""
-        self.known = self.known[-1:]
-        mark = mark_of(session)
+    def _mark(self, mark: str) -> None:
+        """Only now is the session file known to follow the journal."""
         if self._follows and mark != self._marked and self._journal.is_there():
             self._journal.append([saved_record(mark)], durable=False)
             self._marked = mark

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from app.editor.sights import up_of
@@ -17,8 +17,9 @@ from tracker.camera import Camera
 from tracker.errors import SessionError
 from tracker.geometry import Array
 from tracker.session.atomic import make_folder
-from tracker.session.chronicle import OUTSIDE, Moment, Recovered, is_same_film, of_film
+from tracker.session.chronicle import OUTSIDE, is_same_film, of_film
 from tracker.session.files import (
+    Opened,
     journal_path,
     load_session,
     open_session,
@@ -27,8 +28,7 @@ from tracker.session.files import (
     video_path,
 )
 from tracker.session.first_motion import carry_first_motion
-from tracker.session.history import History, Step
-from tracker.session.journal import Read
+from tracker.session.history import History
 from tracker.session.schema import Keyframe, Session, VideoReference
 from tracker.skeleton import Skeleton
 from tracker.video import Video
@@ -60,7 +60,7 @@ class Workpiece:
 
     def is_same(self, other: Workpiece) -> bool:
         """Whether both are saved in one file."""
-        return os.path.realpath(self.session_path) == os.path.realpath(other.session_path)
+        return _is_one_file(self.session_path, other.session_path)
 
     def is_stale(self) -> bool:
         """Whether its files have been written to since they were read."""
@@ -144,8 +144,8 @@ def _opened(path: Path) -> Workpiece:
     session, found = opened.session, opened.recovered
     journal, follows = opened.journal, found.follows and opened.journal.whole
     video = open_video_of(session, path)
-    moment, news = found.moment, _news(found, journal)
-    if not _is_there(video_path(session, path), video.info.path):
+    moment, news = found.moment, _news(opened)
+    if not _is_one_file(video_path(session, path), video.info.path):
         place = _relative(video.info.path, path.parent)
         session = session.model_copy(
             update={"video": session.video.model_copy(update={"path": place})}
@@ -155,7 +155,7 @@ def _opened(path: Path) -> Workpiece:
     timed = timed_by(session, video.info.times_s)
     if timed is not session:  # a new keyframe's time would not stand between the others'
         session, follows = timed, False
-        moment = _each(moment, lambda doc: timed_by(doc, video.info.times_s))
+        moment = moment.each(lambda doc: timed_by(doc, video.info.times_s))
     return Workpiece(
         path,
         session,
@@ -182,18 +182,8 @@ def timed_by(doc: Session, times_s: Array) -> Session:
     return doc.model_copy(update={"keyframes": keyframes, "drafts": drafts})
 
 
-def _each(moment: Moment, changed: Callable[[Session], Session]) -> Moment:
-    """The same with every document changed."""
-
-    def steps(told: tuple[Step, ...]) -> tuple[Step, ...]:
-        return tuple(replace(step, doc=changed(step.doc)) for step in told)
-
-    history = History(steps(moment.history.past), steps(moment.history.future))
-    return Moment(changed(moment.doc), history, moment.frame)
-
-
-def _is_there(told: Path, found: Path) -> bool:
-    return os.path.realpath(told) == os.path.realpath(found)
+def _is_one_file(one: Path, other: Path) -> bool:
+    return os.path.realpath(one) == os.path.realpath(other)
 
 
 def _content(path: Path) -> bytes:
@@ -210,8 +200,11 @@ def _length(path: Path) -> int:
         return 0
 
 
-def _news(found: Recovered, journal: Read) -> tuple[str, ...]:
-    if not journal.whole:
+def _news(opened: Opened) -> tuple[str, ...]:
+    found = opened.recovered
+    if opened.problem:
+        return (f"{opened.problem} What could be undone before does not come back.",)
+    if not opened.journal.whole:
         return ("The journal of edits is damaged: some steps may not come back by undo.",)
     if found.ahead:
         edits = "An edit" if found.ahead == 1 else f"{found.ahead} edits"

@@ -35,7 +35,6 @@ from app.sections import Sections
 from app.tabs import Tab
 from tracker.errors import KeyposeError, SessionError, VideoError
 from tracker.session.atomic import make_folder
-from tracker.session.files import save_session, set_aside
 from tracker.wording import one_sentence
 
 SECONDS_BETWEEN_SAVES = 3.0
@@ -204,16 +203,11 @@ class Store:
             if self._lock is None:  # the folder is new
                 self._lock = SessionLock.take(path.parent)
             if not path.exists():  # a journal alone would not be found
-                journaling.saving(doc)
-                save_session(doc, path)
-                journaling.saved(doc)
+                journaling.save(doc, path)
             journaling.write()
             self._loop.call_soon_threadsafe(journaling.heard)
             session = save_results(doc, path, edit.results)
-            theirs = set_aside(path, journaling.known)
-            journaling.saving(session)
-            save_session(session, path)
-            journaling.saved(session)
+            theirs = journaling.save(session, path)
             if theirs is not None:
                 self._loop.call_soon_threadsafe(self.note, "check", _aside(path, theirs))
             with suppress(OSError):  # what is left over does no harm

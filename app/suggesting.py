@@ -80,26 +80,6 @@ def middle(keys: Sequence[int], frame: int) -> int | None:
     return (first + last) // 2 if last - first > 1 else None
 
 
-def next_problem(keys: Sequence[int], fitting: Fitting, frame: int) -> int | None:
-    """The next frame after this one, around the end, that is worth a look: where a verdict points,
-    or the middle of a segment that is not tracked as it is posed now."""
-    places = sorted(
-        {place for span in pairwise(keys) if (place := _place(span, fitting)) is not None}
-    )
-    if not places:
-        return None
-    return next((place for place in places if place > frame), places[0])
-
-
-def _place(span: Span, fitting: Fitting) -> int | None:
-    track = fitting.get(span)
-    if track is None or not track.finished:
-        return sum(span) // 2
-    if track.kind == "good":
-        return None
-    return sum(span) // 2 if track.go is None else track.go
-
-
 def _first_poses(keys: Sequence[int], frame_count: int) -> Suggestion:
     if not keys:
         words = "Pose this frame, then press K. Two keyframes make the first segment."

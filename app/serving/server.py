@@ -133,10 +133,9 @@ class Server:
         tab = self.store.join()
         sender = asyncio.ensure_future(_send(websocket, tab))
         try:
-            while True:
-                self._receive(tab, await _heard(websocket))
-        except (WebSocketDisconnect, RuntimeError):
-            pass  # the tab is gone, or does not speak JSON: either way this line is over
+            with contextlib.suppress(WebSocketDisconnect):  # this line is over
+                while True:
+                    self._receive(tab, await _heard(websocket))
         finally:
             sender.cancel()
             self.store.leave(tab)
@@ -168,10 +167,10 @@ def _uvicorn(guard: Guard) -> uvicorn.Server:
 
 
 async def _heard(websocket: WebSocket) -> Any:
-    """The next message; WebSocketDisconnect where it is no JSON."""
+    """The next message; WebSocketDisconnect where it is no JSON, or the tab is gone."""
     try:
         return await websocket.receive_json()
-    except (ValueError, KeyError, RecursionError) as error:  # numbers may be too long for Python
+    except (ValueError, KeyError, RuntimeError) as error:  # numbers too long, nesting too deep
         raise WebSocketDisconnect(1003) from error
 
 

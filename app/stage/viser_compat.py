@@ -70,10 +70,6 @@ class Portless:
         wire: Any = self._wire._live_connections.get(client.client_id)
         return None if wire is None else wire.role
 
-    def disconnect_all(self) -> None:
-        """Drop every client; their pages come back by themselves within a second."""
-        self._wire.disconnect_all_clients()
-
     def stop(self) -> None:
         """End the loop, its thread and all connections."""
         with _hushed():

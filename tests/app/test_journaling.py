@@ -316,6 +316,18 @@ def test_of_a_damaged_journal_a_copy_is_kept_and_it_is_told(path: Path) -> None:
     )
 
 
+def test_a_journal_that_cannot_be_read_is_told(path: Path) -> None:
+    with journal_path(path).open("wb") as file:
+        file.truncate(10**9)
+
+    async def look(store: Store) -> None:
+        said = (await store.join().next())[0]
+        assert "too large to be a session's journal" in said["words"]
+
+    with_store(path, look)
+    assert journal_path(path).stat().st_size == 10**9
+
+
 def test_fields_that_are_not_known_survive_undo(path: Path) -> None:
     async def edit(store: Store) -> None:
         await done(store, turn(-10))

@@ -202,7 +202,7 @@ def test_what_cannot_be_saved_is_not_closed_before_a_person_knows(
         await desk.open(path)
         desk.receive(desk.join(), EDIT)
 
-    monkeypatch.setattr(store, "save_session", full)
+    monkeypatch.setattr("app.journaling.save_session", full)
     with pytest.raises(SessionError, match="The last changes are in its journal"):
         _with_store(path, work)
 
@@ -215,7 +215,7 @@ def test_what_could_not_be_saved_is_tried_once_more_at_the_end(
 
     async def work(desk: Store) -> None:
         with monkeypatch.context() as patch:
-            patch.setattr(store, "save_session", odd)
+            patch.setattr("app.journaling.save_session", odd)
             desk.receive(desk.join(), EDIT)
             await asyncio.sleep(0)
             while desk.outlook.saved.state == "saving":

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from app.results import SegmentTrack, Span
-from app.suggesting import middle, next_problem, suggestion
+from app.suggesting import middle, suggestion
 from tests.app.results_cases import passing, session, told
 
 KEYS = (0, 24, 48, 72)
@@ -168,14 +168,3 @@ def test_the_middle_is_that_of_the_interval_one_stands_in() -> None:
     assert middle((3, 4), 3) is None
     assert middle((), 3) is None
     assert middle((3,), 3) is None
-
-
-def test_problems_follow_one_another_and_begin_again() -> None:
-    some = fitting(
-        told(0, 24, "check", "check frames 3–9: chest not seen"),
-        told(48, 72, "lost", "lost: add a keyframe near 57"),
-    )
-    assert [next_problem(KEYS, some, frame) for frame in (0, 6, 57, 72)] == [6, 57, 6, 6]
-    del some[24, 48]
-    assert next_problem(KEYS, some, 6) == 36
-    assert next_problem(KEYS, fitting(), 6) is None

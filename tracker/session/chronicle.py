@@ -13,7 +13,7 @@ is a digest of the document, by which the session file is found in the journal.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -28,6 +28,10 @@ OUTSIDE = "change made outside"
 """What a step is called that brought a session file changed by another program."""
 
 
+_NONSENSE = (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, SessionError)
+"""What whole lines lead to that do not say what they should."""
+
+
 @dataclass(frozen=True, eq=False)
 class Moment:
     """A document, its history, and the frame one stood at."""
@@ -35,6 +39,15 @@ class Moment:
     doc: Session
     history: History = field(default_factory=History)
     frame: int = 0
+
+    def each(self, changed: Callable[[Session], Session]) -> Moment:
+        """The same with the document, and that of every step, changed."""
+
+        def steps(told: tuple[Step, ...]) -> tuple[Step, ...]:
+            return tuple(replace(step, doc=changed(step.doc)) for step in told)
+
+        history = History(steps(self.history.past), steps(self.history.future))
+        return Moment(changed(self.doc), history, self.frame)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,15 +79,7 @@ def of_film(moment: Moment, doc: Session) -> Moment:
     """The same with the video where it lies now, for both may have been moved, and with the fields
     that are not known: they are no edit."""
     told = {"video": doc.video, "schema_version": doc.schema_version, **(doc.model_extra or {})}
-
-    def here(one: Session) -> Session:
-        return one.model_copy(update=told)
-
-    def moved(steps: tuple[Step, ...]) -> tuple[Step, ...]:
-        return tuple(replace(step, doc=here(step.doc)) for step in steps)
-
-    history = History(moved(moment.history.past), moved(moment.history.future))
-    return Moment(here(moment.doc), history, moment.frame)
+    return moment.each(lambda one: one.model_copy(update=told))
 
 
 # --- writing
@@ -133,15 +138,7 @@ def recovered(session: Session, records: Sequence[Record]) -> Recovered:
     alone = Recovered(Moment(doc), 0, follows=False)
     try:
         last, marks, saved = _replayed(records)
-    except (
-        ValueError,
-        KeyError,
-        IndexError,
-        TypeError,
-        AttributeError,
-        OverflowError,
-        SessionError,
-    ):
+    except _NONSENSE:
         return alone
     if last is None or not is_same_film(last.doc, doc):
         return alone

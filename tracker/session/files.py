@@ -35,11 +35,13 @@ class Opened:
     session:   the newest document, with the results of the session file.
     recovered: the same with its history, and whether the journal can be gone on with.
     journal:   what was read of it.
+    problem:   why that cannot be read, in a sentence.
     """
 
     session: Session
     recovered: Recovered
     journal: Read
+    problem: str = ""
 
 
 def load_session(path: Path) -> Session:
@@ -54,12 +56,12 @@ def open_session(path: Path) -> Opened:
     """The same with its history."""
     session = read_session(path)
     try:
-        journal = read_journal(journal_path(path))
-    except SessionError:  # the session file is whole by itself
-        journal = Read()
+        journal, problem = read_journal(journal_path(path)), ""
+    except SessionError as error:  # the session file is whole by itself
+        journal, problem = Read(), str(error)
     found = recovered(session, journal.records)
     newest = found.moment.doc.model_copy(update={"results": session.results})
-    return Opened(newest if found.ahead else session, found, journal)
+    return Opened(newest if found.ahead else session, found, journal, problem)
 
 
 def read_session(path: Path) -> Session:
