@@ -15,9 +15,9 @@ from tracker.initial import blended, blended_by_trust, follow
 from tracker.kernels.pairs import CAP, mean_capped_square
 from tracker.methods import Keypose, Method, Paper
 from tracker.motion import least_squares_pass, printed_score, robust_pass
-from tracker.pose import Pose
 from tracker.refine import refine
 from tracker.scene import Scene
+from tracker.stretch import Segment, distance_px, is_sound
 from tracker.trajectory import Trajectory, interpolate
 
 EXACT_KEYFRAMES = 100.0
@@ -32,23 +32,6 @@ NOWHERE_PX = 1e6
 DOUBT = 0.5
 """Distance between the two chains, as a share of that between them and plain interpolation, above
 which interpolation may still be the better one and is scored as well."""
-NEAREST_M, FURTHEST = 0.05, 50.0
-"""A body nearer than this, or this many times further than it was keyed, has been lost."""
-
-
-@dataclass(frozen=True, eq=False)
-class Segment:
-    """A stretch between two keyframes, with its pictures.
-
-    imported: a motion from elsewhere that meets both keyframes, to start from; None without one.
-    """
-
-    first_frame: int
-    last_frame: int
-    start: Pose
-    end: Pose
-    clip: Clip
-    imported: Trajectory | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +124,7 @@ def _paper_start(scene: Scene, segment: Segment, method: Paper) -> tuple[Traject
 def _imported(scene: Scene, segment: Segment, method: Method) -> Trajectory | None:
     """The imported motion, where it may be started from and lies before the camera."""
     imported = segment.imported
-    if imported is None or method.initial == "linear" or not _is_sound(scene, segment, imported):
+    if imported is None or method.initial == "linear" or not is_sound(scene, segment, imported):
         return None
     return imported
 
@@ -153,7 +136,7 @@ def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
     present, what = plain, "interpolation"
     if chains is not None and method.initial != "linear":
         present, what = _met_halfway(scene, segment, method, *chains), "both ways"
-    apart = _nothing_px(scene, plain) if chains is None else _distance_px(scene, *chains)
+    apart = _nothing_px(scene, plain) if chains is None else distance_px(scene, *chains)
     drift, gap = _nothing_px(scene, plain)[1:], 0.0
     if method.judged and _in_doubt(scene, apart, plain, present):
         tried.append(Pass("interpolation", plain, _score(scene, segment.clip, plain, method)))
@@ -201,7 +184,7 @@ def _from_both_ends(
     first, last = segment.first_frame, segment.last_frame
     forward = follow(scene, segment.clip, segment.start, first, last, *how)
     backward = follow(scene, segment.clip, segment.end, last, first, *how)
-    if _is_sound(scene, segment, forward) and _is_sound(scene, segment, backward):
+    if is_sound(scene, segment, forward) and is_sound(scene, segment, backward):
         return forward, backward
     return None
 
@@ -213,7 +196,7 @@ def _met_halfway(
     even, by_trust = blended(forward, backward), blended_by_trust(scene, forward, backward)
     if not method.judged:
         return by_trust
-    if _distance_px(scene, even, by_trust).max() < ALIKE_PX:
+    if distance_px(scene, even, by_trust).max() < ALIKE_PX:
         return even
     # every second pair is enough to tell one blend from the other
     trusted, other = (_score(scene, segment.clip, t, method, step=2) for t in (by_trust, even))
@@ -228,12 +211,12 @@ def _is_preferred(imported: Pass, own: Pass, method: Keypose) -> bool:
 
 
 def _in_doubt(scene: Scene, apart_px: Array, plain: Trajectory, blend: Trajectory) -> bool:
-    return bool(apart_px.mean() > DOUBT * _distance_px(scene, plain, blend).mean())
+    return bool(apart_px.mean() > DOUBT * distance_px(scene, plain, blend).mean())
 
 
 def _refined(scene: Scene, segment: Segment, method: Keypose, start: Pass) -> Pass | None:
     trajectory = refine(scene, segment.clip, start.trajectory, method.refinement)
-    if trajectory is start.trajectory or not _is_sound(scene, segment, trajectory):
+    if trajectory is start.trajectory or not is_sound(scene, segment, trajectory):
         return None
     score = _score(scene, segment.clip, trajectory, method) if method.judged else None
     return Pass("refinement", trajectory, score)
@@ -308,26 +291,14 @@ def _closed(scene: Scene, segment: Segment, present: Trajectory, motions: Motion
     if not np.isfinite(motions.ps_camera_root).all():
         return None
     closed = correct_drift(present, motions, segment.end)
-    return closed if _is_sound(scene, segment, closed.trajectory) else None
-
-
-def _is_sound(scene: Scene, segment: Segment, trajectory: Trajectory) -> bool:
-    """Whether every joint of a trajectory lies before the camera, and not absurdly far away."""
-    z = trajectory.transforms(scene.skeleton)[..., 2, 3]
-    far = FURTHEST * max(segment.start.p_camera_root[2], segment.end.p_camera_root[2])
-    return bool(np.isfinite(z).all() and z.min() > NEAREST_M and z.max() < far)
-
-
-def _distance_px(scene: Scene, a: Trajectory, b: Trajectory) -> Array:
-    """(N, M) distance of two trajectories' marks in the picture."""
-    return np.asarray(np.linalg.norm(scene.mark_pixels(a) - scene.mark_pixels(b), axis=-1))
+    return closed if is_sound(scene, segment, closed.trajectory) else None
 
 
 def _drift_px(scene: Scene, present: Trajectory, motions: Motions) -> Array:
     """(N - 1, M) distance in the picture of where motions lead and where the trajectory goes."""
     led = Trajectory(present.first_frame + 1, motions.Rs_parent_part, motions.ps_camera_root)
     rest = Trajectory(led.first_frame, present.Rs_parent_part[1:], present.ps_camera_root[1:])
-    return np.nan_to_num(_distance_px(scene, led, rest), nan=NOWHERE_PX, posinf=NOWHERE_PX)
+    return np.nan_to_num(distance_px(scene, led, rest), nan=NOWHERE_PX, posinf=NOWHERE_PX)
 
 
 def _nothing_px(scene: Scene, trajectory: Trajectory) -> Array:

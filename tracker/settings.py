@@ -10,7 +10,7 @@ FrameIndex: TypeAlias = Annotated[int, Field(ge=0, le=100_000_000)]
 Pixel: TypeAlias = tuple[FiniteFloat, FiniteFloat]
 MethodName: TypeAlias = Literal["keypose", "paper"]
 Quality: TypeAlias = Literal["full", "fast", "preview"]
-Initial: TypeAlias = Literal["auto", "import", "linear"]
+Initial: TypeAlias = Literal["auto", "linear", "templates", "both-ways", "import"]
 
 
 class Plain(BaseModel):
@@ -48,7 +48,11 @@ class TrackSettings(Plain):
     )
     initial: Initial = Field(
         default="auto",
-        description="Where a segment starts from: auto, the method's own start or the imported "
-        "motion, whichever scores better; import, the imported motion wherever it reaches; "
-        "linear, plain interpolation.",
+        description="Where a segment starts from: auto, whichever of the ways below scores best; "
+        "linear, plain interpolation; templates, head, hands and feet followed by what they look "
+        "like; both-ways, the body followed from both keyframes; import, the imported motion "
+        "wherever it reaches.",
+    )
+    left_out: tuple[Annotated[str, Field(min_length=1)], ...] = Field(
+        default=(), description="Names of parts that are not followed by templates."
     )

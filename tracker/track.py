@@ -24,9 +24,10 @@ from tracker.observe import observe, unobserved
 from tracker.points import SurfacePoints, lay_points
 from tracker.pose import Pose
 from tracker.scene import Scene
-from tracker.segment import Outcome, Pass, Segment, track_segment
+from tracker.segment import Outcome, Pass, track_segment
 from tracker.settings import IgnoreMask, TrackSettings
 from tracker.skeleton import Skeleton
+from tracker.stretch import Segment
 from tracker.trajectory import Trajectory, joined
 from tracker.verdict import Verdict, judge
 from tracker.video import Video

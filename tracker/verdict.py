@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from tracker.geometry import Array
 from tracker.observe import Observation
 from tracker.scene import Scene
-from tracker.segment import NOWHERE_PX, Outcome, Segment
+from tracker.segment import NOWHERE_PX, Outcome
+from tracker.stretch import Segment
 
 LOST_APART, LOST_DRIFT = 0.28, 0.23
 CHECK_APART, CHECK_DRIFT = 0.18, 0.044

@@ -21,9 +21,10 @@ from tracker.observe import observe
 from tracker.pose import Pose, pose_transforms
 from tracker.raster import BodyMesh, raster
 from tracker.scene import Scene
-from tracker.segment import Segment, track_segment
+from tracker.segment import track_segment
 from tracker.shapes import Box
 from tracker.skeleton import Skeleton
+from tracker.stretch import Segment
 
 _DONE = "warm"
 

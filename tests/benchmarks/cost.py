@@ -28,9 +28,10 @@ from tests.benchmarks.tracking import keyframes_every, scene_of
 from tracker.loading import MEMORY_BYTES
 from tracker.methods import FULL, Paper
 from tracker.pose import Pose, moved
-from tracker.segment import Segment, track_segment
+from tracker.segment import track_segment
 from tracker.settings import TrackSettings
 from tracker.skeleton import Skeleton
+from tracker.stretch import Segment
 from tracker.track import Tracker, run
 from tracker.video import Video
 

@@ -10,8 +10,8 @@ from tests.rendering.settings import RenderSettings
 from tests.tracker.tracking_cases import Case, case, clip_of, plain, segment_of, worked
 from tracker.images import Clip
 from tracker.methods import FAST, FULL, PREVIEW, Keypose, Method, Paper, method_of
-from tracker.segment import Segment
 from tracker.settings import TrackSettings
+from tracker.stretch import Segment
 from tracker.trajectory import Trajectory
 
 NAMES = ("box", "person")

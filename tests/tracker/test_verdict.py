@@ -15,8 +15,9 @@ from tracker.images import Clip
 from tracker.observe import Observation, unobserved
 from tracker.pose import Pose
 from tracker.scene import Scene
-from tracker.segment import Outcome, Pass, Segment
+from tracker.segment import Outcome, Pass
 from tracker.skeleton import Skeleton
+from tracker.stretch import Segment
 from tracker.trajectory import Trajectory, interpolate
 from tracker.verdict import Verdict, judge
 

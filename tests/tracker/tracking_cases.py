@@ -20,10 +20,11 @@ from tracker.images import LEVELS, Clip, prepare
 from tracker.methods import Method
 from tracker.pose import Pose
 from tracker.scene import Scene
-from tracker.segment import Outcome, Pass, Segment, track_segment
+from tracker.segment import Outcome, Pass, track_segment
 from tracker.settings import TrackSettings
 from tracker.shapes import Box, Cylinder, Frustum, Shape
 from tracker.skeleton import Skeleton
+from tracker.stretch import Segment
 from tracker.track import SegmentResult, Tracker, TrackFinished, run
 from tracker.trajectory import Trajectory, interpolate
 

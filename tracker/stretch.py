@@ -1,0 +1,43 @@
+"""A stretch between two keyframes, and what may be asked of a trajectory over it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tracker.geometry import Array
+from tracker.images import Clip
+from tracker.pose import Pose
+from tracker.scene import Scene
+from tracker.trajectory import Trajectory
+
+NEAREST_M, FURTHEST = 0.05, 50.0
+"""A body nearer than this, or this many times further than it was keyed, has been lost."""
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """A stretch between two keyframes, with its pictures.
+
+    imported: a motion from elsewhere that meets both keyframes, to start from; None without one.
+    """
+
+    first_frame: int
+    last_frame: int
+    start: Pose
+    end: Pose
+    clip: Clip
+    imported: Trajectory | None = None
+
+
+def is_sound(scene: Scene, segment: Segment, trajectory: Trajectory) -> bool:
+    """Whether every joint of a trajectory lies before the camera, and not absurdly far away."""
+    z = trajectory.transforms(scene.skeleton)[..., 2, 3]
+    far = FURTHEST * max(segment.start.p_camera_root[2], segment.end.p_camera_root[2])
+    return bool(np.isfinite(z).all() and z.min() > NEAREST_M and z.max() < far)
+
+
+def distance_px(scene: Scene, a: Trajectory, b: Trajectory) -> Array:
+    """(N, M) distance of two trajectories' marks in the picture."""
+    return np.asarray(np.linalg.norm(scene.mark_pixels(a) - scene.mark_pixels(b), axis=-1))
