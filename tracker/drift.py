@@ -15,16 +15,40 @@ from tracker.kernels.closing import close_segment
 from tracker.pose import Pose
 from tracker.trajectory import Trajectory
 
+DOUBT_FLOOR = 0.03
+"""Doubt that remains where the picture tells all: it may be believed wrongly."""
+
+
+@dataclass(frozen=True, eq=False)
+class Doubt:
+    """Variances of n steps as shares of the prior's: turned (n, P) by part, shifted (n,)."""
+
+    turned: Array
+    shifted: Array
+
+    @classmethod
+    def none(cls, steps: int, parts: int) -> Doubt:
+        """Room for the doubts of so many steps; all alike."""
+        return cls(np.ones((steps, parts)), np.ones(steps))
+
+    @property
+    def shares(self) -> tuple[Array, Array]:
+        """Of a correction what every step is to take, of mean 1: (n, P) and (n,)."""
+        turned, shifted = DOUBT_FLOOR + self.turned, DOUBT_FLOOR + self.shifted
+        return turned / turned.mean(axis=0), shifted / shifted.mean()
+
 
 @dataclass(frozen=True, eq=False)
 class Motions:
     """Where the motion of every frame of a trajectory leads: the pose at the next frame.
 
     Rs_parent_part: (n, P, 3, 3), ps_camera_root: (n, 3), for frames 0 … n − 1 of the trajectory.
+    doubt: how uncertain every step is, 0 to 1, by part and for the root's shift; None: all alike.
     """
 
     Rs_parent_part: Array
     ps_camera_root: Array
+    doubt: Doubt | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,8 +71,9 @@ def correct_drift(trajectory: Trajectory, motions: Motions, end: Pose) -> Closed
     R, t = trajectory.loose()
     R_out, t_out = np.empty_like(R), np.empty_like(t)
     rounds, gaps = np.empty(R.shape[1], np.int64), np.empty(R.shape[1])
+    doubt = motions.doubt or Doubt.none(*motions.Rs_parent_part.shape[:2])
     close_segment(
-        R, t, motions.Rs_parent_part, motions.ps_camera_root,
+        R, t, motions.Rs_parent_part, motions.ps_camera_root, *doubt.shares,
         *end.loose(), R_out, t_out, rounds, gaps,
     )  # fmt: skip
     trajectory = Trajectory(trajectory.first_frame, R_out, t_out)

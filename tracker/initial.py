@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.drift import Motions, correct_drift
+from tracker.drift import DOUBT_FLOOR, Doubt, Motions, correct_drift
 from tracker.geometry import Array, log_rotation, nearest_rotation, transpose
 from tracker.images import Clip
 from tracker.kernels.closing import blend
@@ -14,63 +16,72 @@ from tracker.pose import Pose
 from tracker.scene import Scene
 from tracker.trajectory import Trajectory
 
-TRUST_TURN_RAD = np.radians(1.5)
-TRUST_SHIFT_PX = 2.0
-"""Misses below which two chains are trusted alike."""
+TRUST_TURN_RAD = np.radians(20.0)
+TRUST_SHIFT_PX = 30.0
+"""Misses well below which two chains are trusted alike: small ones tell little of who is right."""
 EVENED_FRAMES = 2.0
 """Spread of the mean over time that takes the jitter of a motion from elsewhere: passes would
 accumulate it."""
 
 
+@dataclass(frozen=True, eq=False)
+class Chain(Trajectory):
+    """A trajectory followed from one keyframe, and how uncertain each of its n steps is."""
+
+    doubt: Doubt
+
+    @classmethod
+    def even(cls, trajectory: Trajectory) -> Chain:
+        """A trajectory whose steps are all alike."""
+        doubt = Doubt.none(len(trajectory) - 1, trajectory.Rs_parent_part.shape[1])
+        return cls(trajectory.first_frame, *trajectory.loose(), doubt)
+
+
 def follow(
     scene: Scene, clip: Clip, start: Pose, first: int, last: int, of: int, inner: int, stop: float,
     finest: int = 0,
-) -> Trajectory:  # fmt: skip
+) -> Chain:  # fmt: skip
     """Follow the body from `start`, posed at frame `first`, to `last`, which may lie before it.
 
     Constant velocity, from coarse down to the pyramid level `finest`, no drift correction. The
-    trajectory is in frame order.
+    chain is in frame order.
     """
     forward = last > first
     slots = clip.slots(min(first, last), max(first, last))
     R, t = _room(scene, len(slots))
     R[0], t[0] = start.Rs_parent_part, start.p_camera_root
+    doubt = Doubt.none(len(slots) - 1, R.shape[1])
     follow_chain(
         scene.arrays, scene.lens, scene.sight, scene.prior(of), clip.levels, finest,
         slots if forward else slots[::-1].copy(), R, t, of, inner, stop,
+        doubt.turned, doubt.shifted,
     )  # fmt: skip
     step = 1 if forward else -1
-    return Trajectory(min(first, last), R[::step], t[::step])
+    doubt = Doubt(doubt.turned[::step], doubt.shifted[::step])
+    return Chain(min(first, last), R[::step], t[::step], doubt)
 
 
-def blended(forward: Trajectory, backward: Trajectory) -> Trajectory:
+def blended(scene: Scene, forward: Chain, backward: Chain) -> Trajectory:
     """From the forward chain to the backward one, each part's rotation along one axis.
 
-    Both start exactly at their keyframes, so the blend meets both. It is several times nearer to
-    the truth than interpolation where the keyframes are far apart.
+    Both start exactly at their keyframes, so the blend meets both. A chain's variance grows with
+    every step, the more the less the picture told of it: the way to the other chain is made where a
+    part is hidden, not in the middle. Each limb leans as well to the chain that came nearer to the
+    keyframe at its far end: one that loses an arm halfway misses that keyframe by the arm. With V
+    the variance so far and g the miss, a chain weighs 1 / (V · (g² + ε)).
     """
-    n, parts = len(forward) - 1, forward.Rs_parent_part.shape[1]
-    shares = np.linspace(0.0, 1.0, n + 1)
-    return _mixed(forward, backward, np.tile(shares[:, None], (1, parts)), shares)
-
-
-def blended_by_trust(scene: Scene, forward: Trajectory, backward: Trajectory) -> Trajectory:
-    """The same, but each limb leans to the chain that came nearer to the keyframe at its far end.
-
-    A chain that loses an arm halfway misses its far keyframe by that arm; an even blend would drag
-    a well followed arm along. With s the share of the way and g the miss of a limb, the chains
-    weigh (1 − s) / (g² + ε) and s / (g² + ε), so that both keyframes are still met.
-    """
-    s = np.linspace(0.0, 1.0, len(forward))
     turn_f, turn_b = (
         _limb_miss(scene, a.Rs_parent_part[k], b.Rs_parent_part[k])
         for a, b, k in ((forward, backward, -1), (backward, forward, 0))
     )
     shift = forward.ps_camera_root[[-1, 0]] - backward.ps_camera_root[[-1, 0]]
     shift_f, shift_b = np.linalg.norm(shift, axis=1)
-    turned = _leaning(s[:, None], turn_f, turn_b, TRUST_TURN_RAD)
-    turned[:, ~_is_tracked(scene)] = s[:, None]  # led evenly, as everywhere
-    shifted = _leaning(s, shift_f, shift_b, TRUST_SHIFT_PX * scene.pixel_m)
+    doubts = forward.doubt, backward.doubt
+    turned = _leaning(*(d.turned for d in doubts), turn_f, turn_b, TRUST_TURN_RAD)
+    even = np.linspace(0.0, 1.0, len(forward))
+    turned[:, ~_is_tracked(scene)] = even[:, None]  # led evenly, as everywhere
+    shifts = (d.shifted for d in doubts)
+    shifted = _leaning(*shifts, shift_f, shift_b, TRUST_SHIFT_PX * scene.pixel_m)
     return _mixed(forward, backward, turned, shifted)
 
 
@@ -112,11 +123,20 @@ def _evened(motion: Trajectory, first: int, last: int) -> tuple[Array, Array]:
     return nearest_rotation(Rs), ps / weights[:, None]
 
 
-def _leaning(s: Array, miss_forward: Array, miss_backward: Array, least: float) -> Array:
-    """Share of the way to the backward chain."""
-    forward = (1 - s) / (miss_forward**2 + least**2)
-    backward = s / (miss_backward**2 + least**2)
-    return np.asarray(backward / (forward + backward))
+def _leaning(
+    doubt_forward: Array,
+    doubt_backward: Array,
+    miss_forward: Array,
+    miss_backward: Array,
+    least: float,
+) -> Array:
+    """(n + 1, …) share of the way to the backward chain; doubts (n, …) of the steps."""
+    nothing = np.zeros_like(doubt_forward[:1])
+    there = np.concatenate([nothing, np.cumsum(DOUBT_FLOOR + doubt_forward, axis=0)])
+    back = np.cumsum(DOUBT_FLOOR + doubt_backward[::-1], axis=0)[::-1]
+    forward = there * (miss_forward**2 + least**2)
+    backward = np.concatenate([back, nothing]) * (miss_backward**2 + least**2)
+    return np.asarray(forward / (forward + backward))
 
 
 def _limb_miss(scene: Scene, Rs_reached: Array, Rs_keyed: Array) -> Array:

@@ -49,7 +49,7 @@ class Keypose:
 
 Method = Paper | Keypose
 
-FULL = Keypose(3, 4, 3, Refinement(solves=4, of=2), inner=4)
+FULL = Keypose(3, 4, 6, Refinement(solves=6, of=2), inner=4)
 FAST = Keypose(2, 4, 4, Refinement(solves=2, of=2), finest=1)
 PREVIEW = Keypose(1, 3, 2, Refinement(solves=2, of=3), finest=1, judged=False, density=0.5)
 

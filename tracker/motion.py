@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.drift import Motions
+from tracker.drift import Doubt, Motions
 from tracker.geometry import Array
 from tracker.images import Clip, Picture
 from tracker.kernels.chain import move
@@ -135,10 +135,11 @@ def robust_pass(
 ) -> tuple[Motions, float]:
     """Our pass: motions from every pose, and the trajectory's capped score (grey levels²)."""
     n, parts = len(trajectory) - 1, scene.skeleton.part_count
-    R, t = np.empty((n, parts, 3, 3)), np.empty((n, 3))
+    R, t, doubt = np.empty((n, parts, 3, 3)), np.empty((n, 3)), Doubt.none(n, parts)
     slots: NDArray[np.int64] = clip.slots(trajectory.first_frame, trajectory.last_frame)
     score = follow_pairs(
         scene.arrays, scene.lens, scene.sight, scene.prior(of), clip.levels[0], slots,
         *trajectory.loose(), of, inner, stop, R, t,
+        doubt.turned, doubt.shifted,
     )  # fmt: skip
-    return Motions(R, t), float(score)
+    return Motions(R, t, doubt), float(score)

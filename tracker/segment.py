@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tracker.drift import Closed, Motions, correct_drift
 from tracker.geometry import Array
 from tracker.images import Clip
-from tracker.initial import blended, blended_by_trust, follow
+from tracker.initial import blended, follow
 from tracker.kernels.pairs import CAP, mean_capped_square
 from tracker.methods import Keypose, Method, Paper
 from tracker.motion import least_squares_pass, printed_score, robust_pass
@@ -22,11 +22,9 @@ from tracker.trajectory import Trajectory, interpolate
 
 EXACT_KEYFRAMES = 100.0
 """Mean capped square, grey levels², below which two keyframes show the same texture."""
-EXACT_ALLOWANCE, PLAIN_ALLOWANCE = 1.15, 1.05
-TRUST_ALLOWANCE = 1.15
-"""How much worse the blend by trust may score: a limb that is lost hardly changes the score."""
-ALIKE_PX = 2.0
-"""Two trajectories nearer than this everywhere need no comparison."""
+EXACT_ALLOWANCE, PLAIN_ALLOWANCE, NOISE = 1.15, 1.05, 2.0
+"""How much worse than the passes the refinement may score: a share, and the noise of the pictures,
+grey levels², near which shares say nothing."""
 NOWHERE_PX = 1e6
 """Stands for the distance to a place that is behind the camera or no place at all."""
 DOUBT = 0.5
@@ -193,14 +191,7 @@ def _met_halfway(
     scene: Scene, segment: Segment, method: Keypose, forward: Trajectory, backward: Trajectory
 ) -> Trajectory:
     """The blend of two chains by trust, unless the even one scores clearly better."""
-    even, by_trust = blended(forward, backward), blended_by_trust(scene, forward, backward)
-    if not method.judged:
-        return by_trust
-    if distance_px(scene, even, by_trust).max() < ALIKE_PX:
-        return even
-    # every second pair is enough to tell one blend from the other
-    trusted, other = (_score(scene, segment.clip, t, method, step=2) for t in (by_trust, even))
-    return by_trust if trusted < TRUST_ALLOWANCE * other else even
+    return blended(scene, forward, backward)
 
 
 def _is_preferred(imported: Pass, own: Pass, method: Keypose) -> bool:
@@ -235,7 +226,7 @@ def _is_better(
     if refined.score is None or unrefined.score is None:
         return exact
     allowance = EXACT_ALLOWANCE if exact else PLAIN_ALLOWANCE
-    return refined.score < allowance * unrefined.score
+    return refined.score < allowance * unrefined.score + NOISE
 
 
 def _keyframe_difference(scene: Scene, segment: Segment, method: Keypose) -> float:

@@ -131,9 +131,10 @@ def own_solve(shown: Sequence, scene: Scene, clip: Clip, method: Keypose = FULL)
 
     def work() -> None:
         R, t = pose.Rs_parent_part.copy(), pose.p_camera_root.copy()
+        A = np.empty((dofs, dofs))
         solve_pair(
             scene.arrays, followed.chosen, followed.grey, followed.starts, R, t, np.zeros(dofs),
-            clip.levels[0][1], scene.lens, scene.prior(method.of), solves, 0.0,
+            clip.levels[0][1], scene.lens, scene.prior(method.of), solves, 0.0, A,
         )  # fmt: skip
 
     return Timing.of(work, 15, solves)

@@ -219,8 +219,11 @@ def capped_square(r: Floats, cap: float) -> float:
     return float(np.minimum(middle**2, cap**2).sum() / max(1, len(r)))
 
 
-def find_correction(M: Floats, T: Floats, rounds: int = 20) -> tuple[Floats, int]:
-    """The motions (n, 3, 3) times one common X whose product is T, and the rounds it took."""
+def find_correction(
+    M: Floats, T: Floats, shares: Floats | None = None, rounds: int = 20
+) -> tuple[Floats, int]:
+    """The motions (n, 3, 3) times powers of one X whose product is T, and the rounds it took."""
+    shares = np.ones(len(M)) if shares is None else shares
     for k in range(rounds):
         tails = [np.eye(3)]
         for step in M[::-1]:
@@ -228,8 +231,8 @@ def find_correction(M: Floats, T: Floats, rounds: int = 20) -> tuple[Floats, int
         gap = log_rotation(tails[-1].T @ T)
         if np.abs(gap).max() < 1e-11:
             return M, k
-        J = sum(tail.T for tail in tails[:-1])
-        M = M @ exp_rotation(np.linalg.solve(J, gap))
+        J = sum(w * tail.T for w, tail in zip(shares[::-1], tails[:-1], strict=True))
+        M = M @ exp_rotation(shares[:, None] * np.linalg.solve(J, gap))
     return M, -1
 
 
@@ -261,20 +264,21 @@ _SKEW = (
 
 
 def close_segment(
-    R: Floats, t: Floats, R_next: Floats, t_next: Floats, R_end: Floats, t_end: Floats
-) -> tuple[Floats, Floats]:
+    R: Floats, t: Floats, R_next: Floats, t_next: Floats, turned: Floats, shifted: Floats,
+    R_end: Floats, t_end: Floats,
+) -> tuple[Floats, Floats]:  # fmt: skip
     """The motions accumulated from frame 0 and made to meet the end."""
     n = len(R_next)
     M = np.swapaxes(R[:n], -1, -2) @ R_next
-    path, turned = [t[0]], R[0, 0]
+    path, R_root = [t[0]], R[0, 0]
     for j in range(n):
-        path.append(path[-1] + turned @ R[j, 0].T @ (t_next[j] - t[j]))
-        turned = turned @ M[j, 0]
-    shares = np.arange(n + 1)[:, None] / n
+        path.append(path[-1] + R_root @ R[j, 0].T @ (t_next[j] - t[j]))
+        R_root = R_root @ M[j, 0]
+    shares = np.concatenate([[0.0], np.cumsum(shifted)])[:, None] / n
     t_out = np.array(path) + shares * (t_end - path[-1])
     R_out = np.empty((n + 1, *R.shape[1:]))
     for i in range(R.shape[1]):
-        steps, _ = find_correction(M[:, i], R[0, i].T @ R_end[i])
+        steps, _ = find_correction(M[:, i], R[0, i].T @ R_end[i], turned[:, i])
         R_out[0, i] = R[0, i]
         for j in range(n):
             R_out[j + 1, i] = nearest_rotation(R_out[j, i] @ steps[j])

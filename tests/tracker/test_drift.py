@@ -46,7 +46,7 @@ def test_the_common_correction_is_found_in_few_rounds(
     M = exp_rotation(steps)
     T = product_of(M) @ exp_rotation(drift * unit(seed + 1))
     before = M.copy()
-    rounds = find_correction(M, T)
+    rounds = find_correction(M, T, np.ones(len(M)))
     assert 0 <= rounds <= 8
     np.testing.assert_allclose(product_of(M), T, atol=1e-10)
     X = transpose(before) @ M
@@ -61,7 +61,7 @@ def test_an_error_that_every_motion_shares_is_removed_entirely(
     rng = np.random.default_rng(seed)
     true = exp_rotation(rng.normal(0, 0.02, (n, 3)))
     biased = true @ exp_rotation(bias * unit(seed))
-    assert find_correction(biased, product_of(true)) >= 0
+    assert find_correction(biased, product_of(true), np.ones(len(biased))) >= 0
     np.testing.assert_allclose(biased, true, atol=1e-9)
 
 
@@ -72,7 +72,7 @@ def test_the_printed_form_with_one_plus_y_does_not_get_there(n: int) -> None:
     T = product_of(M) @ exp_rotation(0.5 * unit(n))
     printed = plain.printed_correction(M, T, rounds=20)
     assert min(printed) > 1e-8
-    rounds = find_correction(M, T)
+    rounds = find_correction(M, T, np.ones(len(M)))
     assert 0 <= rounds <= 8
     assert np.linalg.norm(product_of(M) - T) < 1e-10
 

@@ -13,6 +13,7 @@ from tracker.body import preset
 from tracker.geometry import transform
 from tracker.kernels.chain import (
     camera_twists,
+    inverse_diagonal,
     move,
     normal_equations,
     place_parts,
@@ -139,6 +140,17 @@ def test_a_positive_system_is_solved_as_by_lapack(size: int) -> None:
     x = b.copy()
     assert solve_positive(A.copy(), x)
     np.testing.assert_allclose(x, np.linalg.solve(A, b), rtol=1e-8, atol=1e-12)
+
+
+@pytest.mark.parametrize("size", [0, 1, 2, 7, 23])
+def test_the_diagonal_of_an_inverse_is_had_from_the_factor(size: int) -> None:
+    rng = np.random.default_rng(size)
+    half = rng.normal(size=(size, size))
+    A, out = half @ half.T + 0.1 * np.eye(size), np.empty(size)
+    expected = np.diag(np.linalg.inv(A))
+    assert solve_positive(A, np.zeros(size))
+    inverse_diagonal(A, out)
+    np.testing.assert_allclose(out, expected, rtol=1e-8)
 
 
 @pytest.mark.parametrize("diagonal", [(1.0, -1.0, 1.0), (1.0, 0.0, 1.0), (1.0, np.nan, 1.0)])

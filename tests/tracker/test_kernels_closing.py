@@ -27,14 +27,22 @@ def test_three_equations_are_solved_as_by_lapack_and_singular_ones_refused() -> 
 
 
 @pytest.mark.parametrize("n", [1, 2, 5, 40])
-def test_the_common_correction_is_the_twins(n: int) -> None:
+@pytest.mark.parametrize("even", [True, False])
+def test_the_common_correction_is_the_twins(n: int, even: bool) -> None:
     rng = np.random.default_rng(n)
+    shares = np.ones(n) if even else of_mean_one(rng, n)
     M = exp_rotation(rng.normal(0, 0.06, (n, 3)))
     T = exp_rotation(rng.normal(0, 0.7, 3))
-    expected, rounds = plain.find_correction(M, T)
+    expected, rounds = plain.find_correction(M, T, shares)
     found = M.copy()
-    assert find_correction(found, T) == rounds
+    assert find_correction(found, T, shares) == rounds
     np.testing.assert_allclose(found, expected, atol=1e-10)
+
+
+def of_mean_one(rng: np.random.Generator, *shape: int) -> Floats:
+    """Shares of a correction, some steps taking many times what others take."""
+    shares = rng.uniform(0.05, 1.0, shape)
+    return np.asarray(shares / shares.mean(axis=0))
 
 
 def pass_over(
@@ -50,13 +58,22 @@ def pass_over(
     return before, R_next, t_next, other
 
 
+def shares_of(R_next: Floats) -> tuple[Floats, Floats]:
+    """Uneven shares of the correction for every step: of each part, and of the root's place."""
+    rng, n = np.random.default_rng(len(R_next)), len(R_next)
+    return of_mean_one(rng, n, R_next.shape[1]), of_mean_one(rng, n)
+
+
 def closed(
     before: Trajectory, R_next: Floats, t_next: Floats, R_end: Floats, t_end: Floats
 ) -> tuple[Floats, Floats, NDArray[np.int64]]:
     R, t = before.Rs_parent_part, before.ps_camera_root
     R_out, t_out = np.empty_like(R), np.empty_like(t)
     rounds, gaps = np.empty(R.shape[1], np.int64), np.empty(R.shape[1])
-    close_segment(R, t, R_next, t_next, R_end, t_end, R_out, t_out, rounds, gaps)
+    turned, shifted = shares_of(R_next)
+    close_segment(
+        R, t, R_next, t_next, turned, shifted, R_end, t_end, R_out, t_out, rounds, gaps
+    )  # fmt: skip
     assert gaps.max() < 1e-9
     return R_out, t_out, rounds
 
@@ -67,7 +84,7 @@ def test_a_segment_is_closed_as_by_the_twin(n: int) -> None:
     end = (other.Rs_parent_part[-1], other.ps_camera_root[-1])
     R_out, t_out, rounds = closed(before, R_next, t_next, *end)
     R_twin, t_twin = plain.close_segment(
-        before.Rs_parent_part, before.ps_camera_root, R_next, t_next, *end
+        before.Rs_parent_part, before.ps_camera_root, R_next, t_next, *shares_of(R_next), *end
     )
     np.testing.assert_allclose(R_out, R_twin, atol=1e-9)
     np.testing.assert_allclose(t_out, t_twin, atol=1e-10)

@@ -22,6 +22,7 @@ from tracker.geometry import exp_rotation
 from tracker.kernels.layout import Lens
 from tracker.kernels.pairs import (
     FIRST_WIDTH,
+    doubts,
     follow_pairs,
     mean_capped_square,
     observe_pairs,
@@ -82,13 +83,23 @@ def test_one_robust_solve_is_the_dense_least_squares_under_the_prior(camera: Cam
     R, t, x = pose.Rs_parent_part.copy(), pose.p_camera_root.copy(), start.copy()
     prior = scene.prior(2)
     args = (chosen, grey, starts, R, t, x, second, scene.lens, prior)
-    score = solve_pair(scene.arrays, *args, 1, 0.0)
+    factor = np.empty((skeleton.dof_count, skeleton.dof_count))
+    score = solve_pair(scene.arrays, *args, 1, 0.0, factor)
     made, J = rows(scene, chosen, grey, pose, second)
     w = plain.weights_of(made.r, "huber", 20.0)
     q = prior.information / plain.robust_sigma(made.r) ** 2
     A = q * J.T @ (w[:, None] * J) + np.diag(prior.precision)
     step = -np.linalg.solve(A, q * J.T @ (w * made.r) + prior.precision * start)
     assert np.linalg.norm(step) > 1e-3
+    turned = np.empty(skeleton.part_count)
+    shifted = doubts(scene.arrays, prior.precision, factor, turned)
+    share = np.diag(np.linalg.inv(A)) * prior.precision
+    turns, part = skeleton.dof_turns == 1, skeleton.dof_part
+    for i in range(skeleton.part_count):
+        mine = share[turns & (part == i)]
+        assert turned[i] == pytest.approx(mine.mean() if len(mine) else 1.0, rel=0.02)
+    assert shifted == pytest.approx(share[~turns].mean(), rel=0.02)
+    assert 0 < turned.min() < 0.9
     np.testing.assert_allclose(x - start, step, atol=0.02 * np.abs(step).max())
     expected = moved(skeleton, pose, x - start)
     np.testing.assert_allclose(R, expected.Rs_parent_part, atol=1e-10)
@@ -126,10 +137,12 @@ def test_every_pair_of_a_pass_is_solved_from_the_trajectory_alone() -> None:
 
     def motions(first: int, last: int) -> tuple[Floats, Floats]:
         R, t = np.empty((last - first, 5, 3, 3)), np.empty((last - first, 3))
+        turned, shifted = np.empty((last - first, 5)), np.empty(last - first)
         follow_pairs(
             scene.arrays, scene.lens, scene.sight, scene.prior(4), shown,
             np.arange(first, last + 1), path.Rs_parent_part[first : last + 1],
-            path.ps_camera_root[first : last + 1], 4, 5, 1e-3, R, t,
+            path.ps_camera_root[first : last + 1], 4, 5, 1e-3, R, t, turned,
+            shifted,
         )  # fmt: skip
         return R, t
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -11,9 +13,10 @@ from tests.tracker import reference_loops as plain
 from tests.tracker.tracking_cases import Case, case, clip_of, random_body, scene_of
 from tracker.body import ALL_DOFS, Body, Part
 from tracker.camera import Camera
+from tracker.drift import Doubt
 from tracker.geometry import exp_rotation, log_rotation, transpose
 from tracker.images import IGNORED, Clip, Picture
-from tracker.initial import blended, blended_by_trust, follow
+from tracker.initial import Chain, blended, follow
 from tracker.kernels.pairs import observe_pairs
 from tracker.motion import (
     SINGULAR_CUT,
@@ -318,7 +321,7 @@ def test_following_runs_both_ways_and_the_blend_starts_at_each_keyframe(box: Cas
             0, box.truth.Rs_parent_part[[start] * 5], box.truth.ps_camera_root[[start] * 5]
         )
         assert box.error_cm(chain) < 0.3 * box.error_cm(still)
-    middle = blended(there, back)
+    middle = blended(scene, there, back)
     for k in (0, 4):
         np.testing.assert_allclose(
             middle.Rs_parent_part[k], box.truth.Rs_parent_part[k], atol=1e-12
@@ -333,21 +336,41 @@ def test_a_limb_that_one_chain_has_lost_is_taken_from_the_other(person: Case) ->
     arm = scene.skeleton.body.index("right_upper_arm")
     away = np.linspace(0.0, 1.2, len(truth))[:, None] * np.array([1.0, 0.0, 0.0])
 
-    def strayed(turns: Floats) -> Trajectory:
+    def strayed(turns: Floats) -> Chain:
         R, t = truth.loose()
         R[:, arm] = R[:, arm] @ exp_rotation(turns)
-        return Trajectory(truth.first_frame, R, t)
+        return Chain.even(Trajectory(truth.first_frame, R, t))
 
-    for chains in ((strayed(away), truth), (truth, strayed(away[::-1]))):
-        even, by_trust = blended(*chains), blended_by_trust(scene, *chains)
-        assert person.error_cm(by_trust) < 0.1 * person.error_cm(even)
+    right = Chain.even(truth)
+    for chains in ((strayed(away), right), (right, strayed(away[::-1]))):
+        whole = blended(scene, *chains)
+        assert person.error_cm(whole) < 0.1 * person.error_cm(strayed(away))
         for k in (0, -1):
-            np.testing.assert_allclose(
-                by_trust.Rs_parent_part[k], truth.Rs_parent_part[k], atol=1e-9
-            )
+            np.testing.assert_allclose(whole.Rs_parent_part[k], truth.Rs_parent_part[k], atol=1e-9)
     np.testing.assert_allclose(
-        blended_by_trust(scene, truth, truth).Rs_parent_part, truth.Rs_parent_part, atol=1e-9
+        blended(scene, right, right).Rs_parent_part, truth.Rs_parent_part, atol=1e-9
     )
+
+
+def test_the_way_from_one_chain_to_the_other_is_made_where_a_part_is_hidden(person: Case) -> None:
+    scene, truth = person.scene(), person.truth
+    arm, n = scene.skeleton.body.index("right_upper_arm"), len(truth) - 1
+    hidden = n // 3
+
+    def lost(after: bool) -> Chain:
+        """0.1 rad off on the far side of the hidden step, which is where it was lost."""
+        R, t = truth.loose()
+        frames = slice(hidden + 1, None) if after else slice(0, hidden + 1)
+        R[frames, arm] = R[frames, arm] @ exp_rotation(np.array([0.1, 0.0, 0.0]))
+        chain = Chain.even(Trajectory(truth.first_frame, R, t))
+        turned = np.full_like(chain.doubt.turned, 0.001)
+        turned[hidden] = 1.0
+        return replace(chain, doubt=Doubt(turned, chain.doubt.shifted))
+
+    chains = lost(after=True), lost(after=False)
+    alike = tuple(Chain.even(chain) for chain in chains)
+    told, untold = blended(scene, *chains), blended(scene, *alike)
+    assert person.error_cm(told) < 0.5 * person.error_cm(untold)
 
 
 def test_a_limb_is_a_chain_without_branches(person: Case) -> None:

@@ -111,6 +111,21 @@ def solve_positive(A, b):
 
 
 @compiled
+def inverse_diagonal(L, out):
+    """out (D,) ← diagonal of (L Lᵀ)⁻¹, L (D, D) being the lower triangle solve_positive left."""
+    n = out.shape[0]
+    column = np.empty(n)
+    out[:] = 0.0
+    for d in range(n):
+        for j in range(d, n):
+            s = 1.0 if j == d else 0.0
+            for k in range(d, j):
+                s -= L[j, k] * column[k]
+            column[j] = s / L[j, j]
+            out[d] += column[j] * column[j]
+
+
+@compiled
 def solve_banded(banded, b):
     """b ← A⁻¹ b for a symmetric banded A by Cholesky; False where A is not positive definite.
 

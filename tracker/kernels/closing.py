@@ -3,6 +3,9 @@
 One small rotation X is found for each part with R_1 X R_2 X … R_n X = T_0⁻¹ T_n. In the tangent
 space the paper's nine equations are three: (Σ_j G_jᵀ) ξ = log(F_nᵀ T), G_j = R_{j+1} … R_n. The
 printed I + Y is not a rotation and cannot meet T to 1e-10; X = exp(ξ) does in a few rounds.
+
+The paper gives every step the same X. Drift gathers where the picture tells least, so a step may
+take a larger or smaller share of it: R_j X^w_j, with w_j of mean 1.
 """
 
 from __future__ import annotations
@@ -43,8 +46,10 @@ def solve_three(J, b, least, x):
 
 
 @compiled
-def find_correction(M, T):
-    """Multiply the motions M (n, 3, 3) by one common X until their product is T (3, 3).
+def find_correction(M, T, shares):
+    """Multiply the motions M (n, 3, 3) by powers of one X until their product is T (3, 3).
+
+    Motion j takes X to the power shares[j] (n,), whose mean is 1.
 
     Rounds needed, or −1 where the system is singular (the motions make a full turn in between) or
     the rounds run out; the caller then closes the gap in another way.
@@ -58,7 +63,7 @@ def find_correction(M, T):
         for j in range(n - 1, -1, -1):
             for a in range(3):
                 for b in range(3):
-                    J[a, b] += tail[b, a]
+                    J[a, b] += shares[j] * tail[b, a]
             product(M[j], tail, step)
             tail[:] = step
         turned_back(tail, T, step)
@@ -68,24 +73,28 @@ def find_correction(M, T):
         if not solve_three(J, gap, 1e-3 * n**3, xi):
             return -1
         for j in range(n):
-            compose(M[j], xi, scratch)
+            compose(M[j], xi * shares[j], scratch)
     return -1
 
 
 @compiled
-def spread_gap(R, R_end):
-    """Close R (n + 1, 3, 3) on R_end: frame j is turned by j/n of the rotation that is missing."""
+def spread_gap(R, R_end, shares):
+    """Close R (n + 1, 3, 3) on R_end: each frame is turned by its part of what is missing."""
     n = R.shape[0] - 1
     gap, step, scratch = np.empty(3), np.empty((3, 3)), np.empty((2, 3, 3))
     turned_back(R[n], R_end, step)
     logarithm(step, gap)
+    done = 0.0
     for j in range(1, n + 1):
-        compose(R[j], gap * (j / n), scratch)
+        done += shares[j - 1] / n
+        compose(R[j], gap * done, scratch)
 
 
 @compiled
-def root_path(R, t, R_next, t_next, t_end, path):
-    """path (n + 1, 3) ← accumulated root positions, then shifted by (k/n) of what is missing.
+def root_path(R, t, R_next, t_next, t_end, shares, path):
+    """path (n + 1, 3) ← accumulated root positions, then shifted by a part of what is missing.
+
+    The part is (k/n) as printed where all shares (n,) are 1.
 
     Accumulated with the uncorrected rotations, as printed: t_0 + T_0 r_1 + T_0 R_1 r_2 + … (24).
     """
@@ -107,14 +116,20 @@ def root_path(R, t, R_next, t_next, t_end, path):
         turned[:] = step
         cleaned(turned)
     missing = t_end - path[n]
+    done = 0.0
     for j in range(1, n):
-        path[j] += missing * (j / n)
+        done += shares[j - 1] / n
+        path[j] += missing * done
     path[n] = t_end
 
 
 @compiled
-def close_segment(R, t, R_next, t_next, R_end, t_end, R_out, t_out, rounds, gaps):
+def close_segment(
+    R, t, R_next, t_next, turned, shifted, R_end, t_end, R_out, t_out, rounds, gaps
+):  # fmt: skip
     """Accumulate a pass's motions from the first keyframe and correct their drift.
+
+    turned (n, P), shifted (n,): shares of the correction that every step takes, of mean 1.
 
     R, t: trajectory the motions start from; R_next, t_next (n, …): where each leads. R_out, t_out
     (n + 1, …) ← the corrected trajectory, its ends exactly the keyframes; rounds (P,) ← rounds per
@@ -122,14 +137,14 @@ def close_segment(R, t, R_next, t_next, R_end, t_end, R_out, t_out, rounds, gaps
     still missing at the end before it was set.
     """
     n = R_next.shape[0]
-    root_path(R, t, R_next, t_next, t_end, t_out)
+    root_path(R, t, R_next, t_next, t_end, shifted, t_out)
     M, T, missing = np.empty((n, 3, 3)), np.empty((3, 3)), np.empty(3)
     for i in range(R.shape[1]):
         for j in range(n):
             turned_back(R[j, i], R_next[j, i], M[j])
         turned_back(R[0, i], R_end[i], T)
         whole = M.copy()
-        rounds[i] = find_correction(M, T)
+        rounds[i] = find_correction(M, T, turned[:, i])
         if rounds[i] < 0:
             M[:] = whole
         R_out[0, i] = R[0, i]
@@ -137,7 +152,7 @@ def close_segment(R, t, R_next, t_next, R_end, t_end, R_out, t_out, rounds, gaps
             product(R_out[j, i], M[j], R_out[j + 1, i])
             cleaned(R_out[j + 1, i])
         if rounds[i] < 0:
-            spread_gap(R_out[:, i], R_end[i])
+            spread_gap(R_out[:, i], R_end[i], turned[:, i])
         turned_back(R_out[n, i], R_end[i], T)
         logarithm(T, missing)
         gaps[i] = np.sqrt(missing[0] ** 2 + missing[1] ** 2 + missing[2] ** 2)

@@ -13,6 +13,7 @@ import numpy as np
 from tracker.kernels import compiled
 from tracker.kernels.chain import (
     camera_twists,
+    inverse_diagonal,
     move,
     normal_equations,
     place_parts,
@@ -83,14 +84,43 @@ def linearise(
 
 
 @compiled
-def solve_pair(body, chosen, grey, starts, R, t, x, picture, lens, prior, inner, stop):
+def doubts(body, precision, L, turned):
+    """turned (P,) ← variance of a part's motion as a share of its prior's; that of the root's shift
+    comes back.
+
+    L (D, D): factor of the last normal equations, prior included. 1 is pure prediction, 0 all
+    picture; 1 as well for parts that are not tracked.
+    """
+    variance = np.empty(precision.shape[0])
+    inverse_diagonal(L, variance)
+    number = np.zeros(turned.shape[0])
+    turned[:] = 0.0
+    shifted, shifts = 0.0, 0
+    for d in range(variance.shape[0]):
+        share = variance[d] * precision[d]
+        if body.dof_turns[d] == 1:
+            turned[body.dof_part[d]] += share
+            number[body.dof_part[d]] += 1
+        else:
+            shifted += share
+            shifts += 1
+    for i in range(turned.shape[0]):
+        turned[i] = turned[i] / number[i] if number[i] > 0 else 1.0
+    return shifted / shifts if shifts > 0 else 1.0
+
+
+@compiled
+def solve_pair(
+    body, chosen, grey, starts, R, t, x, picture, lens, prior, inner, stop, A
+):  # fmt: skip
     """Move R, t (the target's pose, started at the prediction) to where the picture shows it.
 
-    x (D,) is how far the motion has left the prediction, kept over pyramid levels. The mean
-    capped square of the residuals at the start comes back.
+    x (D,) is how far the motion has left the prediction, kept over pyramid levels. A (D, D) ← the
+    factor of the last normal equations, for `doubts`. The mean capped square of the residuals at
+    the start comes back.
     """
     dofs, N = body.dof_part.shape[0], np.empty((body.parents.shape[0], 7, 7))
-    A, b, histogram = np.empty((dofs, dofs)), np.empty(dofs), np.empty(BINS, np.int32)
+    b, histogram = np.empty(dofs), np.empty(BINS, np.int32)
     width, start = FIRST_WIDTH, 0.0
     for k in range(inner):
         points = linearise(
@@ -107,6 +137,7 @@ def solve_pair(body, chosen, grey, starts, R, t, x, picture, lens, prior, inner,
                 A[d, e] *= q
             A[d, d] += prior.precision[d]
         if not solve_positive(A, b):
+            A[:] = np.diag(np.sqrt(prior.precision))  # nothing but the prediction is left
             break
         largest = shortened(b, LONGEST_STEP)
         if largest < 0:
@@ -142,18 +173,21 @@ def charged(score, shown, least, cap):
 
 @compiled
 def follow_pairs(
-    body, lens, sight, prior, pictures, slots, R, t, of, inner, stop, R_next, t_next
+    body, lens, sight, prior, pictures, slots, R, t, of, inner, stop, R_next, t_next, turned,
+    shifted,
 ):  # fmt: skip
     """One pass: from every pose of a segment, the motion to the next frame (DRIFT §2.3).
 
     R (n + 1, P, 3, 3), t (n + 1, 3) is the present trajectory; slots (n + 1,) tells where each
     frame lies in `pictures`. Every pair starts from the trajectory's own pose, which keeps frames
-    independent. R_next (n, P, 3, 3), t_next (n, 3) ← where frame j's motion leads. The mean capped
-    square of the trajectory's own residuals comes back.
+    independent. R_next (n, P, 3, 3), t_next (n, 3) ← where frame j's motion leads; turned (n, P)
+    and shifted (n,) ← its `doubts`. The mean capped square of the trajectory's own residuals comes
+    back.
     """
     height, width = pictures.shape[1], pictures.shape[2]
     HR, Ho, uvz, seen, depth, owner, chosen, grey, starts = room(body, sight, width, height)
-    x = np.zeros(body.dof_part.shape[0])
+    dofs = body.dof_part.shape[0]
+    x, A = np.zeros(dofs), np.empty((dofs, dofs))
     least = least_shown(body, lens, sight, width, height, R, t)
     score = 0.0
     for j in range(R_next.shape[0]):
@@ -164,8 +198,9 @@ def follow_pairs(
         x[:] = 0.0
         own = solve_pair(
             body, chosen, grey, starts, R_next[j], t_next[j], x, pictures[slots[j + 1]], lens,
-            prior, inner, stop,
+            prior, inner, stop, A,
         )  # fmt: skip
+        shifted[j] = doubts(body, prior.precision, A, turned[j])
         score += charged(own, shown, least, CAP)
     return score / R_next.shape[0]
 
@@ -187,17 +222,18 @@ def predict_by_velocity(R, t, j):
 
 @compiled
 def follow_chain(
-    body, lens, sight, prior, levels, finest, slots, R, t, of, inner, stop
+    body, lens, sight, prior, levels, finest, slots, R, t, of, inner, stop, turned, shifted
 ):  # fmt: skip
     """Follow the body frame by frame from R[0], t[0], coarse to fine, by constant velocity.
 
     levels: pictures of the pyramid, finest first, (…, h, w, 4), used down to `finest`; slots
     (n + 1,) in the order in which the frames are visited (backwards for a chain from the end).
-    Fills R[1:], t[1:].
+    Fills R[1:], t[1:] and the `doubts` of every step: turned (n, P), shifted (n,).
     """
     height, width = levels[0].shape[1], levels[0].shape[2]
     HR, Ho, uvz, seen, depth, owner, chosen, grey, starts = room(body, sight, width, height)
-    x = np.zeros(body.dof_part.shape[0])
+    dofs = body.dof_part.shape[0]
+    x, A = np.zeros(dofs), np.empty((dofs, dofs))
     for j in range(R.shape[0] - 1):
         place_parts(body, R[j], t[j], HR, Ho)
         see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
@@ -211,8 +247,9 @@ def follow_chain(
             pick(body, uvz, seen, pictures[slots[j]], scale, kept, every, chosen, grey, starts)
             solve_pair(
                 body, chosen, grey, starts, R[j + 1], t[j + 1], x, pictures[slots[j + 1]],
-                scaled_lens(lens, scale), prior, inner, stop,
+                scaled_lens(lens, scale), prior, inner, stop, A,
             )  # fmt: skip
+        shifted[j] = doubts(body, prior.precision, A, turned[j])
 
 
 @compiled
