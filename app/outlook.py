@@ -3,22 +3,44 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from app.editor.state import EditorState
+from app.jobs import Change
+from tracker.session.schema import Session
 from tracker.video import VideoInfo
 
 
 @dataclass(frozen=True)
 class Job:
-    """What the tracker is doing, in words; seconds_left is None when nobody can know."""
+    """What the tracker is doing, in words; seconds_left is None when nobody can know.
+
+    kind: a "fit" does not know how far it is.
+    """
 
     state: Literal["idle", "running", "done", "cancelled", "failed"] = "idle"
     title: str = ""
     words: str = ""
     percent: float = 0.0
     seconds_left: float | None = None
+    kind: Literal["track", "fit"] = "track"
+
+
+@dataclass(frozen=True, eq=False)
+class FitTold:
+    """What the last fit did, until something else is edited.
+
+    frame: of the pose that was fitted; None where it was the sizes.
+    before, after: the documents.  looking_back: `before` is shown just now.
+    """
+
+    frame: int | None
+    words: str
+    before: Session
+    after: Session
+    changes: tuple[Change, ...] = ()
+    looking_back: bool = False
 
 
 @dataclass(frozen=True)
@@ -71,3 +93,11 @@ class Outlook:
     guide: Guide = Guide()
     tabs: int = 0
     running: Mapping[tuple[int, int], Running] = field(default_factory=dict)
+    fit: FitTold | None = None
+
+    @property
+    def as_looked_at(self) -> Outlook:
+        """With what stood before the last fit, while somebody looks back at it."""
+        if self.fit is None or self.edit is None or not self.fit.looking_back:
+            return self
+        return replace(self, edit=self.edit.with_doc(self.fit.before))

@@ -31,16 +31,28 @@ from tracker.errors import KeyposeError, SessionError
 from tracker.session import Session
 from tracker.session import schema as saved
 from tracker.session.files import load_session, save_session
-from tracker.settings import MethodName, Quality
+from tracker.settings import Initial, MethodName, Quality
 from tracker.video import Video
 
 POLL_S = 0.2
 """Between two looks at whether Ctrl+C was pressed."""
 
 
-def with_settings(session: Session, method: MethodName | None, quality: Quality | None) -> Session:
-    """The session as it is to be tracked in this run; its file keeps its own settings."""
-    wanted = {"method": method, "quality": quality}
+def with_settings(
+    session: Session,
+    method: MethodName | None,
+    quality: Quality | None,
+    initial: Initial | None = None,
+    left_out: Sequence[str] | None = None,
+) -> Session:
+    """The session as it is to be tracked in this run; its file keeps its own settings.
+
+    BodyError where `left_out` names a part that the body has not.
+    """
+    for name in left_out or ():
+        session.body.index(name)
+    parts = None if left_out is None else tuple(left_out)
+    wanted = {"method": method, "quality": quality, "initial": initial, "left_out": parts}
     chosen = {name: value for name, value in wanted.items() if value is not None}
     return session.model_copy(update={"settings": session.settings.model_copy(update=chosen)})
 

@@ -1,4 +1,4 @@
-"""Tracking as the page sees it: what is asked for, how far it is, what it found."""
+"""The worker as the page sees it: what is asked of it, how far it is, what tracking found."""
 
 from __future__ import annotations
 
@@ -12,12 +12,16 @@ from typing import Literal, TypeAlias
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.jobs import (
+    FitOrder,
+    Fitted,
     JobFailed,
     JobFinished,
     PassFinished,
+    PoseFitted,
     Progress,
     Report,
     SegmentFinished,
+    SizesFitted,
     Started,
     Tracking,
     Wanted,
@@ -31,20 +35,28 @@ from tracker.settings import Quality
 
 What: TypeAlias = Literal["this", "changed", "all"]
 Ending: TypeAlias = Literal["done", "cancelled", "failed"]
+FitEnded: TypeAlias = Callable[[Fitted | JobFailed], None]
 
 
 class Runner:
-    """One tracking job at a time. `tell` is called after each news; its flag: a segment is done."""
+    """One job at a time. `tell` is called after each news; its flag: a segment is done.
+
+    A fit goes before tracking: what is at work, and what is asked for meanwhile, waits for it and
+    is gone on with, as it is posed then, by `go_on`.
+    """
 
     def __init__(
         self, loop: asyncio.AbstractEventLoop, tell: Callable[[Runner, bool], None]
     ) -> None:
         self._tell = tell
         self._tracking = Tracking(self._on_report, loop)
-        self._number = 0
+        self._number = self._newest = 0
         self._past = 0
         self._wanted: dict[Span, str] = {}
         self._keep: tuple[str, ...] = ()
+        self._stages: tuple[Quality, ...] = ()
+        self._fit_ended: FitEnded | None = None
+        self._waiting: frozenset[Span] = frozenset()
         self._progress: Progress | None = None
         self.results: Results | None = None
         self.running: dict[Span, Running] = {}
@@ -59,7 +71,8 @@ class Runner:
     def closed(self) -> None:
         """No session is open any more; what a job still tells does not count."""
         self._tracking.cancel()
-        self._past = self._number
+        self._past = self._newest
+        self._number, self._fit_ended, self._waiting = 0, None, frozenset()
         self.running, self.results, self.job = {}, None, Job()
 
     def stop(self) -> None:
@@ -83,6 +96,34 @@ class Runner:
             raise Refused("Nothing has changed: every segment is tracked already.")
         self._start(piece, edit.doc, wanted, (edit.doc.settings.quality,))
 
+    def fit(self, order: FitOrder, title: str, ended: FitEnded) -> None:
+        """Fit; `ended` is told once what came of it, unless it is left or replaced before."""
+        if self._fit_ended is None:
+            self._waiting = frozenset(self.running)
+        self._fit_ended = ended
+        self._number = self._newest = self._tracking.fit(order)
+        self._progress = None
+        self.running = dict.fromkeys(self._waiting, Running())
+        words = "tracking goes on after it" if self._waiting else ""
+        self.job = Job("running", title, words, kind="fit")
+        self._tell(self, False)
+
+    def leave_fit(self) -> None:
+        """Have no use for the fit at work any more."""
+        self._tracking.cancel()
+        self._number = 0
+
+    def go_on(self, piece: Workpiece, edit: EditorState) -> None:
+        """The fit is over: track what waited for it."""
+        waiting, self._waiting, self._fit_ended = self._waiting, frozenset(), None
+        self.job, self.running = Job(), {}
+        keys = segment_keys(edit.settled)
+        wanted = [(*span, key) for span, key in keys.items() if span in waiting]
+        if wanted:
+            self._start(piece, edit.settled, wanted, self._stages)
+        else:
+            self._tell(self, False)
+
     def hold(self, on: bool) -> None:
         """Stand back while a hand drags."""
         self._tracking.hold(on)
@@ -96,18 +137,26 @@ class Runner:
     def _start(
         self, piece: Workpiece, doc: Session, wanted: Sequence[Wanted], stages: Sequence[Quality]
     ) -> None:
+        self._stages = tuple(stages)
+        if self._fit_ended is not None:
+            self._waiting |= {(first, last) for first, last, _ in wanted}
+            self.running = dict.fromkeys(self._waiting, Running())
+            self._tell(self, False)
+            return
         self._wanted = {(first, last): key for first, last, key in wanted}
         self._keep = tuple(segment_keys(doc).values())
         self.running = dict.fromkeys(self._wanted, Running())
         self.job = Job("running", _title(list(self._wanted)), "starting")
         self._progress = None
         folder = piece.session_path.parent
-        self._number = self._tracking.start(doc, piece.video.info.path, wanted, stages, folder)
+        self._number = self._newest = self._tracking.start(
+            doc, piece.video.info.path, wanted, stages, folder
+        )
         self._tell(self, False)
 
     def _is_at(self, wanted: Sequence[Wanted]) -> bool:
         """Whether this is what is being tracked already."""
-        at_work = self.job.state == "running"
+        at_work = self.job.state == "running" and self._fit_ended is None
         return at_work and set(self._wanted.values()) == {key for *_, key in wanted}
 
     def _on_report(self, report: Report) -> None:
@@ -134,10 +183,19 @@ class Runner:
                 self._on_pass(report)
             case SegmentFinished():
                 self._on_segment(report.track)
+            case PoseFitted() | SizesFitted():
+                self._on_fit_end(report)
+            case JobFailed() if self._fit_ended is not None:
+                self._on_fit_end(report)
             case JobFinished():
                 self._on_end("cancelled" if report.cancelled else "done")
             case JobFailed():
                 self._on_end("failed", report.words)
+
+    def _on_fit_end(self, report: Fitted | JobFailed) -> None:
+        self._number = 0
+        if self._fit_ended is not None:
+            self._fit_ended(report)
 
     def _on_pass(self, report: PassFinished) -> None:
         known = self.running.get(report.span, Running())

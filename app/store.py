@@ -21,13 +21,14 @@ from app.editor import actions
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.editor.update import ended, update
+from app.fits import Fitter
 from app.frames import Frames
 from app.guiding import guide_after
 from app.journaling import Journaling
 from app.library import Library
 from app.locking import HeldElsewhere, SessionLock
 from app.opening import Workpiece, edit_state, open_workpiece
-from app.outlook import Guide, Job, Opened, Outlook, Saved
+from app.outlook import FitTold, Guide, Job, Opened, Outlook, Saved
 from app.results import save_results, tidy_tracks
 from app.running import Runner
 from app.saving import Saver
@@ -67,6 +68,7 @@ class Store:
         self._piece: Workpiece | None = None
         self._saver = Saver(self._on_saved)
         self._runner = Runner(loop, self._on_running)
+        self._fitter = Fitter(self._runner, self)
         self._turn_asked = False
         self._dragging: Tab | None = None
         self._saving_later: asyncio.TimerHandle | None = None
@@ -109,6 +111,7 @@ class Store:
         if self._outlook.edit is not None and self._dragging is tab:
             self._edit_to(ended(self._outlook.edit))
         self._look(tabs=len(self._tabs))
+        self._look_back(False)
 
     def receive(self, tab: Tab, message: Any) -> None:
         """An action from a tab: validated, done, acknowledged."""
@@ -157,15 +160,17 @@ class Store:
         before = self._outlook.edit
         if edit is before:
             return
-        self._look(edit=edit)
+        fit = self._outlook.fit
+        self._look(edit=edit, fit=fit if fit is not None and edit.doc is fit.after else None)
         if (before is not None and before.stroke is not None) != (edit.stroke is not None):
             self._runner.hold(edit.stroke is not None)
         if self._journaling is not None and self._journaling.note(edit):
             self._save()
-        if before is None or edit.stroke is not None:
+        if before is None:
             return
-        if edit.doc is not before.settled:
+        if edit.stroke is None and edit.doc is not before.settled:
             self._runner.changed(self._piece, edit)
+        self._fitter.changed()
 
     def _look(self, **changes: Any) -> None:
         self._outlook = replace(self._outlook, **changes)
@@ -176,12 +181,13 @@ class Store:
     def _turn(self) -> None:
         self._turn_asked = False
         self._tell()
-        if self._outlook.edit is not None:
-            self._show(self._outlook.edit, self._sections.all["trail"])
+        edit = self._outlook.as_looked_at.edit
+        if edit is not None:
+            self._show(edit, self._sections.all["trail"])
 
     def _tell(self) -> None:
         """Tell every tab what has changed since they were told last."""
-        fresh = self._sections.changed(self._outlook)
+        fresh = self._sections.changed(self._outlook.as_looked_at)
         if fresh:
             for tab in self._tabs:
                 tab.tell(fresh)
@@ -235,13 +241,14 @@ class Store:
 
     def _on_running(self, runner: Runner, finished: bool) -> None:
         """The tracker has told something: its results, its progress."""
-        was = self._outlook.job.state
-        if finished or runner.job.state != was or self._loop.time() >= self._next_news:
+        was, job = self._outlook.job, runner.job
+        is_another = (job.state, job.title) != (was.state, was.title)
+        if finished or is_another or self._loop.time() >= self._next_news:
             self._hear()
         elif self._news_later is None:
             self._news_later = self._loop.call_at(self._next_news, self._hear)
-        if finished or runner.job.state != was:
-            self._save_soon(at_once=runner.job.state != "running")
+        if finished or job.state != was.state:
+            self._save_soon(at_once=job.state != "running")
 
     def _hear(self) -> None:
         """Take over what the tracker has told until now."""
@@ -264,13 +271,33 @@ class Store:
         elif isinstance(action, actions.SaveAgain):
             self._saver.again()
         elif isinstance(action, actions.Cancel):
-            self._runner.cancel()
+            if not self._fitter.cancel():
+                self._runner.cancel()
+        elif isinstance(action, actions.LookBefore):
+            self._look_back(action.on)
+        elif isinstance(action, actions.CloseFit):
+            self._look(fit=None)
         elif self._outlook.edit is None or self._piece is None:
             raise Refused("Open a video first.")
         else:
             self._demand_writable()
             self._edit_to(ended(self._outlook.edit))
-            self._runner.track(self._piece, self._outlook.edit, action.what)
+            if isinstance(action, actions.Track):
+                self._runner.track(self._piece, self._outlook.edit, action.what)
+            else:
+                self._fitter.ask(action)
+
+    # --- fitting
+
+    def take_fit(self, edit: EditorState, told: FitTold) -> None:
+        """Go on from what was fitted, and tell what it did."""
+        self._edit_to(edit)
+        self._look(fit=told)
+
+    def _look_back(self, on: bool) -> None:
+        fit = self._outlook.fit
+        if fit is not None and fit.looking_back != on:
+            self._look(fit=replace(fit, looking_back=on))
 
     def _demand_writable(self) -> None:
         if self._read_only:
@@ -393,6 +420,7 @@ class Store:
         piece, frames = self._piece, self.frames
         self._piece = self.frames = self._warned = None
         self._saver.give_up()
+        self._fitter.closed()
         self._runner.closed()
         if self._journaling is not None:
             self._journaling.heard(failed=True)
@@ -400,7 +428,7 @@ class Store:
             self._journaling = None
         self._release_lock()
         self._read_only = ""
-        self._look(opened=None, edit=None, running={}, job=Job(), saved=Saved())
+        self._look(opened=None, edit=None, running={}, job=Job(), saved=Saved(), fit=None)
         if frames is not None:
             frames.close()
         if piece is not None:

@@ -11,6 +11,7 @@ from typing import Literal
 import numpy as np
 
 from app.results import Finding, SegmentTrack, Span, frames_in_words
+from tracker.geometry import log_rotation, transpose
 
 NEXT_FRAMES = 24
 """A good first distance of keyframes: about a second."""
@@ -21,6 +22,17 @@ SHORT_FRAMES, SHORT_HIDDEN_FRAMES = 4, 6
 the keyframe does not see either."""
 HIDDEN, HIDDEN_FRAMES = 0.15, 3
 """As in the verdict: a part below this observability, for so many frames, is not seen."""
+
+WORTH_PX = 0.6
+"""What a keyframe must be expected to mend, in the mean over a segment that is good."""
+KEYED_FRAMES = 8
+"""What is expected to be mended in intervals up to this length is mostly the keyframes' own error,
+which no keyframe more takes away."""
+FAST, FAST_DEG, FAST_SHARE = 1.5, 2.0, 0.6
+"""Motion is fast where a part turns more than so many times the segment's mean, and more than so
+many degrees a frame; and worth a word where that is less than this share of the segment."""
+ROOT_LEVER_M = 0.3
+"""The lever at which a turn of the root moves the body as far as a shift does."""
 
 Fitting = Mapping[Span, SegmentTrack]
 
@@ -52,6 +64,8 @@ def suggestion(
         return _first_poses(keys, frame_count)
     spans = list(pairwise(keys))
     done = {span: fitting[span] for span in spans if span in fitting and fitting[span].finished}
+    if len(done) == len(spans) and all(track.need is not None for track in done.values()):
+        return _by_gain(list(done.values()), parts) or _all_good(keys, frame_count)
     bad = [track for track in done.values() if track.kind != "good"]
     to_mend = [track for track in bad if not _is_past_mending(track)]
     for kind in ("lost", "check"):
@@ -66,6 +80,76 @@ def suggestion(
     if divided is None and bad:
         return _look(max(bad, key=lambda track: (track.kind == "lost", _need(track))), parts)
     return divided or _all_good(keys, frame_count)
+
+
+def _by_gain(tracks: Sequence[SegmentTrack], parts: Sequence[str]) -> Suggestion | None:
+    """The keyframe that is expected to mend most, of all segments; None where all is good.
+
+    What short intervals still show is the keyframes' own error: that much is not to be gained.
+    """
+    wrong = [track for track in tracks if track.kind != "good" and _blames_keys(track)]
+    if wrong:
+        return _about(max(wrong, key=_need), parts)
+    short = [_gain(track) for track in tracks if track.last - track.first <= KEYED_FRAMES]
+    floor = float(np.median(short)) if short else 0.0
+    open_ = [track for track in tracks if not _is_past_mending(track)]
+    worth = [t for t in open_ if t.kind == "lost" or _gain(t) > floor + WORTH_PX]
+    if worth:
+        best = max(worth, key=lambda track: (_gain(track) - floor) * (track.last - track.first))
+        return _key_where_it_gains(best, parts, tracks)
+    bad = [track for track in tracks if track.kind != "good"]
+    if bad:
+        return _look(max(bad, key=lambda track: (track.kind == "lost", _need(track))), parts)
+    return None
+
+
+def _gain(track: SegmentTrack) -> float:
+    """Pixels that the best keyframe in a segment is expected to mend, in the mean over it."""
+    assert track.need is not None
+    return float(track.need.max() / (track.last - track.first))
+
+
+def _key_where_it_gains(
+    track: SegmentTrack, parts: Sequence[str], tracks: Sequence[SegmentTrack]
+) -> Suggestion:
+    assert track.need is not None
+    frame = track.first + int(track.need.argmax())
+    frame = min(max(frame, track.first + 1), track.last - 1)
+    return Suggestion(frame, f"Key frame {frame} next.", _why(track, frame, parts, tracks), "key")
+
+
+def _why(
+    track: SegmentTrack, frame: int, parts: Sequence[str], tracks: Sequence[SegmentTrack]
+) -> str:
+    """What makes a keyframe needed there: what the verdict says, or what is seen of the motion."""
+    length, finding = track.last - track.first, track.finding
+    if finding is not None and finding.kind != "good":
+        about = finding.frames if finding.part else None
+        if about is None or about[0] <= frame <= about[1]:
+            return _reason(track, finding, parts)
+    fast = _fast_about(track, frame)
+    if fast is not None:
+        return f"Fast motion {frames_in_words(*fast)}"
+    if len(tracks) > 1 and length == max(other.last - other.first for other in tracks):
+        return f"Longest interval, {length} frames"
+    return f"Most drift in {frames_in_words(track.first, track.last)}"
+
+
+def _fast_about(track: SegmentTrack, frame: int) -> Span | None:
+    """The run of fast frames that a frame lies in, where it stands out of its segment."""
+    path = track.trajectory
+    Rs, ps = path.Rs_parent_part, path.ps_camera_root
+    turned = np.linalg.norm(log_rotation(transpose(Rs[:-1]) @ Rs[1:]), axis=-1).max(axis=1)
+    shifted = np.linalg.norm(np.diff(ps, axis=0), axis=1) / ROOT_LEVER_M
+    speed = np.rad2deg(np.maximum(turned, shifted))
+    fast = speed > max(FAST * speed.mean(), FAST_DEG)
+    step = min(frame - track.first, len(speed) - 1)
+    if not fast[step] or fast.mean() > FAST_SHARE:
+        return None
+    slow = np.flatnonzero(~fast)
+    first = int(slow[slow < step].max(initial=-1)) + 1
+    last = int(slow[slow > step].min(initial=len(speed)))
+    return track.first + first, track.first + last
 
 
 def middle(keys: Sequence[int], frame: int) -> int | None:

@@ -64,6 +64,7 @@ const SHAPES = {
   plus: svg`<path d="M4 8h8M8 4v8"/>`,
   pause: svg`<path class="f" d="M4.5 3h2.500v10H4.500zM9 3h2.500v10H9z"/>`,
   moon: svg`<path d="M13 9.500A5.500 5.500 0 1 1 6.500 3a4.500 4.500 0 0 0 6.500 6.500z"/>`,
+  wand: svg`<path d="M2.5 13.5 9 7M10.5 5.5l.8-.8"/><path d="M11.5 8.5v2.6M10.2 9.8h2.6M6.5 2v2.6M5.2 3.3h2.6M13 2.2v2M12 3.2h2"/>`,
   trash: svg`<path d="M3 4.500h10M6.500 4.500V3h3v1.500M4.500 4.500l.6 8.500h5.800l.6-8.500"/>`,
 };
 

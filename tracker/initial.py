@@ -76,12 +76,12 @@ def blended(scene: Scene, forward: Chain, backward: Chain) -> Trajectory:
     )
     shift = forward.ps_camera_root[[-1, 0]] - backward.ps_camera_root[[-1, 0]]
     shift_f, shift_b = np.linalg.norm(shift, axis=1)
-    doubts = forward.doubt, backward.doubt
-    turned = _leaning(*(d.turned for d in doubts), turn_f, turn_b, TRUST_TURN_RAD)
+    there, back = forward.doubt, backward.doubt
+    turned = _leaning(there.turned, back.turned, turn_f, turn_b, TRUST_TURN_RAD)
     even = np.linspace(0.0, 1.0, len(forward))
     turned[:, ~_is_tracked(scene)] = even[:, None]  # led evenly, as everywhere
-    shifts = (d.shifted for d in doubts)
-    shifted = _leaning(*shifts, shift_f, shift_b, TRUST_SHIFT_PX * scene.pixel_m)
+    least_m = TRUST_SHIFT_PX * scene.pixel_m
+    shifted = _leaning(there.shifted, back.shifted, shift_f, shift_b, least_m)
     return _mixed(forward, backward, turned, shifted)
 
 

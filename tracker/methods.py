@@ -13,7 +13,7 @@ class Paper:
     """DRIFT as printed: interpolation, least squares with a hard cut, the printed score.
 
     patience: passes without a new best score after which the cycle ends.
-    initial: where a segment starts from, as in the settings.
+    initial, left_out: where a segment starts from, as in the settings.
     """
 
     passes: int = 8
@@ -21,6 +21,7 @@ class Paper:
     patience: int = 3
     density: float = 1.3
     initial: Initial = "auto"
+    left_out: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,8 @@ class Keypose:
     inner, stop: solves of a frame pair at most, and the step (rad, m) that ends them.
     judged: whether trajectories are scored and observed; without, the last one is taken.
     density: surface points as a share of the usual number.
-    initial: where a segment starts from, as in the settings.
+    templates: whether limbs may be looked for by templates where the chains disagree.
+    initial, left_out: where a segment starts from, as in the settings.
     """
 
     passes: int
@@ -44,19 +46,23 @@ class Keypose:
     stop: float = 1e-3
     judged: bool = True
     density: float = 1.0
+    templates: bool = False
     initial: Initial = "auto"
+    left_out: tuple[str, ...] = ()
 
 
 Method = Paper | Keypose
 
-FULL = Keypose(3, 4, 6, Refinement(solves=6, of=2), inner=4)
+FULL = Keypose(3, 4, 6, Refinement(solves=6, of=2), inner=4, templates=True)
 FAST = Keypose(2, 4, 4, Refinement(solves=2, of=2), finest=1)
 PREVIEW = Keypose(1, 3, 2, Refinement(solves=2, of=3), finest=1, judged=False, density=0.5)
 
 
 def method_of(settings: TrackSettings) -> Method:
     """The method that settings name."""
+    initial, left_out = settings.initial, settings.left_out
     if settings.method == "paper":
-        return Paper(settings.passes or Paper.passes, initial=settings.initial)
+        return Paper(settings.passes or Paper.passes, initial=initial, left_out=left_out)
     base = {"full": FULL, "fast": FAST, "preview": PREVIEW}[settings.quality]
-    return replace(base, passes=settings.passes or base.passes, initial=settings.initial)
+    passes = settings.passes or base.passes
+    return replace(base, passes=passes, initial=initial, left_out=left_out)

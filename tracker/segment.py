@@ -6,19 +6,17 @@ from collections.abc import Generator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tracker.drift import Closed, Motions, correct_drift
 from tracker.geometry import Array
-from tracker.images import Clip
-from tracker.initial import blended, follow
-from tracker.kernels.pairs import CAP, mean_capped_square
 from tracker.methods import Keypose, Method, Paper
 from tracker.motion import least_squares_pass, printed_score, robust_pass
 from tracker.refine import refine
 from tracker.scene import Scene
+from tracker.scoring import Pass, best_of, capped_score, keyframe_difference
+from tracker.starts import printed_start, starts
 from tracker.stretch import Segment, distance_px, is_sound
-from tracker.trajectory import Trajectory, interpolate
+from tracker.trajectory import Trajectory
 
 EXACT_KEYFRAMES = 100.0
 """Mean capped square, grey levels², below which two keyframes show the same texture."""
@@ -27,22 +25,6 @@ EXACT_ALLOWANCE, PLAIN_ALLOWANCE, NOISE = 1.15, 1.05, 2.0
 grey levels², near which shares say nothing."""
 NOWHERE_PX = 1e6
 """Stands for the distance to a place that is behind the camera or no place at all."""
-DOUBT = 0.5
-"""Distance between the two chains, as a share of that between them and plain interpolation, above
-which interpolation may still be the better one and is scored as well."""
-
-
-@dataclass(frozen=True, eq=False)
-class Pass:
-    """A trajectory on the way, and its score (the lower the better within one segment).
-
-    what: "interpolation", "both ways", "import", "pass" or "refinement".
-    score: None where not judged.
-    """
-
-    what: str
-    trajectory: Trajectory
-    score: float | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +38,7 @@ class Outcome:
     followed: neither chain left the space before the camera.
     diverged: a pass left it; the pass was dropped.
     gap: how far the last correction missed the keyframe before it was set exactly: radians.
+    notes: what could not be done as wished, for a person.
     """
 
     passes: tuple[Pass, ...]
@@ -65,6 +48,7 @@ class Outcome:
     followed: bool
     diverged: bool
     gap: float
+    notes: tuple[str, ...] = ()
 
     @property
     def trajectory(self) -> Trajectory:
@@ -82,7 +66,8 @@ def track_segment(scene: Scene, segment: Segment, method: Method) -> Work:
 
 
 def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
-    present, start = _paper_start(scene, segment, method)
+    begun = printed_start(scene, segment, method)
+    present, start = begun.ways[0].trajectory, begun.ways[0].what
     tried: list[Pass] = []
     diverged, drift, gap = False, _nothing_px(scene, present)[1:], 0.0
     for number in range(method.passes + 1):
@@ -95,7 +80,7 @@ def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
         drift = _drift_px(scene, present, motions)
         tried.append(Pass(what, present, score))
         yield tried[-1]
-        if number - _best(tried) >= method.patience:
+        if number - best_of(tried) >= method.patience:
             break
         following = _closed(scene, segment, present, motions)
         if following is None:
@@ -103,56 +88,19 @@ def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
             break
         present, gap = following.trajectory, following.gap
     apart = _nothing_px(scene, present)
-    return Outcome(tuple(tried), _best(tried), apart, drift, True, diverged, gap)
-
-
-def _paper_start(scene: Scene, segment: Segment, method: Paper) -> tuple[Trajectory, str]:
-    """Interpolation, or the imported motion where it is wanted or scores better as printed."""
-    plain = interpolate(segment.start, segment.end, segment.first_frame, segment.last_frame)
-    imported = _imported(scene, segment, method)
-    if imported is None:
-        return plain, "interpolation"
-    if method.initial == "auto":
-        scores = [printed_score(scene, segment.clip, path) for path in (imported, plain)]
-        if not scores[0] < scores[1]:
-            return plain, "interpolation"
-    return imported, "import"
-
-
-def _imported(scene: Scene, segment: Segment, method: Method) -> Trajectory | None:
-    """The imported motion, where it may be started from and lies before the camera."""
-    imported = segment.imported
-    if imported is None or method.initial == "linear" or not is_sound(scene, segment, imported):
-        return None
-    return imported
+    return Outcome(
+        tuple(tried), best_of(tried), apart, drift, True, diverged, gap, begun.notes
+    )  # fmt: skip
 
 
 def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
-    tried: list[Pass] = []
-    plain = interpolate(segment.start, segment.end, segment.first_frame, segment.last_frame)
-    chains = _from_both_ends(scene, segment, method)
-    present, what = plain, "interpolation"
-    if chains is not None and method.initial != "linear":
-        present, what = _met_halfway(scene, segment, method, *chains), "both ways"
-    apart = _nothing_px(scene, plain) if chains is None else distance_px(scene, *chains)
-    drift, gap = _nothing_px(scene, plain)[1:], 0.0
-    if method.judged and _in_doubt(scene, apart, plain, present):
-        tried.append(Pass("interpolation", plain, _score(scene, segment.clip, plain, method)))
-        yield tried[-1]
-    imported = _imported(scene, segment, method)
-    if imported is not None:
-        ours = Pass(what, present, _score(scene, segment.clip, present, method))
-        theirs = Pass("import", imported, _score(scene, segment.clip, imported, method))
-        better, worse = (theirs, ours) if _is_preferred(theirs, ours, method) else (ours, theirs)
-        if method.judged:  # the other one stays a choice, so that the result is worse than neither
-            tried.append(worse)
-            yield worse
-        present, what = better.trajectory, better.what
-    diverged = False
+    begun = starts(scene, segment, method)
+    (first, *others), clip = begun.ways, segment.clip
+    present, what, tried = first.trajectory, first.what, others
+    yield from others
+    drift, gap, diverged = _nothing_px(scene, present)[1:], 0.0, False
     for _ in range(method.passes):
-        motions, score = robust_pass(
-            scene, segment.clip, present, method.of, method.inner, method.stop
-        )
+        motions, score = robust_pass(scene, clip, present, method.of, method.inner, method.stop)
         drift = _drift_px(scene, present, motions)
         tried.append(Pass(what, present, score))
         yield tried[-1]
@@ -162,54 +110,28 @@ def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
             break
         present, what, gap = following.trajectory, "pass", following.gap
     if present is not tried[-1].trajectory:
-        last_score = _score(scene, segment.clip, present, method) if method.judged else None
+        last_score = capped_score(scene, clip, present, method.of) if method.judged else None
         tried.append(Pass(what, present, last_score))
         yield tried[-1]
-    best = _best(tried)
+    best = best_of(tried)
     refined = _refined(scene, segment, method, tried[best])
     if refined is not None:
         tried.append(refined)
         yield refined
         best = len(tried) - 1 if _is_better(scene, segment, method, refined, tried[best]) else best
-    return Outcome(tuple(tried), best, apart, drift, chains is not None, diverged, gap)
-
-
-def _from_both_ends(
-    scene: Scene, segment: Segment, method: Keypose
-) -> tuple[Trajectory, Trajectory] | None:
-    """The chains from both keyframes, or None where one of them leaves the scene."""
-    how = (method.of, method.chain_inner, method.stop, method.finest)
-    first, last = segment.first_frame, segment.last_frame
-    forward = follow(scene, segment.clip, segment.start, first, last, *how)
-    backward = follow(scene, segment.clip, segment.end, last, first, *how)
-    if is_sound(scene, segment, forward) and is_sound(scene, segment, backward):
-        return forward, backward
-    return None
-
-
-def _met_halfway(
-    scene: Scene, segment: Segment, method: Keypose, forward: Trajectory, backward: Trajectory
-) -> Trajectory:
-    """The blend of two chains by trust, unless the even one scores clearly better."""
-    return blended(scene, forward, backward)
-
-
-def _is_preferred(imported: Pass, own: Pass, method: Keypose) -> bool:
-    """Whether to start from the imported motion."""
-    assert imported.score is not None
-    assert own.score is not None
-    return method.initial == "import" or imported.score < own.score
-
-
-def _in_doubt(scene: Scene, apart_px: Array, plain: Trajectory, blend: Trajectory) -> bool:
-    return bool(apart_px.mean() > DOUBT * distance_px(scene, plain, blend).mean())
+    chains = begun.chains
+    apart = _nothing_px(scene, present) if chains is None else distance_px(scene, *chains)
+    return Outcome(
+        tuple(tried), best, apart, drift, chains is not None, diverged, gap, begun.notes
+    )  # fmt: skip
 
 
 def _refined(scene: Scene, segment: Segment, method: Keypose, start: Pass) -> Pass | None:
     trajectory = refine(scene, segment.clip, start.trajectory, method.refinement)
     if trajectory is start.trajectory or not is_sound(scene, segment, trajectory):
         return None
-    score = _score(scene, segment.clip, trajectory, method) if method.judged else None
+    judged = method.judged
+    score = capped_score(scene, segment.clip, trajectory, method.of) if judged else None
     return Pass("refinement", trajectory, score)
 
 
@@ -222,59 +144,11 @@ def _is_better(
     refinement compares with the keyframes and is nearer to the truth if those are posed exactly.
     Unjudged, that alone decides.
     """
-    exact = 0.0 < _keyframe_difference(scene, segment, method) < EXACT_KEYFRAMES
+    exact = 0.0 < keyframe_difference(scene, segment, method.of) < EXACT_KEYFRAMES
     if refined.score is None or unrefined.score is None:
         return exact
     allowance = EXACT_ALLOWANCE if exact else PLAIN_ALLOWANCE
     return refined.score < allowance * unrefined.score + NOISE
-
-
-def _keyframe_difference(scene: Scene, segment: Segment, method: Keypose) -> float:
-    """How unlike the textures of the two keyframes are, each laid straight onto the other one.
-
-    Mean capped square: small where both are posed exactly, 0 where nothing can be compared.
-    """
-    frames, ends = (segment.first_frame, segment.last_frame), (segment.start, segment.end)
-    total = 0.0
-    for a, b in ((0, 1), (1, 0)):
-        slots = np.concatenate([segment.clip.slots(frames[k], frames[k]) for k in (a, b)])
-        jump = Trajectory(
-            0,
-            np.stack([ends[a].Rs_parent_part, ends[b].Rs_parent_part]),
-            np.stack([ends[a].p_camera_root, ends[b].p_camera_root]),
-        )
-        total += 0.5 * _capped(scene, segment.clip, slots, jump, method)
-    return total
-
-
-def _best(tried: list[Pass]) -> int:
-    """The lowest score; the last trajectory where it was not judged."""
-    if tried[-1].score is None:
-        return len(tried) - 1
-    return int(np.argmin([np.inf if p.score is None else p.score for p in tried]))
-
-
-def _score(
-    scene: Scene, clip: Clip, trajectory: Trajectory, method: Keypose, step: int = 1
-) -> float:
-    slots = clip.slots(trajectory.first_frame, trajectory.last_frame)
-    return _capped(scene, clip, slots, trajectory, method, step)
-
-
-def _capped(
-    scene: Scene,
-    clip: Clip,
-    slots: NDArray[np.int64],
-    trajectory: Trajectory,
-    method: Keypose,
-    step: int = 1,
-) -> float:
-    return float(
-        mean_capped_square(
-            scene.arrays, scene.lens, scene.sight, clip.levels[0], slots,
-            *trajectory.loose(), method.of, step, CAP,
-        )
-    )  # fmt: skip
 
 
 def _closed(scene: Scene, segment: Segment, present: Trajectory, motions: Motions) -> Closed | None:

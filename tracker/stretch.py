@@ -38,6 +38,13 @@ def is_sound(scene: Scene, segment: Segment, trajectory: Trajectory) -> bool:
     return bool(np.isfinite(z).all() and z.min() > NEAREST_M and z.max() < far)
 
 
+def extent_px(scene: Scene, trajectory: Trajectory) -> float:
+    """How large the body is in the picture, as a rule; at least a pixel."""
+    uv = scene.mark_pixels(trajectory)
+    extent = np.median((uv.max(axis=1) - uv.min(axis=1)).max(axis=-1))
+    return max(float(np.nan_to_num(extent)), 1.0)
+
+
 def distance_px(scene: Scene, a: Trajectory, b: Trajectory) -> Array:
     """(N, M) distance of two trajectories' marks in the picture."""
     return np.asarray(np.linalg.norm(scene.mark_pixels(a) - scene.mark_pixels(b), axis=-1))

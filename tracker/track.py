@@ -20,11 +20,13 @@ from tracker.geometry import Array
 from tracker.initial import brought
 from tracker.loading import MEMORY_BYTES, ClipLoader, WorkingSize, demand_short
 from tracker.methods import Method, Paper, method_of
+from tracker.need import expected_gain
 from tracker.observe import observe, unobserved
 from tracker.points import SurfacePoints, lay_points
 from tracker.pose import Pose
 from tracker.scene import Scene
-from tracker.segment import Outcome, Pass, track_segment
+from tracker.scoring import Pass
+from tracker.segment import Outcome, track_segment
 from tracker.settings import IgnoreMask, TrackSettings
 from tracker.skeleton import Skeleton
 from tracker.stretch import Segment
@@ -41,6 +43,8 @@ class SegmentResult:
         n = N − 1 frame pairs and are explained in tracker.observe.
     scores: of the first trajectory and after every pass; comparable within the segment only.
     best_pass: which of them was kept.  closing_error: distance from the keyframes, must be ~0.
+    notes: what could not be done as wished, in sentences for a person.
+    need: (N,) what a keyframe at each frame would mend, see tracker.need; None where not known.
     """
 
     trajectory: Trajectory
@@ -53,6 +57,8 @@ class SegmentResult:
     singular_values: Array
     observability: Array
     residual: Array
+    notes: tuple[str, ...] = ()
+    need: Array | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -247,6 +253,8 @@ def _result(scene: Scene, segment: Segment, outcome: Outcome, method: Method) ->
         singular_values=seen.singular_values,
         observability=seen.observability,
         residual=seen.residual,
+        notes=outcome.notes,
+        need=expected_gain(scene, outcome, seen),
     )
 
 
@@ -350,9 +358,11 @@ def _until_finished(
 
 
 def expected_steps(settings: TrackSettings) -> int:
-    """Trajectories a segment will yield: start, both ways, passes, refinement."""
+    """Trajectories a segment will yield at most: starts, passes, refinement."""
     method = method_of(settings)
-    return method.passes + (1 if settings.method == "paper" else 3)
+    if isinstance(method, Paper):
+        return method.passes + 1
+    return method.passes + 3 + method.templates
 
 
 def _demand_two(keyposes: Mapping[int, Pose]) -> None:

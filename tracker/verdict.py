@@ -18,7 +18,7 @@ from tracker.geometry import Array
 from tracker.observe import Observation
 from tracker.scene import Scene
 from tracker.segment import NOWHERE_PX, Outcome
-from tracker.stretch import Segment
+from tracker.stretch import Segment, extent_px
 
 LOST_APART, LOST_DRIFT = 0.28, 0.23
 CHECK_APART, CHECK_DRIFT = 0.18, 0.044
@@ -91,9 +91,7 @@ def _lost(segment: Segment, evidence: _Evidence) -> Verdict:
 
 
 def _evidence(scene: Scene, outcome: Outcome) -> _Evidence:
-    uv = scene.mark_pixels(outcome.trajectory)
-    extent = np.median((uv.max(axis=1) - uv.min(axis=1)).max(axis=-1))
-    extent = max(float(np.nan_to_num(extent)), 1.0)
+    extent = extent_px(scene, outcome.trajectory)
     share = np.linspace(0.0, 1.0, len(outcome.apart_px))
     weight = 4 * share * (1 - share)
     apart = np.nan_to_num(outcome.apart_px, nan=NOWHERE_PX) * weight[:, None]

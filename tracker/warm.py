@@ -15,7 +15,7 @@ import numpy as np
 from tracker.body import ALL_DOFS, Body, Part
 from tracker.camera import Camera
 from tracker.eye import Eye
-from tracker.images import LEVELS, Clip, prepare
+from tracker.images import LEVELS, Clip, Picture, prepare
 from tracker.methods import FULL, PREVIEW
 from tracker.observe import observe
 from tracker.pose import Pose, pose_transforms
@@ -25,6 +25,8 @@ from tracker.segment import track_segment
 from tracker.shapes import Box
 from tracker.skeleton import Skeleton
 from tracker.stretch import Segment
+from tracker.templates.patch import Patch
+from tracker.templates.search import Shown, cut, found
 
 _DONE = "warm"
 
@@ -51,8 +53,19 @@ def warm() -> None:
         for step in track_segment(scene, segment, method):
             last = step.trajectory
     observe(scene, clip, last)
+    _match(clip.levels[0][0])
     raster(BodyMesh.of(skeleton), pose_transforms(skeleton, poses[0]), Eye.of(camera))
     _mark().touch()
+
+
+def _match(picture: Picture) -> None:
+    """Find a piece of a picture in itself."""
+    template = cut(picture, np.array([24.0, 24.0]), 6)
+    patch = Patch.cut(picture, (24.0, 24.0, 0.0, 0.0), 6, picture[..., 3] > 0)
+    assert template is not None
+    assert patch is not None
+    found(template, Shown.of(picture), np.array([25.0, 23.0]), 3)
+    patch.settled(picture, (25.0, 23.0, 0.0, 0.0))
 
 
 def _mark() -> Path:

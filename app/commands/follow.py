@@ -153,6 +153,7 @@ class _JsonLines:
             "of": len(self._places),
             "verdict": track.kind,
             "words": track.told,
+            "notes": list(track.notes),
             "frames": track.frames,
             "best_pass": track.best_pass,
             "closing_error": track.closing_error,

@@ -32,6 +32,7 @@ _EXAMPLES = """\
   keypose track session.json
   keypose track session.json --quality preview --workers 2 --out try
   keypose track session.json --json > events.jsonl
+  keypose track session.json --method paper --initial templates --leave-out right_hand
 """
 
 
@@ -49,6 +50,20 @@ def add(commands: Subcommands) -> None:
     command.add_argument("--method", choices=("keypose", "paper"), help=f"how{of_session}")
     qualities = ("full", "fast", "preview")
     command.add_argument("--quality", choices=qualities, help=f"how much work{of_session}")
+    starts = ("auto", "linear", "templates", "both-ways", "import")
+    command.add_argument(
+        "--initial",
+        choices=starts,
+        help="where every segment starts from: interpolation, head, hands and feet followed by "
+        "what they look like, the body followed from both keyframes, or an imported motion"
+        f"{of_session}",
+    )
+    command.add_argument(
+        "--leave-out",
+        metavar="PART",
+        action="append",
+        help=f"a part whose limb is not followed by its looks; may be given again{of_session}",
+    )
     command.add_argument(
         "--out", metavar="DIR", type=file_name, help="folder for session and results"
     )
@@ -70,7 +85,9 @@ def run(arguments: argparse.Namespace) -> int:
     session = load_session(arguments.session)
     demand_trackable(session, arguments.session)
     _demand_place(arguments)
-    asked = with_settings(session, arguments.method, arguments.quality)
+    asked = with_settings(
+        session, arguments.method, arguments.quality, arguments.initial, arguments.leave_out
+    )
     copy = "add --out DIR to track a copy" if arguments.out is None else "choose another --out"
     lock = locked(_place(arguments), f"close it there, or {copy}")
     with open_video_of(session, arguments.session) as video, lock:
@@ -167,6 +184,8 @@ def _tell(summary: dict[str, Any], as_json: bool) -> None:
         return
     for segment in summary["segments"]:
         print(f"frames {segment['first_frame']}–{segment['last_frame']}: {segment['words']}")
+        for note in segment["notes"]:
+            print(f"  {note}")
     if summary["session"] is not None:
         print(f"Written: {summary['tracks']}")
         print(f"Written: {summary['session']}")

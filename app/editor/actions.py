@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, TypeAdapter
 
 from app.posing import Gesture, Way
 from tracker.body import Dof, Name
-from tracker.settings import FrameIndex, MethodName, Quality
+from tracker.settings import FrameIndex, Initial, MethodName, Quality
 
 Axis: TypeAlias = Literal["x", "y", "z"]
 Degrees: TypeAlias = Annotated[FiniteFloat, Field(ge=-1080, le=1080)]
@@ -299,6 +299,8 @@ class Settings(Edit):
     do: Literal["settings"] = "settings"
     method: MethodName | None = None
     quality: Quality | None = None
+    initial: Initial | None = None
+    left_out: Annotated[tuple[Name, ...], Field(max_length=1000)] | None = None
     passes: Annotated[int, Field(ge=1, le=50)] | None = None
     static_camera: bool | None = None
 
@@ -327,6 +329,32 @@ class CancelStroke(Message):
 class Track(Message):
     do: Literal["track"] = "track"
     what: Literal["this", "changed", "all"] = "changed"
+
+
+class FitHere(Message):
+    """The pose of the present frame improved from its picture."""
+
+    do: Literal["fit_here"] = "fit_here"
+
+
+class FitSizes(Message):
+    """The body's sizes from the pictures of all keyframes; on wish the focal length too."""
+
+    do: Literal["fit_sizes"] = "fit_sizes"
+    focal: bool = False
+
+
+class LookBefore(Message):
+    """What stood before the last fit is shown, as long as `on`."""
+
+    do: Literal["look_before"] = "look_before"
+    on: bool
+
+
+class CloseFit(Message):
+    """What the last fit did has been read."""
+
+    do: Literal["close_fit"] = "close_fit"
 
 
 class Cancel(Message):
@@ -371,7 +399,8 @@ Rewinding: TypeAlias = Undo | Redo | EndStroke | CancelStroke
 Editing: TypeAlias = Looking | Posing | Keying | Shaping | Filming | Choosing | Rewinding
 """What `app.editor.update` knows to apply."""
 
-Running: TypeAlias = Track | Cancel | SaveAgain | Close | Open
+Fitting: TypeAlias = FitHere | FitSizes | LookBefore | CloseFit
+Running: TypeAlias = Track | Fitting | Cancel | SaveAgain | Close | Open
 """What the store does: jobs and files."""
 
 Action: TypeAlias = Annotated[Editing | Running, Field(discriminator="do")]

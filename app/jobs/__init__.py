@@ -1,15 +1,22 @@
-"""Tracking jobs: a worker process of their own, so that the page stays quick."""
+"""Tracking and fitting: a worker process of their own, so that the page stays quick."""
 
 from __future__ import annotations
 
 from app.jobs.progress import Progress
 from app.jobs.reports import (
+    Change,
+    FitOrder,
+    Fitted,
     JobFailed,
     JobFinished,
     PassFinished,
+    PoseFitted,
+    PoseOrder,
     Ready,
     Report,
     SegmentFinished,
+    SizesFitted,
+    SizesOrder,
     Started,
     Wanted,
     Warming,
@@ -18,13 +25,20 @@ from app.jobs.tracking import LIVE, Tracking
 
 __all__ = [
     "LIVE",
+    "Change",
+    "FitOrder",
+    "Fitted",
     "JobFailed",
     "JobFinished",
     "PassFinished",
+    "PoseFitted",
+    "PoseOrder",
     "Progress",
     "Ready",
     "Report",
     "SegmentFinished",
+    "SizesFitted",
+    "SizesOrder",
     "Started",
     "Tracking",
     "Wanted",

@@ -37,7 +37,7 @@ class Bench:
 
         SessionError or VideoError in one sentence where it cannot be had.
         """
-        video = self._open(video_path)
+        video = self.video(video_path)
         masks, static = session.ignore_masks, session.settings.static_camera
         prepared_for = (self._opened, session.camera, masks, static)
         if prepared_for != self._prepared_for:
@@ -54,19 +54,19 @@ class Bench:
             self._tracker = self._tracker.renewed(skeleton, poses, start)
         return self._tracker
 
-    def close(self) -> None:
-        """Let go of the video."""
-        if self._video is not None:
-            self._video.close()
-        self._video = self._opened = self._prepared_for = self._tracker = None
-
-    def _open(self, path: str) -> Video:
+    def video(self, path: str) -> Video:
         """The video at a path, opened again only when another file lies there now."""
         opened = _identity(Path(path))
         if self._video is None or opened != self._opened:
             self.close()
             self._video, self._opened = Video.open(path), opened
         return self._video
+
+    def close(self) -> None:
+        """Let go of the video."""
+        if self._video is not None:
+            self._video.close()
+        self._video = self._opened = self._prepared_for = self._tracker = None
 
     def _skeleton(self, session: Session) -> Skeleton:
         if self._tracker is not None and self._tracker.skeleton.body == session.body:

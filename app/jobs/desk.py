@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from threading import Condition, Event
 
-from app.jobs.reports import Order
+from app.jobs.reports import AnyOrder
 
 
 class Desk:
@@ -12,10 +12,10 @@ class Desk:
 
     def __init__(self) -> None:
         self._changed = Condition()
-        self._waiting: Order | None = None
+        self._waiting: AnyOrder | None = None
         self._at_work: tuple[int, Event] | None = None
 
-    def put(self, order: Order) -> Order | None:
+    def put(self, order: AnyOrder) -> AnyOrder | None:
         """Put down a new order, which cancels the one at work; the order it takes the place of."""
         with self._changed:
             replaced, self._waiting = self._waiting, order
@@ -24,7 +24,7 @@ class Desk:
             self._changed.notify()
             return replaced
 
-    def cancel(self, job: int) -> Order | None:
+    def cancel(self, job: int) -> AnyOrder | None:
         """Cancel a job, if it is here; its order, where work on it had not begun."""
         with self._changed:
             waiting = self._waiting
@@ -35,7 +35,7 @@ class Desk:
                 self._at_work[1].set()
             return None
 
-    def take(self) -> tuple[Order, Event]:
+    def take(self) -> tuple[AnyOrder, Event]:
         """Wait for an order and take it up; the event is set when it is to be left."""
         with self._changed:
             self._at_work = None

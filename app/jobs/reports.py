@@ -1,11 +1,16 @@
-"""What is told about tracking, and what is asked of it: all that passes between the processes."""
+"""What is told about tracking and fitting, and what is asked of them: all that passes between the
+processes."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 from app.results import SegmentTrack, Span
+from tracker.body import Body
+from tracker.camera import Camera
+from tracker.pose import Pose
 from tracker.settings import Quality
 from tracker.trajectory import Trajectory
 
@@ -27,6 +32,36 @@ class Order:
     wanted: tuple[Wanted, ...]
     stages: tuple[Quality, ...]
     folder: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class PoseOrder:
+    """Fit the pose of one frame to its picture.
+
+    session: JSON of a session with the body, the camera, the masks and all keyframes.
+    tracked: the tracked poses of frames near, by frame.
+    """
+
+    session: bytes
+    video_path: str
+    frame: int
+    pose: Pose
+    tracked: Mapping[int, Pose] = field(default_factory=dict)
+    job: int = 0
+
+
+@dataclass(frozen=True)
+class SizesOrder:
+    """Fit the body's sizes to its keyframes' pictures; on wish the camera's focal length too."""
+
+    session: bytes
+    video_path: str
+    focal: bool = False
+    job: int = 0
+
+
+FitOrder: TypeAlias = PoseOrder | SizesOrder
+AnyOrder: TypeAlias = Order | FitOrder
 
 
 @dataclass(frozen=True)
@@ -117,6 +152,38 @@ class JobFailed:
     words: str
 
 
+Change: TypeAlias = tuple[str, str, float, float]
+"""Part, which of its sizes, and that size before and after, centimetres."""
+
+
+@dataclass(frozen=True, eq=False)
+class PoseFitted:
+    """The pose of a frame as its picture shows it, and what that changed, in words.
+
+    found: whether the picture told anything; without it the pose is as it was.
+    """
+
+    job: int
+    pose: Pose
+    found: bool
+    words: str
+
+
+@dataclass(frozen=True, eq=False)
+class SizesFitted:
+    """The body and the camera that fit the keyframes' pictures, and the keyframes' poses then."""
+
+    job: int
+    body: Body
+    camera: Camera
+    keyposes: Mapping[int, Pose]
+    words: str
+    changes: tuple[Change, ...]
+
+
+Fitted: TypeAlias = PoseFitted | SizesFitted
+"""What ends an order to fit, unless it was cancelled or failed."""
+
 Report: TypeAlias = (
-    Warming | Ready | Started | PassFinished | SegmentFinished | JobFinished | JobFailed
+    Warming | Ready | Started | PassFinished | SegmentFinished | JobFinished | JobFailed | Fitted
 )

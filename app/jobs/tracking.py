@@ -1,4 +1,5 @@
-"""Tracking for a server that must stay quick: a worker process, orders to it, reports from it."""
+"""Tracking and fitting for a server that must stay quick: a worker process, orders to it, reports
+from it."""
 
 from __future__ import annotations
 
@@ -12,12 +13,15 @@ from typing import Any
 from app.jobs.process import WorkerProcess
 from app.jobs.reports import (
     Cancel,
+    FitOrder,
     Hold,
     JobFailed,
     JobFinished,
     Order,
+    PoseFitted,
     Ready,
     Report,
+    SizesFitted,
     Wanted,
     Warming,
 )
@@ -28,6 +32,7 @@ LIVE: tuple[Quality, ...] = ("preview", "full")
 """The stages while a person poses: something to see at once, then what is meant."""
 
 _DIED = "Tracking stopped unexpectedly; what was finished is kept, track again."
+_DIED_FITTING = "Fitting stopped unexpectedly; everything is as it was, fit again."
 
 
 class Tracking:
@@ -43,7 +48,8 @@ class Tracking:
         self._loop = loop
         self._worker: WorkerProcess | None = None
         self._last_job = 0
-        self._open: set[int] = set()
+        self._open: dict[int, str] = {}
+        """Jobs that have not ended, with what is said should the worker die."""
         self._warming: Warming | None = None
         self._closed = False
         self._hire()
@@ -63,17 +69,31 @@ class Tracking:
         Ends a job that is at work. Every job ends in one JobFinished or JobFailed; one that has to
         wait until the worker is ready is told so by a Warming of its own.
         """
+        job = self._begin(_DIED)
+        content = _needed(session, wanted).model_dump_json().encode()
+        place = "" if folder is None else str(folder)
+        self._hire().send(Order(job, content, str(video_path), tuple(wanted), tuple(stages), place))
+        return job
+
+    def fit(self, order: FitOrder) -> int:
+        """Fit a pose or the sizes; the job's number, which takes the place of the order's own.
+
+        Ends a job that is at work, as tracking does. Ends in one PoseFitted or SizesFitted, or as
+        other jobs do.
+        """
+        job = self._begin(_DIED_FITTING)
+        self._hire().send(replace(order, job=job))
+        return job
+
+    def _begin(self, died: str) -> int:
+        """The number of one more job."""
         if self._closed:
             raise RuntimeError("tracking is closed")
         self._last_job += 1
-        job = self._last_job
-        content = _needed(session, wanted).model_dump_json().encode()
-        self._open.add(job)
-        place = "" if folder is None else str(folder)
-        self._hire().send(Order(job, content, str(video_path), tuple(wanted), tuple(stages), place))
+        self._open[self._last_job] = died
         if self._warming is not None:
-            self._loop.call_soon(self._report, replace(self._warming, job=job))
-        return job
+            self._loop.call_soon(self._report, replace(self._warming, job=self._last_job))
+        return self._last_job
 
     def cancel(self) -> None:
         """Leave the newest job within one pass; it then ends with JobFinished(cancelled=True)."""
@@ -118,8 +138,8 @@ class Tracking:
     def _received(self, worker: WorkerProcess, report: Report) -> None:
         if worker is not self._worker:
             return
-        if isinstance(report, JobFinished | JobFailed):
-            self._open.discard(report.job)
+        if isinstance(report, JobFinished | JobFailed | PoseFitted | SizesFitted):
+            self._open.pop(report.job, None)
         if isinstance(report, Warming | Ready):
             report = replace(report, job=self.job)
             self._warming = report if isinstance(report, Warming) else None
@@ -131,9 +151,9 @@ class Tracking:
             return
         self._worker = self._warming = None
         worker.stop()
-        jobs, self._open = sorted(self._open), set()
-        for job in jobs:
-            self._report(JobFailed(job, _DIED))
+        jobs, self._open = self._open, {}
+        for job, words in jobs.items():
+            self._report(JobFailed(job, words))
 
 
 def _needed(session: Session, wanted: Sequence[Wanted]) -> Session:

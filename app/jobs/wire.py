@@ -9,6 +9,7 @@ from multiprocessing.connection import Connection
 from typing import Any
 
 from app.results import SegmentTrack
+from tracker.pose import Pose
 from tracker.trajectory import Trajectory
 
 
@@ -26,7 +27,7 @@ def receive(connection: Connection) -> Any:
 
 class _Pickler(pickle.Pickler):
     def reducer_override(self, it: Any) -> Any:
-        """Results are made anew from their fields, which makes their arrays read-only."""
-        if isinstance(it, Trajectory | SegmentTrack):
+        """Poses and results are made anew from their fields, which makes their arrays read-only."""
+        if isinstance(it, Pose | Trajectory | SegmentTrack):
             return type(it), tuple(getattr(it, field.name) for field in fields(it))
         return NotImplemented

@@ -24,7 +24,7 @@ from app.jobs.reports import (
 )
 from app.results import SegmentTrack, Span
 from tracker.errors import KeyposeError
-from tracker.segment import Pass
+from tracker.scoring import Pass
 from tracker.session import Session
 from tracker.settings import Quality, TrackSettings
 from tracker.track import Tracker, expected_steps

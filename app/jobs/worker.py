@@ -11,13 +11,16 @@ from threading import Event, Lock, Thread
 
 from app.jobs.desk import Desk
 from app.jobs.reports import (
+    AnyOrder,
     Cancel,
     Hold,
     JobFinished,
     Order,
     PassFinished,
+    PoseOrder,
     Ready,
     Report,
+    SizesOrder,
     Warming,
 )
 from app.jobs.wire import receive, send
@@ -56,12 +59,12 @@ class Worker:
         except (EOFError, OSError):
             os._exit(0)  # whatever is at work is of no use to anyone now
 
-    def _heed(self, message: Order | Cancel | Hold) -> None:
+    def _heed(self, message: AnyOrder | Cancel | Hold) -> None:
         if isinstance(message, Hold):
             (self._may_go_on.clear if message.on else self._may_go_on.set)()
             return
         self._may_go_on.set()
-        if isinstance(message, Order):
+        if isinstance(message, Order | PoseOrder | SizesOrder):
             dropped = self._desk.put(message)
         else:
             dropped = self._desk.cancel(message.job)
@@ -87,13 +90,17 @@ class Worker:
 
     def _take_orders(self) -> None:
         from app.jobs.bench import Bench
+        from app.jobs.fits import Fit
         from app.jobs.work import Job
 
         bench = Bench()
         with ThreadPoolExecutor(THREADS) as threads:
             while True:
                 order, cancelled = self._desk.take()
-                Job(order, cancelled, self._tell).run(bench, threads)
+                if isinstance(order, Order):
+                    Job(order, cancelled, self._tell).run(bench, threads)
+                else:
+                    Fit(order, cancelled, self._tell).run(bench)
 
     def _tell(self, report: Report) -> None:
         if isinstance(report, PassFinished):

@@ -14,6 +14,7 @@ import numpy as np
 from app.results.collection import Results
 from app.results.keys import Span, segment_keys
 from app.results.track import RANK, SegmentTrack
+from tracker.geometry import Array
 from tracker.session import SegmentSummary, Session
 from tracker.session.tracks import (
     KEYFRAME_TOLERANCE,
@@ -153,8 +154,16 @@ def _loaded(
         path.first_frame, path.last_frame, key, _quality(session, summary), path,
         summary.verdict, summary.words, tuple(_number(score) for score in summary.scores), (),
         summary.best_pass, _number(summary.closing_error), rank, tracks.singular_values[steps],
-        tracks.observability[steps], tracks.residual[steps],
+        tracks.observability[steps], tracks.residual[steps], _need(tracks, frames),
+        summary.notes,
     )  # fmt: skip
+
+
+def _need(tracks: Tracks, frames: slice) -> Array | None:
+    """What keyframes would mend in a segment; None where the file does not tell."""
+    if tracks.need is None or not np.isfinite(tracks.need[frames]).all():
+        return None
+    return tracks.need[frames]
 
 
 def _quality(session: Session, summary: SegmentSummary) -> Quality:
@@ -182,4 +191,6 @@ def _segment_result(track: SegmentTrack) -> SegmentResult:
         singular_values=track.singular_values,
         observability=track.observability,
         residual=track.residual,
+        need=track.need,
+        notes=track.notes,
     )

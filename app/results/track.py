@@ -30,6 +30,8 @@ class SegmentTrack:
     scores, steps: of the trajectories on the way, and what each was; NaN where nothing was judged.
     observability, residual: (n, P) of the n = last − first steps, as in tracker.observe; so are
         rank (n,) and singular_values (n, D). All read-only.
+    notes: what could not be done as wished, in sentences.
+    need: (n + 1,) what a keyframe at each frame would mend, see tracker.need; None where not known.
     """
 
     first: int
@@ -47,10 +49,14 @@ class SegmentTrack:
     singular_values: Array
     observability: Array
     residual: Array
+    need: Array | None = None
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for name in ("singular_values", "observability", "residual"):
             object.__setattr__(self, name, frozen(getattr(self, name)))
+        if self.need is not None:
+            object.__setattr__(self, "need", frozen(self.need))
         rank = np.array(self.rank, dtype=np.int64)
         rank.setflags(write=False)
         object.__setattr__(self, "rank", rank)
@@ -63,6 +69,7 @@ class SegmentTrack:
             path.first_frame, path.last_frame, key, quality, path, verdict.kind, verdict.words,
             result.scores, result.steps, result.best_pass, result.closing_error,
             result.rank, result.singular_values, result.observability, result.residual,
+            result.need, result.notes,
         )  # fmt: skip
 
     @classmethod

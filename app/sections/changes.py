@@ -83,6 +83,7 @@ SECTIONS: dict[str, _Section] = {
     "keys": _Section(_doc("keyframes", "drafts"), pose_values.keys),
     "segments": _Section(_both(_TRACKED, lambda o: (o.running,)), motion_values.segments),
     "suggest": _Section(_both(_TRACKED, _edit("frame")), motion_values.suggest),
+    "need": _Section(_TRACKED, motion_values.need),
     "lanes": _Section(_TRACKED, motion_values.lanes),
     "curve": _Section(_both(_TRACKED, _curve_poses, _edit("selected")), pose_values.curve),
     "trail": _Section(
@@ -90,7 +91,8 @@ SECTIONS: dict[str, _Section] = {
         pose_values.trail,
     ),
     "masks": _Section(_doc("ignore_masks"), work_values.masks),
-    "settings": _Section(_doc("settings"), work_values.settings),
+    "settings": _Section(_doc("settings", "first_motion"), work_values.settings),
+    "fit": _Section(lambda o: (o.fit,), work_values.fit),
     "job": _Section(lambda o: (o.job,), motion_values.job),
     "saved": _Section(lambda o: (o.saved,), work_values.saved),
     "undo": _Section(_edit("history", "stroke"), work_values.undo),

@@ -38,6 +38,7 @@ def _segment(outlook: Outlook, span: Span, state: State, track: SegmentTrack | N
         "of": None,
         "scores": [],
         "best": None,
+        "notes": [],
     }
     if track is not None and track.finished:
         value |= {
@@ -45,6 +46,7 @@ def _segment(outlook: Outlook, span: Span, state: State, track: SegmentTrack | N
             "go": track.go,
             "scores": [_finite(score) for score in track.scores],
             "best": track.best_pass,
+            "notes": list(track.notes),
         }
     if running is not None:
         value |= {
@@ -75,6 +77,18 @@ def suggest(outlook: Outlook) -> Json:
     }
 
 
+def need(outlook: Outlook) -> Json:
+    """Pixels that a keyframe would be expected to mend, by frame."""
+    edit = outlook.edit
+    if edit is None:
+        return []
+    table = np.full(edit.frame_count, np.nan)
+    for (first, last), track in edit.results.fitting(edit.settled).items():
+        if track.need is not None:
+            table[first : last + 1] = np.fmax(table[first : last + 1], track.need)
+    return listed(table, 1)
+
+
 def lanes(outlook: Outlook) -> Json:
     """How much the picture tells about each part, 0 to 1, by frame."""
     edit = outlook.edit
@@ -96,6 +110,7 @@ def job(outlook: Outlook) -> Json:
         "words": given.words,
         "percent": round(given.percent, 1),
         "seconds_left": given.seconds_left,
+        "kind": given.kind,
     }
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from app.outlook import Outlook
+from app.posing import part_label
 from app.sections.json_value import Json, doc_of
 from tracker.methods import method_of
 from tracker.settings import TrackSettings
@@ -27,7 +28,8 @@ def settings(outlook: Outlook) -> Json:
     doc = doc_of(outlook)
     given = doc.settings if doc else TrackSettings()
     usual = method_of(given.model_copy(update={"passes": None})).passes
-    return {**given.model_dump(), "default_passes": usual}
+    source = doc.first_motion.source if doc and doc.first_motion else None
+    return {**given.model_dump(), "default_passes": usual, "imported": source}
 
 
 def saved(outlook: Outlook) -> Json:
@@ -50,6 +52,22 @@ def undo(outlook: Outlook) -> Json:
 def clipboard(outlook: Outlook) -> Json:
     """Whether a pose can be pasted."""
     return outlook.edit is not None and outlook.edit.clipboard is not None
+
+
+def fit(outlook: Outlook) -> Json:
+    """What the last fit did, until something else is edited."""
+    given = outlook.fit
+    if given is None:
+        return None
+    return {
+        "frame": given.frame,
+        "words": given.words,
+        "looking_back": given.looking_back,
+        "changes": [
+            {"part": part_label(part), "what": what, "before": before, "after": after}
+            for part, what, before, after in given.changes
+        ],
+    }
 
 
 def guide(outlook: Outlook) -> Json:

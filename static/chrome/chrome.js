@@ -1,6 +1,7 @@
 // Everything around the work: top bar, menus, keys, guide, start screen, messages, status.
 
 import { mountBanner } from './banner.js';
+import { mountFitCard } from './fit_card.js';
 import { mountFocus } from './focus.js';
 import { mountGuide } from './guide.js';
 import { mountKeys } from './keys.js';
@@ -22,6 +23,7 @@ export function mount() {
   mountStatus();
   mountStart();
   mountGuide();
+  mountFitCard();
   mountSheet();
   mountChooser();
   mountToasts();

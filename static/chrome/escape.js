@@ -1,6 +1,8 @@
-// What Esc ends, the nearest first: a sheet, a menu, the focus of a control, the guide, the job.
+// What Esc ends, the nearest first: a sheet, a menu, the focus of a control, what was told of a fit,
+// the guide, the job.
 
 import { closeSheets } from './dialogs.js';
+import { closeFit } from './fit_card.js';
 import { closeGuide } from './guide.js';
 import { leaveControl } from './focus.js';
 import { cancelJob } from './job.js';
@@ -8,5 +10,5 @@ import { closeMenu } from './menus.js';
 
 /** End one thing; tells whether there was anything. */
 export function escape() {
-  return closeSheets() || closeMenu() || leaveControl() || closeGuide() || cancelJob();
+  return closeSheets() || closeMenu() || leaveControl() || closeFit() || closeGuide() || cancelJob();
 }

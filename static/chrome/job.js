@@ -59,6 +59,7 @@ const isWorkedOn = (s) => s.state === 'tracking' || s.state === 'waiting';
 const nameOf = (s) => `${s.first}–${s.last}`;
 
 function running(job) {
+  const isFit = job.kind === 'fit'; // which does not know how far it is
   const percent = Math.round(job.percent ?? 0);
   const left = timeLeft(job.seconds_left);
   const [now, ...later] = (job.words ?? '').split(' · ');
@@ -66,7 +67,7 @@ function running(job) {
     class="job"
     role="progressbar"
     aria-label=${job.title}
-    aria-valuenow=${percent}
+    aria-valuenow=${isFit ? nothing : percent}
     aria-valuetext="${job.words} ${left}"
   >
     <span class="spin">${icon('run')}</span><b class="num">${job.title}</b>
@@ -76,7 +77,7 @@ function running(job) {
         : nothing}</span
     >
     <button class="btn ghost sm" title="Cancel   Esc" @click=${cancelJob}>Cancel</button>
-    <span class="bar" style="width:${percent}%"></span>
+    <span class="bar ${isFit ? 'sweep' : ''}" style="width:${isFit ? 30 : percent}%"></span>
   </div>`;
 }
 

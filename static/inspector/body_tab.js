@@ -4,6 +4,7 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { S } from '../state.js';
 import { send } from '../link.js';
 import { checkbox, dropdown, iconButton, numberField } from '../fields.js';
+import { fitSizesRow } from './fitting.js';
 import { line, measure, section } from './section.js';
 import { partNamed, select, shortLabel } from './parts.js';
 import { sizeSpec } from './size.js';
@@ -27,7 +28,7 @@ function whole() {
       options: body.presets.map((one) => ({ id: one.name, label: one.label })),
       act: (id) => send({ do: 'preset', name: id }),
       title: 'Start from the sizes of another body; keyframes stay',
-    }))}${height()}${mirrored() ? link() : nothing}`,
+    }))}${height()}${mirrored() ? link() : nothing}${fitSizesRow()}`,
     iconButton({
       name: 'reset', label: 'Back to the preset', act: () => send({ do: 'reset_body' }),
       off: preset && body.edited ? '' : unedited,

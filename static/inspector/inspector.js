@@ -15,6 +15,7 @@ import { addSplitter } from './splitter.js';
 import { upright } from './upright.js';
 
 export { alongChain, otherSide } from './chain.js';
+export { fitHere } from './fitting.js';
 
 const TABS = {
   part: { label: 'Part', title: 'The selected part: pose and sizes', draw: partTab },
@@ -26,7 +27,7 @@ const TABS = {
 const SHOWN = [
   'file', 'camera', 'body', 'view', 'pose', 'keys', 'segments', 'lanes', 'masks', 'settings', 'clipboard',
   ...['u:tab', 'u:tool', 'u:hover', 'u:figureHover', 'u:freeAxes', 'u:lens', 'u:mask'],
-  ...['u:segmentFirst', 'u:allFreedoms'],
+  ...['u:segmentFirst', 'u:allFreedoms', 'u:fitFocal'],
 ];
 
 /** What was selected when it was last brought into sight. */

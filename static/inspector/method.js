@@ -4,6 +4,7 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { S } from '../state.js';
 import { send } from '../link.js';
 import { checkbox, dropdown, numberField, segmented, slider } from '../fields.js';
+import { start } from './start.js';
 import { line, section } from './section.js';
 
 const MOST_PASSES = 50;
@@ -31,7 +32,7 @@ export function method() {
       label: 'Quality', value: paper ? null : quality, options: QUALITIES, off: paper,
       act: (id) => send({ do: 'settings', quality: id }),
     }))}
-    ${passes()}
+    ${start()}${passes()}
     ${checkbox({
       label: 'The camera stands still', on: still,
       title: 'A picture of the empty scene keeps other people and things out',

@@ -1,9 +1,11 @@
-// Poses taken over whole: tracked, from the keyframes around, copied, mirrored, at rest; exchanged sides.
+// Poses taken over whole: fitted to the picture, tracked, from the keyframes around, copied, mirrored,
+// at rest; exchanged sides.
 
 import { html } from '../vendor/lit-html/lit-html.js';
 import { S } from '../state.js';
 import { send } from '../link.js';
 import { button, iconButton } from '../fields.js';
+import { fitHereButton } from './fitting.js';
 import { section } from './section.js';
 
 const TRACKED = new Set(['good', 'check', 'lost']);
@@ -21,6 +23,7 @@ export function pose() {
   return section(
     'Pose',
     html`<div class="lr">
+      ${fitHereButton()}
       ${button({
         name: 'take', label: 'Take tracked', title: 'Take the tracked pose over as your own',
         act: () => send({ do: 'take_tracked' }), off: untracked(),

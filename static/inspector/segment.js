@@ -22,7 +22,7 @@ export function segment() {
   if (here.length === 0) return section('Segment', html`<p class="note">${why()}</p>`);
   const one = here.find((each) => each.first === U.segmentFirst) ?? liveliest(here);
   const choice = here.length > 1 ? sides(here, one) : nothing;
-  return section(`Segment ${one.first}–${one.last}`, html`${verdict(one)}${chart(one)}`, choice);
+  return section(`Segment ${one.first}–${one.last}`, html`${verdict(one)}${notes(one)}${chart(one)}`, choice);
 }
 
 function segmentsHere() {
@@ -61,6 +61,12 @@ function verdict(one) {
     </span>
     ${Number.isInteger(one.go) ? goThere(one.go) : nothing}
   </div>`;
+}
+
+/** What else is worth knowing of how it was found. */
+function notes(one) {
+  if (!one.notes?.length) return nothing;
+  return html`<ul class="notes">${one.notes.map((words) => html`<li>${words}</li>`)}</ul>`;
 }
 
 function goThere(frame) {

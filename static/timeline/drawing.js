@@ -7,6 +7,7 @@ import { frame } from './head.js';
 import { held, hovered } from './held.js';
 import { segmentAt, suggestedFrame } from './moves.js';
 import { drawClip, drawRuler } from './ruler.js';
+import { drawNeed } from './need.js';
 import { drawSegments } from './segments.js';
 import { drawCurrent, drawKeys, drawSuggestion } from './keymarks.js';
 import { drawLaneLabels, drawLanes } from './lanes.js';
@@ -34,6 +35,7 @@ const LAYERS = [
   ['frames', 'bands', () => [frame(), S.keys, isScore()], ({ rows }) => drawBand(rows, bottomOf(rows))],
   ['frames', 'lanes', () => [S.view?.selected],
     ({ rows, lanes, scroll }) => drawLanes(rows, lanes, scroll)],
+  ['frames', 'need', () => [S.need, S.suggest], ({ rows }) => drawNeed(rows)],
   ['frames', 'segments', () => [S.segments, S.suggest, S.keys], ({ rows }) => drawSegments(rows)],
   ['frames', 'chart', () => [isScore(), ...chartInputs()],
     ({ rows }) => (isScore() ? drawScores(rows.curve) : drawCurve(rows.curve, angleHeld()))],

@@ -72,6 +72,11 @@ export function field(name, words, value, last, act) {
     <button class="btn sm" @click=${run}>Do</button></div>`;
 }
 
+/** One more thing to know of it, in small. */
+export function note(words) {
+  return html`<div class="says note">${words}</div>`;
+}
+
 /** What a verdict says, above what can be done about it. */
 export function sentence(name, state, range, words) {
   return html`<div class=${`says ${state}`}>${icon(name)}<span><b>${range}</b> ${words}</span></div>`;

@@ -6,6 +6,7 @@ import json
 import signal
 import sys
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -14,11 +15,13 @@ import pytest
 
 from app.cli import main
 from app.commands import follow
+from app.jobs import SegmentFinished
 from app.locking import NAME
 from tests.app.cli_cases import everything_in, refused, tracker
 from tests.app.test_locking import holder
 from tests.tracker import session_cases as cases
 from tracker.errors import VideoError
+from tracker.session import Session
 from tracker.session.files import load_session, save_session
 from tracker.session.tracks import load_trajectory, outdated_words
 
@@ -78,6 +81,67 @@ def test_method_and_quality_are_of_this_run_only(session_path: Path) -> None:
     assert session.results is not None
     assert (session.results.method, session.results.quality) == ("paper", "preview")
     assert (session.settings.method, session.settings.quality) == ("keypose", "fast")
+
+
+def test_the_start_and_what_is_left_out_are_of_this_run_only(
+    session_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[Session] = []
+
+    def track(session: Session, *given: Any, **more: Any) -> Iterator[Any]:
+        asked.append(session)
+        yield from tracker()(session, *given, **more)
+
+    monkeypatch.setattr(follow, "rerun", track)
+    before = load_session(session_path).settings
+    parts = load_session(session_path).body.names
+    command = ["track", str(session_path), "--initial", "templates"]
+    assert main([*command, "--leave-out", parts[0], "--leave-out", parts[-1]]) == 0
+    assert asked[0].settings.initial == "templates"
+    assert asked[0].settings.left_out == (parts[0], parts[-1])
+    assert load_session(session_path).settings == before
+    assert main(["track", str(session_path)]) == 0
+    assert asked[1].settings == before
+
+
+def test_what_could_not_be_done_as_wished_is_told_of_its_segment(
+    session_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    note = "left hand lost at frame 5: interpolated instead"
+
+    def track(*given: Any, **more: Any) -> Iterator[Any]:
+        for report in tracker()(*given, **more):
+            if isinstance(report, SegmentFinished) and report.track.first == 4:
+                yield replace(report, track=replace(report.track, notes=(note,)))
+            else:
+                yield report
+
+    monkeypatch.setattr(follow, "rerun", track)
+    assert main(["track", str(session_path)]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    (place,) = [i for i, line in enumerate(lines) if note in line]
+    assert lines[place - 1].startswith("frames 4–8")
+    assert main(["track", str(session_path), "--json"]) == 0
+    events = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    finished = [e["notes"] for e in events if e["event"] == "segment_finished"]
+    assert finished == [[], [note]]
+    assert [segment["notes"] for segment in events[-1]["segments"]] == [[], [note]]
+
+
+def test_leaving_out_a_part_that_is_not_there_names_those_that_are(
+    session_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = session_path.parent
+    sentence = refused(capsys, folder, ["track", session_path, "--leave-out", "third_hand"])
+    assert "no part 'third_hand'" in sentence
+    assert load_session(session_path).body.names[0] in sentence
+
+
+def test_an_unknown_start_is_refused_with_those_that_are_known(
+    session_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    sentence = refused(capsys, session_path.parent, ["track", session_path, "--initial", "magic"])
+    assert "both-ways" in sentence
 
 
 def test_edits_made_while_tracking_are_kept(

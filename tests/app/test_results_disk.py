@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import numpy as np
@@ -47,6 +48,17 @@ def test_results_come_back_from_the_disk_as_they_were(tmp_path: Path) -> None:
     assert list(loaded) == [(0, 4), (4, 8)]
     for span, found in results.fitting(of).items():
         assert_same(loaded[span], found)
+
+
+def test_what_a_keyframe_would_mend_comes_back_with_the_segments_that_know_it(
+    tmp_path: Path,
+) -> None:
+    of, gains = session(), np.array([0.0, 1.0, 5.0, 2.0, 0.0])
+    known = dataclasses.replace(track(of, 4, 8), need=gains)
+    again, path = saved(Results().with_track(track(of, 0, 4)).with_track(known), tmp_path, of)
+    loaded = load_results(again, path).fitting(again)
+    assert loaded[0, 4].need is None
+    np.testing.assert_array_equal(loaded[4, 8].need, gains)
 
 
 def test_gaps_between_results_stay_gaps(tmp_path: Path) -> None:

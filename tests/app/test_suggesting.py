@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from app.results import SegmentTrack, Span
 from app.suggesting import middle, suggestion
 from tests.app.results_cases import passing, session, told
+from tracker.geometry import rotation_from_euler
+from tracker.trajectory import Trajectory
 
 KEYS = (0, 24, 48, 72)
 PARTS = ("chest", "left_hand")
@@ -158,6 +162,110 @@ def test_when_all_is_good_nothing_is_asked_for() -> None:
     assert found.words == "All Good. Add a key only where you disagree."
     assert (found.kind, found.frame, found.reason) == ("good", None, "")
     assert suggestion(KEYS, 100, fitting()).reason == "73–99 outside the keyframes"
+
+
+def needing(first: int, last: int, per_frame_px: float, at: int, words: str = "good") -> Any:
+    """A segment where the keyframe `at` is expected to mend so much in the mean."""
+    gains = np.zeros(last - first + 1)
+    gains[at - first] = per_frame_px * (last - first)
+    kind: Any = words.partition(" ")[0].removesuffix(":")
+    return replace(told(first, last, kind, words), need=gains)
+
+
+def test_the_keyframe_that_is_expected_to_mend_most_is_asked_for() -> None:
+    found = suggestion(
+        KEYS, 73, fitting(needing(0, 24, 2, 9), needing(24, 48, 5, 41), needing(48, 72, 1, 60))
+    )
+    assert (found.kind, found.frame, found.words) == ("key", 41, "Key frame 41 next.")
+    assert found.reason == "Longest interval, 24 frames"
+
+
+def test_more_is_mended_in_a_longer_segment() -> None:
+    keys = (0, 12, 60)
+    some = fitting(needing(0, 12, 4, 6), needing(12, 60, 3, 33), keys=keys)
+    assert suggestion(keys, 61, some).frame == 33
+
+
+def test_a_long_segment_that_is_expected_to_be_right_is_left_alone() -> None:
+    keys = (0, 180)
+    found = suggestion(keys, 181, fitting(needing(0, 180, 0.2, 90), keys=keys))
+    assert found.words == "All Good. Add a key only where you disagree."
+
+
+def test_where_a_verdict_says_why_the_reason_is_the_verdicts() -> None:
+    words = "check frames 26–41: left hand not seen"
+    found = suggestion(
+        KEYS, 73,
+        fitting(needing(0, 24, 0.1, 9), needing(24, 48, 5, 37, words), needing(48, 72, 1, 60)),
+    )  # fmt: skip
+    assert (found.frame, found.reason) == (37, "Left hand hidden 26–41")
+
+
+def test_a_verdict_about_other_frames_is_no_reason() -> None:
+    words = "check frames 26–31: left hand not seen"
+    some = fitting(needing(24, 48, 5, 40, words), needing(0, 24, 0, 9), needing(48, 72, 0, 60))
+    assert suggestion(KEYS, 73, some).reason == "Longest interval, 24 frames"
+    keys = (0, 24, 60)
+    some = fitting(needing(0, 24, 5, 20, "check frames 2–9: chest uncertain"),
+                   needing(24, 60, 0, 40), keys=keys)  # fmt: skip
+    assert suggestion(keys, 61, some).reason == "Most drift in 0–24"
+
+
+def test_what_is_hidden_is_only_to_be_looked_at_where_a_keyframe_would_mend_little() -> None:
+    words = "check frames 26–41: left hand not seen"
+    quiet = [needing(0, 24, 0.1, 9), needing(48, 72, 0.1, 60)]
+    found = suggestion(KEYS, 73, fitting(*quiet, needing(24, 48, 0.2, 37, words)))
+    assert (found.kind, found.frame) == ("look", 34)
+
+
+def test_where_tracking_was_lost_a_keyframe_is_asked_for_however_little_is_expected() -> None:
+    lost = needing(24, 48, 0.1, 37, "lost: add a keyframe near 30")
+    found = suggestion(KEYS, 73, fitting(needing(0, 24, 0, 9), lost, needing(48, 72, 0, 60)))
+    assert (found.kind, found.frame) == ("key", 37)
+
+
+def test_what_even_short_intervals_show_is_the_keyframes_own_error() -> None:
+    keys = (0, 6, 30)
+    long = needing(6, 30, 2, 15)
+    sharp, rough = (fitting(needing(0, 6, px, 3), long, keys=keys) for px in (0.1, 1.8))
+    assert suggestion(keys, 31, sharp).frame == 15
+    assert suggestion(keys, 31, rough).kind == "good"
+
+
+def test_keyframes_that_contradict_each_other_come_before_what_could_be_mended() -> None:
+    wrong = needing(3, 4, 0, 3, "lost: the keyframes at 3 and 4 contradict each other")
+    found = suggestion((3, 4, 28), 29, fitting(wrong, needing(4, 28, 5, 12), keys=(3, 4, 28)))
+    assert (found.kind, found.frame) == ("look", 3)
+
+
+def test_fast_motion_is_named_where_it_stands_out() -> None:
+    quick = needing(24, 48, 5, 37)
+    angles = np.cumsum(np.where((np.arange(25) > 10) & (np.arange(25) < 16), 0.15, 0.01))
+    Rs = np.tile(rotation_from_euler(0.0, 0.0, 0.0), (25, 2, 1, 1))
+    Rs[:, 1] = [rotation_from_euler(0.0, 0.0, angle) for angle in angles]
+    quick = replace(quick, trajectory=Trajectory(24, Rs, np.ones((25, 3))))
+    found = suggestion(KEYS, 73, fitting(needing(0, 24, 0, 9), quick, needing(48, 72, 0, 60)))
+    assert found.reason == "Fast motion 34–39"
+
+
+def test_asking_for_what_is_expected_to_be_mended_comes_to_an_end() -> None:
+    for floor_px in (0.0, 2.0):
+        keys, asked = [0, 48], 0
+        while True:
+            spans = list(pairwise(keys))
+            some = {(a, b): needing(a, b, floor_px + 0.1 * (b - a), (a + b) // 2) for a, b in spans}
+            found = suggestion(keys, 49, some)
+            if found.kind != "key":
+                break
+            assert found.frame is not None
+            keys, asked = sorted({*keys, found.frame}), asked + 1
+        assert found.kind == "good"
+        assert asked < 9
+
+
+def test_results_that_do_not_tell_what_could_be_mended_are_judged_as_before() -> None:
+    some = fitting(needing(0, 24, 5, 9), one(24, 48, "check frames 26–41: left hand not seen"))
+    assert suggestion(KEYS, 73, some).frame == 34
 
 
 def test_the_middle_is_that_of_the_interval_one_stands_in() -> None:

@@ -17,7 +17,10 @@ from typing import Any
 from tests.benchmarks.keeping import ROOT, Absent, digest
 from tests.benchmarks.table import Report
 
-GROUPS = ("rendered", "cube", "real", "cost", "page", "sessions", "repeat", "batch")
+GROUPS = (
+    "rendered", "cube", "real", "initial", "fit_here", "fit_sizes", "annotator", "cost", "page",
+    "sessions", "repeat", "batch",
+)  # fmt: skip
 OUT = Path("benchmarks.json")
 
 

@@ -6,6 +6,7 @@ the functions raise FileNotFoundError, and tests carry the mark `needs_mocap`.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from tests.rendering.bones import about_x, frame_along, hinge_angle, hinge_axis, unit, without_z
 from tests.rendering.ground import lowest_sole
+from tests.rendering.other_names import HEAD_M, JUMPING_JACKS, PIROUETTE
 from tracker.skeleton import Skeleton
 from tracker.trajectory import Trajectory
 
@@ -40,13 +42,47 @@ def jump(skeleton: Skeleton, frames: int = 121, constrained: bool = True) -> Tra
     return _placed(skeleton, joints, constrained, p_middle=(0.0, 1.20, 6.7))
 
 
-def _recorded(name: str, every: int, frames: int, yaw: float) -> Joints:
-    """Joint positions (N, 3) by name, turned into the camera's axes; yaw 0 faces the camera."""
+def wash(skeleton: Skeleton, frames: int = 121, constrained: bool = True) -> Trajectory:
+    """A person washes arms and legs, bends down twice and rises, 30 frames a second."""
+    joints = _recorded("cmu_02_10", every=2, frames=frames, yaw=0.35, first=330)
+    return _placed(skeleton, joints, constrained, p_middle=(0.0, 0.92, 5.4))
+
+
+def pirouette(skeleton: Skeleton, frames: int = 121, constrained: bool = True) -> Trajectory:
+    """A person steps, spins twice about, the fastest 10° a frame, and lands, 60 frames a second."""
+    joints = _recorded("pirouette", 1, frames, yaw=2.0, first=55, names=PIROUETTE)
+    return _placed(skeleton, joints, constrained, p_middle=(0.0, 0.94, 5.4))
+
+
+def jumping_jacks(skeleton: Skeleton, frames: int = 113, constrained: bool = True) -> Trajectory:
+    """A person jumps on the spot, arms and legs apart and together, 30 frames a second."""
+    joints = _recorded("ad_jumping_jacks", 1, frames, yaw=0.25, first=12, names=JUMPING_JACKS)
+    return _placed(skeleton, joints, constrained, p_middle=(0.0, 0.98, 6.2))
+
+
+def _recorded(
+    name: str,
+    every: int,
+    frames: int,
+    yaw: float,
+    first: int = 0,
+    names: Mapping[str, str] | None = None,
+) -> Joints:
+    """Joint positions (N, 3) by name, turned into the camera's axes; yaw 0 faces the camera.
+
+    first: recorded frame from which on; names: ours by theirs, theirs are ours when left out.
+    """
     with np.load(FOLDER / f"{name}.npz") as data:
-        names, xyz = data["names"], data["xyz"][::every][:frames].astype(np.float64)
+        shown = slice(first, first + every * frames, every)
+        xyz, theirs = data["xyz"][shown].astype(np.float64), data["names"].tolist()
+        upward = data["R_global"][shown, ..., 1].astype(np.float64)
     R_camera_world = Rotation.from_euler("y", yaw).as_matrix() @ np.diag([1.0, -1.0, -1.0])
-    turned = xyz @ R_camera_world.T
-    return {str(joint): turned[:, i] for i, joint in enumerate(names)}
+    turned, up = xyz @ R_camera_world.T, upward @ R_camera_world.T
+    ours = names or {joint: joint for joint in theirs}
+    joints = {ours[joint]: turned[:, i] for i, joint in enumerate(theirs) if joint in ours}
+    if "head" not in joints:
+        joints["head"] = joints["upperneck"] + HEAD_M * up[:, theirs.index("head")]
+    return joints
 
 
 def _placed(

@@ -12,12 +12,15 @@ from scipy.ndimage import gaussian_filter1d
 
 from tests.rendering.angles import Angles, bump, wave
 from tests.rendering.ground import lowest_sole
-from tests.rendering.mocap import jump, walk
+from tests.rendering.mocap import jump, jumping_jacks, pirouette, walk, wash
 from tests.rendering.throw_poses import THROW
 from tracker.skeleton import Skeleton
 from tracker.trajectory import Trajectory
 
-__all__ = ["jump", "speech", "stride", "throw", "tumbling_box", "walk"]
+__all__ = [
+    "crossing", "jump", "jumping_jacks", "pirouette", "shelf", "speech", "stride", "throw",
+    "tumbling_box", "walk", "wash",
+]  # fmt: skip
 
 FPS = 30.0
 GROUND_Y_M = 0.86
@@ -80,6 +83,58 @@ def stride(skeleton: Skeleton, frames: int = 121) -> Trajectory:
     ps = 0.0208 * (path - path[frames // 2]) + (0.08, 0.0, 5.4)
     ps[:, 1] = GROUND_Y_M - lowest_sole(skeleton, a.rotations())
     return a.trajectory(ps)
+
+
+def shelf(skeleton: Skeleton, frames: int = 39) -> Trajectory:
+    """Someone seen from the side reaches up and takes something down from a shelf, with one arm.
+
+    INITIAL §4, its first experiment: the arm moves in a plane parallel to the picture, up past the
+    head and down again, so that the first and the last pose say nothing of where it was.
+    """
+    keys = np.array([0.0, 5.0, 17.0, 21.0, 32.0, 38.0]) * (frames - 1) / 38
+    shoulder, elbow = (
+        (-0.15, -0.50, -2.45, -2.55, -1.05, -0.75),
+        (-0.5, -1.1, -0.5, -0.4, -1.0, -1.3),
+    )
+    reach = _through(keys, np.column_stack([shoulder, elbow]), frames)
+    up = -reach[:, 0] / 2.55
+    a = Angles(skeleton, frames)
+    a.turn("waist", 0.01, np.pi / 2)
+    a.turn("chest", 0.06 - 0.08 * up)
+    a.turn("head", 0.02 - 0.22 * up)
+    a.turn("left_upper_arm", reach[:, 0], 0.0, -0.02)
+    a.turn("left_forearm", reach[:, 1])
+    a.turn("right_upper_arm", 0.10 - 0.12 * up, 0.0, 0.05)
+    a.turn("right_forearm", -0.25)
+    for side, swing in (("left", -0.10), ("right", 0.08)):
+        a.turn(f"{side}_thigh", swing)
+        a.turn(f"{side}_shin", 0.08)
+    y = GROUND_Y_M + 0.3 - lowest_sole(skeleton, a.rotations())
+    return a.trajectory(np.column_stack([0.15 - 0.03 * up, y, np.full(frames, 6.6)]))
+
+
+def crossing(skeleton: Skeleton, frames: int = 153) -> Trajectory:
+    """Someone seen exactly from the side walks across the picture, from right to left, six steps.
+
+    INITIAL §4, its second experiment. The left side is the near one.
+    """
+    j = np.arange(frames)
+    cycle = j / 51.0 + 0.18
+    a = Angles(skeleton, frames)
+    a.turn("waist", 0.03, np.pi / 2)
+    a.turn("chest", 0.04 + 0.02 * np.cos(4 * np.pi * cycle))
+    a.turn("head", -0.04 + 0.03 * np.sin(4 * np.pi * cycle))
+    for side, start in (("left", 0.0), ("right", 0.5)):
+        step = cycle + start
+        beat = np.cos(2 * np.pi * step)
+        knee = 0.10 + 0.20 * bump(step, 0.13, 0.07) + 0.85 * bump(step, 0.72, 0.105)
+        a.turn(f"{side}_thigh", -0.08 - 0.31 * beat - 0.12 * bump(step, 0.80, 0.1))
+        a.turn(f"{side}_shin", knee)
+        a.turn(f"{side}_upper_arm", 0.06 + 0.34 * beat)
+        a.turn(f"{side}_forearm", -0.34 + 0.14 * beat)
+    y = GROUND_Y_M - lowest_sole(skeleton, a.rotations())
+    x = 1.55 - 3.1 * j / max(frames - 1, 1)
+    return a.trajectory(np.column_stack([x, y, np.full(frames, 5.9)]))
 
 
 def tumbling_box(skeleton: Skeleton, frames: int = 61) -> Trajectory:

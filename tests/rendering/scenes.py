@@ -16,7 +16,8 @@ from tracker.camera import Camera
 from tracker.skeleton import Skeleton
 from tracker.trajectory import Trajectory
 
-PERSON_MOTIONS = ("speech", "throw", "stride", "walk", "jump")
+RECORDED = ("walk", "jump", "wash", "pirouette", "jumping_jacks")
+PERSON_MOTIONS = ("speech", "throw", "stride", "shelf", "crossing", *RECORDED)
 NAMES = (*PERSON_MOTIONS, "tumbling_box")
 
 
@@ -53,7 +54,7 @@ def scene(
     size: tuple[int, int] = (640, 360),
     body: str = "adult_male",
 ) -> Scene:
-    """The scene of a name in NAMES; "walk" and "jump" need recorded motions."""
+    """The scene of a name in NAMES; those in RECORDED need recorded motions."""
     if name not in NAMES:
         raise ValueError(f"there is no scene {name!r}; the scenes are {', '.join(NAMES)}")
     skeleton = Skeleton.of(box_body() if name == "tumbling_box" else preset(body))

@@ -115,7 +115,7 @@ def test_the_score_of_a_trajectory_is_the_twins(camera: Camera, of: int) -> None
     shown = pictures(6, seed=2)
     found = mean_capped_square(
         scene.arrays, scene.lens, scene.sight, shown, np.arange(1, 5), path.Rs_parent_part,
-        path.ps_camera_root, of, 1, 15.0,
+        path.ps_camera_root, of, 15.0,
     )  # fmt: skip
     scores = []
     for j in range(3):
@@ -223,6 +223,6 @@ def test_a_trajectory_of_wild_numbers_harms_nothing_but_itself() -> None:
     wild = Trajectory(0, path.Rs_parent_part, ps)
     found = mean_capped_square(
         scene.arrays, scene.lens, scene.sight, pictures(4, 5), np.arange(4), wild.Rs_parent_part,
-        wild.ps_camera_root, 4, 1, 15.0,
+        wild.ps_camera_root, 4, 15.0,
     )  # fmt: skip
     assert np.isfinite(found)

@@ -234,6 +234,20 @@ def test_a_preview_is_tracked_though_nothing_was_measured(tmp_path: Path) -> Non
     assert (tracks.rank == -1).all()
 
 
+def test_what_a_keyframe_would_mend_is_kept_where_it_is_known(tmp_path: Path) -> None:
+    gains = np.array([0.0, 1.0, 5.0, 2.0, 0.0])
+    known = dataclasses.replace(cases.segment(0, 4), need=gains)
+    path = tmp_path / "session.json"
+    session = save_result(cases.session(), path, cases.result(known, cases.segment(4, 8)))
+    np.testing.assert_array_equal(load_tracks(session, path).need, [*gains, *[np.nan] * 4])
+
+
+def test_a_file_that_does_not_tell_it_is_the_file_of_an_older_keypose() -> None:
+    content = Tracks.of(cases.result()).to_bytes()
+    assert "need" not in archive_arrays(content)
+    assert Tracks.from_bytes(content).need is None
+
+
 def _with(**changes: object) -> bytes:
     arrays = archive_arrays(Tracks.of(cases.result()).to_bytes())
     for name, value in changes.items():
@@ -257,6 +271,7 @@ def _with(**changes: object) -> bytes:
         (_with(Rs_parent_part=np.ones((9, 4, 3, 3))), "no rotations"),
         (_with(singular_values=3.0), "entries"),
         (_with(first_frame=[1, 2]), "entries"),
+        (_with(need=np.zeros(8)), "need has the shape"),
     ],
 )
 def test_an_archive_of_anything_else_is_refused(content: bytes, words: str) -> None:

@@ -15,7 +15,7 @@ from tests.tracker.tracking_cases import Case, MemoryVideo, case, tracked
 from tracker.errors import SessionError, VideoError
 from tracker.geometry import exp_rotation
 from tracker.pose import Pose
-from tracker.segment import Pass
+from tracker.scoring import Pass
 from tracker.session import tracking
 from tracker.session.files import load_session, open_video_of
 from tracker.settings import TrackSettings
@@ -110,6 +110,15 @@ def test_results_have_the_shapes_that_are_promised(person: Case) -> None:
         shares = result.observability[:, np.unique(person.skeleton.dof_part)]
         assert ((shares >= 0) & (shares <= 1)).all()
         assert ((result.rank > 0) & (result.rank <= dofs)).all()
+
+
+@pytest.mark.parametrize("method", ["keypose", "paper"])
+def test_every_segment_tells_what_a_keyframe_more_would_mend(person: Case, method: str) -> None:
+    for segment in tracked(person.tracker(0, 18), method=method):
+        assert segment.need is not None
+        assert segment.need.shape == (19,)
+        assert segment.need[0] == segment.need[-1] == 0
+        assert (segment.need[1:-1] > 0).all()
 
 
 def test_a_preview_does_not_look_and_says_so(person: Case) -> None:

@@ -15,7 +15,8 @@ from tracker.images import Clip
 from tracker.observe import Observation, unobserved
 from tracker.pose import Pose
 from tracker.scene import Scene
-from tracker.segment import Outcome, Pass
+from tracker.scoring import Pass
+from tracker.segment import Outcome
 from tracker.skeleton import Skeleton
 from tracker.stretch import Segment
 from tracker.trajectory import Trajectory, interpolate

@@ -20,7 +20,8 @@ from tracker.images import LEVELS, Clip, prepare
 from tracker.methods import Method
 from tracker.pose import Pose
 from tracker.scene import Scene
-from tracker.segment import Outcome, Pass, track_segment
+from tracker.scoring import Pass
+from tracker.segment import Outcome, track_segment
 from tracker.settings import TrackSettings
 from tracker.shapes import Box, Cylinder, Frustum, Shape
 from tracker.skeleton import Skeleton

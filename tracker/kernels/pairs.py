@@ -253,20 +253,19 @@ def follow_chain(
 
 
 @compiled
-def mean_capped_square(body, lens, sight, pictures, slots, R, t, of, step, cap):
+def mean_capped_square(body, lens, sight, pictures, slots, R, t, of, cap):
     """Score of a trajectory: mean over its pairs of the mean min(r², cap²), grey levels squared.
 
     r is the difference of brightness between a point seen in frame j and where the trajectory
-    carries it in frame j + 1.  DRIFT (4), per point and capped, of every `step`-th pair. Poses that
-    show hardly a point are charged for it.
+    carries it in frame j + 1.  DRIFT (4), per point and capped. Poses that show hardly a point are
+    charged for it.
     """
     height, width = pictures.shape[1], pictures.shape[2]
     HR, Ho, uvz, seen, depth, owner, chosen, grey, starts = room(body, sight, width, height)
     histogram, rows = np.empty(BINS, np.int32), np.empty((9, BLOCK), np.float32)
     least = least_shown(body, lens, sight, width, height, R, t)
-    score, pairs = 0.0, 0
-    for j in range(0, R.shape[0] - 1, step):
-        pairs += 1
+    score = 0.0
+    for j in range(R.shape[0] - 1):
         place_parts(body, R[j], t[j], HR, Ho)
         shown = see(body, HR, Ho, lens, sight, width, height, uvz, seen, depth, owner)
         pick(body, uvz, seen, pictures[slots[j]], 1.0, of, 1, chosen, grey, starts)
@@ -275,7 +274,7 @@ def mean_capped_square(body, lens, sight, pictures, slots, R, t, of, step, cap):
             body, chosen, grey, starts, HR, Ho, pictures[slots[j + 1]], lens, histogram, rows
         )
         score += charged(capped_square(histogram, points, cap), shown, least, cap)
-    return score / max(1, pairs)
+    return score / max(1, R.shape[0] - 1)
 
 
 @compiled

@@ -93,6 +93,9 @@ class SegmentSummary(Plain):
         description="Largest difference of the motion's ends from the keyframes, over entries of "
         "rotation matrices and metres; null when not finite."
     )
+    notes: tuple[str, ...] = Field(
+        default=(), description="What could not be done as wished, in sentences."
+    )
     key: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] | None = Field(
         default=None,
         description="SHA-256 of all that this segment's motion was tracked for; null when not "
@@ -172,6 +175,7 @@ class Session(Plain):
         _demand_sorted(self.drafts)
         _demand_direction(self.up_camera)
         skeleton = Skeleton.of(self.body)
+        _demand_parts(self.settings.left_out, self.body)
         for keyframe in (*self.keyframes, *self.drafts):
             _demand_in_video(keyframe, video.frame_count)
             _demand_before_camera(keyframe, skeleton)
@@ -190,6 +194,15 @@ def _demand_sorted(keyframes: tuple[Keyframe, ...]) -> None:
                 f"keyframes: time_s of frame {after} is {other.time_s:g}; it must be later than "
                 f"{one.time_s:g}, the time of frame {before}"
             )
+
+
+def _demand_parts(left_out: tuple[str, ...], body: Body) -> None:
+    unknown = sorted(set(left_out) - set(body.names))
+    if unknown:
+        raise ValueError(
+            f"settings.left_out names {unknown[0]!r}, which the body does not have; its parts are "
+            f"{', '.join(body.names)}"
+        )
 
 
 def _demand_direction(up_camera: Position | None) -> None:

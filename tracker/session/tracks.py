@@ -14,6 +14,7 @@ Which frames have a pose is told by `Tracks.tracked` alone.
     singular_values  (N−1, D)
     observability    (N−1, P)        0 to 1, NaN where nothing is tracked
     residual         (N−1, P)        grey levels, NaN where unseen
+    need             (N,)            see tracker.need; NaN where not known, absent from older files
 """
 
 from __future__ import annotations
@@ -61,10 +62,13 @@ class Tracks:
     singular_values: Array
     observability: Array
     residual: Array
+    need: Array | None = None
 
     def __post_init__(self) -> None:
         for name in (*_POSES, *_STEPS):
             object.__setattr__(self, name, frozen(getattr(self, name)))
+        if self.need is not None:
+            object.__setattr__(self, "need", frozen(self.need))
         rank = np.array(self.rank, dtype=np.int64)
         rank.setflags(write=False)
         object.__setattr__(self, "rank", rank)
@@ -77,10 +81,14 @@ class Tracks:
         count = max(s.trajectory.last_frame for s in segments) - first + 1
         shapes = _shapes(count, result.skeleton.part_count, result.skeleton.dof_count)
         arrays = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
-        rank = np.full(count - 1, -1)
+        rank, need = np.full(count - 1, -1), np.full(count, np.nan)
         for segment in segments:
             _lay(segment, segment.trajectory.first_frame - first, arrays, rank)
-        return cls(first, result.skeleton.body.names, rank=rank, **arrays)
+            if segment.need is not None:  # zero at the keyframes, where segments meet
+                start = segment.trajectory.first_frame - first
+                need[start : start + len(segment.need)] = segment.need
+        known = need if np.isfinite(need).any() else None
+        return cls(first, result.skeleton.body.names, rank=rank, need=known, **arrays)
 
     @property
     def tracked(self) -> NDArray[np.bool_]:
@@ -121,6 +129,8 @@ class Tracks:
             found = getattr(self, name).shape
             if found != shape:
                 raise ValueError(f"{name} has the shape {found} instead of {shape}")
+        if self.need is not None and self.need.shape != (frames,):
+            raise ValueError(f"need has the shape {self.need.shape} instead of {(frames,)}")
         Rs = self.Rs_parent_part[self.tracked]
         if not np.allclose(Rs @ transpose(Rs), np.eye(3), atol=1e-6):
             raise ValueError("Rs_parent_part holds matrices that are no rotations")
@@ -133,6 +143,8 @@ class Tracks:
             "rank": self.rank.astype("<i8"),
             **{name: getattr(self, name).astype("<f8") for name in (*_POSES, *_STEPS)},
         }
+        if self.need is not None:
+            arrays["need"] = self.need.astype("<f8")
         return archive_bytes(arrays)
 
 
@@ -298,6 +310,7 @@ def _summary(segment: SegmentResult) -> SegmentSummary:
         scores=tuple(_finite(score) for score in segment.scores),
         best_pass=segment.best_pass,
         closing_error=_finite(segment.closing_error),
+        notes=segment.notes,
     )
 
 

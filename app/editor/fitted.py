@@ -1,0 +1,64 @@
+"""What was fitted to the pictures, taken over as one step that can be undone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from app.editor.documents import demand_before_camera, keyframe_of, posed, with_keyframes
+from app.editor.refusal import Refused
+from app.editor.shown import shown
+from app.editor.state import EditorState
+from tracker.body import Body
+from tracker.camera import Camera
+from tracker.pose import Pose
+from tracker.session.schema import Keyframe, Session
+from tracker.skeleton import Skeleton
+
+
+def pose_to_fit(state: EditorState) -> Pose:
+    """The pose that stands at the present frame; Refused where nobody has posed anything yet."""
+    if not (state.doc.keyframes or state.doc.drafts):
+        raise Refused("There is no pose to fit: pose the body roughly first.")
+    return shown(state).pose
+
+
+def demand_sizes_to_fit(state: EditorState) -> None:
+    """Refused where one cannot tell the sizes."""
+    if len(state.keys) < 2:
+        raise Refused("Sizes are fitted to two keyframes or more: pose a second one first.")
+
+
+def with_pose_fitted(state: EditorState, frame: int, pose: Pose) -> EditorState:
+    """With this pose at a frame."""
+    doc = posed(state.doc, state.skeleton, pose, frame, state.times_s)
+    return _after(state, doc, "fit the pose", frame)
+
+
+def with_sizes_fitted(
+    state: EditorState, body: Body, camera: Camera, keyposes: Mapping[int, Pose]
+) -> EditorState:
+    """With this body and camera, and the keyframes posed for them."""
+    skeleton, nearer = Skeleton.of(body), camera.fx / state.doc.camera.fx
+    for pose in keyposes.values():
+        demand_before_camera(skeleton, pose)
+    keyframes = [
+        keyframe_of(skeleton, keyposes[frame], frame, state.times_s) for frame in state.keys
+    ]
+    drafts = tuple(_carried(draft, nearer) for draft in state.doc.drafts)
+    for draft in drafts:
+        demand_before_camera(skeleton, draft.pose(skeleton))
+    update = {"body": body, "camera": camera, "drafts": drafts}
+    doc = with_keyframes(state.doc.model_copy(update=update), keyframes)
+    return _after(state, doc, "fit the sizes", state.frame)
+
+
+def _carried(draft: Keyframe, factor: float) -> Keyframe:
+    """A lens so much longer shows the body as large as before from so much farther away."""
+    x, y, z = draft.root_m
+    return draft.model_copy(update={"root_m": (x, y, z * factor)})
+
+
+def _after(state: EditorState, doc: Session, label: str, frame: int) -> EditorState:
+    history = state.history.after(state.doc, label, frame)
+    return replace(state.with_doc(doc), history=history)

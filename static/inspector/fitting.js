@@ -1,0 +1,40 @@
+// Fits to the pictures: of the pose at the present frame, and of the body's sizes to all keyframes.
+
+import { html } from '../vendor/lit-html/lit-html.js';
+import { S, U, put } from '../state.js';
+import { send } from '../link.js';
+import { button, checkbox } from '../fields.js';
+
+/** Improve the pose of the present frame from its picture; the server says why it cannot. */
+export function fitHere() {
+  send({ do: 'fit_here' });
+}
+
+export function fitHereButton() {
+  return button({
+    name: 'wand', label: 'Fit here', key: 'F', act: fitHere, off: unposed(),
+    title: 'Lay this pose onto what the picture shows; one step to undo',
+  });
+}
+
+export function fitSizesRow() {
+  const count = S.keys?.frames.length ?? 0;
+  return html`<div class="fitsizes">
+    ${button({
+      name: 'wand', label: 'Fit sizes',
+      off: count < 2 ? 'Pose a second keyframe first' : '',
+      title: `Find the sizes that fit the pictures of all ${count} keyframes; one step to undo`,
+      act: () => send({ do: 'fit_sizes', focal: Boolean(U.fitFocal) }),
+    })}
+    ${checkbox({
+      label: 'With focal length', on: Boolean(U.fitFocal), act: (on) => put('fitFocal', on),
+      title: 'Find the lens as well, where it is only a guess',
+    })}
+  </div>`;
+}
+
+/** Why no pose can be fitted yet, or ''. */
+function unposed() {
+  const { frames = [], drafts = [] } = S.keys ?? {};
+  return frames.length + drafts.length ? '' : 'Pose the body roughly first';
+}

@@ -1,0 +1,68 @@
+// Where a segment starts from before the passes go over it, and what templates need not follow.
+
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { S } from '../state.js';
+import { send } from '../link.js';
+import { checkbox, dropdown } from '../fields.js';
+import { line } from './section.js';
+import { shortLabel } from './parts.js';
+
+const STARTS = [
+  { id: 'auto', label: 'Auto', note: 'the best of these' },
+  { id: 'linear', label: 'Linear', note: 'plain interpolation' },
+  { id: 'templates', label: 'Templates', note: 'by what ends look like' },
+  { id: 'both-ways', label: 'Both ways', note: 'from both keyframes' },
+  { id: 'import', label: 'Imported', note: 'a motion from elsewhere' },
+];
+
+export function start() {
+  const { initial } = S.settings;
+  const pick = dropdown({
+    label: 'Start', value: initial, options: STARTS.map(within),
+    title: 'Where each segment starts from, before the passes',
+    act: (id) => send({ do: 'settings', initial: id }),
+  });
+  return html`${line('Start', pick)}${usesTemplates(initial) ? followed() : nothing}`;
+}
+
+const usesTemplates = (initial) => initial === 'auto' || initial === 'templates';
+
+/** An imported motion can be chosen only where there is one. */
+function within(option) {
+  if (option.id !== 'import') return option;
+  const { imported } = S.settings;
+  if (imported) return { ...option, note: imported };
+  return { ...option, off: 'No motion was imported: keypose import takes one in', note: 'none imported' };
+}
+
+const plural = (word) => (word === 'Foot' ? 'Feet' : `${word}s`);
+
+/** The ends of the limbs, by name without their side: what templates follow. */
+function ends() {
+  const parents = new Set(S.body.parts.map((part) => part.parent));
+  const found = new Map();
+  for (const part of S.body.parts.filter((one) => one.parent && !parents.has(one.name))) {
+    const label = part.mirror ? plural(shortLabel(part)) : part.label;
+    found.set(label, [...(found.get(label) ?? []), part.name]);
+  }
+  return [...found];
+}
+
+function followed() {
+  const all = ends();
+  if (all.length === 0) return nothing;
+  return line('Follow', html`<div class="follow" role="group" aria-label="Followed by templates">
+    ${all.map(([label, names]) => followedEnd(label, names))}
+  </div>`);
+}
+
+function followedEnd(label, names) {
+  const out = S.settings.left_out;
+  const on = !names.every((name) => out.includes(name));
+  const rest = out.filter((name) => !names.includes(name));
+  return checkbox({
+    label, on,
+    title: on ? `${label}: followed by what it looks like. Click to leave it out` : `${label}: left out. Click to follow it`,
+    act: (wanted) => send({ do: 'settings', left_out: wanted ? rest : [...rest, ...names] }),
+  });
+}

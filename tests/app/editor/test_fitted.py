@@ -1,0 +1,135 @@
+"""A pose and sizes that were fitted are taken over as one step; a start is chosen at the door."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from app.editor.fitted import (
+    demand_sizes_to_fit,
+    pose_to_fit,
+    with_pose_fitted,
+    with_sizes_fitted,
+)
+from app.editor.refusal import Refused
+from app.editor.shown import shown
+from app.editor.state import EditorState
+from app.posing import with_height
+from tests.app.editor.desk import after, desk
+from tracker.errors import KeyposeError
+from tracker.pose import Pose
+from tracker.session.schema import FirstMotion
+
+BACK = {"do": "undo"}
+
+
+def nudged(pose: Pose, metres: float = 0.02) -> Pose:
+    return Pose(pose.Rs_parent_part, pose.p_camera_root + np.array([metres, 0, 0]))
+
+
+def test_a_fitted_keyframe_is_one_step_and_undo_is_exact() -> None:
+    before = after(desk(), {"do": "go", "frame": 24})
+    pose = nudged(pose_to_fit(before))
+    done = with_pose_fitted(before, 24, pose)
+    assert done.keys == before.keys
+    assert shown(done).source == "keyframe"
+    np.testing.assert_allclose(shown(done).pose.p_camera_root, pose.p_camera_root)
+    assert done.history.past[-1].label == "fit the pose"
+    undone = after(done, BACK)
+    assert undone.doc is before.doc
+    assert undone.frame == 24
+
+
+def test_a_pose_fitted_between_keyframes_is_a_draft_and_k_keeps_it() -> None:
+    before = after(desk(), {"do": "go", "frame": 10})
+    done = with_pose_fitted(before, 10, nudged(pose_to_fit(before)))
+    assert shown(done).source == "draft"
+    kept = after(done, {"do": "add_key", "frame": 10})
+    assert 10 in kept.keys
+    np.testing.assert_allclose(shown(kept).pose.p_camera_root, shown(done).pose.p_camera_root)
+
+
+def test_a_pose_is_fitted_where_it_was_asked_for_though_one_has_gone_on() -> None:
+    there = after(desk(), {"do": "go", "frame": 24})
+    elsewhere = after(there, {"do": "go", "frame": 60})
+    done = with_pose_fitted(elsewhere, 24, nudged(shown(there).pose))
+    assert done.frame == 60
+    assert after(done, BACK).frame == 24
+
+
+def test_without_a_pose_nothing_can_be_fitted() -> None:
+    with pytest.raises(Refused, match="pose the body roughly first"):
+        pose_to_fit(desk(keyframes=False))
+
+
+def test_sizes_want_two_keyframes() -> None:
+    with pytest.raises(Refused, match="two keyframes or more"):
+        demand_sizes_to_fit(after(desk(keyframes=False), {"do": "add_key", "frame": 0}))
+    demand_sizes_to_fit(desk())
+
+
+def sized(state: EditorState, height_cm: float = 190.0, focal: float = 1.0) -> EditorState:
+    body, camera = with_height(state.doc.body, height_cm), state.doc.camera
+    camera = camera.model_copy(update={"fx": focal * camera.fx, "fy": focal * camera.fy})
+    poses = {k.frame: nudged(k.pose(state.skeleton)) for k in state.doc.keyframes}
+    return with_sizes_fitted(state, body, camera, poses)
+
+
+def test_fitted_sizes_are_one_step_with_all_keyframes_and_undo_is_exact() -> None:
+    before = desk()
+    done = sized(before)
+    assert done.doc.body != before.doc.body
+    assert done.skeleton.body is done.doc.body
+    assert done.keys == before.keys
+    for old, new in zip(before.doc.keyframes, done.doc.keyframes, strict=True):
+        assert new.root_m[0] == pytest.approx(old.root_m[0] + 0.02)
+        assert new.time_s == old.time_s
+    undone = after(done, BACK)
+    assert undone.doc is before.doc
+    assert after(undone, {"do": "redo"}).doc is done.doc
+
+
+def test_a_draft_goes_as_much_farther_away_as_the_fitted_lens_is_longer() -> None:
+    drafted = after(desk(), {"do": "go", "frame": 10}, {"do": "root", "x": 0.3})
+    done = sized(drafted, focal=1.2)
+    (old,), (new,) = drafted.doc.drafts, done.doc.drafts
+    assert new.root_m == pytest.approx((old.root_m[0], old.root_m[1], 1.2 * old.root_m[2]))
+
+
+def test_sizes_that_put_a_joint_behind_the_camera_are_refused() -> None:
+    state = desk()
+    near = {k.frame: Pose.rest(state.skeleton, (0.0, 0.0, 0.01)) for k in state.doc.keyframes}
+    with pytest.raises(KeyposeError, match="behind the camera"):
+        with_sizes_fitted(state, state.doc.body, state.doc.camera, near)
+
+
+# --- where a segment starts
+
+
+@pytest.mark.parametrize("start", ["auto", "linear", "templates", "both-ways"])
+def test_a_start_is_chosen(start: str) -> None:
+    state = after(desk(), {"do": "settings", "initial": start})
+    assert state.doc.settings.initial == start
+
+
+def test_an_imported_start_wants_an_imported_motion() -> None:
+    choice = {"do": "settings", "initial": "import"}
+    with pytest.raises(Refused, match="No motion has been imported"):
+        after(desk(), choice)
+    motion = FirstMotion(file="first-0123456789ab.npz", source="walk.bvh")
+    state = desk()
+    imported = replace(state, doc=state.doc.model_copy(update={"first_motion": motion}))
+    assert after(imported, choice).doc.settings.initial == "import"
+
+
+def test_parts_are_left_out_of_templates_and_taken_in_again() -> None:
+    state = after(desk(), {"do": "settings", "left_out": ["left_hand", "right_hand"]})
+    assert state.doc.settings.left_out == ("left_hand", "right_hand")
+    assert after(state, {"do": "settings", "left_out": []}).doc.settings.left_out == ()
+
+
+def test_a_part_that_the_body_does_not_have_cannot_be_left_out() -> None:
+    with pytest.raises(Refused, match="no part 'tail'"):
+        after(desk(), {"do": "settings", "left_out": ["head", "tail"]})

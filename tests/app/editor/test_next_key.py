@@ -1,0 +1,71 @@
+"""Where tracking has been, editing begins with what it found."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from app.editor.shown import find, shown
+from app.editor.state import EditorState
+from app.results import Results, SegmentTrack, segment_keys
+from tests.app.editor.desk import after, angles, desk
+from tracker.pose import Pose
+from tracker.trajectory import Trajectory, interpolate
+
+MIDDLE = 12
+
+
+def tracked_desk() -> EditorState:
+    """The sample with 0–24 tracked: 10 cm to the side of where interpolation has the body."""
+    state = desk()
+    start, end = (find(state.doc.keyframes, f).pose(state.skeleton) for f in (0, 24))  # type: ignore[union-attr]
+    path = interpolate(start, end, 0, 24)
+    moved = Trajectory(0, path.Rs_parent_part, path.ps_camera_root + np.array([0.1, 0, 0]))
+    key = segment_keys(state.doc)[0, 24]
+    results = Results().with_track(SegmentTrack.on_the_way(key, "full", moved, 1.0, ""))
+    return after(replace(state, results=results), {"do": "go", "frame": MIDDLE})
+
+
+def tracked_pose(state: EditorState) -> Pose:
+    found = state.tracked(MIDDLE)
+    assert found is not None
+    return found
+
+
+def test_at_a_frame_without_a_pose_of_its_own_the_tracked_one_stands() -> None:
+    state = tracked_desk()
+    assert shown(state).source == "tracked"
+    assert shown(state).pose.p_camera_root.tolist() == tracked_pose(state).p_camera_root.tolist()
+
+
+def test_an_edit_there_begins_with_the_tracked_pose() -> None:
+    state = tracked_desk()
+    turned = after(state, {"do": "angles", "part": "left_forearm", "x": -50})
+    assert shown(turned).source == "draft"
+    np.testing.assert_allclose(angles(turned, "left_forearm")[0], -50)
+    others = [name for name in state.doc.body.names if name != "left_forearm"]
+    for name in others:
+        np.testing.assert_allclose(angles(turned, name), angles(state, name), atol=1e-3)
+    np.testing.assert_allclose(
+        shown(turned).pose.p_camera_root, tracked_pose(state).p_camera_root, atol=1e-9
+    )
+
+
+def test_a_drag_of_the_body_there_begins_with_the_tracked_pose() -> None:
+    state = tracked_desk()
+    before = tracked_pose(state).p_camera_root
+    grip = {"do": "drag", "view": "main", "handle": {"kind": "root"}, "stroke": "d"}
+    held = after(state, {**grip, "from": [300, 200], "at": [310, 200]})
+    x, y, z = shown(held).pose.p_camera_root - before
+    assert x > 0.01
+    np.testing.assert_allclose([y, z], 0, atol=1e-6)
+
+
+def test_k_keeps_the_tracked_pose() -> None:
+    state = tracked_desk()
+    kept = after(state, {"do": "add_key", "frame": MIDDLE})
+    assert shown(kept).source == "keyframe"
+    np.testing.assert_allclose(
+        shown(kept).pose.p_camera_root, tracked_pose(state).p_camera_root, atol=1e-9
+    )

@@ -1,0 +1,158 @@
+"""One order to fit, with fits that do as the test says."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Event
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.jobs.fits import Fit
+from app.jobs.reports import (
+    FitOrder,
+    JobFailed,
+    JobFinished,
+    PoseFitted,
+    PoseOrder,
+    Report,
+    SizesFitted,
+    SizesOrder,
+)
+from tests.tracker import session_cases as cases
+from tracker.errors import VideoError
+from tracker.pose import Pose
+
+SESSION = cases.session()
+CONTENT = SESSION.model_dump_json().encode()
+POSE = SESSION.keyframes[0].pose(cases.SKELETON)
+
+
+class Bench:
+    """Its video is the path it was asked for."""
+
+    def video(self, path: str) -> str:
+        if not path:
+            raise VideoError("The video is gone.")
+        return path
+
+
+@dataclass
+class Found:
+    pose: Pose = POSE
+    way: str = "neighbours"
+    words: str = "Right forearm moved 6 px."
+    body: Any = SESSION.body
+    camera: Any = SESSION.camera
+    keyposes: Any = None
+    changes: tuple[Any, ...] = ()
+
+
+@pytest.fixture
+def fits(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[..., Any]], None]:
+    """Both fits replaced."""
+
+    def replaced(fit: Callable[..., Any]) -> None:
+        for name in ("fit_here", "fit_sizes"):
+            module = ModuleType(name)
+            setattr(module, name, fit)
+            monkeypatch.setitem(sys.modules, f"tracker.{name}", module)
+
+    return replaced
+
+
+def told(order: FitOrder, cancelled: Event | None = None) -> Report:
+    """The one report that an order ends in."""
+    reports: list[Report] = []
+    Fit(order, cancelled or Event(), reports.append).run(Bench())  # type: ignore[arg-type]
+    (report,) = reports
+    return report
+
+
+def test_a_pose_is_fitted_by_the_other_keyframes(fits: Callable[..., None]) -> None:
+    given: dict[str, Any] = {}
+
+    def fit(video: Any, camera: Any, skeleton: Any, frame: int, pose: Any, keyposes: Any,
+            tracked: Any, **more: Any) -> Found:  # fmt: skip
+        given.update(video=video, frame=frame, keyposes=keyposes, tracked=tracked, **more)
+        return Found()
+
+    fits(fit)
+    report = told(PoseOrder(CONTENT, "v.mp4", 4, POSE, {3: POSE}, job=5))
+    assert isinstance(report, PoseFitted)
+    assert (report.job, report.found, report.words) == (5, True, "Right forearm moved 6 px.")
+    assert given["video"] == "v.mp4"
+    assert sorted(given["keyposes"]) == [0, 8]
+    assert list(given["tracked"]) == [3]
+    assert given["masks"] == SESSION.ignore_masks
+    assert given["cancelled"]() is False
+
+
+def test_what_the_picture_does_not_tell_is_told_as_such(fits: Callable[..., None]) -> None:
+    fits(lambda *_, **__: Found(way="nothing", words="Nothing is seen."))
+    report = told(PoseOrder(CONTENT, "v.mp4", 4, POSE))
+    assert isinstance(report, PoseFitted)
+    assert not report.found
+
+
+def test_sizes_are_fitted_to_all_keyframes(fits: Callable[..., None]) -> None:
+    given: dict[str, Any] = {}
+
+    def fit(video: Any, camera: Any, body: Any, keyposes: Any, focal: bool, **_: Any) -> Found:
+        given.update(frames=sorted(keyposes), focal=focal)
+        return Found(keyposes=keyposes, changes=(("arm", "length", 20.0, 21.0),))
+
+    fits(fit)
+    report = told(SizesOrder(CONTENT, "v.mp4", focal=True, job=6))
+    assert isinstance(report, SizesFitted)
+    assert given == {"frames": [0, 4, 8], "focal": True}
+    assert report.changes == (("arm", "length", 20.0, 21.0),)
+
+
+def test_a_fit_that_was_cancelled_tells_nothing_it_found(fits: Callable[..., None]) -> None:
+    cancelled = Event()
+
+    def fit(*_: Any, cancelled: Callable[[], bool], **__: Any) -> Found:
+        event.set()
+        assert cancelled()
+        return Found()
+
+    event = cancelled
+    fits(fit)
+    assert told(PoseOrder(CONTENT, "v", 4, POSE, job=3), cancelled) == JobFinished(3, True)
+
+
+def test_a_video_that_is_gone_is_told_in_a_sentence(fits: Callable[..., None]) -> None:
+    fits(lambda *_, **__: Found())
+    assert told(PoseOrder(CONTENT, "", 4, POSE, job=3)) == JobFailed(3, "The video is gone.")
+
+
+def test_a_fault_is_one_sentence_too(
+    fits: Callable[..., None], capsys: pytest.CaptureFixture[str]
+) -> None:
+    def fit(*_: Any, **__: Any) -> Found:
+        raise ZeroDivisionError
+
+    fits(fit)
+    report = told(SizesOrder(CONTENT, "v", job=3))
+    assert isinstance(report, JobFailed)
+    assert "a fault of Keypose itself (ZeroDivisionError)" in report.words
+    assert "Traceback" in capsys.readouterr().err
+
+
+def test_poses_are_read_only_on_the_other_side() -> None:
+    from multiprocessing import Pipe
+
+    from app.jobs.wire import receive, send
+
+    ours, theirs = Pipe()
+    send(ours, PoseOrder(CONTENT, str(Path("v")), 4, POSE, {3: POSE}))
+    order = receive(theirs)
+    for pose in (order.pose, order.tracked[3]):
+        assert not pose.Rs_parent_part.flags.writeable
+        np.testing.assert_array_equal(pose.p_camera_root, POSE.p_camera_root)

@@ -1,0 +1,211 @@
+"""Fits to the picture as a person asks for them: a key, a card that tells what it did, and undo."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, Page
+
+from tests.app.serving import ROOT
+from tests.browser.hands import (
+    drag,
+    screen,
+    section,
+    spot,
+    until,
+    until_counted,
+    until_told,
+)
+from tests.browser.shared import Desk, desk
+from tracker.pose import Pose, joint_names, joint_positions, pose_transforms
+from tracker.session.files import load_session
+from tracker.skeleton import Skeleton
+
+FRAME = 24
+SIZE = (1440, 900)
+TURNS = {"right_forearm": -7.0, "left_upper_arm": 5.0, "right_thigh": 4.0, "left_shin": 6.0}
+"""Degrees about x, as a hand that was in a hurry would leave them."""
+
+SECONDS_TO_FIT = 240
+"""The loops may have to be compiled first."""
+
+
+@pytest.fixture(scope="module")
+def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    folder = tmp_path_factory.mktemp("fitting")
+    with desk(browser, folder, drawn=True, size=SIZE) as made:
+        yield made
+
+
+@pytest.fixture
+def at(shared: Desk) -> Desk:
+    """The page as if it had just been opened, at a frame with a keyframe."""
+    shared.fresh()
+    shared.visitor.do(do="go", frame=FRAME)
+    until_told(shared.page, "view.frame", lambda frame: frame == FRAME)
+    return shared
+
+
+def disturbed(desk: Desk) -> None:
+    """The keyframe posed less well than it is, in one step."""
+    angles = desk.served["pose"]["angles"]
+    for part, by in TURNS.items():
+        x = angles[part][0] + by
+        desk.visitor.do(do="angles", part=part, x=x, free=True)
+    desk.agreed("pose")
+
+
+def error_px(desk: Desk) -> float:
+    """Mean distance in the picture of all joints from where they truly are."""
+    session = load_session(ROOT / "sample_videos" / "person" / "session.json")
+    truth, skeleton = np.load(ROOT / "sample_videos/person/truth.npz"), Skeleton.of(session.body)
+    pose = Pose(truth["Rs_parent_part"][FRAME], truth["ps_camera_root"][FRAME])
+    true = joint_positions(skeleton, pose_transforms(skeleton, pose))
+    told = desk.served["pose"]["points"]
+    here = np.array([told[name] for name in joint_names(skeleton)])
+    uv = (session.camera.project(points) for points in (here, true))
+    return float(np.linalg.norm(np.subtract(*uv), axis=-1).mean())
+
+
+def shin_cm(desk: Desk) -> float:
+    """How long the left shin is."""
+    (shin,) = (part for part in desk.served["body"]["parts"] if part["name"] == "left_shin")
+    (length,) = (size["cm"] for size in shin["sizes"] if size["key"] == "length")
+    return float(length)
+
+
+def fitted(page: Page) -> None:
+    """Wait for the card that tells what a fit did."""
+    until_told(page, "fit", bool, SECONDS_TO_FIT)
+    until_counted(page, ".fitcard", 1)
+
+
+def held_before(page: Page, name: str) -> None:
+    """Hold the card's button, look, and let go."""
+    page.locator(".fitcard .before").hover()
+    page.mouse.down()
+    until_told(page, "fit.looking_back", bool)
+    page.get_by_text("As it was").wait_for()
+    screen(page, name)
+
+
+def test_f_lays_a_keyframe_onto_what_the_picture_shows(at: Desk) -> None:
+    page = at.page
+    disturbed(at)
+    before, root = error_px(at), at.served["pose"]
+    page.keyboard.press("f")
+    fitted(page)
+    after = at.agreed("pose")
+    assert after["source"] == "keyframe"
+    assert error_px(at) < 0.8 * before
+    assert section(page, "undo.undo") == "fit the pose"
+    screen(page, "fit-1-card")
+    held_before(page, "fit-2-before")
+    assert section(page, "pose.points") == root["points"]
+    page.mouse.up()
+    until(lambda: section(page, "pose.points") == after["points"], "what was fitted")
+    page.keyboard.press("Control+z")
+    until(lambda: section(page, "pose.points") == root["points"], "what was before")
+    until_counted(page, ".fitcard", 0)
+
+
+def test_a_frame_between_keyframes_becomes_a_draft_and_esc_closes_the_card(at: Desk) -> None:
+    page = at.page
+    at.visitor.do(do="go", frame=FRAME + 2)
+    at.visitor.do(do="root", x=at.served["pose"]["root"][0] + 0.02)
+    at.agreed("pose")
+    page.get_by_role("tab", name="Part").click()
+    page.get_by_role("button", name="Fit here").click()
+    until(
+        lambda: section(page, "fit") or page.locator(".toast").count(),
+        "the fit",
+        SECONDS_TO_FIT,
+    )
+    assert section(page, "keys.drafts") == [FRAME + 2]
+    page.keyboard.press("Escape")
+    until_counted(page, ".fitcard", 0)
+    assert section(page, "keys.drafts") == [FRAME + 2]
+
+
+def test_fit_here_without_any_pose_says_why_not(at: Desk) -> None:
+    page = at.page
+    for frame in (0, 24, 48, 72):
+        at.visitor.do(do="delete_key", frame=frame)
+    page.keyboard.press("f")
+    page.get_by_text("pose the body roughly first").wait_for()
+    assert section(page, "job.state") == "idle"
+
+
+def test_fitted_sizes_are_listed_and_taken_back_in_one_step(at: Desk) -> None:
+    page = at.page
+    true_cm = shin_cm(at)
+    at.visitor.do(do="size", part="left_shin", key="length", cm=1.06 * true_cm)
+    before = at.agreed("body")
+    page.get_by_role("tab", name="Body").click()
+    page.get_by_role("button", name="Fit sizes").click()
+    fitted(page)
+    assert abs(shin_cm(at) - true_cm) < 1.5
+    after = at.agreed("body")
+    assert page.locator(".fitcard .changes .row").count() > 0
+    screen(page, "fit-3-sizes")
+    held_before(page, "fit-4-sizes-before")
+    assert section(page, "body") == before
+    page.mouse.up()
+    until(lambda: section(page, "body") == after, "the body that was fitted")
+    page.locator(".fitcard").get_by_role("button", name="Undo").click()
+    until(lambda: at.agreed("body") == before, "the body as it was")
+    until_counted(page, ".fitcard", 0)
+
+
+def test_a_start_is_chosen_in_the_track_panel_and_reaches_the_file(at: Desk) -> None:
+    page = at.page
+    page.get_by_role("tab", name="Track").click()
+    page.get_by_role("button", name="Start: ").click()
+    imported = page.get_by_role("option", name="Imported")
+    assert "No motion was imported" in (imported.get_attribute("title") or "")
+    screen(page, "fit-5-start")
+    page.get_by_role("option", name="Templates").click()
+    until_told(page, "settings.initial", lambda start: start == "templates")
+    page.get_by_role("checkbox", name="Hands").click()
+    hands = ["left_hand", "right_hand"]
+    until_told(page, "settings.left_out", lambda names: sorted(names) == hands)
+    screen(page, "fit-6-left-out")
+    until_told(page, "saved.state", lambda state: state == "saved")
+    settings = load_session(at.session).settings
+    assert settings.initial == "templates"
+    assert sorted(settings.left_out) == hands
+    page.get_by_role("button", name="Start: ").click()
+    page.get_by_role("option", name="Linear").click()
+    until_counted(page, "#insp .follow", 0)
+
+
+def test_tracking_waits_for_a_fit_and_goes_on_after_it(at: Desk) -> None:
+    page = at.page
+    disturbed(at)
+    page.keyboard.press("t")
+    until_told(page, "segments", lambda all: any(s["state"] == "tracking" for s in all))
+    page.keyboard.press("f")
+    until_told(page, "job.kind", lambda kind: kind == "fit")
+    screen(page, "fit-7-while-tracking")
+    fitted(page)
+    page.evaluate("() => document.documentElement.dataset.theme = 'light'")
+    screen(page, "fit-8-after-light")
+    until_told(page, "job.state", lambda state: state == "done", SECONDS_TO_FIT)
+    assert {s["state"] for s in section(page, "segments")} <= {"good", "check", "lost"}
+
+
+def test_a_drag_that_begins_at_once_wins_over_the_fit(at: Desk) -> None:
+    page = at.page
+    disturbed(at)
+    page.keyboard.press("f")
+    until_told(page, "job.kind", lambda kind: kind == "fit")
+    start = spot(page, "left_hand")
+    end = (start[0] + 30, start[1] - 20)
+    drag(page, start, end)
+    page.get_by_text("The pose was changed meanwhile").wait_for()
+    until_told(page, "undo.undo", lambda label: label == "move left hand")
+    assert section(page, "job.state") == "idle"
+    np.testing.assert_allclose(spot(page, "left_hand"), end, atol=1.5)
+    assert section(page, "fit") is None
