@@ -42,8 +42,9 @@ OTHER_STARTS = 4
 START_SHARE = 0.8
 AGREEING = 0.6
 """Share of the difference to neighbouring keyframes below which they are as exact as can be."""
-BETTER_TIDIED = 0.9
-"""What must be gained for neighbouring keyframes to be taken otherwise than they were posed."""
+BETTER_TIDIED, OTHER_OUTLINE = 0.9, 0.06
+"""What must be gained for neighbouring keyframes to be taken otherwise than they were posed: share
+of the difference that may remain, or nats for each pixel of the outline."""
 BETTER_LIKENESS, BETTER_OUTLINE = 0.9, 0.02
 """What must be gained for a pose to be moved: share of the difference to the neighbours that may
 remain, and nats for each pixel of the outline."""
@@ -135,21 +136,25 @@ def _found(
     if not textures:
         return None if outlined is None else _Found(outlined, None, 0.0)
     given = _on(desk, outline, outlined, textures, tracked, cancelled)
-    if (
-        outline is None
-        or not near
-        or given.cost < AGREEING * _cost(desk, given.likeness, desk.hand.pose)
-    ):
+    if outline is None or outlined is None or not near or _agree(desk, outline, outlined, given):
         return given
     tidy = laid_into_outlines(desk, near, cancelled)
     tidied = _on(desk, outline, outlined, textures_near(desk, tidy, tracked), tracked, cancelled)
-    drawn_better = gain(outline, given.settled.pose, tidied.settled.pose) > BETTER_OUTLINE
+    drawn_better = gain(outline, given.settled.pose, tidied.settled.pose) > OTHER_OUTLINE
     if tidied.cost > (1.0 if drawn_better else BETTER_TIDIED) * given.cost:
         return given
     tidy = laid_on_one_another(desk, near, tidy, tidied.settled.pose, cancelled)
     likeness = Likeness(desk.scene, desk.pictures, textures_near(desk, tidy, tracked))
     settled = settle(desk.hand, tidied.settled.pose, likeness, outline, cancelled, coarsest=0)
     return _Found(settled, likeness, _cost(desk, likeness, settled.pose))
+
+
+def _agree(desk: Desk, outline: Outline, outlined: Settled, given: _Found) -> bool:
+    """Whether a pose fits the frames beside it so well that their poses are beyond doubt, and the
+    outline does not gainsay it."""
+    if given.cost > AGREEING * _cost(desk, given.likeness, desk.hand.pose):
+        return False
+    return gain(outline, given.settled.pose, outlined.pose) < OTHER_OUTLINE
 
 
 def _on(

@@ -28,6 +28,7 @@ from tracker.settings import IgnoreMask
 from tracker.shared_fit import Rows, Shared, SharedFit, solved
 from tracker.size_rows import Pictures, contours, joint_rows, looked_up
 from tracker.size_words import Found, changes_of, words_of
+from tracker.track import never
 
 if TYPE_CHECKING:
     from tracker.video import Video
@@ -46,6 +47,10 @@ SEEN_SHARE, FEW_SHARE = 2.0, 0.015
 SURE, LEAST_PX = 2.5, (2.0, 0.8)
 """A size is changed where that is so many standard deviations, and where it moves an end, or a
 both sides together, by so many pixels."""
+BELIEVED = (0.12, 0.26)
+"""Logarithms of length and thickness beyond which a size is not believed: people differ less from
+a body that was once fitted by eye, and shoes, hair and wide clothes ask for more."""
+BELIEVED_FOCAL = 0.3
 LEAST_FOCAL = 0.02
 TOLD_SHARE = 0.05
 """A size that could be off by more than this share, for all the pictures show, is not told."""
@@ -65,11 +70,6 @@ class SizesFitted:
     keyposes: dict[int, Pose]
     words: str
     changes: tuple[tuple[str, str, float, float], ...]
-
-
-def never() -> bool:
-    """Not cancelled."""
-    return False
 
 
 def fit_sizes(
@@ -138,6 +138,7 @@ def _found(
         return None
     changed, last = fit.free & _is_changed(fit, first), first
     changed &= first.enough
+    doubted = np.zeros_like(changed)
     while changed.any():
         free = np.append(changed[:-1], fit.free[-1])
         step = np.where(free, 0.0, -last.shared.values)
@@ -147,11 +148,16 @@ def _found(
         if again is None:
             return None
         last, still = again, changed & _is_changed(fit, again)
+        if (still == changed).all():  # with one that is wrong left out, the others may be right
+            still = changed & ~_is_least_likely(changed, again)
+            doubted |= changed & ~still
         if (still == changed).all():
             break
         changed = still
     telephoto = fit.camera.projection == "telephoto"
-    return Found(fit.proportions, last.shared, changed, first.told, first.enough, focal, telephoto)
+    return Found(
+        fit.proportions, last.shared, changed, first.told, doubted, first.enough, focal, telephoto
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,6 +198,14 @@ def _rounds(
             enough = bool(np.mean([len(some.parts) for some in found.values()]) >= FEWEST_POINTS)
         fit = replace(fit, share=_fewer(fit, shared)) if fit.free[:-2].all() else fit
     return _Rounds(shared, spread, told, enough)
+
+
+def _is_least_likely(changed: NDArray[np.bool_], rounds: _Rounds) -> NDArray[np.bool_]:
+    """(S + 2,) the one value that lies furthest beyond what is believed; none where none does."""
+    change = np.abs(rounds.shared.values) * changed
+    most = np.append(np.tile(BELIEVED, (len(change) - 2) // 2), (BELIEVED_FOCAL, np.inf))
+    beyond = change / most
+    return np.asarray((beyond > 1) & (beyond == beyond.max()))
 
 
 def _fewer(fit: SharedFit, shared: Shared) -> Array:

@@ -41,8 +41,10 @@ def told(moves: Moves) -> str:
 
 
 def _moved(moves: Moves) -> str:
-    order = np.argsort(-np.where(moves.tracked, moves.moved_px, 0.0), kind="stable")
-    most = [i for i in order[:MOST] if moves.tracked[i] and moves.moved_px[i] >= WORTH_A_WORD_PX]
+    """The parts that moved most; what is only carried along has no word of its own."""
+    own = moves.tracked & ~moves.hidden & (moves.decided >= UNDECIDED)
+    px = np.where(own, moves.moved_px, 0.0)
+    most = [i for i in np.argsort(-px, kind="stable")[:MOST] if px[i] >= WORTH_A_WORD_PX]
     if not most:
         return "No part moved by more than a pixel."
     words = [f"{_spoken(moves.names[i])} {moves.moved_px[i]:.0f} px" for i in most]

@@ -18,14 +18,16 @@ MORE, LESS = ("longer", "thicker"), ("shorter", "thinner")
 class Found:
     """The sizes found, and how they were found.
 
-    changed, told (S + 2,): which of the shared values are no longer what they were, and which the
-    pictures tell. enough: whether the pictures show the body's contour at all.
+    changed, told, doubted (S + 2,): which of the shared values are no longer what they were, which
+    the pictures tell, and which they tell to be more different than can be believed. enough:
+    whether the pictures show the body's contour at all.
     """
 
     proportions: Proportions
     shared: Shared
     changed: NDArray[np.bool_]
     told: NDArray[np.bool_]
+    doubted: NDArray[np.bool_]
     enough: bool
     focal_asked: bool
     telephoto: bool
@@ -48,6 +50,15 @@ def words_of(found: Found) -> str:
     if left:
         sentences.append(
             f"These pictures do not tell the {' and the '.join(left)}: left as it was."
+        )
+    doubted = [
+        f"{found.proportions.names[s // 2].replace('_', ' ')}'s {WHAT[s % 2]}"
+        for s in np.flatnonzero(found.doubted[:-2]).tolist()
+    ]
+    if doubted:
+        sentences.append(
+            f"The {_listed(doubted)} would have to change by more than is likely: set by hand "
+            "what you see to be wrong."
         )
     if found.focal_asked:
         sentences.append(_focal(found))
@@ -83,6 +94,8 @@ def _by(size: float, what: int) -> str:
 def _focal(found: Found) -> str:
     if found.telephoto:
         return "A telephoto camera has no focal length of its own to be found."
+    if found.doubted[-2]:
+        return "The focal length would have to change by more than is likely: it stays."
     if not found.changed[-2]:
         return "The pictures do not tell another focal length: it stays."
     percent = 100 * np.expm1(found.shared.values[-2])

@@ -7,6 +7,7 @@ while the person's video is still being read.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numba
@@ -16,6 +17,7 @@ from tracker.body import ALL_DOFS, Body, Part
 from tracker.camera import Camera
 from tracker.eye import Eye
 from tracker.images import LEVELS, Clip, Picture, prepare
+from tracker.likeness import Likeness, texture_of
 from tracker.methods import FULL, PREVIEW
 from tracker.observe import observe
 from tracker.pose import Pose, pose_transforms
@@ -53,9 +55,20 @@ def warm() -> None:
         for step in track_segment(scene, segment, method):
             last = step.trajectory
     observe(scene, clip, last)
+    _compare(scene, [level[0] for level in clip.levels], poses[0])
     _match(clip.levels[0][0])
     raster(BodyMesh.of(skeleton), pose_transforms(skeleton, poses[0]), Eye.of(camera))
     _mark().touch()
+
+
+def _compare(scene: Scene, pictures: Sequence[Picture], pose: Pose) -> None:
+    """A frame beside its own texture."""
+    likeness = Likeness(scene, pictures, [texture_of(scene, pictures, pose, 1.0)])
+    likeness.look(pose)
+    for level in range(len(pictures)):
+        for fine in (False, True):
+            likeness.equations(pose, level, fine)
+    likeness.score(pose)
 
 
 def _match(picture: Picture) -> None:

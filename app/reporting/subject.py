@@ -104,7 +104,7 @@ def _as_tracked(session: Session) -> Session:
     """With the method it was tracked by: what another one would find is not asked here."""
     if session.results is None:
         return session
-    settings = session.settings.model_copy(update={"method": session.results.method})
+    settings = session.results.settings_used(session.settings)
     return session.model_copy(update={"settings": settings})
 
 

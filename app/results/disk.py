@@ -110,7 +110,7 @@ def _present_keys(session: Session) -> dict[Span, str]:
     assert session.results is not None
     if session.results.tracked_for not in (None, setup_hash(session)):
         return {}
-    settings = session.settings.model_copy(update={"method": session.results.method})
+    settings = session.results.settings_used(session.settings)
     return segment_keys(session.model_copy(update={"settings": settings}))
 
 

@@ -65,7 +65,7 @@ def _masks(masks: tuple[IgnoreMask, ...], span: Span) -> list[Any]:
 
 def _setup(session: Session) -> bytes:
     """What decides every segment's motion besides its poses and masks."""
-    settings = session.settings.model_dump(mode="json", exclude={"quality", "initial"})
+    settings = session.settings.model_dump(mode="json", exclude={"quality", "initial", "left_out"})
     setup = [_body(_Same(session.body)), _camera(_Same(session.camera)), settings, *_start(session)]
     return hashlib.sha256(json.dumps(setup, sort_keys=True).encode()).digest()
 
@@ -73,9 +73,13 @@ def _setup(session: Session) -> bytes:
 def _start(session: Session) -> list[Any]:
     """What segments start from, besides the method's own start; nothing where that is all."""
     initial, first_motion = session.settings.initial, session.first_motion
-    if initial == "linear":
+    if initial in ("linear", "both-ways"):
         return [initial]
-    return [] if first_motion is None else [initial, first_motion.file]
+    left_out = sorted(set(session.settings.left_out))
+    if initial == "templates":
+        return [initial, left_out]
+    start: list[Any] = [] if first_motion is None else [initial, first_motion.file]
+    return [*start, left_out] if left_out and initial == "auto" else start
 
 
 class _Same:

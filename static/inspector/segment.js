@@ -66,7 +66,7 @@ function verdict(one) {
 /** What else is worth knowing of how it was found. */
 function notes(one) {
   if (!one.notes?.length) return nothing;
-  return html`<ul class="notes">${one.notes.map((words) => html`<li>${words}</li>`)}</ul>`;
+  return html`<ul class="notes">${one.notes.map((words) => html`<li>${words.charAt(0).toUpperCase() + words.slice(1)}</li>`)}</ul>`;
 }
 
 function goThere(frame) {

@@ -72,10 +72,13 @@ export function field(name, words, value, last, act) {
     <button class="btn sm" @click=${run}>Do</button></div>`;
 }
 
-/** One more thing to know of it, in small. */
-export function note(words) {
-  return html`<div class="says note">${words}</div>`;
+/** What else is to be known of it, in small. */
+export function notes(list) {
+  if (list.length === 0) return nothing;
+  return html`<div class="says note"><span>${list.map((words) => html`${upper(words)}<br />`)}</span></div>`;
 }
+
+const upper = (words) => words.charAt(0).toUpperCase() + words.slice(1);
 
 /** What a verdict says, above what can be done about it. */
 export function sentence(name, state, range, words) {

@@ -4,7 +4,7 @@ import { nothing } from '../vendor/lit-html/lit-html.js';
 import { send } from '../link.js';
 import { lastFrame } from './scale.js';
 import { frame, goTo } from './head.js';
-import { field, item, note, open, sentence } from './menu.js';
+import { field, item, notes, open, sentence } from './menu.js';
 import { deleteKey } from './keying.js';
 import { isKey, keyFrames } from './moves.js';
 import { zoomTo } from './zoom.js';
@@ -39,7 +39,7 @@ export function openSegmentMenu(segment, page) {
   const go = segment.go ?? null;
   open(`Segment ${range}`, [
     sentence(SIGNS[state], state, range, wordsOf(segment)),
-    ...(segment.notes ?? []).map(note),
+    notes(segment.notes ?? []),
     busy
       ? item('x', 'Cancel tracking', 'Esc', () => send({ do: 'cancel' }))
       : item('track', 'Track this', 'Shift T', () => trackThis(segment)),

@@ -69,7 +69,8 @@ def fit_here(report: Report) -> None:
     """The whole group."""
     report.note("3° at every tracked joint angle, 1.5 cm at the hips; mean over all joints and")
     report.note("landmarks, px before and after, cm before/after; correct: px by which the known")
-    report.note("pose is moved. exact, rough: what the keyframes beside it are. tracked: it is a")
+    report.note("pose is moved. known: the frames near were tracked while it was still right.")
+    report.note("exact, rough: what the keyframes beside it are. tracked: it is a")
     report.note("new frame in a segment tracked between exact ones. alone: nothing is near.")
     table = report.table("by what lies beside it", *COLUMNS)
     for name in STRETCHES:
@@ -118,7 +119,7 @@ def _rendered(name: str) -> _Subject:
 
 
 def _rows(table: Table, subject: _Subject, kind: str) -> None:
-    for way in ("exact", "rough", "tracked", "alone"):
+    for way in ("known", "exact", "rough", "tracked", "alone"):
         found = [_one(subject, way, f, s) for f in subject.frames for s in SEEDS]
         correct = [_moved(subject, way, f) for f in subject.frames]
         posed, fitted = (np.array([one[k] for one in found]) for k in (0, 1))
@@ -175,6 +176,7 @@ def _beside(
         return {k: subject.rough(k, 100 + seed) for k in exact}, {}
     if way == "exact":
         return exact, {}
-    tracker = Tracker(subject.video, subject.camera, subject.skeleton, exact)
+    keyed = exact | {frame: subject.poses[frame]} if way == "known" else exact
+    tracker = Tracker(subject.video, subject.camera, subject.skeleton, keyed)
     motion = joined(track(tracker).trajectories)
     return exact, {k: motion.pose(k) for k in range(frame - BESIDE, frame + BESIDE + 1)}

@@ -16,7 +16,7 @@ from tests.rendering.scenes import camera
 from tests.rendering.settings import RenderSettings
 from tracker.body import Body, preset
 from tracker.evaluate import Place
-from tracker.fit_sizes import fit_sizes
+from tracker.fit_sizes import fit_sizes as fit
 from tracker.fitting import fit_picture
 from tracker.pose import Pose, joint_positions, pose_transforms
 from tracker.proportions import Proportions
@@ -44,7 +44,7 @@ POSED_PX = 2.0
 """How far off joints are posed, in the rows that say so."""
 
 
-def sizes(report: Report) -> None:
+def fit_sizes(report: Report) -> None:
     """The whole group."""
     report.note("five keyframes posed by the person's joints with another body; found, and how far")
     report.note("other sizes moved, as shares of the size; seconds of one run on a busy machine")
@@ -61,7 +61,7 @@ def _row(table: Table, name: str, motion: str, kind: str, look: str, off: float)
     truth, pictures, keys = _shown(motion, person, LOOKS[look])
     keyposes = {k: _posed(person, truth.pose(k), off, k) for k in keys}
     began = time.perf_counter()
-    found = fit_sizes(video_of(len(pictures), lambda k: pictures[k]), CAMERA, GIVEN, keyposes)
+    found = fit(video_of(len(pictures), lambda k: pictures[k]), CAMERA, GIVEN, keyposes)
     seconds = time.perf_counter() - began
     given = Proportions.of(GIVEN)
     ours, true = (

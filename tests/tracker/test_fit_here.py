@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from typing import Any
 
@@ -13,6 +14,7 @@ from tests.rendering.settings import RenderSettings
 from tests.tracker.tracking_cases import CAMERA, SMALL, Case, MemoryVideo, case
 from tracker.body import ALL_DOFS, Body, Part
 from tracker.fit_here import Fitted, fit_here
+from tracker.fitted_words import Moves, told
 from tracker.geometry import exp_rotation
 from tracker.pose import Pose, joint_positions, moved, pose_transforms
 from tracker.settings import IgnoreMask
@@ -145,14 +147,18 @@ def test_what_is_not_tracked_stays_as_it_was_posed(person: Case) -> None:
 def test_what_moved_is_told_in_pixels_of_the_video(person: Case) -> None:
     pose = rough(person, HERE, 1)
     found = fitted(person, pose)
-    most = int(np.argmax(np.where(found.decided > 0, found.moved_px, 0)))
-    name = person.skeleton.body.names[most].replace("_", " ").capitalize()
-    assert found.words.startswith(f"{name} moved {found.moved_px[most]:.0f} px")
-    marked = joint_positions(person.skeleton, pose_transforms(person.skeleton, pose))
     assert found.moved_px.shape == found.decided.shape == (person.skeleton.part_count,)
     assert found.decided.min() >= 0.0
     assert found.decided.max() <= 1.0
-    assert np.isfinite(marked).all()
+    spoken = re.match(r"(.+) moved (\d+) px", found.words)
+    assert spoken is not None
+    part = person.skeleton.body.index(spoken[1].lower().replace(" ", "_"))
+    uv = [
+        person.camera.project(pose_transforms(person.skeleton, p)[part, :3, 3])
+        for p in (pose, found.pose)
+    ]
+    assert int(spoken[2]) == pytest.approx(found.moved_px[part], abs=0.51)
+    assert np.linalg.norm(uv[1] - uv[0]) < 3 * found.moved_px[part] + 1
 
 
 @pytest.mark.parametrize("value", [0, 128])
@@ -270,3 +276,20 @@ def test_a_body_without_tracked_motions_stays(box: Case) -> None:
     found = fitted(still, pose)
     assert_same(found.pose, pose)
     assert "unchanged" in found.words
+
+
+def test_a_part_that_is_hidden_is_not_told_to_have_moved() -> None:
+    names = ("chest", "left_forearm", "right_shin")
+    hidden = np.array([False, True, False])
+    moves = Moves(
+        names, np.array([4.2, 9.0, 6.1]), np.array([0.9, 0.0, 0.8]), np.ones(3, bool), hidden
+    )
+    assert told(moves) == (
+        "Right shin moved 6 px, chest 4 px. Left forearm is hidden and stays as posed."
+    )
+
+
+def test_where_nothing_moved_it_says_so() -> None:
+    still = np.zeros(2, bool)
+    moves = Moves(("chest", "head"), np.array([0.2, 0.4]), np.ones(2), ~still, still)
+    assert told(moves) == "No part moved by more than a pixel."

@@ -11,18 +11,23 @@ import pytest
 from numpy.typing import NDArray
 
 from tests.benchmarks.sequences import video_of
-from tests.rendering.motions import stride
+from tests.rendering.motions import stride, throw
 from tests.rendering.render import render
 from tests.rendering.scenes import camera
 from tracker.body import Body, preset
 from tracker.camera import Camera
+from tracker.contours import contour_of, offsets
 from tracker.errors import SessionError
 from tracker.evaluate import Place
 from tracker.fit_sizes import SizesFitted, fit_sizes
 from tracker.fitting import fit_picture
+from tracker.grounds import learnt
+from tracker.loading import WorkingSize
 from tracker.pose import Pose, joint_positions, pose_transforms
 from tracker.proportions import Proportions
+from tracker.raster import BodyMesh
 from tracker.settings import IgnoreMask
+from tracker.size_rows import Pictures
 from tracker.sizing import resized
 from tracker.skeleton import Skeleton
 from tracker.trajectory import Trajectory
@@ -69,6 +74,7 @@ def _person(kind: str) -> Body:
         "as given": {},
         "long": {name: {"length_factor": 1.08} for name in ("left_forearm", "left_shin")},
         "thick": {name: {"thickness_factor": 1.15} for name in ("left_shin", "left_thigh")},
+        "boots": {"left_shin": {"thickness_factor": 1.6}, "left_thigh": {"thickness_factor": 1.15}},
     }
     body = GIVEN
     for name, factors in changes[kind].items():
@@ -129,11 +135,29 @@ def test_longer_forearms_and_shins_are_found_by_half_or_more() -> None:
     assert np.abs(np.array(others) - 1).max() < 0.02
 
 
+def test_a_size_that_differs_by_more_than_can_be_believed_is_named_and_left() -> None:
+    found, given = _fitted("boots"), dict.fromkeys(Proportions.of(GIVEN).names, (1.0, 1.0))
+    assert _ratios(found.body)["shin"] == pytest.approx(given["shin"])
+    assert "shin's thickness would have to change by more than is likely" in found.words
+    assert 1.05 < _ratios(found.body)["thigh"][1] < 1.25
+
+
 @pytest.mark.parametrize("kind", ["long", "thick"])
 def test_joints_stay_where_the_pictures_show_them(kind: str) -> None:
     case, found = _case(kind), _fitted(kind)
     away = [_joints(found.body, found.keyposes[k]) - case.joints(k) for k in case.keyposes]
     assert np.linalg.norm(away, axis=-1).mean() < 2.0
+
+
+def test_keyframes_that_are_not_looked_at_are_posed_anew_as_well(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    case = _case("thick")
+    monkeypatch.setattr("tracker.fit_sizes.MOST_LOOKED", 3)
+    found = fit_sizes(case.video, CAMERA, GIVEN, case.keyposes)
+    assert _ratios(found.body)["thigh"][1] > 1.1
+    away = [_joints(found.body, found.keyposes[k]) - case.joints(k) for k in case.keyposes]
+    assert np.linalg.norm(away, axis=-1).mean(axis=1).max() < 3.0
 
 
 def test_both_sides_change_together() -> None:
@@ -204,6 +228,54 @@ def test_a_telephoto_camera_keeps_its_focal_length() -> None:
     found = fit_sizes(case.video, lens, GIVEN, case.keyposes, focal=True)
     assert found.camera == lens
     assert "telephoto" in found.words
+
+
+def test_a_lens_taken_too_long_is_mended_where_the_person_stands_near() -> None:
+    skeleton, frames = Skeleton.of(GIVEN), [5, 35, 60, 80, 110]
+    whole = throw(skeleton)
+    near = whole.ps_camera_root[frames] - np.array([0.0, 0.0, 3.2])
+    truth = Trajectory(0, whole.Rs_parent_part[frames], near)
+    lens = CAMERA.model_copy(update={"fx": 330.0, "fy": 330.0})
+    pictures = render(skeleton, truth, lens)
+    longer = lens.model_copy(update={"fx": 380.0, "fy": 380.0})
+    keyposes = {}
+    for k in range(len(frames)):
+        pose = truth.pose(k)
+        uv = lens.project(joint_positions(skeleton, pose_transforms(skeleton, pose)))
+        start = Pose(pose.Rs_parent_part, pose.p_camera_root * (1.0, 1.0, 380 / 330))
+        keyposes[k] = fit_picture(
+            GIVEN, longer, _places(GIVEN), uv, np.ones(len(uv)), [start], start
+        ).pose
+    video = video_of(len(pictures), lambda number: pictures[number])
+    found = fit_sizes(video, longer, GIVEN, keyposes, focal=True)
+    assert 320 < found.camera.fx == found.camera.fy < 360
+    assert "focal length is" in found.words
+    ratio = found.keyposes[0].p_camera_root[2] / keyposes[0].p_camera_root[2]
+    assert ratio == pytest.approx(found.camera.fx / 380, abs=0.06)  # the person stands nearer
+
+
+def test_a_contour_is_seen_to_a_share_of_a_pixel() -> None:
+    case = _case("thick")
+    skeleton = Skeleton.of(GIVEN)
+    Ts = [pose_transforms(skeleton, case.truth.pose(k)) for k in case.keyposes]
+    pictures = Pictures.of(case.video, CAMERA, WorkingSize(0), sorted(case.keyposes), ())
+    seen = [contour_of(BodyMesh.of(skeleton), T, CAMERA) for T in Ts]
+    grounds = learnt(
+        pictures.rgb, pictures.usable, pictures.cells, [contour.shown for contour in seen],
+        np.arange(skeleton.part_count), pictures.plates,
+    )  # fmt: skip
+    for name, wider in (("thigh", 0.15), ("chest", 0.0)):
+        shape: Any = GIVEN.parts[next(i for i, n in enumerate(GIVEN.names) if name in n)].shape
+        radius = np.mean([*shape.start_radii_m, *shape.end_radii_m])
+        parts = [i for i, n in enumerate(GIVEN.names) if name in n]
+        away, expected = [], []
+        for k, contour in enumerate(seen):
+            own = np.isin(contour.parts, parts)
+            away.append(offsets(contour, grounds, k, 6.0)[own])
+            expected.append(wider * radius * CAMERA.fx / Ts[k][0, 2, 3])
+        found = np.concatenate(away)
+        assert np.isfinite(found).mean() > 0.3
+        assert np.nanmedian(found) == pytest.approx(np.mean(expected), abs=0.25)
 
 
 def test_solved_sizes_and_the_body_made_of_them_agree() -> None:

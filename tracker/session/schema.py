@@ -19,7 +19,15 @@ from tracker.camera import Camera
 from tracker.geometry import quaternion_wxyz, rotation_from_quaternion
 from tracker.pose import Pose, pose_transforms
 from tracker.session.versions import PRESENT
-from tracker.settings import FrameIndex, IgnoreMask, MethodName, Plain, Quality, TrackSettings
+from tracker.settings import (
+    FrameIndex,
+    IgnoreMask,
+    Initial,
+    MethodName,
+    Plain,
+    Quality,
+    TrackSettings,
+)
 from tracker.skeleton import Skeleton
 
 Quaternion: TypeAlias = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
@@ -114,12 +122,23 @@ class Results(Plain):
     )
     method: MethodName
     quality: Quality
+    initial: Initial | None = Field(
+        default=None, description="Where segments started from; null: as the settings say."
+    )
+    left_out: tuple[str, ...] = ()
     segments: tuple[SegmentSummary, ...]
     tracked_for: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] | None = Field(
         default=None,
         description="SHA-256 of the body, the camera and the ignore masks that the motion was "
         "tracked with; null when not known.",
     )
+
+    def settings_used(self, settings: TrackSettings) -> TrackSettings:
+        """A session's settings with the method and the start that these results came by."""
+        used = {"method": self.method, "initial": self.initial, "left_out": self.left_out}
+        if self.initial is None:
+            used = {"method": self.method}
+        return settings.model_copy(update=used)
 
 
 class FirstMotion(Plain):

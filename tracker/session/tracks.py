@@ -166,6 +166,8 @@ def save_result(session: Session, session_path: Path, result: TrackResult) -> Se
         tracks=name,
         method=result.settings.method,
         quality=result.settings.quality,
+        initial=result.settings.initial,
+        left_out=result.settings.left_out,
         segments=tuple(_summary(segment) for segment in segments),
         tracked_for=setup_hash(session),
     )

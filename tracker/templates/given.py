@@ -23,6 +23,8 @@ class Start:
 class LimbTracks:
     """Where points of the body are seen in the N frames of a segment.
 
+    A limb's end has two rows, the point of its surface that either keyframe shows.
+
     parts:    (L,) index of the part that each point belongs to.
     points:   (L, 3) the points in their parts' frames, metres.
     uv:       (L, N, 2) pixels of the working pictures; NaN where a point was lost.

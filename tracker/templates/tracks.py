@@ -37,6 +37,7 @@ LEAST_HALF, MOST_HALF = 5, 16
 TRUSTED_PX, HEEDED_PX = 6.0, 20.0
 """How near each other the two chains must lie for where they have a point to be believed, and for
 what they have before it."""
+INSTEAD = "followed from both keyframes there"
 REACH_M, LEAST_REACH, MOST_REACH = 0.055, 6, 24
 """How far beside its expected place a point is looked for: metres on the body, and pixels."""
 
@@ -140,11 +141,11 @@ def _followed(scene: Scene, segment: Segment) -> Chains:
 
 
 def _words(view: _View, point: Followed, uv: Array) -> list[str]:
-    """What a person should know of a point's tracks (2, N, 2)."""
+    """What a person should know of a point's tracks (2, N, 2): hands and feet stand for limbs."""
     lost = np.flatnonzero(np.isnan(uv[..., 0]).all(axis=0))
-    if not len(lost):
+    if not len(lost) or point.part in view.scene.skeleton.parents:
         return []
     name, first = plain_name(view.scene.skeleton, point.part), view.base.first_frame
     if len(lost) >= uv.shape[1] - 2:
-        return [f"{name} was not found between the keyframes"]
-    return [f"{name} lost at frame {first + int(lost[0])}, {len(lost)} frames in all"]
+        return [f"{name} was not found between the keyframes: {INSTEAD}"]
+    return [f"{name} lost at frame {first + int(lost[0])}, {len(lost)} frames in all: {INSTEAD}"]
