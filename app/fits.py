@@ -63,10 +63,10 @@ class Asked:
         return self.frame == other.frame and next(focal) == next(focal) and self.holds(other.began)
 
     def _made_of(self, doc: Session) -> tuple[Any, ...]:
-        poses = (doc.keyframes, doc.drafts)
-        if self.frame is not None:
-            return doc.body, doc.camera, *(find(known, self.frame) for known in poses)
-        return doc.body, doc.camera, *poses
+        what = (doc.body, doc.camera, doc.ignore_masks)
+        if self.frame is None:
+            return *what, doc.keyframes, doc.drafts
+        return *what, *(find(known, self.frame) for known in (doc.keyframes, doc.drafts))
 
 
 class Host(Protocol):
@@ -140,14 +140,14 @@ class Fitter:
         self._asked = self._found = None
         try:
             after, told = taken(asked, found, edit)
-        except KeyposeError as error:
-            self._host.note("check", str(error))
-        else:
             if after is edit:
                 self._host.note("info", told.words)
             else:
                 self._host.take_fit(after, told)
-        self._go_on()
+        except KeyposeError as error:
+            self._host.note("check", str(error))
+        finally:
+            self._go_on()
 
     def _go_on(self) -> None:
         self._asked = self._found = None
@@ -178,8 +178,9 @@ def _content(doc: Session) -> bytes:
 
 
 def _near(edit: EditorState) -> dict[int, Pose]:
-    """The tracked poses of frames near; what tracking is only on its way to does not count."""
+    """The tracked poses of frames near, this one too: it tells whether they were led through the
+    pose to be fitted, and so hold its error. What tracking is on its way to does not count."""
     finished = {span: track for span, track in edit.fitting.items() if track.finished}
     around = range(edit.frame - NEAR_FRAMES, edit.frame + NEAR_FRAMES + 1)
-    found = {frame: pose_at(finished, frame) for frame in around if frame != edit.frame}
+    found = {frame: pose_at(finished, frame) for frame in around}
     return {frame: pose for frame, pose in found.items() if pose is not None}

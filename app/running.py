@@ -19,6 +19,7 @@ from app.jobs import (
     PassFinished,
     PoseFitted,
     Progress,
+    Ready,
     Report,
     SegmentFinished,
     SizesFitted,
@@ -177,6 +178,8 @@ class Runner:
         match report:
             case Warming():
                 self.job = replace(self.job, words=report.words)
+            case Ready() if self.job.kind == "fit":
+                self.job = replace(self.job, words="")
             case Started():
                 self._progress = Progress.of(report, time.monotonic())
             case PassFinished():

@@ -11,7 +11,8 @@ from typing import Literal
 import numpy as np
 
 from app.results import Finding, SegmentTrack, Span, frames_in_words
-from tracker.geometry import log_rotation, transpose
+from tracker.geometry import Array, log_rotation, transpose
+from tracker.need import MENDED
 
 NEXT_FRAMES = 24
 """A good first distance of keyframes: about a second."""
@@ -28,6 +29,9 @@ WORTH_PX = 0.6
 KEYED_FRAMES = 8
 """What is expected to be mended in intervals up to this length is mostly the keyframes' own error,
 which no keyframe more takes away."""
+OWN_PX = 0.2
+"""How much a motion can be expected to stray with every frame from the nearer keyframe. What seems
+to be more is a keyframe's own error, and one more beside it would not mend it."""
 FAST, FAST_DEG, FAST_SHARE = 1.5, 2.0, 0.6
 """Motion is fast where a part turns more than so many times the segment's mean, and more than so
 many degrees a frame; and worth a word where that is less than this share of the segment."""
@@ -95,7 +99,7 @@ def _by_gain(tracks: Sequence[SegmentTrack], parts: Sequence[str]) -> Suggestion
     open_ = [track for track in tracks if not _is_past_mending(track)]
     worth = [t for t in open_ if t.kind == "lost" or _gain(t) > floor + WORTH_PX]
     if worth:
-        best = max(worth, key=lambda track: (_gain(track) - floor) * (track.last - track.first))
+        best = max(worth, key=lambda track: (float(_strayed(track).sum()), _gain(track)))
         return _key_where_it_gains(best, parts, tracks)
     bad = [track for track in tracks if track.kind != "good"]
     if bad:
@@ -109,11 +113,21 @@ def _gain(track: SegmentTrack) -> float:
     return float(track.need.max() / (track.last - track.first))
 
 
+def _strayed(track: SegmentTrack) -> Array:
+    """(n + 1,) pixels by which the motion may be off without the keyframes' own errors."""
+    assert track.need is not None
+    away = np.arange(len(track.need))
+    most = OWN_PX * np.minimum(away, away[::-1])
+    whole = float(track.need.sum())
+    if whole <= 0:
+        return most
+    return np.minimum(track.need * (float(track.need.max()) / MENDED / whole), most)
+
+
 def _key_where_it_gains(
     track: SegmentTrack, parts: Sequence[str], tracks: Sequence[SegmentTrack]
 ) -> Suggestion:
-    assert track.need is not None
-    frame = track.first + int(track.need.argmax())
+    frame = track.first + int(_strayed(track).argmax())
     frame = min(max(frame, track.first + 1), track.last - 1)
     return Suggestion(frame, f"Key frame {frame} next.", _why(track, frame, parts, tracks), "key")
 
@@ -130,7 +144,8 @@ def _why(
     fast = _fast_about(track, frame)
     if fast is not None:
         return f"Fast motion {frames_in_words(*fast)}"
-    if len(tracks) > 1 and length == max(other.last - other.first for other in tracks):
+    lengths = [other.last - other.first for other in tracks]
+    if min(lengths) < length == max(lengths):
         return f"Longest interval, {length} frames"
     return f"Most drift in {frames_in_words(track.first, track.last)}"
 

@@ -19,6 +19,7 @@ from tracker.geometry import Array
 from tracker.observe import Observation
 from tracker.scene import Scene
 from tracker.segment import Outcome
+from tracker.stretch import extent_px
 
 ERROR, DRIFT_POWER = 0.22, 2 / 3
 """Mean error in pixels = ERROR · drift^DRIFT_POWER · apart^(1 − DRIFT_POWER) · (1 + unseen)."""
@@ -53,7 +54,7 @@ def _error_px(scene: Scene, outcome: Outcome, seen: Observation) -> Array:
     """(N,) the segment's expected mean error, more where the picture decides less."""
     gave_up = outcome.diverged and outcome.passes[outcome.best].what == "interpolation"
     if gave_up or not outcome.followed:
-        return np.full(len(outcome.trajectory), LOST_EXTENT * _extent_px(scene, outcome))
+        return np.full(len(outcome.trajectory), LOST_EXTENT * extent_px(scene, outcome.trajectory))
     drift = _capped(outcome.drift_px).mean(axis=1).sum()
     share = np.linspace(0.0, 1.0, len(outcome.apart_px))
     apart = (_capped(outcome.apart_px).mean(axis=1) * 4 * share * (1 - share)).mean()
@@ -88,12 +89,6 @@ def _unseen(seen: Observation) -> Array:
     unseen = np.where(known, 1 - np.nan_to_num(seen.observability), 0.0).sum(axis=1)
     share = unseen / np.maximum(known.sum(axis=1), 1)
     return np.concatenate([share[:1], share])
-
-
-def _extent_px(scene: Scene, outcome: Outcome) -> float:
-    """The body's size in the picture."""
-    uv = scene.mark_pixels(outcome.trajectory)
-    return float(np.nan_to_num(np.median((uv.max(axis=1) - uv.min(axis=1)).max(axis=-1))))
 
 
 def _capped(distances_px: Array) -> Array:

@@ -42,10 +42,11 @@ def words_of(found: Found) -> str:
         )
     sentences = [_changed(found)]
     names = found.proportions.names
+    untold = ~(found.told | found.changed | found.doubted)
     left = [
         f"{what} of {_listed(some)}"
         for k, what in enumerate(WHAT)
-        if (some := [names[g] for g in np.flatnonzero(~found.told[k:-2:2])])
+        if (some := [names[g] for g in np.flatnonzero(untold[k:-2:2])])
     ]
     if left:
         sentences.append(
@@ -82,7 +83,7 @@ def _changed(found: Found) -> str:
     ]
     if not some:
         return "The sizes agree with the pictures as they are."
-    return f"Fitted to the pictures: {', '.join(some)}."
+    return f"Fitted to the pictures: {', '.join(some)}. The keyframes were posed anew with it."
 
 
 def _by(size: float, what: int) -> str:

@@ -26,6 +26,7 @@ UNSURE = 0.12
 """Distance between a mark's two chains, as a share of the body's extent in the picture, above which
 limbs are looked for by templates as well, which takes longer than all the rest."""
 CHAIN_LOST = "the body was lost on the way from a keyframe: interpolated instead"
+NO_TEMPLATES = "no limb could be followed by templates: the whole body was followed instead"
 TEMPLATES_LOST = "templates led out of sight"
 NOT_REACHED = "the imported motion does not reach over this stretch"
 
@@ -124,8 +125,10 @@ def _by_templates(
     if not asked and not (allowed and _is_unsure(scene, chains, base)):
         return Starts(())
     tracks = limb_tracks(scene, segment, method.left_out, chains)
-    found = lifted(scene, segment, base, tracks)
     notes = tracks.notes if asked else ()
+    if not np.isfinite(tracks.uv).any():
+        return Starts((), None, (*notes, NO_TEMPLATES) if asked else ())
+    found = lifted(scene, segment, base, tracks)
     if not is_sound(scene, segment, found):
         return Starts((), None, (f"{TEMPLATES_LOST}: followed from both keyframes instead",))
     return Starts((Pass("templates", found, None),), None, notes)
@@ -162,8 +165,10 @@ def _is_unsure(scene: Scene, chains: Chains | None, base: Trajectory) -> bool:
     """Whether the chains lie so far apart somewhere that templates may know better."""
     if chains is None:
         return True
-    share = np.linspace(0.0, 1.0, len(base))
-    apart = np.nan_to_num(distance_px(scene, *chains), nan=np.inf)
+    if len(base) < 3:
+        return False
+    share = np.linspace(0.0, 1.0, len(base))[1:-1]
+    apart = np.nan_to_num(distance_px(scene, *chains)[1:-1], nan=np.inf)
     return bool((apart.T * 4 * share * (1 - share)).max() > UNSURE * extent_px(scene, base))
 
 

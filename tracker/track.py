@@ -358,7 +358,7 @@ def _until_finished(
 
 
 def expected_steps(settings: TrackSettings) -> int:
-    """Trajectories a segment will yield at most: starts, passes, refinement."""
+    """Trajectories a segment is expected to yield: starts, passes, refinement."""
     method = method_of(settings)
     if isinstance(method, Paper):
         return method.passes + 1

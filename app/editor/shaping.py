@@ -9,6 +9,7 @@ from app.editor.state import EditorState
 from app.posing import with_height, with_joint, with_size
 from tracker.body import PRESETS, Body, Part, preset
 from tracker.session.schema import Keyframe, Session
+from tracker.settings import TrackSettings
 from tracker.skeleton import Skeleton
 
 
@@ -62,6 +63,7 @@ def with_body(state: EditorState, body: Body) -> Session:
     doc = state.doc.model_copy(
         update={
             "body": body,
+            "settings": _without_unknown(state.doc.settings, known),
             "keyframes": tuple(_fitted(k, known) for k in state.doc.keyframes),
             "drafts": tuple(_fitted(k, known) for k in state.doc.drafts),
         }
@@ -69,6 +71,11 @@ def with_body(state: EditorState, body: Body) -> Session:
     for keyframe in (*doc.keyframes, *doc.drafts):
         demand_before_camera(skeleton, keyframe.pose(skeleton))
     return doc
+
+
+def _without_unknown(settings: TrackSettings, known: set[str]) -> TrackSettings:
+    left_out = tuple(name for name in settings.left_out if name in known)
+    return settings.model_copy(update={"left_out": left_out})
 
 
 def _fitted(keyframe: Keyframe, known: set[str]) -> Keyframe:

@@ -46,7 +46,7 @@ function isOpen() {
 function lookBack(on) {
   if (held === on) return;
   held = on;
-  if (isOpen()) send({ do: 'look_before', on });
+  if (on ? isOpen() : S.fit) send({ do: 'look_before', on });
 }
 
 function card() {
@@ -101,13 +101,23 @@ function table(changes) {
     ${changes.map(
       ({ part, what, before, after }) => html`<div class="row" role="row">
         <span class="cut" role="cell" title=${`${part}, ${what}`}>${part} <span class="dim">${what}</span></span>
-        <span class="num mut" role="cell">${before.toFixed(1)}</span><span class="dim">→</span>
-        <b class="num" role="cell">${after.toFixed(1)}</b>
-        <span class="num dim by" role="cell">${signed(after - before)}</span>
+        ${what === 'thickness' ? inPercent(before, after) : inCentimetres(before, after)}
       </div>`,
     )}
   </div>`;
 }
+
+const inCentimetres = (before, after) => html`
+  <span class="num mut" role="cell">${before.toFixed(1)}</span><span class="dim">→</span>
+  <b class="num" role="cell">${after.toFixed(1)}</b>
+  <span class="num dim by" role="cell">${signed(after - before)}</span>`;
+
+/** A part has several sizes across it, and all of them change by the same share. */
+const inPercent = (before, after) => {
+  const share = Math.round(100 * (after / before - 1));
+  return html`<span></span><span></span><b class="num" role="cell">${share < 0 ? '−' : '+'}${Math.abs(share)} %</b>
+    <span class="num dim by" role="cell"></span>`;
+};
 
 const signed = (cm) => `${cm < 0 ? '−' : '+'}${Math.abs(cm).toFixed(1)}`;
 

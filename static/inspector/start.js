@@ -25,7 +25,9 @@ export function start() {
   return html`${line('Start', pick)}${usesTemplates(initial) ? followed() : nothing}`;
 }
 
-const usesTemplates = (initial) => initial === 'auto' || initial === 'templates';
+/** Auto looks for templates with the default method at full quality alone. */
+const usesTemplates = (initial) => initial === 'templates'
+  || (initial === 'auto' && S.settings.method === 'keypose' && S.settings.quality === 'full');
 
 /** An imported motion can be chosen only where there is one. */
 function within(option) {
@@ -58,7 +60,7 @@ function followed() {
 
 function followedEnd(label, names) {
   const out = S.settings.left_out;
-  const on = !names.every((name) => out.includes(name));
+  const on = !names.some((name) => out.includes(name));
   const rest = out.filter((name) => !names.includes(name));
   return checkbox({
     label, on,

@@ -226,9 +226,7 @@ def _tracked(session: Session, path: Path, motion: Trajectory | None = None) -> 
     raise AssertionError
 
 
-@pytest.mark.parametrize(
-    ("method", "quality"), [("keypose", "preview"), ("keypose", "fast"), ("paper", "full")]
-)
+@pytest.mark.parametrize(("method", "quality"), [("keypose", "preview"), ("paper", "full")])
 def test_a_noisy_import_is_a_better_start_than_interpolation(
     path: Path, method: str, quality: str
 ) -> None:

@@ -47,6 +47,8 @@ def _sigmas(course: Course, agreed: NDArray[np.bool_]) -> Array:
     """(N,) how far a course, from its own keyframe on, may be wrong; inf where not believed."""
     frames = np.arange(len(agreed))
     borne_out = np.flatnonzero((agreed | course.known) & np.isfinite(course.uv[:, 0]))
+    if not len(borne_out):
+        return np.full(len(frames), np.inf)
     alone = np.maximum(frames - borne_out[-1], 0)
     slip = np.minimum(SLIP_PX * frames, MOST_SLIP)
     sigma = np.hypot(np.hypot(course.sigma_px, LEAST_SIGMA), slip + ALONE_PX * alone)

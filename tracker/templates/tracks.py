@@ -142,10 +142,11 @@ def _followed(scene: Scene, segment: Segment) -> Chains:
 
 def _words(view: _View, point: Followed, uv: Array) -> list[str]:
     """What a person should know of a point's tracks (2, N, 2): hands and feet stand for limbs."""
-    lost = np.flatnonzero(np.isnan(uv[..., 0]).all(axis=0))
+    lost = 1 + np.flatnonzero(np.isnan(uv[:, 1:-1, 0]).all(axis=0))  # the ends are posed
     if not len(lost) or point.part in view.scene.skeleton.parents:
         return []
     name, first = plain_name(view.scene.skeleton, point.part), view.base.first_frame
     if len(lost) >= uv.shape[1] - 2:
         return [f"{name} was not found between the keyframes: {INSTEAD}"]
-    return [f"{name} lost at frame {first + int(lost[0])}, {len(lost)} frames in all: {INSTEAD}"]
+    at = f"{name} lost at frame {first + int(lost[0])}"
+    return [f"{at}, {len(lost)} frames in all: {INSTEAD}" if len(lost) > 1 else f"{at}: {INSTEAD}"]
