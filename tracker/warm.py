@@ -16,8 +16,8 @@ import numpy as np
 from tracker.body import ALL_DOFS, Body, Part
 from tracker.camera import Camera
 from tracker.eye import Eye
+from tracker.fit_here.likeness import Likeness, texture_of
 from tracker.images import LEVELS, Clip, Picture, prepare
-from tracker.likeness import Likeness, texture_of
 from tracker.methods import FULL, PREVIEW
 from tracker.observe import observe
 from tracker.pose import Pose, pose_transforms

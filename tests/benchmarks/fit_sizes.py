@@ -17,9 +17,9 @@ from tests.rendering.settings import RenderSettings
 from tracker.body import Body, preset
 from tracker.evaluate import Place
 from tracker.fit_sizes import fit_sizes as fit
+from tracker.fit_sizes.proportions import Proportions
 from tracker.fitting import fit_picture
 from tracker.pose import Pose, joint_positions, pose_transforms
-from tracker.proportions import Proportions
 from tracker.sizing import resized
 from tracker.skeleton import Skeleton
 from tracker.trajectory import Trajectory

@@ -14,7 +14,7 @@ from tests.rendering.settings import RenderSettings
 from tests.tracker.tracking_cases import CAMERA, SMALL, Case, MemoryVideo, case
 from tracker.body import ALL_DOFS, Body, Part
 from tracker.fit_here import Fitted, fit_here
-from tracker.fitted_words import Moves, told
+from tracker.fit_here.words import Moves, told
 from tracker.geometry import exp_rotation
 from tracker.pose import Pose, joint_positions, moved, pose_transforms
 from tracker.settings import IgnoreMask

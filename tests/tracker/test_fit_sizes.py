@@ -16,18 +16,18 @@ from tests.rendering.render import render
 from tests.rendering.scenes import camera
 from tracker.body import Body, preset
 from tracker.camera import Camera
-from tracker.contours import contour_of, offsets
 from tracker.errors import SessionError
 from tracker.evaluate import Place
 from tracker.fit_sizes import SizesFitted, fit_sizes
+from tracker.fit_sizes.contours import contour_of, offsets
+from tracker.fit_sizes.grounds import learnt
+from tracker.fit_sizes.proportions import Proportions
+from tracker.fit_sizes.rows import Pictures
 from tracker.fitting import fit_picture
-from tracker.grounds import learnt
 from tracker.loading import WorkingSize
 from tracker.pose import Pose, joint_positions, pose_transforms
-from tracker.proportions import Proportions
 from tracker.raster import BodyMesh
 from tracker.settings import IgnoreMask
-from tracker.size_rows import Pictures
 from tracker.sizing import resized
 from tracker.skeleton import Skeleton
 from tracker.trajectory import Trajectory
@@ -153,7 +153,7 @@ def test_keyframes_that_are_not_looked_at_are_posed_anew_as_well(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     case = _case("thick")
-    monkeypatch.setattr("tracker.fit_sizes.MOST_LOOKED", 3)
+    monkeypatch.setattr("tracker.fit_sizes.sizes.MOST_LOOKED", 3)
     found = fit_sizes(case.video, CAMERA, GIVEN, case.keyposes)
     assert _ratios(found.body)["thigh"][1] > 1.1
     away = [_joints(found.body, found.keyposes[k]) - case.joints(k) for k in case.keyposes]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.tracker.tracking_cases import CAMERAS, random_body, random_pose, scene_of, smooth_picture
-from tracker.likeness import Likeness, texture_of, without_parts
+from tracker.fit_here.likeness import Likeness, texture_of, without_parts
 from tracker.pose import Pose, moved
 from tracker.scene import Scene
 

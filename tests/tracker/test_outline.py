@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from tests.tracker.tracking_cases import CAMERAS, Case, case, random_body, random_pose
+from tracker.fit_here.outline import Edges, Outline, edge_equations, gain, separation, slopes
+from tracker.fit_here.settling import Hand, decided, motion_between, settle
 from tracker.limits import Limits
-from tracker.outline import Edges, Outline, edge_equations, gain, separation, slopes
 from tracker.pose import Pose, moved, pose_transforms
 from tracker.scene import Scene
-from tracker.settling import Hand, decided, motion_between, settle
 
 
 @pytest.fixture(scope="module")

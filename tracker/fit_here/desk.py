@@ -14,15 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracker.camera import Camera
+from tracker.fit_here.likeness import Likeness, Texture, texture_of, without_parts
+from tracker.fit_here.outline import Outline, separation
+from tracker.fit_here.settling import Hand, settle
 from tracker.images import IGNORED, Picture
-from tracker.likeness import Likeness, Texture, texture_of, without_parts
 from tracker.limits import Limits
 from tracker.loading import ClipLoader, WorkingSize
-from tracker.outline import Outline, separation
 from tracker.pose import Pose
 from tracker.scene import Scene
 from tracker.settings import IgnoreMask
-from tracker.settling import Hand, settle
 from tracker.skeleton import Skeleton
 from tracker.video import Video
 

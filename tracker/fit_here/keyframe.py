@@ -15,21 +15,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracker.camera import Camera
-from tracker.desk import (
+from tracker.fit_here.desk import (
     Desk,
     keyframes_near,
     laid_into_outlines,
     laid_on_one_another,
     textures_near,
 )
-from tracker.fitted_words import Moves, told
+from tracker.fit_here.likeness import Likeness, Texture, shown_by
+from tracker.fit_here.outline import Outline, gain
+from tracker.fit_here.settling import Settled, decided, settle
+from tracker.fit_here.words import Moves, told
 from tracker.geometry import Array
 from tracker.images import IGNORED
-from tracker.likeness import Likeness, Texture, shown_by
-from tracker.outline import Outline, gain
 from tracker.pose import Pose, moved
 from tracker.settings import IgnoreMask
-from tracker.settling import Settled, decided, settle
 from tracker.skeleton import Skeleton
 from tracker.track import never
 from tracker.trajectory import Trajectory

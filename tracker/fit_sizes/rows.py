@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracker.camera import Camera
-from tracker.contours import Contour, contour_of, offsets
-from tracker.grounds import Grounds, cells_of, learnt, plates_of
+from tracker.fit_sizes.contours import Contour, contour_of, offsets
+from tracker.fit_sizes.grounds import Grounds, cells_of, learnt, plates_of
+from tracker.fit_sizes.shared import Rows, Shared, SharedFit
 from tracker.loading import ClipLoader, WorkingSize
 from tracker.pose import Pose, pose_transforms
 from tracker.raster import BodyMesh
 from tracker.settings import IgnoreMask
-from tracker.shared_fit import Rows, Shared, SharedFit
 
 if TYPE_CHECKING:
     from tracker.video import Video

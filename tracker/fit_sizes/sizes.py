@@ -19,15 +19,15 @@ from numpy.typing import NDArray
 from tracker.body import Body
 from tracker.camera import Camera
 from tracker.errors import SessionError
+from tracker.fit_sizes.proportions import Proportions
+from tracker.fit_sizes.rows import Pictures, contours, joint_rows, looked_up
+from tracker.fit_sizes.shared import Rows, Shared, SharedFit, solved
+from tracker.fit_sizes.words import Found, changes_of, words_of
 from tracker.geometry import Array
 from tracker.limits import Limits
 from tracker.loading import WorkingSize
 from tracker.pose import Pose
-from tracker.proportions import Proportions
 from tracker.settings import IgnoreMask
-from tracker.shared_fit import Rows, Shared, SharedFit, solved
-from tracker.size_rows import Pictures, contours, joint_rows, looked_up
-from tracker.size_words import Found, changes_of, words_of
 from tracker.track import never
 
 if TYPE_CHECKING:

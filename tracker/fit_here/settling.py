@@ -12,11 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tracker.fit_here.likeness import Likeness
+from tracker.fit_here.outline import Colours, Outline, edge_equations
 from tracker.geometry import Array, log_rotation, transpose
 from tracker.images import LEVELS
-from tracker.likeness import Likeness
 from tracker.limits import Limits
-from tracker.outline import Colours, Outline, edge_equations
 from tracker.pose import Pose, moved
 from tracker.scene import Scene
 from tracker.skeleton import Skeleton

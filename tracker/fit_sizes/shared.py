@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracker.camera import Camera
+from tracker.fit_sizes.proportions import Proportions
 from tracker.geometry import Array, log_rotation, transpose
 from tracker.limits import Limits
 from tracker.pose import Pose, moved, part_transforms, twists
-from tracker.proportions import Proportions
 
 TURNS_RAD = np.radians([8.0, 15.0, 8.0])
 SHIFT_M, DEPTH_SHARE = 0.015, 0.02

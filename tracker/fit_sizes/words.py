@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.proportions import Proportions
-from tracker.shared_fit import Shared
+from tracker.fit_sizes.proportions import Proportions
+from tracker.fit_sizes.shared import Shared
 
 WHAT = ("length", "thickness")
 MORE, LESS = ("longer", "thicker"), ("shorter", "thinner")

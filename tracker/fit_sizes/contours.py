@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from tracker.camera import Camera
 from tracker.eye import Eye
+from tracker.fit_sizes.grounds import Grounds
 from tracker.geometry import Array
-from tracker.grounds import Grounds
 from tracker.raster import BodyMesh, raster
 
 FINE = 3
