@@ -111,6 +111,20 @@ def test_f_lays_a_keyframe_onto_what_the_picture_shows(at: Desk) -> None:
     until_counted(page, ".fitcard", 0)
 
 
+def test_a_look_back_ends_where_the_card_has_gone_meanwhile(at: Desk) -> None:
+    page = at.page
+    disturbed(at)
+    page.keyboard.press("f")
+    fitted(page)
+    after = at.agreed("pose")
+    held_before(page, "fit-2-before")
+    page.keyboard.press("ArrowRight")  # another frame: the card is of the one before
+    until_counted(page, ".fitcard", 0)
+    page.mouse.up()
+    page.keyboard.press("ArrowLeft")
+    until(lambda: section(page, "pose.points") == after["points"], "what was fitted")
+
+
 def test_a_frame_between_keyframes_becomes_a_draft_and_esc_closes_the_card(at: Desk) -> None:
     page = at.page
     at.visitor.do(do="go", frame=FRAME + 2)

@@ -164,6 +164,13 @@ def test_a_point_that_only_its_keyframe_shows_is_told_there_alone() -> None:
     assert np.isfinite(uv[1, :, 0]).sum() == 1
 
 
+def test_a_point_that_its_keyframe_cannot_show_is_told_nowhere() -> None:
+    nowhere = Course(np.full((6, 2), np.nan), np.full(6, np.inf), np.zeros(6, bool))
+    uv, sigma = met(nowhere, course(straight(6), [5]), np.zeros((6, 2)))
+    assert np.isnan(uv[0]).all()
+    assert np.isinf(sigma[0]).all()
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_random_bodies_are_followed_or_said_to_be_lost(seed: int) -> None:
     skeleton = cases.random_body(seed)

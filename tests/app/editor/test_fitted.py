@@ -14,13 +14,15 @@ from app.editor.fitted import (
     with_sizes_fitted,
 )
 from app.editor.refusal import Refused
+from app.editor.shaping import with_body
 from app.editor.shown import shown
 from app.editor.state import EditorState
 from app.posing import with_height
 from tests.app.editor.desk import after, desk
+from tracker.body import Body
 from tracker.errors import KeyposeError
 from tracker.pose import Pose
-from tracker.session.schema import FirstMotion
+from tracker.session.schema import FirstMotion, Session
 
 BACK = {"do": "undo"}
 
@@ -133,3 +135,13 @@ def test_parts_are_left_out_of_templates_and_taken_in_again() -> None:
 def test_a_part_that_the_body_does_not_have_cannot_be_left_out() -> None:
     with pytest.raises(Refused, match="no part 'tail'"):
         after(desk(), {"do": "settings", "left_out": ["head", "tail"]})
+
+
+def test_another_body_forgets_parts_left_out_that_it_does_not_have() -> None:
+    state = after(desk(), {"do": "settings", "left_out": ["left_hand", "head"]})
+    told = state.doc.body.model_dump()
+    told["parts"] = [part for part in told["parts"] if part["name"] != "left_hand"]
+    told["mirror_pairs"] = [pair for pair in told["mirror_pairs"] if "left_hand" not in pair]
+    doc = with_body(state, Body.model_validate(told))
+    assert doc.settings.left_out == ("head",)
+    assert Session.model_validate_json(doc.model_dump_json()).body == doc.body
