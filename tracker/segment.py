@@ -96,8 +96,9 @@ def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
 def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
     begun = starts(scene, segment, method)
     (first, *others), clip = begun.ways, segment.clip
-    present, what, tried = first.trajectory, first.what, others
-    yield from others
+    tried = others[::-1]  # the better, the later
+    yield from tried
+    present, what = first.trajectory, first.what
     drift, gap, diverged = _nothing_px(scene, present)[1:], 0.0, False
     for _ in range(method.passes):
         motions, score = robust_pass(scene, clip, present, method.of, method.inner, method.stop)
