@@ -98,10 +98,11 @@ class _Fit:
         told = _is_told(tracks)
         sigma = np.maximum(np.where(told, tracks.sigma_px[:, 1:-1], 1.0), LEAST_SIGMA_PX)
         uv = np.where(told[..., None], tracks.uv[:, 1:-1], 0.0)
+        keyed = [pose.Rs_parent_part for pose in (segment.start, segment.end)]
         return cls(
             scene, base, np.asarray(tracks.parts, np.int64), np.asarray(tracks.points, np.float64),
             np.swapaxes(uv, 0, 1), np.where(told, 1 / sigma, 0.0).T,
-            _allowed(scene.skeleton, segment), _bends(scene.skeleton, base),
+            Limits.of(scene.skeleton.body).widened(keyed), _bends(scene.skeleton, base),
             _keep_precision(scene),
             scene.precision(SMOOTH_TURN_RAD, SMOOTH_SHIFT_PX * scene.pixel_m),
         )  # fmt: skip
@@ -256,17 +257,6 @@ def _keep_precision(scene: Scene) -> Array:
     carried = np.bincount(skeleton.parents[1:], minlength=skeleton.part_count)
     turn = np.where(carried > 1, TRUNK_TURN_RAD, LIMB_TURN_RAD)[skeleton.dof_part]
     return np.where(skeleton.dof_turns == 1, turn, KEEP_SHIFT_PX * scene.pixel_m) ** -2.0
-
-
-def _allowed(skeleton: Skeleton, segment: Segment) -> Limits:
-    """The body's joint limits, wide enough for both keyframes: whoever posed them saw the joint."""
-    limits = Limits.of(skeleton.body)
-    outside = np.stack(
-        [limits.excess(pose.Rs_parent_part)[0] for pose in (segment.start, segment.end)]
-    )
-    return Limits(
-        limits.low + np.minimum(outside, 0.0).min(0), limits.high + np.maximum(outside, 0.0).max(0)
-    )
 
 
 def _excess(limits: Limits, motion: Trajectory) -> tuple[Array, Array]:

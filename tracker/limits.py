@@ -6,6 +6,7 @@ the one less far outside counts.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,6 +43,13 @@ class Limits:
         angles = self._nearer(Rs_parent_part)
         outside = np.maximum(angles - self.high, 0.0) + np.minimum(angles - self.low, 0.0)
         return outside, _slopes(angles)
+
+    def widened(self, posed: Sequence[Array]) -> Limits:
+        """Wide enough for rotations (P, 3, 3) that were posed: whoever did so saw the joint."""
+        outside = np.stack([self.excess(Rs)[0] for Rs in posed])
+        return Limits(
+            self.low + np.minimum(outside, 0.0).min(0), self.high + np.maximum(outside, 0.0).max(0)
+        )
 
     def _nearer(self, Rs: Array) -> Array:
         """(P, 3) the triple [x, y, z] that lies less far outside."""

@@ -177,3 +177,16 @@ def test_of_several_starts_the_one_that_ends_best_is_kept() -> None:
 
     assert turn([away, truth]) < 0.1
     assert turn([truth, away]) < 0.1
+
+
+def test_limits_are_widened_to_what_was_posed_and_not_beyond() -> None:
+    body = preset("adult_male")
+    limits, elbow = Limits.of(body), body.index("left_forearm")
+    bent_back = np.tile(np.eye(3), (len(body.parts), 1, 1))
+    bent_back[elbow] = exp_rotation(np.array([limits.high[elbow, 0] + 0.3, 0.0, 0.0]))
+    wide = limits.widened([bent_back])
+    assert np.abs(limits.excess(bent_back)[0]).max() > 0.2
+    assert np.abs(wide.excess(bent_back)[0]).max() < 1e-9
+    further = bent_back.copy()
+    further[elbow] = further[elbow] @ exp_rotation(np.array([0.1, 0.0, 0.0]))
+    assert wide.excess(further)[0][elbow, 0] == pytest.approx(0.1)

@@ -116,11 +116,7 @@ def _beginning(body: Body, camera: Camera, posed: Sequence[Pose], focal: bool) -
     free[-2:] = focal and perspective, perspective
     sizes = np.tile((LENGTH_SHARE, THICKNESS_SHARE), len(proportions.groups))
     share = np.append(sizes, (FOCAL_SHARE, DISTANCE_SHARE))
-    limits = Limits.of(body)
-    outside = np.stack([limits.excess(pose.Rs_parent_part)[0] for pose in posed])
-    allowed = Limits(  # whoever posed a joint beyond them saw it so
-        limits.low + np.minimum(outside, 0).min(0), limits.high + np.maximum(outside, 0).max(0)
-    )
+    allowed = Limits.of(body).widened([pose.Rs_parent_part for pose in posed])
     return SharedFit(proportions, camera, tuple(posed), allowed, free, share, share)
 
 
