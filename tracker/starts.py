@@ -22,7 +22,7 @@ Chains = tuple[Chain, Chain]
 DOUBT = 0.5
 """Distance between the two chains, as a share of that between them and plain interpolation, above
 which interpolation may still be the better one and is scored as well."""
-UNSURE = 0.12
+UNSURE = 0.25
 """Distance between a mark's two chains, as a share of the body's extent in the picture, above which
 limbs are looked for by templates as well, which takes longer than all the rest."""
 CHAIN_LOST = "the body was lost on the way from a keyframe: interpolated instead"
