@@ -10,6 +10,9 @@ FrameIndex: TypeAlias = Annotated[int, Field(ge=0, le=100_000_000)]
 Pixel: TypeAlias = tuple[FiniteFloat, FiniteFloat]
 MethodName: TypeAlias = Literal["keypose", "paper"]
 Quality: TypeAlias = Literal["full", "fast", "preview"]
+Weights: TypeAlias = Literal["both", "contact", "photo", "none"]
+Units: TypeAlias = Literal["m", "dm", "cm", "mm", "in", "ft"]
+UpAxis: TypeAlias = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 Initial: TypeAlias = Literal["auto", "linear", "templates", "both-ways", "import"]
 
 

@@ -27,6 +27,9 @@ from tracker.settings import (
     Plain,
     Quality,
     TrackSettings,
+    Units,
+    UpAxis,
+    Weights,
 )
 from tracker.skeleton import Skeleton
 
@@ -46,6 +49,41 @@ class VideoReference(Plain):
     frame_count: Annotated[int, Field(ge=1, le=100_000_000)]
     width: Annotated[int, Field(ge=2)]
     height: Annotated[int, Field(ge=2)]
+
+
+class Surface(Plain):
+    """Observed surfaces instead of a film: `video.path` then leads to the meshes, one per frame."""
+
+    units: Units = Field(default="m", description="What one unit of the meshes' files is.")
+    up: UpAxis = Field(default="+y", description="The axis of the meshes' files that is up.")
+    p_camera_surface: Position = Field(
+        description="The origin of the meshes' files in the camera frame, metres."
+    )
+    fps: Annotated[FiniteFloat, Field(gt=0, le=10_000)] = Field(
+        default=25.0, description="Meshes a second."
+    )
+    cameras: str | None = Field(
+        default=None,
+        description="Path of the calibrated cameras' file, whose images tell what of the "
+        "surfaces is to be believed; relative to the session file or absolute.",
+    )
+    model_frame: FrameIndex | None = Field(
+        default=None,
+        description="The keyframe in whose mesh the body was posed most carefully: its surface is "
+        "what moves with the body. Null: the first keyframe.",
+    )
+    weights: Weights = Field(
+        default="both",
+        description="What makes a place of the surfaces count less: contact of parts, cameras "
+        "that do not agree on it, both, or nothing.",
+    )
+    distance: Literal["plane", "point"] = Field(
+        default="plane", description="Distances to the surface, or to its nearest point."
+    )
+    binding: Literal["nearest", "smooth"] = Field(
+        default="nearest",
+        description="Whether a place of the surface moves with the nearest part alone.",
+    )
 
 
 class Keyframe(Plain):
@@ -175,7 +213,31 @@ class Session(Plain):
     first_motion: FirstMotion | None = Field(
         default=None, description="An imported motion that tracking may start from."
     )
+    surface: Surface | None = Field(
+        default=None, description="How to read the meshes, where the session is about such."
+    )
     results: Results | None = None
+
+    @property
+    def spans(self) -> tuple[tuple[int, int], ...]:
+        """First and last frame of every segment.
+
+        A segment lies between two keyframes; of surfaces, whose steps can be followed one by one,
+        also before the first keyframe and after the last.
+        """
+        frames = [keyframe.frame for keyframe in self.keyframes]
+        if self.surface is not None and frames:
+            frames = sorted({0, *frames, self.video.frame_count - 1})
+        return tuple(pairwise(frames))
+
+    @property
+    def model_keyframe(self) -> Keyframe | None:
+        """The keyframe whose mesh moves with the body; None where nothing is observed or posed."""
+        if self.surface is None or not self.keyframes:
+            return None
+        wanted = self.surface.model_frame
+        found = [keyframe for keyframe in self.keyframes if keyframe.frame == wanted]
+        return (found or self.keyframes)[0]
 
     @property
     def is_newer(self) -> bool:
