@@ -20,6 +20,8 @@ from app.commands import (
     evaluate,
     export,
     film,
+    fit,
+    hull,
     import_,
     info,
     open,
@@ -90,6 +92,7 @@ def parser() -> argparse.ArgumentParser:
     for command in (
         open,
         track,
+        fit,
         batch,
         evaluate,
         shot,
@@ -98,6 +101,7 @@ def parser() -> argparse.ArgumentParser:
         report,
         export,
         import_,
+        hull,
         info,
         schema,
     ):

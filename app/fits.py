@@ -47,7 +47,8 @@ class Asked:
             demand_sizes_to_fit(edit)
             return cls(SizesOrder(_content(edit.doc), path, action.focal), None, edit)
         pose, frame = pose_to_fit(edit), edit.frame
-        return cls(PoseOrder(_content(edit.doc), path, frame, pose, _near(edit)), frame, edit)
+        near, folder = _near(edit), str(piece.session_path.absolute().parent)
+        return cls(PoseOrder(_content(edit.doc), path, frame, pose, near, folder), frame, edit)
 
     @property
     def title(self) -> str:
@@ -63,7 +64,7 @@ class Asked:
         return self.frame == other.frame and next(focal) == next(focal) and self.holds(other.began)
 
     def _made_of(self, doc: Session) -> tuple[Any, ...]:
-        what = (doc.body, doc.camera, doc.ignore_masks)
+        what = (doc.body, doc.camera, doc.ignore_masks, doc.surface)
         if self.frame is None:
             return *what, doc.keyframes, doc.drafts
         return *what, *(find(known, self.frame) for known in (doc.keyframes, doc.drafts))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import textwrap
 from collections import OrderedDict
 from concurrent.futures import ThreadPoolExecutor
 
@@ -13,6 +14,7 @@ from app.drawing.lettering import plate
 from app.drawing.palette import Picture
 from tracker.camera import Camera
 from tracker.errors import VideoError
+from tracker.surface.picture import CONTAINER
 from tracker.video import MissingFrame, Video
 
 CACHE_BYTES = 192 * 2**20
@@ -71,12 +73,22 @@ class Frames:
 
 
 def frame_or_grey(video: Video, index: int) -> Picture:
-    """A frame, or a grey picture that says that it is missing."""
+    """A frame, or a grey picture that says that it is missing; of a mesh, what is wrong with it."""
     try:
         return video.frame(index)
-    except MissingFrame:
+    except MissingFrame as missing:
         info = video.info
         grey = np.full((info.height, info.width, 3), 96, dtype=np.uint8)
         letter_px = max(10.0, info.height / 24)
-        plate(grey, f"Frame {index} is damaged", *(round(letter_px),) * 2, letter_px)
+        if info.container == CONTAINER:
+            _plates(grey, str(missing), 0.7 * letter_px)
+        else:
+            plate(grey, f"Frame {index} is damaged", *(round(letter_px),) * 2, letter_px)
         return grey
+
+
+def _plates(picture: Picture, sentence: str, letter_px: float) -> None:
+    """A sentence on as many plates, one below the other, as it takes."""
+    columns = int(picture.shape[1] / letter_px)  # a letter is narrower than it is high
+    for row, line in enumerate(textwrap.wrap(sentence, columns)):
+        plate(picture, line, round(letter_px), round((1 + 2.4 * row) * letter_px), letter_px)

@@ -6,14 +6,14 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
+from app.beginning import new_session, new_surface_session, path_from, standing_in
 from app.editor.sights import up_of
 from app.editor.state import EditorState
 from app.journaling import Beginning
 from app.posing import opening_pose
 from app.results import Results, load_results
-from tracker.body import preset
-from tracker.camera import Camera
 from tracker.errors import SessionError
 from tracker.geometry import Array
 from tracker.session.atomic import make_folder
@@ -23,17 +23,19 @@ from tracker.session.files import (
     journal_path,
     load_session,
     open_session,
+    open_video_at,
     open_video_of,
     save_session,
     video_path,
 )
 from tracker.session.first_motion import carry_first_motion
 from tracker.session.history import History
-from tracker.session.schema import Keyframe, Session, VideoReference
+from tracker.session.schema import Keyframe, Session
 from tracker.skeleton import Skeleton
+from tracker.surface.beginning import Reading
+from tracker.surface.picture import SurfaceVideo
+from tracker.surface.source import holds_meshes
 from tracker.video import Video
-
-FIRST_BODY = "adult_male"
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +76,7 @@ class Workpiece:
 
 
 def open_workpiece(path: Path, session_for: Callable[[Path], Path]) -> Workpiece:
-    """Open a session file, or a video with the session that belongs to it.
+    """Open a session file, or a video or meshes with the session that belongs to them.
 
     `session_for` tells where a video's session lives; where none does yet, one is begun.
     KeyposeError in one sentence when it cannot be opened.
@@ -85,6 +87,8 @@ def open_workpiece(path: Path, session_for: Callable[[Path], Path]) -> Workpiece
         return _opened(path / "session.json")
     if not path.exists():
         raise SessionError(f"There is no file {str(path)!r}.")
+    if holds_meshes(path):
+        return _with_meshes(path, session_for)
     video = Video.open(path)
     try:
         session_path = session_for(video.info.path)
@@ -97,21 +101,14 @@ def open_workpiece(path: Path, session_for: Callable[[Path], Path]) -> Workpiece
     return _opened(session_path)
 
 
-def new_session(video: Video, session_path: Path) -> Session:
-    """An empty session of a video: a guessed camera, an adult, no keyframes."""
-    info = video.info
-    _demand_text(info.path)
-    return Session(
-        video=VideoReference(
-            path=_relative(info.path, session_path.parent),
-            fingerprint=video.fingerprint(),
-            frame_count=info.frame_count,
-            width=info.width,
-            height=info.height,
-        ),
-        camera=Camera.guess(info.width, info.height),
-        body=preset(FIRST_BODY),
-    )
+def _with_meshes(path: Path, session_for: Callable[[Path], Path]) -> Workpiece:
+    """The same of observed surfaces."""
+    session_path = session_for(path)
+    if session_path.exists():
+        return _opened(session_path)
+    session, news = new_surface_session(path, session_path, Reading())
+    video = open_video_at(session, path, session_path.parent)
+    return Workpiece(session_path, session, video, fresh=True, news=news)
 
 
 def edit_state(piece: Workpiece) -> tuple[EditorState, str]:
@@ -124,11 +121,14 @@ def edit_state(piece: Workpiece) -> tuple[EditorState, str]:
         results, problem = load_results(session, piece.session_path), ""
     except SessionError as error:
         results, problem = Results(), f"{error} The keyframes are all there: track again."
+    opening = opening_pose(session.body, session.camera, up_of(session))
+    if isinstance(piece.video, SurfaceVideo):
+        opening = standing_in(opening, session.body, piece.video.steps)
     state = EditorState(
         doc=session.model_copy(update={"results": None}),
         skeleton=Skeleton.of(session.body),
         times_s=piece.video.info.times_s,
-        opening=opening_pose(session.body, session.camera, up_of(session)),
+        opening=opening,
         results=results,
         history=piece.history,
         frame=session.keyframes[0].frame if session.keyframes else 0,
@@ -146,12 +146,13 @@ def _opened(path: Path) -> Workpiece:
     video = open_video_of(session, path)
     moment, news = found.moment, _news(opened)
     if not _is_one_file(video_path(session, path), video.info.path):
-        place = _relative(video.info.path, path.parent)
+        place = path_from(video.info.path, path.parent)
         session = session.model_copy(
             update={"video": session.video.model_copy(update={"path": place})}
         )
         moment = of_film(moment, session)
-        news = (*news, f"The video was found again at {place}.")
+        what = "video was" if session.surface is None else "meshes were"
+        news = (*news, f"The {what} found again at {place}.")
     timed = timed_by(session, video.info.times_s)
     if timed is not session:  # a new keyframe's time would not stand between the others'
         session, follows = timed, False
@@ -215,24 +216,6 @@ def _news(opened: Opened) -> tuple[str, ...]:
     return ()
 
 
-def _demand_text(path: Path) -> None:
-    """A session is text, and so is what it calls its video."""
-    try:
-        str(path).encode()
-    except UnicodeEncodeError:
-        raise SessionError(
-            f"The name {str(path)!r} is no text in UTF-8: rename the video or its folder."
-        ) from None
-
-
-def _relative(path: Path, folder: Path) -> str:
-    """Relative where both lie on one disk, so that a folder can be moved as a whole."""
-    try:
-        return Path(os.path.relpath(path.absolute(), folder.absolute())).as_posix()
-    except ValueError:  # another drive
-        return str(path.absolute())
-
-
 def copied_session(path: Path, out: Path) -> Path:
     """A session of one's own in a folder: made when it is not there yet, else as it was left."""
     target = out / "session.json"
@@ -243,7 +226,20 @@ def copied_session(path: Path, out: Path) -> Path:
         return target
     make_folder(out)
     carry_first_motion(session, path.parent, out)
-    place = os.path.relpath(video_path(session, path), out.absolute())
-    reference = session.video.model_copy(update={"path": place})
-    save_session(session.model_copy(update={"video": reference, "results": None}), target)
+    save_session(moved(session, path, out).model_copy(update={"results": None}), target)
     return target
+
+
+def moved(session: Session, session_path: Path, folder: Path) -> Session:
+    """The session as it reads in another folder: paths that were relative lead from there."""
+
+    def from_there(path: str) -> str:
+        place = session_path.absolute().parent / path
+        return str(place) if Path(path).is_absolute() else path_from(place, folder)
+
+    video, surface = session.video, session.surface
+    update: dict[str, Any] = {"video": video.model_copy(update={"path": from_there(video.path)})}
+    if surface is not None and surface.cameras is not None:
+        cameras = from_there(surface.cameras)
+        update["surface"] = surface.model_copy(update={"cameras": cameras})
+    return session.model_copy(update=update)

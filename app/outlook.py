@@ -82,6 +82,24 @@ class Opened:
     film: str = ""
 
 
+@dataclass(frozen=True)
+class SurfaceSeen:
+    """What was seen of the observed surfaces so far.
+
+    problem: why there is none at `frame`, a sentence; empty where there is.
+    middle:  (x, y, z) of the one there, camera frame, metres.
+    rims:    edges of the model's surface with a face on one side only; None while not known.
+    photo:   whether it is known how well cameras agree.
+    """
+
+    frame: int | None = None
+    problem: str = ""
+    faces: int = 0
+    middle: tuple[float, float, float] | None = None
+    rims: int | None = None
+    photo: bool = False
+
+
 @dataclass(frozen=True, eq=False)
 class Outlook:
     """running: the segments at work, by (first, last)."""
@@ -94,6 +112,7 @@ class Outlook:
     tabs: int = 0
     running: Mapping[tuple[int, int], Running] = field(default_factory=dict)
     fit: FitTold | None = None
+    surface: SurfaceSeen = SurfaceSeen()
 
     @property
     def as_looked_at(self) -> Outlook:

@@ -7,12 +7,14 @@ result depends on nothing but its segment's key and quality, whoever asked for i
 from __future__ import annotations
 
 import queue
+import shlex
 import sys
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import Path
 from threading import Event, Thread
+from typing import Any
 
 from app.jobs import JobFailed, Report, Wanted
 from app.jobs.bench import Bench
@@ -63,9 +65,17 @@ def demand_trackable(session: Session, session_path: Path) -> None:
         raise SessionError(
             f"{session_path.name} was written by a newer Keypose and is not changed by this one."
         )
-    if len(session.keyframes) < 2:
-        count = "one keyframe" if session.keyframes else "no keyframes"
-        raise SessionError(f"{session_path.name} has {count}; tracking needs two.")
+    if session.spans:
+        return
+    if session.surface is not None and session.keyframes:
+        raise SessionError(f"{session_path.name} is about one mesh alone; nothing moves.")
+    if session.surface is not None:
+        raise SessionError(
+            f"{session_path.name} has no keyframe: pose the body in one of the meshes first, with "
+            f"`keypose open {shlex.quote(str(session_path))}`."
+        )
+    count = "one keyframe" if session.keyframes else "no keyframes"
+    raise SessionError(f"{session_path.name} has {count}; tracking needs two.")
 
 
 def all_segments(session: Session) -> tuple[Wanted, ...]:
@@ -113,14 +123,18 @@ def keep(
     """Write what was found beside the session's file, which then refers to it.
 
     tracked: the session as it was tracked. The person may have gone on editing meanwhile: of the
-    file only the results are changed. Where a segment was not found now, an earlier result that
-    fits stays. None, and nothing is written, when nothing was found.
+    file only the results are changed, and how and where surfaces are read. Where a segment was not
+    found now, an earlier result that fits stays. None, and nothing is written, when nothing was
+    found.
     """
     if not found:
         return None
     every = _with_earlier(tracked, session_path, found)
     results = save_results(tracked, session_path, every).results
-    save_session(load_session(session_path).model_copy(update={"results": results}), session_path)
+    update: dict[str, Any] = {"results": results}
+    if tracked.surface is not None:
+        update |= {"surface": tracked.surface, "video": tracked.video}
+    save_session(load_session(session_path).model_copy(update=update), session_path)
     with suppress(OSError):  # what is left over does no harm
         tidy_tracks(session_path.parent)
     return results

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Literal, TypeAlias
@@ -56,6 +56,7 @@ class Runner:
         self._wanted: dict[Span, str] = {}
         self._keep: tuple[str, ...] = ()
         self._stages: tuple[Quality, ...] = ()
+        self._verbs = _VERBS[False]
         self._fit_ended: FitEnded | None = None
         self._waiting: frozenset[Span] = frozenset()
         self._progress: Progress | None = None
@@ -82,7 +83,7 @@ class Runner:
 
     def changed(self, piece: Workpiece | None, edit: EditorState) -> None:
         """The document changed: with live on, what it made outdated is tracked at once."""
-        if not edit.display.live or piece is None or len(edit.keys) < 2:
+        if not edit.display.live or piece is None or not edit.doc.spans:
             return
         wanted = _touching(edit, edit.results.wanted(edit.doc))
         if wanted and not self._is_at(wanted):
@@ -90,11 +91,12 @@ class Runner:
 
     def track(self, piece: Workpiece, edit: EditorState, what: What) -> None:
         """Track; Refused with the reason when there is nothing to do."""
-        if len(edit.keys) < 2:
-            raise Refused("Nothing to track: pose a second keyframe first.")
+        if not edit.doc.spans:
+            raise Refused(_nothing(edit.doc))
         wanted = _wanted(edit, what)
         if not wanted:
-            raise Refused("Nothing has changed: every segment is tracked already.")
+            done = "tracked" if edit.doc.surface is None else "fitted"
+            raise Refused(f"Nothing has changed: every segment is {done} already.")
         self._start(piece, edit.doc, wanted, (edit.doc.settings.quality,))
 
     def fit(self, order: FitOrder, title: str, ended: FitEnded) -> None:
@@ -147,7 +149,8 @@ class Runner:
         self._wanted = {(first, last): key for first, last, key in wanted}
         self._keep = tuple(segment_keys(doc).values())
         self.running = dict.fromkeys(self._wanted, Running())
-        self.job = Job("running", _title(list(self._wanted)), "starting")
+        self._verbs = _VERBS[doc.surface is not None]
+        self.job = Job("running", f"{self._verbs[0]} {_what(list(self._wanted))}", "starting")
         self._progress = None
         folder = piece.session_path.parent
         self._number = self._newest = self._tracking.start(
@@ -207,7 +210,7 @@ class Runner:
         percent = self._progress.percent_of(report.span) if self._progress else 0
         at_work = Running("tracking", number, of, percent, scores)
         self.running = {**self.running, report.span: at_work}
-        self._say(f"pass {number} of {of}")
+        self._say(report.words)
 
     def _on_segment(self, track: SegmentTrack) -> None:
         if self._progress is not None and self._progress.percent_of(track.span) >= 100:
@@ -221,9 +224,10 @@ class Runner:
         self.job = replace(self.job, words=words, percent=percent, seconds_left=left)
 
     def _on_end(self, state: Ending, words: str = "") -> None:
-        title = {"done": "Tracked", "cancelled": "Cancelled", "failed": "Tracking failed"}[state]
+        doing, done = self._verbs
+        title = {"done": done, "cancelled": "Cancelled", "failed": f"{doing} failed"}[state]
         if state == "done":
-            title = self.job.title.replace("Tracking", "Tracked")
+            title = self.job.title.replace(doing, done)
         self.job = Job(state, title, words or self._closing_words(state), 100)
         self.running = {}
 
@@ -252,8 +256,24 @@ def _touching(edit: EditorState, wanted: Sequence[Wanted]) -> list[Wanted]:
     return near or list(wanted)
 
 
-def _title(spans: list[Span]) -> str:
-    """ "Tracking 39–61" when the segments follow one another, else how many there are."""
+_VERBS: Mapping[bool, tuple[str, str]] = {
+    False: ("Tracking", "Tracked"),
+    True: ("Fitting", "Fitted"),
+}
+"""What is done with a film, and with surfaces."""
+
+
+def _nothing(doc: Session) -> str:
+    """Why there is no segment."""
+    if doc.surface is None:
+        return "Nothing to track: pose a second keyframe first."
+    if doc.video.frame_count < 2:
+        return "Nothing to fit: there is one mesh alone, and nothing moves."
+    return "Nothing to fit: pose the body in one of the meshes first, and make it a keyframe."
+
+
+def _what(spans: list[Span]) -> str:
+    """ "39–61" when the segments follow one another, else how many there are."""
     if all(one[1] == other[0] for one, other in pairwise(spans)):
-        return f"Tracking {spans[0][0]}–{spans[-1][1]}"
-    return f"Tracking {len(spans)} segments"
+        return f"{spans[0][0]}–{spans[-1][1]}"
+    return f"{len(spans)} segments"

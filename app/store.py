@@ -28,13 +28,13 @@ from app.journaling import Journaling
 from app.library import Library
 from app.locking import HeldElsewhere, SessionLock
 from app.opening import Workpiece, edit_state, open_workpiece
-from app.outlook import FitTold, Guide, Job, Opened, Outlook, Saved
+from app.outlook import FitTold, Guide, Job, Opened, Outlook, Saved, SurfaceSeen
 from app.results import save_results, tidy_tracks
 from app.running import Runner
 from app.saving import Saver
 from app.sections import Sections
 from app.tabs import Tab
-from tracker.errors import KeyposeError, SessionError, VideoError
+from tracker.errors import KeyposeError, SessionError, SurfaceError, VideoError
 from tracker.session.atomic import make_folder
 from tracker.wording import one_sentence
 
@@ -192,6 +192,11 @@ class Store:
             for tab in self._tabs:
                 tab.tell(fresh)
 
+    def surface_seen(self, seen: SurfaceSeen) -> None:
+        """The views have looked at an observed surface; what they saw of it."""
+        if seen != self._outlook.surface:
+            self._look(surface=seen)
+
     # --- saving
 
     def _save(self) -> None:
@@ -327,7 +332,7 @@ class Store:
 
         try:
             await self.open(await asyncio.to_thread(find))
-        except VideoError:
+        except (VideoError, SurfaceError):
             if action.kind == "upload":  # what is no video need not be kept
                 await asyncio.to_thread(self._library.discard, action.id)
             raise
@@ -429,6 +434,7 @@ class Store:
         self._release_lock()
         self._read_only = ""
         self._look(opened=None, edit=None, running={}, job=Job(), saved=Saved(), fit=None)
+        self._look(surface=SurfaceSeen())
         if frames is not None:
             frames.close()
         if piece is not None:

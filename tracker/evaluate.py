@@ -1,8 +1,9 @@
 """How far a tracked motion is from a reference, beside plain interpolation of the same keyframes.
 
 Only frames strictly between two keyframes count: at the keyframes a person, not the tracker, set
-the pose. A single view says little about depth, so errors in the picture, in space and along the
-camera's axis stand apart.
+the pose. A motion of surfaces may begin or end without a keyframe: that end counts, too, and
+interpolation leads to where the fit put it. A single view says little about depth, so errors in the
+picture, in space and along the camera's axis stand apart.
 """
 
 from __future__ import annotations
@@ -114,9 +115,11 @@ def evaluate(
     estimate: Trajectory,
     truth: Trajectory,
     keyframe_frames: Sequence[int],
+    open_ends: Sequence[int] = (),
 ) -> Evaluation:
     """Errors against known poses of the same body.
 
+    open_ends: those of the keyframes' frames at which nobody set a pose.
     FormatError when the reference is of another body, or has no frame between two keyframes.
     """
     if truth.Rs_parent_part.shape[1] != skeleton.part_count:
@@ -125,7 +128,8 @@ def evaluate(
             f"{skeleton.part_count}."
         )
     available = np.arange(truth.first_frame, truth.last_frame + 1)
-    frames, linear = _frames_and_interpolation(estimate, available, keyframe_frames)
+    given = (available, keyframe_frames, open_ends)
+    frames, linear = _frames_and_interpolation(estimate, *given)
     names, joints = joint_names(skeleton), truth.joints(skeleton)[frames - truth.first_frame]
     Rs = truth.Rs_parent_part[frames - truth.first_frame]
 
@@ -145,9 +149,11 @@ def evaluate_joints(
     estimate: Trajectory,
     reference: JointReference,
     keyframe_frames: Sequence[int],
+    open_ends: Sequence[int] = (),
 ) -> Evaluation:
     """Errors against known joints. FormatError when none lies between two keyframes."""
-    frames, linear = _frames_and_interpolation(estimate, reference.frames, keyframe_frames)
+    given = (reference.frames, keyframe_frames, open_ends)
+    frames, linear = _frames_and_interpolation(estimate, *given)
     known = reference.positions[np.searchsorted(reference.frames, frames)]
 
     def errors(motion: Trajectory) -> Errors:
@@ -160,13 +166,17 @@ def evaluate_joints(
 
 
 def _frames_and_interpolation(
-    estimate: Trajectory, available: NDArray[np.int64], keyframe_frames: Sequence[int]
+    estimate: Trajectory,
+    available: NDArray[np.int64],
+    keyframe_frames: Sequence[int],
+    open_ends: Sequence[int],
 ) -> tuple[NDArray[np.int64], Trajectory]:
     """The frames to compare, and the motion that interpolation makes of the keyframes' poses."""
     keys = [k for k in keyframe_frames if estimate.first_frame <= k <= estimate.last_frame]
     if len(keys) < 2:
         raise FormatError("The tracked motion must hold at least two keyframes to be compared.")
-    inside = (available > keys[0]) & (available < keys[-1]) & ~np.isin(available, keys)
+    posed = [key for key in keys if key not in open_ends]
+    inside = (available >= keys[0]) & (available <= keys[-1]) & ~np.isin(available, posed)
     if not inside.any():
         raise FormatError("The reference has no frame between two keyframes, so nothing compares.")
     pieces = [interpolate(estimate.pose(a), estimate.pose(b), a, b) for a, b in pairwise(keys)]

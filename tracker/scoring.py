@@ -19,7 +19,8 @@ from tracker.trajectory import Trajectory
 class Pass:
     """A trajectory on the way, and its score (the lower the better within one segment).
 
-    what: "interpolation", "both ways", "templates", "import", "pass" or "refinement".
+    what: "interpolation", "both ways", "templates", "import", "pass" or "refinement"; of observed
+        surfaces "fit".
     score: None where not judged.
     """
 

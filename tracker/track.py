@@ -9,6 +9,7 @@ from copy import copy
 from dataclasses import dataclass
 from itertools import pairwise
 from threading import Event
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -121,6 +122,28 @@ def never() -> bool:
     return False
 
 
+class SegmentTracker(Protocol):
+    """What can track segments, whatever they are seen in."""
+
+    @property
+    def skeleton(self) -> Skeleton: ...
+
+    @property
+    def spans(self) -> Sequence[tuple[int, int]]:
+        """First and last frame of every segment."""
+        ...
+
+    def expected_steps(self, index: int, settings: TrackSettings) -> int:
+        """Numbers that `emit` is to be expected to count up to."""
+        ...
+
+    def run_segment(
+        self, index: int, settings: TrackSettings, emit: Callable[[Pass, int], None]
+    ) -> SegmentResult:
+        """Track one segment; `emit` is told trajectories and may raise to stop the work."""
+        ...
+
+
 class _Prepared:
     """The pictures of one video at every size they are worked on."""
 
@@ -209,6 +232,10 @@ class Tracker:
         """First and last frame of every segment."""
         return list(pairwise(self.keyposes))
 
+    def expected_steps(self, index: int, settings: TrackSettings) -> int:
+        """Trajectories that `run_segment` is to be expected to tell."""
+        return expected_steps(settings)
+
     def move_keyframe(self, frame: int, pose: Pose) -> None:
         """Give an existing keyframe another pose."""
         if frame not in self.keyposes:
@@ -267,7 +294,7 @@ class _Cancelled(Exception):
 
 
 def run(
-    tracker: Tracker,
+    tracker: SegmentTracker,
     settings: TrackSettings,
     segments: Sequence[int] | None = None,
     workers: int = 1,
@@ -314,12 +341,12 @@ def run(
 
 
 def _one_segment(
-    tracker: Tracker, settings: TrackSettings, index: int, count: int,
+    tracker: SegmentTracker, settings: TrackSettings, index: int, count: int,
     events: queue.Queue[Progress | BaseException | None], closing: Event,
 ) -> None:  # fmt: skip
     if closing.is_set():
         raise _Cancelled
-    expected = expected_steps(settings)
+    expected = tracker.expected_steps(index, settings)
     first, last = tracker.spans[index]
     events.put(SegmentStarted(index, count, first, last))
 

@@ -68,16 +68,16 @@ def judge(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -
         return Verdict("lost", words, (segment.first_frame, segment.last_frame))
     if outcome.diverged:
         first, last = segment.first_frame, segment.last_frame
-        return Verdict("check", f"check {_frames(first, last)}: a pass diverged", (first, last))
+        return Verdict("check", f"check {frames_in_words(first, last)}: a pass diverged", (first, last))
     unseen = _longest_unseen(scene, segment, seen)
     if unseen is not None:
         part, first, last = unseen
-        return Verdict("check", f"check {_frames(first, last)}: {part} not seen", (first, last))
+        return Verdict("check", f"check {frames_in_words(first, last)}: {part} not seen", (first, last))
     if apart > CHECK_APART or drift > CHECK_DRIFT:
         index, first, last = _most_uncertain(scene, segment, evidence)
         why = "not seen" if _is_hidden(segment, seen, index, first, last) else "uncertain"
-        name = _spoken(scene.skeleton.body.names[index])
-        return Verdict("check", f"check {_frames(first, last)}: {name} {why}", (first, last))
+        name = spoken(scene.skeleton.body.names[index])
+        return Verdict("check", f"check {frames_in_words(first, last)}: {name} {why}", (first, last))
     return Verdict("good", "good")
 
 
@@ -139,11 +139,13 @@ def _is_hidden(segment: Segment, seen: Observation, part: int, first: int, last:
     return bool(2 * (unseen & looked).sum() > looked.sum())
 
 
-def _spoken(name: str) -> str:
+def spoken(name: str) -> str:
+    """A part's name in a sentence."""
     return name.replace("_", " ")
 
 
-def _frames(first: int, last: int) -> str:
+def frames_in_words(first: int, last: int) -> str:
+    """ "frames 31–36"."""
     return f"frame {first}" if first >= last else f"frames {first}–{last}"
 
 
@@ -151,19 +153,19 @@ def _longest_unseen(
     scene: Scene, segment: Segment, seen: Observation
 ) -> tuple[str, int, int] | None:
     """The part that goes unseen for the longest run of frames: name, first and last frame."""
-    runs = []
+    found = []
     for i, name in enumerate(scene.skeleton.body.names):
         hidden = seen.observability[:, i] < UNSEEN  # NaN, not tracked, is never below
-        runs += [(last - first, name, first, last) for first, last in _runs(hidden)]
-    runs = [run for run in runs if run[0] + 1 >= SHORTEST_RUN]
-    if not runs:
+        found += [(last - first, name, first, last) for first, last in runs(hidden)]
+    found = [run for run in found if run[0] + 1 >= SHORTEST_RUN]
+    if not found:
         return None
-    _, name, first, last = max(runs)
+    _, name, first, last = max(found)
     start = segment.first_frame + 1
-    return _spoken(name), start + first, start + last
+    return spoken(name), start + first, start + last
 
 
-def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
     """First and last index of every run of True."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
     return [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]

@@ -11,6 +11,10 @@ from typing import TypeAlias
 
 Subcommands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
+UNITS = ("m", "dm", "cm", "mm", "in", "ft")
+UP_AXES = ("+x", "-x", "+y", "-y", "+z", "-z")
+"""As in tracker.settings, which would load more than help needs."""
+
 WIDTH = 88
 """Columns of a description, whose examples below it are kept as they are."""
 

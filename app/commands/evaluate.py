@@ -54,7 +54,12 @@ def _evaluation(session_path: Path, reference_path: Path) -> Evaluation:
     from tracker.evaluate import evaluate, evaluate_joints
     from tracker.formats.reference import load_reference
     from tracker.session.files import load_session
-    from tracker.session.tracks import load_trajectory, outdated_words, tracked_keyframes
+    from tracker.session.tracks import (
+        load_trajectory,
+        open_ends,
+        outdated_words,
+        tracked_keyframes,
+    )
     from tracker.skeleton import Skeleton
     from tracker.trajectory import Trajectory
 
@@ -65,8 +70,8 @@ def _evaluation(session_path: Path, reference_path: Path) -> Evaluation:
     note(outdated_words(session, estimate))
     frames = tracked_keyframes(session)
     if isinstance(reference, Trajectory):
-        return evaluate(skeleton, camera, estimate, reference, frames)
-    return evaluate_joints(skeleton, camera, estimate, reference, frames)
+        return evaluate(skeleton, camera, estimate, reference, frames, open_ends(session))
+    return evaluate_joints(skeleton, camera, estimate, reference, frames, open_ends(session))
 
 
 def _lines(evaluation: Evaluation) -> list[str]:

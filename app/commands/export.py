@@ -118,6 +118,8 @@ def _times_s(session: Session, session_path: Path) -> Array:
     with video_if_there(session, session_path, "times are those between keyframes") as video:
         if video is not None:
             return np.asarray(video.info.times_s)
+    if session.surface is not None:
+        return np.arange(session.video.frame_count) / session.surface.fps
     frames = [keyframe.frame for keyframe in session.keyframes]
     times_s = [keyframe.time_s for keyframe in session.keyframes]
     if len(frames) < 2 or min(np.diff(times_s)) <= 0:

@@ -132,7 +132,7 @@ def _video(session: Session, session_path: Path, film: Film) -> Any:
 
     if film.needs_video:
         return open_video_of(session, session_path)
-    paced = len(session.keyframes) > 1
+    paced = len(session.keyframes) > 1 or session.surface is not None
     pace = (
         "the film's rate is that of the keyframes' times"
         if paced
@@ -153,6 +153,8 @@ def _clock(session: Session, video: Video | None, film: Film, fps: Fraction | No
 
 
 def _fps_of_keyframes(session: Session) -> float:
+    if session.surface is not None:
+        return session.surface.fps
     keys = session.keyframes
     seconds = keys[-1].time_s - keys[0].time_s if keys else 0.0
     return (keys[-1].frame - keys[0].frame) / seconds if seconds > 0 else USUAL_FPS

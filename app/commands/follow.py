@@ -101,7 +101,7 @@ def _bar(session: Session) -> Iterator[Telling]:
     """A bar that counts frames: a segment's share of passes done is that share of its frames."""
     from tqdm import tqdm
 
-    total = session.keyframes[-1].frame - session.keyframes[0].frame
+    total = sum(last - first for first, last in session.spans)
     done: dict[Span, float] = {}
     with tqdm(total=total, unit="frame", file=sys.stderr, dynamic_ncols=True) as bar:
 

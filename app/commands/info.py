@@ -1,9 +1,10 @@
-"""`keypose info`: the facts of a video."""
+"""`keypose info`: the facts of a video, or of meshes."""
 
 from __future__ import annotations
 
 import argparse
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from app.commands.arguments import Subcommands, add_command, add_json, file_name
 from app.commands.json_output import print_json
@@ -11,30 +12,91 @@ from app.commands.json_output import print_json
 if TYPE_CHECKING:
     from tracker.video import Video
 
+Told: TypeAlias = tuple[dict[str, Any], list[str]]
+"""The facts, and the same in lines for a person."""
+
 _EXAMPLES = """\
   keypose info jump.mp4
   keypose info jump.mp4 --json
+  keypose info scan
 """
 
 
 def add(commands: Subcommands) -> None:
-    text = "Tell size, frames, rate and fingerprint of a video file or a folder of images."
+    text = (
+        "Tell size, frames, rate and fingerprint of a video file or a folder of images. Of meshes, "
+        "one for every time step, it tells steps and size, and whether the first one has holes."
+    )
     command = add_command(commands, "info", run, text, _EXAMPLES)
-    command.add_argument("video", metavar="VIDEO", type=file_name, help="the video")
+    command.add_argument("video", metavar="VIDEO|MESHES", type=file_name, help="the video")
     add_json(command)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from tracker.video import Video
+    from tracker.surface.source import holds_meshes
 
-    with Video.open(arguments.video) as video:
-        facts = _facts(video)
+    facts, lines = (_of_meshes if holds_meshes(arguments.video) else _of_video)(arguments.video)
     if arguments.json:
         print_json(facts, indent=2)
         return 0
-    for line in _lines(facts):
+    for line in lines:
         print(line)
     return 0
+
+
+def _of_video(path: Path) -> Told:
+    from tracker.video import Video
+
+    with Video.open(path) as video:
+        facts = _facts(video)
+    return facts, _lines(facts)
+
+
+def _of_meshes(path: Path) -> Told:
+    from tracker.surface.beginning import first_mesh
+    from tracker.surface.picture import CONTAINER
+    from tracker.surface.sequence import MeshSequence
+
+    with MeshSequence.open(path) as meshes:
+        frame, mesh = first_mesh(meshes)
+        facts = {
+            "path": str(path),
+            "container": CONTAINER,
+            "frame_count": meshes.frame_count,
+            "fps": meshes.fps,
+            "units": meshes.stated_units,
+            "up": meshes.stated_up,
+            "first_mesh": frame,
+            "vertices": len(mesh.vertices),
+            "faces": len(mesh.faces),
+            "extent": mesh.extent.tolist(),
+            "rim_edges": len(mesh.rim),
+            "consistency": mesh.consistency is not None,
+            "missing_frames": sorted(meshes.missing),
+            "fingerprint": meshes.fingerprint(),
+        }
+    return facts, _mesh_lines(facts)
+
+
+def _mesh_lines(facts: dict[str, Any]) -> list[str]:
+    size = " × ".join(f"{length:.4g}" for length in facts["extent"])
+    units = facts["units"] or "units, which the files do not tell"
+    lines = [
+        facts["path"],
+        f"  meshes       0 to {facts['frame_count'] - 1}",
+        *([f"  rate         {facts['fps']:.3f} meshes/s"] if facts["fps"] else []),
+        f"  mesh {facts['first_mesh']:<8}{facts['vertices']} vertices, {facts['faces']} faces",
+        f"  size         {size} {units}",
+        f"  up           {facts['up'] or 'not told by the files'}",
+        f"  fingerprint  {facts['fingerprint']}",
+    ]
+    missing, rims = facts["missing_frames"], facts["rim_edges"]
+    notes = {
+        f"it has holes: {rims} edges have a face on one side only": rims,
+        f"{len(missing)} meshes are missing, the first at {missing[0] if missing else 0}": missing,
+        "every vertex says how well the cameras agree on it": facts["consistency"],
+    }
+    return lines + [f"  note         {text}" for text, holds in notes.items() if holds]
 
 
 def _facts(video: Video) -> dict[str, Any]:

@@ -12,10 +12,19 @@ import webbrowser
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.commands.arguments import Subcommands, add_command, file_name, whole_number
+from app.commands.arguments import (
+    UNITS,
+    UP_AXES,
+    Subcommands,
+    add_command,
+    file_name,
+    note,
+    whole_number,
+)
 from tracker.errors import KeyposeError
 
 if TYPE_CHECKING:
+    from app.library import Library
     from app.serving.server import Server
 
 PORT = 8090
@@ -23,6 +32,7 @@ _EXAMPLES = """\
   keypose open jump.mp4
   keypose open jump.keypose/session.json --port 8091 --no-browser
   keypose open sample_videos/balance/session.json --out out/balance
+  keypose open scan --units cm --up +z
 """
 _TUNNEL = """\
 Keypose is made for one person on one computer: its page travels unencrypted, and whoever has the
@@ -36,12 +46,13 @@ and open the address below without --host. To serve {host} all the same, add --l
 
 def add(commands: Subcommands) -> None:
     text = (
-        "Open a video or a session in the browser: pose keyframes over the picture, track, "
-        "correct, export. Without a name, the page lets you choose. A new session is kept beside "
-        "its video, and every change is saved at once. Ctrl+C ends the server."
+        "Open a video, a folder of meshes or a session in the browser: pose keyframes over the "
+        "picture, track, correct, export. Without a name, the page lets you choose. A new session "
+        "is kept beside its video or meshes, and every change is saved at once. Ctrl+C ends the "
+        "server."
     )
     command = add_command(commands, "open", run, text, _EXAMPLES)
-    command.add_argument("path", metavar="VIDEO|SESSION", type=file_name, nargs="?")
+    command.add_argument("path", metavar="VIDEO|MESHES|SESSION", type=file_name, nargs="?")
     command.add_argument(
         "--port",
         metavar="N",
@@ -63,6 +74,14 @@ def add(commands: Subcommands) -> None:
         default=Path("~/Keypose").expanduser(),
         help="where uploads, samples and the list of sessions are kept; default: ~/Keypose",
     )
+    of_files = "of new meshes; as the files say, or guessed, when left out"
+    command.add_argument("--units", choices=UNITS, help=f"the unit {of_files}")
+    command.add_argument(
+        "--up", choices=UP_AXES, help=f"the axis, such as --up=-z, that is up {of_files}"
+    )
+    command.add_argument(
+        "--cameras", metavar="FILE", type=file_name, help="the calibrated cameras of new meshes"
+    )
     command.add_argument(
         "--host", default="127.0.0.1", help="another address to serve; default: 127.0.0.1"
     )
@@ -79,13 +98,31 @@ def run(arguments: argparse.Namespace) -> int:
     path = arguments.path
     if arguments.out is not None:
         path = _copied(path, arguments.out)
+    library = Library(arguments.workspace, _roots(path))
+    path = _as_said(path, library, arguments)
     listener = _listener(arguments.host, arguments.port)
-    server = Server(Library(arguments.workspace, _roots(path)), _names(arguments.host))
+    server = Server(library, _names(arguments.host))
     try:
         return _serve(server, listener, path, arguments)
     finally:
         listener.close()
         server.stage.stop()
+
+
+def _as_said(path: Path | None, library: Library, arguments: argparse.Namespace) -> Path | None:
+    """What to open, once its meshes are read as a person says."""
+    said = (arguments.units, arguments.up, arguments.cameras)
+    if said == (None, None, None):
+        return path
+    if path is None:
+        raise KeyposeError("--units, --up and --cameras need meshes to read.")
+    from app.beginning import read_as_said
+    from tracker.surface.beginning import Reading
+
+    reading = Reading(arguments.units, arguments.up)
+    opened, news = read_as_said(path, library.session_for, reading, arguments.cameras)
+    note(" ".join(news) or None)
+    return opened
 
 
 def _serve(

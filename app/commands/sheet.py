@@ -80,16 +80,18 @@ def _cells(
     import cv2
     import numpy as np
 
-    from app.drawing.sheet import Cell, intervals
+    from app.drawing.sheet import Cell
     from app.drawing.snapshots import Look, rectified, snapshot
 
     look = Look("main", arguments.style, arguments.opacity / 100)
-    states = [*subject.states.values(), None]
-    rows = zip(subject.keys, intervals(subject.keys), states, strict=True)
-    for frame, interval, state in rows:
+    for frame in subject.keys:
+        after = subject.after(frame)
         small: Picture | None = None
         pose = subject.poses.pose(frame)
         if pose is not None and rectified(subject.session, video, frame) is not None:
             picture = snapshot(subject.session, video, frame, pose, look)
             small = np.asarray(cv2.resize(picture, size, interpolation=cv2.INTER_AREA), np.uint8)
+        interval, state = None, None
+        if after is not None:
+            interval, state = after[1] - after[0], subject.states[after]
         yield Cell(small, frame, subject.time_s(frame), interval, state)

@@ -6,7 +6,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import cv2
 import numpy as np
@@ -74,11 +73,6 @@ def sheet(cells: Iterator[Cell] | Sequence[Cell], columns: int, size: tuple[int,
         top, left = gap + row * (height + foot + gap), gap + column * (width + gap)
         whole[top : top + height + foot, left : left + width] = picture
     return whole
-
-
-def intervals(frames: Sequence[int]) -> list[int | None]:
-    """Frames from each keyframe to the next; None for the last."""
-    return [*(b - a for a, b in pairwise(frames)), None]
 
 
 def _cell(cell: Cell, size: tuple[int, int], foot: int, letter_px: float) -> Picture:

@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, TypeAdapter
 
 from app.posing import Gesture, Way
 from tracker.body import Dof, Name
-from tracker.settings import FrameIndex, Initial, MethodName, Quality
+from tracker.settings import FrameIndex, Initial, MethodName, Quality, Units, UpAxis, Weights
 
 Axis: TypeAlias = Literal["x", "y", "z"]
 Degrees: TypeAlias = Annotated[FiniteFloat, Field(ge=-1080, le=1080)]
@@ -51,13 +51,14 @@ class Select(Message):
 
 
 class Show(Message):
-    """How the body is drawn over the picture."""
+    """How the body is drawn over the picture, and by what an observed surface is coloured."""
 
     do: Literal["display"] = "display"
     mode: Literal["wire", "solid", "both"] | None = None
     opacity: Annotated[FiniteFloat, Field(ge=0, le=1)] | None = None
     ghosts: bool | None = None
     trail: bool | None = None
+    tint: Literal["clay", "contact", "photo", "distance"] | None = None
 
 
 class Live(Message):
@@ -305,6 +306,21 @@ class Settings(Edit):
     static_camera: bool | None = None
 
 
+class Observe(Edit):
+    """How observed surfaces are read and fitted. Fields that are left out stay; `model_frame` may
+    be null, the first keyframe. about: the point, camera frame, that other axes turn about."""
+
+    do: Literal["observe"] = "observe"
+    units: Units | None = None
+    up: UpAxis | None = None
+    about: tuple[Metres, Metres, Metres] = (0.0, 0.0, 0.0)
+    fps: Annotated[FiniteFloat, Field(gt=0, le=10_000)] | None = None
+    model_frame: FrameIndex | None = None
+    weights: Weights | None = None
+    distance: Literal["plane", "point"] | None = None
+    binding: Literal["nearest", "smooth"] | None = None
+
+
 # --- history, tracking, the session
 
 
@@ -394,7 +410,7 @@ Posing: TypeAlias = (
 Keying: TypeAlias = AddKey | DeleteKey | MoveKey | DuplicateKey | KeyAngle
 Shaping: TypeAlias = Size | Joint | Height | Preset | ResetBody | Tracked
 Filming: TypeAlias = Intrinsics | FieldOfView | Distortion | Vertical | ResetUp
-Choosing: TypeAlias = AddMask | ChangeMask | DeleteMask | Settings
+Choosing: TypeAlias = AddMask | ChangeMask | DeleteMask | Settings | Observe
 Rewinding: TypeAlias = Undo | Redo | EndStroke | CancelStroke
 Editing: TypeAlias = Looking | Posing | Keying | Shaping | Filming | Choosing | Rewinding
 """What `app.editor.update` knows to apply."""

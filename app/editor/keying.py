@@ -43,7 +43,11 @@ def moved(state: EditorState, action: do.MoveKey) -> Session:
     keyframe = _demand(state, action.frame)
     _demand_free(state, action.to)
     rest = without(state.doc.keyframes, action.frame)
-    return _keyed(state, rest, _at(state, keyframe, action.to))
+    doc = _keyed(state, rest, _at(state, keyframe, action.to))
+    if doc.surface is None or doc.surface.model_frame != action.frame:
+        return doc
+    surface = doc.surface.model_copy(update={"model_frame": action.to})
+    return doc.model_copy(update={"surface": surface})
 
 
 def duplicated(state: EditorState, action: do.DuplicateKey) -> Session:

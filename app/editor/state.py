@@ -7,6 +7,7 @@ from functools import cached_property
 from typing import Literal
 
 from app.editor.sights import up_of
+from app.editor.timing import times_of
 from app.posing import Readout, opening_pose
 from app.results import Fitting, Results, pose_at
 from tracker.geometry import Array
@@ -28,6 +29,7 @@ class Display:
     limits: bool = True
     axes: Literal["part", "parent", "view"] = "part"
     link: bool = True
+    tint: Literal["clay", "contact", "photo", "distance"] = "clay"
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +89,8 @@ class EditorState:
 
     def with_doc(self, doc: Session) -> EditorState:
         """The same with another document; the skeleton is laid out anew only for another body."""
+        if doc.surface is not self.doc.surface and doc.surface is not None:
+            self = replace(self, times_s=times_of(doc.surface, doc.video.frame_count))
         if doc.body is self.doc.body:
             return replace(self, doc=doc)
         changed = replace(self, doc=doc, skeleton=Skeleton.of(doc.body))

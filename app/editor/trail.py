@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -29,10 +28,11 @@ class Way:
 
 
 def way(edit: EditorState) -> Way | None:
-    """From the keyframe before the present frame to the one behind it; None outside of them."""
-    if len(edit.keys) < 2 or not edit.keys[0] <= edit.frame <= edit.keys[-1]:
+    """From the end of a segment before the present frame to the one behind it; None outside."""
+    ends = sorted({frame for span in edit.doc.spans for frame in span})
+    if not ends or not ends[0] <= edit.frame <= ends[-1]:
         return None
-    first, last = _reach(edit)
+    first, last = _reach(edit.frame, ends)
     pieces = list(_pieces(edit, first, last))
     Rs, ps = (np.concatenate(arrays) for arrays in zip(*pieces, strict=True))
     for posed in (*edit.doc.keyframes, *edit.doc.drafts):
@@ -47,19 +47,19 @@ def way(edit: EditorState) -> Way | None:
     return Way(part, tuple(range(first, last + 1)), joints[:, index], keys)
 
 
-def _reach(edit: EditorState) -> tuple[int, int]:
-    """First and last frame, within the keyframes."""
-    before = [key for key in edit.keys if key < edit.frame]
-    after = [key for key in edit.keys if key > edit.frame]
-    first = before[-1] if before else edit.frame
-    last = after[0] if after else edit.frame
-    return max(first, edit.frame - REACH), min(last, edit.frame + REACH)
+def _reach(frame: int, ends: Sequence[int]) -> tuple[int, int]:
+    """First and last frame, within the segments."""
+    before = [end for end in ends if end < frame]
+    after = [end for end in ends if end > frame]
+    first = before[-1] if before else frame
+    last = after[0] if after else frame
+    return max(first, frame - REACH), min(last, frame + REACH)
 
 
 def _pieces(edit: EditorState, first: int, last: int) -> Iterator[tuple[Array, Array]]:
     """Rotations and positions of the frames, segment by segment, tracked or interpolated."""
     at = first
-    for start, end in pairwise(edit.keys):
+    for start, end in edit.doc.spans:
         if end < first or start > last or at > last:
             continue
         motion = _motion(edit, start, end)
@@ -72,9 +72,9 @@ def _motion(edit: EditorState, start: int, end: int) -> Trajectory:
     track = edit.fitting.get((start, end))
     if track is not None:
         return track.trajectory
-    poses = [find(edit.doc.keyframes, frame) for frame in (start, end)]
-    one, other = (known.pose(edit.skeleton) for known in poses if known is not None)
-    return interpolate(one, other, start, end)
+    found = (find(edit.doc.keyframes, frame) for frame in (start, end))
+    posed = [known.pose(edit.skeleton) for known in found if known is not None]
+    return interpolate(posed[0], posed[-1], start, end)  # of an open end one pose is known
 
 
 def _far_end(edit: EditorState, part: str) -> str:

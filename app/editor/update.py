@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from app.editor import actions as do
-from app.editor import choosing, filming, keying, posing_edits, shaping
+from app.editor import choosing, filming, keying, observing, posing_edits, shaping
 from app.editor.documents import keyframe_of
 from app.editor.refusal import Refused
 from app.editor.shown import shown
@@ -156,6 +156,7 @@ _HOW: dict[type, Callable[[EditorState, Any], Session]] = {
     do.ChangeMask: choosing.mask_changed,
     do.DeleteMask: choosing.mask_deleted,
     do.Settings: choosing.chosen,
+    do.Observe: observing.observed,
 }
 
 
@@ -230,4 +231,5 @@ _LABELS: dict[str, tuple[str, str | None]] = {
     "change_mask": ("change a mask", None),
     "delete_mask": ("delete a mask", None),
     "settings": ("settings", None),
+    "observe": ("surfaces", None),
 }

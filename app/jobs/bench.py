@@ -5,13 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from app.results import Span
 from tracker.errors import SessionError
 from tracker.pose import Pose
 from tracker.session import Session
+from tracker.session.files import open_video_at
 from tracker.session.first_motion import of_session
-from tracker.session.tracking import demand_first_motion
+from tracker.session.tracking import demand_first_motion, fitter_of
 from tracker.skeleton import Skeleton
-from tracker.track import Tracker
+from tracker.surface.fitter import SurfaceFitter
+from tracker.track import SegmentTracker, Tracker
 from tracker.video import Video
 
 
@@ -19,7 +22,7 @@ class Bench:
     """The open video, its prepared pictures, the body laid out.
 
     Pictures stay prepared while video, camera, masks and the plate setting are the same; what is
-    laid out for the body stays while the body is.
+    laid out for the body stays while the body is. Of surfaces the latest meshes stay.
     """
 
     def __init__(self) -> None:
@@ -27,17 +30,32 @@ class Bench:
         self._opened: Any = None
         self._prepared_for: Any = None
         self._tracker: Tracker | None = None
+        self._fitted_for: Any = None
+        self._fitter: SurfaceFitter | None = None
 
     def tracker(
         self, session: Session, video_path: str, first: int, last: int, folder: Path = Path()
-    ) -> Tracker:
+    ) -> SegmentTracker:
         """A tracker of one segment, which depends on nothing but that segment.
 
         folder: of the session's file, where the motion lies that it may start from.
 
-        SessionError or VideoError in one sentence where it cannot be had.
+        KeyposeError in one sentence where it cannot be had.
         """
-        video = self.video(video_path)
+        if session.surface is not None:
+            return self.fitter(session, video_path, folder).only(first, last)
+        return self._of_film(session, self.video(session, video_path), (first, last), folder)
+
+    def fitter(self, session: Session, path: str, folder: Path) -> SurfaceFitter:
+        """What fits the surfaces of a session; as the last one while nothing of it is another."""
+        made_of = (session.body, session.surface, session.keyframes)
+        video = self.video(session, path, folder)
+        if self._fitter is None or self._fitted_for != made_of:
+            self._fitter, self._fitted_for = fitter_of(session, video), made_of
+        return self._fitter
+
+    def _of_film(self, session: Session, video: Video, span: Span, folder: Path) -> Tracker:
+        first, last = span
         masks, static = session.ignore_masks, session.settings.static_camera
         prepared_for = (self._opened, session.camera, masks, static)
         if prepared_for != self._prepared_for:
@@ -54,12 +72,17 @@ class Bench:
             self._tracker = self._tracker.renewed(skeleton, poses, start)
         return self._tracker
 
-    def video(self, path: str) -> Video:
-        """The video at a path, opened again only when another file lies there now."""
-        opened = _identity(Path(path))
+    def video(self, session: Session, path: str, folder: Path = Path()) -> Video:
+        """The video at a path, opened again only when another file lies there now; or when the
+        session has its surfaces read otherwise.
+
+        folder: of the session's file.
+        """
+        opened = (_identity(Path(path)), *_reading(session, folder))
         if self._video is None or opened != self._opened:
             self.close()
-            self._video, self._opened = Video.open(path), opened
+            self._video = open_video_at(session, Path(path), folder)
+            self._opened = opened
         return self._video
 
     def close(self) -> None:
@@ -67,6 +90,7 @@ class Bench:
         if self._video is not None:
             self._video.close()
         self._video = self._opened = self._prepared_for = self._tracker = None
+        self._fitter = self._fitted_for = None
 
     def _skeleton(self, session: Session) -> Skeleton:
         if self._tracker is not None and self._tracker.skeleton.body == session.body:
@@ -81,6 +105,15 @@ def _ends(session: Session, skeleton: Skeleton, first: int, last: int) -> dict[i
         if frame not in keyframes:
             raise SessionError(f"Frame {frame} has no keyframe; pose it first.")
     return {frame: keyframes[frame].pose(skeleton) for frame in (first, last)}
+
+
+def _reading(session: Session, folder: Path) -> tuple[Any, ...]:
+    """What besides the file decides what is seen of a session's surfaces; nothing of a film."""
+    surface = session.surface
+    if surface is None:
+        return ()
+    cameras = None if surface.cameras is None else _identity(folder / surface.cameras)
+    return (surface.units, surface.up, surface.p_camera_surface, cameras)
 
 
 def _identity(path: Path) -> Any:

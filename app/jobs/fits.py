@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import traceback
 from collections.abc import Callable
+from pathlib import Path
 from threading import Event
 
 from pydantic import ValidationError
@@ -21,7 +22,7 @@ from app.jobs.reports import (
     SizesFitted,
     SizesOrder,
 )
-from tracker.errors import KeyposeError
+from tracker.errors import KeyposeError, SurfaceError
 from tracker.session import Session
 from tracker.skeleton import Skeleton
 from tracker.video import Video
@@ -55,10 +56,28 @@ class Fit:
 
     def _fitted(self, bench: Bench) -> Fitted:
         session = Session.model_validate_json(self.order.session)
-        video = bench.video(self.order.video_path)
+        if session.surface is not None:
+            return self._on_surface(self.order, session, bench)
+        video = bench.video(session, self.order.video_path)
         if isinstance(self.order, PoseOrder):
             return self._pose(self.order, session, video)
         return self._sizes(self.order, session, video)
+
+    def _on_surface(self, order: FitOrder, session: Session, bench: Bench) -> PoseFitted:
+        if isinstance(order, SizesOrder):
+            raise SurfaceError(
+                "Sizes are fitted to pictures, not to surfaces: set them in Body, by what you see."
+            )
+        if session.model_keyframe is None:
+            raise SurfaceError(
+                "Nothing to fit yet: pose the body in one of the meshes and make that a keyframe; "
+                "its surface then moves with the body."
+            )
+        from tracker.surface.fit_here import fit_here  # loads what only this needs
+
+        fitter = bench.fitter(session, order.video_path, Path(order.folder))
+        found = fit_here(fitter, order.frame, order.pose)
+        return PoseFitted(order.job, found.pose, found.moved, found.words)
 
     def _pose(self, order: PoseOrder, session: Session, video: Video) -> PoseFitted:
         from tracker.fit_here import fit_here  # loads what only this needs

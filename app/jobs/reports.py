@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 from app.results import SegmentTrack, Span
 from tracker.body import Body
@@ -16,6 +16,9 @@ from tracker.trajectory import Trajectory
 
 Wanted: TypeAlias = tuple[int, int, str]
 """First frame, last frame and key of a segment to track."""
+
+
+Unit: TypeAlias = Literal["pass", "step"]
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,7 @@ class PoseOrder:
 
     session: JSON of a session with the body, the camera, the masks and all keyframes.
     tracked: the tracked poses of frames near, by frame.
+    folder: of the session's file.
     """
 
     session: bytes
@@ -47,6 +51,7 @@ class PoseOrder:
     frame: int
     pose: Pose
     tracked: Mapping[int, Pose] = field(default_factory=dict)
+    folder: str = ""
     job: int = 0
 
 
@@ -104,7 +109,10 @@ class Started:
 
 @dataclass(frozen=True, eq=False)
 class PassFinished:
-    """One more trajectory of a segment, the `number`th (from 0) of about `of`. Not of previews."""
+    """One more trajectory of a segment, the `number`th (from 0) of about `of`. Not of previews.
+
+    unit: what is counted; of surfaces it is the steps of time that are done.
+    """
 
     job: int
     first: int
@@ -115,6 +123,12 @@ class PassFinished:
     of: int
     score: float
     trajectory: Trajectory
+    unit: Unit = "pass"
+
+    @property
+    def words(self) -> str:
+        """Such as "pass 3 of 8"."""
+        return f"{self.unit} {self.number + 1} of {max(self.of, self.number + 1)}"
 
     @property
     def span(self) -> Span:
@@ -123,7 +137,7 @@ class PassFinished:
     @property
     def track(self) -> SegmentTrack:
         """The trajectory as a result that is not finished."""
-        words = f"Pass {self.number + 1} of {max(self.of, self.number + 1)}"
+        words = self.words.capitalize()
         return SegmentTrack.on_the_way(self.key, self.quality, self.trajectory, self.score, words)
 
 

@@ -159,5 +159,7 @@ class Tracking:
 def _needed(session: Session, wanted: Sequence[Wanted]) -> Session:
     """The session without what these segments do not need: it is read anew for every job."""
     frames = {frame for first, last, _ in wanted for frame in (first, last)}
+    if session.model_keyframe is not None:  # its surface moves with the body, everywhere
+        frames.add(session.model_keyframe.frame)
     keyframes = tuple(k for k in session.keyframes if k.frame in frames)
     return session.model_copy(update={"keyframes": keyframes, "drafts": (), "results": None})

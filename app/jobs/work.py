@@ -20,6 +20,7 @@ from app.jobs.reports import (
     Report,
     SegmentFinished,
     Started,
+    Unit,
     Wanted,
 )
 from app.results import SegmentTrack, Span
@@ -27,7 +28,7 @@ from tracker.errors import KeyposeError
 from tracker.scoring import Pass
 from tracker.session import Session
 from tracker.settings import Quality, TrackSettings
-from tracker.track import Tracker, expected_steps
+from tracker.track import SegmentTracker
 from tracker.wording import one_sentence
 
 Tell = Callable[[Report], None]
@@ -76,7 +77,7 @@ class Job:
         else:
             self._tell(JobFinished(order.job, cancelled=self._left))
 
-    def _tracker(self, bench: Bench, session: Session, wanted: Wanted) -> Tracker | None:
+    def _tracker(self, bench: Bench, session: Session, wanted: Wanted) -> SegmentTracker | None:
         """What is wrong with one segment does not stop the others."""
         first, last, _ = wanted
         try:
@@ -87,7 +88,9 @@ class Job:
             self._fail((first, last), str(error))
             return None
 
-    def _segment(self, tracker: Tracker, session: Session, wanted: Wanted, stage: Quality) -> None:
+    def _segment(
+        self, tracker: SegmentTracker, session: Session, wanted: Wanted, stage: Quality
+    ) -> None:
         """Track a segment, as far as it goes."""
         span = wanted[:2]
         if span in self._failed:
@@ -105,16 +108,16 @@ class Job:
             self._fail(span, _fault(error))
 
     def _track(
-        self, tracker: Tracker, settings: TrackSettings, wanted: Wanted, stage: Quality
+        self, tracker: SegmentTracker, settings: TrackSettings, wanted: Wanted, stage: Quality
     ) -> None:
-        job, of = self.order.job, expected_steps(settings)
+        job, of = self.order.job, tracker.expected_steps(0, settings)
 
         def emit(step: Pass, number: int) -> None:
             self._go_on()
             if stage != "preview":  # the next pass would be there before this one is drawn
                 score = float("nan") if step.score is None else step.score
-                path = step.trajectory
-                self._tell(PassFinished(job, *wanted, stage, number, of, score, path))
+                path, unit = step.trajectory, _unit(step)
+                self._tell(PassFinished(job, *wanted, stage, number, of, score, path, unit))
 
         result = tracker.run_segment(0, settings, emit)
         self._tell(SegmentFinished(job, SegmentTrack.of(wanted[2], stage, result)))
@@ -137,6 +140,11 @@ def _settings(settings: TrackSettings, stage: Quality) -> TrackSettings:
     """The session's settings at one quality; a preview keeps to its own number of passes."""
     passes = None if stage == "preview" and settings.method == "keypose" else settings.passes
     return settings.model_copy(update={"quality": stage, "passes": passes})
+
+
+def _unit(step: Pass) -> Unit:
+    """Surfaces are fitted step by step, films pass by pass."""
+    return "step" if step.what == "fit" else "pass"
 
 
 def _too_long(first: int, last: int) -> str:

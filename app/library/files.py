@@ -1,4 +1,4 @@
-"""The videos, sessions and folders of images in the folders that may be looked into."""
+"""The videos, surfaces, sessions and folders of images in the folders that may be looked into."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from typing import Literal, TypeAlias
 from urllib.parse import quote_from_bytes, unquote_to_bytes
 
 from app.library.names import shown
-from app.library.uploading import SUFFIXES
+from app.library.uploading import SUFFIXES, SURFACES
 from tracker.errors import KeyposeError
 
-Kind: TypeAlias = Literal["video", "images", "session"]
+Kind: TypeAlias = Literal["video", "images", "meshes", "session"]
 
 MOST_FILES = 2000
 MOST_ENTRIES = 20_000
@@ -25,6 +25,9 @@ LONGEST_SECONDS = 3.0
 
 SESSION_FOLDER = ".keypose"
 _IMAGES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".pgm")
+_MESHES = (".ply", ".obj", ".glb", ".off")
+_FEW_IMAGES = 2
+"""Beside each mesh: its textures. Where there are more, the folder is one of images."""
 _HEAD_BYTES = 512
 _SET_ASIDE = re.compile(r"\.theirs-[0-9a-f]{8}\.json$")
 """The name of what another program wrote into a session, kept beside it."""
@@ -39,7 +42,7 @@ class Found:
     name: str
     folder: str
     bytes: int
-    images: int  # of a folder of images
+    count: int  # of images or meshes in a folder of them
     modified_s: float
 
 
@@ -120,15 +123,22 @@ def _in_folder(number: int, root: Path, here: Path, names: Sequence[str]) -> Ite
         kind = _kind(here / name)
         if kind is not None:
             yield from _found(number, root, here / name, kind)
-    images = [name for name in seen if name.lower().endswith(_IMAGES)]
-    if len(images) > 1 and here != root:
-        yield from _found(number, root, here, "images", len(images))
+    if here != root:
+        images, meshes = (
+            sum(name.lower().endswith(of) for name in seen) for of in (_IMAGES, _MESHES)
+        )
+        if meshes > 1 and images <= _FEW_IMAGES * meshes:
+            yield from _found(number, root, here, "meshes", meshes)
+        elif images > 1:
+            yield from _found(number, root, here, "images", images)
 
 
 def _kind(path: Path) -> Kind | None:
     suffix = path.suffix.lower()
     if suffix in SUFFIXES:
         return "video"
+    if suffix == SURFACES:
+        return "meshes"
     return "session" if suffix == ".json" and is_session(path) else None
 
 
@@ -149,7 +159,7 @@ def is_session(path: Path) -> bool:
     return b'"schema_version"' in head and b'"video"' in head
 
 
-def _found(number: int, root: Path, path: Path, kind: Kind, images: int = 0) -> Iterator[Found]:
+def _found(number: int, root: Path, path: Path, kind: Kind, count: int = 0) -> Iterator[Found]:
     try:
         facts = path.stat()
     except OSError:  # a link to nowhere
@@ -164,7 +174,7 @@ def _found(number: int, root: Path, path: Path, kind: Kind, images: int = 0) -> 
         name=shown(name),
         folder=shown(str(folder)),
         bytes=facts.st_size,
-        images=images,
+        count=count,
         modified_s=facts.st_mtime,
     )
 

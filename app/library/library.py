@@ -13,7 +13,7 @@ from app.library.names import shown
 from app.library.places import SESSION, session_for
 from app.library.recents import Recent, Span, forget, read_recents, remember, spans_of
 from app.library.samples import bundled, own_copy
-from app.library.uploading import LARGEST_BYTES, SUFFIXES, Upload
+from app.library.uploading import LARGEST_BYTES, SUFFIXES, SURFACES, Upload
 from tracker.errors import KeyposeError, SessionError
 from tracker.session.atomic import make_folder, write_file
 from tracker.session.files import load_session, open_video_of, save_session
@@ -64,13 +64,13 @@ class Library:
             "files": [
                 {
                     **{"id": f.id, "kind": f.kind, "name": f.name, "folder": f.folder},
-                    **{"bytes": f.bytes, "count": f.images, "modified_at": f.modified_s},
+                    **{"bytes": f.bytes, "count": f.count, "modified_at": f.modified_s},
                 }
                 for f in listing.files
             ],
             "more": listing.more,
             "folders": [shown(str(root)) for root in self.roots if root.is_dir()],
-            "suffixes": list(SUFFIXES),
+            "suffixes": [*SUFFIXES, SURFACES],
             "largest_upload": self._largest,
         }
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Literal, Self, TypeAlias
 
@@ -56,7 +55,8 @@ class Recent(BaseModel):
             middle_frame=middle_frame(session),
             strip=strip_of(spans, session.video.frame_count),
             opened_at=now_s,
-            fingerprint=session.video.fingerprint,
+            # Meshes have another kind of fingerprint; that they are others is told on opening.
+            fingerprint="" if session.surface is not None else session.video.fingerprint,
         )
 
 
@@ -89,8 +89,7 @@ def forget(file: Path, id: str) -> None:
 def spans_of(session: Session) -> list[Span]:
     """The verdicts a session file tells itself."""
     found = {(s.first_frame, s.last_frame): s.verdict for s in _summaries(session)}
-    frames = [keyframe.frame for keyframe in session.keyframes]
-    return [(first, last, found.get((first, last), "none")) for first, last in pairwise(frames)]
+    return [(first, last, found.get((first, last), "none")) for first, last in session.spans]
 
 
 def strip_of(spans: Sequence[Span], frame_count: int) -> tuple[Piece, ...]:

@@ -11,8 +11,8 @@ from pathlib import Path
 from tracker.errors import KeyposeError
 from tracker.session.atomic import make_folder
 
-_COPIED = {".mp4", ".json", ".md", ""}
-"""Endings of what goes along: the clip, its session, what is told of them, the licence."""
+_COPIED = {".mp4", ".json", ".md", ".ply", ""}
+"""Endings of what goes along: clip or surfaces, session, what is told of them, the licence."""
 
 
 @dataclass(frozen=True)
@@ -26,6 +26,7 @@ class Sample:
 SAMPLES = (
     Sample("balance", "A man walks a beam and leans over. 61 frames with 5 keyframes."),
     Sample("person", "A rendered figure walks by. 73 frames with 4 keyframes."),
+    Sample("arms", "Three arms close and touch. 19 frames of surfaces, no film, with 1 keyframe."),
     Sample("box", "A box tumbles through the picture. 41 frames with 2 keyframes."),
 )
 
@@ -50,10 +51,11 @@ def _copy(source: Path, place: Path) -> None:
     """Whole or not at all: the folder gets its name once everything is in it."""
     temporary = place.with_name(f".{place.name}.{secrets.token_hex(6)}.part")
     try:
-        temporary.mkdir()
-        for file in source.iterdir():
+        for file in source.rglob("*"):
             if file.is_file() and file.suffix in _COPIED:
-                shutil.copyfile(file, temporary / file.name)
+                copy = temporary / file.relative_to(source)
+                copy.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(file, copy)
         with suppress(FileNotFoundError):
             place.rmdir()  # left empty by hand
         temporary.rename(place)

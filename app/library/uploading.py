@@ -20,6 +20,8 @@ SPARE_BYTES: Final = 256 * 2**20
 """Left free on the disk: sessions and results have to be saved too."""
 
 SUFFIXES = (".mp4", ".mov", ".m4v", ".mkv", ".webm", ".avi")
+SURFACES = ".glb"
+"""Of observed surfaces that are one file; a folder of meshes is opened where it lies."""
 STALE_SECONDS = 24 * 3600
 
 _PART = ".part"
@@ -100,9 +102,9 @@ class Upload:
             self._temporary.unlink()
 
     def _demand_video(self) -> None:
-        if not self.name.lower().endswith(SUFFIXES):
+        if not self.name.lower().endswith((*SUFFIXES, SURFACES)):
             raise KeyposeError(
-                f"{self.name} is no video. Keypose opens MP4, MOV, MKV, WebM and AVI."
+                f"{self.name} is no video. Keypose opens MP4, MOV, MKV, WebM and AVI, and GLB."
             )
 
     def _demand_room(self, largest_bytes: int) -> None:

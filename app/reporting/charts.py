@@ -35,8 +35,7 @@ AXES = ("x", "y", "z")
 
 def over_time(subject: Subject) -> Html:
     """Verdicts, rank and observability of the groups of parts, one below the other, by frame."""
-    keys = subject.keys
-    scale = Scale(keys[0], keys[-1])
+    scale = Scale(*subject.ends)
     rows = [_row("Segments", _strip(subject, scale), "strip")]
     if any(track.finished for track in subject.fitting.values()):
         rows += [*_rank_row(subject, scale), *_lane_rows(subject, scale)]
@@ -116,12 +115,12 @@ def _rank_row(subject: Subject, scale: Scale) -> Iterator[Html]:
             rank[a:b] = np.where(track.rank >= 0, track.rank, np.nan)
     if np.isnan(rank).all():
         return
-    of, least = subject.skeleton.dof_count, int(np.nanmin(rank))
+    of, least = subject.dof_count, int(np.nanmin(rank))
     low = max(0, min(least, of - 4) - 1)
     values = Scale(scale.first, scale.last, low, of)
     short = np.where(rank < of, rank, np.nan)
     words = f"Rank of every step, {least} at least of {of} degrees of freedom"
-    lines = [path(uprights(subject.keys[1:-1], scale), "keys")]
+    lines = [path(uprights(_inner_keys(subject), scale), "keys")]
     drawn = drawing(
         *lines,
         path(steps(rank, first, values), "rank"),
@@ -145,7 +144,7 @@ def _lane_rows(subject: Subject, scale: Scale) -> Iterator[Html]:
         hidden = _hidden(values, first, scale)
         least = float(np.nanmin(values))
         drawn = drawing(
-            path(uprights(subject.keys[1:-1], scale), "keys"),
+            path(uprights(_inner_keys(subject), scale), "keys"),
             path(area(values, first, scale), "lane"),
             words=f"What the picture tells of {label}, 0 to 1: {least:.2f} at least",
         )
@@ -169,6 +168,12 @@ def _hidden(values: Array, first: int, scale: Scale) -> Iterator[Html]:
         place = f"left:{left:.2f}%;width:{width:.2f}%"
         title = f"{run[0].first}–{run[-1].last}"
         yield element("i", class_="hidden", style=place, title=f"Hidden {title}")
+
+
+def _inner_keys(subject: Subject) -> tuple[int, ...]:
+    """The keyframes where two segments meet."""
+    first, last = subject.ends
+    return tuple(key for key in subject.keys if first < key < last)
 
 
 def _strip(subject: Subject, scale: Scale) -> Html:
@@ -207,8 +212,8 @@ def _multiple(
         return
     shown = values[:, moving]
     low, high = float(np.nanmin(shown)), float(np.nanmax(shown))
-    keys = subject.keys
-    scale = Scale(keys[0], keys[-1], low - 0.08 * (high - low), high + 0.08 * (high - low))
+    keys, (start, end) = subject.keys, subject.ends
+    scale = Scale(start, end, low - 0.08 * (high - low), high + 0.08 * (high - low))
     digits = 0 if unit == "°" else 2
     curves = [path(curve(values[:, k], first, scale), f"curve {AXES[k]}") for k in moving]
     marks = [
@@ -224,7 +229,7 @@ def _multiple(
             high=number_text(high, digits) + unit,
             low=number_text(low, digits) + unit,
         ),
-        _ticks([(0.0, str(keys[0])), (100.0, str(keys[-1]))]),
+        _ticks([(0.0, str(start)), (100.0, str(end))]),
         class_="multi",
     )
 

@@ -17,7 +17,9 @@ from app.reporting.subject import STATE_WORDS, Subject, subject_of
 from app.reporting.tables import keyframes_table, segments_table, verdict
 from app.results import Span, State
 from app.suggesting import suggestion
+from app.suggesting_surfaces import surface_suggestion
 from tracker.session.schema import Session
+from tracker.settings import Weights
 from tracker.video import Video
 
 __all__ = [
@@ -74,6 +76,8 @@ def verdict_section(subject: Subject) -> Html:
     """Every segment with its verdict in words."""
     if not subject.spans:
         few = "Two keyframes make the first segment; there is none yet."
+        if subject.is_of_surfaces:
+            few = "One keyframe is enough to fit the body to the surfaces; there is none yet."
         return _section("Verdicts", element("p", few, class_="quiet"))
     return _section("Verdicts", _scrolling(segments_table(subject)))
 
@@ -83,14 +87,16 @@ def charts_section(subject: Subject) -> Html:
     if not subject.spans:
         return Html("")
     tracks = [track for track in subject.fitting.values() if track.finished]
+    what = "surface" if subject.is_of_surfaces else "picture"
+    led = "steps before" if subject.is_of_surfaces else "keyframes"
     words = (
-        "Rank counts the motions that the picture decides at every step. The lanes tell how much "
+        f"Rank counts the motions that the {what} decides at every step. The lanes tell how much "
         "it shows of each group of parts; where they are hatched it shows too little, and the "
-        "motion is led by the keyframes."
+        f"motion is led by the {led}."
     )
     seen = element("p", words, class_="quiet") if tracks else None
     pieces = [_section("Over time", seen, over_time(subject))]
-    if tracks:
+    if tracks and not subject.is_of_surfaces:
         charts = [score_chart(track) for track in tracks[:MOST_SCORES]]
         words = "The difference of brightness that is left after every pass; lower is better."
         more = _left_out(len(tracks) - len(charts), "segments")
@@ -144,9 +150,10 @@ def pictures_section(subject: Subject, video: Video | None) -> Html:
 def _facts(subject: Subject) -> list[str]:
     session, video = subject.session, subject.video
     clip = session.video
-    facts = [Path(clip.path).name, f"{clip.width} × {clip.height} pixels"]
+    facts = [Path(clip.path).name, _kind(session)]
     if video is None:
-        facts += [f"{clip.frame_count} frames", "video not at hand"]
+        what = "surfaces" if subject.is_of_surfaces else "video"
+        facts += [f"{clip.frame_count} frames", f"{what} not at hand"]
     else:
         rate = "about " if video.variable_rate else ""
         facts += [
@@ -154,15 +161,36 @@ def _facts(subject: Subject) -> list[str]:
             f"{rate}{number_text(video.fps, 2)} frames/s",
         ]
     facts.append(f"body {session.body.name.replace('_', ' ')}, {len(session.body.parts)} parts")
-    if session.results is not None:
+    if session.results is not None and session.surface is not None:
+        facts.append(f"{_WEIGHTS[session.surface.weights]}, quality {session.results.quality}")
+    elif session.results is not None:
         facts.append(f"method {session.results.method}, quality {session.results.quality}")
     return facts
+
+
+def _kind(session: Session) -> str:
+    """How large the pictures are, or how the surfaces' files are read."""
+    if session.surface is None:
+        return f"{session.video.width} × {session.video.height} pixels"
+    up = session.surface.up.replace("-", "−").upper()
+    return f"observed surfaces in {session.surface.units}, {up} up"
+
+
+_WEIGHTS: Mapping[Weights, str] = {
+    "both": "doubts by contact and cameras",
+    "contact": "doubts by contact",
+    "photo": "doubts by cameras",
+    "none": "no doubts",
+}
 
 
 def _summary(subject: Subject) -> list[str]:
     """The outcome, and what would help most."""
     names = subject.session.body.names
-    next_ = suggestion(subject.keys, subject.session.video.frame_count, subject.fitting, names)
+    if subject.is_of_surfaces:
+        next_ = surface_suggestion(subject.keys, subject.spans, subject.fitting)
+    else:
+        next_ = suggestion(subject.keys, subject.session.video.frame_count, subject.fitting, names)
     advice = f"{next_.words} {_sentence(next_.reason)}".strip()
     if not subject.spans:
         return [advice]
@@ -170,6 +198,8 @@ def _summary(subject: Subject) -> list[str]:
     told = ", ".join(f"{found[state]} {words}" for state, words in _TOLD.items() if found[state])
     count = len(subject.spans)
     outcome = f"{count} segment{'s' if count > 1 else ''}: {told}."
+    if len(subject.keys) < 2:
+        return [outcome, advice]
     interval = f"A keyframe every {number_text(subject.mean_interval, 1)} frames on average."
     return [f"{outcome} {interval}", advice]
 
@@ -192,12 +222,12 @@ def _tiles(subject: Subject) -> Html:
         if found[state]
     ]
     tiles.append(_tile(str(len(subject.keys)), "keyframes"))
-    if subject.spans:
+    if len(subject.keys) > 1:
         tiles.append(_tile(number_text(subject.mean_interval, 1), "frames between keyframes"))
     ranks = [track.rank[track.rank >= 0] for track in subject.fitting.values()]
     least = min((int(rank.min()) for rank in ranks if len(rank)), default=None)
     if least is not None:
-        tiles.append(_tile(f"{least}/{subject.skeleton.dof_count}", "lowest rank"))
+        tiles.append(_tile(f"{least}/{subject.dof_count}", "lowest rank"))
     return element("div", *tiles, class_="tiles")
 
 
@@ -228,11 +258,12 @@ def _closer_look(subject: Subject, video: Video, span: Span, go: int) -> Html:
 
 
 def _keyframe_picture(subject: Subject, video: Video, frame: int) -> Html:
-    after = next((span for span in subject.spans if span[0] == frame), None)
+    after = subject.after(frame)
     words: Child = None
     if after is not None:
         state = subject.states[after]
-        words = verdict(state, f"{after[1] - after[0]} to the next")
+        far = "next" if after[1] in subject.keys else "end"
+        words = verdict(state, f"{after[1] - after[0]} to the {far}")
     picture = thumbnail(subject, video, frame)
     missing = element("p", "The video has lost this frame.", class_="quiet")
     caption = element("figcaption", element("b", str(frame)), _seconds(subject, frame), words)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -28,7 +27,7 @@ STATE_WORDS: Mapping[State, str] = {
 
 @dataclass(frozen=True, eq=False)
 class Subject:
-    """states has every stretch between two keyframes; fitting those with a motion that is theirs.
+    """states has every segment; fitting those with a motion that is theirs.
 
     video:   the facts of the video, None where it is not at hand.
     problem: a sentence where the motion is absent in part or does not fit; None where all is well.
@@ -59,13 +58,34 @@ class Subject:
 
     @property
     def spans(self) -> tuple[Span, ...]:
-        """The stretches between neighbouring keyframes."""
-        return tuple(pairwise(self.keys))
+        """The segments: between neighbouring keyframes, of surfaces also on their outer sides."""
+        return self.session.spans
+
+    @property
+    def ends(self) -> Span:
+        """The first frame of the first segment and the last of the last; there must be one."""
+        return self.spans[0][0], self.spans[-1][1]
+
+    @property
+    def is_of_surfaces(self) -> bool:
+        """Whether surfaces were observed instead of a film."""
+        return self.session.surface is not None
+
+    @property
+    def dof_count(self) -> int:
+        """Degrees of freedom that were estimated; to surfaces all of every part."""
+        parts = len(self.session.body.parts)
+        return 3 + 3 * parts if self.is_of_surfaces else self.skeleton.dof_count
 
     @property
     def mean_interval(self) -> float:
         """Frames between neighbouring keyframes, on average; NaN with fewer than two."""
-        return (self.keys[-1] - self.keys[0]) / len(self.spans) if self.spans else np.nan
+        keys = self.keys
+        return (keys[-1] - keys[0]) / (len(keys) - 1) if len(keys) > 1 else np.nan
+
+    def after(self, frame: int) -> Span | None:
+        """The segment that begins at a frame."""
+        return next((span for span in self.spans if span[0] == frame), None)
 
     def words(self, span: Span) -> str:
         """The verdict on a segment for a person, or what keeps it from having one."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from app.posing.words import number_text
 from app.reporting.markup import Child, Html, element
@@ -11,9 +12,11 @@ from app.results import SegmentTrack, Span, State
 
 
 def segments_table(subject: Subject) -> Html:
-    """Every stretch between two keyframes with its verdict in words."""
-    head = ("Frames", "Time, s", "Length", "Verdict", "Passes", "Best score")
-    return table(head, [_segment_row(subject, span) for span in subject.spans], _NUMBERS)
+    """Every segment with its verdict in words, and how well its motion fits."""
+    scores = ("Apart, mm",) if subject.is_of_surfaces else ("Passes", "Best score")
+    head = ("Frames", "Time, s", "Length", "Verdict", *scores)
+    numbers = tuple(i for i, words in enumerate(head) if words != "Verdict")
+    return table(head, [_segment_row(subject, span) for span in subject.spans], numbers)
 
 
 def keyframes_table(subject: Subject) -> Html:
@@ -33,7 +36,7 @@ def keyframes_table(subject: Subject) -> Html:
 
 
 def table(
-    head: tuple[str, ...],
+    head: Sequence[str],
     rows: list[list[Child]],
     numbers: tuple[int, ...],
     foot: list[Child] | None = None,
@@ -70,32 +73,33 @@ def best_score(track: SegmentTrack) -> float:
 
 def _segment_row(subject: Subject, span: Span) -> list[Child]:
     first, last = span
-    track = subject.fitting.get(span)
-    passes, score = "–", math.nan
-    if track is not None and track.finished:
-        passes = str(len(track.scores))
-        score = best_score(track)
     times = f"{figure(subject.time_s(first), 2)}–{figure(subject.time_s(last), 2)}"
     return [
         _number(f"{first}–{last}"),
         _number(times),
         _number(str(last - first)),
         element("td", verdict(subject.states[span], subject.words(span))),
-        _number(passes),
-        _number(figure(score, 2)),
+        *_scores(subject, span),
     ]
 
 
-_NUMBERS = (0, 1, 2, 4, 5)
+def _scores(subject: Subject, span: Span) -> list[Child]:
+    """Passes and the best score; of surfaces, millimetres between them and the body's."""
+    track = subject.fitting.get(span)
+    found = track is not None and track.finished
+    score = best_score(track) if found and track is not None else math.nan
+    if subject.is_of_surfaces:
+        return [_number(figure(1000 * score, 1))]
+    return [_number(str(len(track.scores)) if found and track else "–"), _number(figure(score, 2))]
 
 
 def _keyframe_row(subject: Subject, i: int) -> list[Child]:
     keys = subject.keys
     frame, time_s = keys[i], subject.time_s(keys[i])
     cells = [_number(str(i + 1)), _number(str(frame)), _number(figure(time_s, 2))]
-    if i + 1 == len(keys):
+    span = subject.after(frame)
+    if span is None:
         return [*cells, _number(""), _number(""), element("td")]
-    span = (frame, keys[i + 1])
     return [
         *cells,
         _number(str(span[1] - span[0])),

@@ -124,10 +124,12 @@ def _key(session: Session, keys: dict[Span, str], path: Trajectory) -> str:
 
 
 def _goes_through(session: Session, path: Trajectory) -> bool:
-    """Whether both keyframes are where the motion ends."""
+    """Whether the keyframes are where the motion ends; an open end is nobody's."""
     skeleton = Skeleton.of(session.body)
     at = {keyframe.frame: keyframe for keyframe in session.keyframes}
     for frame in (path.first_frame, path.last_frame):
+        if frame not in at:
+            continue
         keyed, found = at[frame].pose(skeleton), path.pose(frame)
         turn = np.abs(keyed.Rs_parent_part - found.Rs_parent_part).max()
         shift = np.abs(keyed.p_camera_root - found.p_camera_root).max()

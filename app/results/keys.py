@@ -1,15 +1,18 @@
-"""A segment's key: equal where the motion between two keyframes comes out equal.
+"""A segment's key: equal where its motion comes out equal.
 
 The quality is not in it: preview, fast and full results of one key are the same motion, found with
-more and more care.
+more and more care. Of observed surfaces other things decide than of pictures: how the meshes are
+read and weighed, and the pose in the mesh that moves with the body; never the camera, which only
+looks at them.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Mapping
 from functools import lru_cache
-from itertools import pairwise
+from pathlib import PurePath
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -18,7 +21,7 @@ from tracker.geometry import rotation_from_quaternion
 from tracker.session import IgnoreMask, Keyframe, Session
 
 Span: TypeAlias = tuple[int, int]
-"""First and last frame of a segment: two neighbouring keyframes."""
+"""First and last frame of a segment, as in Session.spans."""
 
 DECIMALS = 9
 """Poses that agree to a billionth of a metre or radian are the same pose."""
@@ -34,22 +37,27 @@ def segment_keys(session: Session) -> dict[Span, str]:
 def _keys(session: _Same) -> dict[Span, str]:
     """Asked for many times while a session stays as it is."""
     setup = _setup(session.it)
-    neighbours = pairwise(session.it.keyframes)
-    return {(a.frame, b.frame): _key(session.it, setup, a, b) for a, b in neighbours}
+    at = {keyframe.frame: keyframe for keyframe in session.it.keyframes}
+    return {span: _key(session.it, setup, at, span) for span in session.it.spans}
 
 
 def segment_key(session: Session, first: int, last: int) -> str:
-    """The key of one segment; KeyError unless both frames have a keyframe."""
+    """The key of one segment; KeyError where the session has no such segment."""
     at = {keyframe.frame: keyframe for keyframe in session.keyframes}
-    return _key(session, _setup(session), at[first], at[last])
+    if session.surface is not None and (first, last) not in session.spans:
+        raise KeyError((first, last))
+    return _key(session, _setup(session), at, (first, last))
 
 
-def _key(session: Session, setup: bytes, start: Keyframe, end: Keyframe) -> str:
-    span = (start.frame, end.frame)
+def _key(session: Session, setup: bytes, at: Mapping[int, Keyframe], span: Span) -> str:
     names = session.body.names
-    text = json.dumps([span, _masks(session.ignore_masks, span)])
-    parts = (setup, text.encode(), _pose(_Same(start), names), _pose(_Same(end), names))
-    return hashlib.sha256(b"\0".join(parts)).hexdigest()
+    if session.surface is None:
+        told, ends = [span, _masks(session.ignore_masks, span)], [at[frame] for frame in span]
+    else:  # of an open end nobody has posed anything
+        ends = [at[frame] for frame in span if frame in at]
+        told = [span, [end.frame for end in ends]]
+    poses = [_pose(_Same(end), names) for end in ends]
+    return hashlib.sha256(b"\0".join((setup, json.dumps(told).encode(), *poses))).hexdigest()
 
 
 def _masks(masks: tuple[IgnoreMask, ...], span: Span) -> list[Any]:
@@ -65,8 +73,24 @@ def _masks(masks: tuple[IgnoreMask, ...], span: Span) -> list[Any]:
 
 def _setup(session: Session) -> bytes:
     """What decides every segment's motion besides its poses and masks."""
+    if session.surface is not None:
+        return _surface_setup(session)
     settings = session.settings.model_dump(mode="json", exclude={"quality", "initial", "left_out"})
     setup = [_body(_Same(session.body)), _camera(_Same(session.camera)), settings, *_start(session)]
+    return hashlib.sha256(json.dumps(setup, sort_keys=True).encode()).digest()
+
+
+def _surface_setup(session: Session) -> bytes:
+    """The same of surfaces: the body as it was posed in the mesh that moves with it, and how the
+    meshes are read. A folder may be moved as a whole, so cameras go by their file's name."""
+    surface, model = session.surface, session.model_keyframe
+    assert surface is not None
+    told = surface.model_dump(mode="json", exclude={"fps", "model_frame", "cameras"})
+    cameras = None if surface.cameras is None else PurePath(surface.cameras).name
+    setup: list[Any] = ["surface", _body(_Same(session.body)), told, cameras]
+    if model is not None:
+        pose = hashlib.sha256(_pose(_Same(model), session.body.names)).hexdigest()
+        setup += [model.frame, pose]
     return hashlib.sha256(json.dumps(setup, sort_keys=True).encode()).digest()
 
 

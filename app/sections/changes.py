@@ -12,7 +12,14 @@ from typing import Any
 
 from app.outlook import Outlook
 from app.sameness import same
-from app.sections import body_values, motion_values, pose_values, scene_values, work_values
+from app.sections import (
+    body_values,
+    motion_values,
+    pose_values,
+    scene_values,
+    surface_values,
+    work_values,
+)
 from app.sections.json_value import Json
 
 
@@ -68,13 +75,31 @@ LONG_CURVE = 1500
 """Frames of a curve that is not made anew with every move of the pointer."""
 
 _TRACKED = _both(
-    _settled("body", "camera", "keyframes", "ignore_masks", "settings"), _edit("results")
+    _settled("body", "camera", "keyframes", "ignore_masks", "settings", "surface"),
+    _edit("results"),
 )
 
+
+def _tinted(outlook: Outlook) -> tuple[Any, ...]:
+    """What the pictures of observed surfaces are coloured by."""
+    edit = outlook.edit
+    if edit is None or edit.doc.surface is None:
+        return ()
+    if edit.display.tint not in ("contact", "distance"):
+        return (edit.settled.surface, edit.display.tint)
+    doc = edit.settled
+    poses = (doc.body, doc.keyframes, doc.drafts, edit.results)
+    return (doc.surface, edit.display.tint, *poses)
+
+
 SECTIONS: dict[str, _Section] = {
-    "file": _Section(lambda o: (o.opened,), scene_values.file),
+    "file": _Section(_both(_doc("surface"), lambda o: (o.opened,)), scene_values.file),
     "camera": _Section(
-        _both(_doc("camera", "up_camera"), lambda o: (o.opened,)), scene_values.camera
+        _both(_doc("camera", "up_camera"), lambda o: (o.opened,), _tinted), scene_values.camera
+    ),
+    "surface": _Section(
+        _both(_doc("surface", "keyframes"), _edit("frame"), lambda o: (o.surface,)),
+        surface_values.surface,
     ),
     "views": _Section(_doc("up_camera"), scene_values.views),
     "body": _Section(_doc("body"), body_values.body),

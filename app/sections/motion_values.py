@@ -10,8 +10,10 @@ from app.outlook import Outlook
 from app.results import SegmentTrack, Span, State, listed, observability
 from app.sections.json_value import Json
 from app.suggesting import suggestion
+from app.suggesting_surfaces import surface_suggestion
 
 _STATE_WORDS = {"outdated": "Outdated", "none": "Not tracked"}
+_OF_SURFACES = {"outdated": "Outdated", "none": "Not fitted"}
 
 
 def segments(outlook: Outlook) -> Json:
@@ -27,11 +29,12 @@ def segments(outlook: Outlook) -> Json:
 def _segment(outlook: Outlook, span: Span, state: State, track: SegmentTrack | None) -> Json:
     first, last = span
     running = outlook.running.get(span)
+    surfaces = outlook.edit is not None and outlook.edit.doc.surface is not None
     value: dict[str, Json] = {
         "first": first,
         "last": last,
         "state": state,
-        "words": _STATE_WORDS.get(state, ""),
+        "words": (_OF_SURFACES if surfaces else _STATE_WORDS).get(state, ""),
         "go": None,
         "percent": None,
         "pass": None,
@@ -53,7 +56,7 @@ def _segment(outlook: Outlook, span: Span, state: State, track: SegmentTrack | N
             "state": running.state,
             "words": "Waiting"
             if running.state == "waiting"
-            else f"pass {running.number} of {running.of}",
+            else f"{'step' if surfaces else 'pass'} {running.number} of {running.of}",
             "percent": running.percent,
             "pass": running.number,
             "of": running.of,
@@ -68,7 +71,10 @@ def suggest(outlook: Outlook) -> Json:
     if edit is None:
         return None
     fitting = edit.results.fitting(edit.settled)
-    found = suggestion(edit.keys, edit.frame_count, fitting, edit.settled.body.names)
+    if edit.settled.surface is not None:
+        found = surface_suggestion(edit.keys, edit.settled.spans, fitting)
+    else:
+        found = suggestion(edit.keys, edit.frame_count, fitting, edit.settled.body.names)
     return {
         "frame": found.frame,
         "words": found.words,

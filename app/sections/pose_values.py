@@ -80,6 +80,8 @@ def curve(outlook: Outlook) -> Json:
     index, frames = edit.doc.body.index(edit.selected), edit.frame_count
     angles = _angles(edit, index)
     error = residual(edit.fitting, frames, len(edit.doc.body.parts))[:, index]
+    if edit.doc.surface is not None:
+        error = error * 1000  # millimetres
     rows = {axis: listed(angles[:, k], 2) for k, axis in enumerate("xyz")}
     return {"part": edit.selected, **rows, "error": listed(error, 2)}
 

@@ -9,7 +9,7 @@ from app.editor.sights import up_of
 from app.outlook import Outlook
 from app.posing import tilt_and_roll, view_rotations
 from app.sections.json_value import Json, doc_of
-from tracker.camera import Camera
+from app.sections.surface_values import surface_version
 
 
 def file(outlook: Outlook) -> Json:
@@ -17,16 +17,17 @@ def file(outlook: Outlook) -> Json:
     opened = outlook.opened
     if opened is None:
         return None
-    info = opened.info
+    info, doc = opened.info, doc_of(outlook)
+    fps = info.fps if doc is None or doc.surface is None else doc.surface.fps
     return {
         "name": opened.name,
         "video": info.path.name,
         "path": opened.session_path,
         "frames": info.frame_count,
-        "fps": info.fps,
+        "fps": fps,
         "width": info.width,
         "height": info.height,
-        "duration_s": float(info.times_s[-1]) + 1 / info.fps,
+        "duration_s": float(info.times_s[-1]) * info.fps / fps + 1 / fps,
         "missing": list(info.missing),
         "times": [round(float(t), 4) for t in info.times_s] if info.variable_rate else None,
     }
@@ -47,18 +48,23 @@ def camera(outlook: Outlook) -> Json:
         "up_origin": "camera" if doc.up_camera is None else "drawn",
         "tilt_deg": tilt,
         "roll_deg": roll,
-        "image_version": image_version(given, outlook.opened.film if outlook.opened else ""),
+        "image_version": image_version(outlook),
     }
 
 
-def image_version(camera: Camera, film: str) -> str:
-    """What pictures are named by: they depend on the video and on the lens's distortion.
+def image_version(outlook: Outlook) -> str:
+    """What pictures are named by: they depend on the video and on the lens's distortion; those of
+    observed surfaces on more.
 
     Browsers keep them by that name, also for the next video on the same port.
     """
+    edit, film = outlook.edit, outlook.opened.film if outlook.opened else ""
+    if edit is None:
+        return ""
+    camera = edit.doc.camera
     lens = (camera.fx, camera.fy, camera.cx, camera.cy, *camera.distortion)
     made_of = (film, lens if camera.is_distorted else ())
-    return hashlib.sha256(repr(made_of).encode()).hexdigest()[:16]
+    return hashlib.sha256(repr(made_of).encode()).hexdigest()[:16] + surface_version(edit)
 
 
 def views(outlook: Outlook) -> Json:
@@ -86,4 +92,5 @@ def view(outlook: Outlook) -> Json:
         "limits": looks.limits,
         "axes": looks.axes,
         "link": looks.link,
+        "tint": looks.tint,
     }

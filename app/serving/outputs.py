@@ -20,6 +20,7 @@ from app.editor.state import EditorState
 from app.motion_files import MotionFormat, motion_archive
 from app.posing import outline, parts_at
 from app.serving.guard import headers_for
+from app.serving.surfaces import Surfaces
 from app.store import Store
 from tracker.errors import KeyposeError
 from tracker.session.files import load_session
@@ -60,8 +61,8 @@ MOTION: TypeAdapter[Motion] = TypeAdapter(Motion)
 class Outputs:
     """Answers made of the store's present state; nothing here changes it."""
 
-    def __init__(self, store: Store) -> None:
-        self._store = store
+    def __init__(self, store: Store, surfaces: Surfaces) -> None:
+        self._store, self._surfaces = store, surfaces
 
     def routes(self) -> list[Route]:
         """Where pictures and motion are to be had."""
@@ -115,7 +116,7 @@ class Outputs:
         edit, piece = self._store.outlook.edit, self._store.piece
         if edit is None or piece is None:
             raise KeyposeError("Open a video first.")
-        return edit, piece.video
+        return edit, self._surfaces.video(edit) or piece.video
 
     def _name(self) -> str:
         return self._store.piece.name if self._store.piece else "keypose"

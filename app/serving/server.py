@@ -20,11 +20,13 @@ from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 import static
+from app.editor.state import EditorState
 from app.library import Library
 from app.sections import image_version
 from app.serving.guard import Guard, headers_for
 from app.serving.outputs import Outputs
 from app.serving.shelf import Shelf
+from app.serving.surfaces import Surfaces
 from app.stage.scene import Stage
 from app.stage.scenery import SceneryMaker
 from app.stage.viser_compat import PAGE, ROLES
@@ -42,14 +44,16 @@ class Server:
 
     def __init__(self, library: Library, hosts: tuple[str, ...] = ()) -> None:
         self.stage = Stage()
-        maker = SceneryMaker()
-        self.store = Store(
+        self._maker = SceneryMaker()
+        self.store = Store(self.stage.loop, self._show, library)
+        self._surfaces = Surfaces(
             self.stage.loop,
-            lambda edit, trail: self.stage.show(maker.of(edit, trail)),
-            library,
+            self.stage.show_skin,
+            self.stage.settle_skin,
+            self.store.surface_seen,
         )
         self._shelf = Shelf(library)
-        self._outputs = Outputs(self.store)
+        self._outputs = Outputs(self.store, self._surfaces)
         self.guard = Guard(self._application(), extra_hosts=hosts)
         self._uvicorn = _uvicorn(self.guard)
         self._serving: Future[None] | None = None
@@ -67,6 +71,10 @@ class Server:
                 Mount("/static", StaticFiles(directory=STATIC)),
             ],
         )
+
+    def _show(self, edit: EditorState, trail: Any) -> None:
+        self.stage.show(self._maker.of(edit, trail))
+        self._surfaces.follow(self.store.piece, edit)
 
     # --- running
 
@@ -107,10 +115,11 @@ class Server:
         edit, frames = store.outlook.edit, store.frames
         if edit is None or frames is None or index >= edit.frame_count:
             return PlainTextResponse("There is no such frame.\n", 404, headers_for("data"))
-        camera, opened = edit.doc.camera, store.outlook.opened
-        version = image_version(camera, opened.film if opened else "")
+        version = image_version(store.outlook)
         try:
-            content = await frames.jpeg(index, camera, version)
+            content = await self._surfaces.jpeg(index, store.outlook)
+            if content is None:
+                content = await frames.jpeg(index, edit.doc.camera, version)
         except KeyposeError as error:
             return PlainTextResponse(f"{error}\n", 404, headers_for("data"))
         kept = "private, max-age=31536000, immutable"

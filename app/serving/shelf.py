@@ -35,7 +35,10 @@ class Shelf:
         return JSONResponse(contents, headers=headers)
 
     async def _thumb(self, request: Request) -> Response:
-        content = await asyncio.to_thread(self._library.thumb, request.path_params["id"])
+        try:
+            content = await asyncio.to_thread(self._library.thumb, request.path_params["id"])
+        except asyncio.CancelledError:  # the program ends: nobody waits for it any more
+            content = None
         if content is None:
             return _words("There is no such picture.", 404)
         headers = {**headers_for("data"), "Cache-Control": ENOUGH["private"]}

@@ -7,11 +7,11 @@ opaque one with dark lines.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, Self, TypeAlias
+from typing import ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from viser import FrameHandle, LineSegmentsHandle, MeshHandle, SceneApi
+from viser import FrameHandle, GlbHandle, LineSegmentsHandle, MeshHandle, SceneApi
 
 from app.drawing.palette import WHITE, Colour
 from app.stage.figure import Segments, part_mesh, rim_lines, wire_lines
@@ -95,6 +95,42 @@ class PartNodes:
     def set_pose(self, wxyz: Array, position: Array) -> None:
         self.frame.wxyz = wxyz
         self.frame.position = position
+
+
+class SkinNodes:
+    """The observed surface: two nodes by turns.
+
+    A page drops a GLB as soon as it hears of another, and has that one only some moments later;
+    hence the one before stands until `settle`.
+    """
+
+    NAMES: ClassVar = (f"{ROOT}/surface/0", f"{ROOT}/surface/1")
+
+    def __init__(self, scene: SceneApi) -> None:
+        self._scene = scene
+        self._newest = 0
+        self._nodes: list[GlbHandle | None] = [None, None]
+
+    def put(self, glb: bytes | None) -> None:
+        """Show this one; None: nothing."""
+        if glb is None:
+            self._drop(self._newest)
+            self.settle()
+            return
+        self.settle()
+        self._newest = 1 - self._newest
+        self._nodes[self._newest] = self._scene.add_glb(
+            self.NAMES[self._newest], glb, cast_shadow=False, receive_shadow=False
+        )
+
+    def settle(self) -> None:
+        """Drop the one before the newest."""
+        self._drop(1 - self._newest)
+
+    def _drop(self, number: int) -> None:
+        node, self._nodes[number] = self._nodes[number], None
+        if node is not None:
+            node.remove()
 
 
 def add_lines(

@@ -25,6 +25,7 @@ from app.stage.nodes import (
     SOLID_ONLY,
     Mode,
     PartNodes,
+    SkinNodes,
     add_lights,
     add_lines,
     dark,
@@ -128,6 +129,7 @@ class Stage:
         self._outline: Outline | None = None
         self._parts: list[PartNodes] = []
         self._lines: dict[str, LineSegmentsHandle] = {}
+        self._skins = SkinNodes(self._scene)
         self._only_for: dict[str, tuple[Role, ...]] = {}
         """Nodes that some views must not show, with the views that do."""
         self._prepare()
@@ -170,11 +172,24 @@ class Stage:
                 self._draw_trail(scenery.trail)
         self._viser.server.flush()
 
+    def show_skin(self, glb: bytes | None) -> None:
+        """Draw this observed surface in the small views; `settle_skin` some pictures later."""
+        with self._viser.server.atomic():
+            self._skins.put(glb)
+        self._viser.server.flush()
+
+    def settle_skin(self) -> None:
+        """The page has drawn the newest surface: take the one before away."""
+        self._skins.settle()
+        self._viser.server.flush()
+
     def _prepare(self) -> None:
         self._scene.set_up_direction("+y")
         self._scene.configure_default_lights(enabled=False)
         self._scene.configure_environment_map(None)
         self._scene.add_frame(ROOT, show_axes=False, wxyz=_CAMERA_WXYZ)
+        for name in SkinNodes.NAMES:
+            self._reserve(name, _SMALL)
         for role in ROLES:
             add_lights(self._scene, f"{ROOT}/light/{role}")
             for kind in ("sky", "sun"):

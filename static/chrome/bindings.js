@@ -36,7 +36,7 @@ const FRAMES = [
 
 const POSE = [
   row('Keep the pose as a keyframe', ['K', setKey]),
-  row('Fit the pose to the picture', ['F', () => inspector.fitHere()]),
+  row('Fit the pose to what is seen', ['F', () => inspector.fitHere()]),
   row('Delete the keyframe', ['Delete', () => deleteKey()]),
   row('Copy, paste', ['Ctrl C', () => send({ do: 'copy_pose' })], ['Ctrl V', () => paste(false)]),
   row('Paste mirrored', ['Ctrl Shift V', () => paste(true)]),

@@ -3,6 +3,7 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../icons.js';
 import { S } from '../state.js';
+import { words } from '../subject.js';
 import { frame } from '../timeline/head.js';
 import { copyPicture, saveMotion, savePicture, saveReport, viewShown } from './export.js';
 import { heading, line, menuHolder, note, toggleMenu } from './menus.js';
@@ -32,9 +33,10 @@ export function exportButton() {
 }
 
 function items() {
-  const off = hasMotion() ? '' : 'Track first: there is no motion yet';
+  const off = hasMotion() ? '' : `${words().verb} first: there is no motion yet`;
   const keys = S.keys?.frames ?? [];
-  const frames = keys.length > 1 ? `, frames ${range(keys[0], keys.at(-1))}` : '';
+  const all = S.segments ?? [];
+  const frames = all.length ? `, frames ${range(all[0].first, all.at(-1).last)}` : '';
   return [
     heading(`Picture of frame ${frame()}`),
     { icon: 'img', label: 'This view, PNG', right: sizeAndKey(), run: () => savePicture() },
@@ -94,7 +96,7 @@ function warning() {
   const say = ({ state, names }, first) => {
     const noun = first ? 'Frames ' : ' and ';
     return html`<span class=${state === 'lost' ? 'lostword' : nothing}
-      >${noun}${listed(names)} are ${state === 'none' ? 'not tracked' : state}</span
+      >${noun}${listed(names)} are ${state === 'none' ? `not ${words().done}` : state}</span
     >`;
   };
   const told = parts.map((part, i) => say(part, i === 0));

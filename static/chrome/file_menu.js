@@ -4,6 +4,7 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../icons.js';
 import { send } from '../link.js';
 import { S, U } from '../state.js';
+import { isSurface } from '../subject.js';
 import { heading, line, menuHolder, note, toggleMenu } from './menus.js';
 import { openChooser } from './start/chooser.js';
 import { loadLibrary } from './start/library.js';
@@ -59,10 +60,13 @@ function facts() {
   return html`<span class="num">${count(frames, 'frame')} · ${rate} fps · ${width} × ${height}</span>
     <span class="num"> · ${seconds?.toFixed(2)} s</span>
     ${missing?.length
-      ? html`<br /><span class="checkword">${count(missing.length, 'damaged frame')}, shown grey</span>`
+      ? html`<br /><span class="checkword">${damaged(missing.length)}</span>`
       : nothing}
     <br /><span class="path">${path}</span>`;
 }
+
+const damaged = (n) =>
+  isSurface() ? `${count(n, 'step')} without a surface` : `${count(n, 'damaged frame')}, shown grey`;
 
 async function copyPath() {
   try {

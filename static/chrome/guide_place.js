@@ -72,7 +72,7 @@ function overPicture({ x, y }, { width, height }) {
 function cornersOf(frame, { width, height }) {
   const left = frame.left + ROOM.left;
   const right = Math.max(left, frame.right - ROOM.right - width);
-  const top = frame.top + ROOM.top;
+  const top = Math.max(frame.top + ROOM.top, belowTints());
   const bottom = Math.max(top, frame.bottom - ROOM.bottom - height - 12);
   return [
     { name: 'bottom-left', x: left, y: bottom },
@@ -80,6 +80,12 @@ function cornersOf(frame, { width, height }) {
     { name: 'top-left', x: left, y: top },
     { name: 'top-right', x: right, y: top },
   ];
+}
+
+/** Where the colours of an observed surface are chosen, nothing stands over them. */
+function belowTints() {
+  const bar = document.getElementById('mtint');
+  return bar ? bar.getBoundingClientRect().bottom + 8 : 0;
 }
 
 const nearest = (points, corner, size) =>

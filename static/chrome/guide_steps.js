@@ -3,6 +3,7 @@
 
 import { send } from '../link.js';
 import { S, put } from '../state.js';
+import { fewestKeys, isSurface, words as subject } from '../subject.js';
 
 /**
  * takes: which handles are to be dragged, in which view. again: it is rarely done with one drag, so
@@ -92,20 +93,23 @@ function turnWaist() {
 /** What stands on the card after the last step: where to go on is the server's to say. */
 export function ending() {
   const keys = S.keys?.frames.length ?? 0;
-  if (keys > 1) return standing();
+  if (keys >= fewestKeys()) return standing();
   const { words = '' } = S.suggest ?? {};
   const title = keys === 1 ? 'The first keyframe stands' : 'That is how to pose';
-  return { title, text: `${words} Then T tracks the frames between.` };
+  return { title, text: isSurface() ? words : `${words} Then T tracks the frames between.` };
 }
 
 const ORDER = ['lost', 'check', 'good'];
 
 /** With two keyframes and more: track them, and then what tracking found. */
 function standing() {
-  if (S.job?.state === 'running') return { title: 'Tracking', text: 'It may go on while you pose.' };
+  if (S.job?.state === 'running') {
+    return { title: subject().doing, text: 'It may go on while you pose.' };
+  }
   const { kind, words = '', reason = '' } = S.suggest ?? {};
   if (kind === 'track') {
-    return { title: 'Press Track (T)', text: 'It finds the motion between the keyframes.' };
+    const where = isSurface() ? 'on both sides of the keyframes' : 'between the keyframes';
+    return { title: `Press ${subject().verb} (T)`, text: `It finds the motion ${where}.` };
   }
   const found = ORDER.map((state) => (S.segments ?? []).find((s) => s.state === state)).find(Boolean);
   if (!found) return { title: 'That is how to pose', text: words };

@@ -4,16 +4,16 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../icons.js';
 import { send } from '../link.js';
 import { S } from '../state.js';
+import { fewestKeys, tooFewWords, words } from '../subject.js';
 import { frame } from '../timeline/head.js';
 import { menuHolder, toggleMenu } from './menus.js';
 import { count, range } from './words.js';
 
-const LIVE = 'Track the two neighbouring segments each time a keyframe changes   L';
-const TOO_FEW = 'Pose a second keyframe first';
+const live = () => `${words().verb} the two neighbouring segments each time a keyframe changes   L`;
 
 export const toggleLive = () => send({ do: 'live', on: !S.view?.live });
 
-/** Start tracking, unless there is nothing to track between. */
+/** Start tracking or fitting, unless there is nothing to begin from. */
 export function track(what) {
   if (!tooFew()) send({ do: 'track', what });
 }
@@ -23,7 +23,7 @@ export function liveSwitch() {
     class="switch"
     role="switch"
     aria-checked=${Boolean(S.view?.live)}
-    title=${LIVE}
+    title=${live()}
     @click=${toggleLive}
   >
     Live<i></i>
@@ -35,24 +35,26 @@ export function trackButton() {
 }
 
 function split(open) {
-  const off = tooFew() ? TOO_FEW : '';
+  const off = tooFew() ? tooFewWords() : '';
+  const { verb } = words();
+  const choices = `${verb} this segment, changed segments, or all`;
   const idle = off || (changed().length ? '' : nothingChanged());
   return html`<span class="split">
     <button
       class="btn pri"
       aria-disabled=${idle ? 'true' : nothing}
-      title=${idle || `Track ${namesOf(changed())}   T`}
+      title=${idle || `${verb} ${namesOf(changed())}   T`}
       @click=${() => idle || track('changed')}
     >
-      ${icon('track')}${isFirst() ? 'Track' : 'Track changed'}<kbd>T</kbd>
+      ${icon('track')}${isFirst() ? verb : `${verb} changed`}<kbd>T</kbd>
     </button>
     <button
       class="btn pri"
-      aria-label="Track this segment, changed segments, or all"
+      aria-label=${choices}
       aria-haspopup="menu"
       aria-expanded=${open}
       aria-disabled=${off ? 'true' : nothing}
-      title=${off || 'Track this segment, changed segments, or all'}
+      title=${off || choices}
       @click=${() => off || toggleMenu('track')}
     >
       ${icon('chev')}
@@ -63,30 +65,31 @@ function split(open) {
 function items() {
   const here = segmentHere();
   const all = S.segments?.length ?? 0;
+  const { verb } = words();
   return [
     {
       icon: 'track',
-      label: html`Track changed${tail(namesOf(changed()))}`,
+      label: html`${verb} changed${tail(namesOf(changed()))}`,
       right: 'T',
       off: changed().length ? '' : nothingChanged(),
       run: () => track('changed'),
     },
     {
       icon: 'mid',
-      label: html`Track this${tail(here && range(here.first, here.last))}`,
+      label: html`${verb} this${tail(here && range(here.first, here.last))}`,
       right: 'Shift T',
       off: here ? '' : 'This frame lies outside the keyframes',
       run: () => track('this'),
     },
-    { icon: 'reset', label: `Track all ${count(all, 'segment')}`, run: () => track('all') },
+    { icon: 'reset', label: `${verb} all ${count(all, 'segment')}`, run: () => track('all') },
   ];
 }
 
 const tail = (words) => (words ? html` <span class="dim num">${words}</span>` : nothing);
 
 const nothingChanged = () =>
-  S.job?.state === 'running' ? 'Being tracked' : 'All segments are up to date';
-const tooFew = () => (S.keys?.frames.length ?? 0) < 2;
+  S.job?.state === 'running' ? `Being ${words().done}` : 'All segments are up to date';
+const tooFew = () => (S.keys?.frames.length ?? 0) < fewestKeys();
 const isDone = (s) => ['good', 'check', 'lost'].includes(s.state);
 const changed = () => (S.segments ?? []).filter((s) => s.state === 'outdated' || s.state === 'none');
 const isFirst = () => !(S.segments ?? []).some((s) => isDone(s) || s.state === 'outdated' || s.percent);

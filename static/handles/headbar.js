@@ -5,6 +5,7 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { S, U } from '../state.js';
 import { send } from '../link.js';
 import { icon } from '../icons.js';
+import { words as subject } from '../subject.js';
 import { VIEWS } from '../views.js';
 import { largeView } from './scale.js';
 
@@ -44,7 +45,7 @@ function standing() {
 }
 
 function words(source) {
-  if (source === 'tracked') return 'tracked';
+  if (source === 'tracked') return subject().done;
   if (source === 'between') return 'between keyframes';
   if (source === 'held' && S.keys?.frames.length) return `as at keyframe ${nearestKey()}`;
   return 'No keyframe yet';
@@ -85,7 +86,7 @@ function chip(segment, isShort) {
 
 /** What is said of a segment, and the sentence which frame to go to, where there is one. */
 function verdict({ state, words: said = '', go, pass, of }) {
-  if (state === 'tracking') return { say: pass == null ? 'Tracking' : `Pass ${pass} of ${of}` };
+  if (state === 'tracking') return { say: pass == null ? subject().doing : upper(said) };
   if (state === 'waiting') return { say: 'Waiting' };
   const say = said.replace(/[.:,;]? *(Go to|Key frame) \d+\.?/, '');
   // Where the trouble is a keyframe itself, one only looks at it.
@@ -93,6 +94,8 @@ function verdict({ state, words: said = '', go, pass, of }) {
   const word = { check: 'Go to', lost: isKeyed ? 'Go to' : 'Key frame' }[state];
   return { say, where: go != null && word ? `${word} ${go}` : '' };
 }
+
+const upper = (said) => said.charAt(0).toUpperCase() + said.slice(1);
 
 /** Where a click on a chip goes: to the trouble, or to the segment's other end. */
 function target({ first, last, go }) {

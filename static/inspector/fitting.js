@@ -1,9 +1,10 @@
 // Fits to the pictures: of the pose at the present frame, and of the body's sizes to all keyframes.
 
-import { html } from '../vendor/lit-html/lit-html.js';
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { S, U, put } from '../state.js';
 import { send } from '../link.js';
 import { button, checkbox } from '../fields.js';
+import { isSurface, words } from '../subject.js';
 
 /** Improve the pose of the present frame from its picture; the server says why it cannot. */
 export function fitHere() {
@@ -13,11 +14,13 @@ export function fitHere() {
 export function fitHereButton() {
   return button({
     name: 'wand', label: 'Fit here', key: 'F', act: fitHere, off: unposed(),
-    title: 'Lay this pose onto what the picture shows; one step to undo',
+    title: `Lay this pose onto what the ${words().what} shows; one step to undo`,
   });
 }
 
+/** Sizes are found in pictures alone. */
 export function fitSizesRow() {
+  if (isSurface()) return nothing;
   const count = S.keys?.frames.length ?? 0;
   return html`<div class="fitsizes">
     ${button({

@@ -2,6 +2,7 @@
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { S, U, put, watch } from '../state.js';
+import { isSurface } from '../subject.js';
 import { bodyTab } from './body_tab.js';
 import { addDrawer } from './drawer.js';
 import { freedom } from './freedom.js';
@@ -12,7 +13,9 @@ import { partTab } from './part_tab.js';
 import { picker } from './picker.js';
 import { segment } from './segment.js';
 import { addSplitter } from './splitter.js';
+import { surfaces } from './surfaces.js';
 import { upright } from './upright.js';
+import { virtualCamera } from './virtual.js';
 
 export { alongChain, otherSide } from './chain.js';
 export { fitHere } from './fitting.js';
@@ -24,8 +27,14 @@ const TABS = {
   track: { label: 'Track', title: 'How to track, and how it went', draw: trackTab },
 };
 
+/** The same tabs where there are surfaces instead of a film. */
+const OTHERWISE = {
+  camera: { ...TABS.camera, title: 'The camera that the picture is drawn from', draw: virtualTab },
+  track: { ...TABS.track, label: 'Fit', title: 'How to fit, and how it went', draw: fitTab },
+};
+
 const SHOWN = [
-  'file', 'camera', 'body', 'view', 'pose', 'keys', 'segments', 'lanes', 'masks', 'settings', 'clipboard',
+  'file', 'surface', 'camera', 'body', 'view', 'pose', 'keys', 'segments', 'lanes', 'masks', 'settings', 'clipboard',
   ...['u:tab', 'u:tool', 'u:hover', 'u:figureHover', 'u:freeAxes', 'u:lens', 'u:mask'],
   ...['u:segmentFirst', 'u:allFreedoms', 'u:fitFocal'],
 ];
@@ -60,8 +69,8 @@ function contents() {
     <div class="tabs" role="tablist" aria-label="Inspector" @keydown=${turn}>
       ${Object.keys(TABS).map((id) => head(id, tab))}
     </div>
-    <div class="body" role="tabpanel" id="insp-body" aria-label=${TABS[tab].label}>
-      ${TABS[tab].draw()}
+    <div class="body" role="tabpanel" id="insp-body" aria-label=${tabOf(tab).label}>
+      ${tabOf(tab).draw()}
     </div>`;
 }
 
@@ -69,15 +78,17 @@ function head(id, current) {
   return html`<button
     type="button"
     role="tab"
-    title=${TABS[id].title}
+    title=${tabOf(id).title}
     aria-selected=${id === current}
     aria-controls="insp-body"
     tabindex=${id === current ? 0 : -1}
     @click=${() => put('tab', id)}
   >
-    ${TABS[id].label}
+    ${tabOf(id).label}
   </button>`;
 }
+
+const tabOf = (id) => (isSurface() && OTHERWISE[id]) || TABS[id];
 
 /** Arrow keys walk over the tabs once one of them has been reached with Tab. */
 function turn(event) {
@@ -93,6 +104,14 @@ function turn(event) {
 
 function cameraTab() {
   return S.camera ? html`${lens()}${upright()}${masks()}` : nothing;
+}
+
+function virtualTab() {
+  return S.camera ? virtualCamera() : nothing;
+}
+
+function fitTab() {
+  return S.settings ? html`${segment()}${surfaces()}` : nothing;
 }
 
 function trackTab() {

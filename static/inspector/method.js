@@ -21,17 +21,13 @@ const QUALITIES = [
 ];
 
 export function method() {
-  const { method: name, quality, static_camera: still } = S.settings;
-  const paper = name === 'paper' ? 'The method of the paper knows one quality' : '';
+  const { method: name, static_camera: still } = S.settings;
   return section(
     'Method',
     html`${line('Method', dropdown({
       label: 'Method', value: name, options: METHODS, act: (id) => send({ do: 'settings', method: id }),
     }))}
-    ${line('Quality', segmented({
-      label: 'Quality', value: paper ? null : quality, options: QUALITIES, off: paper,
-      act: (id) => send({ do: 'settings', quality: id }),
-    }))}
+    ${qualityLine(name === 'paper' ? 'The method of the paper knows one quality' : '')}
     ${start()}${passes()}
     ${checkbox({
       label: 'The camera stands still', on: still,
@@ -44,6 +40,14 @@ export function method() {
       act: (on) => send({ do: 'live', on }),
     })}`,
   );
+}
+
+/** How much work is done; off: why it cannot be chosen. */
+export function qualityLine(off = '') {
+  return line('Quality', segmented({
+    label: 'Quality', value: off ? null : S.settings.quality, options: QUALITIES, off,
+    act: (id) => send({ do: 'settings', quality: id }),
+  }));
 }
 
 function passes() {

@@ -4,6 +4,7 @@
 import { html } from '../vendor/lit-html/lit-html.js';
 import { S } from '../state.js';
 import { send } from '../link.js';
+import { words } from '../subject.js';
 import { button, iconButton } from '../fields.js';
 import { fitHereButton } from './fitting.js';
 import { section } from './section.js';
@@ -25,7 +26,7 @@ export function pose() {
     html`<div class="lr">
       ${fitHereButton()}
       ${button({
-        name: 'take', label: 'Take tracked', title: 'Take the tracked pose over as your own',
+        name: 'take', label: `Take ${words().done}`, title: `Take the ${words().done} pose over as your own`,
         act: () => send({ do: 'take_tracked' }), off: untracked(),
       })}
       ${button({
@@ -55,7 +56,7 @@ function untracked() {
   const result = (S.segments ?? []).some(
     (one) => one.first <= here && here <= one.last && (TRACKED.has(one.state) || one.scores?.length),
   );
-  return result ? '' : `Frame ${here} is not tracked yet. Track with T`;
+  return result ? '' : `Frame ${here} is not ${words().done} yet. ${words().verb} with T`;
 }
 
 /** The nearest keyframe before (−1) or after (+1) the present frame. */

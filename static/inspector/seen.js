@@ -1,6 +1,7 @@
 // What the picture tells about a part, in words.
 
 import { S } from '../state.js';
+import { isSurface, words } from '../subject.js';
 
 const HIDDEN = 0.35;
 const PARTLY = 0.65;
@@ -37,8 +38,9 @@ function lane(part) {
 }
 
 function restWord(part) {
-  if (part.tracked.length === 0) return 'Rides along, not tracked';
+  if (part.tracked.length === 0 && !isSurface()) return 'Rides along, not tracked';
   const here = S.view.frame;
   const known = (S.segments ?? []).some((one) => one.first <= here && here <= one.last && JUDGED.has(one.state));
-  return known ? 'Tracked, not judged in a preview' : 'Not tracked yet';
+  if (!known) return `Not ${words().done} yet`;
+  return isSurface() ? 'Fitted, not judged' : 'Tracked, not judged in a preview';
 }

@@ -4,8 +4,9 @@ import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { S, U, put } from '../state.js';
 import { send } from '../link.js';
 import { icon } from '../icons.js';
-import { button, segmented } from '../fields.js';
-import { section } from './section.js';
+import { button, segmented, shortNumber } from '../fields.js';
+import { fewestKeys, isSurface, words as subject } from '../subject.js';
+import { fact, section } from './section.js';
 
 const CHIPS = {
   good: ['good', 'check'],
@@ -22,7 +23,7 @@ export function segment() {
   if (here.length === 0) return section('Segment', html`<p class="note">${why()}</p>`);
   const one = here.find((each) => each.first === U.segmentFirst) ?? liveliest(here);
   const choice = here.length > 1 ? sides(here, one) : nothing;
-  return section(`Segment ${one.first}–${one.last}`, html`${verdict(one)}${notes(one)}${chart(one)}`, choice);
+  return section(`Segment ${one.first}–${one.last}`, html`${verdict(one)}${notes(one)}${isSurface() ? distance(one) : chart(one)}`, choice);
 }
 
 function segmentsHere() {
@@ -47,7 +48,11 @@ function sides(here, one) {
 
 function why() {
   const frames = S.keys?.frames ?? [];
-  if (frames.length < 2) return 'Nothing to track: pose a second keyframe first.';
+  if (frames.length < fewestKeys()) {
+    return isSurface()
+      ? 'Nothing to fit: pose the body in one of the surfaces first.'
+      : 'Nothing to track: pose a second keyframe first.';
+  }
   const { frame } = S.view;
   const side = frame < frames[0] ? `before ${frames[0]}` : `after ${frames.at(-1)}`;
   return `Only one keyframe stands beside the frames ${side}: key one more to track them.`;
@@ -75,10 +80,18 @@ function goThere(frame) {
 }
 
 function sentence(one) {
-  if (one.state === 'tracking') return `Tracking, ${one.words || `pass ${one.pass} of ${one.of}`}`;
-  const words = one.words || { good: 'Good', none: 'Not tracked', outdated: 'Outdated' }[one.state] || one.state;
+  if (one.state === 'tracking') return `${subject().doing}, ${one.words || `pass ${one.pass} of ${one.of}`}`;
+  const words = one.words || { good: 'Good', none: `Not ${subject().done}`, outdated: 'Outdated' }[one.state] || one.state;
   // The button beside it says where to go.
   return words.replace(/\.?\s*Go to \d+\.?$/, '');
+}
+
+/** How far apart body and surfaces lie, where they were fitted. */
+function distance(one) {
+  const metres = one.scores.at(-1);
+  if (one.state === 'tracking' || one.state === 'waiting') return nothing;
+  if (!Number.isFinite(metres)) return html`<p class="note">Fit with T.</p>`;
+  return fact('Apart', `${shortNumber(1000 * metres, 1)} mm`, 'Root mean square distance of what counts');
 }
 
 // --- the chart: 264 × 72, errors from the left top down to the right

@@ -2,11 +2,14 @@
 
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
 import { S, U } from '../state.js';
+import { isSurface } from '../subject.js';
 import { GUTTER, frameCount, right } from './scale.js';
 import { hasCurve } from './curve.js';
 
-const NOTHING_YET =
-  'What the image tells about each part, and the joint angles, appear here after the first track.';
+const nothingYet = () =>
+  isSurface()
+    ? 'How well the surface shows each part, and the joint angles, appear here after the first fit.'
+    : 'What the image tells about each part, and the joint angles, appear here after the first track.';
 
 export function drawGround(rows) {
   const { width, height } = U.timeSize;
@@ -32,5 +35,5 @@ export function drawNothingYet(rows, empty, score) {
   const room = rows.height - top;
   if (hasCurve() || room < 24) return nothing;
   return svg`<text class="d" x=${(GUTTER + right()) / 2} y=${top + room / 2 + 4}
-    text-anchor="middle">${NOTHING_YET}</text>`;
+    text-anchor="middle">${nothingYet()}</text>`;
 }

@@ -4,6 +4,7 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { S, U, put } from '../state.js';
 import { send } from '../link.js';
 import { icon } from '../icons.js';
+import { isSurface, words as subject } from '../subject.js';
 import { frameCount, isZoomed, lastFrame } from './scale.js';
 import { frame } from './head.js';
 import { frameBox } from './framebox.js';
@@ -76,7 +77,8 @@ function suggestionButton({ frame: to, kind }) {
     @click=${act}>${label}<kbd>${key}</kbd></button>`;
   if (kind === 'track' && S.job?.state === 'running') return html`<span class="pad"></span>`;
   if (kind === 'track') {
-    return button('Track', 'T', 'Track changed segments', trackChanged);
+    const { verb } = subject();
+    return button(verb, 'T', `${verb} changed segments`, trackChanged);
   }
   if (to === null || to === undefined || to === frame()) return html`<span class="pad"></span>`;
   return button('Go', 'N', `Go to frame ${to}`, next);
@@ -108,9 +110,10 @@ function right() {
   const choice = (name, label, title) => html`<button title=${title}
     aria-pressed=${String(U.chart === name)} @click=${() => put('chart', name)}>${label}</button>`;
   const fold = U.lanes ? 'Fold the lanes' : 'Show all lanes';
-  return html`<div class="seg" role="group" aria-label="Chart">
+  const charts = html`<div class="seg" role="group" aria-label="Chart">
       ${choice('angle', 'Angle', 'Angle of the selected part')}
-      ${choice('score', 'Score', 'Error per pass of this segment')}</div>
+      ${choice('score', 'Score', 'Error per pass of this segment')}</div>`;
+  return html`${isSurface() ? nothing : charts}
     <span class=${`fold${U.lanes ? '' : ' folded'}`}>${button('chev', fold, 'I', foldLanes)}</span>
     ${button('grow', 'Zoom to this interval', 'Z', zoomToInterval, { pressed: isZoomed() || null })}`;
 }

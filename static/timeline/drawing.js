@@ -1,6 +1,7 @@
 // The layers of the drawing from back to front, and what each is drawn from.
 
 import { S, U, put } from '../state.js';
+import { isSurface } from '../subject.js';
 import { send } from '../link.js';
 import { layer } from './layers.js';
 import { frame } from './head.js';
@@ -20,7 +21,7 @@ import { drawHeld } from './overlay.js';
 import { drawGround, drawKeyLabels, drawNothingYet } from './backdrop.js';
 import { partMeant } from './lanevalues.js';
 
-const isScore = () => U.chart === 'score' && (S.segments ?? []).length > 0;
+const isScore = () => U.chart === 'score' && !isSurface() && (S.segments ?? []).length > 0;
 
 /** Where frames end: the chart of scores under them has passes across, not frames. */
 const bottomOf = (rows) => (isScore() && rows.curve !== null ? rows.curve.y - 3 : rows.height);

@@ -1,6 +1,7 @@
 // What the pointer does on the drawing: what is under it, and the gesture that begins there.
 
 import { S, U } from '../state.js';
+import { isSurface } from '../subject.js';
 import { GUTTER, isZoomed, pxPerFrame, scrollBy, zoomAt } from './scale.js';
 import { OVERVIEW, RULER } from './rows.js';
 import { BAR, barOf } from './segments.js';
@@ -65,7 +66,7 @@ export function under(place) {
   const lane = laneAt(rows, lanes, place.y, scroll);
   if (lane !== null) return { kind: 'lane', lane };
   const inCurve = rows.curve !== null && place.y >= rows.curve.y;
-  if (inCurve && U.chart === 'score') return { kind: 'chart' };
+  if (inCurve && U.chart === 'score' && !isSurface()) return { kind: 'chart' };
   const key = inCurve ? curveKeyNear(rows.curve, place.x, place.y) : null;
   return key === null ? { kind: 'frames' } : { kind: 'curvekey', frame: key };
 }

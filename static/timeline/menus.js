@@ -2,6 +2,7 @@
 
 import { nothing } from '../vendor/lit-html/lit-html.js';
 import { send } from '../link.js';
+import { words as subject } from '../subject.js';
 import { lastFrame } from './scale.js';
 import { frame, goTo } from './head.js';
 import { field, item, notes, open, sentence } from './menu.js';
@@ -41,15 +42,15 @@ export function openSegmentMenu(segment, page) {
     sentence(SIGNS[state], state, range, wordsOf(segment)),
     notes(segment.notes ?? []),
     busy
-      ? item('x', 'Cancel tracking', 'Esc', () => send({ do: 'cancel' }))
-      : item('track', 'Track this', 'Shift T', () => trackThis(segment)),
+      ? item('x', 'Cancel', 'Esc', () => send({ do: 'cancel' }))
+      : item('track', `${subject().verb} this`, 'Shift T', () => trackThis(segment)),
     go === null ? nothing : item('flag', `Go to ${go}`, '', () => goTo(go)),
     item('grow', 'Zoom to it', 'Z', () => zoomTo(first, last)),
   ], page);
 }
 
 function wordsOf({ state, words }) {
-  return state === 'tracking' ? `Tracking, ${words}` : words || 'Not tracked';
+  return state === 'tracking' ? `${subject().doing}, ${words}` : words || `Not ${subject().done}`;
 }
 
 /** "This" is the segment of the playhead: it goes in first, should it have moved meanwhile. */

@@ -2,6 +2,7 @@
 
 import { svg } from '../vendor/lit-html/lit-html.js';
 import { S, U } from '../state.js';
+import { isSurface } from '../subject.js';
 import { cameraEye } from './cameras.js';
 import { View } from './view.js';
 
@@ -20,6 +21,7 @@ export class CameraView extends View {
 
   newEye() {
     this.eye = S.camera && cameraEye(S.camera);
+    this.screen.ariaLabel = isSurface() ? 'Picture of the surface' : 'Picture of the video';
     if (S.camera && !this.window.chosen && !U.dragging) this.showAll();
     this.resized();
   }

@@ -3,8 +3,12 @@
 //
 // Over the film the body is one translucent sheet: its opaque solids are drawn first, without
 // colour, so that of everything else only what lies in front is seen.
+//
+// In the small views an observed surface is such a sheet too, after the body that stands in it: its
+// nearest layer is drawn without colour, and then that layer alone with its colours.
 
 const FIRST = -1;
+const [BEHIND_SHEET, SHEET] = [1, 2];
 
 /** By view and by the kind of node, which is one of the last three words of its name. */
 const LOOKS = {
@@ -17,6 +21,10 @@ const LOOKS = {
   small: {
     ghost: { transparent: true, opacity: 0.6, depthWrite: false },
     trail: { depthTest: false, transparent: true, depthWrite: false },
+    surface: {
+      depth: { order: BEHIND_SHEET, transparent: true, colorWrite: false, depthWrite: true },
+      sheet: { order: SHEET, transparent: true, opacity: 0.42, depthWrite: false },
+    },
   },
 };
 
@@ -30,8 +38,10 @@ export function dress(role, nodes) {
   }
 }
 
-function wear(object, { order = 0, ...values }) {
+/** A look may differ by the name of what an object is made of. */
+function wear(object, look) {
   if (!object.material) return;
+  const { order = 0, ...values } = look[object.material.name] ?? look;
   object.renderOrder = order;
   for (const [key, value] of Object.entries(values)) {
     if (object.material[key] !== value) object.material[key] = value;

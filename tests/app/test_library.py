@@ -319,7 +319,7 @@ def test_the_words_of_the_samples_are_true(library: Library) -> None:
     for sample in library.contents()["samples"]:
         session = load_session(SAMPLES / sample["id"] / "session.json")
         assert f"{session.video.frame_count} frames" in sample["words"]
-        assert f"{len(session.keyframes)} keyframes" in sample["words"]
+        assert f"{len(session.keyframes)} keyframe" in sample["words"]
 
 
 # --- uploads

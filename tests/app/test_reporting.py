@@ -15,7 +15,7 @@ import pytest
 
 from app.cli import main
 from app.drawing.palette import PAPER
-from app.drawing.sheet import STATE_COLOURS, Cell, intervals, sheet, sheet_layout
+from app.drawing.sheet import STATE_COLOURS, Cell, sheet, sheet_layout
 from app.reporting.charts import over_time, score_chart
 from app.reporting.markup import VOID, Html, element, joined
 from app.reporting.plots import MOST_COLUMNS, Scale, area, curve, nice_ticks, runs, steps
@@ -349,7 +349,6 @@ def test_a_sheet_of_one_keyframe_that_the_video_has_lost() -> None:
     cell = Cell(None, 12, float("nan"), None, None)
     picture = sheet([cell], 1, (120, 80))
     assert (picture[10:80, 10:30] == 128).any()
-    assert intervals([3, 9, 12]) == [6, 3, None]
 
 
 @pytest.mark.parametrize("count", [1, 2, 5, 16, 61, 2000])

@@ -66,6 +66,8 @@ class Recovered:
 def mark_of(session: Session) -> str:
     """Equal for documents that say the same, wherever the video lies and whatever was tracked."""
     left_out: Any = {"results": True, "video": {"path"}, "schema_version": True}
+    if session.surface is None:  # as journals say it that are older than surfaces
+        left_out["surface"] = True
     content = session.model_dump_json(exclude=left_out).encode()
     return hashlib.sha256(content).hexdigest()[:16]
 

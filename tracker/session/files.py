@@ -153,8 +153,9 @@ def video_path(session: Session, session_path: Path) -> Path:
 def open_video_of(session: Session, session_path: Path) -> Video:
     """The session's video, opened; where it was moved or renamed nearby, it is found again.
 
+    Of observed surfaces it is what the session's camera sees of them (tracker.surface.picture).
     SessionError when it is missing or is not the one the keyframes were set on: frames are never
-    shifted to fit. VideoError when it cannot be decoded.
+    shifted to fit. VideoError or SurfaceError when it cannot be read.
     """
     path = video_path(session, session_path)
     try:
@@ -167,20 +168,36 @@ def open_video_of(session: Session, session_path: Path) -> Video:
 
 
 def _opened_as(session: Session, session_path: Path, path: Path) -> Video:
-    from tracker.video import Video  # the decoder's libraries load when a video is wanted
-
     if not _exists(path):
         raise SessionError(
-            f"The video {str(path)!r} is missing; put it there or change video.path in "
+            f"{_what(session)} {str(path)!r} is missing; put it there or change video.path in "
             f"{session_path.name}."
         )
-    video = Video.open(path)
+    video = open_video_at(session, path, Path(session_path).absolute().parent)
     try:
         _demand_same(session, path, video)
     except BaseException:
         video.close()
         raise
     return video
+
+
+def open_video_at(session: Session, path: Path, folder: Path) -> Video:
+    """What lies at a path, opened as this session's video, whether it is that or not.
+
+    folder: of the session's file.
+    """
+    if session.surface is not None:
+        from tracker.surface.picture import open_surfaces  # loads when surfaces are wanted
+
+        return open_surfaces(session, path, folder)
+    from tracker.video import Video  # the decoder's libraries load when a video is wanted
+
+    return Video.open(path)
+
+
+def _what(session: Session) -> str:
+    return "The video" if session.surface is None else "The folder or file of meshes"
 
 
 def _exists(path: Path) -> bool:
@@ -203,8 +220,8 @@ def _demand_same(session: Session, path: Path, video: Video) -> None:
     else:
         return
     raise SessionError(
-        f"The video {str(path)!r} is not the one this session was made for ({difference}); change "
-        "video.path, or set the keyframes anew."
+        f"{_what(session)} {str(path)!r} is not the one this session was made for ({difference}); "
+        "change video.path, or set the keyframes anew."
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from tracker.errors import SurfaceError
 from tracker.session.schema import Session
 
 MOST_FILES = 500
@@ -14,21 +15,37 @@ NOT_FILMS = (".json", ".jsonl", ".npz", ".csv", ".txt", ".md", ".py", ".previous
 def found_again(session: Session, session_path: Path, was: Path) -> Path | None:
     """The same film near the session or near where it was; None where there is none.
 
-    Looked at are the files of three folders: the session's, the one above, and that of `was`.
+    Looked at are the files of three folders: the session's, the one above, and that of `was`; and
+    the folders in them, where the session is about a folder of meshes.
     """
-    from tracker.video.fingerprint import fingerprint_of_file
-
-    wanted = session.video
-    if not wanted.fingerprint:
+    if not session.video.fingerprint:
         return None
+    told = _film if session.surface is None else _surfaces
     for place in _nearby(Path(session_path).absolute().parent, was):
         try:
-            found = place.is_file() and fingerprint_of_file(place, wanted.frame_count)
+            if told(place, session) == session.video.fingerprint:
+                return place
         except OSError:  # it cannot be read, so it is not the one
             continue
-        if found == wanted.fingerprint:
-            return place
     return None
+
+
+def _film(place: Path, session: Session) -> str | None:
+    from tracker.video.fingerprint import fingerprint_of_file
+
+    return fingerprint_of_file(place, session.video.frame_count) if place.is_file() else None
+
+
+def _surfaces(place: Path, session: Session) -> str | None:
+    from tracker.surface.sequence import MeshSequence
+
+    if not (place.is_dir() or place.suffix.lower() == ".glb"):
+        return None
+    try:
+        with MeshSequence.open(place) as meshes:
+            return meshes.fingerprint()
+    except SurfaceError:  # no meshes
+        return None
 
 
 def _nearby(folder: Path, was: Path) -> Iterator[Path]:

@@ -8,7 +8,9 @@ from tracker.errors import SessionError
 from tracker.loading import MEMORY_BYTES
 from tracker.session.schema import Session
 from tracker.skeleton import Skeleton
-from tracker.track import Progress, Tracker, never, run
+from tracker.surface.fitter import SurfaceFitter
+from tracker.surface.picture import SurfaceVideo
+from tracker.track import Progress, SegmentTracker, Tracker, never, run
 from tracker.trajectory import Trajectory
 from tracker.video import Video
 
@@ -35,6 +37,16 @@ def tracker_of(
     )
 
 
+def fitter_of(session: Session, video: Video) -> SurfaceFitter:
+    """A session about surfaces made ready to be fitted; `video` as `open_video_of` opens it.
+
+    SessionError without a keyframe.
+    """
+    if not isinstance(video, SurfaceVideo):
+        raise SessionError("The session is about surfaces: open them with open_video_of.")
+    return SurfaceFitter(session, video.steps)
+
+
 def track_session(
     session: Session,
     video: Video,
@@ -47,9 +59,13 @@ def track_session(
     """Track a session's segments with its own settings; see tracker.track.run for the events.
 
     Each worker may hold one segment's pictures. first_motion: what `first_motion.of_session` reads
-    beside the session's file.
+    beside the session's file. A session about surfaces is fitted to them.
     """
-    tracker = tracker_of(session, video, MEMORY_BYTES, first_motion)
+    tracker: SegmentTracker
+    if session.surface is None:
+        tracker = tracker_of(session, video, MEMORY_BYTES, first_motion)
+    else:
+        tracker = fitter_of(session, video)
     yield from run(tracker, session.settings, segments, workers, cancelled)
 
 

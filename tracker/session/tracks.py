@@ -25,7 +25,7 @@ import math
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -79,7 +79,8 @@ class Tracks:
         segments = sorted(result.segments, key=lambda s: s.trajectory.first_frame)
         first = segments[0].trajectory.first_frame
         count = max(s.trajectory.last_frame for s in segments) - first + 1
-        shapes = _shapes(count, result.skeleton.part_count, result.skeleton.dof_count)
+        dofs = segments[0].singular_values.shape[-1]
+        shapes = _shapes(count, result.skeleton.part_count, dofs)
         arrays = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
         rank, need = np.full(count - 1, -1), np.full(count, np.nan)
         for segment in segments:
@@ -200,10 +201,13 @@ def load_trajectory(session: Session, session_path: Path) -> Trajectory:
 
 
 def setup_hash(session: Session) -> str:
-    """SHA-256 of what a motion is tracked with besides keyframes: body, camera, ignore masks.
+    """SHA-256 of what a motion is tracked with besides keyframes: body, camera, ignore masks; or
+    body and surfaces.
 
     Notes, the camera's `origin` and joint limits do not count: they change no motion.
     """
+    if session.surface is not None:
+        return _surface_hash(session)
     data = session.model_dump(
         mode="json",
         include={"body", "camera", "ignore_masks"},
@@ -213,14 +217,46 @@ def setup_hash(session: Session) -> str:
             "ignore_masks": {"__all__": {"note"}},
         },
     )
+    return _hashed(data)
+
+
+def _surface_hash(session: Session) -> str:
+    """The cameras go by their file's name: a folder may be moved as a whole."""
+    surface, model = session.surface, session.model_keyframe
+    assert surface is not None
+    data = session.model_dump(
+        mode="json",
+        include={"body", "surface"},
+        exclude={
+            "body": {"parts": {"__all__": {"limits_deg"}}},
+            "surface": {"fps", "model_frame", "cameras"},
+        },
+    )
+    data["cameras"] = None if surface.cameras is None else PurePath(surface.cameras).name
+    data["model_frame"] = None if model is None else model.frame
+    return _hashed(data)
+
+
+def _hashed(data: dict[str, Any]) -> str:
     canonical = json.dumps(data, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(canonical.encode()).hexdigest()
 
 
 def tracked_keyframes(session: Session) -> tuple[int, ...]:
-    """The frames of the keyframes that the session's motion was tracked between, ascending."""
+    """The frames of the keyframes that the session's motion was tracked between, ascending.
+
+    Of surfaces also its first and last frame, where it begins and ends without a keyframe.
+    """
     segments = session.results.segments if session.results else ()
     return tuple(sorted({frame for s in segments for frame in (s.first_frame, s.last_frame)}))
+
+
+def open_ends(session: Session) -> tuple[int, ...]:
+    """Where a motion of surfaces begins or ends without a keyframe; none of a film's."""
+    if session.surface is None:
+        return ()
+    posed = {keyframe.frame for keyframe in session.keyframes}
+    return tuple(sorted({0, session.video.frame_count - 1} - posed))
 
 
 def outdated_keyframes(session: Session, motion: Trajectory | Tracks) -> tuple[int, ...]:
@@ -230,6 +266,7 @@ def outdated_keyframes(session: Session, motion: Trajectory | Tracks) -> tuple[i
     """
     skeleton = Skeleton.of(session.body)
     changed = set(tracked_keyframes(session)) - {keyframe.frame for keyframe in session.keyframes}
+    changed -= set(open_ends(session))
     for keyframe in session.keyframes:
         i = keyframe.frame - motion.first_frame
         if not _reaches(motion, keyframe.frame):
@@ -248,7 +285,8 @@ def outdated_words(session: Session, motion: Trajectory | Tracks) -> str | None:
     known = session.results and session.results.tracked_for
     reasons = []
     if known and known != setup_hash(session):
-        reasons.append("body, camera or ignore masks have changed")
+        setup = "body, camera or ignore masks" if session.surface is None else "body or surfaces"
+        reasons.append(f"{setup} have changed")
     frames = outdated_keyframes(session, motion)
     unreached = [frame for frame in frames if not _reaches(motion, frame)]
     changed = [frame for frame in frames if frame not in unreached]

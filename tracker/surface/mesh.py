@@ -54,8 +54,8 @@ class SurfaceMesh:
         return np.asarray(np.ptp(self.vertices, axis=0))
 
     @cached_property
-    def open_edges(self) -> int:
-        """Edges with a face on one side only: the rims of holes."""
+    def rim(self) -> NDArray[np.int64]:
+        """(R, 2) vertices of the edges that have a face on one side only: the rims of holes."""
         ends = np.sort(self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
-        _, counts = np.unique(ends, axis=0, return_counts=True)
-        return int((counts == 1).sum())
+        edges, counts = np.unique(ends[:, 0] * len(self.vertices) + ends[:, 1], return_counts=True)
+        return np.stack(np.divmod(edges[counts == 1], len(self.vertices)), axis=1)

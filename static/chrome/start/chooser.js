@@ -9,9 +9,9 @@ import { bytes, listed, longAgo } from '../words.js';
 import { loadLibrary } from './library.js';
 import { takeFiles } from './uploading.js';
 
-const KINDS = { any: null, video: ['video', 'images'], session: ['session'] };
-const TITLES = { any: 'Open', video: 'Choose a video', session: 'Open a session' };
-const ICONS = { video: 'film', images: 'img', session: 'key' };
+const KINDS = { any: null, video: ['video', 'images'], meshes: ['meshes'], session: ['session'] };
+const TITLES = { any: 'Open', video: 'Choose a video', meshes: 'Choose surfaces', session: 'Open a session' };
+const ICONS = { video: 'film', images: 'img', meshes: 'both', session: 'key' };
 const MOST = 300; // rows; more are found by name
 
 /** Show the files; `lost` is a recent session whose video is looked for. */
@@ -77,7 +77,7 @@ function grouped(found) {
 }
 
 function row(file) {
-  const size = file.kind === 'images' ? `${file.count} images` : bytes(file.bytes);
+  const size = file.count ? `${file.count} ${file.kind}` : bytes(file.bytes);
   return html`<button class="filerow" @click=${() => choose(file)}>
     ${icon(ICONS[file.kind])}<span class="cut">${file.name}</span><span class="sp"></span>
     <span class="dim num">${file.kind === 'session' ? 'session' : size}</span>
@@ -110,9 +110,9 @@ function footnote(found) {
 function nowhere() {
   const { kind, lost } = U.chooser;
   const roots = U.library?.folders ?? [];
-  const what = lost ? lost.video : kind === 'session' ? 'a session' : 'a video';
+  const what = lost ? lost.video : { session: 'a session', meshes: 'surfaces' }[kind] ?? 'a video';
   // A copy of a video that was moved would not be the session's own.
-  const drop = lost || kind === 'session' ? '' : ', or drop the video here';
+  const drop = lost || kind === 'session' || kind === 'meshes' ? '' : ', or drop the video here';
   const listing = roots.length ? `Listed are ${listed(roots)}` : 'No folder is listed';
   return `${listing}: for ${what} in another folder, start Keypose in that folder${drop}.`;
 }
@@ -121,7 +121,7 @@ function nowhere() {
 function elsewhere() {
   return html`<label class="btn filebtn">
     ${icon('up')}From elsewhere…
-    <input type="file" accept="video/*,.mkv,.avi" @change=${picked} />
+    <input type="file" accept="video/*,.mkv,.avi,.glb" @change=${picked} />
   </label>`;
 }
 

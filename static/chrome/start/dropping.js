@@ -38,7 +38,7 @@ function dropped(event) {
   const items = [...event.dataTransfer.items].filter((item) => item.kind === 'file');
   const folder = items.map((item) => item.webkitGetAsEntry?.()).find((entry) => entry?.isDirectory);
   if (folder) {
-    const words = `${folder.name} is a folder. A folder of images is opened where it lies: Choose a video…`;
+    const words = `${folder.name} is a folder. A folder of images or meshes is opened where it lies: choose it in the list.`;
     toast({ kind: 'check', words });
     return;
   }

@@ -45,7 +45,7 @@ function content() {
   if (S.file === undefined) return html`<p class="dim waiting">Connecting…</p>`;
   const recents = recentSessions();
   return html`<div class="card ${recents === nothing ? 'alone' : ''}">
-    <div>${dropZone()}${sample()}${promise()}</div>
+    <div>${dropZone()}${samples()}${promise()}</div>
     ${recents === nothing ? nothing : html`<div class="recents">${recents}</div>`}
     <div class="how">
       ${STEPS.map(([title, text], i) => html`<div><i>${i + 1}</i><b>${title}</b><span class="mut">${text}</span></div>`)}
@@ -61,7 +61,10 @@ function dropZone() {
       Pose a few keyframes over one moving person.<br />Keypose tracks the frames between them.
     </p>
     ${U.upload ? uploadCard() : buttons()}
-    <p class="dim kinds">MP4, MOV, MKV, WebM or AVI · one steady camera</p>
+    <p class="dim kinds">
+      MP4, MOV, MKV, WebM or AVI · one steady camera<br />or observed surfaces, one mesh a step:
+      <button class="textlink" @click=${() => openChooser('meshes')}>Choose surfaces…</button>
+    </p>
   </div>`;
 }
 
@@ -72,15 +75,20 @@ function buttons() {
   </div>`;
 }
 
-function sample() {
-  const first = U.library?.samples?.[0];
+/** A film to try, and surfaces. */
+function samples() {
+  const [first, ...others] = U.library?.samples ?? [];
+  const surfaces = others.find(({ id }) => id === 'arms');
   if (!first) return nothing;
-  return html`<button
-    class="rec sample"
-    @click=${() => send({ do: 'open', kind: 'sample', id: first.id })}
-  >
-    ${thumbnail(first.thumb)}
-    <span><span class="b">Try the sample</span><br /><span class="mut">${first.words}</span></span>
+  return html`<div class="samples">
+    ${sample(first, 'Try the sample')}${surfaces ? sample(surfaces, 'Try surfaces') : nothing}
+  </div>`;
+}
+
+function sample({ id, thumb, words }, title) {
+  return html`<button class="rec sample" @click=${() => send({ do: 'open', kind: 'sample', id })}>
+    ${thumbnail(thumb)}
+    <span><span class="b">${title}</span><br /><span class="mut">${words}</span></span>
     <span class="btn sm">Open</span>
   </button>`;
 }

@@ -8,7 +8,7 @@ import { toast } from '../toasts.js';
 import { bytes } from '../words.js';
 import { isVideoName } from './library.js';
 
-const KINDS = 'MP4, MOV, MKV, WebM and AVI';
+const KINDS = 'MP4, MOV, MKV, WebM and AVI, and GLB';
 
 let request = null;
 

@@ -27,6 +27,7 @@ from app.jobs.reports import (
 from tests.tracker import session_cases as cases
 from tracker.errors import VideoError
 from tracker.pose import Pose
+from tracker.session import Session
 
 SESSION = cases.session()
 CONTENT = SESSION.model_dump_json().encode()
@@ -36,7 +37,7 @@ POSE = SESSION.keyframes[0].pose(cases.SKELETON)
 class Bench:
     """Its video is the path it was asked for."""
 
-    def video(self, path: str) -> str:
+    def video(self, session: Session, path: str) -> str:
         if not path:
             raise VideoError("The video is gone.")
         return path

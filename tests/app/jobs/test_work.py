@@ -46,6 +46,9 @@ class FakeBench:
         bench = self
 
         class FakeTracker:
+            def expected_steps(self, index: int, settings: TrackSettings) -> int:
+                return expected_steps(settings)
+
             def run_segment(self, index: int, settings: TrackSettings, emit: Any) -> Any:
                 assert index == 0
                 bench.work(first, last, settings, emit)

@@ -1,0 +1,98 @@
+"""Edits of how observed surfaces are read, where they lie, and how the body is fitted to them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from pydantic import ValidationError
+
+from app.editor import actions as do
+from app.editor.documents import demand_before_camera
+from app.editor.refusal import Refused
+from app.editor.shown import find
+from app.editor.state import EditorState
+from app.editor.timing import retimed
+from tracker.session.schema import Keyframe, Session, Surface
+from tracker.surface.placing import METRES, Placement
+from tracker.wording import one_sentence
+
+_PLAIN = ("weights", "distance", "binding", "model_frame", "fps", "units", "up")
+
+
+def observed(state: EditorState, action: do.Observe) -> Session:
+    """Only the fields that were named change; where the surfaces lie follows from units and up."""
+    before = state.doc.surface
+    if before is None:
+        raise Refused("This session is about a video: it has no surfaces.")
+    named = _named(action)
+    _demand_keyframe(state, named.get("model_frame"))
+    doc = state.doc
+    if "units" in named:
+        doc = _scaled(state, METRES[named["units"]] / METRES[before.units])
+    if "up" in named:
+        doc = _turned(doc, action)
+    assert doc.surface is not None
+    doc = _with_surface(doc, {**doc.surface.model_dump(), **named})
+    return _retimed(doc) if "fps" in named else doc
+
+
+def _named(action: do.Observe) -> dict[str, Any]:
+    """What was given. None stands for what was left out, but for the model's frame."""
+    given = action.model_dump(include=action.model_fields_set & set(_PLAIN))
+    return {name: v for name, v in given.items() if v is not None or name == "model_frame"}
+
+
+def _demand_keyframe(state: EditorState, frame: int | None) -> None:
+    if frame is not None and find(state.doc.keyframes, frame) is None:
+        raise Refused(f"Frame {frame} has no keyframe: pose the body in its surface first.")
+
+
+def _scaled(state: EditorState, factor: float) -> Session:
+    """Everything so much farther away: then it is seen where it was, as large as it was."""
+    doc = state.doc
+    assert doc.surface is not None
+    keyframes, drafts = (
+        tuple(_farther(pose, factor) for pose in poses) for poses in (doc.keyframes, doc.drafts)
+    )
+    for pose in (*keyframes, *drafts):
+        demand_before_camera(state.skeleton, pose.pose(state.skeleton))
+    place = np.array(doc.surface.p_camera_surface) * factor
+    return _placed(doc.model_copy(update={"keyframes": keyframes, "drafts": drafts}), place)
+
+
+def _farther(pose: Keyframe, factor: float) -> Keyframe:
+    x, y, z = pose.root_m
+    return pose.model_copy(update={"root_m": (x * factor, y * factor, z * factor)})
+
+
+def _turned(doc: Session, action: do.Observe) -> Session:
+    """With other axes, the point that it is turned about staying where it is."""
+    old, about = doc.surface, np.array(action.about)
+    assert old is not None
+    assert action.up is not None
+    place = np.array(old.p_camera_surface)
+    R_before = Placement(old.units, old.up, place).R_camera_surface
+    R_after = Placement(old.units, action.up, place).R_camera_surface
+    return _placed(doc, about + R_after @ R_before.T @ (place - about))
+
+
+def _placed(doc: Session, p_camera_surface: np.ndarray[Any, Any]) -> Session:
+    assert doc.surface is not None
+    place = [float(v) for v in p_camera_surface]
+    return _with_surface(doc, {**doc.surface.model_dump(), "p_camera_surface": place})
+
+
+def _retimed(doc: Session) -> Session:
+    """Poses know when they are."""
+    assert doc.surface is not None
+    poses = {name: retimed(getattr(doc, name), doc.surface) for name in ("keyframes", "drafts")}
+    return doc.model_copy(update=poses)
+
+
+def _with_surface(doc: Session, values: dict[str, Any]) -> Session:
+    try:
+        surface = Surface.model_validate(values)
+    except ValidationError as error:
+        raise Refused(one_sentence(error)) from None
+    return doc.model_copy(update={"surface": surface})

@@ -1,0 +1,242 @@
+"""Surfaces fitted by the page's worker: what stays ready, what is told, what is refused."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from threading import Event
+
+import numpy as np
+import pytest
+
+from app.jobs import JobFailed, PassFinished, PoseFitted, PoseOrder, Report, SizesOrder
+from app.jobs.bench import Bench
+from app.jobs.fits import Fit
+from app.jobs.reports import Order
+from app.jobs.tracking import _needed
+from app.jobs.work import Job
+from app.results import segment_keys
+from tests.app import surface_cases as cases
+from tests.app.serving import Keypose, Visitor
+from tests.tracker import session_cases
+from tracker.errors import SessionError
+from tracker.geometry import exp_rotation
+from tracker.pose import Pose
+from tracker.session import Session
+from tracker.session.files import load_session, open_video_of
+from tracker.session.tracking import track_session
+from tracker.session.tracks import load_trajectory
+from tracker.surface import segment
+from tracker.surface.fitter import SurfaceFitter, options_of
+from tracker.track import SegmentStarted, TrackFinished
+from tracker.video import Video
+
+
+@pytest.fixture
+def bench() -> Iterator[Bench]:
+    made = Bench()
+    yield made
+    made.close()
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return cases.write_session(tmp_path / "job")
+
+
+def done(
+    bench: Bench, path: Path, session: Session, cancelled: Event | None = None
+) -> list[Report]:
+    """All reports of a job over every segment of a session."""
+    wanted = tuple((*span, key) for span, key in segment_keys(session).items())
+    content = _needed(session, wanted).model_dump_json().encode()
+    order = Order(7, content, str(path.parent / "meshes"), wanted, ("full",), str(path.parent))
+    told: list[Report] = []
+    with ThreadPoolExecutor(2) as threads:
+        Job(order, cancelled or Event(), told.append).run(bench, threads)
+    return told
+
+
+def fitted(bench: Bench, path: Path, frame: int, pose: Pose) -> Report:
+    """What comes of a fit here."""
+    content = load_session(path).model_dump_json().encode()
+    meshes = str(path.parent / "meshes")
+    told: list[Report] = []
+    order = PoseOrder(content, meshes, frame, pose, folder=str(path.parent), job=3)
+    Fit(order, Event(), told.append).run(bench)
+    return told[-1]
+
+
+def pose_at(frame: int) -> Pose:
+    return Pose(cases.true_rotations()[frame], cases.true_roots()[frame])
+
+
+def test_the_worker_counts_steps_and_tells_a_motion_of_the_whole_segment(
+    bench: Bench, path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(segment, "TELL_S", 0.0)
+    told = done(bench, path, load_session(path))
+    passed = [report for report in told if isinstance(report, PassFinished)]
+    assert [report.number for report in passed] == [0, 1, 2, 3]
+    assert passed[0].words == "step 1 of 4"
+    assert passed[0].track.told == "Step 1 of 4"
+    assert {len(report.trajectory) for report in passed} == {cases.STEPS}
+    assert np.isfinite(passed[0].trajectory.ps_camera_root).all()
+
+
+def test_it_is_left_while_a_segment_is_fitted(
+    bench: Bench, path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(segment, "TELL_S", 0.0)
+    cancelled = Event()
+    cancelled.set()
+    told = done(bench, path, load_session(path), cancelled)
+    assert not any(isinstance(report, PassFinished) for report in told)
+
+
+def test_meshes_stay_open_and_the_model_laid_out_while_nothing_of_it_is_another(
+    bench: Bench, path: Path
+) -> None:
+    session = load_session(path)
+    given = (str(path.parent / "meshes"), path.parent)
+    one = bench.fitter(session, *given)
+    video = bench.video(session, *given)
+    again = Session.model_validate_json(session.model_dump_json())
+    assert bench.fitter(again, *given) is one
+    assert session.surface is not None
+    other = session.surface.model_copy(update={"weights": "none"})
+    assert bench.fitter(session.model_copy(update={"surface": other}), *given) is not one
+    assert bench.video(session, *given) is video
+    farther = session.surface.model_copy(update={"p_camera_surface": (0.0, 0.0, 9.0)})
+    moved = bench.video(session.model_copy(update={"surface": farther}), *given)
+    assert moved is not video
+
+
+def test_meshes_that_were_exchanged_are_read_anew(bench: Bench, path: Path) -> None:
+    session = load_session(path)
+    given = (str(path.parent / "meshes"), path.parent)
+    video = bench.video(session, *given)
+    (path.parent / "meshes").rename(path.parent / "old")
+    cases.meshes(path.parent / "meshes")
+    os.utime(path.parent / "meshes", ns=(1, 1))
+    assert bench.video(session, *given) is not video
+
+
+def test_only_what_a_segment_needs_travels_with_its_order() -> None:
+    session = cases.session(keyframes=(0, 1, 2, 3, 4))
+    (*_, last) = ((*span, key) for span, key in segment_keys(session).items())
+    kept = [keyframe.frame for keyframe in _needed(session, [last]).keyframes]
+    assert kept == [0, 3, 4]
+    assert _needed(session, [last]).model_keyframe == session.model_keyframe
+
+
+def test_a_pose_is_laid_onto_the_surface_of_its_frame(bench: Bench, path: Path) -> None:
+    truth = pose_at(2)
+    turn = exp_rotation(np.array([[0.1, 0.0, 0.05], [-0.1, 0.0, 0.1], [0.0, 0.0, 0.12]]))
+    rough = Pose(truth.Rs_parent_part @ turn, truth.p_camera_root + np.array([0.05, -0.04, 0.03]))
+    report = fitted(bench, path, 2, rough)
+    assert isinstance(report, PoseFitted)
+    assert report.found
+    assert np.linalg.norm(report.pose.p_camera_root - truth.p_camera_root) < 0.025
+    assert report.words.startswith("Arm")
+    assert "moved" in report.words
+
+
+def test_in_the_mesh_that_moves_with_the_body_there_is_nothing_to_fit(
+    bench: Bench, path: Path
+) -> None:
+    report = fitted(bench, path, 0, pose_at(0))
+    assert isinstance(report, PoseFitted)
+    assert not report.found
+    assert "there is nothing to fit" in report.words
+
+
+def test_a_mesh_that_cannot_be_used_fits_nothing_and_says_why(bench: Bench, path: Path) -> None:
+    (path.parent / "meshes" / "step_0002.ply").unlink()
+    report = fitted(bench, path, 2, pose_at(2))
+    assert isinstance(report, JobFailed)
+    assert "Step 2 is missing" in report.words
+
+
+def test_sizes_are_not_fitted_to_surfaces(bench: Bench, path: Path) -> None:
+    told: list[Report] = []
+    content = load_session(path).model_dump_json().encode()
+    Fit(SizesOrder(content, str(path.parent / "meshes"), job=4), Event(), told.append).run(bench)
+    (report,) = told
+    assert isinstance(report, JobFailed)
+    assert report.words.startswith("Sizes are fitted to pictures")
+
+
+def test_a_session_without_keyframes_cannot_be_fitted(path: Path) -> None:
+    none = cases.session(keyframes=())
+    with pytest.raises(SessionError, match="one at least is needed"):
+        SurfaceFitter(none, steps=None)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("chosen", "expected"),
+    [
+        ({}, (True, True, 1.0, False)),
+        ({"weights": "contact"}, (True, False, 1.0, False)),
+        ({"weights": "photo"}, (False, True, 1.0, False)),
+        ({"weights": "none", "distance": "point", "binding": "smooth"}, (False, False, 0.0, True)),
+    ],
+)
+def test_what_a_session_says_is_what_is_done(
+    chosen: dict[str, str], expected: tuple[bool, bool, float, bool]
+) -> None:
+    surface = cases.session(**chosen).surface  # type: ignore[arg-type]
+    assert surface is not None
+    options = options_of(surface)
+    assert (options.contact, options.photo, options.plane, options.smooth) == expected
+
+
+def test_the_page_fits_surfaces_and_speaks_of_fitting(tmp_path: Path) -> None:
+    path = cases.write_session(tmp_path / "job")
+    keypose = Keypose(str(path), "--workspace", str(tmp_path / "workspace"))
+    try:
+        visitor = Visitor(keypose)
+        assert visitor.seen["file"]["frames"] == cases.STEPS
+        visitor.do(do="track", what="all")
+        visitor.until(lambda: visitor.seen["job"]["state"] == "done", seconds=300)
+        assert visitor.seen["job"]["title"] == "Fitted 0–4"
+        visitor.do(do="track", what="changed")
+        assert visitor.refusal() == "Nothing has changed: every segment is fitted already."
+        visitor.leave()
+    finally:
+        code, words = keypose.end()
+    assert code == 0, words
+    found = load_trajectory(load_session(path), path)
+    assert np.abs(found.ps_camera_root - cases.true_roots()).max() < 0.03
+
+
+def test_a_program_of_ones_own_fits_by_the_same_road(path: Path) -> None:
+    session = load_session(path)
+    with open_video_of(session, path) as video:
+        events = list(track_session(session, video))
+    (started, *_, finished) = events
+    assert isinstance(started, SegmentStarted)
+    assert isinstance(finished, TrackFinished)
+    roots = finished.result.trajectory.ps_camera_root
+    assert np.abs(roots - cases.true_roots()).max() < 0.03
+    assert len(finished.result.segments) == 1
+
+
+def test_surfaces_opened_as_a_film_of_images_are_refused(path: Path, tmp_path: Path) -> None:
+    folder = session_cases.write_frames(tmp_path / "frames")
+    with (
+        Video.open(folder) as video,
+        pytest.raises(SessionError, match="open them with open_video_of"),
+    ):
+        list(track_session(load_session(path), video))
+
+
+def test_a_first_pose_is_to_be_a_keyframe_before_others_are_fitted(
+    bench: Bench, tmp_path: Path
+) -> None:
+    path = cases.write_session(tmp_path / "new", keyframes=())
+    report = fitted(bench, path, 2, pose_at(2))
+    assert isinstance(report, JobFailed)
+    assert "make that a keyframe" in report.words

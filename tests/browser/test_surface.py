@@ -1,0 +1,309 @@
+"""Observed surfaces on the page: the body is fitted to them, and they are seen in every view."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, Page
+
+from tests.app.serving import ROOT, Keypose, Visitor
+from tests.browser.hands import drag, screen, section, settled, until, until_told
+from tests.browser.shared import Desk, let_in, opened
+from tracker.geometry import Array
+from tracker.session.files import load_session
+from tracker.surface.source import steps_of
+
+SAMPLE = ROOT / "sample_videos" / "arms"
+SIZE = (1440, 900)
+SMALL = ("top", "side", "front")
+SECONDS_TO_FIT = 240
+"""The loops may have to be compiled first."""
+
+_SKINS = """
+(name) => {
+  const frame = document.querySelector(`.view[data-view="${name}"] iframe`);
+  const nodes = frame?.contentWindow?.__viserMutable?.nodeRefFromName ?? {};
+  const found = [];
+  for (const key of ['/camera/surface/0', '/camera/surface/1']) {
+    nodes[key]?.traverse((object) => {
+      if (object.material?.name !== 'sheet') return;
+      object.geometry.computeBoundingBox();
+      const { min, max } = object.geometry.boundingBox;
+      found.push([[min.x, min.y, min.z], [max.x, max.y, max.z]]);
+    });
+  }
+  return found;
+}
+"""
+"""The boxes of the surfaces that a view draws, camera frame."""
+
+_PIXELS = """
+() => {
+  const { canvas } = document.querySelector('#main canvas.vid').getContext('2d');
+  return canvas.toDataURL();
+}
+"""
+
+
+@contextmanager
+def arms(browser: Browser, folder: Path, *, drawn: bool) -> Iterator[Desk]:
+    """The page of a copy of the arms."""
+    place = folder / "arms"
+    if not place.exists():
+        shutil.copytree(SAMPLE, place)
+    session = place / "session.json"
+    keypose = Keypose(str(session), "--workspace", str(folder / "workspace"))
+    try:
+        with let_in(browser, drawn=drawn, size=SIZE) as context:
+            visitor = Visitor(keypose)
+            yield Desk(opened(context, keypose), visitor, keypose, session)
+            visitor.leave()
+    finally:
+        code, words = keypose.end()
+    assert code == 0, words
+    assert "Traceback" not in words, words
+
+
+@pytest.fixture(scope="module")
+def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    with arms(browser, tmp_path_factory.mktemp("surface"), drawn=True) as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def fitted(shared: Desk) -> Desk:
+    """The arms once their one segment has been fitted, by the key."""
+    shared.page.keyboard.press("t")
+    until_told(shared.page, "segments", lambda all: all[0]["state"] in DONE, SECONDS_TO_FIT)
+    return shared
+
+
+DONE = ("good", "check", "lost")
+
+
+@pytest.fixture
+def at(fitted: Desk) -> Desk:
+    """Fitted, with nothing else done, at the frame of the keyframe."""
+    while fitted.served["undo"]["undo"] is not None:
+        fitted.visitor.do(do="undo")
+    fitted.visitor.do(do="go", frame=0)
+    fitted.visitor.do(do="display", tint="clay", mode="both", opacity=0.5)
+    for name in ("view", "surface", "segments", "undo"):
+        fitted.agreed(name)
+    return fitted
+
+
+def boxes(page: Page, view: str) -> list[Array]:
+    return [np.array(box) for box in page.evaluate(_SKINS, view)]
+
+
+def box_of(session: Path, frame: int) -> Array:
+    """Least and greatest coordinates of a step's surface, camera frame, metres."""
+    with steps_of(load_session(session), session) as steps:
+        vertices = steps.shape(frame).vertices
+    return np.array([vertices.min(axis=0), vertices.max(axis=0)])
+
+
+def until_seen(page: Page, wanted: Array) -> None:
+    """Wait until every small view draws this surface, and nothing but it."""
+    for view in SMALL:
+
+        def is_drawn(view: str = view) -> bool:
+            drawn = boxes(page, view)
+            return len(drawn) == 1 and np.allclose(drawn[0], wanted, atol=1e-3)
+
+        until(is_drawn, f"the surface in {view}")
+
+
+def press(page: Page, words: str) -> None:
+    """A choice of the inspector's last tab."""
+    page.locator("#insp [role=tab]").last.click()
+    page.locator("#insp").get_by_role("button", name=words, exact=True).click()
+
+
+def test_the_surface_of_the_present_frame_is_seen_in_the_small_views(shared: Desk) -> None:
+    page = shared.page
+    until_seen(page, box_of(shared.session, 0))
+    assert boxes(page, "main") == []  # there it is in the picture
+    screen(page, "surface-opened")
+
+
+def test_one_keyframe_is_enough_to_fit(fitted: Desk) -> None:
+    page = fitted.page
+    (segment,) = section(page, "segments")
+    assert (segment["first"], segment["last"], segment["state"]) == (0, 18, "good")
+    assert page.locator("#mhead").inner_text().endswith("Good")
+    assert "All Good" in page.locator(".sug").inner_text()
+    assert "Fit" in page.locator("#top .btn.pri").first.inner_text()
+    page.locator("#insp [role=tab]").last.click()
+    settled(page)
+    told = page.locator("#insp").inner_text()
+    for words in ("Fit live while I pose", "The surface that moves is that of", "Centimetres"):
+        assert words in told
+    assert "camera stands still" not in told
+    screen(page, "surface-fitted")
+
+
+def test_the_fitted_motion_is_the_true_one(at: Desk) -> None:
+    truth = np.load(SAMPLE / "truth.npz")
+    for frame in (5, 9, 14, 18):
+        at.visitor.do(do="go", frame=frame)
+        root = at.served["pose"]["root"]
+        assert np.linalg.norm(np.subtract(root, truth["ps_camera_root"][frame])) < 0.04
+
+
+def test_after_quick_scrubbing_the_surface_of_the_last_frame_stands_alone(at: Desk) -> None:
+    page = at.page
+    for frame in (*range(19), *range(18, 4, -1)):
+        at.visitor.send(do="go", frame=frame)
+    until_told(page, "view.frame", lambda frame: frame == 5)
+    page.wait_for_selector("#main canvas.vid[data-frame='5']")
+    until_seen(page, box_of(at.session, 5))
+
+
+def test_playing_through_ends_at_the_last_surface(at: Desk) -> None:
+    page = at.page
+    page.keyboard.press("Space")
+    until_told(page, "view.frame", lambda frame: frame == 18)
+    until_seen(page, box_of(at.session, 18))
+
+
+@pytest.mark.parametrize(
+    ("tint", "high"),
+    [("contact", "hidden by contact"), ("photo", "cameras disagree"), ("distance", "5 cm")],
+)
+def test_a_colouring_changes_the_picture_and_has_its_legend(at: Desk, tint: str, high: str) -> None:
+    page = at.page
+    at.visitor.do(do="go", frame=9)
+    page.wait_for_selector("#main canvas.vid[data-frame='9']")
+    until_seen(page, box_of(at.session, 9))
+    before = page.evaluate(_PIXELS)
+    page.locator(f"#mtint [data-tint={tint}]").click()
+    until_told(page, "view.tint", lambda now: now == tint)
+    until(lambda: page.evaluate(_PIXELS) != before, "another picture")
+    assert high in page.locator("#mtint .ramp").inner_text()
+    until_seen(page, box_of(at.session, 9))
+    page.wait_for_timeout(600)  # the small views draw at leisure
+    screen(page, f"surface-{tint}")
+
+
+def test_how_to_fit_is_an_edit_like_any_other(at: Desk) -> None:
+    page = at.page
+    press(page, "To points")
+    until_told(page, "surface.distance", lambda now: now == "point")
+    assert at.agreed("segments")[0]["state"] == "outdated"
+    page.keyboard.press("Control+z")
+    until_told(page, "surface.distance", lambda now: now == "plane")
+    assert at.agreed("segments")[0]["state"] == "good"
+
+
+def test_another_keyframe_s_surface_can_be_the_one_that_moves(at: Desk) -> None:
+    page = at.page
+    at.visitor.do(do="go", frame=3)
+    at.agreed("view")
+    page.keyboard.press("k")
+    until_told(page, "keys.frames", lambda frames: frames == [0, 3])
+    press(page, "Use frame 3")
+    until_told(page, "surface.model_frame", lambda frame: frame == 3)
+    assert [s["state"] for s in at.agreed("segments")] == ["outdated", "outdated"]
+
+
+def test_other_units_keep_the_picture_and_move_the_surface(at: Desk) -> None:
+    page = at.page
+    near = box_of(at.session, 0)
+    at.visitor.do(do="observe", units="dm")
+    until(lambda: _is_at(page, 10 * near), "the larger surface")
+    at.visitor.do(do="undo")
+    until_seen(page, near)
+
+
+def _is_at(page: Page, box: Array) -> bool:
+    drawn = boxes(page, "front")
+    return len(drawn) == 1 and bool(np.allclose(drawn[0], box, rtol=1e-3))
+
+
+def test_the_camera_tab_says_that_nobody_filmed(at: Desk) -> None:
+    page = at.page
+    page.get_by_role("tab", name="Camera").click()
+    settled(page)
+    told = page.locator("#insp-body").inner_text()
+    assert "No camera filmed this" in told
+    assert "Distortion" not in told
+    screen(page, "surface-camera")
+    page.get_by_role("tab", name="Part").click()
+
+
+def test_a_hand_drag_moves_the_body_in_the_surface(at: Desk) -> None:
+    page = at.page
+    before = section(page, "pose.root")
+    page.keyboard.press("g")
+    settled(page)
+    x, y = page.evaluate(
+        """() => {
+          const view = window.keypose.view('main');
+          const [x, y] = view.project(window.keypose.S.pose.root);
+          const box = view.el.getBoundingClientRect();
+          return [box.left + x, box.top + y];
+        }"""
+    )
+    drag(page, (x, y), (x + 40, y + 10))
+    until_told(page, "pose.root", lambda root: root[0] > before[0] + 0.01)
+    page.keyboard.press("v")
+
+
+def test_the_page_is_as_clear_on_a_small_screen_and_by_day(at: Desk) -> None:
+    page = at.page
+    at.visitor.do(do="go", frame=7)
+    at.visitor.do(do="display", tint="distance")
+    at.agreed("view")
+    page.set_viewport_size({"width": 1280, "height": 720})
+    page.evaluate("() => { document.documentElement.dataset.theme = 'light'; }")
+    page.wait_for_timeout(900)
+    screen(page, "surface-light-1280x720")
+    head, tints = (page.locator(name).bounding_box() for name in ("#mhead", "#mtint"))
+    assert head is not None
+    assert tints is not None
+    assert tints["y"] >= head["y"] + head["height"]
+    page.evaluate("() => { document.documentElement.dataset.theme = 'dark'; }")
+    page.set_viewport_size({"width": SIZE[0], "height": SIZE[1]})
+
+
+def test_a_step_that_cannot_be_used_is_told_at_its_frame(browser: Browser, tmp_path: Path) -> None:
+    shutil.copytree(SAMPLE, tmp_path / "arms")
+    (tmp_path / "arms" / "meshes" / "step_0004.ply").write_bytes(b"")
+    with arms(browser, tmp_path, drawn=False) as desk:
+        page = desk.page
+        assert page.locator("#mproblem").count() == 0
+        desk.visitor.do(do="go", frame=4)
+        problem = page.locator("#mproblem")
+        problem.wait_for()
+        assert "step_0004.ply" in problem.inner_text()
+        page.wait_for_selector("#main canvas.vid[data-frame='4']")
+        screen(page, "surface-problem")
+        desk.visitor.do(do="go", frame=5)
+        until(lambda: problem.count() == 0, "no problem any more")
+
+
+def test_surfaces_are_a_sample_of_the_start_screen(browser: Browser, tmp_path: Path) -> None:
+    keypose = Keypose("--workspace", str(tmp_path / "workspace"))
+    try:
+        with let_in(browser, drawn=False, size=(1280, 720)) as context:
+            page = context.new_page()
+            page.goto(keypose.address)
+            page.get_by_text("Try surfaces").wait_for()
+            screen(page, "surface-start-1280x720")
+            page.get_by_text("Try surfaces").click()
+            until(lambda: _surface_of(page), "the arms")
+            assert section(page, "file.frames") == 19
+    finally:
+        keypose.end()
+
+
+def _surface_of(page: Page) -> Any:
+    return page.evaluate("() => window.keypose?.S.surface")

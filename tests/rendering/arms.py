@@ -1,0 +1,109 @@
+"""The scene of three arms: hulls as a ring of cameras yields them, with exact poses beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal, TypeAlias
+
+from tests.benchmarks.keeping import ROOT, digest, place_for
+from tests.rendering.arm_bodies import Kind, arm_mesh, arms_body
+from tests.rendering.arm_motions import P_CENTRE, arm_poses
+from tests.rendering.kept_meshes import keep_meshes, kept_meshes
+from tests.rendering.ring import Carvings, Shot, ring_of
+from tracker.body import Body
+from tracker.pose import Pose, pose_transforms
+from tracker.skeleton import Skeleton
+from tracker.surface.carve import carved, seen_through
+from tracker.surface.hull import SMOOTHING_VOXELS, Silhouette, hull_field, hull_mesh
+from tracker.surface.mesh import SurfaceMesh
+from tracker.surface.photo import consistency
+from tracker.surface.views import View
+
+HullKind: TypeAlias = Literal["visual", "photo", "ideal"]
+
+VOXEL_M = 0.01
+THROUGH_M = 0.02
+"""A place is seen through by a view in which the thing lies farther away by this."""
+
+
+@dataclass(frozen=True, eq=False)
+class ArmsScene:
+    """steps: observed meshes, metres in the camera frame; poses: the true ones; views: who saw."""
+
+    steps: list[SurfaceMesh]
+    body: Body
+    poses: list[Pose]
+    views: tuple[View, ...]
+
+    @property
+    def skeleton(self) -> Skeleton:
+        return Skeleton.of(self.body)
+
+
+def arms_scene(
+    kind: Kind, cameras: int, seed: int = 0, hull: HullKind = "visual", voxel_m: float = VOXEL_M
+) -> ArmsScene:
+    """`make_scene`, or as it was kept of a run before: making one takes up to a minute."""
+    key = digest(*_made_by(), repr((kind, cameras, seed, hull, voxel_m)).encode())
+    place = place_for(f"arms-{kind}-{cameras}-{seed}-{hull}-{1000 * voxel_m:g}mm", key, ".npz")
+    if not place.is_file():
+        keep_meshes(place, make_scene(kind, cameras, seed, hull, voxel_m).steps)
+    views = ring_of(cameras, P_CENTRE)
+    return ArmsScene(kept_meshes(place), arms_body(kind), arm_poses(kind), views)
+
+
+def make_scene(
+    kind: Kind,
+    cameras: int,
+    seed: int = 0,
+    hull: HullKind = "visual",
+    voxel_m: float = VOXEL_M,
+    smoothing_voxels: float = SMOOTHING_VOXELS,
+) -> ArmsScene:
+    """hull: visual, of the silhouettes alone; photo, carved by the pictures; ideal, carved by the
+    true depths: what two views see through is away, all else as the silhouettes left it."""
+    body, poses, views = arms_body(kind), arm_poses(kind), ring_of(cameras, P_CENTRE)
+    steps = []
+    for step in range(len(poses)):
+        shots = shots_of(kind, poses[step], views, [seed, step])
+        steps.append(observed(views, shots, hull, voxel_m, smoothing_voxels))
+    return ArmsScene(steps, body, poses, views)
+
+
+def shots_of(kind: Kind, pose: Pose, views: Sequence[View], seed: list[int]) -> list[Shot]:
+    """What the views see of the arms in a pose; noise follows from the seed."""
+    Ts = pose_transforms(Skeleton.of(arms_body(kind)), pose)
+    carvings = Carvings((arm_mesh(kind),) * 3, seed[0])
+    return [carvings.seen_by(view, Ts, [*seed, i]) for i, view in enumerate(views)]
+
+
+def observed(
+    views: Sequence[View],
+    shots: Sequence[Shot],
+    hull: HullKind,
+    voxel_m: float,
+    smoothing_voxels: float = SMOOTHING_VOXELS,
+) -> SurfaceMesh:
+    """The hull of what the views see, with the photo-consistency of its vertices."""
+    pictures = [shot.picture for shot in shots]
+    field = hull_field(views, [Silhouette(shot.inside) for shot in shots], voxel_m)
+    if hull == "photo":
+        field = carved(field, views, pictures)
+    elif hull == "ideal":
+        field = seen_through(field, views, [shot.depth for shot in shots], 1, THROUGH_M)
+    mesh = hull_mesh(field, smoothing_voxels)
+    return replace(mesh, consistency=consistency(mesh, views, pictures))
+
+
+def _made_by() -> list[Path]:
+    """The files whose text decides what a scene looks like."""
+    rendering = ("arms", "arm_bodies", "arm_motions", "ring", "shade", "texture")
+    surface = ("carve", "hull", "nets", "photo")
+    kernels = ("carving", "patches", "sweeping", "raster")
+    return [
+        *(ROOT / "tests" / "rendering" / f"{name}.py" for name in rendering),
+        *(ROOT / "tracker" / "surface" / f"{name}.py" for name in surface),
+        *(ROOT / "tracker" / "kernels" / f"{name}.py" for name in kernels),
+    ]

@@ -1,0 +1,166 @@
+"""A walking human as observed surfaces, with exact joints: as it is, and in ways that are harder.
+
+plain      the surface itself.
+contact    arms and legs brought together halfway: what touches is one surface, the union's.
+missing20  a fifth of the surface missing at every step but the first, in holes that wander.
+noise1cm   every vertex moved at random, 1 cm standard deviation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from tests.benchmarks.keeping import ROOT, digest, place_for
+from tests.rendering.arms import HullKind, observed
+from tests.rendering.kept_meshes import keep_meshes, kept_meshes
+from tests.rendering.ring import Skin, ring_of
+from tests.rendering.walker_body import Human, body_and_poses
+from tests.rendering.winding import united
+from tracker.body import Body
+from tracker.geometry import Array, exp_rotation
+from tracker.pose import Pose
+from tracker.skeleton import Skeleton
+from tracker.surface.mesh import SurfaceMesh
+
+WalkKind: TypeAlias = Literal["plain", "contact", "missing20", "noise1cm"]
+
+UNION_VOXEL_M = 0.008
+HULL_VOXEL_M = 0.01
+REACH_M = 2.7
+HOLE_M = 0.09
+"""Radius of a hole in the surface."""
+
+# The file's joints: both arms, both thighs.
+_ARMS, _THIGHS = (5, 6), (11, 12)
+_ARM_IN_DEG, _ARM_BACK_DEG, _LEG_IN_DEG = 16.0, 0.0, 6.0
+
+
+@dataclass(frozen=True, eq=False)
+class Walk:
+    """steps: observed meshes, metres in the camera frame.
+
+    joints: (F, P, 3) true joints, of the parts in their order.  poses: the true ones.
+    """
+
+    steps: list[SurfaceMesh]
+    joints: Array
+    body: Body
+    poses: list[Pose]
+
+    @property
+    def skeleton(self) -> Skeleton:
+        return Skeleton.of(self.body)
+
+
+def walker(
+    kind: WalkKind = "plain", cameras: int | None = None, seed: int = 0, hull: HullKind = "visual"
+) -> Walk:
+    """cameras: of so many the hull, with photo-consistency; None: the surface itself.
+
+    Absent where the shared data is not here.
+    """
+    human = Human.load()
+    if kind == "contact":
+        human = brought_together(human)
+    body, poses = body_and_poses(human, human.Ts_joint)
+    joints = human.Ts_joint[..., :3, 3]
+    return Walk(_steps(human, kind, cameras, seed, hull), joints, body, poses)
+
+
+def _steps(
+    human: Human, kind: WalkKind, cameras: int | None, seed: int, hull: HullKind
+) -> list[SurfaceMesh]:
+    if cameras is None and kind != "contact":
+        plain = [SurfaceMesh(p, human.faces) for p in human.vertices]
+        return [_spoilt(mesh, kind, seed, i) for i, mesh in enumerate(plain)]
+    key = digest(*_made_by(), repr((kind, cameras, seed, hull)).encode())
+    place = place_for(f"walker-{kind}-{cameras}-{seed}-{hull}", key, ".npz")
+    if not place.is_file():
+        steps = (
+            [united(p, human.faces, UNION_VOXEL_M) for p in human.vertices]
+            if cameras is None
+            else _hulls(human, cameras, seed, hull)
+        )
+        keep_meshes(place, steps)
+    return [_spoilt(mesh, kind, seed, i) for i, mesh in enumerate(kept_meshes(place))]
+
+
+def _hulls(human: Human, cameras: int, seed: int, hull: HullKind) -> list[SurfaceMesh]:
+    """What a ring of cameras makes of the textured surface."""
+    skin = Skin(human.vertices[0], human.faces, seed)
+    views = ring_of(cameras, human.vertices.mean(axis=(0, 1)), REACH_M)
+    steps = []
+    for step, p in enumerate(human.vertices):
+        shots = [skin.seen_by(view, p, [seed, step, i]) for i, view in enumerate(views)]
+        steps.append(observed(views, shots, hull, HULL_VOXEL_M))
+    return steps
+
+
+def brought_together(human: Human) -> Human:
+    """The same walk with arms and thighs turned inward, most of all halfway.
+
+    The skin follows as linear blending has it, from each step's own pose.
+    """
+    share = np.sin(np.linspace(0, np.pi, human.frame_count)) ** 2
+    Ts = human.Ts_joint.copy()
+    vertices = human.vertices.copy()
+    for frame in range(human.frame_count):
+        for joints, degrees in ((_ARMS, _ARM_IN_DEG), (_THIGHS, _LEG_IN_DEG)):
+            for side, joint in zip((1.0, -1.0), joints, strict=True):
+                angle = side * np.radians(degrees) * share[frame]
+                _turn(Ts[frame], human.parents, joint, angle)
+        moved = Ts[frame] @ np.linalg.inv(human.Ts_joint[frame])
+        blend = np.einsum("vj,jab->vab", human.weights, moved)
+        p = human.vertices[frame]
+        vertices[frame] = np.einsum("vab,vb->va", blend[:, :3, :3], p) + blend[:, :3, 3]
+    return replace(human, vertices=vertices, Ts_joint=Ts)
+
+
+def _turn(Ts: Array, parents: Array, joint: int, angle: float) -> None:
+    """Turn a joint and all below it about the line of sight through it, in place."""
+    T = np.eye(4)
+    T[:3, :3] = exp_rotation([0.0, 0.0, angle])
+    T[:3, 3] = Ts[joint, :3, 3] - T[:3, :3] @ Ts[joint, :3, 3]
+    below = [joint]
+    for j in range(joint + 1, len(parents)):
+        if parents[j] in below:
+            below.append(j)
+    Ts[below] = T @ Ts[below]
+
+
+def _spoilt(mesh: SurfaceMesh, kind: WalkKind, seed: int, step: int) -> SurfaceMesh:
+    rng = np.random.default_rng([seed, step])
+    if kind == "noise1cm":
+        return replace(mesh, vertices=mesh.vertices + rng.normal(0, 0.01, mesh.vertices.shape))
+    if kind == "missing20" and step > 0:
+        return _with_holes(mesh, 0.2, rng)
+    return mesh
+
+
+def _with_holes(mesh: SurfaceMesh, share: float, rng: np.random.Generator) -> SurfaceMesh:
+    """Without this share of the surface's area."""
+    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
+    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    middles, kept = (a + b + c) / 3, np.ones(len(mesh.faces), bool)
+    while areas[~kept].sum() < share * areas.sum():
+        centre = middles[rng.choice(np.nonzero(kept)[0])]
+        kept &= np.linalg.norm(middles - centre, axis=1) > HOLE_M
+    used, faces = np.unique(mesh.faces[kept], return_inverse=True)
+    agreed = None if mesh.consistency is None else mesh.consistency[used]
+    return SurfaceMesh(mesh.vertices[used], faces.reshape(-1, 3), agreed)
+
+
+def _made_by() -> list[Path]:
+    """The files whose text decides what the meshes look like."""
+    rendering = ("arms", "walker", "walker_body", "winding", "ring", "shade", "texture")
+    surface = ("carve", "hull", "nets", "photo")
+    kernels = ("carving", "patches", "sweeping", "raster")
+    return [
+        *(ROOT / "tests" / "rendering" / f"{name}.py" for name in rendering),
+        *(ROOT / "tracker" / "surface" / f"{name}.py" for name in surface),
+        *(ROOT / "tracker" / "kernels" / f"{name}.py" for name in kernels),
+    ]

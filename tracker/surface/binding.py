@@ -1,0 +1,69 @@
+"""Which part carries a point of the surface: the one whose solid is nearest (SURFACE §4.1)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.geometry import Array
+from tracker.shapes import Box, Cylinder, Frustum, Shape
+from tracker.skeleton import Skeleton
+
+
+def distances_to_parts(skeleton: Skeleton, Ts_camera_part: Array, p_camera: Array) -> Array:
+    """(V, P) metres from points (V, 3) to the solids of all parts, negative inside.
+
+    From the solid, not from its bone: a bone takes a share of its thicker neighbour's surface.
+    """
+    columns = []
+    for part, T in zip(skeleton.body.parts, Ts_camera_part, strict=True):
+        p_part = (p_camera - T[:3, 3]) @ T[:3, :3]
+        columns.append(distance_to_shape(part.shape, p_part))
+    return np.stack(columns, axis=1)
+
+
+def distance_to_shape(shape: Shape, p_part: Array) -> Array:
+    """(V,) metres to a solid in its own frame, negative inside; of elliptic ones to first order."""
+    if isinstance(shape, Box):
+        low, high = np.array(shape.low_m), np.array(shape.high_m)
+        return _from_excess(np.maximum(low - p_part, p_part - high))
+    radii = _radii(shape)
+    lowest, highest = sorted((shape.start_m, shape.end_m))
+    along = np.clip((p_part[:, 1] - shape.start_m) / (shape.end_m - shape.start_m), 0.0, 1.0)
+    here = radii[0] + along[:, None] * (radii[1] - radii[0])
+    reach = np.linalg.norm(p_part[:, [0, 2]] / here, axis=1)
+    side = (reach - 1.0) * here.mean(axis=1)
+    ends = np.maximum(lowest - p_part[:, 1], p_part[:, 1] - highest)
+    return _from_excess(np.stack([side, ends], axis=1))
+
+
+def shares_of(
+    distances: Array, parents: NDArray[np.int64], blend_m: float
+) -> tuple[NDArray[np.int64], Array]:
+    """Parts (V, 2) that carry each point and their shares (V, 2), which sum to 1.
+
+    distances (V, P): to all parts.  blend_m: joined parts share a point whose distances to them
+    differ by less than this; at 0 the nearest carries it alone.
+    """
+    two = np.argsort(distances, axis=1, kind="stable")[:, :2]
+    if two.shape[1] < 2:
+        two = np.repeat(two, 2, axis=1)
+    ahead = np.take_along_axis(distances, two, axis=1) @ np.array([-1.0, 1.0])
+    joined = (parents[two[:, 0]] == two[:, 1]) | (parents[two[:, 1]] == two[:, 0])
+    first = np.ones(len(two))
+    if blend_m > 0:
+        first = np.where(joined, 0.5 + 0.5 * np.clip(ahead / blend_m, 0.0, 1.0), 1.0)
+    return two, np.stack([first, 1.0 - first], axis=1)
+
+
+def _radii(shape: Cylinder | Frustum) -> Array:
+    """(2, 2) half-axes along x and z, at the start and at the end."""
+    if isinstance(shape, Cylinder):
+        return np.full((2, 2), shape.radius_m)
+    return np.array([shape.start_radii_m, shape.end_radii_m])
+
+
+def _from_excess(beyond: Array) -> Array:
+    """Distance from how far a point is beyond each pair of sides."""
+    outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=1)
+    return np.asarray(outside + np.minimum(beyond.max(axis=1), 0.0))

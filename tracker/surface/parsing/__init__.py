@@ -1,0 +1,4 @@
+"""Meshes out of files of strangers. Everything here runs in the child process, never beside a page.
+
+One module per kind of file gives a `RawMesh`; whatever is wrong with a file ends in `Refused`.
+"""

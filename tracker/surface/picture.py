@@ -1,0 +1,129 @@
+"""Observed surfaces as a video: frame i is the surface of step i, seen by the session's camera.
+
+So all that shows frames shows surfaces. A step that cannot be used is a frame that is missing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+
+from tracker.camera import Camera
+from tracker.errors import SurfaceError
+from tracker.session.schema import Session, Surface
+from tracker.surface.painting import Colours, Picture, painted
+from tracker.surface.source import SurfaceSteps, opened_steps
+from tracker.video.info import MissingFrame, VideoInfo
+from tracker.video.video import Video
+
+CONTAINER = "surfaces"
+"""What is told of the kind of file."""
+
+
+class SurfaceSource:
+    """Draws the steps of surfaces as pictures of one camera."""
+
+    def __init__(self, steps: SurfaceSteps, camera: Camera, fps: float) -> None:
+        self.steps, self._camera = steps, camera
+        self._words = dict(steps.sequence.missing)
+        self._facts = _facts(steps, camera, fps, self._words)
+
+    @property
+    def info(self) -> VideoInfo:
+        return self._facts
+
+    def approach(self, number: int, since: int) -> Iterator[tuple[int, Picture]]:
+        """Gives frame `number`, or nothing when its surface cannot be used."""
+        try:
+            yield number, painted(self.steps.shape(number), self._camera)
+        except SurfaceError as error:
+            self._words[number] = str(error)
+            self._facts = replace(self._facts, missing=tuple(sorted(self._words)))
+
+    def words(self, number: int) -> str:
+        """Why a missing frame is missing."""
+        return self._words.get(number, f"The mesh of frame {number} cannot be used.")
+
+    def reindex(self) -> None:
+        """The steps are counted once."""
+
+    def fingerprint(self) -> str:
+        return self.steps.sequence.fingerprint()
+
+    def close(self) -> None:
+        self.steps.close()
+
+
+class SurfaceVideo(Video):
+    """The pictures of surfaces; `steps` has the surfaces themselves."""
+
+    def __init__(self, source: SurfaceSource, camera: Camera) -> None:
+        super().__init__(source)
+        self._drawn, self._camera = source, camera
+
+    @property
+    def steps(self) -> SurfaceSteps:
+        """The surfaces in the camera frame, metres."""
+        return self._drawn.steps
+
+    def frame(self, index: int) -> Picture:
+        """As Video.frame; MissingFrame says what is wrong with the step's mesh."""
+        try:
+            return super().frame(index)
+        except MissingFrame:
+            raise MissingFrame(self._drawn.words(index)) from None
+
+    def coloured(self, index: int, colours: Colours) -> Picture:
+        """Frame `index` with colours (V, 3) of the vertices of `steps.shape(index)`, not kept.
+
+        MissingFrame where that cannot be used.
+        """
+        try:
+            return painted(self.steps.shape(index), self._camera, colours)
+        except SurfaceError as error:
+            raise MissingFrame(str(error)) from None
+
+
+def open_surfaces(session: Session, meshes: Path, folder: Path) -> SurfaceVideo:
+    """The surfaces of a session at a path; `folder` is that of the session's file.
+
+    SurfaceError in one sentence where meshes or cameras cannot be used.
+    """
+    assert session.surface is not None
+    steps = opened_steps(session.surface, meshes, folder)
+    return surface_video(steps, session.surface, session.camera)
+
+
+def surface_video(steps: SurfaceSteps, surface: Surface, camera: Camera) -> SurfaceVideo:
+    """Surfaces that are open already, as a video."""
+    ideal = camera.without_distortion()
+    return SurfaceVideo(SurfaceSource(steps, ideal, surface.fps), ideal)
+
+
+def _facts(steps: SurfaceSteps, camera: Camera, fps: float, missing: dict[int, str]) -> VideoInfo:
+    rate = Fraction(fps).limit_denominator(100_000)
+    pts = np.arange(steps.frame_count, dtype=np.int64)
+    times_s = pts / float(rate)
+    for array in (pts, times_s):
+        array.setflags(write=False)
+    return VideoInfo(
+        path=steps.sequence.path,
+        container=CONTAINER,
+        codec="meshes",
+        width=camera.width,
+        height=camera.height,
+        frame_count=steps.frame_count,
+        time_base=1 / rate,
+        pts=pts,
+        times_s=times_s,
+        fps=float(rate),
+        variable_rate=False,
+        rotation_deg=0,
+        interlaced=False,
+        pixel_aspect=Fraction(1),
+        missing=tuple(sorted(missing)),
+    )

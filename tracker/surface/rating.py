@@ -1,0 +1,38 @@
+"""The cameras that tell how far a session's surfaces are to be believed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from tracker.errors import SurfaceError, VideoError
+from tracker.session.schema import Surface
+from tracker.surface.footage import Footage
+from tracker.surface.rig import Rig
+
+
+def opened_footage(surface: Surface, folder: Path, frame_count: int) -> Footage | None:
+    """The images of a session's cameras, in its camera frame; None where there are none.
+
+    folder: what the cameras' path is relative to.  SurfaceError in one sentence where they cannot
+    be used, or are not one for every step.
+    """
+    if surface.cameras is None:
+        return None
+    rig = Rig.open(folder / surface.cameras)
+    if not any(camera.images for camera in rig.cameras):
+        return None
+    # World and surfaces are one; which of its axes is up, the session knows.
+    upright = rig.model_copy(update={"up": surface.up})
+    try:
+        footage = Footage(upright, "images", np.array(surface.p_camera_surface))
+    except VideoError as error:
+        raise SurfaceError(str(error)) from None
+    if footage.frame_count != frame_count:
+        footage.close()
+        raise SurfaceError(
+            f"The cameras of {surface.cameras!r} took {footage.frame_count} images each, and there "
+            f"are {frame_count} meshes: give them one for every mesh."
+        )
+    return footage

@@ -1,0 +1,172 @@
+"""The surfaces a session is about: read, laid into the camera's frame, kept for a little while.
+
+Steps are mostly asked for in a row, by the fit, or again and again, by the page. So the few latest
+stay, and while one is worked on the next is read.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Callable
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+
+from tracker.errors import SurfaceError
+from tracker.session.schema import Session, Surface
+from tracker.surface.mesh import SurfaceMesh
+from tracker.surface.placing import Placement
+from tracker.surface.sequence import MeshSequence
+from tracker.surface.sources import SUFFIXES
+from tracker.video.folder import SUFFIXES as IMAGES
+
+if TYPE_CHECKING:
+    from tracker.surface.footage import Footage
+
+KEPT = 6
+"""Meshes of each kind: two segments at work, each with a step ahead, and one that is looked at."""
+
+MOST_TEXTURES = 4
+"""Images that may belong to a mesh in the same folder."""
+_CLOSED = "The meshes have been closed: open them again."
+
+
+class SurfaceSteps:
+    """The steps of a session's surfaces, in the camera frame; threads may share it.
+
+    shape: as observed.  mesh: the same with what the cameras say of it, where there are any.
+    """
+
+    def __init__(self, sequence: MeshSequence, surface: Surface, folder: Path = Path()) -> None:
+        """folder: what the path of the cameras' file is relative to."""
+        self.sequence, self.placement = sequence, placement_of(surface)
+        self._surface, self._folder = surface, folder
+        self._footage: Footage | None = None
+        self._looked = False
+        self._shapes = _Latest("meshes", sequence.frame_count, self._read)
+        self._rated = _Latest("agreement", sequence.frame_count, self._rate)
+
+    @property
+    def frame_count(self) -> int:
+        return self.sequence.frame_count
+
+    def shape(self, frame: int) -> SurfaceMesh:
+        """A step's surface; SurfaceError, in one sentence, where it cannot be used."""
+        return self._shapes.get(frame)
+
+    def mesh(self, frame: int) -> SurfaceMesh:
+        """The same with `consistency` as the session's cameras see it.
+
+        SurfaceError also where these cannot be used.
+        """
+        rated = self._surface.cameras is not None
+        return self._rated.get(frame) if rated else self._shapes.get(frame)
+
+    def close(self) -> None:
+        """Let go of the files."""
+        self._rated.close()
+        self._shapes.close()
+        if self._footage is not None:
+            self._footage.close()
+        self.sequence.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        self.close()
+
+    def _read(self, frame: int) -> SurfaceMesh:
+        return self.placement.placed(self.sequence.mesh(frame))
+
+    def _rate(self, frame: int) -> SurfaceMesh:
+        """On a thread of its own, which opens the images when the first are wanted."""
+        mesh = self._shapes.get(frame)
+        if not self._looked:
+            from tracker.surface.rating import opened_footage  # loads what only this needs
+
+            self._footage = opened_footage(self._surface, self._folder, self.frame_count)
+            self._looked = True
+        return mesh if self._footage is None else self._footage.judged(mesh, frame)
+
+
+class _Latest:
+    """The latest few of what takes a while to make, made one at a time on a thread of its own."""
+
+    def __init__(self, name: str, count: int, make: Callable[[int], SurfaceMesh]) -> None:
+        self._count, self._make = count, make
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix=name)
+        self._lock = threading.Lock()
+        self._kept: OrderedDict[int, Future[SurfaceMesh]] = OrderedDict()
+        self._before = threading.local()
+        self._closed = False
+
+    def get(self, frame: int) -> SurfaceMesh:
+        """What belongs to a frame; and where frames are asked for in a row, the next is begun."""
+        if not 0 <= frame < self._count:
+            raise SurfaceError(f"There is no step {frame}; the steps are 0 to {self._count - 1}.")
+        wanted = self._begun(frame)
+        stride = frame - getattr(self._before, "frame", frame)
+        self._before.frame = frame
+        if abs(stride) == 1 and 0 <= frame + stride < self._count:
+            self._begun(frame + stride)
+        try:
+            return wanted.result()
+        except SurfaceError as error:  # raised anew: several threads may come to hear it
+            raise SurfaceError(str(error)) from None
+        except CancelledError:
+            raise SurfaceError(_CLOSED) from None
+
+    def close(self) -> None:
+        with self._lock:
+            self._closed = True
+            self._kept.clear()
+        self._thread.shutdown(wait=True, cancel_futures=True)
+
+    def _begun(self, frame: int) -> Future[SurfaceMesh]:
+        with self._lock:
+            if self._closed:
+                raise SurfaceError(_CLOSED)
+            found = self._kept.pop(frame, None) or self._thread.submit(self._make, frame)
+            self._kept[frame] = found
+            while len(self._kept) > KEPT:
+                self._kept.popitem(last=False)
+            return found
+
+
+def placement_of(surface: Surface) -> Placement:
+    """Where the meshes of a session lie."""
+    return Placement(surface.units, surface.up, np.array(surface.p_camera_surface))
+
+
+def opened_steps(surface: Surface, meshes: Path, folder: Path) -> SurfaceSteps:
+    """The surfaces at a path; the cameras' file is relative to `folder`.
+
+    SurfaceError in one sentence where there are no meshes.
+    """
+    return SurfaceSteps(MeshSequence.open(meshes), surface, folder)
+
+
+def steps_of(session: Session, session_path: Path) -> SurfaceSteps:
+    """The surfaces of a session, where its file says that they lie."""
+    assert session.surface is not None
+    folder = session_path.absolute().parent
+    return opened_steps(session.surface, folder / session.video.path, folder)
+
+
+def holds_meshes(path: Path) -> bool:
+    """Whether a path leads to observed surfaces rather than to a video: a mesh, or a folder with
+    meshes that are not just lying among many images. Only names are looked at."""
+    if not path.is_dir():
+        return path.suffix.lower() in SUFFIXES
+    try:
+        names = [entry.name for entry in path.iterdir() if not entry.name.startswith(".")]
+    except OSError:
+        return False
+    meshes, images = (
+        sum(name.lower().endswith(suffixes) for name in names) for suffixes in (SUFFIXES, IMAGES)
+    )
+    return meshes > 0 and images <= MOST_TEXTURES * meshes

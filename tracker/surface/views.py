@@ -1,0 +1,67 @@
+"""Where calibrated cameras stand, and what each of them saw at one time step."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.camera import Camera
+from tracker.geometry import Array, frozen
+
+Grey = NDArray[np.uint8]
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """One calibrated camera.
+
+    camera:       its lens and the size of its pictures.
+    T_view_world: (4, 4) from the world, metres, to the view's own frame (x right, y down, z away).
+                  Which world that is, is the caller's: of one rig, all views have the same.
+    """
+
+    name: str
+    camera: Camera
+    T_view_world: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "T_view_world", frozen(self.T_view_world))
+
+    @property
+    def p_world_view(self) -> Array:
+        """(3,) where the camera stands."""
+        return np.asarray(-self.T_view_world[:3, :3].T @ self.T_view_world[:3, 3])
+
+    def of_view(self, p_world: Array) -> Array:
+        """Points (..., 3) of the world in the view's frame."""
+        return np.asarray(p_world @ self.T_view_world[:3, :3].T + self.T_view_world[:3, 3])
+
+    def project(self, p_world: Array) -> Array:
+        """Pixels (..., 2) of points (..., 3) of the world; NaN for those not before the camera."""
+        return self.camera.project(self.of_view(p_world))
+
+
+@dataclass(frozen=True, eq=False)
+class Lenses:
+    """All views as the compiled loops want them, without distortion.
+
+    Ts:     (K, 3, 4) from the world to each view's frame.
+    lenses: (K, 4) fx, fy, cx, cy.
+    sizes:  (K, 2) width, height, pixels.
+    """
+
+    Ts: Array = field(repr=False)
+    lenses: Array
+    sizes: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, views: Sequence[View]) -> Lenses:
+        cameras = [view.camera for view in views]
+        return cls(
+            np.stack([view.T_view_world[:3] for view in views]),
+            np.array([(c.fx, c.fy, c.cx, c.cy) for c in cameras]),
+            np.array([(c.width, c.height) for c in cameras], dtype=np.int64),
+        )
