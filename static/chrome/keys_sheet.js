@@ -3,6 +3,7 @@
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../icons.js';
 import { S, U, put, watch } from '../state.js';
+import { words } from '../subject.js';
 import { GROUPS } from './bindings.js';
 import { openGuide } from './guide.js';
 import { dialogIn, toggleSheet } from './dialogs.js';
@@ -36,17 +37,20 @@ function sheet() {
 
 function group({ title, rows }) {
   return html`<div>
-    <h3>${title}</h3>
+    <h3>${asHere(title)}</h3>
     ${rows.map(
       ({ label, keys }) =>
         html`<div class="kl">
-          <span>${label}</span>${keys
+          <span>${asHere(label)}</span>${keys
             .filter((key) => !key.alias)
             .map((key) => html`<kbd>${spoken(key.chord)}</kbd>`)}
         </div>`,
     )}
   </div>`;
 }
+
+/** To surfaces a motion is fitted. */
+const asHere = (label) => label.replace(/^Track\b/, words().verb);
 
 function spoken(chord) {
   const words = chord.split(' ').map((word) => SIGNS[word] ?? word);

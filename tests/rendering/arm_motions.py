@@ -25,7 +25,7 @@ def arm_poses(kind: Kind) -> list[Pose]:
 _TOUCHING_DEG = np.degrees(np.arctan(APEX_M / LENGTH_M))
 # Step; of each arm of the tripod the angle from straight down, degrees.
 _TRIPOD = np.array([
-    (0, 60, 58, 62), (5, 34, 32, 36), (6, 25, 23, 27), (7, 16, 15, 18),
+    (0, 60, 58, 62), (5, 33, 31, 35), (6, 23, 21, 25), (7, 14, 13, 16),
     (8, _TOUCHING_DEG, _TOUCHING_DEG, _TOUCHING_DEG + 7),
     (9, _TOUCHING_DEG, _TOUCHING_DEG, _TOUCHING_DEG),
     (10, _TOUCHING_DEG + 7, _TOUCHING_DEG, _TOUCHING_DEG),

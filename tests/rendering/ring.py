@@ -157,6 +157,7 @@ def _normal_maps(p_view: Array, faces: NDArray[np.int64]) -> Array:
     """(F, 3, 4) each face's own normal, wherever on it."""
     a, b, c = (p_view[faces[:, k]] for k in range(3))
     maps = np.zeros((len(faces), 3, 4))
-    maps[:, :, 3] = np.cross(b - a, c - a)
-    maps[:, :, 3] /= np.linalg.norm(maps[:, :, 3], axis=1, keepdims=True)
+    normals = np.cross(b - a, c - a)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    maps[:, :, 3] = normals / np.maximum(lengths, 1e-12)
     return maps

@@ -36,7 +36,7 @@ HOLE_M = 0.09
 
 # The file's joints: both arms, both thighs.
 _ARMS, _THIGHS = (5, 6), (11, 12)
-_ARM_IN_DEG, _ARM_BACK_DEG, _LEG_IN_DEG = 16.0, 0.0, 6.0
+_ARM_IN_DEG, _LEG_IN_DEG = 18.0, 6.0
 
 
 @dataclass(frozen=True, eq=False)

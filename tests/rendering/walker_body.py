@@ -49,7 +49,7 @@ class Human:
         courses = p_file.transpose(1, 0, 2).reshape(p_file.shape[1], -1).round(5)
         _, first, place = np.unique(courses, axis=0, return_index=True, return_inverse=True)
         weights = np.zeros((p_file.shape[1], Ts_file.shape[1]))
-        np.put_along_axis(weights, joints.astype(np.int64), shares, axis=1)
+        np.add.at(weights, (np.arange(len(weights))[:, None], joints), shares)
         T = np.eye(4)
         T[:3, :3], T[:3, 3] = PLACED.R_camera_surface, PLACED.p_camera_surface
         corners = place.reshape(-1)[faces]

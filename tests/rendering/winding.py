@@ -21,16 +21,16 @@ def united(vertices: Array, faces: NDArray[np.int64], voxel_m: float) -> Surface
     winding = np.zeros(shape, np.float32)
     # Half a voxel's odd fraction aside, so that no column passes through a vertex.
     wind((vertices - p_origin) / voxel_m + 0.5e-3, faces, winding)
-    filled = (np.cumsum(winding, axis=2) > 0.5).astype(np.float32)
+    filled = np.clip(np.cumsum(winding, axis=2), 0.0, 1.0)
     depths = voxel_m * 2 * (ndimage.gaussian_filter(filled, 1.0) - 0.5)
     return surface_of(Field(p_origin, voxel_m, depths.astype(np.float32)))
 
 
 @compiled
 def wind(p: Array, faces: NDArray[np.int64], winding: NDArray[np.float32]) -> None:
-    """Add ±1 at the first grid point behind each place where a column along z enters or leaves.
+    """Add ±1 where a column along z enters or leaves, shared by the two grid points about it.
 
-    p (V, 3) in grid points.
+    p (V, 3) in grid points. The sum along a column is how often the surface winds about a point.
     """
     for k in range(faces.shape[0]):
         a, b, c = p[faces[k, 0]], p[faces[k, 1]], p[faces[k, 2]]
@@ -46,4 +46,8 @@ def wind(p: Array, faces: NDArray[np.int64], winding: NDArray[np.float32]) -> No
                 if s < 0.0 or t < 0.0 or s + t > 1.0:
                     continue
                 z = a[2] + s * (b[2] - a[2]) + t * (c[2] - a[2])
-                winding[i, j, math.ceil(z)] += -1.0 if area > 0.0 else 1.0
+                sign = -1.0 if area > 0.0 else 1.0
+                nearest = math.floor(z + 0.5)
+                share = nearest + 0.5 - z
+                winding[i, j, nearest] += sign * share
+                winding[i, j, nearest + 1] += sign * (1.0 - share)

@@ -7,7 +7,9 @@ through is taken away; what no two can see stays as the silhouettes left it.  SU
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import cv2
@@ -67,7 +69,10 @@ def seen_through(
 def depth_maps(field: Field, views: Sequence[View], pictures: Sequence[Grey]) -> list[Depths]:
     """Of each view the depth (h, w) of every STRIDE-th pixel, where another view confirms it."""
     step_m = STEP_PX * _footprint(field, views)
-    maps = [_swept(k, field, views, pictures, step_m) for k in range(len(views))]
+    with ThreadPoolExecutor(os.cpu_count()) as threads:
+        maps = list(
+            threads.map(lambda k: _swept(k, field, views, pictures, step_m), range(len(views)))
+        )
     return [_confirmed(k, views, maps, 3 * step_m) for k in range(len(views))]
 
 

@@ -19,11 +19,11 @@ from tracker.surface.measuring import StepFit, measure, misfit
 from tracker.surface.model import SurfaceModel
 from tracker.surface.options import Options
 from tracker.surface.pairing import Observed
-from tracker.surface.solving import fit_pose
+from tracker.surface.solving import Fit, fit_pose
 from tracker.surface.steps import Steps
 
-CLEARLY = 0.4
-"""Of the misfit at the pose before: motion is taken to have gone on where that leaves less."""
+TROUBLE = 0.05
+"""Of the observed surface: when so much is not explained, another start is tried."""
 TRUST_POWER = 2
 """How sharply the chain is preferred whose surfaces lie nearer, in powers of squared distance."""
 
@@ -45,11 +45,7 @@ class Link:
 def follow(
     model: SurfaceModel, steps: Steps, start: Pose, frames: Sequence[int], options: Options
 ) -> Iterator[Link]:
-    """Fit the steps of these frames in their order, the first one from `start`.
-
-    A step begins from the pose before it, or from where that would be if the motion went on as it
-    did: whichever has its surfaces nearer to each other.
-    """
+    """Fit the steps of these frames in their order, the first one from `start`."""
     pose, ahead = start, None
     for frame in frames:
         try:
@@ -57,21 +53,24 @@ def follow(
         except SurfaceError as error:
             yield Link(frame, pose, None, str(error))
             continue
-        fit = fit_pose(model, observed, _nearer(model, observed, pose, ahead, options), options)
+        fit, step = _fitted(model, observed, pose, ahead, options)
         pose, ahead = fit.pose, _gone_on(pose, fit.pose)
-        yield Link(frame, pose, measure(model, observed, fit))
+        yield Link(frame, pose, step)
 
 
-def _nearer(
+def _fitted(
     model: SurfaceModel, observed: Observed, pose: Pose, ahead: Pose | None, options: Options
-) -> Pose:
-    """The one of two poses whose surface lies nearer to the observed one."""
-    if ahead is None:
-        return pose
-    still = replace(options, solves=0)
-    fits = (fit_pose(model, observed, start, still) for start in (pose, ahead))
-    one, other = (misfit(model, observed, fit.pairs) for fit in fits)
-    return ahead if other < CLEARLY * one else pose
+) -> tuple[Fit, StepFit]:
+    """The step fitted from the pose before; where that leaves much unexplained, also from where
+    the body would be if its motion went on, and the better of the two."""
+    fit = fit_pose(model, observed, pose, options)
+    step = measure(model, observed, fit)
+    if ahead is None or options.solves == 0 or step.unexplained < TROUBLE:
+        return fit, step
+    other = fit_pose(model, observed, ahead, options)
+    if misfit(model, observed, other.pairs) >= misfit(model, observed, fit.pairs):
+        return fit, step
+    return other, measure(model, observed, other)
 
 
 def _gone_on(before: Pose, now: Pose) -> Pose:

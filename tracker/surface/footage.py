@@ -132,11 +132,13 @@ def _demand_size(camera: RigCamera, video: Video, what: What) -> None:
 
 
 def _common_count(taken: Sequence[_Taken], what: What) -> int:
-    counts = {t.video.info.frame_count: t.view.name for t in taken}
+    counts: dict[int, str] = {}
+    for one in taken:
+        counts.setdefault(one.video.info.frame_count, one.view.name)
     if len(counts) > 1:
-        (one, first), (other, second) = list(counts.items())[:2]
+        (some, first), (others, second) = list(counts.items())[:2]
         raise SurfaceError(
-            f"Camera {first!r} has {one} {what} and camera {second!r} {other}: every camera needs "
+            f"Camera {first!r} has {some} {what} and camera {second!r} {others}: every camera needs "
             "one for every step."
         )
     return next(iter(counts))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from tracker.geometry import Array
 from tracker.surface.chain import Link
-from tracker.surface.measuring import UNSEEN
+from tracker.surface.certainty import UNSEEN
 from tracker.surface.model import SurfaceModel
 from tracker.verdict import Verdict, frames_in_words, runs, spoken
 

@@ -8,18 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracker.geometry import Array, frozen
-from tracker.skeleton import Skeleton
+from tracker.surface.certainty import turns_seen
 from tracker.surface.model import SurfaceModel
 from tracker.surface.pairing import Observed, Pairs
 from tracker.surface.solving import Fit
 
 FAR_SHARE = 0.02
 """Of the surface's size: a point that has nothing within it is not explained."""
-KNOWN = 1.2e-7
-"""Information, per radian² and (surface size)², that the step before is taken to have of a turn:
-that it changed by a fifth of a radian, beside a thousand points."""
-UNSEEN = 0.5
-"""Of a turn's certainty: below it the surface tells less of it than the step before does."""
+SHOWN = 1e-7
+"""Information, per unit² and (surface size)², from which on a degree of freedom counts as shown."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +62,7 @@ def misfit(model: SurfaceModel, observed: Observed, pairs: Pairs) -> float:
 def measure(model: SurfaceModel, observed: Observed, fit: Fit) -> StepFit:
     """Read off a step's outcome."""
     pairs = fit.pairs
-    mean_seen, least_seen = _seen(model, fit)
+    turns = turns_seen(model, _counting(pairs))
     information = np.linalg.eigvalsh(fit.information)[::-1]
     far = FAR_SHARE * model.size_m
     off = pairs.square > far * far
@@ -73,10 +70,10 @@ def measure(model: SurfaceModel, observed: Observed, fit: Fit) -> StepFit:
     return StepFit(
         frozen(_residual(model, pairs)),
         frozen(_counts(model, pairs)),
-        frozen(mean_seen),
-        frozen(least_seen),
+        frozen(turns.certainty.mean(axis=1)),
+        frozen(turns.certainty.min(axis=1)),
         frozen(np.sqrt(np.maximum(information, 0.0))),
-        int((information > KNOWN * model.size_m**2).sum()),
+        int((information > SHOWN * model.size_m**2).sum()),
         _share(back, observed.believed),
         _share(there, pairs.clear),
         float(np.sqrt(pairs.weights @ pairs.square / max(pairs.weights.sum(), 1e-12))),
@@ -94,30 +91,14 @@ def _residual(model: SurfaceModel, pairs: Pairs) -> Array:
 def _counts(model: SurfaceModel, pairs: Pairs) -> Array:
     """Of each part's own points the share that counts as much as any."""
     own, count = model.own, model.skeleton.part_count
-    weights = pairs.weights[: pairs.forward]
-    full = weights.max() if len(weights) else 0.0
     points = np.maximum(np.bincount(own, minlength=count), 1)
-    return np.asarray(np.bincount(own, weights, count) / points / max(full, 1e-12))
+    return np.asarray(np.bincount(own, _counting(pairs), count) / points)
 
 
-def _seen(model: SurfaceModel, fit: Fit) -> tuple[Array, Array]:
-    """Mean and least certainty of every part's turn about the three axes.
-
-    Certainty is the share of what is known of a turn, once everything else may move with it, that
-    the surface tells; the step before tells the rest.
-    """
-    skeleton, pull = model.skeleton, KNOWN * model.size_m**2
-    held = np.where(skeleton.dof_turns == 1, pull, 1e-6 * pull)
-    spread = np.linalg.inv(fit.information + np.diag(held))
-    shares = np.array([_certainty(skeleton, spread, part) for part in range(skeleton.part_count)])
-    shares = np.clip(1.0 - pull * shares, 0.0, 1.0)
-    return shares.mean(axis=1), shares.min(axis=1)
-
-
-def _certainty(skeleton: Skeleton, spread: Array, part: int) -> Array:
-    """(3,) principal variances of a part's turn."""
-    its = np.flatnonzero((skeleton.dof_part == part) & (skeleton.dof_turns == 1))
-    return np.asarray(np.linalg.eigvalsh(spread[np.ix_(its, its)]))
+def _counting(pairs: Pairs) -> Array:
+    """(V,) how much each of the model's points counts, 1 for those that count most."""
+    weights = pairs.weights[: pairs.forward]
+    return np.asarray(weights / max(weights.max(initial=0.0), 1e-12))
 
 
 def _share(which: NDArray[np.bool_], weights: Array) -> float:

@@ -17,8 +17,8 @@ Picture: TypeAlias = NDArray[np.uint8]
 Colours: TypeAlias = NDArray[np.uint8]
 """(V, 3) RGB, of every vertex."""
 
-CLAY = (139, 146, 156)
-"""Cooler and darker than the parts of a body, which are seen in it."""
+CLAY = (186, 190, 194)
+"""Cooler than the parts of a body, which are seen in it."""
 GROUND = (28, 31, 36)
 """What is behind the surface."""
 INSIDE = 0.45

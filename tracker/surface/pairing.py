@@ -19,6 +19,9 @@ from tracker.surface.weights import clear_of_contact, floored, in_agreement
 
 REACH_SHARE = 0.15
 """Of the surface's size: nothing is a pair that lies farther apart."""
+SPURIOUS, MUTUAL = 0.1, 0.5
+"""Of a pair's squared distance, that of its partner's own pair: below the one it is nothing, above
+the other it counts in full."""
 SPURIOUS_SHARE = 0.005
 """Of the surface's size: pairs nearer than that are not asked whether they are mutual."""
 CONTACT_SHARE = 0.015
@@ -79,7 +82,7 @@ def pairs_of(
         there = there * _mutual(far_there, far_back[to_seen], near)
         back = back * _mutual(far_back, far_there[to_model], near)
     return Pairs(
-        np.concatenate([np.arange(len(posed.p)), to_model]),
+        np.concatenate([np.arange(len(posed.p)), np.maximum(to_model, 0)]),  # those weigh nothing
         np.concatenate([seen.p[to_seen], seen.p]),
         np.concatenate([seen.normals[to_seen], seen.normals]),
         np.concatenate([_of_one(there), _of_one(back)]),
@@ -125,7 +128,8 @@ def _mutual(square: Array, partner: Array, near: float) -> Array:
     model's arm beside a volume that is not there. square, partner: squared distances of a point to
     its nearest, and of that one to its own nearest.
     """
-    return np.asarray(np.minimum((partner + near) / (square + near), 1.0))
+    share = (partner + near) / (square + near)
+    return np.asarray(np.clip((share - SPURIOUS) / (MUTUAL - SPURIOUS), 0.0, 1.0))
 
 
 def _of_one(weights: Array) -> Array:

@@ -14,6 +14,7 @@ import numpy as np
 from tracker.geometry import Array
 from tracker.kernels.surface import pull
 from tracker.pose import Pose, moved, pose_transforms, twists
+from tracker.surface.certainty import turns_seen
 from tracker.surface.model import PosedSurface, SurfaceModel
 from tracker.surface.options import Options
 from tracker.surface.pairing import Observed, Pairs, pairs_of
@@ -24,7 +25,7 @@ or so, beside a few hundred points that agree to half a hundredth of the size.""
 LARGEST_TURN = 0.3
 """Radians that a part turns in one solve."""
 SETTLED_SHARE = 2e-5
-"""Of the surface's size: what a solve moves points, on the average, when there is no more to gain."""
+"""Of the surface's size: what a solve moves points, on the average, once all is gained."""
 FIRST_DAMPING, HARDER, EASIER, HARDEST = 1e-3, 10.0, 0.2, 1e6
 
 
@@ -34,7 +35,7 @@ class Fit:
 
     energy:      SURFACE (4) with the pull, metres².
     information: (D, D) of the free degrees of freedom, without the pull; metres² per unit².
-    stiffness:   (D,) of the pull.
+    stiffness:   (D, D) of the pull.
     solves:      poses tried.  settled: whether the last one hardly moved.
     """
 
@@ -64,7 +65,9 @@ class _Look:
 def fit_pose(model: SurfaceModel, observed: Observed, start: Pose, options: Options) -> Fit:
     """The pose near `start` whose surface lies on the observed one.  SURFACE (4)"""
     skeleton = model.skeleton
-    stiffness: Array = options.stiff * STIFFNESS * model.size_m**2 * (skeleton.dof_turns == 1)
+    stiffness = options.stiff * STIFFNESS * model.size_m**2 * np.diag(skeleton.dof_turns == 1)
+    if options.stiff > 0:
+        stiffness = stiffness + _holding(model)
     look = _look(model, observed, start, np.zeros(skeleton.dof_count), stiffness, options)
     damping, settled, tried = FIRST_DAMPING, False, 0
     while tried < options.solves and not settled and damping < HARDEST:
@@ -86,10 +89,21 @@ def fit_pose(model: SurfaceModel, observed: Observed, start: Pose, options: Opti
 
 def _motion(look: _Look, stiffness: Array, damping: float) -> Array:
     """The step of one damped solve."""
-    normal = look.information + np.diag(stiffness)
+    normal = look.information + stiffness
     scale = np.diag(normal) + 1e-9 * np.diag(normal).max()
     motion = -np.linalg.solve(normal + np.diag(damping * scale), look.slope)
     return np.asarray(motion * min(1.0, LARGEST_TURN / max(np.abs(motion).max(), 1e-12)))
+
+
+def _holding(model: SurfaceModel) -> Array:
+    """(D, D) the pull on turns that the surface cannot show."""
+    skeleton = model.skeleton
+    turns = turns_seen(model, np.ones(len(model.own)))
+    stiffness = np.zeros((skeleton.dof_count, skeleton.dof_count))
+    for part, block in enumerate(turns.holding()):
+        its = np.flatnonzero((skeleton.dof_part == part) & (skeleton.dof_turns == 1))
+        stiffness[np.ix_(its, its)] = block
+    return stiffness
 
 
 def _look(
@@ -111,8 +125,8 @@ def _look(
     )  # fmt: skip
     J = _jacobians(model, Ts)
     information = np.einsum("gid,gij,gje->de", J, A, J, optimize=True)
-    slope = np.einsum("gid,gi->d", J, b) + stiffness * away
-    energy += float(stiffness @ away**2)
+    slope = np.einsum("gid,gi->d", J, b) + stiffness @ away
+    energy += float(away @ stiffness @ away)
     return _Look(pose, away, energy, information, slope, pairs, posed)
 
 

@@ -1,0 +1,174 @@
+"""The pose at which two surfaces lie on each other is found, and what cannot be seen is not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from tests.tracker.surface.surfaces import BOXES, ROUND, bent, joints, surface_of, two_bars
+from tracker.geometry import exp_rotation, log_rotation
+from tracker.kernels.surface import pull
+from tracker.pose import Pose, moved, pose_transforms
+from tracker.shapes import Box
+from tracker.surface.certainty import UNSEEN
+from tracker.surface.looking import look
+from tracker.surface.measuring import measure
+from tracker.surface.mesh import SurfaceMesh
+from tracker.surface.model import SurfaceModel
+from tracker.surface.options import Options
+from tracker.surface.pairing import Observed, pairs_of
+from tracker.surface.solving import _jacobians, fit_pose
+
+BODY = two_bars()
+START = bent(BODY, 0.4, (0.2, 0.3, -0.1))
+OPTIONS = Options(points=1200)
+MODEL = SurfaceModel.of(surface_of(BODY, START), BODY, START, OPTIONS.points)
+
+
+def _disturbed(pose: Pose, turn: float, shift: float, seed: int = 0) -> Pose:
+    rng = np.random.default_rng(seed)
+    turns = rng.normal(size=(len(pose.Rs_parent_part), 3))
+    turns *= turn / np.linalg.norm(turns, axis=1, keepdims=True)
+    away = rng.normal(size=3)
+    away *= shift / np.linalg.norm(away)
+    return Pose(pose.Rs_parent_part @ exp_rotation(turns), pose.p_camera_root + away)
+
+
+def _error_m(found: Pose, truth: Pose) -> float:
+    return float(np.linalg.norm(joints(BODY, found) - joints(BODY, truth), axis=1).max())
+
+
+@pytest.mark.parametrize("plane", [0.0, 1.0])
+@pytest.mark.parametrize("smooth", [False, True])
+def test_the_slope_of_the_energy_is_that_of_finite_differences(plane: float, smooth: bool) -> None:
+    model = SurfaceModel.of(surface_of(BODY, START), BODY, START, 300, smooth)
+    pose = _disturbed(START, 0.1, 0.03)
+    observed = Observed.of(surface_of(BODY, START), replace(OPTIONS, points=300))
+    Ts = pose_transforms(model.skeleton, pose)
+    pairs = pairs_of(model, model.posed(Ts), observed, OPTIONS)
+    A, b = np.empty((len(model.pairs), 12, 12)), np.empty((len(model.pairs), 12))
+
+    def energy(at: Pose) -> float:
+        each = model.posed(pose_transforms(model.skeleton, at)).p_each
+        return pull(
+            each, model.shares, model.groups, pairs.model, pairs.target, pairs.normals,
+            pairs.weights, plane, A, b,
+        )  # fmt: skip
+
+    energy(pose)
+    slope = np.einsum("gid,gi->d", _jacobians(model, Ts), b)
+    steps = 1e-6 * np.eye(model.skeleton.dof_count)
+    numeric = [
+        (energy(moved(model.skeleton, pose, s)) - energy(moved(model.skeleton, pose, -s))) / 4e-6
+        for s in steps
+    ]
+    np.testing.assert_allclose(slope, numeric, rtol=1e-5, atol=1e-9)
+
+
+@pytest.mark.parametrize("turn", [0.0, 1e-4, 0.15, 3.1])
+@pytest.mark.parametrize("plane", [0.0, 1.0])
+def test_a_known_pose_is_found_again_from_nearby(turn: float, plane: float) -> None:
+    truth = bent(BODY, 0.4 + turn, (0.2, turn - 0.3, -0.1), (0.1, -0.2, 2.5))
+    observed = Observed.of(surface_of(BODY, truth), OPTIONS)
+    options = replace(OPTIONS, plane=plane, solves=60)
+    start = _disturbed(truth, 0.1, 0.03)
+    found = fit_pose(MODEL, observed, start, options)
+    assert _error_m(start, truth) > 0.03
+    assert _error_m(found.pose, truth) < (0.004 if plane == 1.0 else 0.008)
+
+
+def test_at_the_right_pose_nothing_moves() -> None:
+    observed = Observed.of(surface_of(BODY, START), OPTIONS)
+    assert _error_m(fit_pose(MODEL, observed, START, OPTIONS).pose, START) < 1e-4
+
+
+def test_a_pose_that_does_not_lower_the_energy_is_rejected() -> None:
+    observed = Observed.of(surface_of(BODY, START), OPTIONS)
+    start = _disturbed(START, 0.5, 0.1, seed=3)
+    energies = [
+        fit_pose(MODEL, observed, start, replace(OPTIONS, solves=n)).energy for n in range(12)
+    ]
+    assert all(later <= before for before, later in pairwise(energies))
+    assert energies[-1] < 0.5 * energies[0]
+
+
+def test_the_turn_of_a_round_limb_about_its_length_is_reported_and_stays() -> None:
+    body = two_bars(ROUND)
+    start = bent(body, 0.5)
+    model = SurfaceModel.of(surface_of(body, start), body, start, 1500)
+    truth = bent(body, 0.6, (0.1, 0.0, 0.05))
+    observed = Observed.of(surface_of(body, truth), OPTIONS)
+    fit = fit_pose(model, observed, start, OPTIONS)
+    step = measure(model, observed, fit)
+    assert step.least_seen[1] < UNSEEN
+    turned = log_rotation(start.Rs_parent_part[1].T @ fit.pose.Rs_parent_part[1])
+    assert abs(turned[1]) < 0.02
+    assert np.linalg.norm(joints(body, fit.pose) - joints(body, truth), axis=1).max() < 0.006
+
+
+def test_the_turn_of_a_flat_limb_is_seen() -> None:
+    observed = Observed.of(surface_of(BODY, START), OPTIONS)
+    step = measure(MODEL, observed, fit_pose(MODEL, observed, START, OPTIONS))
+    assert step.least_seen.min() > 0.8
+    assert step.rank == MODEL.skeleton.dof_count
+    assert step.rms_m < 1e-3
+
+
+def _with_phantom(mesh: SurfaceMesh) -> SurfaceMesh:
+    """A volume beside the lower bar that is not there; the cameras do not agree on it."""
+    ghost = Box(low_m=(-0.04, 0.03, -0.2), high_m=(0.04, 0.45, -0.09))
+    body = two_bars((BOXES[0], ghost))
+    beside = surface_of(body, START)
+    own = beside.faces.min(axis=1) >= beside.faces[: len(beside.faces) // 2].max() + 1
+    faces = np.concatenate([mesh.faces, beside.faces[own] + len(mesh.vertices)])
+    agreed = np.concatenate([np.full(len(mesh.vertices), 0.9), np.full(len(beside.vertices), -1.0)])
+    return SurfaceMesh(np.concatenate([mesh.vertices, beside.vertices]), faces, agreed)
+
+
+def test_a_volume_that_the_cameras_do_not_agree_on_draws_nothing() -> None:
+    mesh = _with_phantom(surface_of(BODY, START))
+    plain = replace(OPTIONS, mutual=False)
+    errors = {}
+    for photo in (False, True):
+        options = replace(plain, photo=photo)
+        found = fit_pose(MODEL, Observed.of(mesh, options), START, options)
+        errors[photo] = _error_m(found.pose, START)
+    assert errors[True] < 0.003
+    assert errors[False] > 3 * errors[True]
+
+
+def test_what_is_explained_by_another_place_draws_nothing_even_without_pictures() -> None:
+    mesh = replace(_with_phantom(surface_of(BODY, START)), consistency=None)
+    errors = {}
+    for mutual in (False, True):
+        options = replace(OPTIONS, mutual=mutual)
+        found = fit_pose(MODEL, Observed.of(mesh, options), START, options)
+        errors[mutual] = _error_m(found.pose, START)
+    assert errors[True] < 0.5 * errors[False]
+
+
+def test_a_part_whose_surface_is_missing_stays_where_the_rest_carries_it() -> None:
+    truth = bent(BODY, 0.4, (0.25, 0.3, -0.1), (0.02, 0.0, 3.0))
+    whole = surface_of(BODY, truth)
+    upper = SurfaceMesh(whole.vertices, whole.faces[: len(whole.faces) // 2])
+    observed = Observed.of(upper, OPTIONS)
+    fit = fit_pose(MODEL, observed, START, OPTIONS)
+    assert _error_m(fit.pose, truth) < 0.02
+    assert measure(MODEL, observed, fit).counts[1] < 0.2
+
+
+def test_colours_tell_distance_and_agreement_of_every_vertex() -> None:
+    mesh = _with_phantom(surface_of(BODY, START))
+    distance = look(MODEL, mesh, START, "distance")
+    ghost = np.arange(len(mesh.vertices)) >= len(mesh.vertices) * 3 // 4
+    used = np.isin(np.arange(len(mesh.vertices)), mesh.faces)
+    assert distance[used & ~ghost].mean() < 0.015
+    assert distance[used & ghost].mean() > 0.03
+    photo = look(MODEL, mesh, START, "photo")
+    assert photo[ghost].max() < 0.01 < 0.9 < photo[: len(photo) // 2].min()
+    contact = look(MODEL, mesh, START, "contact")
+    assert contact.shape == (len(mesh.vertices),)
+    assert 0.0 <= contact.min() <= contact.max() <= 1.0

@@ -1,0 +1,184 @@
+"""Steps one after another, from one keyframe or from two; what is wrong with one costs no other."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.tracker.surface.surfaces import Given, bent, joints, surface_of, two_bars
+from tracker.errors import SessionError, SurfaceError
+from tracker.geometry import exp_rotation
+from tracker.pose import Pose
+from tracker.scoring import Pass
+from tracker.surface.mesh import SurfaceMesh
+from tracker.surface.options import Options
+from tracker.surface.segment import SurfaceTracker
+from tracker.track import SegmentResult
+
+BODY = two_bars()
+OPTIONS = Options(points=700)
+COUNT = 9
+ASTRAY = np.array([0.0, 0.0, 0.1])
+
+
+def _pose(frame: int) -> Pose:
+    """A fold and a turn, eight steps long."""
+    return bent(BODY, 0.1 + 0.1 * frame, (0.0, 0.05 * frame, 0.0), (0.01 * frame, 0.0, 3.0))
+
+
+TRUE = [_pose(frame) for frame in range(COUNT)]
+MESHES = [surface_of(BODY, pose, pieces=2) for pose in TRUE]
+
+
+def _tracker(
+    keys: dict[int, Pose], meshes: list[SurfaceMesh | str] | None = None, model: int = 0
+) -> SurfaceTracker:
+    return SurfaceTracker(Given(meshes or list(MESHES)), BODY, keys, model, OPTIONS)
+
+
+def _run(tracker: SurfaceTracker, span: tuple[int, int] = (0, COUNT - 1)) -> SegmentResult:
+    return tracker.run_segment(span, lambda step, number: None)
+
+
+def _errors_m(result: SegmentResult) -> np.ndarray:
+    first = result.trajectory.first_frame
+    found = [result.trajectory.pose(first + k) for k in range(len(result.trajectory))]
+    return np.array(
+        [
+            np.linalg.norm(joints(BODY, pose) - joints(BODY, TRUE[first + k]), axis=1).max()
+            for k, pose in enumerate(found)
+        ]
+    )
+
+
+def _is_pose(one: Pose, other: Pose) -> bool:
+    return np.array_equal(one.Rs_parent_part, other.Rs_parent_part) and np.array_equal(
+        one.p_camera_root, other.p_camera_root
+    )
+
+
+def test_one_keyframe_is_enough_to_follow_all_steps_after_it() -> None:
+    result = _run(_tracker({0: TRUE[0]}))
+    assert _errors_m(result).max() < 0.005
+    assert result.verdict.kind == "good"
+    assert result.residual.shape == (COUNT - 1, 2)
+    assert result.observability.min() > 0.5
+
+
+def test_the_steps_before_a_keyframe_are_followed_backward() -> None:
+    result = _run(_tracker({COUNT - 1: TRUE[-1]}, model=COUNT - 1))
+    assert result.trajectory.first_frame == 0
+    assert _errors_m(result).max() < 0.005
+
+
+def test_keyframes_are_never_changed_and_what_lies_between_comes_from_both() -> None:
+    off = Pose(TRUE[-1].Rs_parent_part @ exp_rotation([0.05, 0, 0]), TRUE[-1].p_camera_root + 0.01)
+    tracker = _tracker({0: TRUE[0], COUNT - 1: off})
+    result = _run(tracker)
+    assert _is_pose(result.trajectory.pose(0), TRUE[0])
+    assert _is_pose(result.trajectory.pose(COUNT - 1), off)
+    assert _errors_m(result)[1:-1].max() < 0.005
+
+
+def test_a_chain_that_is_lost_gives_way_to_the_one_from_the_other_keyframe() -> None:
+    meshes: list[SurfaceMesh | str] = list(MESHES)
+    meshes[1] = SurfaceMesh(MESHES[1].vertices + ASTRAY, MESHES[1].faces)
+    alone = _errors_m(_run(_tracker({0: TRUE[0]}, meshes)))
+    both = _errors_m(_run(_tracker({0: TRUE[0], COUNT - 1: TRUE[-1]}, meshes)))
+    assert both[2:].max() < 0.01
+    assert alone[1] > 0.03
+
+
+def test_a_step_that_cannot_be_used_is_led_over_and_told() -> None:
+    meshes: list[SurfaceMesh | str] = list(MESHES)
+    meshes[3] = "Step 3 holds no faces: export it again."
+    meshes[4] = "Step 4 is missing."
+    result = _run(_tracker({0: TRUE[0]}, meshes))
+    assert _errors_m(result).max() < 0.02
+    assert result.verdict.words == "check frames 3–4: no surface that can be used"
+    assert result.notes[:2] == ("Step 3 holds no faces: export it again.", "Step 4 is missing.")
+    assert result.rank[2:4].tolist() == [-1, -1]
+    assert np.isfinite(result.residual[4:]).all()
+
+
+def test_when_the_last_steps_cannot_be_used_the_last_pose_stays() -> None:
+    meshes: list[SurfaceMesh | str] = [*MESHES[:6], *["Gone."] * 3]
+    result = _run(_tracker({0: TRUE[0]}, meshes))
+    assert _is_pose(result.trajectory.pose(8), result.trajectory.pose(5))
+    assert result.notes[0] == "Gone."
+
+
+def test_many_unusable_steps_are_told_in_a_few_words() -> None:
+    meshes: list[SurfaceMesh | str] = [MESHES[0], *[f"Step {k} is bad." for k in range(1, 9)]]
+    notes = _run(_tracker({0: TRUE[0]}, meshes)).notes
+    assert notes[5] == "3 more steps could not be used either."
+
+
+def test_a_motion_too_fast_to_follow_is_called_lost_not_good() -> None:
+    meshes = [MESHES[0], *(surface_of(BODY, bent(BODY, 2.5, (0, 0, 2.0)), 2) for _ in range(3))]
+    tracker = SurfaceTracker(Given(meshes), BODY, {0: TRUE[0]}, 0, OPTIONS)
+    result = tracker.run_segment((0, 3), lambda step, number: None)
+    assert result.verdict.kind == "lost"
+    assert result.verdict.words.startswith("lost: add a keyframe near")
+
+
+def test_a_part_whose_surface_is_missing_is_named() -> None:
+    meshes: list[SurfaceMesh | str] = [
+        mesh if k < 3 else SurfaceMesh(mesh.vertices, mesh.faces[: len(mesh.faces) // 2])
+        for k, mesh in enumerate(MESHES)
+    ]
+    verdict = _run(_tracker({0: TRUE[0]}, meshes)).verdict
+    assert verdict.kind != "good"
+
+
+def test_without_a_keyframe_nothing_is_fitted_and_the_sentence_says_so() -> None:
+    with pytest.raises(SessionError, match="Frame 3 has no keyframe"):
+        _tracker({0: TRUE[0]}, model=3)
+    tracker = _tracker({0: TRUE[0]})
+    with pytest.raises(SessionError, match="Neither 2 nor 5 has a keyframe"):
+        _run(tracker, (2, 5))
+
+
+def test_the_model_needs_the_surface_of_its_own_step() -> None:
+    with pytest.raises(SurfaceError, match="Step 0 is empty"):
+        _tracker({0: TRUE[0]}, ["Step 0 is empty.", *MESHES[1:]])
+
+
+def test_work_can_be_stopped_at_every_step() -> None:
+    done = []
+
+    def stop_after_three() -> None:
+        done.append(1)
+        if len(done) == 3:
+            raise InterruptedError
+
+    with pytest.raises(InterruptedError):
+        _tracker({0: TRUE[0]}).run_segment((0, 8), lambda step, number: None, stop_after_three)
+
+
+def test_what_is_told_on_the_way_covers_the_whole_span(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tracker.surface.segment.TELL_S", 0.0)
+    told: list[tuple[Pass, int]] = []
+    tracker = _tracker({0: TRUE[0], 8: TRUE[8]})
+    tracker.run_segment((0, 8), lambda step, number: told.append((step, number)))
+    assert [number for _, number in told] == list(range(1, tracker.expected_steps((0, 8)) + 1))
+    for step, _ in told:
+        assert len(step.trajectory) == COUNT
+        assert step.trajectory.first_frame == 0
+    assert _is_pose(told[2][0].trajectory.pose(8), told[2][0].trajectory.pose(3))
+    assert _is_pose(told[9][0].trajectory.pose(0), told[9][0].trajectory.pose(6))
+
+
+def test_a_rough_pose_is_laid_onto_its_step() -> None:
+    tracker = _tracker({0: TRUE[0]})
+    rough = Pose(
+        TRUE[4].Rs_parent_part @ exp_rotation([0.1, 0.05, 0]), TRUE[4].p_camera_root + 0.02
+    )
+    found = tracker.fit_frame(4, rough)
+    assert np.linalg.norm(joints(BODY, found) - joints(BODY, TRUE[4]), axis=1).max() < 0.005
+
+
+def test_the_same_steps_give_the_same_motion_to_the_last_bit() -> None:
+    one, other = (_run(_tracker({0: TRUE[0]})).trajectory for _ in range(2))
+    np.testing.assert_array_equal(one.Rs_parent_part, other.Rs_parent_part)
+    np.testing.assert_array_equal(one.ps_camera_root, other.ps_camera_root)
