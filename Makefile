@@ -34,6 +34,7 @@ check: .venv/.ready-dev
 	@.venv/bin/lint-imports --no-logo
 
 bench: .venv/.ready-dev
+	@.venv/bin/pip install --quiet --disable-pip-version-check --editable '.[dev,bench]'
 	@.venv/bin/python -m tests.benchmarks
 
 # What the commands above have made; the compiled loops in ~/.cache/keypose stay.

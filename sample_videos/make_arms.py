@@ -30,8 +30,9 @@ from tracker.surface.placing import METRES, Placement
 from tracker.surface.ply import ply_bytes
 
 FOLDER = Path(__file__).parent / "arms"
+MOST_BYTES = 600_000
 FPS = 25.0
-VOXEL_M = 0.047
+VOXEL_M = 0.049
 PLACED = Placement("cm", "+z", np.array([0.0, 0.5, 3.8]))
 """The files are in centimetres, z up, their origin on the floor below the arms."""
 

@@ -68,16 +68,22 @@ def judge(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -
         return Verdict("lost", words, (segment.first_frame, segment.last_frame))
     if outcome.diverged:
         first, last = segment.first_frame, segment.last_frame
-        return Verdict("check", f"check {frames_in_words(first, last)}: a pass diverged", (first, last))
+        return Verdict(
+            "check", f"check {frames_in_words(first, last)}: a pass diverged", (first, last)
+        )
     unseen = _longest_unseen(scene, segment, seen)
     if unseen is not None:
         part, first, last = unseen
-        return Verdict("check", f"check {frames_in_words(first, last)}: {part} not seen", (first, last))
+        return Verdict(
+            "check", f"check {frames_in_words(first, last)}: {part} not seen", (first, last)
+        )
     if apart > CHECK_APART or drift > CHECK_DRIFT:
         index, first, last = _most_uncertain(scene, segment, evidence)
         why = "not seen" if _is_hidden(segment, seen, index, first, last) else "uncertain"
         name = spoken(scene.skeleton.body.names[index])
-        return Verdict("check", f"check {frames_in_words(first, last)}: {name} {why}", (first, last))
+        return Verdict(
+            "check", f"check {frames_in_words(first, last)}: {name} {why}", (first, last)
+        )
     return Verdict("good", "good")
 
 

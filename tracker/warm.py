@@ -58,7 +58,28 @@ def warm() -> None:
     _compare(scene, [level[0] for level in clip.levels], poses[0])
     _match(clip.levels[0][0])
     raster(BodyMesh.of(skeleton), pose_transforms(skeleton, poses[0]), Eye.of(camera))
+    if not is_warm():  # compiled, they load in no time, should there be surfaces at all
+        _surface(body, poses[0], camera)
     _mark().touch()
+
+
+def _surface(body: Body, pose: Pose, camera: Camera) -> None:
+    """A surface laid onto itself, and drawn."""
+    from tracker.surface.looking import look
+    from tracker.surface.mesh import SurfaceMesh
+    from tracker.surface.model import SurfaceModel
+    from tracker.surface.options import Options
+    from tracker.surface.painting import painted
+    from tracker.surface.pairing import Observed
+    from tracker.surface.solving import fit_pose
+
+    solid = body.parts[0].shape.mesh()
+    mesh = SurfaceMesh(solid.vertices + pose.p_camera_root, solid.faces)
+    options = Options(points=50)
+    model = SurfaceModel.of(mesh, body, pose, options.points)
+    fit_pose(model, Observed.of(mesh, options), pose, options)
+    look(model, mesh, pose, "distance")
+    painted(mesh, camera)
 
 
 def _compare(scene: Scene, pictures: Sequence[Picture], pose: Pose) -> None:

@@ -17,8 +17,11 @@ from tracker.skeleton import Skeleton
 
 
 def pose_to_fit(state: EditorState) -> Pose:
-    """The pose that stands at the present frame; Refused where nobody has posed anything yet."""
-    if not (state.doc.keyframes or state.doc.drafts):
+    """The pose that stands at the present frame; Refused where nobody has posed anything yet.
+
+    Into a surface the body is laid from where it stands when that is opened, too.
+    """
+    if state.doc.surface is None and not (state.doc.keyframes or state.doc.drafts):
         raise Refused("There is no pose to fit: pose the body roughly first.")
     return shown(state).pose
 

@@ -11,9 +11,10 @@ from tracker.pose import Pose
 from tracker.session import Session
 from tracker.session.files import open_video_at
 from tracker.session.first_motion import of_session
-from tracker.session.tracking import demand_first_motion, fitter_of
+from tracker.session.tracking import demand_first_motion, fitter_of, surfaces_of
 from tracker.skeleton import Skeleton
 from tracker.surface.fitter import SurfaceFitter
+from tracker.surface.source import SurfaceSteps
 from tracker.track import SegmentTracker, Tracker
 from tracker.video import Video
 
@@ -53,6 +54,10 @@ class Bench:
         if self._fitter is None or self._fitted_for != made_of:
             self._fitter, self._fitted_for = fitter_of(session, video), made_of
         return self._fitter
+
+    def surfaces(self, session: Session, path: str, folder: Path) -> SurfaceSteps:
+        """The surfaces of a session, in the camera's frame."""
+        return surfaces_of(self.video(session, path, folder))
 
     def _of_film(self, session: Session, video: Video, span: Span, folder: Path) -> Tracker:
         first, last = span

@@ -68,16 +68,15 @@ class Fit:
             raise SurfaceError(
                 "Sizes are fitted to pictures, not to surfaces: set them in Body, by what you see."
             )
-        if session.model_keyframe is None:
-            raise SurfaceError(
-                "Nothing to fit yet: pose the body in one of the meshes and make that a keyframe; "
-                "its surface then moves with the body."
-            )
-        from tracker.surface.fit_here import fit_here  # loads what only this needs
+        from tracker.surface.fit_here import fit_here, lay_body  # loads what only this needs
 
-        fitter = bench.fitter(session, order.video_path, Path(order.folder))
-        found = fit_here(fitter, order.frame, order.pose)
-        return PoseFitted(order.job, found.pose, found.moved, found.words)
+        path, folder, model = order.video_path, Path(order.folder), session.model_keyframe
+        if model is None or model.frame == order.frame:
+            mesh = bench.surfaces(session, path, folder).mesh(order.frame)
+            found = lay_body(mesh, Skeleton.of(session.body), order.pose)
+        else:
+            found = fit_here(bench.fitter(session, path, folder), order.frame, order.pose)
+        return PoseFitted(order.job, found.pose, True, found.words)
 
     def _pose(self, order: PoseOrder, session: Session, video: Video) -> PoseFitted:
         from tracker.fit_here import fit_here  # loads what only this needs

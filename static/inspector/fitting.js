@@ -36,8 +36,9 @@ export function fitSizesRow() {
   </div>`;
 }
 
-/** Why no pose can be fitted yet, or ''. */
+/** Why no pose can be fitted yet, or ''. Into a surface the body is laid as it first stands, too. */
 function unposed() {
+  if (isSurface()) return '';
   const { frames = [], drafts = [] } = S.keys ?? {};
   return frames.length + drafts.length ? '' : 'Pose the body roughly first';
 }

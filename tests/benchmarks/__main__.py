@@ -19,7 +19,7 @@ from tests.benchmarks.table import Report
 
 GROUPS = (
     "rendered", "cube", "real", "initial", "fit_here", "fit_sizes", "annotator", "cost", "page",
-    "sessions", "repeat", "batch",
+    "sessions", "repeat", "batch", "surface",
 )  # fmt: skip
 OUT = Path("benchmarks.json")
 

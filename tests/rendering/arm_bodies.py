@@ -19,7 +19,7 @@ Kind: TypeAlias = Literal["tripod", "chain"]
 LENGTH_M = 1.0
 NAMES = ("arm_a", "arm_b", "arm_c")
 
-APEX_M, FLANK_M, BACK_M = 0.07, 0.22, 0.07
+APEX_M, FLANK_M, BACK_M = 0.07, 0.18, 0.08
 """The tripod's cross-section at the tip: a wedge of 120° toward the middle, and its back."""
 HUB_SHARE = 0.35
 """The tripod's arms are thinner by this where they meet."""
@@ -97,4 +97,4 @@ def _outward(vertices: Array, faces: NDArray[np.int64]) -> NDArray[np.int64]:
 def _shape(kind: Kind) -> Shape:
     if kind == "chain":
         return Box(low_m=(-0.08, 0.0, -DEPTH_M), high_m=(0.08, LENGTH_M, DEPTH_M))
-    return Frustum(end_m=LENGTH_M, start_radii_m=(0.03, 0.06), end_radii_m=(BACK_M, 0.18))
+    return Frustum(end_m=LENGTH_M, start_radii_m=(0.03, 0.06), end_radii_m=(BACK_M, 0.15))

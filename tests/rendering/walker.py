@@ -30,13 +30,12 @@ WalkKind: TypeAlias = Literal["plain", "contact", "missing20", "noise1cm"]
 
 UNION_VOXEL_M = 0.008
 HULL_VOXEL_M = 0.01
-REACH_M = 2.7
+REACH_M = 3.1
 HOLE_M = 0.09
 """Radius of a hole in the surface."""
 
-# The file's joints: both arms, both thighs.
-_ARMS, _THIGHS = (5, 6), (11, 12)
-_ARM_IN_DEG, _LEG_IN_DEG = 18.0, 6.0
+LEG_IN_DEG, HAND_AT_M = 6.0, 0.12
+"""Of `brought_together`, halfway: the turn of the thighs, the hands' distance from the middle."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,7 +100,7 @@ def _hulls(human: Human, cameras: int, seed: int, hull: HullKind) -> list[Surfac
 
 
 def brought_together(human: Human) -> Human:
-    """The same walk with arms and thighs turned inward, most of all halfway.
+    """The same walk with the hands brought to the thighs and these turned inward, about halfway.
 
     The skin follows as linear blending has it, from each step's own pose.
     """
@@ -109,10 +108,15 @@ def brought_together(human: Human) -> Human:
     Ts = human.Ts_joint.copy()
     vertices = human.vertices.copy()
     for frame in range(human.frame_count):
-        for joints, degrees in ((_ARMS, _ARM_IN_DEG), (_THIGHS, _LEG_IN_DEG)):
-            for side, joint in zip((1.0, -1.0), joints, strict=True):
-                angle = side * np.radians(degrees) * share[frame]
-                _turn(Ts[frame], human.parents, joint, angle)
+        for side, arm, hand, thigh in ((1, 5, 9, 11), (-1, 6, 10, 12)):
+            leg_in = [0.0, 0.0, side * np.radians(LEG_IN_DEG)]
+            _turn(Ts[frame], human.parents, thigh, share[frame] * np.array(leg_in))
+            _, y, z = Ts[frame, hand, :3, 3] - Ts[frame, arm, :3, 3]
+            _turn(Ts[frame], human.parents, arm, share[frame] * np.array([-np.arctan2(z, y), 0, 0]))
+            x, y, _ = Ts[frame, hand, :3, 3] - Ts[frame, arm, :3, 3]
+            wanted = Ts[frame, 0, 0, 3] + side * HAND_AT_M - Ts[frame, arm, 0, 3]
+            inward = np.arctan2(x, y) - np.arcsin(wanted / np.hypot(x, y))
+            _turn(Ts[frame], human.parents, arm, share[frame] * np.array([0, 0, inward]))
         moved = Ts[frame] @ np.linalg.inv(human.Ts_joint[frame])
         blend = np.einsum("vj,jab->vab", human.weights, moved)
         p = human.vertices[frame]
@@ -120,10 +124,10 @@ def brought_together(human: Human) -> Human:
     return replace(human, vertices=vertices, Ts_joint=Ts)
 
 
-def _turn(Ts: Array, parents: Array, joint: int, angle: float) -> None:
-    """Turn a joint and all below it about the line of sight through it, in place."""
+def _turn(Ts: Array, parents: Array, joint: int, turn: Array) -> None:
+    """Turn a joint and all below it by a rotation vector of the camera frame, in place."""
     T = np.eye(4)
-    T[:3, :3] = exp_rotation([0.0, 0.0, angle])
+    T[:3, :3] = exp_rotation(turn)
     T[:3, 3] = Ts[joint, :3, 3] - T[:3, :3] @ Ts[joint, :3, 3]
     below = [joint]
     for j in range(joint + 1, len(parents)):

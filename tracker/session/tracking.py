@@ -10,6 +10,7 @@ from tracker.session.schema import Session
 from tracker.skeleton import Skeleton
 from tracker.surface.fitter import SurfaceFitter
 from tracker.surface.picture import SurfaceVideo
+from tracker.surface.source import SurfaceSteps
 from tracker.track import Progress, SegmentTracker, Tracker, never, run
 from tracker.trajectory import Trajectory
 from tracker.video import Video
@@ -42,9 +43,14 @@ def fitter_of(session: Session, video: Video) -> SurfaceFitter:
 
     SessionError without a keyframe.
     """
+    return SurfaceFitter(session, surfaces_of(video))
+
+
+def surfaces_of(video: Video) -> SurfaceSteps:
+    """The surfaces that a session's video shows; SessionError where it is a film."""
     if not isinstance(video, SurfaceVideo):
         raise SessionError("The session is about surfaces: open them with open_video_of.")
-    return SurfaceFitter(session, video.steps)
+    return video.steps
 
 
 def track_session(

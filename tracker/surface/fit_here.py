@@ -10,32 +10,43 @@ from tracker.geometry import Array, apply_transform
 from tracker.pose import Pose, pose_transforms
 from tracker.skeleton import Skeleton
 from tracker.surface.fitter import SurfaceFitter
+from tracker.surface.mesh import SurfaceMesh
+from tracker.surface.model import SurfaceModel
+from tracker.surface.options import Options
+from tracker.surface.pairing import Observed
+from tracker.surface.solving import fit_pose
 from tracker.verdict import spoken
 
 WORTH_A_WORD_M = 0.005
 MOST = 3
 
-_NOTHING_TO_FIT = (
-    "The surface of this frame is the one that moves with the body, as you posed it here: "
-    "there is nothing to fit."
-)
+OPTIONS = Options(contact=False, solves=60)
+"""Solids overlap where a surface is in one piece: what is near another part tells as much."""
 
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """The pose, whether it is another one now, and a sentence on it."""
+    """The pose, and what moved to it in a sentence."""
 
     pose: Pose
-    moved: bool
     words: str
 
 
 def fit_here(fitter: SurfaceFitter, frame: int, pose: Pose) -> Found:
     """Lay a pose onto the surface of a frame; SurfaceError where that cannot be used."""
-    if frame == fitter.model_frame:
-        return Found(pose, False, _NOTHING_TO_FIT)
     fitted = fitter.fit_frame(frame, pose)
-    return Found(fitted, True, _told(fitter.skeleton, pose, fitted))
+    return Found(fitted, _told(fitter.skeleton, pose, fitted))
+
+
+def lay_body(mesh: SurfaceMesh, skeleton: Skeleton, pose: Pose) -> Found:
+    """Lay the body's own solids into a surface, where none moves with the body yet.
+
+    As good as the body's sizes: joints come to a centimetre or two. mesh: camera frame, metres.
+    """
+    size = float(np.linalg.norm(mesh.extent))
+    model = SurfaceModel.of_solids(skeleton.body, pose, OPTIONS.points, size)
+    fitted = fit_pose(model, Observed.of(mesh, OPTIONS), pose, OPTIONS).pose
+    return Found(fitted, _told(skeleton, pose, fitted))
 
 
 def _told(skeleton: Skeleton, before: Pose, after: Pose) -> str:

@@ -138,7 +138,7 @@ def _common_count(taken: Sequence[_Taken], what: What) -> int:
     if len(counts) > 1:
         (some, first), (others, second) = list(counts.items())[:2]
         raise SurfaceError(
-            f"Camera {first!r} has {some} {what} and camera {second!r} {others}: every camera needs "
-            "one for every step."
+            f"Camera {first!r} has {some} {what} and camera {second!r} {others}: every camera "
+            "needs one for every step."
         )
     return next(iter(counts))

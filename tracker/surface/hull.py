@@ -1,7 +1,7 @@
 """Visual hulls: the largest thing that all silhouettes allow, as a mesh.
 
-A place outside a picture is neither in nor out for that view: it tells nothing. At least half of
-the views, and two, must show a place for it to belong to the hull.
+A place outside a picture is neither in nor out for that view: it tells nothing. More than half of
+the views must show a place for it to belong to the hull.
 """
 
 from __future__ import annotations
@@ -21,8 +21,11 @@ from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.nets import Field, surface_of
 from tracker.surface.views import Lenses, View
 
-MOST_POINTS = 60_000_000
-"""Of a grid: a quarter of a gigabyte."""
+MOST_POINTS = 30_000_000
+"""Of a grid: half a gigabyte, with all that is made on the way."""
+
+CELL_COSTS = 32
+"""Points that take as much memory as a cell at work."""
 
 CELL = 8
 """Grid points along the side of the smallest cells that are judged as one."""
@@ -57,7 +60,7 @@ def hull_field(
 
     SurfaceError where nothing is in all silhouettes, or the grid would be too large.
     """
-    least = max(2, (len(views) + 1) // 2) if least_views is None else least_views
+    least = max(2, len(views) // 2 + 1) if least_views is None else least_views
     if len(views) < least:
         raise SurfaceError(f"A hull needs at least {least} silhouettes: there are {len(views)}.")
     lenses, maps = Lenses.of(views), _stacked([outline_distances(s) for s in silhouettes])
@@ -132,15 +135,16 @@ def _cells(
     side = CELL * 2 ** int(np.ceil(np.log2(max(2 * reach_m / voxel_m / CELL, 1.0))))
     p_origin, cells = p_centre - voxel_m * side / 2, np.zeros((1, 3), np.int64)
     while True:
-        _demand_affordable(len(cells) * CELL**3, voxel_m)
         outside = np.empty(len(cells), np.bool_)
         centres = p_origin + voxel_m * (cells + (side - 1) / 2)
         radius = voxel_m * (np.sqrt(3) * side / 2 + LIMIT_VOXELS)
         judge_cells(centres, radius, lenses.Ts, lenses.lenses, lenses.sizes, maps, least, outside)
         cells = cells[~outside]
         if side == CELL:
+            _demand_affordable(len(cells) * CELL**3, voxel_m)
             return p_origin, cells
         side //= 2
+        _demand_affordable(8 * len(cells) * CELL_COSTS, voxel_m)
         cells = (cells[:, None] + side * _CORNERS).reshape(-1, 3)
 
 

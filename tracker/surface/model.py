@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracker.body import ALL_DOFS, ROTATIONS, Body
-from tracker.geometry import Array, frozen
+from tracker.geometry import Array, apply_transform, frozen
 from tracker.kernels.surface import pose_surface
 from tracker.pose import Pose, pose_transforms
 from tracker.skeleton import Skeleton
@@ -69,19 +69,46 @@ class SurfaceModel:
         Ts = pose_transforms(skeleton, pose)
         distances = distances_to_parts(skeleton, Ts, samples.p)
         parts, shares = shares_of(distances, skeleton.parents, BLEND_SHARE * size * smooth)
-        Rs, origins = Ts[parts][..., :3, :3], Ts[parts][..., :3, 3]
+        return cls._laid(skeleton, samples, Ts, parts, shares, size)
+
+    @classmethod
+    def of_solids(cls, body: Body, pose: Pose, count: int, size_m: float) -> SurfaceModel:
+        """The body's own solids, for a first pose: what of them lies inside another is left out.
+
+        size_m: of the surface that it is to be laid into.
+        """
+        skeleton = Skeleton.of(freed(body))
+        Ts = pose_transforms(skeleton, pose)
+        mesh, part_of_face = _solids(skeleton, Ts)
+        samples = SurfaceSamples.of(mesh, count)
+        own = part_of_face[samples.face]
+        others = distances_to_parts(skeleton, Ts, samples.p)
+        others[np.arange(len(own)), own] = np.inf
+        bare = others.min(axis=1) > 0.0
+        parts = np.stack([own, own], axis=1)[bare]
+        shares = np.tile([1.0, 0.0], (len(parts), 1))
+        return cls._laid(skeleton, samples.only(bare), Ts, parts, shares, size_m)
+
+    @classmethod
+    def _laid(
+        cls, skeleton: Skeleton, samples: SurfaceSamples, Ts_camera_part: Array,
+        parts: NDArray[np.int64], shares: Array, size_m: float,
+    ) -> SurfaceModel:  # fmt: skip
+        """Points of a posed surface, laid into the frames of the parts that carry them."""
+        Ts = Ts_camera_part[parts]
+        Rs, origins = Ts[..., :3, :3], Ts[..., :3, 3]
         pairs, groups = np.unique(parts, axis=0, return_inverse=True)
-        own = parts[:, 0]
+        apart = _apart(samples.p, parts[:, 0], skeleton.part_count, SEAM_SHARE * size_m)
         return cls(
             skeleton,
             frozen(np.einsum("vkji,vkj->vki", Rs, samples.p[:, None] - origins)),
             frozen(np.einsum("vkji,vj->vki", Rs, samples.normals)),
             parts,
             frozen(shares),
-            _apart(samples.p, own, skeleton.part_count, SEAM_SHARE * size),
+            apart,
             groups.ravel().astype(np.int64),
             pairs,
-            size,
+            size_m,
             samples.spacing_m,
         )
 
@@ -108,6 +135,16 @@ class PosedSurface:
     p_each: Array
     p: Array
     normals: Array
+
+
+def _solids(skeleton: Skeleton, Ts_camera_part: Array) -> tuple[SurfaceMesh, NDArray[np.int64]]:
+    """The meshes of all parts as one, and the part of each face."""
+    meshes = [part.shape.mesh() for part in skeleton.body.parts]
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
+    vertices = [apply_transform(T, m.vertices) for T, m in zip(Ts_camera_part, meshes, strict=True)]
+    faces = [mesh.faces + start for mesh, start in zip(meshes, starts, strict=False)]
+    part = np.repeat(np.arange(len(meshes)), [len(mesh.faces) for mesh in meshes])
+    return SurfaceMesh(np.concatenate(vertices), np.concatenate(faces)), part
 
 
 def _apart(p: Array, own: NDArray[np.int64], part_count: int, seam_m: float) -> NDArray[np.bool_]:

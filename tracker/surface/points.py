@@ -23,12 +23,14 @@ class SurfaceSamples:
 
     p, normals:  (N, 3) metres and unit vectors, in the mesh's frame.
     consistency: (N,) agreement of the cameras, −1 to 1; 1 where there are no images.
+    face:        (N,) of the mesh that each lies on.
     spacing_m:   between neighbours, about.
     """
 
     p: Array
     normals: Array
     consistency: Array
+    face: NDArray[np.int64]
     spacing_m: float
 
     @classmethod
@@ -48,7 +50,18 @@ class SurfaceSamples:
             frozen(np.einsum("nk,nki->ni", shares, corners[face])),
             frozen(_normals(mesh, face, shares, normals, spacing)),
             frozen(consistency),
+            face,
             spacing,
+        )
+
+    def only(self, which: NDArray[np.bool_]) -> SurfaceSamples:
+        """Some of them."""
+        return SurfaceSamples(
+            frozen(self.p[which]),
+            frozen(self.normals[which]),
+            frozen(self.consistency[which]),
+            self.face[which],
+            self.spacing_m,
         )
 
 
@@ -71,4 +84,3 @@ def _normals(
     normals = np.where(flat[:, None], of_faces[face], smooth)
     length = np.linalg.norm(normals, axis=1, keepdims=True)
     return np.asarray(np.divide(normals, length, out=np.zeros_like(normals), where=length > 0))
-

@@ -19,7 +19,7 @@ from tracker.surface.carve import STRIDE, carved, depth_maps, seen_through
 from tracker.surface.hull import hull_field, hull_mesh
 
 VOXEL_M = 0.02
-STEP = 7
+STEP = 5
 
 
 def far_from_arms(p: Array) -> Array:
@@ -38,16 +38,16 @@ def test_phantom_volume_that_cameras_see_through_is_carved_and_the_arms_stay(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(carve, "STRIDE", 4)  # coarser depths do, in a quarter of the time
-    views = ring_of(12, P_CENTRE)
+    views = ring_of(15, P_CENTRE)
     shots = shots_of("tripod", arm_poses("tripod")[STEP], views, [0, STEP])
     visual = hull_field(views, silhouettes(shots), VOXEL_M)
     photo = carved(visual, views, pictures(shots))
-    far = [(far_from_arms(hull_mesh(field).vertices) > 0.04).sum() for field in (visual, photo)]
+    far = [(far_from_arms(hull_mesh(field).vertices) > 0.02).sum() for field in (visual, photo)]
     assert far[0] > 100
     assert far[1] < 0.5 * far[0]
     taken = np.argwhere((visual.depths > 0) & (photo.depths <= 0))
     places = visual.p_origin + VOXEL_M * taken
-    assert np.percentile(far_from_arms(places), 20) > 0.01  # little of it is skin
+    assert np.median(far_from_arms(places)) > 0.01  # it was not skin
 
 
 def test_depths_are_found_to_about_a_pixels_size() -> None:

@@ -13,7 +13,9 @@ from tracker.geometry import exp_rotation, log_rotation
 from tracker.kernels.surface import pull
 from tracker.pose import Pose, moved, pose_transforms
 from tracker.shapes import Box
+from tracker.skeleton import Skeleton
 from tracker.surface.certainty import UNSEEN
+from tracker.surface.fit_here import lay_body
 from tracker.surface.looking import look
 from tracker.surface.measuring import measure
 from tracker.surface.mesh import SurfaceMesh
@@ -158,6 +160,25 @@ def test_a_part_whose_surface_is_missing_stays_where_the_rest_carries_it() -> No
     fit = fit_pose(MODEL, observed, START, OPTIONS)
     assert _error_m(fit.pose, truth) < 0.02
     assert measure(MODEL, observed, fit).counts[1] < 0.2
+
+
+@pytest.mark.parametrize("far", [0.0, 0.15])
+def test_the_bodys_own_solids_are_laid_into_a_surface(far: float) -> None:
+    rough = _disturbed(START, far, far / 3, seed=4)
+    found = lay_body(surface_of(BODY, START), Skeleton.of(BODY), rough)
+    assert _error_m(found.pose, START) < 0.006
+    assert found.words.endswith(".")
+
+
+def test_solids_of_other_sizes_come_near_as_well() -> None:
+    thicker = (
+        Box(low_m=(-0.07, -0.05, -0.11), high_m=(0.07, 0.5, 0.11)),
+        Box(low_m=(-0.03, 0.03, -0.05), high_m=(0.03, 0.45, 0.05)),
+    )
+    body = two_bars(thicker)
+    rough = _disturbed(START, 0.15, 0.05, seed=5)
+    found = lay_body(surface_of(BODY, START), Skeleton.of(body), rough)
+    assert _error_m(found.pose, START) < 0.025 < 0.04 < _error_m(rough, START)
 
 
 def test_colours_tell_distance_and_agreement_of_every_vertex() -> None:
