@@ -13,13 +13,17 @@ than where the sum of all errors would fall most at once, as was tried on the sa
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from tracker.geometry import Array
-from tracker.observe import Observation
-from tracker.scene import Scene
-from tracker.segment import Outcome
 from tracker.stretch import extent_px
+
+if TYPE_CHECKING:
+    from tracker.observe import Observation
+    from tracker.scene import Scene
+    from tracker.segment import Outcome
 
 ERROR, DRIFT_POWER = 0.22, 2 / 3
 """Mean error in pixels = ERROR · drift^DRIFT_POWER · apart^(1 − DRIFT_POWER) · (1 + unseen)."""

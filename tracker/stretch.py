@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from tracker.geometry import Array
-from tracker.images import Clip
-from tracker.pose import Pose
-from tracker.scene import Scene
-from tracker.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from tracker.images import Clip
+    from tracker.pose import Pose
+    from tracker.scene import Scene
+    from tracker.trajectory import Trajectory
 
 NEAREST_M, FURTHEST = 0.05, 50.0
 """A body nearer than this, or this many times further than it was keyed, has been lost."""

@@ -1,6 +1,8 @@
-"""From a validation error to one sentence a person can act on."""
+"""Sentences: of a validation error, one that a person can act on; names one after another."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 from pydantic import ValidationError
 
@@ -14,3 +16,8 @@ def one_sentence(error: ValidationError) -> str:
     more = error.error_count() - 1
     rest = f" (and {more} more)" if more else ""
     return f"{place}: {text}{rest}." if place else f"{text[:1].upper()}{text[1:]}{rest}."
+
+
+def listed(names: Sequence[str]) -> str:
+    """ "head", "head and neck", "head, neck and chest"."""
+    return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from tracker.fit_sizes.proportions import Proportions
 from tracker.fit_sizes.shared import Shared
+from tracker.wording import listed
 
 WHAT = ("length", "thickness")
 MORE, LESS = ("longer", "thicker"), ("shorter", "thinner")
@@ -104,5 +105,4 @@ def _focal(found: Found) -> str:
 
 
 def _listed(names: list[str]) -> str:
-    words = [name.replace("_", " ") for name in names]
-    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
+    return listed([name.replace("_", " ") for name in names])

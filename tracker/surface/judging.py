@@ -7,16 +7,17 @@ that are right from steps that are not.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tracker.geometry import Array
-from tracker.surface.chain import Link
 from tracker.surface.certainty import UNSEEN
+from tracker.surface.chain import Link
 from tracker.surface.model import SurfaceModel
 from tracker.verdict import Verdict, frames_in_words, runs, spoken
+from tracker.wording import listed
 
 LOST_UNEXPLAINED, LOST_UNCOVERED = 0.25, 0.45
 """Of what is seen, and of the body: so much without a counterpart is another pose."""
@@ -28,19 +29,30 @@ HIDDEN = 0.12
 """Of a part's surface: when less of it counts, it goes by what the rest leaves it."""
 SHORTEST_RUN = 3
 """Steps for which a part must be doubtful before it is worth a word."""
+MOST_TOLD = 5
+"""Steps that could not be used, told one by one."""
 
 
-def judge_links(model: SurfaceModel, links: Sequence[Link], apart_m: Array | None) -> Verdict:
+def judge_links(
+    model: SurfaceModel, links: Sequence[Link], keyed: Collection[int], apart_m: Array | None
+) -> Verdict:
     """The verdict on the steps of one segment.
 
-    apart_m: (N, P) how far two chains put each joint apart; None where there was one chain.
+    keyed: the frames of those that are keyframes.  apart_m: (N, P) how far two chains put each
+    joint apart; None where there was one chain.
     """
     frames = [link.frame for link in links]
-    lost = _longest(np.array([_is_lost(link) for link in links]), 1)
+    astray = np.array([_is_astray(link) for link in links])
+    followed = np.array([frame not in keyed for frame in frames])
+    lost = _longest(astray & followed)
     if lost is not None:
         near = frames[lost[0]]
         return Verdict("lost", f"lost: add a keyframe near {near}", (near, near))
-    unusable = _longest(np.array([link.step is None for link in links]), 1)
+    if astray.any():  # a person said so, but looked at another frame, or at another mesh
+        frame = frames[int(astray.argmax())]
+        words = f"check frame {frame}: the keyframe lies off its surface"
+        return Verdict("check", words, (frame, frame))
+    unusable = _longest(np.array([link.step is None for link in links]))
     if unusable is not None:
         first, last = frames[unusable[0]], frames[unusable[1]]
         words = f"check {frames_in_words(first, last)}: no surface that can be used"
@@ -66,11 +78,12 @@ def unseen_turns(model: SurfaceModel, links: Sequence[Link]) -> tuple[str, ...]:
     if not steps:
         return ()
     unseen = np.mean([step.least_seen < UNSEEN for step in steps], axis=0) > 0.5
+    unseen &= _carries(model)
     names = [spoken(n) for n, no in zip(model.skeleton.body.names, unseen, strict=True) if no]
     if not names:
         return ()
     return (
-        f"The surface does not show how {_listed(names)} turn{'s' * (len(names) == 1)} about "
+        f"The surface does not show how {listed(names)} turn{'s' * (len(names) == 1)} about "
         f"{'its' if len(names) == 1 else 'their'} own length: that stays as it was posed.",
     )
 
@@ -83,10 +96,7 @@ def unusable_steps(links: Sequence[Link]) -> tuple[str, ...]:
     return (*told[:MOST_TOLD], *rest)
 
 
-MOST_TOLD = 5
-
-
-def _is_lost(link: Link) -> bool:
+def _is_astray(link: Link) -> bool:
     step = link.step
     return step is not None and (
         step.unexplained > LOST_UNEXPLAINED or step.uncovered > LOST_UNCOVERED
@@ -101,17 +111,17 @@ def _doubts(
     nothing = np.full(count, np.nan)
     residual = np.array([link.step.residual if link.step else nothing for link in links])
     counts = np.array([link.step.counts if link.step else nothing for link in links])
-    carries = np.bincount(model.own, minlength=count) > 0
+    carries = _carries(model)
     uncertain = residual > ROUGH_SHARE * size
     if apart_m is not None:
         uncertain |= apart_m > APART_SHARE * size
     return {"uncertain": uncertain & carries, "not seen": (counts < HIDDEN) & carries}
 
 
-def _longest(flags: NDArray[np.bool_], least: int) -> tuple[int, int] | None:
-    found = [run for run in runs(flags) if run[1] - run[0] + 1 >= least]
-    return max(found, key=lambda run: run[1] - run[0], default=None)
+def _carries(model: SurfaceModel) -> NDArray[np.bool_]:
+    """(P,) whether anything of the surface goes with a part."""
+    return np.asarray(np.bincount(model.own, minlength=model.skeleton.part_count) > 0)
 
 
-def _listed(names: Sequence[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+def _longest(flags: NDArray[np.bool_]) -> tuple[int, int] | None:
+    return max(runs(flags), key=lambda run: run[1] - run[0], default=None)

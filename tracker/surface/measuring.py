@@ -32,7 +32,7 @@ class StepFit:
     rank:          degrees of freedom that the surface shows.
     unexplained:   share of the observed surface that is believed and lies far from the body's.
     uncovered:     share of the body's surface out of contact that lies far from the observed one.
-    rms_m:         root mean square of all pairs, by their weights, metres.
+    rms_m:         root mean square of all pairs, by their weights, metres; NaN without any.
     """
 
     residual: Array
@@ -76,7 +76,7 @@ def measure(model: SurfaceModel, observed: Observed, fit: Fit) -> StepFit:
         int((information > SHOWN * model.size_m**2).sum()),
         _share(back, observed.believed),
         _share(there, pairs.clear),
-        float(np.sqrt(pairs.weights @ pairs.square / max(pairs.weights.sum(), 1e-12))),
+        _rms(pairs),
     )
 
 
@@ -99,6 +99,11 @@ def _counting(pairs: Pairs) -> Array:
     """(V,) how much each of the model's points counts, 1 for those that count most."""
     weights = pairs.weights[: pairs.forward]
     return np.asarray(weights / max(weights.max(initial=0.0), 1e-12))
+
+
+def _rms(pairs: Pairs) -> float:
+    total = float(pairs.weights.sum())
+    return float(np.sqrt(pairs.weights @ pairs.square / total)) if total > 0 else np.nan
 
 
 def _share(which: NDArray[np.bool_], weights: Array) -> float:

@@ -25,9 +25,7 @@ the other it counts in full."""
 SPURIOUS_SHARE = 0.005
 """Of the surface's size: pairs nearer than that are not asked whether they are mutual."""
 CONTACT_SHARE = 0.015
-"""Of the surface's size: τ_c of a finely meshed surface."""
-CONTACT_SPACINGS = 3.0
-"""τ_c of a coarser one, in spacings of its mesh."""
+"""Of the surface's size: τ_c, three voxels of a hull of a person at a centimetre."""
 
 
 @dataclass(frozen=True, eq=False)

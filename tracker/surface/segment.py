@@ -34,10 +34,6 @@ TELL_S = 0.25
 Tell = Callable[[Pass, int], None]
 
 
-def never_stops() -> None:
-    """Goes on."""
-
-
 class _Teller:
     """Tells trajectories on the way, not too often."""
 
@@ -84,26 +80,24 @@ class SurfaceTracker:
         )
         self._steps, self._options = steps, options
 
-    def run_segment(
-        self, span: tuple[int, int], emit: Tell, go_on: Callable[[], None] = never_stops
-    ) -> SegmentResult:
+    def run_segment(self, span: tuple[int, int], emit: Tell) -> SegmentResult:
         """Fit the steps from span[0] to span[1].
 
         emit: told a trajectory now and then, with the number of steps that are done; where a step
-        has not been fitted yet it keeps the nearest pose.  go_on: called at every step, may raise
-        to stop.  SessionError unless one end of the span at least is a keyframe.
+        has not been fitted yet it keeps the nearest pose. It may raise to stop. SessionError unless
+        one end of the span at least is a keyframe.
         """
         keyed = [frame for frame in span if frame in self.keyposes]
         if not keyed:
             raise SessionError(f"Neither {span[0]} nor {span[1]} has a keyframe: pose one of them.")
         teller = _Teller(span, emit)
-        chains = [self._chain(span, frame, teller, go_on) for frame in keyed]
+        chains = [self._chain(span, frame, teller) for frame in keyed]
         one, two = chains[0], chains[-1]
         apart = None
         if len(chains) == 2:
             apart = _apart(self.model.skeleton, one, two)
             one = _both(self.model.skeleton, one, two)
-        return _result(self.model, one, apart)
+        return _result(self.model, one, keyed, apart)
 
     def expected_steps(self, span: tuple[int, int]) -> int:
         """Steps that `run_segment` works through."""
@@ -115,15 +109,12 @@ class SurfaceTracker:
         observed = Observed.of(self._steps.mesh(frame), self._options)
         return fit_pose(self.model, observed, pose, self._options).pose
 
-    def _chain(
-        self, span: tuple[int, int], start: int, teller: _Teller, go_on: Callable[[], None]
-    ) -> list[Link]:
+    def _chain(self, span: tuple[int, int], start: int, teller: _Teller) -> list[Link]:
         """All steps of a span, followed from one of its ends, in the order of the frames."""
         first, last = span
         onward = range(first + 1, last + 1) if start == first else range(last - 1, first - 1, -1)
         links = [self._keyed(start)]
         for link in self._followed(start, onward):
-            go_on()
             links.append(link)
             teller.tell(links)
         links = filled(sorted(links, key=lambda link: link.frame))
@@ -166,18 +157,20 @@ def _both(skeleton: Skeleton, one: Sequence[Link], two: Sequence[Link]) -> list[
     return [one[0], *inner[1:-1], two[-1]]
 
 
-def _result(model: SurfaceModel, links: Sequence[Link], apart: Array | None) -> SegmentResult:
+def _result(
+    model: SurfaceModel, links: Sequence[Link], keyed: Sequence[int], apart: Array | None
+) -> SegmentResult:
     steps = [link.step for link in links[1:]]
     parts, dofs = model.skeleton.part_count, model.skeleton.dof_count
     unknown = np.full(parts, np.nan)
-    rms = [step.rms_m for step in steps if step is not None]
+    rms = [step.rms_m for step in steps if step is not None and np.isfinite(step.rms_m)]
     return SegmentResult(
         trajectory=_trajectory(links[0].frame, links),
         scores=(float(np.mean(rms)) if rms else np.nan,),
         steps=("fit",),
         best_pass=0,
         closing_error=0.0,
-        verdict=judge_links(model, links, apart),
+        verdict=judge_links(model, links, keyed, apart),
         rank=np.array([-1 if step is None else step.rank for step in steps], np.int64),
         singular_values=np.array(
             [np.full(dofs, np.nan) if step is None else step.singular for step in steps]

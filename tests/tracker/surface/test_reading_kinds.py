@@ -266,6 +266,8 @@ def test_what_is_no_mesh_is_refused_in_a_sentence(kind: str, content: bytes, wor
         (RawMesh(CORNERS * 1e12, BOX), "farther than"),
         (RawMesh(CORNERS * 0, BOX), "larger than a point"),
         (RawMesh(CORNERS, np.zeros((4, 3), np.int64)), "larger than a point"),
+        (RawMesh(np.outer(range(len(CORNERS)), [1.0, 2.0, 3.0]), BOX), "wider than a line"),
+        (RawMesh(CORNERS * 1e-200, BOX), "larger than a point"),
     ],
 )
 def test_a_surface_that_is_nonsense_is_refused_in_a_sentence(mesh: RawMesh, words: str) -> None:

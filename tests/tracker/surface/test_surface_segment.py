@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from tests.tracker.surface.surfaces import Given, bent, joints, surface_of, two_bars
+from tracker.body import Part
 from tracker.errors import SessionError, SurfaceError
 from tracker.geometry import exp_rotation
 from tracker.pose import Pose
 from tracker.scoring import Pass
+from tracker.shapes import Box
 from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.options import Options
 from tracker.surface.segment import SurfaceTracker
@@ -128,7 +130,27 @@ def test_a_part_whose_surface_is_missing_is_named() -> None:
         for k, mesh in enumerate(MESHES)
     ]
     verdict = _run(_tracker({0: TRUE[0]}, meshes)).verdict
-    assert verdict.kind != "good"
+    assert verdict.kind == "check"
+    assert "lower" in verdict.words
+
+
+def test_a_keyframe_that_lies_off_its_surface_is_named_and_nothing_else_is_lost() -> None:
+    off = bent(BODY, 0.1, (0.0, 1.2, 0.0), (0.2, 0.1, 3.0))
+    verdict = _run(_tracker({0: TRUE[0], COUNT - 1: off})).verdict
+    assert verdict.words == f"check frame {COUNT - 1}: the keyframe lies off its surface"
+
+
+def test_a_part_that_carries_no_surface_is_not_said_to_turn_unseen() -> None:
+    stub = Part(
+        name="stub", parent="lower", joint_m=(0.0, 0.2, 0.0),
+        shape=Box(low_m=(-0.001, 0.0, -0.001), high_m=(0.001, 0.002, 0.001)),
+    )  # fmt: skip
+    body = BODY.replaced([*BODY.parts, stub])
+    pose = Pose(np.concatenate([TRUE[0].Rs_parent_part, np.eye(3)[None]]), TRUE[0].p_camera_root)
+    result = SurfaceTracker(Given(list(MESHES[:3])), body, {0: pose}, 0, OPTIONS).run_segment(
+        (0, 2), lambda step, number: None
+    )
+    assert not any("stub" in note for note in result.notes)
 
 
 def test_without_a_keyframe_nothing_is_fitted_and_the_sentence_says_so() -> None:
@@ -144,16 +166,18 @@ def test_the_model_needs_the_surface_of_its_own_step() -> None:
         _tracker({0: TRUE[0]}, ["Step 0 is empty.", *MESHES[1:]])
 
 
-def test_work_can_be_stopped_at_every_step() -> None:
+def test_work_can_be_stopped_at_every_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("tracker.surface.segment.TELL_S", 0.0)
     done = []
 
-    def stop_after_three() -> None:
-        done.append(1)
-        if len(done) == 3:
+    def stop_at_three(step: Pass, number: int) -> None:
+        done.append(number)
+        if number == 3:
             raise InterruptedError
 
     with pytest.raises(InterruptedError):
-        _tracker({0: TRUE[0]}).run_segment((0, 8), lambda step, number: None, stop_after_three)
+        _tracker({0: TRUE[0]}).run_segment((0, 8), stop_at_three)
+    assert done == [1, 2, 3]
 
 
 def test_what_is_told_on_the_way_covers_the_whole_span(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 from tracker.geometry import Array
 from tracker.surface.parsing.raw import RawMesh, Refused
 
-FARTHEST = 1e9
-"""In units of the file. Beyond it there is no sensible surface, and squares lose their sense."""
+FARTHEST, SMALLEST = 1e9, 1e-9
+"""In units of the file. Beyond them there is no sensible surface, and squares lose their sense."""
+LEAST_AREA = 1e-9
+"""Of the square of its longest side: less is a line."""
 
 
 def tidied(raw: RawMesh) -> RawMesh:
@@ -37,9 +39,17 @@ def demand_range(faces: NDArray[np.int64], vertices: int) -> None:
 def demand_surface(mesh: RawMesh) -> RawMesh:
     """The mesh. Refused where its vertices are nonsense, or its faces have no extent."""
     _demand_sense(mesh.vertices)
-    if len(mesh.faces) == 0 or not (np.ptp(mesh.vertices, axis=0) > 0).any():
+    longest = float(np.ptp(mesh.vertices, axis=0).max()) if len(mesh.faces) else 0.0
+    if longest < SMALLEST:
         raise Refused("has no face that is larger than a point: export it again.")
+    if _area(mesh) < LEAST_AREA * longest**2:
+        raise Refused("has no face that is wider than a line: export it again.")
     return mesh
+
+
+def _area(mesh: RawMesh) -> float:
+    a, b, c = (mesh.vertices[mesh.faces[:, k]] for k in range(3))
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
 
 
 def same_rows(table: Array) -> NDArray[np.int64]:
