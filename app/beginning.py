@@ -18,7 +18,9 @@ from tracker.geometry import Array, apply_transform
 from tracker.pose import Pose, pose_transforms
 from tracker.session.atomic import make_folder
 from tracker.session.files import load_session, save_session, video_path
+from tracker.session.finding import cameras_seen
 from tracker.session.schema import Session, Surface, VideoReference
+from tracker.sizing import with_height
 from tracker.skeleton import Skeleton
 from tracker.surface.beginning import Reading, begun, first_mesh
 from tracker.surface.rig import Rig
@@ -27,6 +29,8 @@ from tracker.surface.source import SurfaceSteps, holds_meshes
 from tracker.video import Video
 
 FIRST_BODY = "adult_male"
+PEOPLE_M = (0.5, 2.5)
+"""Heights of surfaces that may well be a person's."""
 
 
 def new_session(video: Video, session_path: Path) -> Session:
@@ -69,9 +73,16 @@ def new_surface_session(
             width=found.camera.width,
             height=found.camera.height,
         )
-    body = preset(FIRST_BODY)
-    session = Session(video=video, camera=found.camera, body=body, surface=found.surface)
+    body = _as_tall(preset(FIRST_BODY), found.height_m)
+    surface = found.surface if cameras is None else cameras_seen(found.surface, cameras)
+    session = Session(video=video, camera=found.camera, body=body, surface=surface)
     return session, found.news
+
+
+def _as_tall(body: Body, height_m: float) -> Body:
+    """The body with the height of what is observed, where that may be a person's."""
+    low, high = PEOPLE_M
+    return with_height(body, height_m) if low <= height_m <= high else body
 
 
 def read_as_said(
@@ -99,15 +110,36 @@ def read_as_said(
         if session.keyframes or session.drafts:
             raise SessionError(
                 f"{session_path.name} has poses already: open it without --units, --up and "
-                "--cameras, and change them under Track, where the poses follow."
+                "--cameras, and change units and up under Fit, where the poses follow."
             )
+        reading, cameras = _filled(session.surface, session_path, reading, cameras)
     new, news = new_surface_session(meshes, session_path, reading, cameras)
     if session_path.exists():
-        new = session.model_copy(update={"surface": new.surface, "camera": new.camera})
+        new = _read_anew(session, new)
     make_folder(session_path.parent, error=SessionError)
     with locked(session_path, "close it there"):
         save_session(new, session_path)
     return session_path, news
+
+
+def _filled(
+    surface: Surface, session_path: Path, reading: Reading, cameras: Path | None
+) -> tuple[Reading, Path | None]:
+    """What a person says now, and what is left out as the session has it."""
+    filled = Reading(reading.units or surface.units, reading.up or surface.up)
+    if cameras is None and surface.cameras is not None:
+        cameras = session_path.absolute().parent / surface.cameras
+    return filled, cameras
+
+
+def _read_anew(session: Session, new: Session) -> Session:
+    """A session whose meshes are read as in a new one; fitted they are as it says itself."""
+    surface, read = session.surface, new.surface
+    assert surface is not None
+    assert read is not None
+    names = ("units", "up", "p_camera_surface", "cameras", "cameras_fingerprint")
+    surface = surface.model_copy(update={name: getattr(read, name) for name in names})
+    return session.model_copy(update={"surface": surface, "camera": new.camera})
 
 
 def _is_read_so(surface: Surface, reading: Reading) -> bool:

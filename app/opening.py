@@ -28,6 +28,7 @@ from tracker.session.files import (
     save_session,
     video_path,
 )
+from tracker.session.finding import as_seen
 from tracker.session.first_motion import carry_first_motion
 from tracker.session.history import History
 from tracker.session.schema import Keyframe, Session
@@ -153,6 +154,10 @@ def _opened(path: Path) -> Workpiece:
         moment = of_film(moment, session)
         what = "video was" if session.surface is None else "meshes were"
         news = (*news, f"The {what} found again at {place}.")
+    seen = as_seen(session, path, video.fingerprint()) if session.surface else session
+    if seen is not session:
+        news = (*news, *_exported_again(session, seen))
+        session, moment = seen, of_film(moment, seen)
     timed = timed_by(session, video.info.times_s)
     if timed is not session:  # a new keyframe's time would not stand between the others'
         session, follows = timed, False
@@ -166,6 +171,20 @@ def _opened(path: Path) -> Workpiece:
         journal=Beginning(journal.size, follows, content, journal.length),
         news=news,
     )
+
+
+def _exported_again(before: Session, now: Session) -> tuple[str, ...]:
+    """What has changed beside a session about surfaces, if it was known before."""
+    assert before.surface is not None
+    assert now.surface is not None
+    known = {
+        "meshes": (before.video.fingerprint, now.video.fingerprint),
+        "cameras": (before.surface.cameras_fingerprint, now.surface.cameras_fingerprint),
+    }
+    others = [what for what, (was, is_now) in known.items() if was not in ("", is_now)]
+    if not others:
+        return ()
+    return (f"The {' and '.join(others)} have changed since they were last opened: fit again.",)
 
 
 def timed_by(doc: Session, times_s: Array) -> Session:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from tracker.refine import Refinement
 from tracker.settings import Initial, TrackSettings
 
 
@@ -22,6 +21,14 @@ class Paper:
     density: float = 1.3
     initial: Initial = "auto"
     left_out: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """How to refine: solves at most, and one surface point of how many is followed."""
+
+    solves: int
+    of: int
 
 
 @dataclass(frozen=True)

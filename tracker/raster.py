@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from tracker.eye import Eye
 from tracker.geometry import Array, frozen
-from tracker.kernels.raster import PARALLEL, PERSPECTIVE, fill
 from tracker.skeleton import Skeleton
 
 
@@ -67,6 +66,8 @@ class Raster:
 
 def raster(mesh: BodyMesh, Ts_camera_part: Array, eye: Eye) -> Raster:
     """The body as the eye sees it, its parts at Ts_camera_part (P, 4, 4)."""
+    from tracker.kernels.raster import fill  # the loops load when something is drawn
+
     nearness = np.full((eye.height, eye.width), -np.inf, dtype=np.float32)
     face = np.full((eye.height, eye.width), -1, dtype=np.int32)
     p_eye = mesh.posed(eye.T_eye_camera @ Ts_camera_part)
@@ -77,6 +78,8 @@ def raster(mesh: BodyMesh, Ts_camera_part: Array, eye: Eye) -> Raster:
 
 def _projection(eye: Eye) -> Array:
     """The six numbers by which the compiled code projects."""
+    from tracker.kernels.raster import PARALLEL, PERSPECTIVE
+
     kind = PERSPECTIVE if eye.parallel_m is None else PARALLEL
     return np.array([kind, *eye.focal, *eye.centre, eye.parallel_m or 1.0])
 

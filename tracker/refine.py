@@ -9,6 +9,7 @@ the better of the two.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,9 @@ from tracker.kernels.whole import move_inner, see_all, whole_segment
 from tracker.scene import Scene
 from tracker.trajectory import Trajectory
 
+if TYPE_CHECKING:
+    from tracker.methods import Refinement
+
 SMOOTH_TURN_RAD = np.radians(1.0)
 SMOOTH_SHIFT_PX = 1.1
 """Standard deviations of the motion's change from frame to frame."""
@@ -29,14 +33,6 @@ SETTLED = 2e-4
 FIRST_SIGMA = 12.0
 LOOK_AGAIN = 5
 """Solves after which visibility is found anew."""
-
-
-@dataclass(frozen=True)
-class Refinement:
-    """How to refine: solves at most, and one surface point of how many is followed."""
-
-    solves: int
-    of: int
 
 
 @dataclass(frozen=True, eq=False)

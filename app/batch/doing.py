@@ -20,6 +20,7 @@ from app.results import Results, SegmentTrack, load_results
 from tracker.errors import FormatError, KeyposeError, SessionError
 from tracker.session import Session
 from tracker.session.files import load_session, open_video_of
+from tracker.session.finding import as_seen
 from tracker.video import Video
 
 Tell: TypeAlias = Callable[[Step], None]
@@ -60,6 +61,7 @@ class _Found:
 def _done(task: Task, tell: Tell, stop: Event) -> Summary:
     session = load_session(task.session)
     demand_trackable(session, task.session)
+    session = _seen(session, task.session)
     asked = with_settings(session, task.method, task.quality)
     wanted = _missing(asked, task.session) if task.missing_only else all_segments(asked)
     found = _Found([])
@@ -74,6 +76,14 @@ def _done(task: Task, tell: Tell, stop: Event) -> Summary:
         return replace(summary, exported=export_motion(task.session, task.export))
     except FormatError as error:
         return replace(summary, state="failed", words=str(error))
+
+
+def _seen(session: Session, path: Path) -> Session:
+    """With the surfaces it is about as they are now."""
+    if session.surface is None:
+        return session
+    with open_video_of(session, path) as video:
+        return as_seen(session, path, video.fingerprint())
 
 
 def _missing(asked: Session, path: Path) -> Sequence[Wanted]:

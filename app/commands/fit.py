@@ -159,7 +159,7 @@ def _surface(session: Session, arguments: argparse.Namespace) -> Surface:
         if said not in (None, known):
             raise SessionError(
                 f"{arguments.session.name} was posed in meshes read {what.format(known)}, not "
-                f"{what.format(said)}: change it under Track in the page, where the poses follow."
+                f"{what.format(said)}: change it under Fit in the page, where the poses follow."
             )
     asked = {name: getattr(arguments, name) for name in ("weights", "distance", "binding")}
     if arguments.cameras is not None:

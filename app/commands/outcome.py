@@ -27,11 +27,15 @@ def tracked(session: Session, asked: Session, arguments: argparse.Namespace) -> 
     from app.commands.follow import follow
     from app.locking import locked
     from tracker.session.files import open_video_of
+    from tracker.session.finding import as_seen
 
     _demand_place(arguments)
     copy = "add --out DIR to track a copy" if arguments.out is None else "choose another --out"
     lock = locked(_place(arguments), f"close it there, or {copy}")
     with open_video_of(asked, arguments.session) as video, lock:
+        if session.surface is not None:
+            meshes = video.fingerprint()
+            session, asked = (as_seen(s, arguments.session, meshes) for s in (session, asked))
         prepare_loops()
         found = follow(asked, arguments.session, video, arguments.workers, arguments.json)
         if found.error is not None and not found.found:

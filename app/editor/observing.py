@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,9 @@ from app.editor.refusal import Refused
 from app.editor.shown import find
 from app.editor.state import EditorState
 from app.editor.timing import retimed
+from tracker.geometry import quaternion_wxyz
 from tracker.session.schema import Keyframe, Session, Surface
+from tracker.skeleton import Skeleton
 from tracker.surface.placing import METRES, Placement
 from tracker.wording import one_sentence
 
@@ -31,7 +34,7 @@ def observed(state: EditorState, action: do.Observe) -> Session:
     if "units" in named:
         doc = _scaled(state, METRES[named["units"]] / METRES[before.units])
     if "up" in named:
-        doc = _turned(doc, action)
+        doc = _turned(doc, state.skeleton, action)
     assert doc.surface is not None
     doc = _with_surface(doc, {**doc.surface.model_dump(), **named})
     return _retimed(doc) if "fps" in named else doc
@@ -52,13 +55,17 @@ def _scaled(state: EditorState, factor: float) -> Session:
     """Everything so much farther away: then it is seen where it was, as large as it was."""
     doc = state.doc
     assert doc.surface is not None
-    keyframes, drafts = (
-        tuple(_farther(pose, factor) for pose in poses) for poses in (doc.keyframes, doc.drafts)
-    )
-    for pose in (*keyframes, *drafts):
-        demand_before_camera(state.skeleton, pose.pose(state.skeleton))
     place = np.array(doc.surface.p_camera_surface) * factor
-    return _placed(doc.model_copy(update={"keyframes": keyframes, "drafts": drafts}), place)
+    moved = _with_poses(doc, state.skeleton, lambda pose: _farther(pose, factor))
+    return _placed(moved, place)
+
+
+def _with_poses(doc: Session, skeleton: Skeleton, moved: Callable[[Keyframe], Keyframe]) -> Session:
+    """With every pose moved. Refused where one comes to lie behind the camera."""
+    keyframes, drafts = (tuple(map(moved, poses)) for poses in (doc.keyframes, doc.drafts))
+    for pose in (*keyframes, *drafts):
+        demand_before_camera(skeleton, pose.pose(skeleton))
+    return doc.model_copy(update={"keyframes": keyframes, "drafts": drafts})
 
 
 def _farther(pose: Keyframe, factor: float) -> Keyframe:
@@ -66,15 +73,26 @@ def _farther(pose: Keyframe, factor: float) -> Keyframe:
     return pose.model_copy(update={"root_m": (x * factor, y * factor, z * factor)})
 
 
-def _turned(doc: Session, action: do.Observe) -> Session:
-    """With other axes, the point that it is turned about staying where it is."""
+def _turned(doc: Session, skeleton: Skeleton, action: do.Observe) -> Session:
+    """With other axes, the point that all is turned about staying where it is; poses go along."""
     old, about = doc.surface, np.array(action.about)
     assert old is not None
     assert action.up is not None
     place = np.array(old.p_camera_surface)
     R_before = Placement(old.units, old.up, place).R_camera_surface
     R_after = Placement(old.units, action.up, place).R_camera_surface
-    return _placed(doc, about + R_after @ R_before.T @ (place - about))
+    R = R_after @ R_before.T
+
+    def turned(keyframe: Keyframe) -> Keyframe:
+        pose, root = keyframe.pose(skeleton), skeleton.body.names[0]
+        q = quaternion_wxyz(R @ pose.Rs_parent_part[0])  # the root's parent is the camera
+        p = about + R @ (pose.p_camera_root - about)
+        rotations = {**keyframe.rotations_wxyz, root: tuple(map(float, q))}
+        return keyframe.model_copy(
+            update={"root_m": tuple(map(float, p)), "rotations_wxyz": rotations}
+        )
+
+    return _placed(_with_poses(doc, skeleton, turned), about + R @ (place - about))
 
 
 def _placed(doc: Session, p_camera_surface: np.ndarray[Any, Any]) -> Session:

@@ -11,10 +11,11 @@ from tracker.pose import Pose
 from tracker.session import Session
 from tracker.session.files import open_video_at
 from tracker.session.first_motion import of_session
-from tracker.session.tracking import demand_first_motion, fitter_of, surfaces_of
+from tracker.session.tracking import demand_first_motion, fitter_of, steps_of
 from tracker.skeleton import Skeleton
 from tracker.surface.fitter import SurfaceFitter
-from tracker.surface.source import SurfaceSteps
+from tracker.surface.sources import SUFFIXES
+from tracker.surface.steps import Steps
 from tracker.track import SegmentTracker, Tracker
 from tracker.video import Video
 
@@ -55,9 +56,9 @@ class Bench:
             self._fitter, self._fitted_for = fitter_of(session, video), made_of
         return self._fitter
 
-    def surfaces(self, session: Session, path: str, folder: Path) -> SurfaceSteps:
-        """The surfaces of a session, in the camera's frame."""
-        return surfaces_of(self.video(session, path, folder))
+    def surfaces(self, session: Session, path: str, folder: Path) -> Steps:
+        """The surfaces that a session is fitted to, in the camera's frame."""
+        return steps_of(session, self.video(session, path, folder))
 
     def _of_film(self, session: Session, video: Video, span: Span, folder: Path) -> Tracker:
         first, last = span
@@ -83,7 +84,7 @@ class Bench:
 
         folder: of the session's file.
         """
-        opened = (_identity(Path(path)), *_reading(session, folder))
+        opened = (_identity(Path(path)), *_reading(session, Path(path), folder))
         if self._video is None or opened != self._opened:
             self.close()
             self._video = open_video_at(session, Path(path), folder)
@@ -112,13 +113,23 @@ def _ends(session: Session, skeleton: Skeleton, first: int, last: int) -> dict[i
     return {frame: keyframes[frame].pose(skeleton) for frame in (first, last)}
 
 
-def _reading(session: Session, folder: Path) -> tuple[Any, ...]:
+def _reading(session: Session, meshes: Path, folder: Path) -> tuple[Any, ...]:
     """What besides the file decides what is seen of a session's surfaces; nothing of a film."""
     surface = session.surface
     if surface is None:
         return ()
     cameras = None if surface.cameras is None else _identity(folder / surface.cameras)
-    return (surface.units, surface.up, surface.p_camera_surface, cameras)
+    files = _identities(meshes) if meshes.is_dir() else ()
+    return (surface.units, surface.up, surface.p_camera_surface, cameras, files)
+
+
+def _identities(folder: Path) -> tuple[Any, ...]:
+    """Equal while the same meshes lie in a folder: one written over does not change the folder."""
+    try:
+        files = [file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES]
+    except OSError:  # opening it will say what is wrong
+        return ()
+    return tuple(_identity(file) for file in sorted(files))
 
 
 def _identity(path: Path) -> Any:

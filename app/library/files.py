@@ -14,6 +14,9 @@ from urllib.parse import quote_from_bytes, unquote_to_bytes
 from app.library.names import shown
 from app.library.uploading import SUFFIXES, SURFACES
 from tracker.errors import KeyposeError
+from tracker.surface.source import are_meshes
+from tracker.surface.sources import SUFFIXES as MESHES
+from tracker.video.folder import SUFFIXES as IMAGES
 
 Kind: TypeAlias = Literal["video", "images", "meshes", "session"]
 
@@ -24,10 +27,6 @@ LONGEST_SECONDS = 3.0
 """A folder may be the whole of a slow disk: what was found by then is shown."""
 
 SESSION_FOLDER = ".keypose"
-_IMAGES = (".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp", ".ppm", ".pgm")
-_MESHES = (".ply", ".obj", ".glb", ".off")
-_FEW_IMAGES = 2
-"""Beside each mesh: its textures. Where there are more, the folder is one of images."""
 _HEAD_BYTES = 512
 _SET_ASIDE = re.compile(r"\.theirs-[0-9a-f]{8}\.json$")
 """The name of what another program wrote into a session, kept beside it."""
@@ -124,13 +123,11 @@ def _in_folder(number: int, root: Path, here: Path, names: Sequence[str]) -> Ite
         if kind is not None:
             yield from _found(number, root, here / name, kind)
     if here != root:
-        images, meshes = (
-            sum(name.lower().endswith(of) for name in seen) for of in (_IMAGES, _MESHES)
-        )
-        if meshes > 1 and images <= _FEW_IMAGES * meshes:
-            yield from _found(number, root, here, "meshes", meshes)
-        elif images > 1:
-            yield from _found(number, root, here, "images", images)
+        what: Kind = "meshes" if are_meshes(seen) else "images"
+        suffixes = MESHES if what == "meshes" else IMAGES
+        count = sum(name.lower().endswith(suffixes) for name in seen)
+        if count > 1:
+            yield from _found(number, root, here, what, count)
 
 
 def _kind(path: Path) -> Kind | None:

@@ -12,7 +12,6 @@ import hashlib
 import json
 from collections.abc import Mapping
 from functools import lru_cache
-from pathlib import PurePath
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -81,13 +80,13 @@ def _setup(session: Session) -> bytes:
 
 
 def _surface_setup(session: Session) -> bytes:
-    """The same of surfaces: the body as it was posed in the mesh that moves with it, and how the
-    meshes are read. A folder may be moved as a whole, so cameras go by their file's name."""
+    """The same of surfaces: the body as it was posed in the mesh that moves with it, the meshes,
+    and how they are read. A folder may be moved as a whole, so cameras go by their file's content.
+    """
     surface, model = session.surface, session.model_keyframe
     assert surface is not None
     told = surface.model_dump(mode="json", exclude={"fps", "model_frame", "cameras"})
-    cameras = None if surface.cameras is None else PurePath(surface.cameras).name
-    setup: list[Any] = ["surface", _body(_Same(session.body)), told, cameras]
+    setup: list[Any] = ["surface", _body(_Same(session.body)), told, session.video.fingerprint]
     if model is not None:
         pose = hashlib.sha256(_pose(_Same(model), session.body.names)).hexdigest()
         setup += [model.frame, pose]

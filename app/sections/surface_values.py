@@ -60,7 +60,8 @@ def surface_version(edit: EditorState) -> str:
     given, camera = doc.surface, doc.camera
     if given is None:
         return ""
-    made_of: list[object] = [given.units, given.up, given.p_camera_surface, given.cameras]
+    made_of: list[object] = [given.units, given.up, given.p_camera_surface]
+    made_of += [given.cameras, given.cameras_fingerprint]
     made_of += [camera.fx, camera.fy, camera.cx, camera.cy]
     kind = edit.display.tint
     if kind in ("contact", "distance"):

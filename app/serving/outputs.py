@@ -87,7 +87,7 @@ class Outputs:
     async def _picture(self, request: Request) -> Response:
         try:
             shot = SHOT.validate_strings(dict(request.query_params))
-            (edit, video), name = self._opened(), self._name()
+            (edit, video), name = await self._opened(), self._name()
             frame = edit.frame if shot.frame is None else min(shot.frame, edit.frame_count - 1)
             content = await asyncio.to_thread(_png, edit, video, frame, shot)
         except (ValidationError, KeyposeError) as error:
@@ -97,7 +97,7 @@ class Outputs:
     async def _motion(self, request: Request) -> Response:
         try:
             wanted = MOTION.validate_strings(dict(request.query_params))
-            (edit, _), name = self._opened(), self._name()
+            edit, name = self._edit(), self._name()
             file = await asyncio.to_thread(motion_archive, wanted.format, edit)
         except (ValidationError, KeyposeError) as error:
             return _refused(error)
@@ -105,18 +105,24 @@ class Outputs:
 
     async def _report(self, _: Request) -> Response:
         try:
-            (_edit, video), name = self._opened(), self._name()
+            (_edit, video), name = await self._opened(), self._name()
             path = await self._store.saved_path()
             content = await asyncio.to_thread(_report_of, path, video)
         except KeyposeError as error:
             return _refused(error)
         return _download(content, "text/html", f"{name}-report.html")
 
-    def _opened(self) -> tuple[EditorState, Video]:
-        edit, piece = self._store.outlook.edit, self._store.piece
-        if edit is None or piece is None:
+    def _edit(self) -> EditorState:
+        edit = self._store.outlook.edit
+        if edit is None:
             raise KeyposeError("Open a video first.")
-        return edit, self._surfaces.video(edit) or piece.video
+        return edit
+
+    async def _opened(self) -> tuple[EditorState, Video]:
+        edit, piece = self._edit(), self._store.piece
+        if piece is None:
+            raise KeyposeError("Open a video first.")
+        return edit, await self._surfaces.video(edit) or piece.video
 
     def _name(self) -> str:
         return self._store.piece.name if self._store.piece else "keypose"

@@ -8,10 +8,12 @@ forgotten but for the newest.
 from __future__ import annotations
 
 import asyncio
+import traceback
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeAlias
 
 from app.editor.shown import shown
 from app.editor.state import EditorState
@@ -19,7 +21,7 @@ from app.frames import Frames
 from app.opening import Workpiece
 from app.outlook import Outlook, SurfaceSeen
 from app.sections import image_version
-from app.stage.observed import Observed, TintedSource, reading
+from app.stage.observed import Observed, Outdated, TintedSource, reading
 from app.stage.skin import skin
 from tracker.errors import KeyposeError, SurfaceError
 from tracker.surface.picture import SurfaceVideo
@@ -33,6 +35,10 @@ STALE_S = 0.8
 """The surface of another step stands no longer than this beside a body that has gone on."""
 SETTLE_S = 0.15
 """Until a page has drawn a surface it was told: then the one before goes."""
+
+
+Found: TypeAlias = tuple[bytes | None, SurfaceSeen]
+"""The skin of a surface, None where there is none to show, and what was seen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +79,7 @@ class Surfaces:
         self._looked_at = 0.0
         self._busy = False
         self._known = SurfaceSeen()
-        self._frames: tuple[str, Frames] | None = None
+        self._frames: tuple[tuple[Any, ...], Frames] | None = None
 
     def follow(self, piece: Workpiece | None, edit: EditorState | None) -> None:
         """The state may have changed."""
@@ -81,6 +87,7 @@ class Surfaces:
             self._turn_to(piece)
         if self._observed is None or edit is None:
             return
+        self._observed.follow(edit.settled)
         key = _key(edit)
         if self._wish is not None and self._wish.key == key:
             return
@@ -92,22 +99,25 @@ class Surfaces:
     async def jpeg(self, index: int, outlook: Outlook) -> bytes | None:
         """The picture of a step in the colours chosen; None where the session is of a video.
 
-        VideoError where there is no such step.
+        VideoError where there is no such step, or the surfaces lie elsewhere meanwhile.
         """
         edit = outlook.edit
         if self._observed is None or edit is None:
             return None
         version = image_version(outlook)
-        if self._frames is None or self._frames[0] != version:
+        self._observed.follow(edit.settled)
+        of = (version, *reading(edit.settled))
+        if self._frames is None or self._frames[0] != of:
             self._leave_frames()
-            made = await asyncio.to_thread(_pictures, self._observed, edit)
-            if self._frames is None or self._frames[0] != version:
-                self._frames = version, Frames(made)
+            self._frames = of, Frames(Video(TintedSource(self._observed, edit)))
         return await self._frames[1].jpeg(index, edit.doc.camera, version)
 
-    def video(self, edit: EditorState) -> SurfaceVideo | None:
+    async def video(self, edit: EditorState) -> SurfaceVideo | None:
         """The surfaces as the document has them read; None where the session is of a video."""
-        return None if self._observed is None else self._observed.video(edit.settled)
+        if self._observed is None:
+            return None
+        self._observed.follow(edit.settled)
+        return await asyncio.to_thread(self._observed.video, edit.settled)
 
     # --- looking
 
@@ -140,14 +150,20 @@ class Surfaces:
         looking = self._loop.run_in_executor(self._thread, _looked, wish, self._known)
         looking.add_done_callback(lambda done: self._looked(wish, done))
 
-    def _looked(self, wish: Look, done: asyncio.Future[tuple[bytes | None, SurfaceSeen]]) -> None:
+    def _looked(self, wish: Look, done: asyncio.Future[Found | None]) -> None:
         self._busy = False
         if wish.observed is self._observed and not done.cancelled():
-            glb, self._known = done.result()
-            self._done = wish
-            self._show(glb)
-            self._loop.call_later(SETTLE_S, self._settle)
-            self._seen(self._known)
+            fault = done.exception()
+            if fault is not None:  # of ours: what is wished next is looked at all the same
+                traceback.print_exception(fault)
+                self._done = wish
+                self._show(None)
+            elif (found := done.result()) is not None:
+                glb, self._known = found
+                self._done = wish
+                self._show(glb)
+                self._loop.call_later(SETTLE_S, self._settle)
+                self._seen(self._known)
         self._plan()
 
     def _drop_stale(self) -> None:
@@ -171,10 +187,6 @@ class Surfaces:
             self._frames = None
 
 
-def _pictures(observed: Observed, edit: EditorState) -> Video:
-    return Video(TintedSource(observed, edit))
-
-
 def _key(edit: EditorState) -> tuple[Any, ...]:
     """What a surface's looks depend on."""
     tint, doc = edit.display.tint, edit.settled
@@ -186,17 +198,19 @@ def _key(edit: EditorState) -> tuple[Any, ...]:
     return (*key, doc.body, doc.model_keyframe, doc.surface, *bent)
 
 
-def _looked(wish: Look, known: SurfaceSeen) -> tuple[bytes | None, SurfaceSeen]:
-    """The surface as the small views are told it, and what was seen of it."""
+def _looked(wish: Look, known: SurfaceSeen) -> Found | None:
+    """The surface as the small views are told it, and what was seen of it; None where it lies
+    elsewhere by now."""
     observed, edit, frame = wish.observed, wish.edit, wish.edit.frame
+    rims = None
     try:
-        rims = observed.rims(edit)
-    except KeyposeError:
-        rims = None
-    try:
+        with suppress(SurfaceError):  # of the step whose surface moves
+            rims = observed.rims(edit)
         sight = observed.sight(edit, frame)
         rated = observed.is_rated(edit, frame)
-    except SurfaceError as error:
+    except Outdated:
+        return None
+    except KeyposeError as error:
         return None, replace(known, frame=frame, problem=str(error), faces=0, rims=rims)
     low, high = sight.mesh.vertices.min(axis=0), sight.mesh.vertices.max(axis=0)
     x, y, z = (float(v) for v in (low + high) / 2)

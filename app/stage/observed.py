@@ -8,7 +8,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,17 +16,18 @@ from app.drawing.tints import Colours, Tint, clay, tinted
 from app.editor.shown import shown
 from app.editor.state import EditorState
 from app.opening import Workpiece
-from tracker.errors import SurfaceError
+from tracker.errors import SurfaceError, VideoError
 from tracker.session.schema import Session
 from tracker.skeleton import Skeleton
-from tracker.surface.looking import look
 from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.model import SurfaceModel
-from tracker.surface.painting import GROUND
+from tracker.surface.painting import GROUND, painted
 from tracker.surface.picture import SurfaceVideo, open_surfaces
 from tracker.surface.weights import in_agreement
-from tracker.video import MissingFrame, VideoInfo
+from tracker.video import VideoInfo
 from tracker.video.picture import Picture
+
+if TYPE_CHECKING:
+    from tracker.surface.model import SurfaceModel
 
 MODEL_POINTS = 3000
 
@@ -35,7 +36,12 @@ def reading(doc: Session) -> tuple[Any, ...]:
     """What decides where the surfaces lie, and what cameras say of them."""
     surface = doc.surface
     assert surface is not None
-    return (surface.units, surface.up, surface.p_camera_surface, surface.cameras, doc.camera)
+    where = (surface.units, surface.up, surface.p_camera_surface)
+    return (*where, surface.fps, surface.cameras, doc.camera)
+
+
+class Outdated(VideoError):
+    """The surfaces lie elsewhere by now."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,51 +53,76 @@ class Sight:
 
 
 class Observed:
-    """The surfaces of one opened session, as its document has them read."""
+    """The surfaces of one opened session, as its document has them read.
+
+    It goes with the newest document only: what asks for an older one is `Outdated`. What is read is
+    read under one lock, so that nothing is closed meanwhile.
+    """
 
     def __init__(self, piece: Workpiece) -> None:
         assert isinstance(piece.video, SurfaceVideo)
         self._piece = piece
         self._lock = threading.RLock()
         self._video, self._read_as = piece.video, reading(piece.session)
+        self._newest: tuple[Any, ...] | None = self._read_as
+        self.info: VideoInfo = replace(piece.video.info, missing=())
         self._model: tuple[tuple[Any, ...], SurfaceModel] | None = None
         self._rims: tuple[tuple[Any, ...], int] | None = None
 
+    def follow(self, doc: Session) -> None:
+        """From now on the surfaces lie where this document has them; never waits."""
+        self._newest = reading(doc)
+
     def video(self, doc: Session) -> SurfaceVideo:
-        """The pictures of the surfaces where the document has them lie."""
+        """The pictures of the surfaces where the document has them lie; VideoError where they
+        cannot be opened."""
         with self._lock:
+            if reading(doc) != self._newest:
+                raise Outdated("The surfaces have been read anew meanwhile: try again.")
             if reading(doc) != self._read_as:
                 folder = self._piece.session_path.absolute().parent
-                video = open_surfaces(doc, self._piece.video.info.path, folder)
+                try:
+                    video = open_surfaces(doc, self._piece.video.info.path, folder)
+                except SurfaceError as error:  # not of one step, which would be shown as empty
+                    raise VideoError(str(error)) from error
                 self._leave_video()
                 self._video, self._read_as = video, reading(doc)
             return self._video
 
     def sight(self, edit: EditorState, frame: int) -> Sight:
-        """A step in the colours that are chosen; SurfaceError where it cannot be used."""
-        steps, tint = self.video(edit.settled).steps, edit.display.tint
-        mesh = steps.mesh(frame) if tint == "photo" else steps.shape(frame)
-        return Sight(mesh, self._colours(edit, frame, mesh, tint))
+        """A step in the colours that are chosen; SurfaceError where it cannot be used, VideoError
+        where the session has been closed."""
+        tint = edit.display.tint
+        with self._lock:
+            video = self.video(edit.settled)
+            try:
+                mesh = video.steps.mesh(frame) if tint == "photo" else video.steps.shape(frame)
+                return Sight(mesh, self._colours(edit, frame, mesh, tint))
+            except SurfaceError as error:
+                if video.is_closed:
+                    raise VideoError(str(error)) from None
+                raise
 
     def rims(self, edit: EditorState) -> int:
         """Edges with a face on one side only of the surface that moves; SurfaceError as above."""
         key = self._frame_key(edit.settled)
-        if self._rims is None or self._rims[0] != key:
-            keyframe = edit.settled.model_keyframe
-            frame = 0 if keyframe is None else keyframe.frame
-            self._rims = key, len(self.video(edit.settled).steps.shape(frame).rim)
-        return self._rims[1]
+        with self._lock:
+            if self._rims is None or self._rims[0] != key:
+                self._rims = key, len(self.video(edit.settled).steps.shape(key[0]).rim)
+            return self._rims[1]
 
     def is_rated(self, edit: EditorState, frame: int) -> bool:
         """Whether it is known how well cameras agree; SurfaceError as above."""
         doc = edit.settled
         if doc.surface is not None and doc.surface.cameras is not None:
             return True
-        return self.video(doc).steps.shape(frame).consistency is not None
+        with self._lock:
+            return self.video(doc).steps.shape(frame).consistency is not None
 
     def close(self) -> None:
         """Let go of what was opened here."""
         with self._lock:
+            self._newest = None
             self._leave_video()
 
     def _leave_video(self) -> None:
@@ -104,6 +135,8 @@ class Observed:
         model = self._model_of(edit.settled) if tint in ("contact", "distance") else None
         if model is None or tint == "clay":
             return clay(len(mesh.vertices))
+        from tracker.surface.looking import look  # loads when surfaces are looked at
+
         return tinted(tint, look(model, mesh, shown(edit, frame).pose, tint))
 
     def _model_of(self, doc: Session) -> SurfaceModel | None:
@@ -111,6 +144,8 @@ class Observed:
         keyframe, surface = doc.model_keyframe, doc.surface
         if keyframe is None or surface is None:
             return None
+        from tracker.surface.model import SurfaceModel  # loads when surfaces are looked at
+
         key = (*self._frame_key(doc), keyframe, doc.body, surface.binding)
         with self._lock:
             if self._model is None or self._model[0] != key:
@@ -132,22 +167,21 @@ class TintedSource:
     """
 
     def __init__(self, observed: Observed, edit: EditorState) -> None:
-        self._observed, self._edit = observed, edit
-        self._video = observed.video(edit.settled)
-        self.info: VideoInfo = replace(self._video.info, missing=())
+        self._observed, self._edit, self.info = observed, edit, observed.info
 
     def approach(self, number: int, since: int) -> Iterator[tuple[int, Picture]]:
-        """Gives frame `number`."""
+        """Gives frame `number`; VideoError where the surfaces lie elsewhere by now."""
+        camera = self._edit.settled.camera.without_distortion()
         try:
-            colours = self._observed.sight(self._edit, number).colours
-            yield number, self._video.coloured(number, colours)
-        except (SurfaceError, MissingFrame):
+            sight = self._observed.sight(self._edit, number)
+            yield number, painted(sight.mesh, camera, sight.colours)
+        except SurfaceError:
             size = (self.info.height, self.info.width, 3)
             yield number, np.full(size, GROUND, dtype=np.uint8)
 
     def reindex(self) -> None: ...
 
     def fingerprint(self) -> str:
-        return self._video.fingerprint()
+        return self._observed.video(self._edit.settled).fingerprint()
 
     def close(self) -> None: ...

@@ -264,6 +264,13 @@ def test_help_loads_no_heavy_library() -> None:
     assert not {"numpy", "cv2", "av", "numba", "pydantic", "scipy"} & set(done.stdout.split())
 
 
+@pytest.mark.parametrize("module", ["app.serving.server", "app.store"])
+def test_the_page_loads_no_compiled_loops_before_they_are_wanted(module: str) -> None:
+    code = f"import sys, {module}; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "numba" not in done.stdout.split()
+
+
 def test_the_package_runs_as_a_program(tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-m", "app", "track", str(tmp_path / "none.json")],

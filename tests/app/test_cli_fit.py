@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -126,6 +128,35 @@ def test_a_mesh_that_cannot_be_used_is_left_out_and_told(
     assert np.abs(tracks.ps_camera_root - cases.true_roots()).max() < NEAR_M
 
 
+def test_a_mesh_exported_again_is_fitted_and_known_from_then_on(session_path: Path) -> None:
+    file = session_path.parent / "meshes" / "step_0002.ply"
+    whole = file.read_bytes()
+    file.write_bytes(b"")
+    assert fit("--session", session_path, "--quality", "preview") in (0, 1)
+    before = load_session(session_path)
+    file.write_bytes(whole)
+    again = ["batch", str(session_path), "--only", "outdated", "--quality", "preview"]
+    assert main(again) == 0
+    after = load_session(session_path)
+    assert after.video.fingerprint != before.video.fingerprint
+    assert before.results is not None
+    assert after.results is not None
+    assert before.results.tracks != after.results.tracks
+    assert list(load_results(after, session_path).fitting(after)) == [(0, 4)]
+
+
+def test_the_cameras_that_are_named_are_known_by_their_content(session_path: Path) -> None:
+    cameras = session_path.parent / "cameras.json"
+    shutil.copy(cases.SAMPLE / "cameras.json", cameras)
+    chosen = ("--weights", "contact", "--quality", "preview")
+    assert fit("--session", session_path, "--cameras", cameras, *chosen) in (0, 1)
+    surface = load_session(session_path).surface
+    assert surface is not None
+    assert surface.cameras == "cameras.json"
+    digest = hashlib.sha256(cameras.read_bytes()).hexdigest()
+    assert surface.cameras_fingerprint == f"sha256:{digest}"
+
+
 def test_meshes_that_were_moved_are_taken_where_they_are_named(
     session_path: Path, tmp_path: Path
 ) -> None:
@@ -175,6 +206,7 @@ def test_other_units_than_those_it_was_posed_in_are_refused(
 ) -> None:
     said = refused(capsys, session_path.parent, ["fit", "--session", session_path, option])
     assert "was posed in meshes read" in said
+    assert "change it under Fit in the page" in said
 
 
 def test_cameras_that_are_none_are_refused_before_the_work(

@@ -19,6 +19,7 @@ from app.library.uploading import Upload
 from tests.tracker import session_cases as cases
 from tracker.errors import KeyposeError, SessionError
 from tracker.session.files import load_session, open_video_of, save_session
+from tracker.surface.source import holds_meshes
 
 SAMPLES = Path(__file__).resolve().parents[2] / "sample_videos"
 
@@ -61,6 +62,21 @@ def left_in(folder: Path) -> list[str]:
 
 
 # --- what is listed
+
+
+@pytest.mark.parametrize(("images", "kind"), [(0, "meshes"), (10, "meshes"), (30, "images")])
+def test_a_folder_is_listed_as_what_it_opens_as(
+    library: Library, home: Path, images: int, kind: str
+) -> None:
+    folder = home / "scan"
+    folder.mkdir()
+    for number in range(3):
+        (folder / f"{number}.ply").touch()
+    for number in range(images):
+        (folder / f"{number}.PNG").touch()
+    (found,) = [file["kind"] for file in library.contents()["files"] if file["name"] == "scan"]
+    assert found == kind
+    assert holds_meshes(folder) == (kind == "meshes")
 
 
 def test_videos_sessions_and_folders_of_images_are_listed(library: Library, home: Path) -> None:

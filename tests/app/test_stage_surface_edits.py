@@ -21,6 +21,7 @@ from app.suggesting_surfaces import surface_suggestion
 from tests.app.editor.desk import after
 from tests.app.editor.desk import desk as film
 from tracker.geometry import Array
+from tracker.pose import pose_transforms
 from tracker.session.files import load_session
 from tracker.session.schema import Surface
 from tracker.skeleton import Skeleton
@@ -52,6 +53,15 @@ def p_camera(state: EditorState) -> Array:
     """Where the corners lie."""
     given = surface(state)
     return Placement(given.units, given.up, np.array(given.p_camera_surface)).points(CORNERS)
+
+
+def observed_from(state: EditorState, index: int) -> Array:
+    """(P·3) where a corner of the mesh is in every part's frame, at a keyframe."""
+    pose = state.doc.keyframes[index].pose(state.skeleton)
+    Ts = pose_transforms(state.skeleton, pose)
+    return np.ravel(
+        Ts[:, :3, :3].transpose(0, 2, 1) @ (p_camera(state)[0] - Ts[:, :3, 3])[..., None]
+    )
 
 
 def observe(state: EditorState, **fields: Any) -> EditorState:
@@ -92,6 +102,24 @@ def test_another_axis_turns_the_surface_about_its_middle() -> None:
     np.testing.assert_allclose(p_camera(changed).mean(axis=0), middle, atol=1e-9)
     up = p_camera(changed)[CORNERS[:, 1] > 0].mean(axis=0)
     assert up[1] < middle[1] - 0.1  # the file's y is up now, and the camera's y is down
+
+
+def test_poses_turn_with_the_surface_when_its_axes_change() -> None:
+    posed = after(desk(), {"do": "root", "x": 0.2})
+    before = after(posed, {"do": "go", "frame": 5}, {"do": "root", "x": 0.3})
+    middle = p_camera(before).mean(axis=0)
+    changed = observe(before, up="-y", about=middle.tolist())
+    assert observed_from(changed, 0) == pytest.approx(observed_from(before, 0), abs=1e-6)
+    for poses in ("keyframes", "drafts"):
+        (old,), (new,) = (getattr(state.doc, poses) for state in (before, changed))
+        assert new.frame == old.frame
+        assert np.abs(np.array(new.root_m) - old.root_m).max() > 0.01
+    assert after(changed, {"do": "undo"}).doc == before.doc
+
+
+def test_axes_that_put_the_body_behind_the_camera_are_refused() -> None:
+    with pytest.raises(Refused, match="behind the camera"):
+        observe(desk(), up="-z")  # turned about the camera itself
 
 
 def test_with_another_rate_everything_is_at_other_times() -> None:
@@ -205,6 +233,12 @@ def test_a_gesture_under_way_renames_no_picture() -> None:
     dragged = after(state, {"do": "root", "x": 0.3, "stroke": "a"})
     assert version(dragged) == version(state)
     assert version(after(dragged, {"do": "end_stroke", "stroke": "a"})) != version(state)
+
+
+def test_surfaces_taken_by_other_cameras_have_other_pictures() -> None:
+    read = surface(desk()).model_copy(update={"cameras_fingerprint": "sha256:0"})
+    state = replace(desk(), doc=desk().doc.model_copy(update={"surface": read}))
+    assert version(state) != version(desk())
 
 
 def test_surfaces_that_lie_elsewhere_have_other_pictures() -> None:

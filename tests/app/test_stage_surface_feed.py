@@ -19,9 +19,11 @@ from app.library import Library
 from app.opening import Workpiece, edit_state, open_workpiece
 from app.outlook import Outlook, SurfaceSeen
 from app.serving.surfaces import Surfaces
-from app.stage.observed import Observed, Sight
+from app.stage.observed import Observed, Outdated, Sight
 from app.stage.skin import skin
 from tests.app.editor.desk import after
+from tracker.errors import VideoError
+from tracker.session.schema import Session
 from tracker.surface.picture import SurfaceVideo
 
 SAMPLE = Path(__file__).resolve().parents[2] / "sample_videos" / "arms"
@@ -47,6 +49,13 @@ def piece(folder: Path) -> Iterator[Workpiece]:
 @pytest.fixture
 def edit(piece: Workpiece) -> EditorState:
     return edit_state(piece)[0]
+
+
+def observe(state: EditorState, **how: Any) -> EditorState:
+    """The surfaces read otherwise, whatever the page offers."""
+    assert state.doc.surface is not None
+    surface = state.doc.surface.model_copy(update=how)
+    return replace(state, doc=state.doc.model_copy(update={"surface": surface}))
 
 
 @dataclass
@@ -181,6 +190,149 @@ def test_the_large_picture_has_the_colours_too(piece: Workpiece, edit: EditorSta
     assert np.ptp(found["none"]) < 20  # the ground alone
 
 
+def test_a_rate_reaches_pictures_and_what_is_made_of_them(
+    piece: Workpiece, edit: EditorState
+) -> None:
+    faster = observe(edit, fps=50)
+
+    async def work(surfaces: Surfaces, _: Views) -> None:
+        surfaces.follow(piece, edit)
+        usual = await surfaces.jpeg(9, Outlook(edit=edit))
+        surfaces.follow(piece, faster)
+        video = await surfaces.video(faster)
+        assert video is not None
+        assert video.info.fps == 50
+        assert await surfaces.jpeg(9, Outlook(edit=faster)) == usual
+
+    looking(work)
+
+
+# --- surfaces that are read anew
+
+
+def test_what_asks_for_an_older_reading_does_not_bring_it_back(
+    piece: Workpiece, edit: EditorState
+) -> None:
+    older, newer = observe(edit, units="dm"), observe(edit, units="mm")
+    observed = Observed(piece)
+    for state in (older, newer):
+        observed.follow(state.settled)
+        video = observed.video(state.settled)
+    for ask in (observed.rims, lambda state: observed.sight(state, 0)):
+        with pytest.raises(Outdated):
+            ask(older)
+    assert observed.video(newer.settled) is video
+    assert not video.is_closed
+    observed.close()
+    assert video.is_closed
+    with pytest.raises(Outdated):
+        observed.video(newer.settled)
+
+
+def test_a_reading_that_is_undone_and_done_again_is_still_seen(
+    piece: Workpiece, edit: EditorState
+) -> None:
+    moved, other = observe(edit, p_camera_surface=(0.1, 0, 2.2)), observe(edit, units="mm")
+
+    async def work(surfaces: Surfaces, _: Views) -> None:
+        surfaces.follow(piece, moved)
+        await surfaces.jpeg(9, Outlook(edit=moved))
+        surfaces.follow(piece, other)
+        await surfaces.video(other)
+        surfaces.follow(piece, moved)
+        assert np.ptp(pixels(await surfaces.jpeg(10, Outlook(edit=moved)))) > 50
+
+    looking(work)
+
+
+def test_the_views_see_the_newest_reading_though_an_older_look_was_under_way(
+    piece: Workpiece, edit: EditorState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    older, newer = observe(edit, units="mm"), observe(edit, p_camera_surface=(0.3, 0, 2.2))
+    under_way, go_on, usual = threading.Event(), threading.Event(), Observed.rims
+
+    def slow(observed: Observed, state: EditorState) -> int:
+        if state is older:
+            under_way.set()
+            assert go_on.wait(60)
+        return usual(observed, state)
+
+    monkeypatch.setattr(Observed, "rims", slow)
+
+    async def work(surfaces: Surfaces, views: Views) -> None:
+        surfaces.follow(piece, older)
+        await until(under_way.is_set)
+        surfaces.follow(piece, newer)
+        picture = asyncio.create_task(surfaces.jpeg(9, Outlook(edit=newer)))
+        assert np.ptp(pixels(await picture)) > 50
+        go_on.set()
+        await until(lambda: views.seen)
+        assert np.ptp(pixels(await surfaces.jpeg(10, Outlook(edit=newer)))) > 50
+
+    views = looking(work)
+    sight = Observed(piece).sight(edit, 0)
+    assert [seen.problem for seen in views.seen] == [""]
+    assert views.seen[0].middle is not None
+    assert views.seen[0].middle[0] > sight.mesh.vertices[:, 0].mean() + 0.05
+
+
+def test_of_meshes_that_have_been_closed_no_picture_is_made(folder: Path) -> None:
+    piece = open_workpiece(folder / "session.json", lambda path: path)
+    edit = edit_state(piece)[0]
+
+    async def work(surfaces: Surfaces, _: Views) -> None:
+        surfaces.follow(piece, edit)
+        await surfaces.jpeg(9, Outlook(edit=edit))
+        piece.video.close()
+        with pytest.raises(VideoError, match="closed"):
+            await surfaces.jpeg(10, Outlook(edit=edit))
+
+    looking(work)
+
+
+def test_after_a_fault_the_next_wish_is_looked_at(
+    piece: Workpiece, edit: EditorState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    usual = Observed.sight
+
+    def faulty(observed: Observed, state: EditorState, frame: int) -> Sight:
+        if frame == 3:
+            raise OSError
+        return usual(observed, state, frame)
+
+    monkeypatch.setattr(Observed, "sight", faulty)
+
+    async def work(surfaces: Surfaces, views: Views) -> None:
+        surfaces.follow(piece, replace(edit, frame=3))
+        await until(lambda: views.skins)
+        surfaces.follow(piece, replace(edit, frame=5))
+        await until(lambda: views.seen)
+
+    views = looking(work)
+    assert views.skins[0] is None
+    assert views.skins[1] is not None
+
+
+def test_the_page_goes_on_while_surfaces_are_read(
+    piece: Workpiece, edit: EditorState, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    read, usual = threading.Event(), Observed.video
+
+    def slow(observed: Observed, doc: Session) -> SurfaceVideo:
+        assert read.wait(20), "nothing else was done meanwhile"
+        return usual(observed, doc)
+
+    async def work(surfaces: Surfaces, _: Views) -> None:
+        surfaces.follow(piece, edit)
+        monkeypatch.setattr(Observed, "video", slow)
+        asked = asyncio.create_task(surfaces.video(edit))
+        await asyncio.sleep(0)
+        read.set()
+        assert await asked is piece.video
+
+    looking(work)
+
+
 # --- where they are chosen
 
 
@@ -189,11 +341,11 @@ def test_folders_of_meshes_and_glb_files_are_listed(tmp_path: Path) -> None:
     (tmp_path / "home" / "man.glb").write_bytes(b"glTF")
     textured = tmp_path / "home" / "shots"
     textured.mkdir()
-    for name in ("a.png", "b.png", "c.png", "lone.ply"):
+    for name in ("a.png", "b.png", "c.png", "d.png", "e.png", "lone.ply"):
         (textured / name).touch()
     listed = Library(tmp_path / "work", [tmp_path / "home"]).contents()["files"]
     kinds = {file["name"]: (file["kind"], file["count"]) for file in listed}
-    assert kinds == {"run": ("meshes", 19), "man.glb": ("meshes", 0), "shots": ("images", 3)}
+    assert kinds == {"run": ("meshes", 19), "man.glb": ("meshes", 0), "shots": ("images", 5)}
 
 
 def test_an_animated_file_can_be_dropped(tmp_path: Path) -> None:

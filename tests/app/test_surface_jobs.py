@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from threading import Event
@@ -11,7 +11,16 @@ from threading import Event
 import numpy as np
 import pytest
 
-from app.jobs import JobFailed, PassFinished, PoseFitted, PoseOrder, Report, SizesOrder
+from app.jobs import (
+    JobFailed,
+    JobFinished,
+    PassFinished,
+    PoseFitted,
+    PoseOrder,
+    Report,
+    SegmentFinished,
+    SizesOrder,
+)
 from app.jobs.bench import Bench
 from app.jobs.fits import Fit
 from app.jobs.reports import Order
@@ -28,6 +37,7 @@ from tracker.session import Session
 from tracker.session.files import load_session, open_video_of, save_session
 from tracker.session.tracking import track_session
 from tracker.session.tracks import load_trajectory
+from tracker.settings import Weights
 from tracker.surface import segment
 from tracker.surface.fitter import SurfaceFitter, options_of
 from tracker.track import SegmentStarted, TrackFinished
@@ -47,15 +57,25 @@ def path(tmp_path: Path) -> Path:
 
 
 def done(
-    bench: Bench, path: Path, session: Session, cancelled: Event | None = None
+    bench: Bench,
+    path: Path,
+    session: Session,
+    cancelled: Event | None = None,
+    heard: Callable[[Report], None] | None = None,
 ) -> list[Report]:
-    """All reports of a job over every segment of a session."""
+    """All reports of a job over every segment of a session; `heard` gets each when it is told."""
     wanted = tuple((*span, key) for span, key in segment_keys(session).items())
     content = _needed(session, wanted).model_dump_json().encode()
     order = Order(7, content, str(path.parent / "meshes"), wanted, ("full",), str(path.parent))
     told: list[Report] = []
+
+    def tell(report: Report) -> None:
+        told.append(report)
+        if heard is not None:
+            heard(report)
+
     with ThreadPoolExecutor(2) as threads:
-        Job(order, cancelled or Event(), told.append).run(bench, threads)
+        Job(order, cancelled or Event(), tell).run(bench, threads)
     return told
 
 
@@ -91,9 +111,15 @@ def test_it_is_left_while_a_segment_is_fitted(
 ) -> None:
     monkeypatch.setattr(segment, "TELL_S", 0.0)
     cancelled = Event()
-    cancelled.set()
-    told = done(bench, path, load_session(path), cancelled)
-    assert not any(isinstance(report, PassFinished) for report in told)
+
+    def leave(report: Report) -> None:
+        if isinstance(report, PassFinished):
+            cancelled.set()
+
+    told = done(bench, path, load_session(path), cancelled, leave)
+    assert sum(isinstance(report, PassFinished) for report in told) == 1
+    assert not any(isinstance(report, SegmentFinished) for report in told)
+    assert told[-1] == JobFinished(7, cancelled=True)
 
 
 def test_meshes_stay_open_and_the_model_laid_out_while_nothing_of_it_is_another(
@@ -122,6 +148,30 @@ def test_meshes_that_were_exchanged_are_read_anew(bench: Bench, path: Path) -> N
     cases.meshes(path.parent / "meshes")
     os.utime(path.parent / "meshes", ns=(1, 1))
     assert bench.video(session, *given) is not video
+
+
+def test_a_mesh_that_was_mended_in_its_place_is_read_anew(bench: Bench, path: Path) -> None:
+    file = path.parent / "meshes" / "step_0002.ply"
+    whole = file.read_bytes()
+    file.write_bytes(b"")
+    assert isinstance(fitted(bench, path, 2, pose_at(2)), JobFailed)
+    file.write_bytes(whole)
+    assert isinstance(fitted(bench, path, 2, pose_at(2)), PoseFitted)
+
+
+@pytest.mark.parametrize("weights", ["contact", "none"])
+def test_cameras_that_do_not_count_are_not_asked(
+    bench: Bench, path: Path, weights: Weights
+) -> None:
+    (path.parent / "rig.json").write_text("{}", encoding="utf-8")
+    session = cases.session(cameras="rig.json", weights=weights)
+    given = (str(path.parent / "meshes"), path.parent)
+    assert len(bench.surfaces(session, *given).mesh(1).vertices) > 100
+    told = done(bench, path, session)
+    assert told[-1] == JobFinished(7, cancelled=False)
+    (failed,) = done(bench, path, cases.session(cameras="rig.json"))[-1:]
+    assert isinstance(failed, JobFailed)
+    assert "rig.json" in failed.words
 
 
 def test_only_what_a_segment_needs_travels_with_its_order() -> None:

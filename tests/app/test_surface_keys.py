@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from typing import Any
 
 import pytest
@@ -10,9 +11,12 @@ from app.library.recents import Recent, spans_of
 from app.results import segment_key, segment_keys
 from tests.app import surface_cases as cases
 from tests.tracker import session_cases
-from tracker.session import Session
-from tracker.session.chronicle import mark_of
+from tracker.session import Keyframe, SegmentSummary, Session
+from tracker.session import schema as saved
+from tracker.session.chronicle import Moment, base_record, mark_of
+from tracker.session.files import session_json
 from tracker.session.tracks import outdated_words, setup_hash
+from tracker.skeleton import Skeleton
 
 TWO = cases.session(keyframes=(1, 3))
 
@@ -62,14 +66,22 @@ def test_a_segment_that_is_none_has_no_key() -> None:
     "change",
     [
         {"weights": "none"}, {"distance": "point"}, {"binding": "smooth"}, {"units": "mm"},
-        {"up": "+y"}, {"p_camera_surface": (0.0, 0.0, 3.0)}, {"cameras": "rig.json"},
-        {"model_frame": 3},
+        {"up": "+y"}, {"p_camera_surface": (0.0, 0.0, 3.0)}, {"model_frame": 3},
+        {"cameras_fingerprint": "sha256:ab"},
     ],
     ids=lambda change: next(iter(change)),
 )  # fmt: skip
 def test_how_surfaces_are_read_and_fitted_decides_every_segment(change: dict[str, Any]) -> None:
     assert changed(TWO, surface(TWO, **change)) == list(TWO.spans)
     assert setup_hash(surface(TWO, **change)) != setup_hash(TWO)
+
+
+def test_meshes_that_were_exported_again_decide_every_segment() -> None:
+    video = TWO.video.model_copy(update={"fingerprint": "sha256:cd"})
+    other = TWO.model_copy(update={"video": video})
+    assert changed(TWO, other) == list(TWO.spans)
+    assert setup_hash(other) != setup_hash(TWO)
+    assert mark_of(other) == mark_of(TWO)  # it is no edit of a person's
 
 
 def test_the_camera_that_looks_and_the_clock_decide_nothing() -> None:
@@ -81,7 +93,9 @@ def test_the_camera_that_looks_and_the_clock_decide_nothing() -> None:
 
 
 def test_a_folder_may_move_with_its_cameras() -> None:
-    assert changed(surface(TWO, cameras="a/rig.json"), surface(TWO, cameras="../rig.json")) == []
+    one, other = (surface(TWO, cameras=path) for path in ("a/rig.json", "../rig.json"))
+    assert changed(one, other) == []
+    assert setup_hash(one) == setup_hash(other)
 
 
 def test_the_pose_in_the_mesh_that_moves_decides_every_segment_and_others_only_theirs() -> None:
@@ -116,3 +130,47 @@ def test_a_motion_without_keyframes_at_its_ends_is_not_out_of_date(tmp_path: Any
     words = outdated_words(surface(session, weights="none"), tracks)
     assert words is not None
     assert "body or surfaces have changed" in words
+
+
+@pytest.mark.parametrize("frame", [0, 4])
+def test_a_keyframe_taken_away_or_set_at_an_end_puts_the_motion_out_of_date(
+    tmp_path: Any, frame: int
+) -> None:
+    from app.cli import main
+    from tracker.session.files import load_session
+    from tracker.session.tracks import load_tracks
+
+    path = cases.write_session(tmp_path / "job", keyframes=(2, 4))
+    assert main(["fit", "--session", str(path), "--quality", "preview"]) in (0, 1)
+    session = load_session(path)
+    tracks = load_tracks(session, path)
+    assert outdated_words(session, tracks) is None
+    assert session.results is not None
+    assert [segment.open_ends for segment in session.results.segments] == [(0,), ()]
+    if frame == 4:
+        keyframes = session.keyframes[:1]
+    else:  # where the motion goes through it already
+        found = tracks.pose(0)
+        assert found is not None
+        fresh = Keyframe.of(Skeleton.of(session.body), found, 0, 0.0)
+        keyframes = (fresh, *session.keyframes)
+    words = outdated_words(session.model_copy(update={"keyframes": keyframes}), tracks)
+    assert words is not None
+    assert f"set, changed or removed at frame {frame})" in words
+
+
+def test_a_session_about_a_film_is_written_as_ever() -> None:
+    """Byte for byte, results too."""
+    of = session_cases.session()
+    segment = SegmentSummary(
+        first_frame=0, last_frame=4, verdict="good", words="good", scores=(1.5, None), best_pass=1,
+        closing_error=1e-17,
+    )  # fmt: skip
+    results = saved.Results(
+        tracks="tracks-000000000000.npz", method="keypose", quality="full", segments=(segment,)
+    )
+    told = session_json(of.model_copy(update={"results": results}))
+    digest = "b2b00305b12857b233ddecfd1979f5f78e4441d22e041d44cb7852d567715596"
+    assert hashlib.sha256(told).hexdigest() == digest
+    assert b'"surface"' not in told
+    assert "surface" not in base_record(Moment(of))["base"]

@@ -12,16 +12,25 @@ import numpy as np
 import pytest
 import trimesh
 
-from app.beginning import read_as_said
+from app.beginning import new_surface_session, read_as_said
 from app.cli import main
 from app.frames import frame_or_grey
 from app.opening import Workpiece, copied_session, edit_state, open_workpiece
+from app.results import segment_keys
 from tests.app import surface_cases as cases
+from tracker.body import preset
 from tracker.errors import KeyposeError, SessionError
 from tracker.pose import pose_transforms
-from tracker.session.files import load_session, open_video_of, save_session
+from tracker.session.chronicle import Moment, base_record, edit_record
+from tracker.session.files import journal_path, load_session, open_video_of, save_session
+from tracker.session.journal import Journal
+from tracker.session.tracks import setup_hash
+from tracker.shapes import Box
+from tracker.sizing import height
 from tracker.surface.beginning import Reading
+from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.picture import SurfaceVideo
+from tracker.surface.ply import ply_bytes
 from tracker.surface.source import holds_meshes
 from tracker.video import MissingFrame
 
@@ -135,12 +144,68 @@ def test_meshes_that_were_renamed_are_found_again(tmp_path: Path, closing: ExitS
     assert any("found again" in words for words in piece.news)
 
 
-def test_other_meshes_are_not_taken_for_the_sessions(tmp_path: Path) -> None:
+def test_a_mesh_may_be_exported_again_as_it_is_asked_for(
+    tmp_path: Path, closing: ExitStack
+) -> None:
     path = cases.write_session(tmp_path / "job")
     file = path.parent / "meshes" / "step_0001.ply"
+    whole = file.read_bytes()
+    file.write_bytes(b"")
+    broken = opened(path, closing)
+    with pytest.raises(MissingFrame, match="export it again"):
+        broken.video.frame(1)
+    save_session(broken.session, path)
+    file.write_bytes(whole)
+    piece = opened(path, closing)
+    assert piece.news == ("The meshes have changed since they were last opened: fit again.",)
+    piece.video.frame(1)
+    assert piece.session.video.fingerprint == piece.video.fingerprint()
+    assert segment_keys(piece.session) != segment_keys(broken.session)
+    save_session(piece.session, path)
+    assert opened(path, closing).news == ()
+
+
+def test_meshes_exported_again_leave_the_history_as_it_was(
+    tmp_path: Path, closing: ExitStack
+) -> None:
+    path = cases.write_session(tmp_path / "job")
+    before, after = load_session(path), cases.session(keyframes=(0, 2))
+    after = before.model_copy(update={"keyframes": after.keyframes})
+    last = Moment(before)
+    edited = Moment(after, last.history.after(before, "keyframe set", 0), 2)
+    journal = Journal(journal_path(path), 0)
+    journal.begin_anew([base_record(last), edit_record(last, edited)])
+    file = path.parent / "meshes" / "step_0001.ply"
     file.write_bytes(file.read_bytes() + b"\n")
-    with pytest.raises(SessionError, match="is not the one this session was made for"):
+    piece = opened(path, closing)
+    assert [k.frame for k in piece.session.keyframes] == [0, 2]
+    assert piece.journal.follows
+    assert [step.label for step in piece.history.past] == ["keyframe set"]
+    now = piece.session.video.fingerprint
+    assert now != before.video.fingerprint
+    assert piece.history.past[0].doc.video.fingerprint == now
+
+
+def test_as_many_meshes_as_there_were_are_wanted(tmp_path: Path) -> None:
+    path = cases.write_session(tmp_path / "job")
+    (path.parent / "meshes" / "step_0004.ply").unlink()
+    with pytest.raises(SessionError, match="it has 4 frames instead of 5"):
         open_video_of(load_session(path), path)
+
+
+def test_cameras_calibrated_again_are_told_too(tmp_path: Path, closing: ExitStack) -> None:
+    scan, rig = cases.meshes(tmp_path / "scan"), tmp_path / "cameras.json"
+    shutil.copy(cases.SAMPLE / "cameras.json", rig)
+    path, _ = read_as_said(scan, place, Reading(), rig)
+    before = opened(path, closing)
+    assert before.news == ()
+    rig.write_text(rig.read_text(encoding="utf-8") + "\n", encoding="utf-8")
+    piece = opened(path, closing)
+    assert piece.news == ("The cameras have changed since they were last opened: fit again.",)
+    posed = {"keyframes": cases.session().keyframes, "body": cases.session().body}
+    now, then = (p.session.model_copy(update=posed) for p in (piece, before))
+    assert segment_keys(now) != segment_keys(then)
+    assert setup_hash(now) != setup_hash(then)
 
 
 def test_a_film_of_images_with_a_mesh_among_them_stays_a_film(tmp_path: Path) -> None:
@@ -169,11 +234,10 @@ def test_meshes_are_read_as_a_person_says_until_a_body_is_posed_in_them(tmp_path
     assert surface is not None
     assert (surface.units, surface.up) == ("cm", "+z")
     again, news = read_as_said(scan, place, Reading("in"), None)
-    assert again == path
-    assert "what is up" in news[0]
+    assert (again, news) == (path, ())
     changed = load_session(path).surface
     assert changed is not None
-    assert changed.units == "in"
+    assert (changed.units, changed.up) == ("in", "+z")
     posed = cases.write_session(tmp_path / "job")
     before = posed.read_bytes()
     with pytest.raises(SessionError, match="has poses already"):
@@ -190,6 +254,23 @@ def test_cameras_tell_units_and_what_is_up(tmp_path: Path, closing: ExitStack) -
     assert surface is not None
     assert (surface.units, surface.up, surface.cameras) == ("cm", "+z", "../cameras.json")
     assert opened(path, closing).video.info.frame_count == cases.STEPS
+
+
+def test_what_was_said_before_stays_when_something_else_is_said(tmp_path: Path) -> None:
+    scan, rig = cases.meshes(tmp_path / "scan"), tmp_path / "cameras.json"
+    shutil.copy(cases.SAMPLE / "cameras.json", rig)
+    path, _ = read_as_said(scan, place, Reading("mm"), rig)
+    before = load_session(path)
+    assert before.surface is not None
+    chosen = before.surface.model_copy(update={"fps": 50.0, "weights": "contact"})
+    save_session(before.model_copy(update={"surface": chosen}), path)
+    read_as_said(scan, place, Reading(up="-y"), None)
+    surface = load_session(path).surface
+    assert surface is not None
+    assert (surface.units, surface.up, surface.fps) == ("mm", "-y", 50.0)
+    assert (surface.weights, surface.cameras) == ("contact", "../cameras.json")
+    assert surface.cameras_fingerprint == chosen.cameras_fingerprint != ""
+    assert surface.p_camera_surface != chosen.p_camera_surface
 
 
 def test_a_copy_of_a_session_leads_to_its_meshes(tmp_path: Path, closing: ExitStack) -> None:
@@ -233,3 +314,18 @@ def test_the_facts_of_meshes_are_told(tmp_path: Path, capsys: pytest.CaptureFixt
     assert facts["units"] is None
     assert main(["info", str(scan)]) == 0
     assert "0.5 × 1.8 × 0.4 units" in capsys.readouterr().out
+
+
+def test_a_new_body_is_as_tall_as_the_person_that_is_observed(tmp_path: Path) -> None:
+    box = Box(low_m=(-0.2, 0.0, -0.1), high_m=(0.2, 1.5, 0.1)).mesh()
+    (tmp_path / "meshes").mkdir()
+    mesh = SurfaceMesh(box.vertices, box.faces)
+    (tmp_path / "meshes" / "step_0.ply").write_bytes(ply_bytes(mesh))
+    session, _ = new_surface_session(
+        tmp_path / "meshes", tmp_path / "session.json", Reading(units="m", up="+y")
+    )
+    assert height(session.body) == pytest.approx(1.5)
+    tiny, _ = new_surface_session(
+        tmp_path / "meshes", tmp_path / "session.json", Reading(units="mm", up="+y")
+    )
+    assert height(tiny.body) == height(preset("adult_male"))

@@ -16,8 +16,8 @@ from tests.app.serving import ROOT, Keypose, Visitor
 from tests.browser.hands import drag, screen, section, settled, until, until_told
 from tests.browser.shared import Desk, let_in, opened
 from tracker.geometry import Array
-from tracker.session.files import load_session
-from tracker.surface.source import steps_of
+from tracker.session.files import load_session, open_video_of
+from tracker.session.tracking import surfaces_of
 
 SAMPLE = ROOT / "sample_videos" / "arms"
 SIZE = (1440, 900)
@@ -105,8 +105,8 @@ def boxes(page: Page, view: str) -> list[Array]:
 
 def box_of(session: Path, frame: int) -> Array:
     """Least and greatest coordinates of a step's surface, camera frame, metres."""
-    with steps_of(load_session(session), session) as steps:
-        vertices = steps.shape(frame).vertices
+    with open_video_of(load_session(session), session) as video:
+        vertices = surfaces_of(video).shape(frame).vertices
     return np.array([vertices.min(axis=0), vertices.max(axis=0)])
 
 

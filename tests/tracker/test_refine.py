@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 from tests.tracker.tracking_cases import Case, case, clip_of
 from tracker.geometry import exp_rotation, transpose
 from tracker.images import IGNORED
+from tracker.methods import Refinement
 from tracker.pose import moved
-from tracker.refine import Refinement, refine
+from tracker.refine import refine
 from tracker.trajectory import Trajectory, interpolate
 
 HOW = Refinement(solves=4, of=2)

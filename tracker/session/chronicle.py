@@ -64,10 +64,11 @@ class Recovered:
 
 
 def mark_of(session: Session) -> str:
-    """Equal for documents that say the same, wherever the video lies and whatever was tracked."""
+    """Equal for documents that say the same, wherever the video lies and whatever was tracked; and
+    whenever meshes and cameras were exported."""
     left_out: Any = {"results": True, "video": {"path"}, "schema_version": True}
-    if session.surface is None:  # as journals say it that are older than surfaces
-        left_out["surface"] = True
+    if session.surface is not None:
+        left_out |= {"video": {"path", "fingerprint"}, "surface": {"cameras_fingerprint"}}
     content = session.model_dump_json(exclude=left_out).encode()
     return hashlib.sha256(content).hexdigest()[:16]
 
@@ -81,7 +82,16 @@ def of_film(moment: Moment, doc: Session) -> Moment:
     """The same with the video where it lies now, for both may have been moved, and with the fields
     that are not known: they are no edit."""
     told = {"video": doc.video, "schema_version": doc.schema_version, **(doc.model_extra or {})}
-    return moment.each(lambda one: one.model_copy(update=told))
+    return moment.each(lambda one: _of_cameras(one, doc).model_copy(update=told))
+
+
+def _of_cameras(one: Session, doc: Session) -> Session:
+    """With what is known now of the cameras' file, where both speak of the same."""
+    ours, theirs = one.surface, doc.surface
+    if ours is None or theirs is None or ours.cameras != theirs.cameras:
+        return one
+    surface = ours.model_copy(update={"cameras_fingerprint": theirs.cameras_fingerprint})
+    return one.model_copy(update={"surface": surface})
 
 
 # --- writing
@@ -166,9 +176,11 @@ def _fits_together(doc: Session) -> bool:
 
 
 def is_same_film(one: Session, other: Session) -> bool:
-    """Whether both are about one video, as far as they tell."""
+    """Whether both are about one video, as far as they tell. Meshes may be exported again."""
     a, b = one.video, other.video
     facts = (a.frame_count, a.width, a.height) == (b.frame_count, b.width, b.height)
+    if one.surface is not None and other.surface is not None:
+        return facts
     return facts and (a.fingerprint == b.fingerprint or "" in (a.fingerprint, b.fingerprint))
 
 

@@ -1,14 +1,18 @@
-"""A session's video, found again by its fingerprint where it was moved or renamed."""
+"""A session's video, found again by its fingerprint where it was moved or renamed; and surfaces,
+known as they are now."""
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterator
 from pathlib import Path
 
 from tracker.errors import SurfaceError
-from tracker.session.schema import Session
+from tracker.session.schema import Session, Surface
 
 MOST_FILES = 500
+MOST_CAMERA_BYTES = 4 * 2**20
+"""What is longer is no file of cameras, and is refused by who reads it."""
 NOT_FILMS = (".json", ".jsonl", ".npz", ".csv", ".txt", ".md", ".py", ".previous", ".part")
 
 
@@ -28,6 +32,37 @@ def found_again(session: Session, session_path: Path, was: Path) -> Path | None:
         except OSError:  # it cannot be read, so it is not the one
             continue
     return None
+
+
+def as_seen(session: Session, session_path: Path, fingerprint: str) -> Session:
+    """With the fingerprints of meshes and cameras as they are now, for both may have been exported
+    again; a session about a film as it is.
+
+    fingerprint: of the meshes that were opened.
+    """
+    surface = session.surface
+    if surface is None:
+        return session
+    if surface.cameras is not None:
+        surface = cameras_seen(surface, session_path.absolute().parent / surface.cameras)
+    if (fingerprint, surface) == (session.video.fingerprint, session.surface):
+        return session
+    video = session.video.model_copy(update={"fingerprint": fingerprint})
+    return session.model_copy(update={"video": video, "surface": surface})
+
+
+def cameras_seen(surface: Surface, place: Path) -> Surface:
+    """The same with the fingerprint of its cameras' file, which lies there; a file that cannot be
+    read tells nothing new."""
+    try:
+        if not place.is_file():  # a pipe would wait for ever
+            return surface
+        with place.open("rb") as file:
+            content = file.read(MOST_CAMERA_BYTES)
+    except (OSError, ValueError):  # ValueError: a NUL character in its name
+        return surface
+    fingerprint = f"sha256:{hashlib.sha256(content).hexdigest()}"
+    return surface.model_copy(update={"cameras_fingerprint": fingerprint})
 
 
 def _film(place: Path, session: Session) -> str | None:

@@ -9,10 +9,17 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
-from typing import Annotated, Literal, Self, TypeAlias
+from typing import Annotated, Any, Literal, Self, TypeAlias
 
 import numpy as np
-from pydantic import Field, FiniteFloat, field_validator, model_validator
+from pydantic import (
+    Field,
+    FiniteFloat,
+    SerializerFunctionWrapHandler,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
 
 from tracker.body import Body, Name
 from tracker.camera import Camera
@@ -66,6 +73,10 @@ class Surface(Plain):
         default=None,
         description="Path of the calibrated cameras' file, whose images tell what of the "
         "surfaces is to be believed; relative to the session file or absolute.",
+    )
+    cameras_fingerprint: str = Field(
+        default="",
+        description="Content fingerprint of that file; empty when not yet known.",
     )
     model_frame: FrameIndex | None = Field(
         default=None,
@@ -150,6 +161,15 @@ class SegmentSummary(Plain):
     quality: Quality | None = Field(
         default=None, description="This segment's own quality; null when it is that of all."
     )
+    open_ends: tuple[FrameIndex, ...] = Field(
+        default=(),
+        description="Its ends that had no keyframe, as those of surfaces may; left out where both "
+        "had one.",
+    )
+
+    @model_serializer(mode="wrap")
+    def _without_empty_ends(self, told: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return _without(told(self), "open_ends", not self.open_ends)
 
 
 class Results(Plain):
@@ -214,7 +234,8 @@ class Session(Plain):
         default=None, description="An imported motion that tracking may start from."
     )
     surface: Surface | None = Field(
-        default=None, description="How to read the meshes, where the session is about such."
+        default=None,
+        description="How to read the meshes, where the session is about such; left out otherwise.",
     )
     results: Results | None = None
 
@@ -244,6 +265,10 @@ class Session(Plain):
         """Whether a newer Keypose wrote it: then it may be looked at, not changed."""
         return self.schema_version > PRESENT
 
+    @model_serializer(mode="wrap")
+    def _films_as_ever(self, told: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        return _without(told(self), "surface", self.surface is None)
+
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         size, video = (self.camera.width, self.camera.height), self.video
@@ -261,6 +286,13 @@ class Session(Plain):
             _demand_in_video(keyframe, video.frame_count)
             _demand_before_camera(keyframe, skeleton)
         return self
+
+
+def _without(told: dict[str, Any], name: str, if_so: bool) -> dict[str, Any]:
+    """Without a field that sessions about films do not have."""
+    if if_so:
+        told.pop(name, None)
+    return told
 
 
 def _demand_sorted(keyframes: tuple[Keyframe, ...]) -> None:

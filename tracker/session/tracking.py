@@ -10,7 +10,8 @@ from tracker.session.schema import Session
 from tracker.skeleton import Skeleton
 from tracker.surface.fitter import SurfaceFitter
 from tracker.surface.picture import SurfaceVideo
-from tracker.surface.source import SurfaceSteps
+from tracker.surface.source import SurfaceSteps, UnratedSteps
+from tracker.surface.steps import Steps
 from tracker.track import Progress, SegmentTracker, Tracker, never, run
 from tracker.trajectory import Trajectory
 from tracker.video import Video
@@ -43,7 +44,14 @@ def fitter_of(session: Session, video: Video) -> SurfaceFitter:
 
     SessionError without a keyframe.
     """
-    return SurfaceFitter(session, surfaces_of(video))
+    return SurfaceFitter(session, steps_of(session, video))
+
+
+def steps_of(session: Session, video: Video) -> Steps:
+    """The surfaces that a session is fitted to: its cameras are asked only where they count."""
+    steps = surfaces_of(video)
+    believed = session.surface is not None and session.surface.weights in ("both", "photo")
+    return steps if believed else UnratedSteps(steps)
 
 
 def surfaces_of(video: Video) -> SurfaceSteps:

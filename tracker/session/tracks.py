@@ -25,7 +25,7 @@ import math
 import shlex
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path, PurePath
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -169,7 +169,7 @@ def save_result(session: Session, session_path: Path, result: TrackResult) -> Se
         quality=result.settings.quality,
         initial=result.settings.initial,
         left_out=result.settings.left_out,
-        segments=tuple(_summary(segment) for segment in segments),
+        segments=tuple(_summary(segment, session) for segment in segments),
         tracked_for=setup_hash(session),
     )
     return session.model_copy(update={"results": results})
@@ -221,9 +221,8 @@ def setup_hash(session: Session) -> str:
 
 
 def _surface_hash(session: Session) -> str:
-    """The cameras go by their file's name: a folder may be moved as a whole."""
-    surface, model = session.surface, session.model_keyframe
-    assert surface is not None
+    """The cameras go by their file's content: a folder may be moved as a whole."""
+    model = session.model_keyframe
     data = session.model_dump(
         mode="json",
         include={"body", "surface"},
@@ -232,7 +231,7 @@ def _surface_hash(session: Session) -> str:
             "surface": {"fps", "model_frame", "cameras"},
         },
     )
-    data["cameras"] = None if surface.cameras is None else PurePath(surface.cameras).name
+    data["meshes"] = session.video.fingerprint
     data["model_frame"] = None if model is None else model.frame
     return _hashed(data)
 
@@ -265,8 +264,8 @@ def outdated_keyframes(session: Session, motion: Trajectory | Tracks) -> tuple[i
     Keyframes that no segment of the motion reaches are among them.
     """
     skeleton = Skeleton.of(session.body)
-    changed = set(tracked_keyframes(session)) - {keyframe.frame for keyframe in session.keyframes}
-    changed -= set(open_ends(session))
+    posed = {keyframe.frame for keyframe in session.keyframes}
+    changed = (set(tracked_keyframes(session)) - posed) ^ _tracked_open(session)
     for keyframe in session.keyframes:
         i = keyframe.frame - motion.first_frame
         if not _reaches(motion, keyframe.frame):
@@ -318,6 +317,12 @@ def _added(session: Session) -> set[int]:
     }
 
 
+def _tracked_open(session: Session) -> set[int]:
+    """Where the session's motion was tracked to without a keyframe."""
+    segments = session.results.segments if session.results else ()
+    return {frame for segment in segments for frame in segment.open_ends}
+
+
 def _lay(
     segment: SegmentResult, start: int, arrays: Mapping[str, Array], rank: NDArray[np.int64]
 ) -> None:
@@ -341,10 +346,12 @@ def _shapes(frames: int, parts: int, dofs: int) -> dict[str, tuple[int, ...]]:
     }
 
 
-def _summary(segment: SegmentResult) -> SegmentSummary:
+def _summary(segment: SegmentResult, session: Session) -> SegmentSummary:
+    span = (segment.trajectory.first_frame, segment.trajectory.last_frame)
     return SegmentSummary(
-        first_frame=segment.trajectory.first_frame,
-        last_frame=segment.trajectory.last_frame,
+        first_frame=span[0],
+        last_frame=span[1],
+        open_ends=tuple(frame for frame in span if frame in open_ends(session)),
         verdict=segment.verdict.kind,
         words=segment.verdict.words,
         scores=tuple(_finite(score) for score in segment.scores),

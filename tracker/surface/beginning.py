@@ -50,11 +50,15 @@ class Reading:
 
 @dataclass(frozen=True)
 class Begun:
-    """How surfaces are read, the camera that looks at them, and what was guessed, in a sentence."""
+    """How surfaces are read, the camera that looks at them, and what was guessed, in a sentence.
+
+    height_m: of the first surface, upward.
+    """
 
     surface: Surface
     camera: Camera
     news: tuple[str, ...]
+    height_m: float
 
 
 def begun(sequence: MeshSequence, reading: Reading, rig: Rig | None = None) -> Begun:
@@ -78,7 +82,7 @@ def begun(sequence: MeshSequence, reading: Reading, rig: Rig | None = None) -> B
         fps=sequence.fps or FPS,
         cameras=reading.cameras,
     )
-    return Begun(surface, camera, news)
+    return Begun(surface, camera, news, height_m=float(first[1][1] - first[0][1]))
 
 
 def first_mesh(sequence: MeshSequence) -> tuple[int, SurfaceMesh]:
@@ -120,7 +124,7 @@ def _news(mesh: SurfaceMesh, units: Units | None, up: UpAxis | None) -> tuple[st
     }[units is None, up is None]
     return (
         f"The meshes do not tell their {unsaid}: they are {' and '.join(guessed)}; "
-        "change it under Track if that is wrong.",
+        "change it under Fit if that is wrong.",
     )
 
 

@@ -10,6 +10,7 @@ from tracker.geometry import Array, apply_transform
 from tracker.pose import Pose, pose_transforms
 from tracker.skeleton import Skeleton
 from tracker.surface.fitter import SurfaceFitter
+from tracker.surface.measuring import measure
 from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.model import SurfaceModel
 from tracker.surface.options import Options
@@ -20,6 +21,12 @@ from tracker.verdict import spoken
 WORTH_A_WORD_M = 0.005
 MOST = 3
 
+MUCH = 0.25
+"""Of the observed surface: so much far from the body's is worth a word."""
+_NOT_YET = (
+    " Much of the surface is still far from the body: set height and sizes in Body, pull the limbs "
+    "nearer, and fit again."
+)
 OPTIONS = Options(contact=False, solves=60)
 """Solids overlap where a surface is in one piece: what is near another part tells as much."""
 
@@ -45,8 +52,10 @@ def lay_body(mesh: SurfaceMesh, skeleton: Skeleton, pose: Pose) -> Found:
     """
     size = float(np.linalg.norm(mesh.extent))
     model = SurfaceModel.of_solids(skeleton.body, pose, OPTIONS.points, size)
-    fitted = fit_pose(model, Observed.of(mesh, OPTIONS), pose, OPTIONS).pose
-    return Found(fitted, _told(skeleton, pose, fitted))
+    observed = Observed.of(mesh, OPTIONS)
+    fit = fit_pose(model, observed, pose, OPTIONS)
+    left = measure(model, observed, fit).unexplained
+    return Found(fit.pose, _told(skeleton, pose, fit.pose) + (_NOT_YET if left > MUCH else ""))
 
 
 def _told(skeleton: Skeleton, before: Pose, after: Pose) -> str:

@@ -18,6 +18,7 @@ from tracker.surface.options import Options
 from tracker.surface.segment import SurfaceTracker
 from tracker.surface.steps import Steps
 from tracker.track import SegmentResult
+from tracker.wording import listed
 
 Span: TypeAlias = tuple[int, int]
 
@@ -65,7 +66,7 @@ class SurfaceFitter:
 
         span = self.spans[index]
         found = self._tracker(settings.quality).run_segment(span, tell)
-        notes = self._holes() if self._is_told_of_model(span) else ()
+        notes = (*self._holes(), *self._cuts()) if self._is_told_of_model(span) else ()
         return replace(found, notes=(*notes, *found.notes))
 
     def fit_frame(self, frame: int, pose: Pose, quality: Quality = "full") -> Pose:
@@ -85,6 +86,18 @@ class SurfaceFitter:
             f"The mesh of frame {self.model_frame}, whose surface moves with the body, has holes: "
             f"{rims} of its edges have a face on one side only. What is missing there is not "
             "fitted anywhere; pose the body in a mesh that is whole, if there is one.",
+        )
+
+    def _cuts(self) -> tuple[str, ...]:
+        """A sentence where cameras did not see all of that mesh."""
+        names = self._steps.cut_by(self.model_frame)
+        if not names:
+            return ()
+        do = "does" if len(names) == 1 else "do"
+        return (
+            f"{'Camera' if len(names) == 1 else 'Cameras'} {listed(names)} {do} not see all of the "
+            f"mesh of frame {self.model_frame}, whose surface moves with the body: it may be cut "
+            "off there, or too full; pose the body where all of it is in every picture.",
         )
 
     def _tracker(self, quality: Quality) -> SurfaceTracker:

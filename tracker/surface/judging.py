@@ -27,6 +27,8 @@ APART_SHARE = 0.03
 """Of the surface's size: chains from two keyframes that put a joint so far apart."""
 HIDDEN = 0.12
 """Of a part's surface: when less of it counts, it goes by what the rest leaves it."""
+BEYOND_RAD = np.radians(10.0)
+"""Past a joint's limits: so far nothing but a wrong pose, or wrong sizes, turns it."""
 SHORTEST_RUN = 3
 """Steps for which a part must be doubtful before it is worth a word."""
 MOST_TOLD = 5
@@ -115,7 +117,12 @@ def _doubts(
     uncertain = residual > ROUGH_SHARE * size
     if apart_m is not None:
         uncertain |= apart_m > APART_SHARE * size
-    return {"uncertain": uncertain & carries, "not seen": (counts < HIDDEN) & carries}
+    bent = np.array([model.limits.excess(link.pose.Rs_parent_part)[0] for link in links])
+    return {
+        "uncertain": uncertain & carries,
+        "not seen": (counts < HIDDEN) & carries,
+        "beyond its joint limits": np.asarray(np.abs(bent).max(axis=2) > BEYOND_RAD),
+    }
 
 
 def _carries(model: SurfaceModel) -> NDArray[np.bool_]:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from tracker.body import ALL_DOFS, ROTATIONS, Body
 from tracker.geometry import Array, apply_transform, frozen
 from tracker.kernels.surface import pose_surface
+from tracker.limits import Limits
 from tracker.pose import Pose, pose_transforms
 from tracker.skeleton import Skeleton
 from tracker.surface.binding import distances_to_parts, shares_of
@@ -45,6 +46,7 @@ class SurfaceModel:
     groups:    (V,) index of its pair of parts among `pairs` (G, 2).
     size_m:    diagonal of the box around the surface.
     spacing_m: between neighbouring points, about.
+    limits:    of the joints, wide enough for what was posed.
     """
 
     skeleton: Skeleton
@@ -57,6 +59,7 @@ class SurfaceModel:
     pairs: NDArray[np.int64]
     size_m: float
     spacing_m: float
+    limits: Limits
 
     @classmethod
     def of(
@@ -69,7 +72,7 @@ class SurfaceModel:
         Ts = pose_transforms(skeleton, pose)
         distances = distances_to_parts(skeleton, Ts, samples.p)
         parts, shares = shares_of(distances, skeleton.parents, BLEND_SHARE * size * smooth)
-        return cls._laid(skeleton, samples, Ts, parts, shares, size)
+        return cls._laid(skeleton, samples, pose, Ts, parts, shares, size)
 
     @classmethod
     def of_solids(cls, body: Body, pose: Pose, count: int, size_m: float) -> SurfaceModel:
@@ -87,11 +90,11 @@ class SurfaceModel:
         bare = others.min(axis=1) > 0.0
         parts = np.stack([own, own], axis=1)[bare]
         shares = np.tile([1.0, 0.0], (len(parts), 1))
-        return cls._laid(skeleton, samples.only(bare), Ts, parts, shares, size_m)
+        return cls._laid(skeleton, samples.only(bare), pose, Ts, parts, shares, size_m)
 
     @classmethod
     def _laid(
-        cls, skeleton: Skeleton, samples: SurfaceSamples, Ts_camera_part: Array,
+        cls, skeleton: Skeleton, samples: SurfaceSamples, pose: Pose, Ts_camera_part: Array,
         parts: NDArray[np.int64], shares: Array, size_m: float,
     ) -> SurfaceModel:  # fmt: skip
         """Points of a posed surface, laid into the frames of the parts that carry them."""
@@ -110,6 +113,7 @@ class SurfaceModel:
             pairs,
             size_m,
             samples.spacing_m,
+            Limits.of(skeleton.body).widened([pose.Rs_parent_part]),
         )
 
     @property

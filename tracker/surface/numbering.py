@@ -16,6 +16,7 @@ from typing import Final
 import numpy as np
 
 from tracker.errors import SurfaceError
+from tracker.video.folder import natural
 
 _FEWEST_FOR_A_RHYTHM: Final = 4
 _MOST_GAPS: Final = 20
@@ -31,7 +32,7 @@ def by_steps(paths: Sequence[Path]) -> tuple[Path | None, ...]:
 
     SurfaceError where two files are of one step.
     """
-    paths = sorted(paths, key=lambda path: _natural(path.name))
+    paths = sorted(paths, key=lambda path: natural(path.name))
     numbers = [[int(digits[-18:]) for digits in re.findall(r"[0-9]+", p.stem)] for p in paths]
     with_number = [k for k, found in enumerate(numbers) if found]
     if len(with_number) < max(2, len(paths) / 2):
@@ -77,9 +78,3 @@ def _twice(paths: list[Path], steps: list[int]) -> SurfaceError:
         f'"{shown(one)}" and "{shown(other)}" have the same number: '
         "keep one mesh per time step in the folder."
     )
-
-
-def _natural(name: str) -> tuple[list[tuple[int, str]], str]:
-    """A key that orders the numbers in a name by value; the name itself settles ties."""
-    pieces = re.findall(r"[0-9]+|[^0-9]+", name.casefold())
-    return [(int(p[-18:]), "") if p[0] in "0123456789" else (-1, p) for p in pieces], name

@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from tracker.camera import Camera
 from tracker.geometry import Array
-from tracker.kernels.painting import colour
-from tracker.kernels.raster import PERSPECTIVE, fill
 from tracker.surface.mesh import SurfaceMesh
 
 Picture: TypeAlias = NDArray[np.uint8]
@@ -36,7 +34,10 @@ def painted(mesh: SurfaceMesh, camera: Camera, colours: Colours | None = None) -
 
     Returns (height, width, 3) RGB. colours: clay when left out.
     """
-    import cv2
+    import cv2  # loads, as the loops do, when something is drawn
+
+    from tracker.kernels.painting import colour
+    from tracker.kernels.raster import PERSPECTIVE, fill
 
     size = (FINE * camera.height, FINE * camera.width)
     nearness = np.full(size, -np.inf, dtype=np.float32)

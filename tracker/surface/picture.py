@@ -15,7 +15,7 @@ import numpy as np
 from tracker.camera import Camera
 from tracker.errors import SurfaceError
 from tracker.session.schema import Session, Surface
-from tracker.surface.painting import Colours, Picture, painted
+from tracker.surface.painting import Picture, painted
 from tracker.surface.source import SurfaceSteps, opened_steps
 from tracker.video.info import MissingFrame, VideoInfo
 from tracker.video.video import Video
@@ -61,9 +61,9 @@ class SurfaceSource:
 class SurfaceVideo(Video):
     """The pictures of surfaces; `steps` has the surfaces themselves."""
 
-    def __init__(self, source: SurfaceSource, camera: Camera) -> None:
+    def __init__(self, source: SurfaceSource) -> None:
         super().__init__(source)
-        self._drawn, self._camera = source, camera
+        self._drawn = source
 
     @property
     def steps(self) -> SurfaceSteps:
@@ -76,16 +76,6 @@ class SurfaceVideo(Video):
             return super().frame(index)
         except MissingFrame:
             raise MissingFrame(self._drawn.words(index)) from None
-
-    def coloured(self, index: int, colours: Colours) -> Picture:
-        """Frame `index` with colours (V, 3) of the vertices of `steps.shape(index)`, not kept.
-
-        MissingFrame where that cannot be used.
-        """
-        try:
-            return painted(self.steps.shape(index), self._camera, colours)
-        except SurfaceError as error:
-            raise MissingFrame(str(error)) from None
 
 
 def open_surfaces(session: Session, meshes: Path, folder: Path) -> SurfaceVideo:
@@ -100,8 +90,7 @@ def open_surfaces(session: Session, meshes: Path, folder: Path) -> SurfaceVideo:
 
 def surface_video(steps: SurfaceSteps, surface: Surface, camera: Camera) -> SurfaceVideo:
     """Surfaces that are open already, as a video."""
-    ideal = camera.without_distortion()
-    return SurfaceVideo(SurfaceSource(steps, ideal, surface.fps), ideal)
+    return SurfaceVideo(SurfaceSource(steps, camera.without_distortion(), surface.fps))
 
 
 def _facts(steps: SurfaceSteps, camera: Camera, fps: float, missing: dict[int, str]) -> VideoInfo:

@@ -9,7 +9,9 @@ import numpy as np
 from tracker.errors import SurfaceError, VideoError
 from tracker.session.schema import Surface
 from tracker.surface.footage import Footage
+from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.rig import Rig
+from tracker.surface.views import View
 
 
 def opened_footage(surface: Surface, folder: Path, frame_count: int) -> Footage | None:
@@ -20,13 +22,11 @@ def opened_footage(surface: Surface, folder: Path, frame_count: int) -> Footage 
     """
     if surface.cameras is None:
         return None
-    rig = Rig.open(folder / surface.cameras)
+    rig = _rig(surface, folder / surface.cameras)
     if not any(camera.images for camera in rig.cameras):
         return None
-    # World and surfaces are one; which of its axes is up, the session knows.
-    upright = rig.model_copy(update={"up": surface.up})
     try:
-        footage = Footage(upright, "images", np.array(surface.p_camera_surface))
+        footage = Footage(rig, "images", np.array(surface.p_camera_surface))
     except VideoError as error:
         raise SurfaceError(str(error)) from None
     if footage.frame_count != frame_count:
@@ -36,3 +36,21 @@ def opened_footage(surface: Surface, folder: Path, frame_count: int) -> Footage 
             f"are {frame_count} meshes: give them one for every mesh."
         )
     return footage
+
+
+def cut_by(surface: Surface, folder: Path, mesh: SurfaceMesh) -> tuple[str, ...]:
+    """Names of the cameras whose pictures do not hold all of a mesh (camera frame, metres)."""
+    if surface.cameras is None:
+        return ()
+    views = _rig(surface, folder / surface.cameras).views(np.array(surface.p_camera_surface))
+    return tuple(view.name for view in views if not _holds(view, mesh))
+
+
+def _holds(view: View, mesh: SurfaceMesh) -> bool:
+    uv, size = view.project(mesh.vertices), (view.camera.width, view.camera.height)
+    return bool(((uv >= -0.5) & (uv <= np.array(size) - 0.5)).all())  # behind it: NaN
+
+
+def _rig(surface: Surface, path: Path) -> Rig:
+    """World and surfaces are one; which of its axes is up, the session knows."""
+    return Rig.open(path).model_copy(update={"up": surface.up})

@@ -29,6 +29,7 @@ MEMORY_BYTES: Final = 2 * 2**30
 """What the child may use beyond what it starts with."""
 SECONDS: Final = 30
 """For one file, of a processor as well as of the clock."""
+MOST_STEPS: Final = 1_000_000
 _LONGEST_REFUSAL: Final = 500
 _ROOT: Final = Path(__file__).parents[2]
 
@@ -54,7 +55,10 @@ class MeshReader:
     def steps(self, path: Path) -> tuple[int, bool]:
         """How many steps a GLB file has, and whether it is animated."""
         facts, _ = self._asked({"wanted": "steps", "path": str(path)})
-        return int(facts["steps"]), bool(facts["animated"])
+        steps = facts.get("steps")
+        if type(steps) is not int or not 0 < steps <= MOST_STEPS:
+            raise Refused("cannot be read: export it again.")
+        return steps, facts.get("animated") is True
 
     def step(self, path: Path, step: int) -> SurfaceMesh:
         """The mesh of an animated GLB file at one step."""

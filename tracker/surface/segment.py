@@ -75,9 +75,11 @@ class SurfaceTracker:
         if model_frame not in keyposes:
             raise SessionError(f"Frame {model_frame} has no keyframe: pose the body there first.")
         self.keyposes = dict(keyposes)
-        self.model = SurfaceModel.of(
+        model = SurfaceModel.of(
             steps.mesh(model_frame), body, keyposes[model_frame], options.points, options.smooth
         )
+        posed = [pose.Rs_parent_part for pose in keyposes.values()]
+        self.model = replace(model, limits=model.limits.widened(posed))
         self._steps, self._options = steps, options
 
     def run_segment(self, span: tuple[int, int], emit: Tell) -> SegmentResult:

@@ -14,6 +14,7 @@ import numpy as np
 from tracker.geometry import Array
 from tracker.kernels.surface import pull
 from tracker.pose import Pose, moved, pose_transforms, twists
+from tracker.surface.bounding import bounds_at
 from tracker.surface.certainty import turns_seen
 from tracker.surface.model import PosedSurface, SurfaceModel
 from tracker.surface.options import Options
@@ -33,7 +34,7 @@ FIRST_DAMPING, HARDER, EASIER, HARDEST = 1e-3, 10.0, 0.2, 1e6
 class Fit:
     """The outcome of one step.
 
-    energy:      SURFACE (4) with the pull, metres².
+    energy:      SURFACE (4) with the pull and the limits, metres².
     information: (D, D) of the free degrees of freedom, without the pull; metres² per unit².
     stiffness:   (D, D) of the pull.
     solves:      poses tried.  settled: whether the last one hardly moved.
@@ -127,6 +128,9 @@ def _look(
     information = np.einsum("gid,gij,gje->de", J, A, J, optimize=True)
     slope = np.einsum("gid,gi->d", J, b) + stiffness @ away
     energy += float(away @ stiffness @ away)
+    bounds = bounds_at(model, pose)
+    energy += bounds.energy
+    slope, information = slope + bounds.slope, information + bounds.information
     return _Look(pose, away, energy, information, slope, pairs, posed)
 
 

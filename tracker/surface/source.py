@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from tracker.errors import SurfaceError
-from tracker.session.schema import Session, Surface
+from tracker.session.schema import Surface
 from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.placing import Placement
 from tracker.surface.sequence import MeshSequence
@@ -65,6 +65,14 @@ class SurfaceSteps:
         rated = self._surface.cameras is not None
         return self._rated.get(frame) if rated else self._shapes.get(frame)
 
+    def cut_by(self, frame: int) -> tuple[str, ...]:
+        """Names of the session's cameras whose pictures do not hold all of a step's surface."""
+        if self._surface.cameras is None:
+            return ()
+        from tracker.surface.rating import cut_by  # loads what only this needs
+
+        return cut_by(self._surface, self._folder, self.shape(frame))
+
     def close(self) -> None:
         """Let go of the files."""
         self._rated.close()
@@ -91,6 +99,25 @@ class SurfaceSteps:
             self._footage = opened_footage(self._surface, self._folder, self.frame_count)
             self._looked = True
         return mesh if self._footage is None else self._footage.judged(mesh, frame)
+
+
+class UnratedSteps:
+    """The same surfaces with nothing that cameras say of them, whose images are not read then."""
+
+    def __init__(self, steps: SurfaceSteps) -> None:
+        self._steps = steps
+        self.frame_count = steps.frame_count
+
+    def mesh(self, frame: int) -> SurfaceMesh:
+        """A step's surface; SurfaceError, in one sentence, where it cannot be used."""
+        return self._steps.shape(frame)
+
+    def cut_by(self, frame: int) -> tuple[str, ...]:
+        """Of cameras that cannot be used, which nobody asked for here, nothing is told."""
+        try:
+            return self._steps.cut_by(frame)
+        except SurfaceError:
+            return ()
 
 
 class _Latest:
@@ -150,23 +177,19 @@ def opened_steps(surface: Surface, meshes: Path, folder: Path) -> SurfaceSteps:
     return SurfaceSteps(MeshSequence.open(meshes), surface, folder)
 
 
-def steps_of(session: Session, session_path: Path) -> SurfaceSteps:
-    """The surfaces of a session, where its file says that they lie."""
-    assert session.surface is not None
-    folder = session_path.absolute().parent
-    return opened_steps(session.surface, folder / session.video.path, folder)
-
-
 def holds_meshes(path: Path) -> bool:
     """Whether a path leads to observed surfaces rather than to a video: a mesh, or a folder with
     meshes that are not just lying among many images. Only names are looked at."""
     if not path.is_dir():
         return path.suffix.lower() in SUFFIXES
     try:
-        names = [entry.name for entry in path.iterdir() if not entry.name.startswith(".")]
+        return are_meshes([entry.name for entry in path.iterdir()])
     except OSError:
         return False
-    meshes, images = (
-        sum(name.lower().endswith(suffixes) for name in names) for suffixes in (SUFFIXES, IMAGES)
-    )
+
+
+def are_meshes(names: Iterable[str]) -> bool:
+    """The same of the names in a folder; hidden ones do not count."""
+    seen = [name.lower() for name in names if not name.startswith(".")]
+    meshes, images = (sum(name.endswith(of) for name in seen) for of in (SUFFIXES, IMAGES))
     return meshes > 0 and images <= MOST_TEXTURES * meshes

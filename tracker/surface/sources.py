@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+from itertools import pairwise
 from pathlib import Path
 from typing import Final, Protocol
 
@@ -49,7 +50,7 @@ class FolderSource:
     def __init__(self, files: tuple[Path | None, ...]) -> None:
         self._files = files
         self.frame_count = len(files)
-        self.missing = {frame: self._gap(frame) for frame, file in enumerate(files) if file is None}
+        self.missing = _gaps(files)
         all_glb = all(file.suffix.lower() == GLB for file in files if file is not None)
         # glTF prescribes both.
         self.stated_units: Units | None = "m" if all_glb else None
@@ -71,14 +72,6 @@ class FolderSource:
                 digest.update(f"{frame} ".encode() + os.fsencode(file.name) + b"\n")
                 digest.update(_ends(file, _STEP_CHUNK))
         return f"sha256:{digest.hexdigest()}"
-
-    def _gap(self, frame: int) -> str:
-        before = next(f for f in reversed(self._files[:frame]) if f is not None)
-        behind = next(f for f in self._files[frame:] if f is not None)
-        return (
-            f'Step {frame} is missing between "{shown(before)}" and "{shown(behind)}": '
-            "put its mesh into the folder."
-        )
 
 
 class GlbSource:
@@ -105,6 +98,17 @@ class GlbSource:
     def fingerprint(self) -> str:
         # Not of its name: a renamed file is the same.
         return f"sha256:{hashlib.sha256(_ends(self._path, _FILE_CHUNK)).hexdigest()}"
+
+
+def _gaps(files: tuple[Path | None, ...]) -> dict[int, str]:
+    """Per step without a file, one sentence. The first and the last have one."""
+    there = [(frame, shown(file)) for frame, file in enumerate(files) if file is not None]
+    return {
+        frame: f'Step {frame} is missing between "{before}" and "{behind}": '
+        "put its mesh into the folder."
+        for (first, before), (last, behind) in pairwise(there)
+        for frame in range(first + 1, last)
+    }
 
 
 def source_at(path: Path, reader: MeshReader) -> Source:

@@ -19,3 +19,7 @@ class Steps(Protocol):
         SurfaceError in one sentence where that step cannot be used; the others can.
         """
         ...
+
+    def cut_by(self, frame: int) -> tuple[str, ...]:
+        """Names of the cameras whose pictures do not hold all of a step's surface."""
+        ...

@@ -63,7 +63,7 @@ def receive(stream: IO[bytes]) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]
         arrays = {
             str(name): _array(stream, str(kind), shape) for name, kind, *shape in header["arrays"]
         }
-    except (ValueError, TypeError, KeyError) as error:
+    except (ValueError, TypeError, LookupError, OverflowError, RecursionError) as error:
         raise BrokenOff from error
     return facts, arrays
 

@@ -150,10 +150,10 @@ def _images_in(path: Path) -> list[Path]:
             f'The folder "{path.name}" holds no images (PNG, JPEG, BMP, TIFF, WebP): '
             "choose a folder of images, or a video file."
         )
-    return sorted(files, key=lambda file: _natural(file.name))
+    return sorted(files, key=lambda file: natural(file.name))
 
 
-def _natural(name: str) -> tuple[list[tuple[int, str]], str]:
+def natural(name: str) -> tuple[list[tuple[int, str]], str]:
     """A key that orders the numbers in a name by value; the name itself settles ties."""
     pieces = re.findall(r"[0-9]+|[^0-9]+", name.casefold())
     return [(int(p), "") if p[0] in "0123456789" else (-1, p) for p in pieces], name

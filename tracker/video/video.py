@@ -75,6 +75,11 @@ class Video:
         """Numbers of the frames known so far to be undecodable, ascending."""
         return self.info.missing
 
+    @property
+    def is_closed(self) -> bool:
+        """Whether frames can no longer be asked for."""
+        return self._closed
+
     def frame(self, index: int) -> Picture:
         """Frame `index` as (height, width, 3) uint8 RGB, read-only.
 

@@ -99,3 +99,13 @@ def test_images_that_are_gone_are_told_in_a_sentence(tmp_path: Path) -> None:
         pytest.raises(SurfaceError, match=r"\.$"),
     ):
         of.mesh(0)
+
+
+def test_cameras_that_do_not_hold_all_of_a_surface_are_named(tmp_path: Path) -> None:
+    name = rig(tmp_path, None, None)
+    assert steps(tmp_path, name).cut_by(0) == ()
+    told = json.loads((tmp_path / name).read_text("utf-8"))
+    told["cameras"][1] |= {"fx": 480.0, "fy": 480.0}  # too near to see all of the ball
+    (tmp_path / name).write_text(json.dumps(told), encoding="utf-8")
+    assert steps(tmp_path, name).cut_by(0) == ("camera 1",)
+    assert steps(tmp_path, None).cut_by(0) == ()

@@ -314,3 +314,38 @@ def test_an_answer_that_is_nonsense_breaks_off(header: bytes) -> None:
         wire.receive(io.BytesIO(struct.pack("<Q", len(header)) + header + bytes(16)))
     with pytest.raises(wire.BrokenOff):
         wire.receive(io.BytesIO(struct.pack("<Q", 2**60)))
+
+
+def header(text: str) -> bytes:
+    """An answer without arrays."""
+    return struct.pack("<Q", len(text)) + text.encode()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '{"facts": {}, "arrays": [["a", "float", Infinity]]}',
+        '{"facts": ' + "[" * 30_000 + "]" * 30_000 + ', "arrays": []}',
+        '{"facts": {}, "arrays": [["a"]]}',
+        '{"facts": {}, "arrays": [["a", "float"]]}',
+        '{"facts": {}, "arrays": [["a", "money", 3]]}',
+        "[]",
+    ],
+    ids=["infinite", "deep", "short", "shapeless", "unknown", "bare"],
+)
+def test_nonsense_of_a_spoilt_child_is_known_as_such(text: str) -> None:
+    with pytest.raises(wire.BrokenOff):
+        wire.receive(io.BytesIO(header(text)))
+
+
+@pytest.mark.parametrize(
+    "facts",
+    [{}, {"steps": "3"}, {"steps": 0}, {"steps": 10**7}, {"steps": 1e400}, {"steps": True}],
+    ids=str,
+)
+def test_a_number_of_steps_that_cannot_be_is_refused(
+    facts: dict[str, object], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(MeshReader, "_asked", lambda *_: ({"animated": True, **facts}, {}))
+    with pytest.raises(Refused, match="export it again"):
+        MeshReader().steps(Path("film.glb"))

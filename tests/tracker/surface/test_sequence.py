@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 import shutil
 import threading
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +17,7 @@ from tracker.errors import SurfaceError
 from tracker.surface.guessing import guess_units, guess_up
 from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.sequence import MeshSequence
+from tracker.surface.sources import FolderSource
 
 
 def place_x(meshes: MeshSequence, frame: int) -> float:
@@ -351,3 +354,27 @@ def test_a_person_tells_the_units_and_a_house_does_not(longest: float, units: st
 def test_up_is_where_a_surface_is_longest(extent: list[float], up: str) -> None:
     box = CORNERS / np.ptp(CORNERS, axis=0) * extent
     assert guess_up(SurfaceMesh(box, BOX)) == up
+
+
+def test_many_missing_steps_are_told_at_once() -> None:
+    """Every step is looked at once, however many are missing in a row."""
+
+    class Counted(tuple[Path | None, ...]):
+        looks = 0
+
+        def __iter__(self) -> Iterator[Path | None]:
+            for file in super().__iter__():
+                Counted.looks += 1
+                yield file
+
+        def __getitem__(self, key: Any) -> Any:
+            found = super().__getitem__(key)
+            Counted.looks += len(found) if isinstance(key, slice) else 1
+            return found
+
+    count = 2001
+    files = Counted(Path(f"{k}.ply") if k % (count - 1) == 0 else None for k in range(count))
+    source = FolderSource(files)
+    assert sorted(source.missing) == list(range(1, count - 1))
+    assert 'between "0.ply" and "2000.ply"' in source.missing[7]
+    assert Counted.looks < 10 * count

@@ -9,11 +9,10 @@ import pytest
 
 from tests.tracker.surface.surfaces import BOXES, ROUND, bent, surface_of, two_bars
 from tracker.body import Body
-from tracker.geometry import exp_rotation
 from tracker.kernels.cells import grid_of
 from tracker.pose import Pose, pose_transforms
 from tracker.settings import UpAxis
-from tracker.shapes import Frustum
+from tracker.shapes import Box, Frustum
 from tracker.skeleton import Skeleton
 from tracker.surface.binding import distance_to_shape, distances_to_parts, shares_of
 from tracker.surface.mesh import SurfaceMesh
@@ -157,25 +156,25 @@ def test_a_part_wholly_in_contact_keeps_a_least_weight_and_others_theirs() -> No
     np.testing.assert_allclose(kept[2:], weights[2:])
 
 
-def test_only_places_near_another_part_count_less_and_the_joint_is_no_contact() -> None:
-    """SURFACE (1) with the other part's normal: the far side of a limb is not inside another."""
-    body = two_bars()
+def test_only_the_side_that_touches_another_part_counts_less() -> None:
+    """SURFACE (1) with the other part's normal: the far side of a thin limb is not inside it."""
+    upper, lower = two_bars().parts
+    thin = Box(low_m=(-0.04, 0.03, -0.01), high_m=(0.04, 0.45, 0.01))
+    at_side = lower.model_copy(update={"shape": thin, "joint_m": (0.0, 0.5, 0.105)})
+    body = Body(name="beside", parts=(upper, at_side))
     start = bent(body, 0.0)
     model = SurfaceModel.of(surface_of(body, start), body, start, 3000)
-    options = Options(floor=False)
 
     def clear(pose: Pose):
         posed = model.posed(pose_transforms(model.skeleton, pose))
-        return posed, clear_of(model, posed, grid_of(posed.p, 2 * model.spacing_m), options)
+        grid = grid_of(posed.p, 2 * model.spacing_m)
+        return posed, clear_of(model, posed, grid, Options(floor=False))
 
     _, at_rest = clear(start)
     assert at_rest.min() > 0.9
-    folded = Pose(exp_rotation(np.array([[0.0, 0, 0], [2.85, 0, 0]])), np.array([0, 0, 3.0]))
-    posed, touching = clear(folded)
-    end = np.linalg.norm(posed.p - posed.p[model.own == 1].mean(axis=0), axis=1)
-    near = (model.own == 1) & (end < 0.1)
-    inner = near & (posed.p[:, 2] < np.median(posed.p[near][:, 2]))
-    outer = near & ~inner
-    low, high = sorted([touching[inner].mean(), touching[outer].mean()])
-    assert low < 0.5
-    assert high > 0.95
+    posed, folded = clear(bent(body, np.pi))
+    z = posed.p[:, 2] - 3.0
+    middle = (model.own == 1) & (posed.p[:, 1] > 0.1) & (posed.p[:, 1] < 0.4)
+    assert folded[middle & (z < 0.096)].mean() < 0.15
+    assert folded[middle & (z > 0.114)].min() > 0.9
+    assert folded[(model.own == 0) & (z < 0.0)].min() > 0.9

@@ -134,6 +134,30 @@ def test_a_part_whose_surface_is_missing_is_named() -> None:
     assert "lower" in verdict.words
 
 
+def test_joints_are_kept_near_their_limits_and_where_surfaces_want_more_it_is_told() -> None:
+    upper, lower = BODY.parts
+    low, high = -5.0, 20.0
+    stiff = lower.model_copy(update={"limits_deg": {"x": (low, high), "y": (-5, 5), "z": (-5, 5)}})
+    body = BODY.replaced([upper, stiff])
+    tracker = SurfaceTracker(Given(list(MESHES)), body, {0: TRUE[0]}, 0, OPTIONS)
+    result = tracker.run_segment((0, COUNT - 1), lambda step, number: None)
+    bend = np.degrees(np.arctan2(*result.trajectory.Rs_parent_part[-1, 1, 1:, 1][::-1]))
+    assert high < bend < np.degrees(0.1 + 0.1 * (COUNT - 1)) - 3
+    assert result.verdict.words.endswith("lower beyond its joint limits")
+
+
+def test_limits_are_as_wide_as_what_a_person_posed() -> None:
+    upper, lower = BODY.parts
+    stiff = lower.model_copy(update={"limits_deg": {"x": (-5.0, 30.0)}})
+    body = BODY.replaced([upper, stiff])
+    keys = {0: TRUE[0], COUNT - 1: TRUE[-1]}
+    result = SurfaceTracker(Given(list(MESHES)), body, keys, 0, OPTIONS).run_segment(
+        (0, COUNT - 1), lambda step, number: None
+    )
+    assert result.verdict.kind == "good"
+    assert _errors_m(result).max() < 0.005
+
+
 def test_a_keyframe_that_lies_off_its_surface_is_named_and_nothing_else_is_lost() -> None:
     off = bent(BODY, 0.1, (0.0, 1.2, 0.0), (0.2, 0.1, 3.0))
     verdict = _run(_tracker({0: TRUE[0], COUNT - 1: off})).verdict
