@@ -19,7 +19,7 @@ from app.opening import Workpiece, copied_session, edit_state, open_workpiece
 from app.results import segment_keys
 from tests.app import surface_cases as cases
 from tracker.body import preset
-from tracker.errors import KeyposeError, SessionError
+from tracker.errors import KeyposeError, SessionError, SurfaceError
 from tracker.pose import pose_transforms
 from tracker.session.chronicle import Moment, base_record, edit_record
 from tracker.session.files import journal_path, load_session, open_video_of, save_session
@@ -329,3 +329,14 @@ def test_a_new_body_is_as_tall_as_the_person_that_is_observed(tmp_path: Path) ->
         tmp_path / "meshes", tmp_path / "session.json", Reading(units="mm", up="+y")
     )
     assert height(tiny.body) == height(preset("adult_male"))
+
+
+def test_meshes_far_from_their_origin_are_refused_in_a_sentence(tmp_path: Path) -> None:
+    box = Box(low_m=(-0.2, 0.0, -0.1), high_m=(0.2, 1.5, 0.1)).mesh()
+    (tmp_path / "meshes").mkdir()
+    mesh = SurfaceMesh(box.vertices + np.array([3e5, 0.0, 0.0]), box.faces)
+    (tmp_path / "meshes" / "step_0.ply").write_bytes(ply_bytes(mesh))
+    with pytest.raises(SurfaceError, match="300 km from their origin"):
+        new_surface_session(
+            tmp_path / "meshes", tmp_path / "session.json", Reading(units="m", up="+y")
+        )

@@ -36,6 +36,10 @@ Box: TypeAlias = tuple[Array, Array]
 """Its least and its greatest corner (3,)."""
 
 
+FARTHEST_M = 9e4
+"""Of the meshes from their files' origin: a session holds places to a hundred kilometres."""
+
+
 @dataclass(frozen=True)
 class Reading:
     """How a person wants meshes read; what is None is for the files to say, or guessed.
@@ -75,6 +79,7 @@ def begun(sequence: MeshSequence, reading: Reading, rig: Rig | None = None) -> B
     unmoved = Placement(units, up, np.zeros(3))
     first = _box(unmoved, mesh)
     place = _place(first, _boxes(sequence, unmoved, first, frame), camera)
+    _demand_near(place, units)
     surface = Surface(
         units=units,
         up=up,
@@ -83,6 +88,15 @@ def begun(sequence: MeshSequence, reading: Reading, rig: Rig | None = None) -> B
         cameras=reading.cameras,
     )
     return Begun(surface, camera, news, height_m=float(first[1][1] - first[0][1]))
+
+
+def _demand_near(place: tuple[float, float, float], units: Units) -> None:
+    """A camera and a body are metres away, not the Earth's radius."""
+    if max(map(abs, place)) > FARTHEST_M:
+        raise SurfaceError(
+            f"The meshes lie {max(map(abs, place)) / 1000:,.0f} km from their origin, read in "
+            f"{units}: move them to it, or name the right units with --units."
+        )
 
 
 def first_mesh(sequence: MeshSequence) -> tuple[int, SurfaceMesh]:

@@ -147,8 +147,8 @@ def _images_in(path: Path) -> list[Path]:
     ]
     if not files:
         raise VideoError(
-            f'The folder "{path.name}" holds no images (PNG, JPEG, BMP, TIFF, WebP): '
-            "choose a folder of images, or a video file."
+            f'The folder "{path.name}" holds no images (PNG, JPEG, BMP, TIFF, WebP) and no meshes '
+            "(PLY, OBJ, OFF, GLB): choose the folder that they lie in, or a video file."
         )
     return sorted(files, key=lambda file: natural(file.name))
 
