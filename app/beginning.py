@@ -23,8 +23,8 @@ from tracker.session.schema import Session, Surface, VideoReference
 from tracker.sizing import with_height
 from tracker.skeleton import Skeleton
 from tracker.surface.beginning import Reading, begun, first_mesh
-from tracker.surface.rig import Rig
-from tracker.surface.sequence import MeshSequence
+from tracker.surface.cameras.rig import Rig
+from tracker.surface.files.sequence import MeshSequence
 from tracker.surface.source import SurfaceSteps, holds_meshes
 from tracker.video import Video
 

@@ -25,9 +25,9 @@ from tracker.session.archive import archive_bytes
 from tracker.session.atomic import write_file
 from tracker.session.files import session_json
 from tracker.session.schema import Surface
+from tracker.surface.files.ply import ply_bytes
 from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.placing import METRES, Placement
-from tracker.surface.ply import ply_bytes
 
 FOLDER = Path(__file__).parent / "arms"
 MOST_BYTES = 600_000

@@ -65,13 +65,13 @@ def warm() -> None:
 
 def _surface(body: Body, pose: Pose, camera: Camera) -> None:
     """A surface laid onto itself, and drawn."""
-    from tracker.surface.looking import look
+    from tracker.surface.fit.looking import look
+    from tracker.surface.fit.model import SurfaceModel
+    from tracker.surface.fit.options import Options
+    from tracker.surface.fit.pairing import Observed
+    from tracker.surface.fit.solving import fit_pose
     from tracker.surface.mesh import SurfaceMesh
-    from tracker.surface.model import SurfaceModel
-    from tracker.surface.options import Options
     from tracker.surface.painting import painted
-    from tracker.surface.pairing import Observed
-    from tracker.surface.solving import fit_pose
 
     solid = body.parts[0].shape.mesh()
     mesh = SurfaceMesh(solid.vertices + pose.p_camera_root, solid.faces)

@@ -131,7 +131,7 @@ def _with_meshes(session: Session, arguments: argparse.Namespace) -> Session:
     """The session with the meshes that were named, if they are its own, wherever they lie now."""
     from app.beginning import path_from
     from tracker.session.files import video_path
-    from tracker.surface.sequence import MeshSequence
+    from tracker.surface.files.sequence import MeshSequence
 
     meshes, path = arguments.meshes, arguments.session
     if meshes is None or meshes.resolve() == video_path(session, path).resolve():
@@ -150,7 +150,7 @@ def _with_meshes(session: Session, arguments: argparse.Namespace) -> Session:
 def _surface(session: Session, arguments: argparse.Namespace) -> Surface:
     """How the surfaces are to be fitted. What the poses were set by is not changed."""
     from app.beginning import path_from
-    from tracker.surface.rig import Rig
+    from tracker.surface.cameras.rig import Rig
 
     surface = session.surface
     assert surface is not None

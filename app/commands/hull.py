@@ -24,7 +24,7 @@ from app.commands.json_output import print_json
 from tracker.errors import SurfaceError
 
 if TYPE_CHECKING:
-    from tracker.surface.hulls import Hulls
+    from tracker.surface.cameras.hulls import Hulls
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130
 
@@ -61,8 +61,8 @@ def add(commands: Subcommands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from tracker.session.atomic import demand_absent, demand_folder, make_folder
-    from tracker.surface.hulls import Hulls
-    from tracker.surface.rig import Rig
+    from tracker.surface.cameras.hulls import Hulls
+    from tracker.surface.cameras.rig import Rig
 
     out: Path = arguments.out
     stop = threading.Event()
@@ -103,7 +103,7 @@ def _make(
 ) -> tuple[list[Path], dict[int, str]]:
     """The files written, and why others are not."""
     from tracker.session.atomic import write_file
-    from tracker.surface.ply import ply_bytes
+    from tracker.surface.files.ply import ply_bytes
 
     written: list[Path] = []
     refused: dict[int, str] = {}

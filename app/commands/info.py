@@ -54,8 +54,8 @@ def _of_video(path: Path) -> Told:
 
 def _of_meshes(path: Path) -> Told:
     from tracker.surface.beginning import first_mesh
+    from tracker.surface.files.sequence import MeshSequence
     from tracker.surface.picture import CONTAINER
-    from tracker.surface.sequence import MeshSequence
 
     with MeshSequence.open(path) as meshes:
         frame, mesh = first_mesh(meshes)

@@ -13,8 +13,8 @@ from tracker.session.files import open_video_at
 from tracker.session.first_motion import of_session
 from tracker.session.tracking import demand_first_motion, fitter_of, steps_of
 from tracker.skeleton import Skeleton
-from tracker.surface.fitter import SurfaceFitter
-from tracker.surface.sources import SUFFIXES
+from tracker.surface.files.sources import SUFFIXES
+from tracker.surface.fit.fitter import SurfaceFitter
 from tracker.surface.steps import Steps
 from tracker.track import SegmentTracker, Tracker
 from tracker.video import Video

@@ -68,7 +68,7 @@ class Fit:
             raise SurfaceError(
                 "Sizes are fitted to pictures, not to surfaces: set them in Body, by what you see."
             )
-        from tracker.surface.fit_here import fit_here, lay_body  # loads what only this needs
+        from tracker.surface.fit.fit_here import fit_here, lay_body  # loads what only this needs
 
         path, folder, model = order.video_path, Path(order.folder), session.model_keyframe
         if model is None or model.frame == order.frame:

@@ -14,8 +14,8 @@ from urllib.parse import quote_from_bytes, unquote_to_bytes
 from app.library.names import shown
 from app.library.uploading import SUFFIXES, SURFACES
 from tracker.errors import KeyposeError
+from tracker.surface.files.sources import SUFFIXES as MESHES
 from tracker.surface.source import are_meshes
-from tracker.surface.sources import SUFFIXES as MESHES
 from tracker.video.folder import SUFFIXES as IMAGES
 
 Kind: TypeAlias = Literal["video", "images", "meshes", "session"]

@@ -19,15 +19,15 @@ from app.opening import Workpiece
 from tracker.errors import SurfaceError, VideoError
 from tracker.session.schema import Session
 from tracker.skeleton import Skeleton
+from tracker.surface.fit.weights import in_agreement
 from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.painting import GROUND, painted
 from tracker.surface.picture import SurfaceVideo, open_surfaces
-from tracker.surface.weights import in_agreement
 from tracker.video import VideoInfo
 from tracker.video.picture import Picture
 
 if TYPE_CHECKING:
-    from tracker.surface.model import SurfaceModel
+    from tracker.surface.fit.model import SurfaceModel
 
 MODEL_POINTS = 3000
 
@@ -135,7 +135,7 @@ class Observed:
         model = self._model_of(edit.settled) if tint in ("contact", "distance") else None
         if model is None or tint == "clay":
             return clay(len(mesh.vertices))
-        from tracker.surface.looking import look  # loads when surfaces are looked at
+        from tracker.surface.fit.looking import look  # loads when surfaces are looked at
 
         return tinted(tint, look(model, mesh, shown(edit, frame).pose, tint))
 
@@ -144,7 +144,7 @@ class Observed:
         keyframe, surface = doc.model_keyframe, doc.surface
         if keyframe is None or surface is None:
             return None
-        from tracker.surface.model import SurfaceModel  # loads when surfaces are looked at
+        from tracker.surface.fit.model import SurfaceModel  # loads when surfaces are looked at
 
         key = (*self._frame_key(doc), keyframe, doc.body, surface.binding)
         with self._lock:

@@ -13,7 +13,7 @@ from tracker.geometry import Array
 from tracker.session import Keyframe, Session
 from tracker.session.files import load_session, save_session
 from tracker.skeleton import Skeleton
-from tracker.surface.sequence import MeshSequence
+from tracker.surface.files.sequence import MeshSequence
 
 SAMPLE = Path(sample_videos.__file__).parent / "arms"
 STEPS = 5

@@ -12,10 +12,10 @@ import pytest
 from app.cli import main
 from tests.rendering.studio import write_studio
 from tests.tracker.surface.ball_cases import P_BALL, RADIUS_M, studio
-from tracker.surface import hulls
+from tracker.surface.cameras import hulls
+from tracker.surface.files.sequence import MeshSequence
 from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.placing import Placement
-from tracker.surface.sequence import MeshSequence
 
 PLACED = Placement("cm", "+z", np.array([0.0, 0.5, 3.8]))
 VOXEL = ["--voxel", "0.03"]

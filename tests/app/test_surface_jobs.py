@@ -38,8 +38,8 @@ from tracker.session.files import load_session, open_video_of, save_session
 from tracker.session.tracking import track_session
 from tracker.session.tracks import load_trajectory
 from tracker.settings import Weights
-from tracker.surface import segment
-from tracker.surface.fitter import SurfaceFitter, options_of
+from tracker.surface.fit import segment
+from tracker.surface.fit.fitter import SurfaceFitter, options_of
 from tracker.track import SegmentStarted, TrackFinished
 from tracker.video import Video
 

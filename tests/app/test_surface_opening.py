@@ -28,9 +28,9 @@ from tracker.session.tracks import setup_hash
 from tracker.shapes import Box
 from tracker.sizing import height
 from tracker.surface.beginning import Reading
+from tracker.surface.files.ply import ply_bytes
 from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.picture import SurfaceVideo
-from tracker.surface.ply import ply_bytes
 from tracker.surface.source import holds_meshes
 from tracker.video import MissingFrame
 

@@ -25,14 +25,14 @@ from tracker.body import Body
 from tracker.geometry import Array
 from tracker.pose import Pose, joint_positions, part_transforms
 from tracker.skeleton import Skeleton
+from tracker.surface.files.ply import ply_bytes
+from tracker.surface.files.sequence import MeshSequence
+from tracker.surface.fit.model import SurfaceModel
+from tracker.surface.fit.options import Options
+from tracker.surface.fit.pairing import Observed
+from tracker.surface.fit.segment import SurfaceTracker
+from tracker.surface.fit.solving import fit_pose
 from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.model import SurfaceModel
-from tracker.surface.options import Options
-from tracker.surface.pairing import Observed
-from tracker.surface.ply import ply_bytes
-from tracker.surface.segment import SurfaceTracker
-from tracker.surface.sequence import MeshSequence
-from tracker.surface.solving import fit_pose
 
 PAPER = Options(mutual=False, floor=False, stiff=0.0)
 VARIANTS: Mapping[str, Options] = {

@@ -15,11 +15,11 @@ from tests.rendering.ring import Carvings, Shot, ring_of
 from tracker.body import Body
 from tracker.pose import Pose, pose_transforms
 from tracker.skeleton import Skeleton
-from tracker.surface.carve import carved, seen_through
-from tracker.surface.hull import SMOOTHING_VOXELS, Silhouette, hull_field, hull_mesh
+from tracker.surface.cameras.carve import carved, seen_through
+from tracker.surface.cameras.hull import SMOOTHING_VOXELS, Silhouette, hull_field, hull_mesh
+from tracker.surface.cameras.photo import consistency
+from tracker.surface.cameras.views import View
 from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.photo import consistency
-from tracker.surface.views import View
 
 HullKind: TypeAlias = Literal["visual", "photo", "ideal"]
 
@@ -104,6 +104,6 @@ def _made_by() -> list[Path]:
     kernels = ("carving", "patches", "sweeping", "raster")
     return [
         *(ROOT / "tests" / "rendering" / f"{name}.py" for name in rendering),
-        *(ROOT / "tracker" / "surface" / f"{name}.py" for name in surface),
+        *(ROOT / "tracker" / "surface" / "cameras" / f"{name}.py" for name in surface),
         *(ROOT / "tracker" / "kernels" / f"{name}.py" for name in kernels),
     ]

@@ -13,7 +13,7 @@ from tracker.camera import Camera
 from tracker.geometry import Array, transform
 from tracker.kernels.raster import PERSPECTIVE, fill
 from tracker.shapes import Mesh
-from tracker.surface.views import Grey, View
+from tracker.surface.cameras.views import Grey, View
 
 SIZE = (640, 480)
 FOCAL = 620.0

@@ -11,8 +11,8 @@ import numpy as np
 
 from tests.rendering.ring import Shot
 from tracker.geometry import Array
+from tracker.surface.cameras.views import View
 from tracker.surface.placing import METRES, Placement
-from tracker.surface.views import View
 
 
 def write_studio(

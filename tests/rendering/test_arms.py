@@ -18,9 +18,9 @@ from tracker.pose import Pose, pose_transforms
 from tracker.session.archive import archive_arrays
 from tracker.session.files import load_session
 from tracker.skeleton import Skeleton
+from tracker.surface.cameras.rig import Rig
+from tracker.surface.files.sequence import MeshSequence
 from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.rig import Rig
-from tracker.surface.sequence import MeshSequence
 from tracker.surface.source import placement_of
 
 VOXEL_M = 0.02

@@ -13,7 +13,7 @@ from tests.tracker.surface.ball_cases import P_BALL, RADIUS_M, ball_field
 from tests.tracker.surface.test_nets import edge_counts, volume
 from tracker.pose import pose_transforms
 from tracker.skeleton import Skeleton
-from tracker.surface.nets import surface_of
+from tracker.surface.cameras.nets import surface_of
 
 needs_human = pytest.mark.skipif(
     not (DATA / "mesh_walk" / "meta.json").is_file(), reason="the animated human is not here"

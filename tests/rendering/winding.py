@@ -10,8 +10,8 @@ from scipy import ndimage
 
 from tracker.geometry import Array
 from tracker.kernels import compiled
+from tracker.surface.cameras.nets import Field, surface_of
 from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.nets import Field, surface_of
 
 
 def united(vertices: Array, faces: NDArray[np.int64], voxel_m: float) -> SurfaceMesh:

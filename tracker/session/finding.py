@@ -72,7 +72,7 @@ def _film(place: Path, session: Session) -> str | None:
 
 
 def _surfaces(place: Path, session: Session) -> str | None:
-    from tracker.surface.sequence import MeshSequence
+    from tracker.surface.files.sequence import MeshSequence
 
     if not (place.is_dir() or place.suffix.lower() == ".glb"):
         return None

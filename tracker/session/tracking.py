@@ -8,7 +8,7 @@ from tracker.errors import SessionError
 from tracker.loading import MEMORY_BYTES
 from tracker.session.schema import Session
 from tracker.skeleton import Skeleton
-from tracker.surface.fitter import SurfaceFitter
+from tracker.surface.fit.fitter import SurfaceFitter
 from tracker.surface.picture import SurfaceVideo
 from tracker.surface.source import SurfaceSteps, UnratedSteps
 from tracker.surface.steps import Steps

@@ -13,11 +13,11 @@ from tracker.errors import SurfaceError
 from tracker.geometry import Array
 from tracker.session.schema import Surface
 from tracker.settings import Units, UpAxis
-from tracker.surface.guessing import guess_units, guess_up
+from tracker.surface.cameras.rig import Rig
+from tracker.surface.files.guessing import guess_units, guess_up
+from tracker.surface.files.sequence import MeshSequence
 from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.placing import METRES, Placement
-from tracker.surface.rig import Rig
-from tracker.surface.sequence import MeshSequence
 
 WIDTH, HEIGHT = 960, 720
 FIELD_OF_VIEW = math.radians(35.0)

@@ -8,10 +8,10 @@ import numpy as np
 
 from tracker.errors import SurfaceError, VideoError
 from tracker.session.schema import Surface
-from tracker.surface.footage import Footage
+from tracker.surface.cameras.footage import Footage
+from tracker.surface.cameras.rig import Rig
+from tracker.surface.cameras.views import View
 from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.rig import Rig
-from tracker.surface.views import View
 
 
 def opened_footage(surface: Surface, folder: Path, frame_count: int) -> Footage | None:

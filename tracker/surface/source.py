@@ -17,14 +17,14 @@ import numpy as np
 
 from tracker.errors import SurfaceError
 from tracker.session.schema import Surface
+from tracker.surface.files.sequence import MeshSequence
+from tracker.surface.files.sources import SUFFIXES
 from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.placing import Placement
-from tracker.surface.sequence import MeshSequence
-from tracker.surface.sources import SUFFIXES
 from tracker.video.folder import SUFFIXES as IMAGES
 
 if TYPE_CHECKING:
-    from tracker.surface.footage import Footage
+    from tracker.surface.cameras.footage import Footage
 
 KEPT = 6
 """Meshes of each kind: two segments at work, each with a step ahead, and one that is looked at."""

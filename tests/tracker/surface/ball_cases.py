@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from tests.rendering.ring import Carvings, Shot, ring_of
 from tracker.geometry import Array
 from tracker.shapes import Mesh
-from tracker.surface.hull import Silhouette
-from tracker.surface.nets import Field, surface_of
-from tracker.surface.views import View
+from tracker.surface.cameras.hull import Silhouette
+from tracker.surface.cameras.nets import Field, surface_of
+from tracker.surface.cameras.views import View
 
 P_BALL = np.array([0.0, 0.0, 3.8])
 RADIUS_M = 0.3

@@ -14,10 +14,10 @@ import trimesh
 from tests.tracker.surface.mesh_files import BOX, CORNERS, GlbFile
 from tracker.errors import SurfaceError
 from tracker.geometry import Array, exp_rotation
-from tracker.surface.animated import FPS, AnimatedScene
-from tracker.surface.parsing.channels import slerp
-from tracker.surface.parsing.raw import Refused
-from tracker.surface.sequence import MeshSequence
+from tracker.surface.files.animated import FPS, AnimatedScene
+from tracker.surface.files.parsing.channels import slerp
+from tracker.surface.files.parsing.raw import Refused
+from tracker.surface.files.sequence import MeshSequence
 
 WALK = Path(__file__).parents[4] / "shared/data/mesh_walk"
 

@@ -14,9 +14,9 @@ from tests.tracker.surface.ball_cases import pictures, silhouettes, studio
 from tracker.geometry import Array
 from tracker.pose import pose_transforms
 from tracker.skeleton import Skeleton
-from tracker.surface import carve
-from tracker.surface.carve import STRIDE, carved, depth_maps, seen_through
-from tracker.surface.hull import hull_field, hull_mesh
+from tracker.surface.cameras import carve
+from tracker.surface.cameras.carve import STRIDE, carved, depth_maps, seen_through
+from tracker.surface.cameras.hull import hull_field, hull_mesh
 
 VOXEL_M = 0.02
 STEP = 5

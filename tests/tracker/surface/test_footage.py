@@ -13,10 +13,10 @@ from tests.rendering.ring import ring_of
 from tests.rendering.studio import write_studio
 from tests.tracker.surface.ball_cases import P_BALL, ball_field, studio
 from tracker.errors import SurfaceError
-from tracker.surface.footage import Footage
-from tracker.surface.nets import surface_of
+from tracker.surface.cameras.footage import Footage
+from tracker.surface.cameras.nets import surface_of
+from tracker.surface.cameras.rig import Rig
 from tracker.surface.placing import Placement
-from tracker.surface.rig import Rig
 
 PLACED = Placement("cm", "+z", np.array([0.0, 0.5, 3.8]))
 

@@ -11,7 +11,7 @@ from tests.tracker.surface.ball_cases import P_BALL, RADIUS_M, silhouettes, stud
 from tests.tracker.surface.test_nets import edge_counts, volume
 from tracker.errors import SurfaceError
 from tracker.geometry import Array
-from tracker.surface.hull import (
+from tracker.surface.cameras.hull import (
     LIMIT_VOXELS,
     Silhouette,
     hull_field,
@@ -20,7 +20,7 @@ from tracker.surface.hull import (
     outline_distances,
     touching,
 )
-from tracker.surface.views import View
+from tracker.surface.cameras.views import View
 
 VOXEL_M = 0.02
 

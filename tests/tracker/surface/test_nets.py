@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from tests.tracker.surface.ball_cases import P_BALL, RADIUS_M, ball_field
+from tracker.surface.cameras.nets import surface_of
 from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.nets import surface_of
 
 
 def volume(mesh: SurfaceMesh) -> float:

@@ -10,10 +10,10 @@ import pytest
 
 from tests.tracker.surface.ball_cases import P_BALL, RADIUS_M, ball_field, pictures, studio
 from tracker.geometry import Array
+from tracker.surface.cameras.nets import surface_of
+from tracker.surface.cameras.photo import LEAST_COSINE, SPACING_PX, agreement, consistency
+from tracker.surface.cameras.views import View
 from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.nets import surface_of
-from tracker.surface.photo import LEAST_COSINE, SPACING_PX, agreement, consistency
-from tracker.surface.views import View
 
 
 def ball(radius_m: float = RADIUS_M) -> SurfaceMesh:

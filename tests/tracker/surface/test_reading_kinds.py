@@ -24,12 +24,12 @@ from tests.tracker.surface.mesh_files import (
     standing_box,
 )
 from tracker.geometry import Array
-from tracker.surface.animated import read_resting
-from tracker.surface.parsing.obj import read_obj
-from tracker.surface.parsing.off import read_off
-from tracker.surface.parsing.ply import read_ply
-from tracker.surface.parsing.raw import RawMesh, Refused
-from tracker.surface.parsing.tidying import tidied
+from tracker.surface.files.animated import read_resting
+from tracker.surface.files.parsing.obj import read_obj
+from tracker.surface.files.parsing.off import read_off
+from tracker.surface.files.parsing.ply import read_ply
+from tracker.surface.files.parsing.raw import RawMesh, Refused
+from tracker.surface.files.parsing.tidying import tidied
 
 READERS = {"ply": read_ply, "obj": read_obj, "off": read_off, "glb": read_resting}
 

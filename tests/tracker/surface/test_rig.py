@@ -14,9 +14,9 @@ from tests.rendering.studio import cameras_json
 from tracker.errors import SurfaceError
 from tracker.geometry import quaternion_wxyz
 from tracker.settings import UpAxis
+from tracker.surface.cameras.rig import Rig
 from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.placing import Placement
-from tracker.surface.rig import Rig
 
 P_CENTRE = np.array([0.1, 0.0, 3.8])
 P_SURFACE = np.array([0.0, 0.5, 3.8])

@@ -14,10 +14,10 @@ import pytest
 
 from tests.tracker.surface.mesh_files import BOX, CORNERS, folder_of, obj, ply, standing_box
 from tracker.errors import SurfaceError
-from tracker.surface.guessing import guess_units, guess_up
+from tracker.surface.files.guessing import guess_units, guess_up
+from tracker.surface.files.sequence import MeshSequence
+from tracker.surface.files.sources import FolderSource
 from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.sequence import MeshSequence
-from tracker.surface.sources import FolderSource
 
 
 def place_x(meshes: MeshSequence, frame: int) -> float:

@@ -14,15 +14,15 @@ from tracker.kernels.surface import pull
 from tracker.pose import Pose, moved, pose_transforms
 from tracker.shapes import Box
 from tracker.skeleton import Skeleton
-from tracker.surface.certainty import UNSEEN
-from tracker.surface.fit_here import lay_body
-from tracker.surface.looking import look
-from tracker.surface.measuring import measure
+from tracker.surface.fit.certainty import UNSEEN
+from tracker.surface.fit.fit_here import lay_body
+from tracker.surface.fit.looking import look
+from tracker.surface.fit.measuring import measure
+from tracker.surface.fit.model import SurfaceModel
+from tracker.surface.fit.options import Options
+from tracker.surface.fit.pairing import Observed, pairs_of
+from tracker.surface.fit.solving import _jacobians, fit_pose
 from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.model import SurfaceModel
-from tracker.surface.options import Options
-from tracker.surface.pairing import Observed, pairs_of
-from tracker.surface.solving import _jacobians, fit_pose
 
 BODY = two_bars()
 START = bent(BODY, 0.4, (0.2, 0.3, -0.1))

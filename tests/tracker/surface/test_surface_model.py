@@ -14,14 +14,14 @@ from tracker.pose import Pose, pose_transforms
 from tracker.settings import UpAxis
 from tracker.shapes import Box, Frustum
 from tracker.skeleton import Skeleton
-from tracker.surface.binding import distance_to_shape, distances_to_parts, shares_of
+from tracker.surface.fit.binding import distance_to_shape, distances_to_parts, shares_of
+from tracker.surface.fit.model import SurfaceModel, freed
+from tracker.surface.fit.options import Options
+from tracker.surface.fit.pairing import clear_of
+from tracker.surface.fit.points import SurfaceSamples
+from tracker.surface.fit.weights import LEAST_SHARE, clear_of_contact, floored, in_agreement
 from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.model import SurfaceModel, freed
-from tracker.surface.options import Options
-from tracker.surface.pairing import clear_of
 from tracker.surface.placing import METRES, Placement
-from tracker.surface.points import SurfaceSamples
-from tracker.surface.weights import LEAST_SHARE, clear_of_contact, floored, in_agreement
 
 
 def _ball() -> SurfaceMesh:

@@ -12,9 +12,9 @@ from tracker.geometry import exp_rotation
 from tracker.pose import Pose
 from tracker.scoring import Pass
 from tracker.shapes import Box
+from tracker.surface.fit.options import Options
+from tracker.surface.fit.segment import SurfaceTracker
 from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.options import Options
-from tracker.surface.segment import SurfaceTracker
 from tracker.track import SegmentResult
 
 BODY = two_bars()
@@ -191,7 +191,7 @@ def test_the_model_needs_the_surface_of_its_own_step() -> None:
 
 
 def test_work_can_be_stopped_at_every_step(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tracker.surface.segment.TELL_S", 0.0)
+    monkeypatch.setattr("tracker.surface.fit.segment.TELL_S", 0.0)
     done = []
 
     def stop_at_three(step: Pass, number: int) -> None:
@@ -205,7 +205,7 @@ def test_work_can_be_stopped_at_every_step(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_what_is_told_on_the_way_covers_the_whole_span(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tracker.surface.segment.TELL_S", 0.0)
+    monkeypatch.setattr("tracker.surface.fit.segment.TELL_S", 0.0)
     told: list[tuple[Pass, int]] = []
     tracker = _tracker({0: TRUE[0], 8: TRUE[8]})
     tracker.run_segment((0, 8), lambda step, number: told.append((step, number)))

@@ -1,0 +1,144 @@
+"""What a rig's cameras took: pictures and silhouettes by step, as ideal lenses would show them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from types import TracebackType
+from typing import Literal, Self, TypeAlias
+
+import cv2
+import numpy as np
+
+from tracker.camera import Camera
+from tracker.errors import SurfaceError
+from tracker.geometry import Array
+from tracker.surface.cameras.hull import Silhouette
+from tracker.surface.cameras.photo import consistency
+from tracker.surface.cameras.rig import Rig, RigCamera
+from tracker.surface.cameras.views import Grey, View
+from tracker.surface.mesh import SurfaceMesh
+from tracker.video import MissingFrame, Video
+
+What: TypeAlias = Literal["images", "silhouettes"]
+
+
+@dataclass(frozen=True, eq=False)
+class _Taken:
+    """A view, without the lens's distortion, and its video."""
+
+    view: View
+    lens: Camera
+    video: Video
+
+
+class Footage:
+    """The opened images or silhouettes of a rig, beside its views. Close it, or use `with`."""
+
+    def __init__(self, rig: Rig, what: What, p_camera_surface: Array) -> None:
+        """SurfaceError where fewer than two cameras have any, or they do not fit together."""
+        self._what = what
+        self._open = ExitStack()
+        try:
+            self._taken = self._videos(rig, p_camera_surface)
+            self.frame_count = _common_count(self._taken, what)
+        except BaseException:
+            self._open.close()
+            raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Let go of the videos."""
+        self._open.close()
+
+    @property
+    def views(self) -> tuple[View, ...]:
+        """The views that have pictures, with ideal lenses."""
+        return tuple(taken.view for taken in self._taken)
+
+    def pictures(self, step: int) -> tuple[list[View], list[Grey]]:
+        """The views whose picture of this step can be read, and these pictures (H, W)."""
+        found = [(taken, grey) for taken, grey in self._greys(step) if grey is not None]
+        pictures = [taken.lens.rectify(grey) for taken, grey in found]
+        return [taken.view for taken, _ in found], pictures
+
+    def silhouettes(self, step: int) -> tuple[list[View], list[Silhouette]]:
+        """The same of silhouettes: what is brighter than half belongs to the thing."""
+        found = [(taken, grey) for taken, grey in self._greys(step) if grey is not None]
+        return [taken.view for taken, _ in found], [_silhouette(t.lens, g) for t, g in found]
+
+    def judged(self, mesh: SurfaceMesh, step: int) -> SurfaceMesh:
+        """A mesh in the views' world, with its photo-consistency at a step."""
+        views, pictures = self.pictures(step)
+        return replace(mesh, consistency=consistency(mesh, views, pictures))
+
+    def _videos(self, rig: Rig, p_camera_surface: Array) -> list[_Taken]:
+        taken = []
+        for camera, view in zip(rig.cameras, rig.views(p_camera_surface), strict=True):
+            name = camera.images if self._what == "images" else camera.silhouettes
+            if name is None:
+                continue
+            # One picture each: the steps are gone through once.
+            video = self._open.enter_context(Video.open(rig.folder / name, cache_bytes=0))
+            _demand_size(camera, video, self._what)
+            ideal = replace(view, camera=view.camera.without_distortion())
+            taken.append(_Taken(ideal, view.camera, video))
+        if len(taken) < 2:
+            raise SurfaceError(
+                f"Only {len(taken)} of the {len(rig.cameras)} cameras have {self._what}: at least "
+                f"two must name theirs."
+            )
+        return taken
+
+    def _greys(self, step: int) -> list[tuple[_Taken, Grey | None]]:
+        return [(taken, _grey(taken.video, step)) for taken in self._taken]
+
+
+def _grey(video: Video, step: int) -> Grey | None:
+    try:
+        picture = video.frame(step)
+    except MissingFrame:
+        return None
+    return np.asarray(cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY), np.uint8)
+
+
+def _silhouette(lens: Camera, grey: Grey) -> Silhouette:
+    mask = np.where(grey > 127, np.uint8(255), np.uint8(0))
+    if not lens.is_distorted:
+        return Silhouette(mask > 0)
+    # An ideal lens would show more than was taken: of that nothing is known.
+    known = lens.rectify(np.full_like(mask, 255)) > 254
+    return Silhouette((lens.rectify(mask) > 127) & known, known)
+
+
+def _demand_size(camera: RigCamera, video: Video, what: What) -> None:
+    width, height = video.info.width, video.info.height
+    if (width, height) != (camera.width, camera.height):
+        raise SurfaceError(
+            f"The {what} of camera {camera.name!r} have {width}×{height} pixels instead of the "
+            f"{camera.width}×{camera.height} it was calibrated for."
+        )
+
+
+def _common_count(taken: Sequence[_Taken], what: What) -> int:
+    counts: dict[int, str] = {}
+    for one in taken:
+        counts.setdefault(one.video.info.frame_count, one.view.name)
+    if len(counts) > 1:
+        (some, first), (others, second) = list(counts.items())[:2]
+        raise SurfaceError(
+            f"Camera {first!r} has {some} {what} and camera {second!r} {others}: every camera "
+            "needs one for every step."
+        )
+    return next(iter(counts))

@@ -1,0 +1,140 @@
+"""A rig: calibrated cameras about a scene, as a JSON file tells them.
+
+    {"units": "cm", "up": "+z", "cameras": [
+      {"name": "north", "width": 640, "height": 480, "fx": 620, "fy": 620, "cx": 319.5, "cy": 239.5,
+       "R_camera_world": [[…], […], […]], "t_camera_world": [12.5, 80, 340],
+       "images": "north/images", "silhouettes": "north/silhouettes"}, …]}
+
+A point of the world is at R_camera_world · p + t_camera_world in a camera's frame: x right, y down,
+z away, pixel centres at integers. Units and the up axis are those of the world, which is also that
+of the surfaces. Images and silhouettes are folders of images or videos, a picture for every step,
+relative to the file.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Self, TypeAlias
+
+import numpy as np
+from pydantic import Field, FiniteFloat, ValidationError, model_validator
+from pydantic_core import from_json
+
+from tracker.camera import Camera
+from tracker.errors import SurfaceError
+from tracker.geometry import Array, nearest_rotation, rotation_from_quaternion, transform
+from tracker.settings import Plain, Units, UpAxis
+from tracker.surface.cameras.views import View
+from tracker.surface.mesh import SurfaceMesh
+from tracker.surface.placing import METRES, Placement
+from tracker.wording import one_sentence
+
+LARGEST_BYTES = 4 * 2**20
+MOST_CAMERAS = 200
+
+Length: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e9, le=1e9)]
+Triple: TypeAlias = tuple[Length, Length, Length]
+PathText: TypeAlias = Annotated[str, Field(min_length=1, max_length=4000)]
+
+
+class RigCamera(Camera):
+    """One camera of the file: a lens, where it stands, and what it took."""
+
+    name: Annotated[str, Field(min_length=1, max_length=60)]
+    R_camera_world: tuple[Triple, Triple, Triple] | None = None
+    quaternion_wxyz: tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat] | None = None
+    t_camera_world: Triple
+    images: PathText | None = None
+    silhouettes: PathText | None = None
+
+    @model_validator(mode="after")
+    def _stands_one_way(self) -> Self:
+        if (self.R_camera_world is None) == (self.quaternion_wxyz is None):
+            raise ValueError(f"camera {self.name!r} needs either R_camera_world or quaternion_wxyz")
+        if self.R_camera_world is not None:
+            R = np.array(self.R_camera_world)
+            if np.abs(R @ R.T - np.eye(3)).max() > 1e-3 or np.linalg.det(R) < 0:
+                raise ValueError(f"camera {self.name!r}: R_camera_world is not a rotation")
+        elif not 0.99 < np.linalg.norm(np.array(self.quaternion_wxyz)) < 1.01:
+            raise ValueError(f"camera {self.name!r}: quaternion_wxyz is not of length 1")
+        if self.projection != "perspective":
+            raise ValueError(f"camera {self.name!r} must have the perspective projection")
+        return self
+
+    @property
+    def R(self) -> Array:
+        """(3, 3) from the file's world to the camera's frame."""
+        if self.R_camera_world is not None:
+            return nearest_rotation(self.R_camera_world)
+        return rotation_from_quaternion(self.quaternion_wxyz or (1, 0, 0, 0))
+
+    @property
+    def lens(self) -> Camera:
+        """The lens alone."""
+        return Camera(**{name: getattr(self, name) for name in Camera.model_fields})
+
+
+class Rig(Plain):
+    """The cameras of one file. Make one with `Rig.open`; `folder` is the file's own."""
+
+    units: Units
+    up: UpAxis
+    cameras: Annotated[tuple[RigCamera, ...], Field(min_length=1, max_length=MOST_CAMERAS)]
+    folder: Path = Field(default=Path(), exclude=True)
+
+    @model_validator(mode="after")
+    def _has_names_of_their_own(self) -> Self:
+        names = [camera.name for camera in self.cameras]
+        for name in names:
+            if names.count(name) > 1:
+                raise ValueError(f"camera {name!r} appears twice; every camera needs its own name")
+        return self
+
+    @classmethod
+    def open(cls, path: Path) -> Rig:
+        """Read the file; SurfaceError in one sentence when it is not one."""
+        try:
+            data = from_json(_content(path))
+        except ValueError as error:
+            raise SurfaceError(f"{path.name} is not JSON: {error}.") from None
+        try:
+            rig = cls.model_validate(data)
+        except ValidationError as error:
+            raise SurfaceError(f"{path.name}: {one_sentence(error)}") from None
+        return rig.model_copy(update={"folder": path.absolute().parent})
+
+    def placement(self, p_camera_surface: Array) -> Placement:
+        """How the file's world lies in a session's camera frame."""
+        return Placement(self.units, self.up, p_camera_surface)
+
+    def views(self, p_camera_surface: Array) -> tuple[View, ...]:
+        """The cameras in a session's camera frame, metres, where the surfaces are placed too."""
+        R_world_file = self.placement(p_camera_surface).R_camera_surface
+        views = []
+        for camera in self.cameras:
+            R = camera.R @ R_world_file.T
+            t = METRES[self.units] * np.array(camera.t_camera_world) - R @ p_camera_surface
+            views.append(View(camera.name, camera.lens, transform(R, t)))
+        return tuple(views)
+
+    def in_file(self, mesh: SurfaceMesh, p_camera_surface: Array) -> SurfaceMesh:
+        """A mesh of a session's camera frame in the units and the world of the file."""
+        placement = self.placement(p_camera_surface)
+        p = (mesh.vertices - p_camera_surface) @ placement.R_camera_surface
+        return SurfaceMesh(p / METRES[self.units], mesh.faces, mesh.consistency)
+
+
+def _content(path: Path) -> bytes:
+    try:
+        if path.is_dir():
+            raise SurfaceError(f"{str(path)!r} is a folder; name the cameras' file in it.")
+        if path.exists() and not path.is_file():
+            raise SurfaceError(f"{str(path)!r} is no ordinary file.")
+        if path.stat().st_size > LARGEST_BYTES:
+            raise SurfaceError(f"{str(path)!r} is too large to be a file of cameras.")
+        return path.read_bytes()
+    except FileNotFoundError:
+        raise SurfaceError(f"There is no file of cameras {str(path)!r}.") from None
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or error
+        raise SurfaceError(f"The file of cameras {str(path)!r} cannot be read: {why}.") from None

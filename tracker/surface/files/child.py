@@ -1,0 +1,135 @@
+"""The child process that reads files of strangers, within limits of memory and time.
+
+    python -m tracker.surface.files.child MEMORY_BYTES SECONDS
+
+It answers the questions of `reading` on its standard input until that ends: with a mesh, or with
+the end of a sentence that says why there is none. What it may use beyond what it needs to start
+is MEMORY_BYTES, and SECONDS of a processor for one question; it may write no file.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, BinaryIO, Final
+
+from tracker.surface.files.animated import AnimatedScene, read_resting
+from tracker.surface.files.parsing.obj import read_obj
+from tracker.surface.files.parsing.off import read_off
+from tracker.surface.files.parsing.opening import opened
+from tracker.surface.files.parsing.ply import read_ply
+from tracker.surface.files.parsing.raw import RawMesh, Refused
+from tracker.surface.files.parsing.tidying import tidied
+from tracker.surface.files.wire import answer, question_of
+
+READERS: Final[dict[str, Callable[[BinaryIO], RawMesh]]] = {
+    ".ply": read_ply,
+    ".obj": read_obj,
+    ".off": read_off,
+    ".glb": read_resting,
+}
+
+
+def main() -> None:
+    memory, seconds = int(sys.argv[1]), int(sys.argv[2])
+    # Whatever prints, a library or a warning, must not speak in between.
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    limit_memory(memory)
+    desk = Desk()
+    for line in sys.stdin.buffer:
+        limit_time(seconds)
+        try:
+            desk.answer(question_of(line), answers)
+        except Refused as why:
+            answer(answers, {"refused": str(why)})
+        except MemoryError:
+            # Memory that was full is in pieces; the next question goes to a fresh process.
+            refusal = "needs too much memory to be read: simplify it."
+            answer(answers, {"refused": refusal, "leaving": True})
+            return
+        except Exception:  # noqa: BLE001 — a parser met what nobody thought of
+            answer(answers, {"refused": "cannot be read: export it again."})
+
+
+class Desk:
+    """Answers questions. The animated file that was asked for last stays open."""
+
+    def __init__(self) -> None:
+        self._film: tuple[object, AnimatedScene] | None = None
+
+    def answer(self, question: dict[str, Any], answers: BinaryIO) -> None:
+        path = str(question["path"])
+        match question["wanted"]:
+            case "mesh":
+                with opened(Path(path)) as file:
+                    mesh = READERS[str(question["kind"])](file)
+                _send(answers, tidied(mesh))
+            case "steps":
+                scene = self._scene(path)
+                answer(answers, {"steps": scene.frame_count, "animated": scene.animated})
+            case "step":
+                _send(answers, self._scene(path).tidy_mesh(int(question["step"])))
+
+    def _scene(self, path: str) -> AnimatedScene:
+        with opened(Path(path)) as file:
+            facts = os.fstat(file.fileno())
+            state = (path, facts.st_ino, facts.st_size, facts.st_mtime_ns)
+            if self._film is None or self._film[0] != state:
+                self._film = None  # so that never two are in memory
+                self._film = state, AnimatedScene.read(file)
+        return self._film[1]
+
+
+def limit_memory(extra: int) -> None:
+    """What the process may use more than it does now; and it may write no file."""
+    try:
+        import resource
+    except ImportError:  # a system without such limits: the caps on sizes and time remain
+        return
+    try:
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+    except OSError:
+        pages = 2**30 // resource.getpagesize()
+    allowed = pages * resource.getpagesize() + extra
+    for kind, value in (
+        (resource.RLIMIT_AS, allowed),
+        (resource.RLIMIT_FSIZE, 0),
+        (resource.RLIMIT_CORE, 0),
+    ):
+        _lower(kind, value)
+
+
+def limit_time(seconds: int) -> None:
+    """Seconds of a processor from now on; the process ends when they are over."""
+    try:
+        import resource
+    except ImportError:
+        return
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    _lower(resource.RLIMIT_CPU, int(used.ru_utime + used.ru_stime) + seconds + 1)
+
+
+def _lower(kind: int, value: int) -> None:
+    """The soft limit, as low as this or as the hard one."""
+    import resource
+
+    hard = resource.getrlimit(kind)[1]
+    if hard != resource.RLIM_INFINITY:
+        value = min(value, hard)
+    with suppress(ValueError, OSError):  # a system that knows the limit but does not let it be set
+        resource.setrlimit(kind, (value, hard))
+
+
+def _send(answers: BinaryIO, mesh: RawMesh) -> None:
+    arrays = {"vertices": mesh.vertices, "faces": mesh.faces}
+    if mesh.consistency is not None:
+        arrays["consistency"] = mesh.consistency
+    answer(answers, {}, arrays)
+
+
+if __name__ == "__main__":
+    main()

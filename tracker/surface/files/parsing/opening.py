@@ -1,0 +1,68 @@
+"""The door: only ordinary files of a sensible size get through."""
+
+from __future__ import annotations
+
+import os
+import stat
+from pathlib import Path
+from typing import BinaryIO, Final
+
+from tracker.surface.files.parsing.raw import Refused
+
+LARGEST_BYTES: Final = 512 * 2**20
+
+_FLAGS: Final = (
+    os.O_RDONLY
+    | getattr(os, "O_BINARY", 0)
+    | getattr(os, "O_NONBLOCK", 0)  # a pipe put there after it was looked at is not waited for
+)
+_ARCHIVES: Final = {
+    b"PK\x03\x04": "zip archive",
+    b"PK\x05\x06": "zip archive",
+    b"\x1f\x8b": "gzip archive",
+    b"BZh": "bzip2 archive",
+    b"\xfd7zXZ": "xz archive",
+    b"7z\xbc\xaf": "7z archive",
+    b"Rar!": "rar archive",
+}
+
+
+def opened(path: Path) -> BinaryIO:
+    """The file, open for reading. Refused where it is none, empty, huge or an archive."""
+    try:
+        # Looked at before it is opened: opening a device may already do something.
+        _demand_ordinary(path.stat())
+        file = os.fdopen(os.open(path, _FLAGS), "rb")
+    except FileNotFoundError as error:
+        raise Refused("is no longer there: put it back, or open the folder again.") from error
+    except PermissionError as error:
+        raise Refused("may not be read by you: change its permissions.") from error
+    except OSError as error:
+        raise Refused("cannot be read: check the disk or connection it is on.") from error
+    try:
+        _demand_ordinary(os.fstat(file.fileno()))
+        _demand_no_archive(file)
+    except BaseException:
+        file.close()
+        raise
+    return file
+
+
+def _demand_ordinary(facts: os.stat_result) -> None:
+    if not stat.S_ISREG(facts.st_mode):
+        raise Refused("is no ordinary file: put a mesh in its place.")
+    if facts.st_size == 0:
+        raise Refused("is empty: export it again.")
+    if facts.st_size > LARGEST_BYTES:
+        raise Refused(
+            f"is {facts.st_size / 2**20:,.0f} MB large, and no more than "
+            f"{LARGEST_BYTES // 2**20} MB are read: simplify it, or save it in a binary form."
+        )
+
+
+def _demand_no_archive(file: BinaryIO) -> None:
+    head = file.read(8)
+    file.seek(0)
+    for start, what in _ARCHIVES.items():
+        if head.startswith(start):
+            raise Refused(f"is a {what}, not a mesh: unpack it.")

@@ -1,0 +1,168 @@
+"""Where the meshes of the steps come from: the files of a folder, or one animated file."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from itertools import pairwise
+from pathlib import Path
+from typing import Final, Protocol
+
+from tracker.errors import SurfaceError
+from tracker.settings import Units, UpAxis
+from tracker.surface.files.animated import FPS
+from tracker.surface.files.numbering import by_steps, shown
+from tracker.surface.files.parsing.opening import opened
+from tracker.surface.files.parsing.raw import Refused
+from tracker.surface.files.reading import MeshReader
+from tracker.surface.mesh import SurfaceMesh
+
+SUFFIXES: Final = (".ply", ".obj", ".glb", ".off")
+GLB: Final = ".glb"
+_FILE_CHUNK: Final = 64 * 1024
+_STEP_CHUNK: Final = 4 * 1024
+
+
+class Source(Protocol):
+    """Meshes by number. `missing` holds, per step without a file, one sentence."""
+
+    frame_count: int
+    fps: float | None
+    stated_units: Units | None
+    stated_up: UpAxis | None
+    missing: dict[int, str]
+
+    def name(self, frame: int) -> str:
+        """The file of a step, as it can be printed."""
+
+    def read(self, reader: MeshReader, frame: int) -> SurfaceMesh:
+        """The mesh of a step that has a file. Raises Refused."""
+
+    def fingerprint(self) -> str:
+        """ "sha256:…", equal for copies."""
+
+
+class FolderSource:
+    """The mesh files of a folder, one per step."""
+
+    fps: float | None = None  # a folder keeps no time
+
+    def __init__(self, files: tuple[Path | None, ...]) -> None:
+        self._files = files
+        self.frame_count = len(files)
+        self.missing = _gaps(files)
+        all_glb = all(file.suffix.lower() == GLB for file in files if file is not None)
+        # glTF prescribes both.
+        self.stated_units: Units | None = "m" if all_glb else None
+        self.stated_up: UpAxis | None = "+y" if all_glb else None
+
+    def name(self, frame: int) -> str:
+        file = self._files[frame]
+        return "" if file is None else shown(file)
+
+    def read(self, reader: MeshReader, frame: int) -> SurfaceMesh:
+        file = self._files[frame]
+        assert file is not None, "a missing step is refused before"
+        return reader.mesh(file)
+
+    def fingerprint(self) -> str:
+        digest = hashlib.sha256()
+        for frame, file in enumerate(self._files):
+            if file is not None:
+                digest.update(f"{frame} ".encode() + os.fsencode(file.name) + b"\n")
+                digest.update(_ends(file, _STEP_CHUNK))
+        return f"sha256:{digest.hexdigest()}"
+
+
+class GlbSource:
+    """One GLB file, animated or of a single step."""
+
+    stated_units: Units | None = "m"
+    stated_up: UpAxis | None = "+y"
+
+    def __init__(self, path: Path, reader: MeshReader) -> None:
+        self._path = path
+        try:
+            self.frame_count, animated = reader.steps(path)
+        except Refused as refusal:
+            raise SurfaceError(f'"{shown(path)}" {refusal}') from refusal
+        self.fps: float | None = FPS if animated else None
+        self.missing: dict[int, str] = {}
+
+    def name(self, frame: int) -> str:
+        return shown(self._path)
+
+    def read(self, reader: MeshReader, frame: int) -> SurfaceMesh:
+        return reader.step(self._path, frame)
+
+    def fingerprint(self) -> str:
+        # Not of its name: a renamed file is the same.
+        return f"sha256:{hashlib.sha256(_ends(self._path, _FILE_CHUNK)).hexdigest()}"
+
+
+def _gaps(files: tuple[Path | None, ...]) -> dict[int, str]:
+    """Per step without a file, one sentence. The first and the last have one."""
+    there = [(frame, shown(file)) for frame, file in enumerate(files) if file is not None]
+    return {
+        frame: f'Step {frame} is missing between "{before}" and "{behind}": '
+        "put its mesh into the folder."
+        for (first, before), (last, behind) in pairwise(there)
+        for frame in range(first + 1, last)
+    }
+
+
+def source_at(path: Path, reader: MeshReader) -> Source:
+    """What lies at a path. SurfaceError where these are no meshes."""
+    if path.is_dir():
+        files = _meshes_in(path)
+        if len(files) > 1 or files[0].suffix.lower() != GLB:
+            return FolderSource(by_steps(files))
+        path = files[0]
+    if not path.exists():
+        raise SurfaceError(f'There is no "{shown(path)}": choose a folder of meshes.')
+    if path.suffix.lower() == GLB:
+        return GlbSource(path, reader)
+    if path.suffix.lower() in SUFFIXES:
+        raise SurfaceError(
+            f'"{shown(path)}" is the mesh of a single step: choose the folder it lies in.'
+        )
+    raise SurfaceError(
+        f'"{shown(path)}" holds no meshes over time: choose a folder of PLY, OBJ, GLB or OFF '
+        "files, one per time step, or an animated GLB file."
+    )
+
+
+def _meshes_in(folder: Path) -> list[Path]:
+    """The files that are meshes by their name; at least one."""
+    try:
+        # Hidden ones are what a file manager leaves beside a file.
+        found = [
+            entry
+            for entry in folder.iterdir()
+            if entry.suffix.lower() in SUFFIXES
+            and not entry.name.startswith(".")
+            and not entry.is_dir()
+        ]
+    except OSError as error:
+        raise SurfaceError(
+            f'The folder "{shown(folder)}" may not be read by you: change its permissions.'
+        ) from error
+    if not found:
+        raise SurfaceError(
+            f'The folder "{shown(folder)}" holds no meshes (PLY, OBJ, GLB, OFF): '
+            "choose a folder with one mesh per time step, or an animated GLB file."
+        )
+    return found
+
+
+def _ends(path: Path, chunk: int) -> bytes:
+    """Size, head and tail of a file; nothing of what cannot be read."""
+    try:
+        with opened(path) as file:
+            size = file.seek(0, os.SEEK_END)
+            file.seek(0)
+            head = file.read(chunk)
+            file.seek(max(size - chunk, 0))
+            return f"{size} bytes\n".encode() + head + file.read(chunk)
+    except (Refused, OSError):
+        return b"nothing\n"

@@ -1,0 +1,120 @@
+"""A session about surfaces made ready to be fitted, in the shape in which films are tracked."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from copy import copy
+from dataclasses import replace
+from typing import TypeAlias
+
+from tracker.errors import SessionError
+from tracker.pose import Pose
+from tracker.scoring import Pass
+from tracker.session.schema import Session, Surface
+from tracker.settings import Quality, TrackSettings
+from tracker.skeleton import Skeleton
+from tracker.surface.fit.options import Options
+from tracker.surface.fit.segment import SurfaceTracker
+from tracker.surface.steps import Steps
+from tracker.track import SegmentResult
+from tracker.wording import listed
+
+Span: TypeAlias = tuple[int, int]
+
+
+class SurfaceFitter:
+    """The segments of a session about surfaces; threads may share it.
+
+    model_frame: the keyframe in whose mesh the body was posed; that mesh moves with it.
+    SessionError without a keyframe: the surface that moves with the body is that of one.
+    """
+
+    def __init__(self, session: Session, steps: Steps) -> None:
+        model = session.model_keyframe
+        if model is None or session.surface is None:
+            raise SessionError(
+                "keyframes: one at least is needed to fit surfaces, and the session has none."
+            )
+        self.skeleton = Skeleton.of(session.body)
+        self.spans: tuple[Span, ...] = session.spans
+        self._surface, self._steps, self.model_frame = session.surface, steps, model.frame
+        self._keyposes = {k.frame: k.pose(self.skeleton) for k in session.keyframes}
+        self._trackers: dict[Quality, SurfaceTracker] = {}
+        self._lock = threading.Lock()
+
+    def only(self, first: int, last: int) -> SurfaceFitter:
+        """The same with one segment, which is then its first. What is laid out is shared."""
+        if (first, last) not in self.spans:
+            raise SessionError(f"Frames {first} to {last} are no segment of the session.")
+        other = copy(self)
+        other.spans = ((first, last),)
+        return other
+
+    def expected_steps(self, index: int, settings: TrackSettings) -> int:
+        """Steps of time that `run_segment` works through."""
+        return self._tracker(settings.quality).expected_steps(self.spans[index])
+
+    def run_segment(
+        self, index: int, settings: TrackSettings, emit: Callable[[Pass, int], None]
+    ) -> SegmentResult:
+        """Fit one segment; `emit` is told now and then which step, from 0, was the last to be
+        done, and may raise to stop."""
+
+        def tell(step: Pass, done: int) -> None:
+            emit(step, done - 1)
+
+        span = self.spans[index]
+        found = self._tracker(settings.quality).run_segment(span, tell)
+        notes = (*self._holes(), *self._cuts()) if self._is_told_of_model(span) else ()
+        return replace(found, notes=(*notes, *found.notes))
+
+    def fit_frame(self, frame: int, pose: Pose, quality: Quality = "full") -> Pose:
+        """A pose laid onto the surface of one step; SurfaceError where that cannot be used."""
+        return self._tracker(quality).fit_frame(frame, pose)
+
+    def _is_told_of_model(self, span: Span) -> bool:
+        """Of the segments that touch the model's keyframe one says what is to be said of it."""
+        return self.model_frame == (span[1] if self.model_frame else span[0])
+
+    def _holes(self) -> tuple[str, ...]:
+        """A sentence where the mesh that moves with the body is not whole."""
+        rims = len(self._steps.mesh(self.model_frame).rim)
+        if not rims:
+            return ()
+        return (
+            f"The mesh of frame {self.model_frame}, whose surface moves with the body, has holes: "
+            f"{rims} of its edges have a face on one side only. What is missing there is not "
+            "fitted anywhere; pose the body in a mesh that is whole, if there is one.",
+        )
+
+    def _cuts(self) -> tuple[str, ...]:
+        """A sentence where cameras did not see all of that mesh."""
+        names = self._steps.cut_by(self.model_frame)
+        if not names:
+            return ()
+        do = "does" if len(names) == 1 else "do"
+        return (
+            f"{'Camera' if len(names) == 1 else 'Cameras'} {listed(names)} {do} not see all of the "
+            f"mesh of frame {self.model_frame}, whose surface moves with the body: it may be cut "
+            "off there, or too full; pose the body where all of it is in every picture.",
+        )
+
+    def _tracker(self, quality: Quality) -> SurfaceTracker:
+        with self._lock:
+            if quality not in self._trackers:
+                options = options_of(self._surface).at(quality)
+                self._trackers[quality] = SurfaceTracker(
+                    self._steps, self.skeleton.body, self._keyposes, self.model_frame, options
+                )
+            return self._trackers[quality]
+
+
+def options_of(surface: Surface) -> Options:
+    """How a session has its surfaces fitted."""
+    return Options(
+        contact=surface.weights in ("both", "contact"),
+        photo=surface.weights in ("both", "photo"),
+        plane=1.0 if surface.distance == "plane" else 0.0,
+        smooth=surface.binding == "smooth",
+    )

@@ -1,0 +1,134 @@
+"""A plain word on fitted surfaces: good, check these frames, or lost: add a keyframe there.
+
+The evidence is how near the surfaces lie, never the truth. The thresholds are shares of the
+surface's size; they were set where, on generated arms and walkers of known motion, they part steps
+that are right from steps that are not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.geometry import Array
+from tracker.surface.fit.certainty import UNSEEN
+from tracker.surface.fit.chain import Link
+from tracker.surface.fit.model import SurfaceModel
+from tracker.verdict import Verdict, frames_in_words, runs, spoken
+from tracker.wording import listed
+
+LOST_UNEXPLAINED, LOST_UNCOVERED = 0.25, 0.45
+"""Of what is seen, and of the body: so much without a counterpart is another pose."""
+ROUGH_SHARE = 0.012
+"""Of the surface's size: a part whose pairs lie farther apart is not where it is said to be."""
+APART_SHARE = 0.03
+"""Of the surface's size: chains from two keyframes that put a joint so far apart."""
+HIDDEN = 0.12
+"""Of a part's surface: when less of it counts, it goes by what the rest leaves it."""
+BEYOND_RAD = np.radians(10.0)
+"""Past a joint's limits: so far nothing but a wrong pose, or wrong sizes, turns it."""
+SHORTEST_RUN = 3
+"""Steps for which a part must be doubtful before it is worth a word."""
+MOST_TOLD = 5
+"""Steps that could not be used, told one by one."""
+
+
+def judge_links(
+    model: SurfaceModel, links: Sequence[Link], keyed: Collection[int], apart_m: Array | None
+) -> Verdict:
+    """The verdict on the steps of one segment.
+
+    keyed: the frames of those that are keyframes.  apart_m: (N, P) how far two chains put each
+    joint apart; None where there was one chain.
+    """
+    frames = [link.frame for link in links]
+    astray = np.array([_is_astray(link) for link in links])
+    followed = np.array([frame not in keyed for frame in frames])
+    lost = _longest(astray & followed)
+    if lost is not None:
+        near = frames[lost[0]]
+        return Verdict("lost", f"lost: add a keyframe near {near}", (near, near))
+    if astray.any():  # a person said so, but looked at another frame, or at another mesh
+        frame = frames[int(astray.argmax())]
+        words = f"check frame {frame}: the keyframe lies off its surface"
+        return Verdict("check", words, (frame, frame))
+    unusable = _longest(np.array([link.step is None for link in links]))
+    if unusable is not None:
+        first, last = frames[unusable[0]], frames[unusable[1]]
+        words = f"check {frames_in_words(first, last)}: no surface that can be used"
+        return Verdict("check", words, (first, last))
+    doubts = [
+        (last - first, kind, part, first, last)
+        for kind, flags in _doubts(model, links, apart_m).items()
+        for part in range(flags.shape[1])
+        for first, last in runs(flags[:, part])
+        if last - first + 1 >= min(SHORTEST_RUN, len(links))
+    ]
+    if not doubts:
+        return Verdict("good", "good")
+    _, kind, part, first, last = max(doubts)
+    name = spoken(model.skeleton.body.names[part])
+    between = (frames[first], frames[last])
+    return Verdict("check", f"check {frames_in_words(*between)}: {name} {kind}", between)
+
+
+def unseen_turns(model: SurfaceModel, links: Sequence[Link]) -> tuple[str, ...]:
+    """A sentence on the parts whose turning the surface does not show, most of the time."""
+    steps = [link.step for link in links if link.step is not None]
+    if not steps:
+        return ()
+    unseen = np.mean([step.least_seen < UNSEEN for step in steps], axis=0) > 0.5
+    unseen &= _carries(model)
+    names = [spoken(n) for n, no in zip(model.skeleton.body.names, unseen, strict=True) if no]
+    if not names:
+        return ()
+    return (
+        f"The surface does not show how {listed(names)} turn{'s' * (len(names) == 1)} about "
+        f"{'its' if len(names) == 1 else 'their'} own length: that stays as it was posed.",
+    )
+
+
+def unusable_steps(links: Sequence[Link]) -> tuple[str, ...]:
+    """What was wrong with steps that were left out, a few of them in full."""
+    told = [link.problem for link in links if link.step is None and link.problem]
+    more = len(told) - MOST_TOLD
+    rest = (f"{more} more steps could not be used either.",) if more > 0 else ()
+    return (*told[:MOST_TOLD], *rest)
+
+
+def _is_astray(link: Link) -> bool:
+    step = link.step
+    return step is not None and (
+        step.unexplained > LOST_UNEXPLAINED or step.uncovered > LOST_UNCOVERED
+    )
+
+
+def _doubts(
+    model: SurfaceModel, links: Sequence[Link], apart_m: Array | None
+) -> dict[str, NDArray[np.bool_]]:
+    """(N, P) of every kind of doubt."""
+    count, size = model.skeleton.part_count, model.size_m
+    nothing = np.full(count, np.nan)
+    residual = np.array([link.step.residual if link.step else nothing for link in links])
+    counts = np.array([link.step.counts if link.step else nothing for link in links])
+    carries = _carries(model)
+    uncertain = residual > ROUGH_SHARE * size
+    if apart_m is not None:
+        uncertain |= apart_m > APART_SHARE * size
+    bent = np.array([model.limits.excess(link.pose.Rs_parent_part)[0] for link in links])
+    return {
+        "uncertain": uncertain & carries,
+        "not seen": (counts < HIDDEN) & carries,
+        "beyond its joint limits": np.asarray(np.abs(bent).max(axis=2) > BEYOND_RAD),
+    }
+
+
+def _carries(model: SurfaceModel) -> NDArray[np.bool_]:
+    """(P,) whether anything of the surface goes with a part."""
+    return np.asarray(np.bincount(model.own, minlength=model.skeleton.part_count) > 0)
+
+
+def _longest(flags: NDArray[np.bool_]) -> tuple[int, int] | None:
+    return max(runs(flags), key=lambda run: run[1] - run[0], default=None)

@@ -1,0 +1,164 @@
+"""The surface that moves with the body: that of one step, its points carried by the parts.
+
+SURFACE §4.1: the skeleton is posed in the mesh of a step t_0 at which the mesh is whole, and every
+point of the mesh goes with the nearest part.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.body import ALL_DOFS, ROTATIONS, Body
+from tracker.geometry import Array, apply_transform, frozen
+from tracker.kernels.surface import pose_surface
+from tracker.limits import Limits
+from tracker.pose import Pose, pose_transforms
+from tracker.skeleton import Skeleton
+from tracker.surface.fit.binding import distances_to_parts, shares_of
+from tracker.surface.fit.points import SurfaceSamples
+from tracker.surface.mesh import SurfaceMesh
+
+SEAM_SHARE = 0.025
+"""Of the surface's size: parts nearer than that at t_0 are joined there, and do not touch."""
+BLEND_SHARE = 0.02
+"""Of the surface's size: within it two joined parts share the surface, where that is smooth."""
+
+
+def freed(body: Body) -> Body:
+    """The body with every part free to turn in every way: a surface shows more than a picture."""
+    parts = (
+        part.model_copy(update={"tracked": ALL_DOFS if part.parent is None else ROTATIONS})
+        for part in body.parts
+    )
+    return body.replaced(parts)
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceModel:
+    """V points of the surface at t_0, in the frames of the parts that carry them; read-only.
+
+    p_part, n_part: (V, 2, 3) points and unit normals in the frames of parts (V, 2).
+    shares:    (V, 2) of the two parts; the second is 0 where the first carries the point alone.
+    apart:     (V, P) whether a point may come into contact with a part: it is not joined to it.
+    groups:    (V,) index of its pair of parts among `pairs` (G, 2).
+    size_m:    diagonal of the box around the surface.
+    spacing_m: between neighbouring points, about.
+    limits:    of the joints, wide enough for what was posed.
+    """
+
+    skeleton: Skeleton
+    p_part: Array
+    n_part: Array
+    parts: NDArray[np.int64]
+    shares: Array
+    apart: NDArray[np.bool_]
+    groups: NDArray[np.int64]
+    pairs: NDArray[np.int64]
+    size_m: float
+    spacing_m: float
+    limits: Limits
+
+    @classmethod
+    def of(
+        cls, mesh: SurfaceMesh, body: Body, pose: Pose, count: int, smooth: bool = False
+    ) -> SurfaceModel:
+        """The mesh (camera frame, metres) of the step at which the body has this pose."""
+        skeleton = Skeleton.of(freed(body))
+        samples = SurfaceSamples.of(mesh, count)
+        size = float(np.linalg.norm(mesh.extent))
+        Ts = pose_transforms(skeleton, pose)
+        distances = distances_to_parts(skeleton, Ts, samples.p)
+        parts, shares = shares_of(distances, skeleton.parents, BLEND_SHARE * size * smooth)
+        return cls._laid(skeleton, samples, pose, Ts, parts, shares, size)
+
+    @classmethod
+    def of_solids(cls, body: Body, pose: Pose, count: int, size_m: float) -> SurfaceModel:
+        """The body's own solids, for a first pose: what of them lies inside another is left out.
+
+        size_m: of the surface that it is to be laid into.
+        """
+        skeleton = Skeleton.of(freed(body))
+        Ts = pose_transforms(skeleton, pose)
+        mesh, part_of_face = _solids(skeleton, Ts)
+        samples = SurfaceSamples.of(mesh, count)
+        own = part_of_face[samples.face]
+        others = distances_to_parts(skeleton, Ts, samples.p)
+        others[np.arange(len(own)), own] = np.inf
+        bare = others.min(axis=1) > 0.0
+        parts = np.stack([own, own], axis=1)[bare]
+        shares = np.tile([1.0, 0.0], (len(parts), 1))
+        return cls._laid(skeleton, samples.only(bare), pose, Ts, parts, shares, size_m)
+
+    @classmethod
+    def _laid(
+        cls, skeleton: Skeleton, samples: SurfaceSamples, pose: Pose, Ts_camera_part: Array,
+        parts: NDArray[np.int64], shares: Array, size_m: float,
+    ) -> SurfaceModel:  # fmt: skip
+        """Points of a posed surface, laid into the frames of the parts that carry them."""
+        Ts = Ts_camera_part[parts]
+        Rs, origins = Ts[..., :3, :3], Ts[..., :3, 3]
+        pairs, groups = np.unique(parts, axis=0, return_inverse=True)
+        apart = _apart(samples.p, parts[:, 0], skeleton.part_count, SEAM_SHARE * size_m)
+        return cls(
+            skeleton,
+            frozen(np.einsum("vkji,vkj->vki", Rs, samples.p[:, None] - origins)),
+            frozen(np.einsum("vkji,vj->vki", Rs, samples.normals)),
+            parts,
+            frozen(shares),
+            apart,
+            groups.ravel().astype(np.int64),
+            pairs,
+            size_m,
+            samples.spacing_m,
+            Limits.of(skeleton.body).widened([pose.Rs_parent_part]),
+        )
+
+    @property
+    def own(self) -> NDArray[np.int64]:
+        """(V,) the part that carries most of each point."""
+        return np.ascontiguousarray(self.parts[:, 0])
+
+    def posed(self, Ts_camera_part: Array) -> PosedSurface:
+        """The surface with its parts at Ts_camera_part (P, 4, 4)."""
+        count = len(self.p_part)
+        each, p, n = np.empty((count, 2, 3)), np.empty((count, 3)), np.empty((count, 3))
+        pose_surface(self.p_part, self.n_part, self.parts, self.shares, Ts_camera_part, each, p, n)
+        return PosedSurface(each, p, n)
+
+
+@dataclass(frozen=True, eq=False)
+class PosedSurface:
+    """Where the model's points are, camera frame, metres.
+
+    p_each: (V, 2, 3) as each of two parts carries them.  p, normals: (V, 3) as both do.
+    """
+
+    p_each: Array
+    p: Array
+    normals: Array
+
+
+def _solids(skeleton: Skeleton, Ts_camera_part: Array) -> tuple[SurfaceMesh, NDArray[np.int64]]:
+    """The meshes of all parts as one, and the part of each face."""
+    meshes = [part.shape.mesh() for part in skeleton.body.parts]
+    starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
+    vertices = [apply_transform(T, m.vertices) for T, m in zip(Ts_camera_part, meshes, strict=True)]
+    faces = [mesh.faces + start for mesh, start in zip(meshes, starts, strict=False)]
+    part = np.repeat(np.arange(len(meshes)), [len(mesh.faces) for mesh in meshes])
+    return SurfaceMesh(np.concatenate(vertices), np.concatenate(faces)), part
+
+
+def _apart(p: Array, own: NDArray[np.int64], part_count: int, seam_m: float) -> NDArray[np.bool_]:
+    """(V, P) whether a point is farther from a part's surface than a seam is wide."""
+    from scipy.spatial import cKDTree
+
+    apart = np.ones((len(p), part_count), dtype=bool)
+    for part in range(part_count):
+        mine = own == part
+        if mine.any():
+            far, _ = cKDTree(p[mine]).query(p, distance_upper_bound=seam_m)
+            apart[:, part] = np.isinf(far)
+    return apart

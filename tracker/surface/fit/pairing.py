@@ -1,0 +1,135 @@
+"""Pairs of points on the two surfaces, and how much each pair counts.  SURFACE (4)"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.geometry import Array
+from tracker.kernels.cells import grid_of, nearest
+from tracker.kernels.surface import distance_to_others
+from tracker.surface.fit.model import PosedSurface, SurfaceModel
+from tracker.surface.fit.options import Options
+from tracker.surface.fit.points import SurfaceSamples
+from tracker.surface.fit.weights import clear_of_contact, floored, in_agreement
+from tracker.surface.mesh import SurfaceMesh
+
+REACH_SHARE = 0.15
+"""Of the surface's size: nothing is a pair that lies farther apart."""
+SPURIOUS, MUTUAL = 0.1, 0.5
+"""Of a pair's squared distance, that of its partner's own pair: below the one it is nothing, above
+the other it counts in full."""
+SPURIOUS_SHARE = 0.005
+"""Of the surface's size: pairs nearer than that are not asked whether they are mutual."""
+CONTACT_SHARE = 0.015
+"""Of the surface's size: τ_c, three voxels of a hull of a person at a centimetre."""
+
+
+@dataclass(frozen=True, eq=False)
+class Observed:
+    """One step's surface, ready to be paired with.  believed: (N,) ρ_p of its points."""
+
+    samples: SurfaceSamples
+    believed: Array
+    grid: Any
+
+    @classmethod
+    def of(cls, mesh: SurfaceMesh, options: Options) -> Observed:
+        """Of a mesh in the camera frame, metres."""
+        samples = SurfaceSamples.of(mesh, options.points)
+        photo = options.photo and mesh.consistency is not None
+        believed = in_agreement(samples.consistency) if photo else np.ones(len(samples.p))
+        return cls(samples, believed, grid_of(samples.p, 2 * samples.spacing_m))
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """M pairs: model[i] is drawn to target[i] along normals[i].
+
+    model (M,) indices; target, normals (M, 3); weights (M,), those of each side sum to 1; the
+    first `forward` pairs are the model's points with what is nearest to them, the rest the other
+    way round.  square: (M,) squared distances.  clear: (V,) ρ_c of the model's points.
+    """
+
+    model: NDArray[np.int64]
+    target: Array
+    normals: Array
+    weights: Array
+    forward: int
+    square: Array
+    clear: Array
+
+
+def pairs_of(
+    model: SurfaceModel, posed: PosedSurface, observed: Observed, options: Options
+) -> Pairs:
+    """Nearest points, both ways."""
+    seen = observed.samples
+    grid = grid_of(posed.p, 2 * model.spacing_m)
+    clear = clear_of(model, posed, grid, options)
+    reach = REACH_SHARE * model.size_m
+    to_seen, far_there = _nearest(posed, seen, observed.grid, reach, options)
+    to_model, far_back = _nearest(seen, posed, grid, reach, options)
+    there = clear * observed.believed[to_seen] * (to_seen >= 0)
+    back = clear[to_model] * observed.believed * (to_model >= 0)
+    if options.mutual:
+        near = (SPURIOUS_SHARE * model.size_m) ** 2
+        there = there * _mutual(far_there, far_back[to_seen], near)
+        back = back * _mutual(far_back, far_there[to_model], near)
+    return Pairs(
+        np.concatenate([np.arange(len(posed.p)), np.maximum(to_model, 0)]),  # those weigh nothing
+        np.concatenate([seen.p[to_seen], seen.p]),
+        np.concatenate([seen.normals[to_seen], seen.normals]),
+        np.concatenate([_of_one(there), _of_one(back)]),
+        len(posed.p),
+        np.concatenate([far_there, far_back]),
+        clear,
+    )
+
+
+def clear_of(model: SurfaceModel, posed: PosedSurface, grid: Any, options: Options) -> Array:
+    """ρ_c (V,) of the model's points.  SURFACE (2)"""
+    if not options.contact:
+        return np.ones(len(posed.p))
+    middle = CONTACT_SHARE * model.size_m
+    distance = contact_distances(model, posed, grid, 2 * middle)
+    clear = clear_of_contact(distance, middle)
+    return floored(clear, model.own, model.skeleton.part_count) if options.floor else clear
+
+
+def contact_distances(model: SurfaceModel, posed: PosedSurface, grid: Any, reach: float) -> Array:
+    """(V,) signed distances to the nearest other part, infinite beyond reach.  SURFACE (1)"""
+    distance = np.empty(len(posed.p))
+    distance_to_others(posed.p, posed.normals, model.own, model.apart, grid, reach, distance)
+    return distance
+
+
+def _nearest(
+    of: PosedSurface | SurfaceSamples,
+    among: PosedSurface | SurfaceSamples,
+    grid: Any,
+    reach: float,
+    options: Options,
+) -> tuple[NDArray[np.int64], Array]:
+    found, square = np.empty(len(of.p), np.int64), np.empty(len(of.p))
+    nearest(of.p, of.normals, among.p, among.normals, grid, reach, options.agreement, found, square)
+    return found, square
+
+
+def _mutual(square: Array, partner: Array, near: float) -> Array:
+    """What of a pair is to be believed when its partner has a better one of its own.
+
+    A hand whose surface is missing is near the hip's, but that has the hip to lie on; so has the
+    model's arm beside a volume that is not there. square, partner: squared distances of a point to
+    its nearest, and of that one to its own nearest.
+    """
+    share = (partner + near) / (square + near)
+    return np.asarray(np.clip((share - SPURIOUS) / (MUTUAL - SPURIOUS), 0.0, 1.0))
+
+
+def _of_one(weights: Array) -> Array:
+    """Weights that sum to 1."""
+    return np.asarray(weights / max(weights.sum(), 1e-12))
