@@ -232,12 +232,12 @@ class Runner:
         self.running = {}
 
     def _closing_words(self, state: Ending) -> str:
-        if state == "cancelled":
-            return "what was finished is kept"
         found = (
             [self.results.tracks.get(key) for key in self._wanted.values()] if self.results else []
         )
         kinds = [track.kind for track in found if track is not None]
+        if state == "cancelled":
+            return "what was finished is kept" if any(kinds) else "no segment was finished"
         counts = ((kind, kinds.count(kind)) for kind in ("good", "check", "lost"))
         said = {"check": "to check"}
         return ", ".join(f"{count} {said.get(kind, kind)}" for kind, count in counts if count)

@@ -73,6 +73,7 @@ def _of_meshes(path: Path) -> Told:
             "rim_edges": len(mesh.rim),
             "consistency": mesh.consistency is not None,
             "missing_frames": sorted(meshes.missing),
+            "missing": {str(frame): words for frame, words in sorted(meshes.missing.items())},
             "fingerprint": meshes.fingerprint(),
         }
     return facts, _mesh_lines(facts)
@@ -90,13 +91,21 @@ def _mesh_lines(facts: dict[str, Any]) -> list[str]:
         f"  up           {facts['up'] or 'not told by the files'}",
         f"  fingerprint  {facts['fingerprint']}",
     ]
-    missing, rims = facts["missing_frames"], facts["rim_edges"]
+    rims = facts["rim_edges"]
     notes = {
         f"it has holes: {rims} edges have a face on one side only": rims,
-        f"{len(missing)} meshes are missing, the first at {missing[0] if missing else 0}": missing,
+        _unusable(facts["missing"]): facts["missing"],
         "every vertex says how well the cameras agree on it": facts["consistency"],
     }
     return lines + [f"  note         {text}" for text, holds in notes.items() if holds]
+
+
+def _unusable(missing: dict[str, str]) -> str:
+    """How many meshes there are to leave out, as far as is known, and why the first of them."""
+    if not missing:
+        return ""
+    count = "one mesh" if len(missing) == 1 else f"{len(missing)} meshes"
+    return f"{count} cannot be used: {next(iter(missing.values()))}"
 
 
 def _facts(video: Video) -> dict[str, Any]:

@@ -56,7 +56,13 @@ def _scaled(state: EditorState, factor: float) -> Session:
     doc = state.doc
     assert doc.surface is not None
     place = np.array(doc.surface.p_camera_surface) * factor
-    moved = _with_poses(doc, state.skeleton, lambda pose: _farther(pose, factor))
+    try:
+        moved = _with_poses(doc, state.skeleton, lambda pose: _farther(pose, factor))
+    except Refused:
+        raise Refused(
+            "In these units the surface is so small that the body would stand at the camera: "
+            "remove its poses first, or open the meshes anew with other units."
+        ) from None
     return _placed(moved, place)
 
 

@@ -5,6 +5,11 @@ import { send } from '../link.js';
 import { S, put } from '../state.js';
 import { fewestKeys, isSurface, words as subject } from '../subject.js';
 
+const SIZE_IN_PICTURE = `Hold D and drag the point between the arrows until head and feet match: up
+  makes the body smaller and farther. If you know the height, set it in the Body tab first.`;
+const SIZE_IN_SURFACE = `Set the height in the Body tab until head and feet match, then the thickness
+  of trunk and limbs. F lays the body into the surface: press it now, and again after the limbs.`;
+
 /**
  * takes: which handles are to be dragged, in which view. again: it is rarely done with one drag, so
  * the card waits for Next instead of moving on by itself. rings: it needs those of the waist.
@@ -27,8 +32,9 @@ export const STEPS = [
     takes: { view: 'main', kinds: ['root'] },
     word: 'Size',
     title: 'As large as the person',
-    text: `Hold D and drag the point between the arrows until head and feet match: up makes the body
-      smaller and farther. If you know the height, set it in the Body tab first.`,
+    get text() {
+      return isSurface() ? SIZE_IN_SURFACE : SIZE_IN_PICTURE;
+    },
   },
   {
     name: 'facing',

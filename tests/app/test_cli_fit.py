@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import hashlib
 import json
 import shutil
@@ -264,3 +265,20 @@ def test_times_are_the_sessions_own_where_the_meshes_are_gone(
     assert "missing" in capsys.readouterr().err
     times_s = np.load(tmp_path / "motion.npz")["time_s"]
     np.testing.assert_allclose(times_s, np.arange(cases.STEPS) / 25)
+
+
+def test_the_tables_call_only_what_was_posed_a_keyframe(session_path: Path, tmp_path: Path) -> None:
+    assert fit("--session", session_path) == 0
+    out = tmp_path / "tables"
+    assert main(["export", str(session_path), "--format", "csv", "--out", str(out)]) == 0
+    lines = (out / "frames.csv").read_text("utf-8").splitlines()
+    table = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    assert [row["pose"] for row in table] == ["keyframe", *["tracked"] * (cases.STEPS - 1)]
+
+
+def test_info_names_the_first_mesh_that_cannot_be_used(
+    session_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (session_path.parent / "meshes" / "step_0002.ply").unlink()
+    assert main(["info", str(session_path.parent / "meshes")]) == 0
+    assert "one mesh cannot be used: Step 2 is missing" in capsys.readouterr().out

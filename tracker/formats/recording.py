@@ -14,7 +14,7 @@ from tracker.camera import Camera
 from tracker.errors import FormatError
 from tracker.geometry import Array, frozen
 from tracker.session.schema import Session
-from tracker.session.tracks import Tracks
+from tracker.session.tracks import Tracks, open_ends
 from tracker.skeleton import Skeleton
 from tracker.trajectory import Trajectory
 
@@ -40,6 +40,7 @@ class Recording:
     stretches: what was tracked, ascending; neighbours share a keyframe.
     times_s:   (N,) seconds from the video's first frame.
     up_camera: (3,) what is up, a unit vector in the camera frame.
+    open_ends: frames at which a motion of surfaces begins or ends without a keyframe.
     """
 
     skeleton: Skeleton
@@ -48,6 +49,7 @@ class Recording:
     stretches: tuple[Stretch, ...]
     times_s: Array
     up_camera: Array
+    open_ends: tuple[int, ...] = ()
 
     @classmethod
     def of(
@@ -71,6 +73,7 @@ class Recording:
             tuple(s for s in sorted(stretches, key=_begin) if _is_tracked(tracks, s)),
             frozen(times_s[first : last + 1]),
             frozen(up / np.linalg.norm(up)),
+            open_ends(session),
         )
 
     def __len__(self) -> int:
@@ -139,7 +142,9 @@ class Recording:
         keyed = np.zeros(len(self), dtype=np.bool_)
         for stretch in self.stretches:
             rows = self._rows(stretch)
-            keyed[[rows.start, rows.stop - 1]] = True
+            ends = ((stretch.first_frame, rows.start), (stretch.last_frame, rows.stop - 1))
+            for frame, row in ends:
+                keyed[row] |= frame not in self.open_ends
         keyed.setflags(write=False)
         return keyed
 

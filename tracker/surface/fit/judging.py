@@ -85,7 +85,7 @@ def unseen_turns(model: SurfaceModel, links: Sequence[Link]) -> tuple[str, ...]:
     if not names:
         return ()
     return (
-        f"The surface does not show how {listed(names)} turn{'s' * (len(names) == 1)} about "
+        f"The surface does not show the turn of {listed(names)} about "
         f"{'its' if len(names) == 1 else 'their'} own length: that stays as it was posed.",
     )
 
