@@ -91,7 +91,7 @@ def test_poses_go_along_with_the_surface_when_its_units_change() -> None:
 
 def test_units_that_put_the_body_behind_the_camera_are_refused() -> None:
     near = after(desk(), {"do": "root", "z": 0.5})
-    with pytest.raises(Refused, match="behind the camera"):
+    with pytest.raises(Refused, match="would stand at the camera"):
         observe(near, units="mm")
 
 
