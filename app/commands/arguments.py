@@ -87,3 +87,17 @@ def whole_number(least: int, most: int | None = None) -> Callable[[str], int]:
         return number
 
     return parse
+
+
+def add_work(command: argparse.ArgumentParser) -> None:
+    """Of work on a session's segments: where results go, how many at a time, how it is told."""
+    command.add_argument(
+        "--out", metavar="DIR", type=file_name, help="folder for session and results"
+    )
+    command.add_argument(
+        "--workers", metavar="N", type=whole_number(1), default=1, help="segments at a time"
+    )
+    command.add_argument(
+        "--json", action="store_true", help="print JSON lines: events, the summary last"
+    )
+    add_overwrite(command)

@@ -12,9 +12,8 @@ from app.commands.arguments import (
     UP_AXES,
     Subcommands,
     add_command,
-    add_overwrite,
+    add_work,
     file_name,
-    whole_number,
 )
 from tracker.errors import SessionError
 
@@ -85,16 +84,7 @@ def add(commands: Subcommands) -> None:
     )
     qualities = ("full", "fast", "preview")
     command.add_argument("--quality", choices=qualities, help=f"how much work{of_session}")
-    command.add_argument(
-        "--out", metavar="DIR", type=file_name, help="folder for session and results"
-    )
-    command.add_argument(
-        "--workers", metavar="N", type=whole_number(1), default=1, help="segments at a time"
-    )
-    command.add_argument(
-        "--json", action="store_true", help="print JSON lines: events, the summary last"
-    )
-    add_overwrite(command)
+    add_work(command)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -7,10 +7,8 @@ import argparse
 from app.commands.arguments import (
     Subcommands,
     add_command,
-    add_overwrite,
     add_session,
-    file_name,
-    whole_number,
+    add_work,
 )
 
 _EXAMPLES = """\
@@ -49,16 +47,7 @@ def add(commands: Subcommands) -> None:
         action="append",
         help=f"a part whose limb is not followed by its looks; may be given again{of_session}",
     )
-    command.add_argument(
-        "--out", metavar="DIR", type=file_name, help="folder for session and results"
-    )
-    command.add_argument(
-        "--workers", metavar="N", type=whole_number(1), default=1, help="segments at a time"
-    )
-    command.add_argument(
-        "--json", action="store_true", help="print JSON lines: events, the summary last"
-    )
-    add_overwrite(command)
+    add_work(command)
 
 
 def run(arguments: argparse.Namespace) -> int:

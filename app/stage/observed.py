@@ -132,12 +132,11 @@ class Observed:
     def _colours(self, edit: EditorState, frame: int, mesh: SurfaceMesh, tint: Tint) -> Colours:
         if tint == "photo" and mesh.consistency is not None:
             return tinted(tint, in_agreement(mesh.consistency))
-        model = self._model_of(edit.settled) if tint in ("contact", "distance") else None
-        if model is None or tint == "clay":
-            return clay(len(mesh.vertices))
-        from tracker.surface.fit.looking import look  # loads when surfaces are looked at
+        if tint in ("contact", "distance") and (model := self._model_of(edit.settled)) is not None:
+            from tracker.surface.fit.looking import look  # loads when surfaces are looked at
 
-        return tinted(tint, look(model, mesh, shown(edit, frame).pose, tint))
+            return tinted(tint, look(model, mesh, shown(edit, frame).pose, tint))
+        return clay(len(mesh.vertices))
 
     def _model_of(self, doc: Session) -> SurfaceModel | None:
         """The surface that moves with the body; None where nobody has posed it."""

@@ -22,6 +22,7 @@ from tracker.surface.fit.model import SurfaceModel
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.pairing import Observed, pairs_of
 from tracker.surface.fit.solving import _jacobians, fit_pose
+from tracker.surface.fit.weights import in_agreement
 from tracker.surface.mesh import SurfaceMesh
 
 BODY = two_bars()
@@ -188,7 +189,8 @@ def test_colours_tell_distance_and_agreement_of_every_vertex() -> None:
     used = np.isin(np.arange(len(mesh.vertices)), mesh.faces)
     assert distance[used & ~ghost].mean() < 0.015
     assert distance[used & ghost].mean() > 0.03
-    photo = look(MODEL, mesh, START, "photo")
+    assert mesh.consistency is not None
+    photo = in_agreement(mesh.consistency)
     assert photo[ghost].max() < 0.01 < 0.9 < photo[: len(photo) // 2].min()
     contact = look(MODEL, mesh, START, "contact")
     assert contact.shape == (len(mesh.vertices),)

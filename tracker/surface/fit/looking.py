@@ -12,10 +12,9 @@ from tracker.pose import Pose, pose_transforms
 from tracker.surface.fit.model import SurfaceModel
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.pairing import REACH_SHARE, clear_of
-from tracker.surface.fit.weights import in_agreement
 from tracker.surface.mesh import SurfaceMesh
 
-Kind: TypeAlias = Literal["contact", "photo", "distance"]
+Kind: TypeAlias = Literal["contact", "distance"]
 
 _ANY_NORMAL = -2.0
 
@@ -23,13 +22,9 @@ _ANY_NORMAL = -2.0
 def look(model: SurfaceModel, mesh: SurfaceMesh, pose: Pose, kind: Kind) -> Array:
     """(V,) of a step's mesh in the camera frame, the body at a pose.
 
-    contact: ρ_c of the body's nearest point, 0 to 1.  photo: ρ_p, 1 where there are no images.
+    contact: ρ_c of the body's nearest point, 0 to 1.
     distance: metres to the body's surface, REACH_SHARE of its size where that is farther.
     """
-    if kind == "photo":
-        if mesh.consistency is None:
-            return np.ones(len(mesh.vertices))
-        return in_agreement(mesh.consistency)
     posed = model.posed(pose_transforms(model.skeleton, pose))
     grid, reach = grid_of(posed.p, 2 * model.spacing_m), REACH_SHARE * model.size_m
     found, square = np.empty(len(mesh.vertices), np.int64), np.empty(len(mesh.vertices))

@@ -36,18 +36,13 @@ class Fit:
 
     energy:      SURFACE (4) with the pull and the limits, metres².
     information: (D, D) of the free degrees of freedom, without the pull; metres² per unit².
-    stiffness:   (D, D) of the pull.
-    solves:      poses tried.  settled: whether the last one hardly moved.
     """
 
     pose: Pose
     energy: float
     information: Array
-    stiffness: Array
     pairs: Pairs
     posed: PosedSurface
-    solves: int
-    settled: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,9 +78,7 @@ def fit_pose(model: SurfaceModel, observed: Observed, start: Pose, options: Opti
             look, damping = other, damping * EASIER
         else:
             damping *= HARDER
-    return Fit(
-        look.pose, look.energy, look.information, stiffness, look.pairs, look.posed, tried, settled
-    )
+    return Fit(look.pose, look.energy, look.information, look.pairs, look.posed)
 
 
 def _motion(look: _Look, stiffness: Array, damping: float) -> Array:
