@@ -114,7 +114,9 @@ export class Picture {
       renderer.toneMapping = 0; // colours as they are named
       dress(this.#role, inside.nodeRefFromName);
       this.#aim(camera);
-      if (inside.nodeRefFromName[NODE] && ++rendered === RENDERED_FRAMES) this.#ready();
+      if (!inside.nodeRefFromName[NODE] || ++rendered > RENDERED_FRAMES) return;
+      if (rendered === RENDERED_FRAMES) this.#ready();
+      else inside.requestRender(); // a slow screen may have drawn all wishes before it was told all
     };
     inside.camera.updateProjectionMatrix = () => this.#aim(inside.camera);
   }

@@ -17,13 +17,6 @@ SCREENS = ROOT / "out" / "screens"
 SECONDS_TO_START = 60
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """All on one worker: two browsers at once would slow each other down."""
-    for item in items:
-        if "tests/browser" in item.path.as_posix():
-            item.add_marker(pytest.mark.xdist_group("browser"))
-
-
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Browser]:
     """A real Chromium; without one the test is skipped, but never where all must be tested."""

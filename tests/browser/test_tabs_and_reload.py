@@ -44,6 +44,16 @@ WISHED_LONG_AGO = """
 """Wish for a picture and let ten seconds pass before the browser gets to it."""
 
 
+SLOW = """
+if (window === top) {
+  let passed = 0;
+  const now = performance.now.bind(performance);
+  performance.now = () => now() + (passed += 10_000);
+}
+"""
+"""As if ten seconds passed between any two looks at the clock."""
+
+
 @pytest.fixture(scope="module")
 def wired(
     browser: Browser, tmp_path_factory: pytest.TempPathFactory
@@ -230,3 +240,12 @@ def test_views_that_could_not_be_fetched_are_drawn_once_they_can_be(at: Desk) ->
     context.unroute("**/view/*")
     page.evaluate("() => document.querySelectorAll('iframe.viser').forEach((f) => (f.src = f.src))")
     until(lambda: page.locator(".view.drawn").count() == 4, "the four views", 60)
+
+
+def test_on_a_very_slow_screen_all_four_views_are_drawn_nevertheless(
+    browser: Browser, at: Desk
+) -> None:
+    with let_in(browser, drawn=True) as context:
+        context.add_init_script(SLOW)
+        page = opened(context, at.keypose)
+        until(lambda: page.locator(".view.drawn").count() == 4, "the four views", 60)
