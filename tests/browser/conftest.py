@@ -17,9 +17,12 @@ SCREENS = ROOT / "out" / "screens"
 SECONDS_TO_START = 60
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def browser() -> Iterator[Browser]:
-    """A real Chromium; without one the test is skipped, but never where all must be tested."""
+    """A real Chromium; without one the test is skipped, but never where all must be tested.
+
+    It goes with the last of these tests: while it is there no other event loop can run.
+    """
     path = find()
     if path is None and os.environ.get("CI"):
         pytest.fail("There is no Chromium, and a build machine must test the page.")
