@@ -149,8 +149,8 @@ def keep_elsewhere(
 
 
 def _with_earlier(session: Session, path: Path, found: Sequence[SegmentTrack]) -> Results:
-    """What was found and, for other segments, what is on disk and fits."""
-    spans = {track.span for track in found}
+    """What was found and, where that is not whole, what is on disk and fits, if it is better."""
+    spans = {track.span for track in found if not track.missing}
     if spans >= set(segment_keys(session)):
         return _collected(found)
     return _collected([*_on_disk(session, path, spans), *found])
@@ -165,7 +165,10 @@ def _on_disk(session: Session, path: Path, without: set[Span]) -> list[SegmentTr
 
 
 def _collected(found: Sequence[SegmentTrack]) -> Results:
-    return Results({track.key: track for track in found})
+    results = Results()
+    for track in found:
+        results = results.with_track(track, keep=results.tracks)
+    return results
 
 
 class _Job(Job):

@@ -21,21 +21,29 @@ def surface_suggestion(keys: Sequence[int], spans: Sequence[Span], fitting: Fitt
     if not spans:
         return Suggestion(None, "One surface is all there is: nothing to fit.", "", "pose")
     done = [fitting[span] for span in spans if span in fitting and fitting[span].finished]
-    for kind in ("lost", "check"):
-        found = [track for track in done if track.kind == kind]
-        if kind == "check" and len(done) < len(spans):
-            break  # first everything is fitted, then it is made better
-        if found:
-            return _about(max(found, key=_doubtful), keys)
-    if len(done) < len(spans):
+    lost = [track for track in done if track.kind == "lost"]
+    if lost:
+        return _about(max(lost, key=_doubtful), keys)
+    stopped = [track for track in done if track.missing]
+    if stopped:
+        return _to_go_on(stopped[0])
+    if len(done) < len(spans):  # first everything is fitted, then it is made better
         return _to_fit([span for span in spans if span not in {track.span for track in done}])
-    return _ALL_GOOD
+    doubtful = [track for track in done if track.kind == "check"]
+    return _about(max(doubtful, key=_doubtful), keys) if doubtful else _ALL_GOOD
 
 
 def _to_fit(spans: Sequence[Span]) -> Suggestion:
     named = " and ".join(frames_in_words(*span) for span in spans[:2])
     more = f" and {len(spans) - 2} more" if len(spans) > 2 else ""
     return Suggestion(None, "Fit next.", f"{named}{more} not fitted as posed now", "track")
+
+
+def _to_go_on(stopped: SegmentTrack) -> Suggestion:
+    finding = stopped.finding
+    assert finding is not None
+    where = frames_in_words(*(finding.frames or stopped.span))
+    return Suggestion(None, "Go on fitting.", f"{where} {finding.reason}", "track")
 
 
 def _about(track: SegmentTrack, keys: Sequence[int]) -> Suggestion:

@@ -46,6 +46,7 @@ class SegmentResult:
     best_pass: which of them was kept.  closing_error: distance from the keyframes, must be ~0.
     notes: what could not be done as wished, in sentences for a person.
     need: (N,) what a keyframe at each frame would mend, see tracker.need; None where not known.
+    missing: steps of the work that were not done, because it was left; 0 where all is done.
     """
 
     trajectory: Trajectory
@@ -60,6 +61,7 @@ class SegmentResult:
     residual: Array
     notes: tuple[str, ...] = ()
     need: Array | None = None
+    missing: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,6 +124,10 @@ def never() -> bool:
     return False
 
 
+class Left(Exception):
+    """Raised by who is told how it goes, to leave a segment unfinished."""
+
+
 class SegmentTracker(Protocol):
     """What can track segments, whatever they are seen in."""
 
@@ -140,7 +146,8 @@ class SegmentTracker(Protocol):
     def run_segment(
         self, index: int, settings: TrackSettings, emit: Callable[[Pass, int], None]
     ) -> SegmentResult:
-        """Track one segment; `emit` is told trajectories and may raise to stop the work."""
+        """Track one segment; `emit` is told trajectories and may raise Left to stop the work, which
+        comes out of here again unless a part of the result can be of use."""
         ...
 
 
@@ -245,7 +252,7 @@ class Tracker:
     def run_segment(
         self, index: int, settings: TrackSettings, emit: Callable[[Pass, int], None]
     ) -> SegmentResult:
-        """Track one segment; `emit` is told every trajectory and may raise to stop the work."""
+        """Track one segment; `emit` is told every trajectory and may raise Left to stop it."""
         first, last = self.spans[index]
         start, end = self.keyposes[first], self.keyposes[last]
         imported = None
@@ -289,10 +296,6 @@ def _score_of(step: Pass) -> float:
     return np.nan if step.score is None else step.score
 
 
-class _Cancelled(Exception):
-    """Raised inside a worker to leave a segment unfinished."""
-
-
 def run(
     tracker: SegmentTracker,
     settings: TrackSettings,
@@ -303,7 +306,7 @@ def run(
     """Track segments (all, or those of these indices) and tell how it goes.
 
     `workers` segments run side by side; the result does not depend on it. Cancelling takes effect
-    within one pass and keeps the finished segments. Raises VideoError where the video cannot be
+    within one pass and keeps what is finished. Raises VideoError where the video cannot be
     read.
     """
     chosen = list(range(len(tracker.spans))) if segments is None else sorted(set(segments))
@@ -313,7 +316,7 @@ def run(
     def work(index: int) -> None:
         try:
             _one_segment(tracker, settings, index, len(chosen), events, closing)
-        except _Cancelled:
+        except Left:
             events.put(None)
         except BaseException as error:  # noqa: BLE001 — raised again in the caller's thread
             events.put(error)
@@ -345,14 +348,14 @@ def _one_segment(
     events: queue.Queue[Progress | BaseException | None], closing: Event,
 ) -> None:  # fmt: skip
     if closing.is_set():
-        raise _Cancelled
+        raise Left
     expected = tracker.expected_steps(index, settings)
     first, last = tracker.spans[index]
     events.put(SegmentStarted(index, count, first, last))
 
     def emit(step: Pass, number: int) -> None:
         if closing.is_set():
-            raise _Cancelled
+            raise Left
         events.put(PassFinished(index, number, expected, _score_of(step), step.trajectory))
 
     result = tracker.run_segment(index, settings, emit)

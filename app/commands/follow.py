@@ -109,7 +109,7 @@ def _bar(session: Session) -> Iterator[Telling]:
             if isinstance(report, PassFinished):
                 share = min((report.number + 1) / max(report.of, 1), 1.0)  # numbers start at 0
                 done[report.span] = (report.last - report.first) * share
-            elif isinstance(report, SegmentFinished):
+            elif isinstance(report, SegmentFinished) and not report.track.missing:
                 done[report.track.span] = report.track.last - report.track.first
             bar.n = min(round(sum(done.values())), total)
             bar.refresh()
@@ -155,6 +155,7 @@ class _JsonLines:
             "words": track.told,
             "notes": list(track.notes),
             "frames": track.frames,
+            "missing": track.missing,
             "best_pass": track.best_pass,
             "closing_error": track.closing_error,
         }

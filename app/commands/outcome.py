@@ -126,8 +126,15 @@ def _tell(summary: dict[str, Any], as_json: bool) -> None:
         print(f"Written: {summary['session']}")
         _hint(summary["session"])
     if summary["interrupted"]:
-        done, all_of_them = len(summary["segments"]), summary["segments_of"]
-        print(f"Interrupted: {done} of {all_of_them} segments are kept.", file=sys.stderr)
+        print(f"Interrupted: {_left(summary)}", file=sys.stderr)
+
+
+def _left(summary: dict[str, Any]) -> str:
+    """What is there of a run that was interrupted."""
+    found = summary["segments"]
+    parts = sum(segment.get("missing", 0) > 0 for segment in found)
+    whole = f"{len(found) - parts} of {summary['segments_of']} segments are"
+    return f"{whole} finished, {parts} more kept in part." if parts else f"{whole} kept."
 
 
 def _hint(session: str) -> None:

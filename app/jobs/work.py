@@ -28,14 +28,10 @@ from tracker.errors import KeyposeError
 from tracker.scoring import Pass
 from tracker.session import Session
 from tracker.settings import Quality, TrackSettings
-from tracker.track import SegmentTracker
+from tracker.track import Left, SegmentTracker
 from tracker.wording import one_sentence
 
 Tell = Callable[[Report], None]
-
-
-class _Cancelled(Exception):
-    """Leaves a segment unfinished."""
 
 
 class Job:
@@ -98,7 +94,7 @@ class Job:
         try:
             self._go_on()
             self._track(tracker, _settings(session.settings, stage), wanted, stage)
-        except _Cancelled:
+        except Left:
             self._left = True
         except KeyposeError as error:
             self._fail(span, str(error))
@@ -120,11 +116,13 @@ class Job:
                 self._tell(PassFinished(job, *wanted, stage, number, of, score, path, unit))
 
         result = tracker.run_segment(0, settings, emit)
+        if result.missing:
+            self._left = True
         self._tell(SegmentFinished(job, SegmentTrack.of(wanted[2], stage, result)))
 
     def _go_on(self) -> None:
         if self._cancelled.is_set():
-            raise _Cancelled
+            raise Left
 
     def _fail(self, span: Span, words: str) -> None:
         with self._lock:

@@ -51,7 +51,7 @@ class Results:
     def wanted(
         self, session: Session, quality: Quality | None = None
     ) -> list[tuple[int, int, str]]:
-        """(first, last, key) of the segments without a finished result of at least this quality.
+        """(first, last, key) of the segments without a whole result of at least this quality.
 
         quality: the session's own when left out.
         """
@@ -69,7 +69,9 @@ class Results:
 
     def _holds(self, key: str, least: int) -> bool:
         track = self.tracks.get(key)
-        return track is not None and track.finished and RANK[track.quality] >= least
+        if track is None or not track.finished or track.missing:
+            return False
+        return RANK[track.quality] >= least
 
     def _state(self, span: Span, key: str) -> State:
         track = self.tracks.get(key)

@@ -157,7 +157,7 @@ def _loaded(
         summary.verdict, summary.words, tuple(_number(score) for score in summary.scores), (),
         summary.best_pass, _number(summary.closing_error), rank, tracks.singular_values[steps],
         tracks.observability[steps], tracks.residual[steps], _need(tracks, frames),
-        summary.notes,
+        summary.notes, summary.missing,
     )  # fmt: skip
 
 
@@ -195,4 +195,5 @@ def _segment_result(track: SegmentTrack) -> SegmentResult:
         residual=track.residual,
         need=track.need,
         notes=track.notes,
+        missing=track.missing,
     )

@@ -32,6 +32,7 @@ class SegmentTrack:
         rank (n,) and singular_values (n, D). All read-only.
     notes: what could not be done as wished, in sentences.
     need: (n + 1,) what a keyframe at each frame would mend, see tracker.need; None where not known.
+    missing: steps of the work that were not done, because it was stopped; 0 where all is done.
     """
 
     first: int
@@ -51,6 +52,7 @@ class SegmentTrack:
     residual: Array
     need: Array | None = None
     notes: tuple[str, ...] = ()
+    missing: int = 0
 
     def __post_init__(self) -> None:
         for name in ("singular_values", "observability", "residual"):
@@ -69,7 +71,7 @@ class SegmentTrack:
             path.first_frame, path.last_frame, key, quality, path, verdict.kind, verdict.words,
             result.scores, result.steps, result.best_pass, result.closing_error,
             result.rank, result.singular_values, result.observability, result.residual,
-            result.need, result.notes,
+            result.need, result.notes, result.missing,
         )  # fmt: skip
 
     @classmethod
@@ -85,6 +87,7 @@ class SegmentTrack:
 
     @property
     def finished(self) -> bool:
+        """Whether it can be used: judged, though perhaps stopped before all was done."""
         return self.kind is not None
 
     @property
@@ -114,7 +117,8 @@ class SegmentTrack:
     def supersedes(self, other: SegmentTrack) -> bool:
         """Whether this is to stand where `other` of the same key stood.
 
-        What is finished yields only to what is finished with no less care.
+        What is finished yields only to what is finished, lacks no more of the work, and was done
+        with no less care.
         """
-        mine, its = ((t.finished, RANK[t.quality]) for t in (self, other))
+        mine, its = ((t.finished, -t.missing, RANK[t.quality]) for t in (self, other))
         return mine >= its

@@ -66,7 +66,8 @@ def surface_version(edit: EditorState) -> str:
     kind = edit.display.tint
     if kind in ("contact", "distance"):
         fitting = edit.results.fitting(doc)
-        found = sorted(track.key + track.quality for track in fitting.values() if track.finished)
+        done = [track for track in fitting.values() if track.finished]
+        found = sorted(f"{t.key}{t.quality}{t.missing}" for t in done)
         made_of += [given, doc.keyframes, doc.drafts, doc.body, found]
     made_of.append(kind)
     return hashlib.sha256(repr(made_of).encode()).hexdigest()[:16]

@@ -53,15 +53,18 @@ const trackChanged = () => send({ do: 'track', what: 'changed' });
 
 const SUGGESTION_ICONS = { good: 'check', track: 'track', look: 'warn' };
 
-/** What helps most now: bold what to do, then why, then a button that does it. */
+/** What helps most now: bold what to do, then why, then a button that does it. While it is being
+ * done, how far it is. */
 function drawSuggestion() {
   const suggest = S.suggest;
   if (!suggest?.words) return nothing;
-  const [what, why] = whatAndWhy(suggest);
+  const { state, title, words } = S.job ?? {};
+  const atWork = suggest.kind === 'track' && state === 'running';
+  const [what, why] = atWork ? [`${title}.`, words] : whatAndWhy(suggest);
   return html`<div class=${`sug ${suggest.kind}`} role="status" title=${`${what} ${why}`}>
     ${icon(SUGGESTION_ICONS[suggest.kind] ?? 'keyadd')}
     <span class="tx"><b>${what}</b> <span class="mut">${why}</span></span>
-    ${suggestionButton(suggest)}</div>`;
+    ${atWork ? html`<span class="pad"></span>` : suggestionButton(suggest)}</div>`;
 }
 
 /** The first sentence is what to do; the others, and the reason, are why. */
@@ -75,7 +78,6 @@ function whatAndWhy({ words, reason }) {
 function suggestionButton({ frame: to, kind }) {
   const button = (label, key, words, act) => html`<button class="btn sm pri" aria-label=${words}
     @click=${act}>${label}<kbd>${key}</kbd></button>`;
-  if (kind === 'track' && S.job?.state === 'running') return html`<span class="pad"></span>`;
   if (kind === 'track') {
     const { verb } = subject();
     return button(verb, 'T', `${verb} changed segments`, trackChanged);

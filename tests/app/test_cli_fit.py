@@ -15,6 +15,7 @@ import pytest
 import trimesh
 
 from app.cli import main
+from app.jobs.work import Job
 from app.results import load_results
 from tests.app import surface_cases as cases
 from tests.app.cli_cases import everything_in, refused
@@ -22,6 +23,7 @@ from tests.tracker import session_cases
 from tracker.geometry import log_rotation, transpose
 from tracker.session.files import load_session, open_video_of, save_session
 from tracker.session.tracks import load_tracks, load_trajectory
+from tracker.surface.fit import segment
 
 NEAR_M, NEAR_RAD = 0.03, np.deg2rad(8)
 """The sample's voxels are 4 cm wide."""
@@ -111,6 +113,30 @@ def test_events_have_the_form_of_those_of_tracking(
     assert summary["segments_of"] == len(summary["segments"]) == 1
     assert summary["lost"] is False
     assert Path(summary["tracks"]).is_file()
+
+
+def test_ctrl_c_keeps_the_steps_that_are_done(
+    session_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(segment, "TELL_S", 0.0)
+    looks: list[int] = []
+    go_on = Job._go_on
+
+    def stop_at_the_third_look(job: Job) -> None:
+        looks.append(1)
+        if len(looks) == 3:
+            job._cancelled.set()
+        go_on(job)
+
+    monkeypatch.setattr(Job, "_go_on", stop_at_the_third_look)
+    assert fit("--session", session_path) == 130
+    told = capsys.readouterr()
+    assert "check frames 3–4: not fitted yet" in told.out
+    assert "Interrupted: 0 of 1 segments are finished, 1 more kept in part." in told.err
+    found = load_trajectory(load_session(session_path), session_path)
+    assert np.abs(found.ps_camera_root - cases.true_roots())[:3].max() < NEAR_M
+    assert fit("--session", session_path) == 0
+    assert load_session(session_path).results.segments[0].missing == 0  # type: ignore[union-attr]
 
 
 def test_a_mesh_that_cannot_be_used_is_left_out_and_told(

@@ -168,12 +168,14 @@ def told(state: EditorState, name: str, **more: Any) -> Any:
     return Sections().changed(Outlook(edit=state, **more))[name]
 
 
-def fitted(state: EditorState, kind: Kind = "good", words: str = "good") -> EditorState:
+def fitted(
+    state: EditorState, kind: Kind = "good", words: str = "good", missing: int = 0
+) -> EditorState:
     """The arms fitted from 0 to 18."""
     pose = state.doc.keyframes[0].pose(state.skeleton)
     path, key = interpolate(pose, pose, 0, 18), segment_keys(state.doc)[0, 18]
     track = SegmentTrack.on_the_way(key, "full", path, 0.004, words)
-    return replace(state, results=Results({key: replace(track, kind=kind)}))
+    return replace(state, results=Results({key: replace(track, kind=kind, missing=missing)}))
 
 
 def test_of_a_film_no_surface_is_told() -> None:
@@ -274,6 +276,14 @@ def test_what_is_in_doubt_is_to_be_looked_at() -> None:
     kind, frame, words = suggested(fitted(desk(), "check", "check frames 8–10: arm a not seen"))
     assert (kind, frame) == ("look", 9)
     assert "Arm a hidden 8–10" in words
+
+
+def test_a_fit_that_was_stopped_goes_on_first() -> None:
+    state = fitted(desk(), "check", "check frames 8–18: not fitted yet", missing=11)
+    assert suggested(state) == ("track", None, "Go on fitting. 8–18 not fitted yet")
+    assert state.results.wanted(state.doc)
+    lost = fitted(desk(), "lost", "lost: add a keyframe near 3", missing=11)
+    assert suggested(lost)[:2] == ("key", 3)
 
 
 def test_what_is_good_needs_nothing() -> None:

@@ -19,6 +19,7 @@ from app.outlook import Saved
 from app.results import SegmentTrack
 from app.saving import Saver
 from app.store import Store
+from tests.app import surface_cases
 from tests.app.serving import ROOT
 from tracker.errors import SessionError
 from tracker.session import Session
@@ -63,6 +64,18 @@ def _track(doc: Session, first: int, last: int, key: str) -> SegmentTrack:
     return SegmentTrack(
         first, last, key, "full", path, "good", "good", (1.0,), ("pass",), 0, 0.0,
         np.full(n, dofs), np.ones((n, dofs)), np.ones((n, parts)), np.ones((n, parts)),
+    )  # fmt: skip
+
+
+def _stopped(doc: Session, first: int, last: int, key: str) -> SegmentTrack:
+    """The steps up to the middle; the pose there holds on."""
+    skeleton = Skeleton.of(doc.body)
+    held, n, parts, dofs = last - 2, last - first, skeleton.part_count, skeleton.dof_count
+    pose = doc.keyframes[0].pose(skeleton)
+    return SegmentTrack(
+        first, last, key, "full", interpolate(pose, pose, first, last), "check",
+        f"check frames {held + 1}–{last}: not fitted yet", (1.0,), ("fit",), 0, 0.0,
+        np.full(n, dofs), np.ones((n, dofs)), np.ones((n, parts)), np.ones((n, parts)), missing=2,
     )  # fmt: skip
 
 
@@ -135,6 +148,30 @@ def test_a_segment_that_was_finished_just_before_the_end_is_saved(path: Path) ->
 
     _with_store(path, work)
     assert load_session(path).results is not None
+
+
+def test_what_a_stopped_fit_of_surfaces_has_done_is_kept_saved_and_gone_on_with(
+    tmp_path: Path,
+) -> None:
+    path = surface_cases.write_session(tmp_path / "job")
+
+    async def work(desk: Store) -> None:
+        tab = desk.join()
+        desk.receive(tab, {"do": "track", "what": "changed"})
+        doc, wanted = _Tracking.newest.orders[0]
+        _Tracking.newest.report(SegmentFinished(1, _stopped(doc, *wanted[0])))
+        _Tracking.newest.report(JobFinished(1, cancelled=True))
+        assert desk.outlook.job.title == "Cancelled"
+        assert desk.outlook.job.words == "what was done is kept, and Fit goes on from there"
+        desk.receive(tab, {"do": "track", "what": "changed"})
+        assert len(_Tracking.newest.orders) == 2
+
+    _with_store(path, work)
+    session = load_session(path)
+    assert session.results is not None
+    assert [(s.words, s.missing) for s in session.results.segments] == [
+        ("check frames 3–4: not fitted yet", 2)
+    ]
 
 
 def test_segments_that_come_in_quickly_do_not_put_off_saving_for_ever(

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from threading import Event
+from typing import Any
 
 import numpy as np
 import pytest
@@ -26,7 +27,8 @@ from app.jobs.fits import Fit
 from app.jobs.reports import Order
 from app.jobs.tracking import _needed
 from app.jobs.work import Job
-from app.results import segment_keys
+from app.rerun import keep
+from app.results import Results, SegmentTrack, load_results, save_results, segment_keys
 from tests.app import surface_cases as cases
 from tests.app.serving import Keypose, Visitor
 from tests.tracker import session_cases
@@ -106,20 +108,70 @@ def test_the_worker_counts_steps_and_tells_a_motion_of_the_whole_segment(
     assert np.isfinite(passed[0].trajectory.ps_camera_root).all()
 
 
-def test_it_is_left_while_a_segment_is_fitted(
-    bench: Bench, path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.fixture
+def stopped(monkeypatch: pytest.MonkeyPatch) -> Callable[[int], dict[str, Any]]:
+    """What makes `done` stop after so many steps."""
     monkeypatch.setattr(segment, "TELL_S", 0.0)
-    cancelled = Event()
 
-    def leave(report: Report) -> None:
-        if isinstance(report, PassFinished):
-            cancelled.set()
+    def after(steps: int) -> dict[str, Any]:
+        cancelled = Event()
 
-    told = done(bench, path, load_session(path), cancelled, leave)
-    assert sum(isinstance(report, PassFinished) for report in told) == 1
-    assert not any(isinstance(report, SegmentFinished) for report in told)
+        def leave(report: Report) -> None:
+            if isinstance(report, PassFinished) and report.number + 1 == steps:
+                cancelled.set()
+
+        return {"cancelled": cancelled, "heard": leave}
+
+    return after
+
+
+def _tracks(told: list[Report]) -> list[SegmentTrack]:
+    return [report.track for report in told if isinstance(report, SegmentFinished)]
+
+
+def test_a_fit_that_is_stopped_keeps_the_steps_that_are_done_and_goes_on_after_them(
+    bench: Bench, path: Path, stopped: Callable[[int], dict[str, Any]]
+) -> None:
+    session = load_session(path)
+    told = done(bench, path, session, **stopped(2))
     assert told[-1] == JobFinished(7, cancelled=True)
+    (part,) = _tracks(told)  # the step under way when it was stopped is done as well
+    assert part.missing == 1
+    assert part.told == "check frame 4: not fitted yet"
+    assert Results().with_track(part).wanted(session)
+    again = done(bench, path, session)
+    assert [report.number for report in again if isinstance(report, PassFinished)] == [3]
+    assert again[-1] == JobFinished(7, cancelled=False)
+    (whole,) = _tracks(again)
+    (at_once,) = _tracks(done(Bench(), path, session))
+    assert whole.trajectory.ps_camera_root.tobytes() == at_once.trajectory.ps_camera_root.tobytes()
+    assert whole.residual.tobytes() == at_once.residual.tobytes()
+    assert (whole.told, whole.missing) == (at_once.told, 0)
+
+
+def test_what_a_stopped_fit_has_done_comes_back_from_the_disk_and_yields_to_more_only(
+    bench: Bench, path: Path, stopped: Callable[[int], dict[str, Any]]
+) -> None:
+    session = load_session(path)
+    (more,) = _tracks(done(bench, path, session, **stopped(2)))
+    (less,) = _tracks(done(Bench(), path, session, **stopped(1)))
+    assert (more.missing, less.missing) == (1, 2)
+    save_session(save_results(session, path, Results().with_track(more)), path)
+    session = load_session(path)
+    assert session.results is not None
+    (summary,) = session.results.segments
+    assert summary.missing == more.missing
+    loaded = load_results(session, path)
+    (back,) = loaded.fitting(session).values()
+    assert (back.missing, back.told) == (more.missing, more.told)
+    assert loaded.wanted(session)
+    assert loaded.states(session) == {(0, 4): "check"}
+    assert loaded.with_track(less) is loaded
+    keep(session, path, [less])
+    (kept,) = load_results(load_session(path), path).fitting(session).values()
+    assert kept.missing == more.missing
+    (whole,) = _tracks(done(bench, path, session))
+    assert not loaded.with_track(whole).wanted(session)
 
 
 def test_meshes_stay_open_and_the_model_laid_out_while_nothing_of_it_is_another(

@@ -167,9 +167,16 @@ class SegmentSummary(Plain):
         "had one.",
     )
 
+    missing: Annotated[int, Field(ge=0)] = Field(
+        default=0,
+        description="Steps of the work that were not done, because it was stopped; left out where "
+        "all is done.",
+    )
+
     @model_serializer(mode="wrap")
-    def _without_empty_ends(self, told: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return _without(told(self), "open_ends", not self.open_ends)
+    def _of_surfaces_alone(self, told: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        ends = _without(told(self), "open_ends", not self.open_ends)
+        return _without(ends, "missing", not self.missing)
 
 
 class Results(Plain):

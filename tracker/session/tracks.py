@@ -358,6 +358,7 @@ def _summary(segment: SegmentResult, session: Session) -> SegmentSummary:
         best_pass=segment.best_pass,
         closing_error=_finite(segment.closing_error),
         notes=segment.notes,
+        missing=segment.missing,
     )
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -15,7 +17,7 @@ from tracker.shapes import Box
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.segment import SurfaceTracker
 from tracker.surface.mesh import SurfaceMesh
-from tracker.track import SegmentResult
+from tracker.track import Left, SegmentResult
 
 BODY = two_bars()
 OPTIONS = Options(points=700)
@@ -114,6 +116,106 @@ def test_many_unusable_steps_are_told_in_a_few_words() -> None:
     meshes: list[SurfaceMesh | str] = [MESHES[0], *[f"Step {k} is bad." for k in range(1, 9)]]
     notes = _run(_tracker({0: TRUE[0]}, meshes)).notes
     assert notes[5] == "3 more steps could not be used either."
+
+
+@pytest.fixture
+def told_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every step is told, however quick it was."""
+    monkeypatch.setattr("tracker.surface.fit.segment.TELL_S", 0.0)
+
+
+def _stop_at(step: int) -> Callable[[Pass, int], None]:
+    def emit(path: Pass, done: int) -> None:
+        if done == step:
+            raise Left
+
+    return emit
+
+
+def _is_same(one: SegmentResult, other: SegmentResult) -> bool:
+    names = ("rank", "singular_values", "observability", "residual")
+    return (
+        np.array_equal(one.trajectory.Rs_parent_part, other.trajectory.Rs_parent_part)
+        and np.array_equal(one.trajectory.ps_camera_root, other.trajectory.ps_camera_root)
+        and all(
+            np.array_equal(getattr(one, name), getattr(other, name), equal_nan=True)
+            for name in names
+        )
+        and vars(one.verdict) == vars(other.verdict)
+        and (one.notes, one.missing) == (other.notes, other.missing)
+    )
+
+
+@pytest.mark.usefixtures("told_all")
+def test_a_fit_that_is_stopped_keeps_what_was_done_and_says_what_was_not() -> None:
+    found = _tracker({0: TRUE[0]}).run_segment((0, 8), _stop_at(5))
+    assert found.missing == 3
+    assert found.verdict.words == "check frames 6–8: not fitted yet"
+    assert _errors_m(found)[:6].max() < 0.005
+    assert _is_pose(found.trajectory.pose(8), found.trajectory.pose(5))
+    assert found.rank[5:].tolist() == [-1] * 3
+    assert np.isnan(found.residual[5:]).all()
+    assert found.notes == ()
+
+
+@pytest.mark.usefixtures("told_all")
+@pytest.mark.parametrize(
+    ("ends", "steps"),
+    [
+        *(((end,), steps) for end in (0, 8) for steps in ((1,), (5,), (2, 4, 7))),
+        *(((0, 8), steps) for steps in ((1,), (8,), (9,), (2, 7, 15))),
+    ],
+)
+@pytest.mark.parametrize("bad", [None, 4])
+def test_a_fit_goes_on_where_it_was_stopped_and_comes_out_the_same(
+    ends: tuple[int, ...], steps: tuple[int, ...], bad: int | None
+) -> None:
+    meshes = ["Gone." if k == bad else mesh for k, mesh in enumerate(MESHES)]
+    keys = {frame: TRUE[frame] for frame in ends}
+    tracker = _tracker(keys, meshes, ends[0])
+    for step in steps:
+        assert tracker.run_segment((0, 8), _stop_at(step)).missing in (len(ends) * 8 - step, 0)
+    numbers: list[int] = []
+    went_on = tracker.run_segment((0, 8), lambda step, number: numbers.append(number))
+    assert not numbers or numbers[0] == steps[-1] + 1
+    assert _is_same(went_on, _run(_tracker(keys, meshes, ends[0])))
+    assert went_on.missing == 0
+
+
+@pytest.mark.usefixtures("told_all")
+def test_between_two_keyframes_what_one_chain_has_reached_leads_over_to_the_other() -> None:
+    tracker = _tracker({0: TRUE[0], 8: TRUE[8]})
+    early = tracker.run_segment((0, 8), _stop_at(3))
+    assert early.missing == 13
+    assert early.verdict.words == "check frames 4–7: not fitted yet"
+    assert _is_pose(early.trajectory.pose(8), TRUE[8])
+    assert _errors_m(early).max() < 0.02  # an even motion
+    late = tracker.run_segment((0, 8), _stop_at(12))
+    assert late.missing == 4
+    assert late.verdict.words == "check frames 1–7: fitted from one keyframe only so far"
+    assert _errors_m(late).max() < 0.005
+
+
+@pytest.mark.usefixtures("told_all")
+def test_a_stopped_fit_that_was_lost_before_says_so() -> None:
+    meshes = [MESHES[0], *(surface_of(BODY, bent(BODY, 2.5, (0, 0, 2.0)), 2) for _ in range(5))]
+    tracker = SurfaceTracker(Given(meshes), BODY, {0: TRUE[0]}, 0, OPTIONS)
+    assert tracker.run_segment((0, 5), _stop_at(3)).verdict.kind == "lost"
+
+
+def test_what_is_stopped_before_the_first_step_is_left_as_it_was() -> None:
+    def stop(step: Pass, done: int) -> None:
+        raise Left
+
+    class Stopped(Given):
+        def mesh(self, frame: int) -> SurfaceMesh:
+            if frame == 1:
+                raise Left
+            return super().mesh(frame)
+
+    tracker = SurfaceTracker(Stopped(list(MESHES)), BODY, {0: TRUE[0]}, 0, OPTIONS)
+    with pytest.raises(Left):
+        tracker.run_segment((0, 8), stop)
 
 
 def test_a_motion_too_fast_to_follow_is_called_lost_not_good() -> None:

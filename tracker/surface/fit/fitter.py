@@ -59,7 +59,7 @@ class SurfaceFitter:
         self, index: int, settings: TrackSettings, emit: Callable[[Pass, int], None]
     ) -> SegmentResult:
         """Fit one segment; `emit` is told now and then which step, from 0, was the last to be
-        done, and may raise to stop."""
+        done, and may raise Left to stop."""
 
         def tell(step: Pass, done: int) -> None:
             emit(step, done - 1)

@@ -74,6 +74,14 @@ def judge_links(
     return Verdict("check", f"check {frames_in_words(*between)}: {name} {kind}", between)
 
 
+def not_reached(unreached: Sequence[int], span: tuple[int, int]) -> Verdict:
+    """The verdict on a segment whose fit was stopped; without frames that no chain has reached,
+    those between its keyframes still lack the second one."""
+    first, last = (unreached[0], unreached[-1]) if unreached else (span[0] + 1, span[1] - 1)
+    why = "not fitted yet" if unreached else "fitted from one keyframe only so far"
+    return Verdict("check", f"check {frames_in_words(first, last)}: {why}", (first, last))
+
+
 def unseen_turns(model: SurfaceModel, links: Sequence[Link]) -> tuple[str, ...]:
     """A sentence on the parts whose turning the surface does not show, most of the time."""
     steps = [link.step for link in links if link.step is not None]

@@ -7,26 +7,31 @@ after the last there is one chain.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from tracker.body import Body
 from tracker.errors import SessionError
-from tracker.geometry import Array
-from tracker.pose import Pose, part_transforms
+from tracker.pose import Pose
 from tracker.scoring import Pass
-from tracker.skeleton import Skeleton
-from tracker.surface.fit.chain import Link, blended, filled, follow
-from tracker.surface.fit.judging import judge_links, unseen_turns, unusable_steps
+from tracker.surface.fit.chain import Link, follow, keyed
+from tracker.surface.fit.joining import Joined, joined
+from tracker.surface.fit.judging import (
+    judge_links,
+    not_reached,
+    unseen_turns,
+    unusable_steps,
+)
 from tracker.surface.fit.model import SurfaceModel
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.pairing import Observed
 from tracker.surface.fit.solving import fit_pose
 from tracker.surface.steps import Steps
-from tracker.track import SegmentResult
+from tracker.track import Left, SegmentResult
 from tracker.trajectory import Trajectory
+from tracker.verdict import Verdict
 
 TELL_S = 0.25
 """Between two trajectories on the way."""
@@ -35,11 +40,11 @@ Tell = Callable[[Pass, int], None]
 
 
 class _Teller:
-    """Tells trajectories on the way, not too often."""
+    """Tells trajectories on the way, not too often. done: steps that need no telling any more."""
 
-    def __init__(self, span: tuple[int, int], emit: Tell) -> None:
+    def __init__(self, span: tuple[int, int], emit: Tell, done: int) -> None:
         self._span, self._emit = span, emit
-        self._done, self._told_at = 0, time.monotonic()
+        self._done, self._told_at = done, time.monotonic()
 
     def tell(self, links: Sequence[Link]) -> None:
         """One more step is done: links from one end of the span so far, the latest last."""
@@ -81,25 +86,31 @@ class SurfaceTracker:
         posed = [pose.Rs_parent_part for pose in keyposes.values()]
         self.model = replace(model, limits=model.limits.widened(posed))
         self._steps, self._options = steps, options
+        self._left: dict[tuple[int, int], list[list[Link]]] = {}
 
     def run_segment(self, span: tuple[int, int], emit: Tell) -> SegmentResult:
         """Fit the steps from span[0] to span[1].
 
         emit: told a trajectory now and then, with the number of steps that are done; where a step
-        has not been fitted yet it keeps the nearest pose. It may raise to stop. SessionError unless
-        one end of the span at least is a keyframe.
+        has not been fitted yet it keeps the nearest pose. It may raise Left: then the result has
+        what was done until then, and the next run of the segment goes on from there. SessionError
+        unless one end of the span at least is a keyframe.
         """
-        keyed = [frame for frame in span if frame in self.keyposes]
-        if not keyed:
+        keys = [frame for frame in span if frame in self.keyposes]
+        if not keys:
             raise SessionError(f"Neither {span[0]} nor {span[1]} has a keyframe: pose one of them.")
-        teller = _Teller(span, emit)
-        chains = [self._chain(span, frame, teller) for frame in keyed]
-        one, two = chains[0], chains[-1]
-        apart = None
-        if len(chains) == 2:
-            apart = _apart(self.model.skeleton, one, two)
-            one = _both(self.model.skeleton, one, two)
-        return _result(self.model, one, keyed, apart)
+        chains = self._left.pop(span, None) or [[self._keyed(frame)] for frame in keys]
+        teller = _Teller(span, emit, sum(len(chain) - 1 for chain in chains))
+        try:
+            for chain in chains:
+                self._extend(chain, span, teller)
+        except Left:
+            if all(len(chain) == 1 for chain in chains):
+                raise
+        every = joined(self.model.skeleton, span, chains, self.keyposes)
+        if every.missing:
+            self._left[span] = chains
+        return _result(self.model, every, keys)
 
     def expected_steps(self, span: tuple[int, int]) -> int:
         """Steps that `run_segment` works through."""
@@ -111,57 +122,23 @@ class SurfaceTracker:
         observed = Observed.of(self._steps.mesh(frame), self._options)
         return fit_pose(self.model, observed, pose, self._options).pose
 
-    def _chain(self, span: tuple[int, int], start: int, teller: _Teller) -> list[Link]:
-        """All steps of a span, followed from one of its ends, in the order of the frames."""
+    def _extend(self, chain: list[Link], span: tuple[int, int], teller: _Teller) -> None:
+        """Follow a chain on to the other end of the span."""
         first, last = span
-        onward = range(first + 1, last + 1) if start == first else range(last - 1, first - 1, -1)
-        links = [self._keyed(start)]
-        for link in self._followed(start, onward):
-            links.append(link)
-            teller.tell(links)
-        links = filled(sorted(links, key=lambda link: link.frame))
-        far = last if start == first else first
-        if far in self.keyposes:  # a keyframe is never changed
-            place = far - first
-            links[place] = Link(far, self.keyposes[far], links[place].step, links[place].problem)
-        return links
-
-    def _followed(self, start: int, frames: Sequence[int]) -> Iterator[Link]:
-        return follow(self.model, self._steps, self.keyposes[start], frames, self._options)
+        at = chain[-1].frame
+        onward = (
+            range(at + 1, last + 1) if chain[0].frame == first else range(at - 1, first - 1, -1)
+        )
+        for link in follow(self.model, self._steps, chain, onward, self._options):
+            chain.append(link)
+            teller.tell(chain)
 
     def _keyed(self, frame: int) -> Link:
-        """A keyframe as it was posed, measured but not moved."""
-        still = replace(self._options, solves=0)
-        return next(follow(self.model, self._steps, self.keyposes[frame], [frame], still))
+        return keyed(self.model, self._steps, frame, self.keyposes[frame], self._options)
 
 
-def _apart(skeleton: Skeleton, one: Sequence[Link], two: Sequence[Link]) -> Array:
-    """(N, P) metres between the joints of two chains; near a keyframe the far one has no say."""
-    joints = [_joints(skeleton, links) for links in (one, two)]
-    share = np.linspace(0.0, 1.0, len(one))
-    return np.asarray(
-        np.linalg.norm(joints[0] - joints[1], axis=2) * (4 * share * (1 - share))[:, None]
-    )
-
-
-def _joints(skeleton: Skeleton, links: Sequence[Link]) -> Array:
-    Rs = np.array([link.pose.Rs_parent_part for link in links])
-    roots = np.array([link.pose.p_camera_root for link in links])
-    return part_transforms(skeleton, Rs, roots)[..., :3, 3]
-
-
-def _both(skeleton: Skeleton, one: Sequence[Link], two: Sequence[Link]) -> list[Link]:
-    """Two chains as one; the keyframes at both ends stay as they are."""
-    inner = [
-        blended(skeleton, ahead, behind, k / (len(one) - 1))
-        for k, (ahead, behind) in enumerate(zip(one, two, strict=True))
-    ]
-    return [one[0], *inner[1:-1], two[-1]]
-
-
-def _result(
-    model: SurfaceModel, links: Sequence[Link], keyed: Sequence[int], apart: Array | None
-) -> SegmentResult:
+def _result(model: SurfaceModel, every: Joined, keys: Sequence[int]) -> SegmentResult:
+    links = every.links
     steps = [link.step for link in links[1:]]
     parts, dofs = model.skeleton.part_count, model.skeleton.dof_count
     unknown = np.full(parts, np.nan)
@@ -172,7 +149,7 @@ def _result(
         steps=("fit",),
         best_pass=0,
         closing_error=0.0,
-        verdict=judge_links(model, links, keyed, apart),
+        verdict=_verdict(model, every, keys),
         rank=np.array([-1 if step is None else step.rank for step in steps], np.int64),
         singular_values=np.array(
             [np.full(dofs, np.nan) if step is None else step.singular for step in steps]
@@ -180,7 +157,17 @@ def _result(
         observability=np.array([unknown if s is None else s.observability for s in steps]),
         residual=np.array([unknown if s is None else s.residual for s in steps]),
         notes=(*unusable_steps(links), *unseen_turns(model, links)),
+        missing=every.missing,
     )
+
+
+def _verdict(model: SurfaceModel, every: Joined, keys: Sequence[int]) -> Verdict:
+    """Of what was reached; where that is not lost, what was not reached comes first."""
+    reached = [link for link in every.links if link.frame not in every.unreached]
+    found = judge_links(model, reached, keys, every.apart_m)
+    if not every.missing or found.kind == "lost":
+        return found
+    return not_reached(every.unreached, (every.links[0].frame, every.links[-1].frame))
 
 
 def _trajectory(first: int, links: Sequence[Link]) -> Trajectory:

@@ -1,0 +1,162 @@
+"""Chains of steps as one motion: from one keyframe, or from two and then blended part by part.
+
+What a chain has not reached yet is held, and led over evenly where both sides are known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from tracker.geometry import Array, exp_rotation, log_rotation, transpose
+from tracker.pose import Pose, part_transforms
+from tracker.skeleton import Skeleton
+from tracker.surface.fit.chain import Link
+from tracker.surface.fit.measuring import StepFit
+
+TRUST_POWER = 2
+"""How sharply the chain is preferred whose surfaces lie nearer, in powers of squared distance."""
+
+
+@dataclass(frozen=True, eq=False)
+class Joined:
+    """A segment's links in the order of their frames.
+
+    apart_m: (N, P) how far two whole chains put each joint apart; None where there was one.
+    unreached: frames that no chain has reached.  missing: links that the chains still lack.
+    """
+
+    links: tuple[Link, ...]
+    apart_m: Array | None
+    unreached: tuple[int, ...] = ()
+    missing: int = 0
+
+
+def joined(
+    skeleton: Skeleton,
+    span: tuple[int, int],
+    chains: Sequence[Sequence[Link]],
+    keyposes: Mapping[int, Pose],
+) -> Joined:
+    """All steps of a segment of the one or two chains that begin at its keyframes.
+
+    chains: each in the order in which it was followed, its keyframe first, as far as it has come.
+    """
+    count = span[1] - span[0] + 1
+    missing = sum(count - len(chain) for chain in chains)
+    if missing:
+        return _as_far_as(skeleton, span, chains, missing)
+    whole = [_whole(chain, keyposes) for chain in chains]
+    one, two = whole[0], whole[-1]
+    if len(whole) == 1:
+        return Joined(tuple(one), None)
+    return Joined(tuple(_both(skeleton, one, two)), _apart(skeleton, one, two))
+
+
+def _whole(chain: Sequence[Link], keyposes: Mapping[int, Pose]) -> list[Link]:
+    """One chain in the order of the frames; a keyframe at its far end is never changed."""
+    far = chain[-1].frame
+    links = filled(sorted(chain, key=lambda link: link.frame))
+    if far in keyposes:
+        place = 0 if links[0].frame == far else -1
+        links[place] = replace(links[place], pose=keyposes[far])
+    return links
+
+
+def _as_far_as(
+    skeleton: Skeleton, span: tuple[int, int], chains: Sequence[Sequence[Link]], missing: int
+) -> Joined:
+    """What chains that were left have reached; the nearest pose before holds beyond."""
+    first, last = span
+    keyed = {chain[0].frame: chain[0] for chain in chains}
+    at = [{link.frame: link for link in chain} for chain in chains]
+    known: dict[int, Link] = {}
+    for frame in range(first, last + 1):
+        there = [links[frame] for links in at if frame in links]
+        if frame in keyed:
+            known[frame] = keyed[frame]
+        elif len(there) == 2:
+            known[frame] = blended(skeleton, there[0], there[1], (frame - first) / (last - first))
+        elif there:
+            known[frame] = there[0]
+    pose = known[min(known)].pose
+    links = []
+    for frame in range(first, last + 1):
+        link = known.get(frame) or Link(frame, pose, None)
+        links.append(link)
+        pose = link.pose
+    unreached = tuple(frame for frame in range(first, last + 1) if frame not in known)
+    return Joined(tuple(filled(links)), None, unreached, missing)
+
+
+def filled(links: Sequence[Link]) -> list[Link]:
+    """Links of consecutive frames; where a step could not be used, its pose leads over evenly."""
+    good = [k for k, link in enumerate(links) if link.step is not None]
+    whole = list(links)
+    for before, after in pairwise(good):
+        for k in range(before + 1, after):
+            share = (k - before) / (after - before)
+            pose = _mixed(links[before].pose, links[after].pose, share)
+            whole[k] = replace(links[k], pose=pose)
+    return whole
+
+
+def blended(skeleton: Skeleton, forward: Link, backward: Link, share: float) -> Link:
+    """One link of the two that chains from both keyframes have at a frame.
+
+    share: how far the frame lies from the first keyframe to the second, 0 to 1. Each part leans to
+    the chain whose surfaces lie nearer to each other, on that part and on what hangs from it.
+    """
+    if forward.step is None or backward.step is None:
+        between = _mixed(forward.pose, backward.pose, share)
+        return Link(forward.frame, between, None, forward.problem)
+    ahead = _pull(skeleton, forward.step, 1.0 - share)
+    behind = _pull(skeleton, backward.step, share)
+    back = behind / np.maximum(ahead + behind, 1e-30)
+    better = forward if ahead[0] >= behind[0] else backward
+    return Link(forward.frame, _mixed(forward.pose, backward.pose, back), better.step)
+
+
+def _pull(skeleton: Skeleton, step: StepFit, nearness: float) -> Array:
+    """(P,) how much a chain counts for each part."""
+    square = np.where(np.isfinite(step.residual), step.residual**2, 0.0) + 1e-9
+    weight = np.where(np.isfinite(step.residual), step.counts, 0.0) + 1e-6
+    below = skeleton.below.T
+    mean = (below @ (weight * square)) / (below @ weight)
+    return np.asarray(max(nearness, 1e-3) / mean**TRUST_POWER)
+
+
+def _mixed(one: Pose, other: Pose, share: Array | float) -> Pose:
+    """From one pose (share 0) to the other (share 1), part by part."""
+    shares = np.broadcast_to(np.asarray(share, dtype=np.float64), (len(one.Rs_parent_part),))
+    turn = log_rotation(transpose(one.Rs_parent_part) @ other.Rs_parent_part)
+    Rs = one.Rs_parent_part @ exp_rotation(shares[:, None] * turn)
+    root = (1 - shares[0]) * one.p_camera_root + shares[0] * other.p_camera_root
+    return Pose(Rs, root)
+
+
+def _both(skeleton: Skeleton, one: Sequence[Link], two: Sequence[Link]) -> list[Link]:
+    """Two chains as one; the keyframes at both ends stay as they are."""
+    inner = [
+        blended(skeleton, ahead, behind, k / (len(one) - 1))
+        for k, (ahead, behind) in enumerate(zip(one, two, strict=True))
+    ]
+    return [one[0], *inner[1:-1], two[-1]]
+
+
+def _apart(skeleton: Skeleton, one: Sequence[Link], two: Sequence[Link]) -> Array:
+    """(N, P) metres between the joints of two chains; near a keyframe the far one has no say."""
+    joints = [_joints(skeleton, links) for links in (one, two)]
+    share = np.linspace(0.0, 1.0, len(one))
+    return np.asarray(
+        np.linalg.norm(joints[0] - joints[1], axis=2) * (4 * share * (1 - share))[:, None]
+    )
+
+
+def _joints(skeleton: Skeleton, links: Sequence[Link]) -> Array:
+    Rs = np.array([link.pose.Rs_parent_part for link in links])
+    roots = np.array([link.pose.p_camera_root for link in links])
+    return part_transforms(skeleton, Rs, roots)[..., :3, 3]
