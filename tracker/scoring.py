@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,21 +11,7 @@ from tracker.images import Clip
 from tracker.kernels.pairs import CAP, mean_capped_square
 from tracker.scene import Scene
 from tracker.stretch import Segment
-from tracker.trajectory import Trajectory
-
-
-@dataclass(frozen=True, eq=False)
-class Pass:
-    """A trajectory on the way, and its score (the lower the better within one segment).
-
-    what: "interpolation", "both ways", "templates", "import", "pass" or "refinement"; of observed
-        surfaces "fit".
-    score: None where not judged.
-    """
-
-    what: str
-    trajectory: Trajectory
-    score: float | None
+from tracker.trajectory import Pass, Trajectory
 
 
 def capped_score(scene: Scene, clip: Clip, trajectory: Trajectory, of: int) -> float:

@@ -13,10 +13,10 @@ from tracker.methods import Keypose, Method, Paper
 from tracker.motion import least_squares_pass, printed_score, robust_pass
 from tracker.refine import refine
 from tracker.scene import Scene
-from tracker.scoring import Pass, best_of, capped_score, keyframe_difference
+from tracker.scoring import best_of, capped_score, keyframe_difference
 from tracker.starts import printed_start, starts
 from tracker.stretch import Segment, distance_px, is_sound
-from tracker.trajectory import Trajectory
+from tracker.trajectory import Pass, Trajectory
 
 EXACT_KEYFRAMES = 100.0
 """Mean capped square, grey levels², below which two keyframes show the same texture."""

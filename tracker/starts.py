@@ -12,10 +12,10 @@ from tracker.methods import FULL, Keypose, Paper
 from tracker.motion import printed_score
 from tracker.planar import planar_start
 from tracker.scene import Scene
-from tracker.scoring import Pass, capped_score
+from tracker.scoring import capped_score
 from tracker.stretch import Segment, distance_px, extent_px, is_sound
 from tracker.templates import limb_tracks
-from tracker.trajectory import Trajectory, interpolate
+from tracker.trajectory import Pass, Trajectory, interpolate
 
 Chains = tuple[Chain, Chain]
 

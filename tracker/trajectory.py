@@ -56,6 +56,25 @@ class Trajectory:
         return joint_positions(skeleton, self.transforms(skeleton))
 
 
+@dataclass(frozen=True, eq=False)
+class Pass:
+    """A trajectory on the way, and its score (the lower the better within one segment).
+
+    what: "interpolation", "both ways", "templates", "import", "pass" or "refinement"; of observed
+        surfaces "fit".
+    score: None where not judged.
+    """
+
+    what: str
+    trajectory: Trajectory
+    score: float | None
+
+    @property
+    def told_score(self) -> float:
+        """The score as a number; NaN where not judged."""
+        return np.nan if self.score is None else self.score
+
+
 def interpolate(start: Pose, end: Pose, first_frame: int, last_frame: int) -> Trajectory:
     """Each part's one-axis rotation and the root's straight line, divided evenly.  DRIFT §2.2"""
     shares = np.arange(last_frame - first_frame + 1) / (last_frame - first_frame)

@@ -8,6 +8,7 @@ from typing import Any
 from app.results import Span
 from tracker.errors import SessionError
 from tracker.pose import Pose
+from tracker.run import SegmentTracker
 from tracker.session import Session
 from tracker.session.files import open_video_at
 from tracker.session.first_motion import of_session
@@ -16,7 +17,7 @@ from tracker.skeleton import Skeleton
 from tracker.surface.files.sources import SUFFIXES
 from tracker.surface.fit.fitter import SurfaceFitter
 from tracker.surface.steps import Steps
-from tracker.track import SegmentTracker, Tracker
+from tracker.track import Tracker
 from tracker.video import Video
 
 

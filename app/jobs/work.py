@@ -25,10 +25,10 @@ from app.jobs.reports import (
 )
 from app.results import SegmentTrack, Span
 from tracker.errors import KeyposeError
-from tracker.scoring import Pass
+from tracker.run import Left, SegmentTracker
 from tracker.session import Session
 from tracker.settings import Quality, TrackSettings
-from tracker.track import Left, SegmentTracker
+from tracker.trajectory import Pass
 from tracker.wording import one_sentence
 
 Tell = Callable[[Report], None]
@@ -111,9 +111,8 @@ class Job:
         def emit(step: Pass, number: int) -> None:
             self._go_on()
             if stage != "preview":  # the next pass would be there before this one is drawn
-                score = float("nan") if step.score is None else step.score
-                path, unit = step.trajectory, _unit(step)
-                self._tell(PassFinished(job, *wanted, stage, number, of, score, path, unit))
+                told, unit = (step.told_score, step.trajectory), _unit(step)
+                self._tell(PassFinished(job, *wanted, stage, number, of, *told, unit))
 
         result = tracker.run_segment(0, settings, emit)
         if result.missing:

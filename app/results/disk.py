@@ -7,7 +7,6 @@ import re
 import time
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from app.results.collection import Results
 from app.results.keys import Span, segment_keys
 from app.results.track import RANK, SegmentTrack
 from tracker.geometry import Array
+from tracker.run import SegmentResult, TrackResult
 from tracker.session import SegmentSummary, Session
 from tracker.session.tracks import (
     KEYFRAME_TOLERANCE,
@@ -26,13 +26,10 @@ from tracker.session.tracks import (
 from tracker.settings import Quality
 from tracker.skeleton import Skeleton
 from tracker.trajectory import Trajectory
+from tracker.verdict import Verdict
 
 YOUNG_SECONDS = 60
 TRACKS_NAME = re.compile(r"tracks-[0-9a-f]{12}\.npz")
-
-if TYPE_CHECKING:
-    from tracker.track import SegmentResult
-
 
 def load_results(session: Session, session_path: Path) -> Results:
     """The segments in the session's tracks file, none when it has not been tracked yet.
@@ -63,8 +60,6 @@ def save_results(session: Session, session_path: Path, results: Results) -> Sess
 
     SessionError when the disk refuses.
     """
-    from tracker.track import TrackResult  # the loops' compiler loads when there is work
-
     kept = [track for track in results.fitting(session).values() if track.finished]
     if not kept:
         return session
@@ -178,9 +173,6 @@ def _number(value: float | None) -> float:
 
 
 def _segment_result(track: SegmentTrack) -> SegmentResult:
-    from tracker.track import SegmentResult
-    from tracker.verdict import Verdict
-
     assert track.kind is not None
     return SegmentResult(
         trajectory=track.trajectory,

@@ -15,7 +15,7 @@ from tracker.settings import Quality
 from tracker.trajectory import Trajectory
 
 if TYPE_CHECKING:
-    from tracker.track import SegmentResult
+    from tracker.run import SegmentResult
 
 RANK = {"preview": 0, "fast": 1, "full": 2}
 """Of two results with one key, the one found with more care stays."""

@@ -31,13 +31,13 @@ from tracker.formats.reading import JointMotion
 from tracker.formats.reading_keypoints import LAYOUTS, Keypoints
 from tracker.geometry import exp_rotation, log_rotation
 from tracker.pose import joint_names, pose_transforms
+from tracker.run import TrackFinished, TrackResult
 from tracker.session import Session
 from tracker.session.files import load_session, open_video_of, save_session
 from tracker.session.first_motion import of_session
 from tracker.session.tracking import track_session
 from tracker.session.tracks import load_trajectory
 from tracker.skeleton import Skeleton
-from tracker.track import TrackFinished, TrackResult
 from tracker.trajectory import Trajectory
 
 Floats = NDArray[np.float64]

@@ -10,7 +10,7 @@ import pytest
 from app.results import Finding
 from tests.app.results_cases import told
 from tests.tracker import test_verdict as verdicts
-from tracker.verdict import judge
+from tracker.judging import judge
 
 SAID = [
     ("good", "good", "Good", None),

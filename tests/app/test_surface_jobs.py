@@ -35,6 +35,7 @@ from tests.tracker import session_cases
 from tracker.errors import SessionError
 from tracker.geometry import exp_rotation
 from tracker.pose import Pose
+from tracker.run import SegmentStarted, TrackFinished
 from tracker.session import Session
 from tracker.session.files import load_session, open_video_of, save_session
 from tracker.session.tracking import track_session
@@ -42,7 +43,6 @@ from tracker.session.tracks import load_trajectory
 from tracker.settings import Weights
 from tracker.surface.fit import segment
 from tracker.surface.fit.fitter import SurfaceFitter, options_of
-from tracker.track import SegmentStarted, TrackFinished
 from tracker.video import Video
 
 

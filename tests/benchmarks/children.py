@@ -65,8 +65,9 @@ def _track_looped(frames: int, memory_mb: int | None) -> None:
     """Track the walk there and back again, over and over."""
     from tests.benchmarks.sequences import video_of, walking
     from tracker.loading import MEMORY_BYTES
+    from tracker.run import run
     from tracker.settings import TrackSettings
-    from tracker.track import Tracker, run
+    from tracker.track import Tracker
 
     shown = walking()
     turn = len(shown.grey) - 1

@@ -28,11 +28,12 @@ from tests.benchmarks.tracking import keyframes_every, scene_of
 from tracker.loading import MEMORY_BYTES
 from tracker.methods import FULL, Paper
 from tracker.pose import Pose, moved
+from tracker.run import run
 from tracker.segment import track_segment
 from tracker.settings import TrackSettings
 from tracker.skeleton import Skeleton
 from tracker.stretch import Segment
-from tracker.track import Tracker, run
+from tracker.track import Tracker
 from tracker.video import Video
 
 LIVE_FRAME, LIVE_MS = 36, {"preview": 30.0, "full": 100.0}

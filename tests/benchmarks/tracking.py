@@ -16,16 +16,11 @@ from tracker.camera import Camera
 from tracker.geometry import Array
 from tracker.initial import follow
 from tracker.methods import FULL
+from tracker.run import PassFinished, SegmentResult, TrackFinished, run
 from tracker.scene import Scene
 from tracker.settings import TrackSettings
 from tracker.skeleton import Skeleton
-from tracker.track import (
-    PassFinished,
-    SegmentResult,
-    Tracker,
-    TrackFinished,
-    run,
-)
+from tracker.track import Tracker
 from tracker.trajectory import Trajectory, interpolate
 
 Measure = Callable[[Trajectory], tuple[Array, ...]]

@@ -14,11 +14,11 @@ from tracker.body import Body, Part
 from tracker.camera import Camera
 from tracker.geometry import exp_rotation, rotation_from_euler
 from tracker.pose import Pose
+from tracker.run import SegmentResult, TrackResult
 from tracker.session import Keyframe, Session, TrackSettings, VideoReference
 from tracker.session.files import save_session
 from tracker.shapes import Box, Cylinder
 from tracker.skeleton import Skeleton
-from tracker.track import SegmentResult, TrackResult
 from tracker.trajectory import Trajectory, interpolate
 from tracker.verdict import Verdict
 from tracker.video import Video

@@ -13,10 +13,9 @@ from tracker.images import Clip
 from tracker.need import LOST_EXTENT, expected_gain
 from tracker.observe import Observation, unobserved
 from tracker.pose import Pose
-from tracker.scoring import Pass
 from tracker.segment import Outcome
 from tracker.skeleton import Skeleton
-from tracker.trajectory import interpolate
+from tracker.trajectory import Pass, interpolate
 
 N = 20
 SKELETON = Skeleton.of(preset("adult_male"))

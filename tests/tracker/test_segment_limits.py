@@ -17,10 +17,10 @@ from tracker.initial import Chain
 from tracker.methods import FAST, FULL, PREVIEW, Method, Paper
 from tracker.motion import printed_score, robust_pass
 from tracker.pose import Pose
+from tracker.run import SegmentResult
 from tracker.scene import Scene
 from tracker.settings import IgnoreMask
 from tracker.skeleton import Skeleton
-from tracker.track import SegmentResult
 from tracker.trajectory import Trajectory
 
 METHODS: dict[str, Method] = {"full": FULL, "fast": FAST, "preview": PREVIEW, "paper": Paper()}

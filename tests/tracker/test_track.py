@@ -15,22 +15,21 @@ from tests.tracker.tracking_cases import Case, MemoryVideo, case, tracked
 from tracker.errors import SessionError, VideoError
 from tracker.geometry import exp_rotation
 from tracker.pose import Pose
-from tracker.scoring import Pass
-from tracker.session import tracking
-from tracker.session.files import load_session, open_video_of
-from tracker.settings import TrackSettings
-from tracker.skeleton import Skeleton
-from tracker.track import (
+from tracker.run import (
     PassFinished,
     Progress,
     SegmentFinished,
     SegmentResult,
     SegmentStarted,
-    Tracker,
     TrackFinished,
     run,
 )
-from tracker.trajectory import Trajectory, interpolate
+from tracker.session import tracking
+from tracker.session.files import load_session, open_video_of
+from tracker.settings import TrackSettings
+from tracker.skeleton import Skeleton
+from tracker.track import Tracker
+from tracker.trajectory import Pass, Trajectory, interpolate
 
 KEYS = (0, 6, 12, 18)
 

@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 from tests.tracker.tracking_cases import scene_of
 from tracker.body import preset
 from tracker.images import Clip
+from tracker.judging import judge
 from tracker.observe import Observation, unobserved
 from tracker.pose import Pose
 from tracker.scene import Scene
-from tracker.scoring import Pass
 from tracker.segment import Outcome
 from tracker.skeleton import Skeleton
 from tracker.stretch import Segment
-from tracker.trajectory import Trajectory, interpolate
-from tracker.verdict import Verdict, judge
+from tracker.trajectory import Pass, Trajectory, interpolate
+from tracker.verdict import Verdict
 
 FIRST, LAST = 100, 120
 N = LAST - FIRST

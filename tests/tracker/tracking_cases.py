@@ -19,15 +19,15 @@ from tracker.geometry import exp_rotation
 from tracker.images import LEVELS, Clip, prepare
 from tracker.methods import Method
 from tracker.pose import Pose
+from tracker.run import SegmentResult, TrackFinished, run
 from tracker.scene import Scene
-from tracker.scoring import Pass
 from tracker.segment import Outcome, track_segment
 from tracker.settings import TrackSettings
 from tracker.shapes import Box, Cylinder, Frustum, Shape
 from tracker.skeleton import Skeleton
 from tracker.stretch import Segment
-from tracker.track import SegmentResult, Tracker, TrackFinished, run
-from tracker.trajectory import Trajectory, interpolate
+from tracker.track import Tracker
+from tracker.trajectory import Pass, Trajectory, interpolate
 
 Floats = NDArray[np.float64]
 

@@ -29,9 +29,9 @@ from tracker.fit_here.words import Moves, told
 from tracker.geometry import Array
 from tracker.images import IGNORED
 from tracker.pose import Pose, moved
+from tracker.run import never
 from tracker.settings import IgnoreMask
 from tracker.skeleton import Skeleton
-from tracker.track import never
 from tracker.trajectory import Trajectory
 from tracker.video import Video
 

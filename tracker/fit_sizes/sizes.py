@@ -27,8 +27,8 @@ from tracker.geometry import Array
 from tracker.limits import Limits
 from tracker.loading import WorkingSize
 from tracker.pose import Pose
+from tracker.run import never
 from tracker.settings import IgnoreMask
-from tracker.track import never
 
 if TYPE_CHECKING:
     from tracker.video import Video

@@ -6,13 +6,14 @@ from collections.abc import Callable, Iterator, Sequence
 
 from tracker.errors import SessionError
 from tracker.loading import MEMORY_BYTES
+from tracker.run import Progress, SegmentTracker, never, run
 from tracker.session.schema import Session
 from tracker.skeleton import Skeleton
 from tracker.surface.fit.fitter import SurfaceFitter
 from tracker.surface.picture import SurfaceVideo
 from tracker.surface.source import SurfaceSteps, UnratedSteps
 from tracker.surface.steps import Steps
-from tracker.track import Progress, SegmentTracker, Tracker, never, run
+from tracker.track import Tracker
 from tracker.trajectory import Trajectory
 from tracker.video import Video
 
@@ -70,7 +71,7 @@ def track_session(
     cancelled: Callable[[], bool] = never,
     first_motion: Trajectory | None = None,
 ) -> Iterator[Progress]:
-    """Track a session's segments with its own settings; see tracker.track.run for the events.
+    """Track a session's segments with its own settings; see tracker.run.run for the events.
 
     Each worker may hold one segment's pictures. first_motion: what `first_motion.of_session` reads
     beside the session's file. A session about surfaces is fitted to them.

@@ -41,7 +41,7 @@ from tracker.skeleton import Skeleton
 from tracker.trajectory import Trajectory
 
 if TYPE_CHECKING:
-    from tracker.track import SegmentResult, TrackResult
+    from tracker.run import SegmentResult, TrackResult
 
 KEYFRAME_TOLERANCE = 1e-4
 """Radians and metres within which a tracked motion goes through a keyframe."""

@@ -26,9 +26,9 @@ from app.jobs import (
 )
 from app.results import Results, segment_keys
 from tests.tracker import session_cases as cases
+from tracker.run import TrackFinished
 from tracker.session import Session
 from tracker.session.tracking import track_session
-from tracker.track import TrackFinished
 from tracker.video import Video
 
 PATIENCE_S = 300.0

@@ -23,10 +23,10 @@ from app.jobs.work import Job
 from app.results import segment_keys
 from tests.tracker import session_cases as cases
 from tracker.errors import SessionError, VideoError
-from tracker.scoring import Pass
 from tracker.session import Session
 from tracker.settings import Quality, TrackSettings
 from tracker.track import expected_steps
+from tracker.trajectory import Pass
 
 Work = Callable[[int, int, TrackSettings, Callable[[Pass, int], None]], None]
 

@@ -12,12 +12,12 @@ from tracker.body import Part
 from tracker.errors import SessionError, SurfaceError
 from tracker.geometry import exp_rotation
 from tracker.pose import Pose
-from tracker.scoring import Pass
+from tracker.run import Left, SegmentResult
 from tracker.shapes import Box
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.segment import SurfaceTracker
 from tracker.surface.mesh import SurfaceMesh
-from tracker.track import Left, SegmentResult
+from tracker.trajectory import Pass
 
 BODY = two_bars()
 OPTIONS = Options(points=700)

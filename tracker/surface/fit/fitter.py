@@ -10,14 +10,14 @@ from typing import TypeAlias
 
 from tracker.errors import SessionError
 from tracker.pose import Pose
-from tracker.scoring import Pass
+from tracker.run import SegmentResult
 from tracker.session.schema import Session, Surface
 from tracker.settings import Quality, TrackSettings
 from tracker.skeleton import Skeleton
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.segment import SurfaceTracker
 from tracker.surface.steps import Steps
-from tracker.track import SegmentResult
+from tracker.trajectory import Pass
 from tracker.wording import listed
 
 Span: TypeAlias = tuple[int, int]

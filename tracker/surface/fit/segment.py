@@ -15,7 +15,7 @@ import numpy as np
 from tracker.body import Body
 from tracker.errors import SessionError
 from tracker.pose import Pose
-from tracker.scoring import Pass
+from tracker.run import Left, SegmentResult
 from tracker.surface.fit.chain import Link, follow, keyed
 from tracker.surface.fit.joining import Joined, joined
 from tracker.surface.fit.judging import (
@@ -29,8 +29,7 @@ from tracker.surface.fit.options import Options
 from tracker.surface.fit.pairing import Observed
 from tracker.surface.fit.solving import fit_pose
 from tracker.surface.steps import Steps
-from tracker.track import Left, SegmentResult
-from tracker.trajectory import Trajectory
+from tracker.trajectory import Pass, Trajectory
 from tracker.verdict import Verdict
 
 TELL_S = 0.25
