@@ -16,11 +16,12 @@ import numpy as np
 from app.posing import opening_pose
 from tracker.camera import Camera
 from tracker.errors import FormatError
-from tracker.fitting import Fit, Places, fit_motion, fit_picture, rigid
+from tracker.fitting import Fit, fit_motion, fit_picture, rigid
 from tracker.formats.joint_names import Matched, matched
 from tracker.formats.reading import JointMotion
 from tracker.formats.reading_keypoints import Keypoints
 from tracker.geometry import Array, exp_rotation
+from tracker.places import Places
 from tracker.pose import Pose, pose_transforms
 from tracker.session import Keyframe, Session
 from tracker.skeleton import Skeleton

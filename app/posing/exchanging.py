@@ -13,8 +13,9 @@ from app.posing.mirroring import mirrored
 from tracker.body import Body
 from tracker.camera import Camera
 from tracker.evaluate import Place
-from tracker.fitting import Places, fit_picture
+from tracker.fitting import fit_picture
 from tracker.geometry import Array, exp_rotation
+from tracker.places import Places
 from tracker.pose import Pose, pose_transforms
 from tracker.skeleton import Skeleton
 

@@ -23,13 +23,13 @@ from tests.app.cli_cases import everything_in, refused
 from tests.tracker.formats import recordings
 from tracker.errors import FormatError, SessionError
 from tracker.evaluate import evaluate
-from tracker.fitting import Places
 from tracker.formats.bvh import bvh
 from tracker.formats.csv import joints_csv
 from tracker.formats.joint_names import matched
 from tracker.formats.reading import JointMotion
 from tracker.formats.reading_keypoints import LAYOUTS, Keypoints
 from tracker.geometry import exp_rotation, log_rotation
+from tracker.places import Places
 from tracker.pose import joint_names, pose_transforms
 from tracker.run import TrackFinished, TrackResult
 from tracker.session import Session

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from tracker.body import preset
 from tracker.camera import Camera
 from tracker.evaluate import Place
-from tracker.fitting import Places, fit_motion, fit_picture, freed, rigid
+from tracker.fitting import fit_motion, fit_picture, rigid
 from tracker.geometry import exp_rotation, log_rotation, rotation_from_euler, transpose
 from tracker.limits import Limits
+from tracker.places import Places, freed
 from tracker.pose import Pose, moved, pose_transforms
 from tracker.skeleton import Skeleton
 from tracker.trajectory import Trajectory

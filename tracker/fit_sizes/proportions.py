@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracker.body import Body
-from tracker.fitting import freed
 from tracker.geometry import Array
+from tracker.places import freed
 from tracker.shapes import Box, Cylinder, Shape
 from tracker.sizing import resized
 from tracker.skeleton import Skeleton

@@ -13,7 +13,7 @@ from app.editor.update import update
 from app.posing import exchanged, opening_pose
 from app.results import Results
 from tests.tracker.formats import recordings
-from tracker.fitting import Places
+from tracker.places import Places
 from tracker.pose import Pose, joint_names, pose_transforms
 from tracker.session import Session
 from tracker.skeleton import Skeleton
