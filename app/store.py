@@ -24,16 +24,16 @@ from app.editor.update import ended, update
 from app.fits import Fitter
 from app.frames import Frames
 from app.guiding import guide_after
+from app.holding import Holding
 from app.journaling import Journaling
 from app.library import Library
-from app.locking import HeldElsewhere, SessionLock
 from app.opening import Workpiece, edit_state, open_workpiece
 from app.outlook import FitTold, Guide, Job, Opened, Outlook, Saved, SurfaceSeen
 from app.results import save_results, tidy_tracks
 from app.running import Runner
 from app.saving import Saver
 from app.sections import Sections
-from app.tabs import Tab
+from app.tabs import Tab, Tabs
 from tracker.errors import KeyposeError, SessionError, SurfaceError, VideoError
 from tracker.session.atomic import make_folder
 from tracker.wording import one_sentence
@@ -64,7 +64,7 @@ class Store:
         self._library = library
         self._outlook = Outlook()
         self._sections = Sections()
-        self._tabs: set[Tab] = set()
+        self._tabs = Tabs()
         self._piece: Workpiece | None = None
         self._saver = Saver(self._on_saved)
         self._runner = Runner(loop, self._on_running)
@@ -77,10 +77,8 @@ class Store:
         self._opening = asyncio.Lock()
         self._tasks: set[asyncio.Task[None]] = set()
         self._warned: str | None = None
-        self._lock: SessionLock | None = None
+        self._holding = Holding()
         self._journaling: Journaling | None = None
-        self._read_only = ""
-        self._unheard: list[dict[str, Any]] = []
         self.frames: Frames | None = None
 
     @property
@@ -95,19 +93,15 @@ class Store:
 
     def join(self) -> Tab:
         """One more tab, told everything."""
-        tab = Tab()
-        self._tabs.add(tab)
+        tab = self._tabs.join()
         self._look(tabs=len(self._tabs))
         self._tell()
-        tab.tell(self._sections.all)
-        for message in self._unheard:
-            tab.say(message)
-        self._unheard.clear()
+        self._tabs.greet(tab, self._sections.all)
         return tab
 
     def leave(self, tab: Tab) -> None:
         """One tab fewer; the gesture it may have been in the middle of ends as it is."""
-        self._tabs.discard(tab)
+        self._tabs.leave(tab)
         if self._outlook.edit is not None and self._dragging is tab:
             self._edit_to(ended(self._outlook.edit))
         self._look(tabs=len(self._tabs))
@@ -148,7 +142,7 @@ class Store:
         if self._outlook.edit is None:
             raise Refused("Open a video first.")
         if not isinstance(action, actions.Looking):
-            self._demand_writable()
+            self._holding.demand_writable()
         self._edit_to(update(self._outlook.edit, action))
         guide = guide_after(self._outlook.guide, action, self._outlook.edit.doc.body)
         if guide is not self._outlook.guide:
@@ -187,15 +181,16 @@ class Store:
 
     def _tell(self) -> None:
         """Tell every tab what has changed since they were told last."""
-        fresh = self._sections.changed(self._outlook.as_looked_at)
-        if fresh:
-            for tab in self._tabs:
-                tab.tell(fresh)
+        self._tabs.tell(self._sections.changed(self._outlook.as_looked_at))
 
     def surface_seen(self, seen: SurfaceSeen) -> None:
         """The views have looked at an observed surface; what they saw of it."""
         if seen != self._outlook.surface:
             self._look(surface=seen)
+
+    def surfaces_unusable(self, words: str) -> None:
+        """Which of the observed surfaces cannot be used: a sentence."""
+        self._look(unusable=words)
 
     # --- saving
 
@@ -211,8 +206,7 @@ class Store:
 
         def write() -> None:
             make_folder(path.parent, error=SessionError)
-            if self._lock is None:  # the folder is new
-                self._lock = SessionLock.take(path.parent)
+            self._holding.take_new(path.parent)
             if not path.exists():  # a journal alone would not be found
                 journaling.save(doc, path)
             journaling.write()
@@ -285,7 +279,7 @@ class Store:
         elif self._outlook.edit is None or self._piece is None:
             raise Refused("Open a video first.")
         else:
-            self._demand_writable()
+            self._holding.demand_writable()
             self._edit_to(ended(self._outlook.edit))
             if isinstance(action, actions.Track):
                 self._runner.track(self._piece, self._outlook.edit, action.what)
@@ -303,10 +297,6 @@ class Store:
         fit = self._outlook.fit
         if fit is not None and fit.looking_back != on:
             self._look(fit=replace(fit, looking_back=on))
-
-    def _demand_writable(self) -> None:
-        if self._read_only:
-            raise Refused(self._read_only)
 
     # --- opening and closing
 
@@ -351,7 +341,7 @@ class Store:
                 edit, problem = await asyncio.to_thread(edit_state, piece)
                 film = await asyncio.to_thread(piece.film)
                 await self._put_away()
-                self._take_lock(piece)
+                self._holding.take(piece)
                 if piece.is_stale():  # another Keypose wrote on until it let go of the lock
                     piece.video.close()
                     piece = await asyncio.to_thread(
@@ -360,36 +350,21 @@ class Store:
                     edit, problem = await asyncio.to_thread(edit_state, piece)
             except BaseException:
                 piece.video.close()
-                self._release_lock()
+                self._holding.release()
                 raise
-            if not self._read_only:
+            read_only = self._holding.read_only
+            if not read_only:
                 self._journaling = Journaling(piece.session_path, edit, piece.journal)
             self._piece, self.frames = piece, Frames(piece.video)
             self._look(
                 opened=Opened(piece.name, str(piece.session_path), piece.video.info, film),
                 edit=edit,
                 guide=Guide(first=not edit.doc.keyframes),
-                saved=Saved("readonly" if self._read_only else "saved", 0.0, self._read_only),
+                saved=Saved("readonly" if read_only else "saved", 0.0, read_only),
             )
             self._runner.opened(edit)
             for words in (*piece.news, *([problem] if problem else [])):
                 self.note("check", words)
-
-    def _take_lock(self, piece: Workpiece) -> None:
-        """Be the one who writes there, or know why that cannot be."""
-        self._read_only, folder = "", piece.session_path.parent
-        if piece.session.is_newer:
-            self._read_only = f"Read only: a newer Keypose wrote {piece.session_path.name}."
-        elif folder.is_dir():
-            try:
-                self._lock = SessionLock.take(folder)
-            except HeldElsewhere as held:
-                self._read_only = f"Read only: {held}. Close it there, then open it here again."
-
-    def _release_lock(self) -> None:
-        if self._lock is not None:
-            self._lock.release()
-            self._lock = None
 
     async def close_session(self) -> None:
         """Save, and go back to the start screen."""
@@ -431,10 +406,9 @@ class Store:
             self._journaling.heard(failed=True)
             self._journaling.close()
             self._journaling = None
-        self._release_lock()
-        self._read_only = ""
+        self._holding.release()
         self._look(opened=None, edit=None, running={}, job=Job(), saved=Saved(), fit=None)
-        self._look(surface=SurfaceSeen())
+        self._look(surface=SurfaceSeen(), unusable="")
         if frames is not None:
             frames.close()
         if piece is not None:
@@ -469,11 +443,7 @@ class Store:
 
     def note(self, kind: str, words: str, button: dict[str, Any] | None = None) -> None:
         """Tell every tab something worth a sentence; when there is none, the first that comes."""
-        message = {"t": "note", "kind": kind, "words": words, "button": button}
-        for tab in self._tabs:
-            tab.say(message)
-        if not self._tabs:
-            self._unheard.append(message)
+        self._tabs.say({"t": "note", "kind": kind, "words": words, "button": button})
 
 
 def _aside(path: Path, theirs: Path) -> str:

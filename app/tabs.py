@@ -44,3 +44,44 @@ class Tab:
         out.append({"t": "state", "ack": self._ack, "set": self._sections})
         self._sections, self._acked = {}, self._ack
         return out
+
+
+class Tabs:
+    """All tabs that are open."""
+
+    def __init__(self) -> None:
+        self._open: set[Tab] = set()
+        self._unheard: list[dict[str, Any]] = []
+
+    def __len__(self) -> int:
+        return len(self._open)
+
+    def join(self) -> Tab:
+        """One more."""
+        tab = Tab()
+        self._open.add(tab)
+        return tab
+
+    def leave(self, tab: Tab) -> None:
+        """One fewer."""
+        self._open.discard(tab)
+
+    def greet(self, tab: Tab, sections: Mapping[str, Any]) -> None:
+        """Tell one everything, and what was said while there was none."""
+        tab.tell(sections)
+        for message in self._unheard:
+            tab.say(message)
+        self._unheard.clear()
+
+    def tell(self, sections: Mapping[str, Any]) -> None:
+        """These sections have new values."""
+        if sections:
+            for tab in self._open:
+                tab.tell(sections)
+
+    def say(self, message: dict[str, Any]) -> None:
+        """A message for every tab; when there is none, for the first that comes."""
+        for tab in self._open:
+            tab.say(message)
+        if not self._open:
+            self._unheard.append(message)
