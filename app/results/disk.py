@@ -31,6 +31,7 @@ from tracker.verdict import Verdict
 YOUNG_SECONDS = 60
 TRACKS_NAME = re.compile(r"tracks-[0-9a-f]{12}\.npz")
 
+
 def load_results(session: Session, session_path: Path) -> Results:
     """The segments in the session's tracks file, none when it has not been tracked yet.
 
