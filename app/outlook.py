@@ -102,7 +102,10 @@ class SurfaceSeen:
 
 @dataclass(frozen=True, eq=False)
 class Outlook:
-    """running: the segments at work, by (first, last)."""
+    """running: the segments at work, by (first, last).
+
+    unusable: which observed surfaces cannot be used, a sentence as far as is known, or empty.
+    """
 
     opened: Opened | None = None
     edit: EditorState | None = None
@@ -113,6 +116,7 @@ class Outlook:
     running: Mapping[tuple[int, int], Running] = field(default_factory=dict)
     fit: FitTold | None = None
     surface: SurfaceSeen = SurfaceSeen()
+    unusable: str = ""
 
     @property
     def as_looked_at(self) -> Outlook:

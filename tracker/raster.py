@@ -71,12 +71,12 @@ def raster(mesh: BodyMesh, Ts_camera_part: Array, eye: Eye) -> Raster:
     nearness = np.full((eye.height, eye.width), -np.inf, dtype=np.float32)
     face = np.full((eye.height, eye.width), -1, dtype=np.int32)
     p_eye = mesh.posed(eye.T_eye_camera @ Ts_camera_part)
-    fill(p_eye, mesh.faces, _projection(eye), eye.near_m, nearness, face)
+    fill(p_eye, mesh.faces, projection_of(eye), eye.near_m, nearness, face)
     part = np.append(mesh.face_part, -1).astype(np.int16)[face]
-    return Raster(part, face, _depth(nearness, eye))
+    return Raster(part, face, depth_of(nearness, eye))
 
 
-def _projection(eye: Eye) -> Array:
+def projection_of(eye: Eye) -> Array:
     """The six numbers by which the compiled code projects."""
     from tracker.kernels.raster import PARALLEL, PERSPECTIVE
 
@@ -84,7 +84,7 @@ def _projection(eye: Eye) -> Array:
     return np.array([kind, *eye.focal, *eye.centre, eye.parallel_m or 1.0])
 
 
-def _depth(nearness: NDArray[np.float32], eye: Eye) -> NDArray[np.float32]:
+def depth_of(nearness: NDArray[np.float32], eye: Eye) -> NDArray[np.float32]:
     """z of the buffer's 1/z or −z; inf where it is still −inf."""
     depth = np.full_like(nearness, np.inf)
     drawn = nearness > -np.inf

@@ -17,6 +17,7 @@ from tracker.body import ALL_DOFS, Body, Part
 from tracker.camera import Camera
 from tracker.eye import Eye
 from tracker.fit_here.likeness import Likeness, texture_of
+from tracker.geometry import transform
 from tracker.images import LEVELS, Clip, Picture, prepare
 from tracker.methods import FULL, PREVIEW
 from tracker.observe import observe
@@ -30,12 +31,12 @@ from tracker.stretch import Segment
 from tracker.templates.patch import Patch
 from tracker.templates.search import Shown, cut, found
 
-_DONE = "warm"
+_DONE, _HULLS_DONE = "warm", "warm-hulls"
 
 
 def is_warm() -> bool:
     """Whether the loops have been compiled on this machine before."""
-    return _mark().exists()
+    return _mark(_DONE).exists()
 
 
 def warm() -> None:
@@ -60,7 +61,33 @@ def warm() -> None:
     raster(BodyMesh.of(skeleton), pose_transforms(skeleton, poses[0]), Eye.of(camera))
     if not is_warm():  # compiled, they load in no time, should there be surfaces at all
         _surface(body, poses[0], camera)
-    _mark().touch()
+    _mark(_DONE).touch()
+
+
+def are_hulls_warm() -> bool:
+    """Whether the loops that make surfaces from silhouettes have been compiled here before."""
+    return _mark(_HULLS_DONE).exists()
+
+
+def warm_hulls() -> None:
+    """Compile these, or load them: on a ball that four cameras see as a disc."""
+    from tracker.surface.cameras.carve import carved
+    from tracker.surface.cameras.hull import Silhouette, hull_field, hull_mesh
+    from tracker.surface.cameras.photo import consistency
+    from tracker.surface.cameras.views import View
+
+    camera = Camera(width=48, height=48, fx=48.0, fy=48.0, cx=23.5, cy=23.5)
+    rows, columns = np.mgrid[:48, :48]
+    disc = Silhouette(np.hypot(rows - 23.5, columns - 23.5) < 12)
+    grey = (120 + 60 * np.sin(rows / 3) * np.sin(columns / 4)).astype(np.uint8)
+    views = []
+    for turn in np.arange(4) * np.pi / 2:
+        R = np.array([[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]])
+        views.append(View(f"{turn:.0f}", camera, transform(R, np.array([0.0, 0.0, 2.0]))))
+    field = hull_field(views, [disc] * len(views), 0.08)
+    mesh = hull_mesh(carved(field, views, [grey] * len(views)))
+    consistency(mesh, views, [grey] * len(views))
+    _mark(_HULLS_DONE).touch()
 
 
 def _surface(body: Body, pose: Pose, camera: Camera) -> None:
@@ -102,5 +129,5 @@ def _match(picture: Picture) -> None:
     patch.settled(picture, (25.0, 23.0, 0.0, 0.0))
 
 
-def _mark() -> Path:
-    return Path(numba.config.CACHE_DIR) / _DONE  # type: ignore[attr-defined]
+def _mark(name: str) -> Path:
+    return Path(numba.config.CACHE_DIR) / name  # type: ignore[attr-defined]

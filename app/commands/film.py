@@ -22,6 +22,8 @@ from app.commands.arguments import (
 from app.commands.json_output import print_json, print_written
 from app.commands.views import (
     add_style,
+    add_tint,
+    demand_tint,
     film_view,
     rate,
     session_to_draw,
@@ -55,7 +57,8 @@ def add(commands: Subcommands) -> None:
         "adds the views from the top, the side and the front; orbit goes once round the body "
         "while it moves, camera stands still at an azimuth and an elevation about it, both on a "
         "floor: an azimuth of 0 looks as the video's camera does, 90 from the right of its "
-        "picture. Frames keep their times; where one has no pose, it is shown without the body."
+        "picture. Frames keep their times; where one has no pose, it is shown without the body. "
+        "An observed surface is seen in every view."
     )
     command = add_command(commands, "film", run, text, _EXAMPLES)
     add_session(command)
@@ -74,6 +77,7 @@ def add(commands: Subcommands) -> None:
         help="default: from the first that has a pose to the last",
     )
     add_style(command)
+    add_tint(command)
     command.add_argument(
         "--size", metavar="WxH", type=size, help="of the film, pixels; default: the video's"
     )
@@ -89,6 +93,7 @@ def run(arguments: argparse.Namespace) -> int:
     from app.drawing.poses import KnownPoses
 
     session, out = session_to_draw(arguments, "film", ".mp4"), arguments.out
+    demand_tint(session, arguments.tint)
     poses = KnownPoses.of(session, arguments.session)
     film = _film(session, poses, arguments)
     opened = _video(session, arguments.session, film)
@@ -123,7 +128,7 @@ def _film(session: Session, poses: KnownPoses, arguments: argparse.Namespace) ->
     if last >= count:
         raise SessionError(f"There is no frame {last}; the video's frames are 0 to {count - 1}.")
     paint = Paint(arguments.style, arguments.opacity / 100)
-    return Film(arguments.view, first, last, paint, arguments.size)
+    return Film(arguments.view, first, last, paint, arguments.size, arguments.tint)
 
 
 def _video(session: Session, session_path: Path, film: Film) -> Any:
@@ -132,7 +137,9 @@ def _video(session: Session, session_path: Path, film: Film) -> Any:
 
     if film.needs_video:
         return open_video_of(session, session_path)
-    paced = len(session.keyframes) > 1 or session.surface is not None
+    if session.surface is not None:  # which knows the pace
+        return video_if_there(session, session_path, "the body is filmed without its surface")
+    paced = len(session.keyframes) > 1
     pace = (
         "the film's rate is that of the keyframes' times"
         if paced

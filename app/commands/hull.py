@@ -6,10 +6,10 @@ import argparse
 import math
 import sys
 import threading
-from collections.abc import Iterator
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from app.commands.arguments import (
     Subcommands,
@@ -21,12 +21,16 @@ from app.commands.arguments import (
 )
 from app.commands.interrupting import set_by_ctrl_c
 from app.commands.json_output import print_json
+from app.commands.preparing import prepare_hull_loops
 from tracker.errors import SurfaceError
 
 if TYPE_CHECKING:
     from tracker.surface.cameras.hulls import Hulls
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130
+
+Telling: TypeAlias = Callable[[int, str], None]
+"""Is told a step that is done, and what became of it."""
 
 _EXAMPLES = """\
   keypose hull cameras.json --out meshes
@@ -80,6 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
                 "The cameras' file names no images: the surfaces do not tell what of them is to "
                 "be believed."
             )
+        prepare_hull_loops()
         stack.enter_context(set_by_ctrl_c(stop))
         written, refused = _make(hulls, places, stop, arguments)
     _tell(written, refused, len(places), stop.is_set(), arguments.json)
@@ -107,34 +112,46 @@ def _make(
 
     written: list[Path] = []
     refused: dict[int, str] = {}
-    for step, place in _with_bar(list(enumerate(places))):
-        if stop.is_set():
-            break
-        try:
-            content = ply_bytes(hulls.mesh(step))
-        except SurfaceError as error:
-            refused[step] = str(error)
-            if arguments.overwrite:
-                place.unlink(missing_ok=True)  # of another run: it is not this step's any more
-            continue
-        write_file(place, content, overwrite=arguments.overwrite, error=SurfaceError)
-        written.append(place)
+    with _telling(len(places), arguments.json) as tell:
+        for step, place in enumerate(places):
+            if stop.is_set():
+                break
+            try:
+                mesh = hulls.mesh(step)
+            except SurfaceError as error:
+                refused[step] = str(error)
+                if arguments.overwrite:
+                    place.unlink(missing_ok=True)  # of another run: it is not this step's any more
+                tell(step, "left out")
+                continue
+            content = ply_bytes(mesh)
+            write_file(place, content, overwrite=arguments.overwrite, error=SurfaceError)
+            written.append(place)
+            tell(step, f"{len(mesh.faces):,} faces")
     if refused and not written:
         raise SurfaceError(next(iter(refused.values())))
     return written, refused
 
 
-def _with_bar(steps: list[tuple[int, Path]]) -> Iterator[tuple[int, Path]]:
-    """At a terminal, how far it is and how long it will take."""
-    if not sys.stderr.isatty():
-        yield from steps
-        return
-    from tqdm import tqdm
+@contextmanager
+def _telling(count: int, as_json: bool) -> Iterator[Telling]:
+    """At a terminal, how far it is and how long it will take; else a quiet line for each step, for
+    logs, unless what is written is for a program."""
+    if sys.stderr.isatty():
+        from tqdm import tqdm
 
-    with tqdm(total=len(steps), unit="step", file=sys.stderr, dynamic_ncols=True) as bar:
-        for step in steps:
-            yield step
-            bar.update()
+        with tqdm(total=count, unit="step", file=sys.stderr, dynamic_ncols=True) as bar:
+
+            def count_on(step: int, words: str) -> None:
+                bar.update()
+
+            yield count_on
+    elif as_json:
+        yield lambda step, words: None
+    else:
+        yield lambda step, words: print(
+            f"step {step}, {step + 1} of {count}: {words}", file=sys.stderr, flush=True
+        )
 
 
 def _tell(

@@ -25,7 +25,8 @@ _EXAMPLES = """\
 def add(commands: Subcommands) -> None:
     text = (
         "Tell size, frames, rate and fingerprint of a video file or a folder of images. Of meshes, "
-        "one for every time step, it tells steps and size, and whether the first one has holes."
+        "one for every time step, it tells steps and size, whether the first one has holes, and "
+        "which steps cannot be used as far as the beginnings of their files tell."
     )
     command = add_command(commands, "info", run, text, _EXAMPLES)
     command.add_argument("video", metavar="VIDEO|MESHES", type=file_name, help="the video")
@@ -59,6 +60,7 @@ def _of_meshes(path: Path) -> Told:
 
     with MeshSequence.open(path) as meshes:
         frame, mesh = first_mesh(meshes)
+        seen = meshes.glance()
         facts = {
             "path": str(path),
             "container": CONTAINER,
@@ -72,14 +74,17 @@ def _of_meshes(path: Path) -> Told:
             "extent": mesh.extent.tolist(),
             "rim_edges": len(mesh.rim),
             "consistency": mesh.consistency is not None,
-            "missing_frames": sorted(meshes.missing),
-            "missing": {str(frame): words for frame, words in sorted(meshes.missing.items())},
+            "missing_frames": sorted(seen.problems),
+            "missing": {str(frame): words for frame, words in sorted(seen.problems.items())},
+            "looked_at": seen.looked_at,
             "fingerprint": meshes.fingerprint(),
         }
     return facts, _mesh_lines(facts)
 
 
 def _mesh_lines(facts: dict[str, Any]) -> list[str]:
+    from tracker.surface.files.unusable import unusable_words
+
     size = " × ".join(f"{length:.4g}" for length in facts["extent"])
     units = facts["units"] or "units, which the files do not tell"
     lines = [
@@ -91,21 +96,16 @@ def _mesh_lines(facts: dict[str, Any]) -> list[str]:
         f"  up           {facts['up'] or 'not told by the files'}",
         f"  fingerprint  {facts['fingerprint']}",
     ]
-    rims = facts["rim_edges"]
+    rims, looked_at = facts["rim_edges"], facts["looked_at"]
+    unusable = unusable_words({int(step): words for step, words in facts["missing"].items()})
     notes = {
         f"it has holes: {rims} edges have a face on one side only": rims,
-        _unusable(facts["missing"]): facts["missing"],
+        unusable: unusable,
+        f"the files of steps {looked_at} and later were not looked at": looked_at
+        < facts["frame_count"],
         "every vertex says how well the cameras agree on it": facts["consistency"],
     }
     return lines + [f"  note         {text}" for text, holds in notes.items() if holds]
-
-
-def _unusable(missing: dict[str, str]) -> str:
-    """How many meshes there are to leave out, as far as is known, and why the first of them."""
-    if not missing:
-        return ""
-    count = "one mesh" if len(missing) == 1 else f"{len(missing)} meshes"
-    return f"{count} cannot be used: {next(iter(missing.values()))}"
 
 
 def _facts(video: Video) -> dict[str, Any]:

@@ -12,3 +12,12 @@ def prepare_loops() -> None:
     if not is_warm():
         print("Preparing the tracker for this computer, once: about a minute.", file=sys.stderr)
         warm()
+
+
+def prepare_hull_loops() -> None:
+    """The same for surfaces from silhouettes."""
+    from tracker.warm import are_hulls_warm, warm_hulls
+
+    if not are_hulls_warm():
+        print("Preparing hulls for this computer, once: some ten seconds.", file=sys.stderr)
+        warm_hulls()

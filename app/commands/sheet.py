@@ -17,7 +17,7 @@ from app.commands.arguments import (
     whole_number,
 )
 from app.commands.json_output import print_written
-from app.commands.views import add_style, session_to_draw
+from app.commands.views import add_style, add_tint, demand_tint, session_to_draw
 from tracker.errors import SessionError
 
 if TYPE_CHECKING:
@@ -46,6 +46,7 @@ def add(commands: Subcommands) -> None:
         "--columns", metavar="N", type=whole_number(1, 100), help="default: as it fits"
     )
     add_style(command)
+    add_tint(command)
     command.add_argument("--out", metavar="FILE.png", type=file_name, required=True)
     add_json(command)
     add_overwrite(command)
@@ -59,6 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tracker.session.files import open_video_of
 
     session, out = session_to_draw(arguments, "picture", ".png"), arguments.out
+    demand_tint(session, arguments.tint)
     count = len(session.keyframes)
     if not 0 < count <= MOST_KEYFRAMES:
         words = f"more than {MOST_KEYFRAMES}" if count else "no"
@@ -83,7 +85,7 @@ def _cells(
     from app.drawing.sheet import Cell
     from app.drawing.snapshots import Look, rectified, snapshot
 
-    look = Look("main", arguments.style, arguments.opacity / 100)
+    look = Look("main", arguments.style, arguments.opacity / 100, arguments.tint)
     for frame in subject.keys:
         after = subject.after(frame)
         small: Picture | None = None

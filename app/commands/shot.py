@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from app.commands.arguments import (
     Subcommands,
@@ -17,7 +17,17 @@ from app.commands.arguments import (
     whole_number,
 )
 from app.commands.json_output import print_written
-from app.commands.views import MOST_PIXELS, add_style, scale, session_to_draw, size, still_view
+from app.commands.views import (
+    MOST_PIXELS,
+    add_style,
+    add_tint,
+    demand_tint,
+    scale,
+    session_to_draw,
+    size,
+    still_view,
+    video_if_there,
+)
 from tracker.errors import FormatError, SessionError
 
 if TYPE_CHECKING:
@@ -39,7 +49,8 @@ def add(commands: Subcommands) -> None:
         "and the tracked one elsewhere; main is the video's frame with the body over it, without "
         "the lens's distortion, or plain grey where the video's frame is missing. orbit looks at "
         "the body from any side, on a floor: an azimuth of 0 looks as the video's camera does, 90 "
-        "from the right of its picture; the elevation is 12 degrees when left out."
+        "from the right of its picture; the elevation is 12 degrees when left out. An observed "
+        "surface is seen behind the body in main, and as a sheet around it in every other view."
     )
     command = add_command(commands, "shot", run, text, _EXAMPLES)
     add_session(command)
@@ -52,6 +63,7 @@ def add(commands: Subcommands) -> None:
         help="main, top, side, front, all, or orbit:AZIMUTH,ELEVATION; default: main",
     )
     add_style(command)
+    add_tint(command)
     how_large = command.add_mutually_exclusive_group()
     how_large.add_argument(
         "--size", metavar="WxH", type=size, help="of the picture, pixels; default: the video's"
@@ -74,6 +86,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tracker.session.atomic import write_file
 
     session, out = session_to_draw(arguments, "picture", ".png"), arguments.out
+    demand_tint(session, arguments.tint)
     wanted = _wanted(session, arguments)
     poses = _poses(session, arguments.session, arguments.frame, wanted)
     content = _content(session, poses, wanted, arguments)
@@ -98,6 +111,7 @@ def _wanted(session: Session, arguments: argparse.Namespace) -> Still:
         size=arguments.size,
         scale=arguments.scale,
         on_nothing=arguments.background == "none",
+        tint=arguments.tint,
     )
 
 
@@ -130,12 +144,25 @@ def _content(
     session: Session, poses: KnownPoses, wanted: Still, arguments: argparse.Namespace
 ) -> bytes:
     """The PNG file's bytes."""
-    from contextlib import nullcontext
-
     from app.drawing.snapshots import png
     from app.drawing.stills import still
+    from tracker.session.tracking import surfaces_of
+
+    with _opened(session, arguments.session, wanted) as video:
+        content = png(still(session, video, arguments.frame, poses, wanted))
+        if session.surface is not None and video is not None:
+            note(surfaces_of(video).sequence.missing.get(arguments.frame))
+    return content
+
+
+def _opened(session: Session, session_path: Path, wanted: Still) -> Any:
+    """The video, or the surfaces around the body, where the picture shows them."""
+    from contextlib import nullcontext
+
     from tracker.session.files import open_video_of
 
-    opened = open_video_of(session, arguments.session) if wanted.needs_video else nullcontext()
-    with opened as video:
-        return png(still(session, video, arguments.frame, poses, wanted))
+    if wanted.needs_video:
+        return open_video_of(session, session_path)
+    if session.surface is None or wanted.on_nothing:
+        return nullcontext()
+    return video_if_there(session, session_path, "the body is drawn without its surface")

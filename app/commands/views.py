@@ -55,6 +55,28 @@ def add_style(command: argparse.ArgumentParser) -> None:
     )
 
 
+def add_tint(command: argparse.ArgumentParser) -> None:
+    """What colours an observed surface."""
+    command.add_argument(
+        "--tint",
+        choices=("clay", "contact", "photo", "distance"),
+        default="clay",
+        help="of an observed surface: what it counts for by contact or by the cameras, or how far "
+        "it is from the body; default: clay",
+    )
+
+
+def demand_tint(session: Session, tint: str) -> None:
+    """Refused where there is nothing to colour, or nothing that colours it."""
+    if tint != "clay" and session.surface is None:
+        raise FormatError(f"This session is about a video: it has no surface to colour by {tint}.")
+    if tint in ("contact", "distance") and session.model_keyframe is None:
+        raise FormatError(
+            f"No surface moves with the body yet, so nothing is known of {tint}: set a keyframe "
+            "first."
+        )
+
+
 def video_if_there(session: Session, session_path: Path, otherwise: str) -> Any:
     """The session's video, opened; where it is gone, nothing, with a note."""
     from tracker.errors import SessionError
@@ -65,7 +87,8 @@ def video_if_there(session: Session, session_path: Path, otherwise: str) -> Any:
     except SessionError:
         if _exists(video_path(session, session_path)):  # another one, or damaged
             raise
-    note(f"the video is missing; {otherwise}.")
+    what = "video is" if session.surface is None else "meshes are"
+    note(f"the {what} missing; {otherwise}.")
     return nullcontext()
 
 

@@ -22,6 +22,9 @@ from app.drawing.poses import KnownPoses
 from app.drawing.snapshots import View
 from app.drawing.stills import natural_size
 from app.drawing.studio import Paint, Size, Studio
+from app.drawing.surfaces import SurfaceSights
+from app.drawing.tints import Tint
+from app.drawing.veil import Sight
 from app.drawing.viewpoints import Ground, Viewpoint, calm, eye_at, least_distance, round_trip
 from tracker.errors import SessionError
 from tracker.geometry import Array
@@ -40,13 +43,17 @@ CALM_SECONDS = 0.5
 
 @dataclass(frozen=True)
 class Film:
-    """What is asked for: frames first to last. size: None for the video's own, made even."""
+    """What is asked for: frames first to last. size: None for the video's own, made even.
+
+    tint: of observed surfaces.
+    """
 
     view: FilmView
     first: int
     last: int
     paint: Paint = field(default_factory=lambda: Paint("both", 0.5))
     size: Size | None = None
+    tint: Tint = "clay"
 
     @property
     def needs_video(self) -> bool:
@@ -67,10 +74,11 @@ def film_pictures(
     SessionError when no frame of the film has one.
     """
     studio, size = Studio.of(session, poses.skeleton), film_size(session, poses, film)
-    draw = _artist(studio, poses, film, size, fps)
+    sights = SurfaceSights.of(session, video, film.tint)
+    draw = _artist(studio, poses, film, size, fps, sights)
     numbers = range(film.first, film.last + 1)
     images: Iterable[tuple[int, Picture | None]] = ((number, None) for number in numbers)
-    if video is not None and film.needs_video:
+    if video is not None and film.needs_video and (sights is None or sights.is_clay):
         images = video.frames(film.first, film.last + 1)
     return _ahead(draw, images)
 
@@ -80,7 +88,14 @@ def posed_frames(poses: KnownPoses, film: Film) -> tuple[int, ...]:
     return tuple(frame for frame in poses.frames if film.first <= frame <= film.last)
 
 
-def _artist(studio: Studio, poses: KnownPoses, film: Film, size: Size, fps: float) -> Draw:
+def _artist(
+    studio: Studio,
+    poses: KnownPoses,
+    film: Film,
+    size: Size,
+    fps: float,
+    sights: SurfaceSights | None,
+) -> Draw:
     """What draws the frames of a film; all that is common to them is found out before."""
     view, paint = film.view, film.paint
     frames = posed_frames(poses, film)
@@ -89,25 +104,33 @@ def _artist(studio: Studio, poses: KnownPoses, film: Film, size: Size, fps: floa
             f"Frames {film.first} to {film.last} have no pose: track the session first, or choose "
             "other frames."
         )
-    rectify = studio.session.camera.rectify
+
+    def ground(frame: int, image: Picture | None) -> Picture | None:
+        if sights is not None and not sights.is_clay:
+            return sights.picture(frame, poses.pose(frame))
+        return None if image is None else studio.session.camera.rectify(image)
+
+    def sight(frame: int) -> Sight | None:
+        return None if sights is None else sights.at(frame, poses.pose(frame))
+
     if view == "main":
 
         def over_video(frame: int, image: Picture | None) -> Picture:
-            ground = None if image is None else rectify(image)
-            return studio.main(ground, frame, poses.pose(frame), size, paint)
+            return studio.main(ground(frame, image), frame, poses.pose(frame), size, paint)
 
         return over_video
     if isinstance(view, Viewpoint) or view == "orbit":
-        return _new_camera(studio, poses, film, frames, size, fps)
+        return _new_camera(studio, poses, film, frames, size, fps, sight)
     framing = _framing(studio, poses, frames, view, size)
     if view == "all":
 
         def four(frame: int, image: Picture | None) -> Picture:
-            ground = None if image is None else rectify(image)
-            return studio.four(ground, frame, poses.pose(frame), size, paint, framing)
+            pose = poses.pose(frame)
+            seen = sight(frame)
+            return studio.four(ground(frame, image), frame, pose, size, paint, framing, seen)
 
         return four
-    return lambda frame, _: studio.parallel(view, poses.pose(frame), size, framing)
+    return lambda frame, _: studio.parallel(view, poses.pose(frame), size, framing, sight(frame))
 
 
 def _framing(
@@ -129,6 +152,7 @@ def _new_camera(
     frames: tuple[int, ...],
     size: Size,
     fps: float,
+    sight: Callable[[int], Sight | None],
 ) -> Draw:
     """A camera that stands still, or that goes round the body; always far enough to see it all."""
     level, count = studio.Rs["front"], film.last - film.first + 1
@@ -155,7 +179,7 @@ def _new_camera(
     def seen_anew(frame: int, _: Picture | None) -> Picture:
         i = frame - film.first
         eye = eye_at(viewpoints[i], distance, level, centres[i], size)
-        return studio.perspective(eye, ground, centres[i], poses.pose(frame))
+        return studio.perspective(eye, ground, centres[i], poses.pose(frame), sight(frame))
 
     return seen_anew
 

@@ -30,7 +30,7 @@ def painted_over(
 ) -> Picture:
     """The body over an image of the eye's size; only the pixels around it are touched."""
     result = image.copy()
-    left, top, right, bottom = _box(form.mesh.posed(eye.T_eye_camera @ Ts_camera_part), eye)
+    left, top, right, bottom = box_of(form.mesh.posed(eye.T_eye_camera @ Ts_camera_part), eye)
     if right <= left or bottom <= top:
         return result
     ground = image[top:bottom, left:right].astype(np.float32)
@@ -44,7 +44,7 @@ def painted_over(
 def cut_out(eye: Eye, form: Form, Ts_camera_part: Array, style: Style, opacity: float) -> CutOut:
     """The body on nothing: laid over an image by its alpha, it is the body painted over it."""
     result = np.zeros((eye.height, eye.width, 4), dtype=np.uint8)
-    left, top, right, bottom = _box(form.mesh.posed(eye.T_eye_camera @ Ts_camera_part), eye)
+    left, top, right, bottom = box_of(form.mesh.posed(eye.T_eye_camera @ Ts_camera_part), eye)
     if right <= left or bottom <= top:
         return result
     canvas = np.zeros((FINE * (bottom - top), FINE * (right - left), 4), dtype=np.float32)
@@ -80,8 +80,9 @@ def _paint_body(
         paint_dots(canvas, fine.project(p_eye), 1.1 * stroke)
 
 
-def _box(p_eye: Array, eye: Eye) -> tuple[int, int, int, int]:
-    """Left, top, right, bottom of the pixels a body can touch, right and bottom left out."""
+def box_of(p_eye: Array, eye: Eye) -> tuple[int, int, int, int]:
+    """Left, top, right, bottom of the pixels that a thing with these corners (V, 3) can touch,
+    right and bottom left out."""
     margin = 4 + eye.height // 100
     uv = eye.project(p_eye)
     if np.isnan(uv).all():

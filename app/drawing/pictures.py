@@ -13,6 +13,7 @@ from app.drawing.form import form_of
 from app.drawing.lettering import axes, plate, round_length, scale_bar, write_name
 from app.drawing.painting import Style, painted_over
 from app.drawing.palette import GAP, GRID, GRID_MIDDLE, PAPER, Picture
+from app.drawing.veil import Sight, veiled
 from tracker.camera import Camera
 from tracker.eye import Eye, ViewName
 from tracker.geometry import Array, apply_transform
@@ -108,8 +109,10 @@ def orthographic(
     centre_m: Array | None = None,
     metres_across: float | None = None,
     Rs_view_camera: Rotations | None = None,
+    sight: Sight | None = None,
 ) -> Picture:
-    """A true orthographic view of the solid body, `size` = (width, height), on a grid.
+    """A true orthographic view of the solid body, `size` = (width, height), on a grid; `sight`,
+    the surface observed at that moment, lies over it as a sheet.
 
     "front" looks along the camera's +z (x right, y down), "top" looks down along +y (x right, z,
     away from the camera, up), "side" looks along −x (z right, y down). centre_m (3,) is the point
@@ -121,6 +124,8 @@ def orthographic(
     eye = parallel_eye(skeleton, pose, view, size, frame)
     step_m = round_length(size[0] / eye.focal[0])
     picture = _over(_grid(eye, step_m), eye, skeleton, pose, "solid", 1.0)
+    if sight is not None:
+        picture = veiled(picture, eye, sight, form_of(skeleton), _posed(skeleton, pose))
     letter_px = _letter_px(size[1])
     write_name(picture, view.capitalize(), letter_px)
     bar_end = scale_bar(picture, step_m, eye.focal[0], letter_px)
@@ -139,6 +144,7 @@ def four_views(
     label: str = "Camera",
     Rs_view_camera: Rotations | None = None,
     framing: Framing | None = None,
+    sight: Sight | None = None,
 ) -> Picture:
     """The overlay, large, and the three orthographic views, all at one scale, stacked beside it.
 
@@ -158,7 +164,7 @@ def four_views(
         framing = framing_of(_points(skeleton, pose), layout.views, Rs_view_camera)
     centre, across = framing.centre_m, framing.metres_across
     small = [
-        orthographic(skeleton, pose, view, size, centre, across, framing.Rs)
+        orthographic(skeleton, pose, view, size, centre, across, framing.Rs, sight)
         for view, size in layout.views.items()
     ]
     column = _stacked(small, layout.gap, axis=0)
@@ -219,6 +225,10 @@ def _over(
         return image.copy()
     Ts_camera_part = pose_transforms(skeleton, pose)
     return painted_over(image, eye, form_of(skeleton), Ts_camera_part, style, opacity)
+
+
+def _posed(skeleton: Skeleton, pose: Pose | None) -> Array | None:
+    return None if pose is None else pose_transforms(skeleton, pose)
 
 
 def posed_points(skeleton: Skeleton, pose: Pose) -> Array:

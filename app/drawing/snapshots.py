@@ -12,6 +12,8 @@ from app.drawing.lettering import plate, written_width
 from app.drawing.painting import Style
 from app.drawing.palette import CutOut, Picture
 from app.drawing.pictures import OPACITY, four_views, orthographic, overlay
+from app.drawing.surfaces import SurfaceSights
+from app.drawing.tints import Tint
 from app.posing import view_rotations
 from tracker.camera import Camera
 from tracker.errors import FormatError
@@ -25,33 +27,37 @@ View: TypeAlias = Literal["main", "top", "side", "front", "all"]
 
 @dataclass(frozen=True)
 class Look:
-    """Which view, and how the body is drawn over the video."""
+    """Which view, and how the body is drawn over the video. tint: of observed surfaces."""
 
     view: View = "main"
     style: Style = "both"
     opacity: float = OPACITY
+    tint: Tint = "clay"
 
 
 def snapshot(session: Session, video: Video | None, frame: int, pose: Pose, look: Look) -> Picture:
     """The picture (H, W, 3) RGB of a pose at a frame; its height is the video's.
 
     Where the video has lost the frame, its place is grey and a plate says so. The views from the
-    top, the side and the front need no video.
+    top, the side and the front need no video; with observed surfaces at hand they show them.
     """
     camera, skeleton = session.camera.without_distortion(), Skeleton.of(session.body)
     size = (camera.width, camera.height)
     Rs = view_rotations(session.up_camera or (0.0, -1.0, 0.0))
+    sights = SurfaceSights.of(session, video, look.tint)
+    sight = None if sights is None or look.view == "main" else sights.at(frame, pose)
     if look.view != "main" and look.view != "all":
-        return orthographic(skeleton, pose, look.view, size, Rs_view_camera=Rs)
-    image = rectified(session, video, frame)
+        return orthographic(skeleton, pose, look.view, size, Rs_view_camera=Rs, sight=sight)
+    image = background(session, video, sights, frame, pose)
     label = f"Frame {frame}" + (" is missing" if image is None else "")
     ground = ground_of(camera, image)
     if look.view == "main":
         picture = overlay(ground, camera, skeleton, pose, look.style, look.opacity)
         return picture if image is not None else labelled(picture, frame)
     return four_views(
-        ground, camera, skeleton, pose, look.style, look.opacity, camera.height, label, Rs
-    )
+        ground, camera, skeleton, pose, look.style, look.opacity, camera.height, label, Rs,
+        sight=sight,
+    )  # fmt: skip
 
 
 def ground_of(camera: Camera, image: Picture | None) -> Picture:
@@ -74,6 +80,20 @@ def png(picture: Picture | CutOut) -> bytes:
     if not good:
         raise FormatError("The picture cannot be written as PNG.")
     return content.tobytes()
+
+
+def background(
+    session: Session,
+    video: Video | None,
+    sights: SurfaceSights | None,
+    frame: int,
+    pose: Pose | None,
+) -> Picture | None:
+    """What the camera sees behind the body: of observed surfaces the tinted one; None where the
+    frame is lost."""
+    if sights is None or sights.is_clay:
+        return rectified(session, video, frame)
+    return sights.picture(frame, pose)
 
 
 def rectified(session: Session, video: Video | None, frame: int) -> Picture | None:

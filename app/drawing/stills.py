@@ -10,10 +10,15 @@ from dataclasses import dataclass, field
 from app.drawing.palette import CutOut, Picture
 from app.drawing.pictures import FourPlaces, middle, posed_points
 from app.drawing.poses import KnownPoses
-from app.drawing.snapshots import Look, View, rectified, snapshot
+from app.drawing.snapshots import Look, View, background, snapshot
 from app.drawing.studio import Paint, Size, Studio
+from app.drawing.surfaces import SurfaceSights
+from app.drawing.tints import Tint
+from app.drawing.veil import Sight
 from app.drawing.viewpoints import Ground, Viewpoint, eye_at, least_distance
 from tracker.errors import SessionError
+from tracker.eye import Eye
+from tracker.geometry import Array
 from tracker.pose import Pose
 from tracker.session.schema import Session
 from tracker.video import Video
@@ -23,7 +28,8 @@ from tracker.video import Video
 class Still:
     """What is asked for. size: None for the video's, or what it gives with four views.
 
-    scale: so many times that size. on_nothing: the body alone, without video, floor and letters.
+    scale: so many times that size. on_nothing: the body alone, without video, observed surface,
+    floor and letters. tint: of observed surfaces.
     """
 
     view: View | Viewpoint = "main"
@@ -31,6 +37,7 @@ class Still:
     size: Size | None = None
     scale: float = 1.0
     on_nothing: bool = False
+    tint: Tint = "clay"
 
     @property
     def needs_video(self) -> bool:
@@ -54,19 +61,23 @@ def still(
     if pose is None:
         raise SessionError(f"Frame {frame} has no pose.")
     if wanted.is_plain and not isinstance(wanted.view, Viewpoint):
-        look = Look(wanted.view, wanted.paint.style, wanted.paint.opacity)
+        look = Look(wanted.view, wanted.paint.style, wanted.paint.opacity, wanted.tint)
         return snapshot(session, video, frame, pose, look)
     studio = Studio.of(session, poses.skeleton)
     size = _size(studio, wanted)
-    if isinstance(wanted.view, Viewpoint):
-        return _from_viewpoint(studio, poses, pose, wanted.view, size, wanted.on_nothing)
     if wanted.on_nothing:
         return _on_nothing(studio, pose, wanted, size)
-    if wanted.view not in ("main", "all"):
-        return studio.parallel(wanted.view, pose, size)  # type: ignore[arg-type]
-    image = rectified(session, video, frame)
-    draw = studio.main if wanted.view == "main" else studio.four
-    return draw(image, frame, pose, size, wanted.paint)
+    sights = SurfaceSights.of(session, video, wanted.tint)
+    if wanted.view == "main":
+        image = background(session, video, sights, frame, pose)
+        return studio.main(image, frame, pose, size, wanted.paint)
+    sight = None if sights is None else sights.at(frame, pose)
+    if isinstance(wanted.view, Viewpoint):
+        return _from_viewpoint(studio, poses, pose, wanted.view, size, sight)
+    if wanted.view != "all":
+        return studio.parallel(wanted.view, pose, size, sight=sight)
+    image = background(session, video, sights, frame, pose)
+    return studio.four(image, frame, pose, size, wanted.paint, sight=sight)
 
 
 def natural_size(studio: Studio, view: object) -> Size:
@@ -85,11 +96,13 @@ def _size(studio: Studio, wanted: Still) -> Size:
 
 
 def _on_nothing(studio: Studio, pose: Pose, wanted: Still, size: Size) -> CutOut:
+    if isinstance(wanted.view, Viewpoint):
+        return studio.cut_out_by(_eye(studio, pose, wanted.view, size)[0], pose)
     if wanted.view == "main":
         return studio.main_cut_out(pose, size, wanted.paint)
     if wanted.view == "all":
         return studio.four_cut_out(pose, size, wanted.paint)
-    return studio.parallel_cut_out(wanted.view, pose, size)  # type: ignore[arg-type]
+    return studio.parallel_cut_out(wanted.view, pose, size)
 
 
 def _from_viewpoint(
@@ -98,15 +111,19 @@ def _from_viewpoint(
     pose: Pose,
     viewpoint: Viewpoint,
     size: Size,
-    on_nothing: bool,
-) -> Picture | CutOut:
+    sight: Sight | None,
+) -> Picture:
     """About the body as it is at this frame; the floor is where the whole motion has it."""
+    eye, centre = _eye(studio, pose, viewpoint, size)
+    every = [found for frame in poses.frames if (found := poses.pose(frame)) is not None]
+    ground = Ground.under(studio.skeleton, studio.Rs["front"], every)
+    return studio.perspective(eye, ground, centre, pose, sight)
+
+
+def _eye(studio: Studio, pose: Pose, viewpoint: Viewpoint, size: Size) -> tuple[Eye, Array]:
+    """What looks at the body's middle (3,), which comes with it."""
     level = studio.Rs["front"]
     points = posed_points(studio.skeleton, pose)
     centre = middle(points @ level.T) @ level
     distance = viewpoint.distance_m or least_distance(viewpoint, level, centre, points, size)
-    eye = eye_at(viewpoint, distance, level, centre, size)
-    if on_nothing:
-        return studio.cut_out_by(eye, pose)
-    every = [found for frame in poses.frames if (found := poses.pose(frame)) is not None]
-    return studio.perspective(eye, Ground.under(studio.skeleton, level, every), centre, pose)
+    return eye_at(viewpoint, distance, level, centre, size), centre

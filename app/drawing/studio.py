@@ -22,6 +22,7 @@ from app.drawing.pictures import (
     posed_points,
 )
 from app.drawing.snapshots import ground_of, labelled
+from app.drawing.veil import Sight, veiled
 from app.drawing.viewpoints import Ground
 from app.posing import view_rotations
 from tracker.camera import Camera
@@ -85,32 +86,44 @@ class Studio:
         size: Size,
         paint: Paint,
         framing: Framing | None = None,
+        sight: Sight | None = None,
     ) -> Picture:
-        """All four views, as large as they fit, on a dark sheet of that size."""
+        """All four views, as large as they fit, on a dark sheet of that size; `sight`, a surface
+        that was observed, in the three small ones."""
         label = f"Frame {frame}" + (" is missing" if image is None else "")
         picture = four_views(
             ground_of(self.camera, image), self.camera, self.skeleton, pose, paint.style,
-            paint.opacity, self.height_of_four(size), label, self.Rs, framing,
+            paint.opacity, self.height_of_four(size), label, self.Rs, framing, sight,
         )  # fmt: skip
         return _on_sheet(picture, size)
 
     def parallel(
-        self, view: ViewName, pose: Pose | None, size: Size, framing: Framing | None = None
+        self,
+        view: ViewName,
+        pose: Pose | None,
+        size: Size,
+        framing: Framing | None = None,
+        sight: Sight | None = None,
     ) -> Picture:
         """From the top, the side or the front."""
         framing = framing or Framing()
         centre, across = framing.centre_m, framing.metres_across
-        return orthographic(self.skeleton, pose, view, size, centre, across, self.Rs)
+        return orthographic(self.skeleton, pose, view, size, centre, across, self.Rs, sight)
 
     def perspective(
-        self, eye: Eye, ground: Ground, p_camera_centre: Array, pose: Pose | None
+        self,
+        eye: Eye,
+        ground: Ground,
+        p_camera_centre: Array,
+        pose: Pose | None,
+        sight: Sight | None = None,
     ) -> Picture:
         """From a new viewpoint, on a floor."""
         Ts = None if pose is None else pose_transforms(self.skeleton, pose)
         picture = floor_picture(eye, ground, p_camera_centre, self.form, Ts)
-        if Ts is None:
-            return picture
-        return painted_over(picture, eye, self.form, Ts, SOLID.style, SOLID.opacity)
+        if Ts is not None:
+            picture = painted_over(picture, eye, self.form, Ts, SOLID.style, SOLID.opacity)
+        return picture if sight is None else veiled(picture, eye, sight, self.form, Ts)
 
     def cut_out_by(self, eye: Eye, pose: Pose, paint: Paint = SOLID) -> CutOut:
         """The body on nothing."""

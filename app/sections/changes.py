@@ -98,7 +98,7 @@ SECTIONS: dict[str, _Section] = {
         _both(_doc("camera", "up_camera"), lambda o: (o.opened,), _tinted), scene_values.camera
     ),
     "surface": _Section(
-        _both(_doc("surface", "keyframes"), _edit("frame"), lambda o: (o.surface,)),
+        _both(_doc("surface", "keyframes"), _edit("frame"), lambda o: (o.surface, o.unusable)),
         surface_values.surface,
     ),
     "views": _Section(_doc("up_camera"), scene_values.views),

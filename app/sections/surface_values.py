@@ -22,6 +22,7 @@ def surface(outlook: Outlook) -> Json:
         "cameras": PurePath(given.cameras).name if given.cameras else None,
         "model_frame": None if model is None else model.frame,
         "problem": seen.problem if seen.frame == edit.frame else "",
+        "unusable": outlook.unusable,
         "faces": seen.faces,
         "middle": None if seen.middle is None else list(seen.middle),
         "rims": seen.rims,

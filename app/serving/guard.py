@@ -29,7 +29,7 @@ _QUERIES: tuple[tuple[re.Pattern[str], frozenset[str]], ...] = tuple(
         (r"/", {TOKEN}),
         (r"/view/[a-z]+", {"fixedDpr", "darkMode", "hideViserLogo", "websocket"}),
         (r"/frame/\d+\.jpg", {"v"}),
-        (r"/picture\.png", {"view", "frame", "mode", "opacity"}),
+        (r"/picture\.png", {"view", "frame", "mode", "opacity", "tint"}),
         (r"/motion", {"format"}),
         (r"/upload", {"name"}),
     )

@@ -13,6 +13,7 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
 from app.drawing.snapshots import Look, View, png, snapshot
+from app.drawing.tints import Tint
 from app.editor.actions import Message, Spot
 from app.editor.shown import shown
 from app.editor.sights import sights
@@ -45,6 +46,7 @@ class Shot(Message):
     frame: FrameIndex | None = None
     mode: Literal["wire", "solid", "both"] | None = None
     opacity: Annotated[FiniteFloat, Field(ge=0, le=1)] | None = None
+    tint: Tint | None = None
 
 
 class Motion(Message):
@@ -139,7 +141,7 @@ def _picked(edit: EditorState, question: Pick) -> dict[str, Any]:
 def _png(edit: EditorState, video: Video, frame: int, shot: Shot) -> bytes:
     looks = edit.display
     opacity = looks.opacity if shot.opacity is None else shot.opacity
-    look = Look(shot.view, shot.mode or looks.mode, opacity)
+    look = Look(shot.view, shot.mode or looks.mode, opacity, shot.tint or looks.tint)
     return png(snapshot(edit.doc, video, frame, shown(edit, frame).pose, look))
 
 

@@ -51,6 +51,7 @@ class Server:
             self.stage.show_skin,
             self.stage.settle_skin,
             self.store.surface_seen,
+            self.store.surfaces_unusable,
         )
         self._shelf = Shelf(library)
         self._outputs = Outputs(self.store, self._surfaces)

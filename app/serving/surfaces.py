@@ -58,7 +58,7 @@ class Surfaces:
     """All methods are for the loop's thread; what takes a while is done in one of its own.
 
     show:   draws a surface in the small views, None: nothing; `settle` some moments later.
-    seen:   is told what was seen.
+    seen:   is told what was seen.  unusable: which steps cannot be, once, where there are any.
     """
 
     def __init__(
@@ -67,8 +67,10 @@ class Surfaces:
         show: Callable[[bytes | None], None],
         settle: Callable[[], None],
         seen: Callable[[SurfaceSeen], None],
+        unusable: Callable[[str], None],
     ) -> None:
         self._loop, self._show, self._settle, self._seen = loop, show, settle, seen
+        self._unusable = unusable
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="surfaces")
         self._piece: Workpiece | None = None
         self._observed: Observed | None = None
@@ -79,6 +81,7 @@ class Surfaces:
         self._looked_at = 0.0
         self._busy = False
         self._known = SurfaceSeen()
+        self._has_glanced = False
         self._frames: tuple[tuple[Any, ...], Frames] | None = None
 
     def follow(self, piece: Workpiece | None, edit: EditorState | None) -> None:
@@ -129,6 +132,7 @@ class Surfaces:
         is_surface = piece is not None and isinstance(piece.video, SurfaceVideo)
         self._piece, self._observed = piece, Observed(piece) if is_surface and piece else None
         self._wish, self._done, self._known = None, None, SurfaceSeen()
+        self._has_glanced = False
 
     def _plan(self) -> None:
         """Look once the playhead rests, or when it is long ago."""
@@ -164,7 +168,26 @@ class Surfaces:
                 self._show(glb)
                 self._loop.call_later(SETTLE_S, self._settle)
                 self._seen(self._known)
+                self._glance(wish.observed)
         self._plan()
+
+    def _glance(self, observed: Observed) -> None:
+        """Once, after something is to be seen: which other steps there will be nothing of."""
+        if self._has_glanced:
+            return
+        self._has_glanced = True
+        glancing = self._loop.run_in_executor(None, observed.unusable)
+        glancing.add_done_callback(lambda done: self._glanced(observed, done))
+
+    def _glanced(self, observed: Observed, done: asyncio.Future[str]) -> None:
+        if observed is not self._observed or done.cancelled():
+            return
+        fault = done.exception()
+        if fault is None:
+            if words := done.result():
+                self._unusable(words)
+        elif not isinstance(fault, KeyposeError):  # of ours; those are told when a step is met
+            traceback.print_exception(fault)
 
     def _drop_stale(self) -> None:
         """Meshes that are slow to read come late: rather none than that of another step."""

@@ -7,20 +7,20 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from app.drawing.tints import Colours, Tint, clay, tinted
+from app.drawing.surfaces import colours_of, model_of
+from app.drawing.tints import Tint
+from app.drawing.veil import Sight
 from app.editor.shown import shown
 from app.editor.state import EditorState
 from app.opening import Workpiece
 from tracker.errors import SurfaceError, VideoError
 from tracker.session.schema import Session
-from tracker.skeleton import Skeleton
-from tracker.surface.fit.weights import in_agreement
-from tracker.surface.mesh import SurfaceMesh
+from tracker.surface.files.unusable import unusable_words
 from tracker.surface.painting import GROUND, painted
 from tracker.surface.picture import SurfaceVideo, open_surfaces
 from tracker.video import VideoInfo
@@ -28,8 +28,6 @@ from tracker.video.picture import Picture
 
 if TYPE_CHECKING:
     from tracker.surface.fit.model import SurfaceModel
-
-MODEL_POINTS = 3000
 
 
 def reading(doc: Session) -> tuple[Any, ...]:
@@ -42,14 +40,6 @@ def reading(doc: Session) -> tuple[Any, ...]:
 
 class Outdated(VideoError):
     """The surfaces lie elsewhere by now."""
-
-
-@dataclass(frozen=True, eq=False)
-class Sight:
-    """A step's surface (camera frame, metres) and the colours (V, 3) of its vertices."""
-
-    mesh: SurfaceMesh
-    colours: Colours
 
 
 class Observed:
@@ -97,7 +87,8 @@ class Observed:
             video = self.video(edit.settled)
             try:
                 mesh = video.steps.mesh(frame) if tint == "photo" else video.steps.shape(frame)
-                return Sight(mesh, self._colours(edit, frame, mesh, tint))
+                model = self._model_for(tint, edit.settled)
+                return Sight(mesh, colours_of(mesh, tint, shown(edit, frame).pose, model))
             except SurfaceError as error:
                 if video.is_closed:
                     raise VideoError(str(error)) from None
@@ -119,6 +110,12 @@ class Observed:
         with self._lock:
             return self.video(doc).steps.shape(frame).consistency is not None
 
+    def unusable(self) -> str:
+        """Which steps cannot be used, as far as the beginnings of their files tell; takes a while,
+        and reading goes on meanwhile."""
+        assert isinstance(self._piece.video, SurfaceVideo)
+        return unusable_words(self._piece.video.steps.glance().problems)
+
     def close(self) -> None:
         """Let go of what was opened here."""
         with self._lock:
@@ -129,30 +126,18 @@ class Observed:
         if self._video is not self._piece.video:
             self._video.close()
 
-    def _colours(self, edit: EditorState, frame: int, mesh: SurfaceMesh, tint: Tint) -> Colours:
-        if tint == "photo" and mesh.consistency is not None:
-            return tinted(tint, in_agreement(mesh.consistency))
-        if tint in ("contact", "distance") and (model := self._model_of(edit.settled)) is not None:
-            from tracker.surface.fit.looking import look  # loads when surfaces are looked at
-
-            return tinted(tint, look(model, mesh, shown(edit, frame).pose, tint))
-        return clay(len(mesh.vertices))
-
-    def _model_of(self, doc: Session) -> SurfaceModel | None:
-        """The surface that moves with the body; None where nobody has posed it."""
+    def _model_for(self, tint: Tint, doc: Session) -> SurfaceModel | None:
+        """The surface that moves with the body; None where nobody has posed it, or it is not
+        needed."""
         keyframe, surface = doc.model_keyframe, doc.surface
-        if keyframe is None or surface is None:
+        if tint not in ("contact", "distance") or keyframe is None or surface is None:
             return None
-        from tracker.surface.fit.model import SurfaceModel  # loads when surfaces are looked at
-
         key = (*self._frame_key(doc), keyframe, doc.body, surface.binding)
         with self._lock:
             if self._model is None or self._model[0] != key:
-                mesh = self.video(doc).steps.shape(keyframe.frame)
-                pose, smooth = keyframe.pose(Skeleton.of(doc.body)), surface.binding == "smooth"
-                made = SurfaceModel.of(mesh, doc.body, pose, MODEL_POINTS, smooth)
-                self._model = key, made
-            return self._model[1]
+                made = model_of(doc, self.video(doc).steps)
+                self._model = None if made is None else (key, made)
+            return None if self._model is None else self._model[1]
 
     def _frame_key(self, doc: Session) -> tuple[Any, ...]:
         keyframe = doc.model_keyframe

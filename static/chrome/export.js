@@ -39,10 +39,11 @@ export const saveMotion = (format) =>
 export const saveReport = () => saveFrom('/report.html', `${S.file.name}-report.html`);
 
 function pictureAddress(view) {
-  const { mode, opacity } = S.view;
+  const { mode, opacity, tint } = S.view;
   const query = new URLSearchParams({ view, frame: frame() });
   if (mode !== undefined) query.set('mode', mode);
   if (opacity !== undefined) query.set('opacity', opacity);
+  if (S.surface && tint !== undefined) query.set('tint', tint);
   return `/picture.png?${query}`;
 }
 

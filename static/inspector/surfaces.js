@@ -86,21 +86,22 @@ function moving() {
 }
 
 function holes(model, rims) {
-  return html`<p class="note warned" role="status">${icon('warn')}<span>
-    The surface of frame ${model} is not whole: ${rims} edges are open. What is missing in it is missed
-    at every frame. Better use a keyframe whose surface has no holes.
-  </span></p>`;
+  return warning(html`The surface of frame ${model} is not whole: ${rims} edges are open. What is
+    missing in it is missed at every frame. Better use a keyframe whose surface has no holes.`);
 }
 
+const warning = (words) => html`<p class="note warned" role="status">${icon('warn')}<span>${words}</span></p>`;
+
 function files() {
-  const { units, up, fps, middle, cameras, faces } = S.surface;
+  const { units, up, fps, middle, cameras, faces, unusable } = S.surface;
   const rate = {
     key: 'surface.fps', label: 'Rate', value: fps, unit: '/s', step: 1, coarse: 5, min: 0.01, max: 10000,
     title: 'Surfaces a second', edit: (value) => ({ do: 'observe', fps: value }),
   };
   return section(
     'Files',
-    html`${line('Units', dropdown({
+    html`${unusable ? warning(unusable) : nothing}
+    ${line('Units', dropdown({
       label: 'Units', value: units, options: UNITS, act: (id) => observe({ units: id }),
       title: 'What one unit of the files is; poses go along',
     }))}

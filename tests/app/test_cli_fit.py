@@ -302,9 +302,9 @@ def test_the_tables_call_only_what_was_posed_a_keyframe(session_path: Path, tmp_
     assert [row["pose"] for row in table] == ["keyframe", *["tracked"] * (cases.STEPS - 1)]
 
 
-def test_info_names_the_first_mesh_that_cannot_be_used(
+def test_info_says_what_is_wrong_with_a_mesh_that_cannot_be_used(
     session_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (session_path.parent / "meshes" / "step_0002.ply").unlink()
     assert main(["info", str(session_path.parent / "meshes")]) == 0
-    assert "one mesh cannot be used: Step 2 is missing" in capsys.readouterr().out
+    assert "note         Step 2 is missing" in capsys.readouterr().out

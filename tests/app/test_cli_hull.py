@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import signal
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,8 @@ import pytest
 from app.cli import main
 from tests.rendering.studio import write_studio
 from tests.tracker.surface.ball_cases import P_BALL, RADIUS_M, studio
+from tracker import warm
+from tracker.kernels import carving, patches, sweeping
 from tracker.surface.cameras import hulls
 from tracker.surface.files.sequence import MeshSequence
 from tracker.surface.mesh import SurfaceMesh
@@ -138,3 +141,52 @@ def test_without_images_the_surfaces_say_nothing_of_agreement(
     assert "names no images" in capsys.readouterr().err
     with MeshSequence.open(out) as sequence:
         assert sequence.mesh(0).consistency is None
+
+
+def test_what_takes_its_time_is_said_before_it_is_done(
+    cameras: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """The first run compiles the loops, and each step is told as it is done."""
+    compiled = []
+    monkeypatch.setattr(warm, "are_hulls_warm", lambda: False)
+    monkeypatch.setattr(warm, "warm_hulls", lambda: compiled.append(capsys.readouterr().err))
+    assert main(["hull", str(cameras), "--out", str(tmp_path / "meshes"), *VOXEL]) == 0
+    assert compiled == ["Preparing hulls for this computer, once: some ten seconds.\n"]
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.split(":")[0] for line in lines] == [f"step {i}, {i + 1} of 3" for i in range(3)]
+    assert all(line.endswith(" faces") for line in lines)
+
+
+def test_loops_that_are_compiled_already_are_not_prepared_again(
+    cameras: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    monkeypatch.setattr(warm, "are_hulls_warm", lambda: True)
+    out = ["--out", str(tmp_path / "meshes")]
+    assert main(["hull", str(cameras), *out, *VOXEL, "--json"]) == 0
+    assert capsys.readouterr().err == ""
+
+
+def test_at_a_terminal_a_bar_counts_the_steps(
+    cameras: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    assert main(["hull", str(cameras), "--out", str(tmp_path / "meshes"), *VOXEL]) == 0
+    told = capsys.readouterr().err
+    assert "0/3" in told
+    assert "3/3" in told
+    assert "1 of 3" not in told
+
+
+def test_preparing_compiles_all_that_a_hull_needs(cameras: Path, tmp_path: Path) -> None:
+    """What the command does after it said so compiles nothing more."""
+    warm.warm_hulls()
+    assert warm.are_hulls_warm()
+    loops = (carving.judge_cells, carving.measure_cells, patches.correlate, sweeping.sweep)
+    before = [len(loop.signatures) for loop in loops]  # type: ignore[attr-defined]
+    assert all(before)
+    out = ["--out", str(tmp_path / "meshes")]
+    assert main(["hull", str(cameras), *out, *VOXEL, "--carve"]) == 0
+    assert [len(loop.signatures) for loop in loops] == before  # type: ignore[attr-defined]

@@ -14,12 +14,13 @@ import cv2
 import numpy as np
 import pytest
 
+from app.drawing.veil import Sight
 from app.editor.state import EditorState
 from app.library import Library
 from app.opening import Workpiece, edit_state, open_workpiece
 from app.outlook import Outlook, SurfaceSeen
 from app.serving.surfaces import Surfaces
-from app.stage.observed import Observed, Outdated, Sight
+from app.stage.observed import Observed, Outdated
 from app.stage.skin import skin
 from tests.app.editor.desk import after
 from tracker.errors import VideoError
@@ -64,6 +65,7 @@ class Views:
 
     skins: list[bytes | None] = field(default_factory=list)
     seen: list[SurfaceSeen] = field(default_factory=list)
+    unusable: list[str] = field(default_factory=list)
 
 
 def looking(work: Callable[[Surfaces, Views], Coroutine[Any, Any, None]]) -> Views:
@@ -72,7 +74,9 @@ def looking(work: Callable[[Surfaces, Views], Coroutine[Any, Any, None]]) -> Vie
 
     async def run() -> None:
         loop = asyncio.get_running_loop()
-        surfaces = Surfaces(loop, views.skins.append, lambda: None, views.seen.append)
+        surfaces = Surfaces(
+            loop, views.skins.append, lambda: None, views.seen.append, views.unusable.append
+        )
         await asyncio.wait_for(work(surfaces, views), 60)
 
     asyncio.run(run())
@@ -354,3 +358,26 @@ def test_an_animated_file_can_be_dropped(tmp_path: Path) -> None:
         upload.write(b"glTF")
         assert upload.finish() == "man.glb"
     assert library.find("upload", "man.glb").read_bytes() == b"glTF"
+
+
+def test_steps_that_cannot_be_used_are_told_once_before_they_are_met(
+    piece: Workpiece, edit: EditorState
+) -> None:
+    async def work(surfaces: Surfaces, views: Views) -> None:
+        surfaces.follow(piece, edit)
+        await until(lambda: views.unusable)
+        surfaces.follow(piece, after(edit, {"do": "go", "frame": 9}))
+        await until(lambda: views.seen[-1].frame == 9)
+
+    views = looking(work)
+    assert views.unusable == ['Step 4 ("step_0004.ply") is empty: export it again.']
+    assert all(seen.frame != 4 for seen in views.seen)
+
+
+def test_of_meshes_that_are_closed_meanwhile_nothing_is_asked_any_more(folder: Path) -> None:
+    """The process that reads is not started anew."""
+    opened = open_workpiece(folder / "session.json", lambda path: path)
+    assert isinstance(opened.video, SurfaceVideo)
+    opened.video.close()
+    assert Observed(opened).unusable() == ""
+    assert opened.video.steps.sequence._reader._child is None

@@ -29,6 +29,7 @@ from tracker.shapes import Box
 from tracker.sizing import height
 from tracker.surface.beginning import Reading
 from tracker.surface.files.ply import ply_bytes
+from tracker.surface.files.sequence import Glance, MeshSequence
 from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.picture import SurfaceVideo
 from tracker.surface.source import holds_meshes
@@ -62,6 +63,32 @@ def box(
         mesh.apply_translation([0.1 * step * extents[0], 0, 0])
         mesh.export(folder / f"box_{step}.{suffix}")
     return folder
+
+
+def test_info_names_all_meshes_whose_files_tell_that_they_cannot_be_used(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = cases.meshes(tmp_path / "scan")
+    files = sorted(folder.iterdir())
+    files[2].write_bytes(b"")
+    files[4].write_bytes(files[4].read_bytes()[:-40])
+    assert main(["info", str(folder)]) == 0
+    told = capsys.readouterr().out
+    assert "note         Steps 2 and 4 cannot be used: Step 2" in told
+    assert "not looked at" not in told
+    assert main(["info", str(folder), "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert facts["missing_frames"] == [2, 4]
+    assert "cut short" in facts["missing"]["4"]
+    assert facts["looked_at"] == cases.STEPS
+
+
+def test_info_says_where_it_stopped_looking(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(MeshSequence, "glance", lambda _: Glance({}, 3))
+    assert main(["info", str(cases.meshes(tmp_path / "scan"))]) == 0
+    assert "the files of steps 3 and later were not looked at" in capsys.readouterr().out
 
 
 def test_a_folder_of_meshes_begins_a_session_whose_camera_sees_them(

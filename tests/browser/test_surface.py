@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
+from app.cli import main
 from tests.app.serving import ROOT, Keypose, Visitor
 from tests.browser.hands import drag, screen, section, settled, until, until_told
 from tests.browser.shared import Desk, let_in, opened
@@ -193,6 +194,31 @@ def test_a_colouring_changes_the_picture_and_has_its_legend(at: Desk, tint: str,
     screen(page, f"surface-{tint}")
 
 
+@pytest.mark.parametrize(("view", "tint"), [("all", "clay"), ("top", "contact"), ("main", "photo")])
+def test_the_picture_is_that_of_the_command_line_in_the_colours_that_are_chosen(
+    at: Desk, tmp_path: Path, view: str, tint: str
+) -> None:
+    page = at.page
+    at.visitor.do(do="go", frame=9)
+    at.visitor.do(do="display", tint=tint)
+    until_told(page, "view.tint", lambda now: now == tint)
+    until(lambda: at.agreed("saved")["state"] == "saved", "the file")
+    keys = {"top": "2"}
+    if view in keys:
+        page.keyboard.press(keys[view])
+    page.get_by_role("button", name="Export").click()
+    name = "All four views" if view == "all" else "This view, PNG"
+    with page.expect_download() as waiting:
+        page.get_by_role("menuitem", name=name).click()
+    saved = Path(waiting.value.path()).read_bytes()
+    if view in keys:
+        page.keyboard.press(keys[view])
+    out = tmp_path / "shot.png"
+    wanted = ["--frame", "9", "--view", view, "--tint", tint, "--out", str(out)]
+    assert main(["shot", str(at.session), *wanted]) == 0
+    assert saved == out.read_bytes()
+
+
 def test_how_to_fit_is_an_edit_like_any_other(at: Desk) -> None:
     page = at.page
     press(page, "To points")
@@ -288,6 +314,23 @@ def test_a_step_that_cannot_be_used_is_told_at_its_frame(browser: Browser, tmp_p
         screen(page, "surface-problem")
         desk.visitor.do(do="go", frame=5)
         until(lambda: problem.count() == 0, "no problem any more")
+
+
+def test_steps_that_cannot_be_used_are_told_before_they_are_met(
+    browser: Browser, tmp_path: Path
+) -> None:
+    shutil.copytree(SAMPLE, tmp_path / "arms")
+    for step in (7, 12):
+        (tmp_path / "arms" / "meshes" / f"step_{step:04}.ply").write_bytes(b"")
+    with arms(browser, tmp_path, drawn=False) as desk:
+        page = desk.page
+        page.locator("#insp [role=tab]").last.click()
+        told = page.locator("#insp .note.warned")
+        told.wait_for()
+        assert told.inner_text().startswith("Steps 7 and 12 cannot be used: Step 7")
+        assert section(page, "view.frame") == 0
+        told.scroll_into_view_if_needed()
+        screen(page, "surface-unusable")
 
 
 def test_surfaces_are_a_sample_of_the_start_screen(browser: Browser, tmp_path: Path) -> None:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tracker.camera import Camera
-from tracker.geometry import Array
+from tracker.eye import Eye
+from tracker.geometry import Array, apply_transform, frozen
+from tracker.raster import depth_of, projection_of
 from tracker.surface.mesh import SurfaceMesh
 
 Picture: TypeAlias = NDArray[np.uint8]
@@ -47,9 +50,48 @@ def painted(mesh: SurfaceMesh, camera: Camera, colours: Colours | None = None) -
     lens, vertices = _enlarged(camera), np.ascontiguousarray(mesh.vertices)
     projection = np.array([PERSPECTIVE, *lens, 1.0])
     fill(vertices, mesh.faces, projection, NEAR_M, nearness, face)
-    colour(vertices, mesh.faces, _lit(mesh, colours), lens, INSIDE, face, fine)
+    lit = _lit(mesh.normals, mesh.vertices, colours)
+    colour(vertices, mesh.faces, lit, lens, INSIDE, face, fine)
     small = cv2.resize(fine, (camera.width, camera.height), interpolation=cv2.INTER_AREA)
     return np.asarray(small, dtype=np.uint8)
+
+
+@dataclass(frozen=True, eq=False)
+class Layer:
+    """The nearest layer of a surface, as an eye sees it.
+
+    rgb:   (H, W, 3) in the light, 0 to 255; black where there is none.
+    depth: (H, W) float32 z in the eye's frame, metres, inf where there is none.
+    """
+
+    rgb: Picture
+    depth: NDArray[np.float32]
+
+
+def layer(mesh: SurfaceMesh, eye: Eye, colours: Colours | None = None) -> Layer:
+    """A surface (camera frame, metres) from wherever the eye is; each pixel is what its middle
+    shows. colours: clay when left out."""
+    from tracker.kernels.painting import colour
+    from tracker.kernels.raster import fill
+
+    size = (eye.height, eye.width)
+    nearness = np.full(size, -np.inf, dtype=np.float32)
+    face = np.full(size, -1, dtype=np.int32)
+    rgb = np.zeros((*size, 3), dtype=np.uint8)
+    p_eye = frozen(apply_transform(eye.T_eye_camera, mesh.vertices))
+    fill(p_eye, mesh.faces, projection_of(eye), eye.near_m, nearness, face)
+    lit = _lit(mesh.normals @ eye.T_eye_camera[:3, :3].T, eye.rays(p_eye), colours)
+    lens = np.array([*eye.focal, *eye.centre])
+    colour(_on_rays(p_eye, eye), mesh.faces, lit, lens, INSIDE, face, rgb)
+    return Layer(rgb, depth_of(nearness, eye))
+
+
+def _on_rays(p_eye: Array, eye: Eye) -> Array:
+    """Where rays through the origin meet points in the pixels at which the eye sees them: along
+    parallel rays all of them lie on one plane."""
+    if eye.parallel_m is None:
+        return p_eye
+    return frozen(np.column_stack([p_eye[:, :2] / eye.parallel_m, np.ones(len(p_eye))]))
 
 
 def _enlarged(camera: Camera) -> Array:
@@ -58,12 +100,14 @@ def _enlarged(camera: Camera) -> Array:
     return FINE * np.array([camera.fx, camera.fy, camera.cx, camera.cy]) + (0.0, 0.0, off, off)
 
 
-def _lit(mesh: SurfaceMesh, colours: Colours | None) -> NDArray[np.float32]:
-    """(V, 3) the vertices' colours in the light, 0 to 255, as seen from outside."""
+def _lit(normals: Array, rays: Array, colours: Colours | None) -> NDArray[np.float32]:
+    """(V, 3) the vertices' colours in the light, 0 to 255, as seen from outside.
+
+    normals, rays: (V, 3) in the frame that is looked from; rays toward the vertices, of any length.
+    """
     tints = np.array([CLAY], dtype=np.uint8) if colours is None else colours
-    normals = mesh.normals
     wrapped = np.clip((normals @ _TO_LIGHT + 0.35) / 1.35, 0.0, 1.0)
-    away = mesh.vertices / np.maximum(np.linalg.norm(mesh.vertices, axis=1, keepdims=True), 1e-9)
+    away = rays / np.maximum(np.linalg.norm(rays, axis=1, keepdims=True), 1e-9)
     rim = np.clip(1.0 + np.einsum("vi,vi->v", normals, away), 0.0, 1.0)
     brightness = 0.52 + 0.52 * wrapped - 0.16 * rim**3
     return np.asarray(np.clip(tints * brightness[:, None], 0.0, 255.0), dtype=np.float32)

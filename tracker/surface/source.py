@@ -17,7 +17,7 @@ import numpy as np
 
 from tracker.errors import SurfaceError
 from tracker.session.schema import Surface
-from tracker.surface.files.sequence import MeshSequence
+from tracker.surface.files.sequence import Glance, MeshSequence
 from tracker.surface.files.sources import SUFFIXES
 from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.placing import Placement
@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 KEPT = 6
 """Meshes of each kind: two segments at work, each with a step ahead, and one that is looked at."""
+
+GLANCE_S = 5.0
+"""So long the files are glanced at, meanwhile meshes can be read."""
 
 MOST_TEXTURES = 4
 """Images that may belong to a mesh in the same folder."""
@@ -46,6 +49,7 @@ class SurfaceSteps:
         self._surface, self._folder = surface, folder
         self._footage: Footage | None = None
         self._looked = False
+        self._glancing, self._closing = threading.Lock(), threading.Event()
         self._shapes = _Latest("meshes", sequence.frame_count, self._read)
         self._rated = _Latest("agreement", sequence.frame_count, self._rate)
 
@@ -65,6 +69,11 @@ class SurfaceSteps:
         rated = self._surface.cameras is not None
         return self._rated.get(frame) if rated else self._shapes.get(frame)
 
+    def glance(self) -> Glance:
+        """What the beginnings of the files tell; broken off where these are closed meanwhile."""
+        with self._glancing:
+            return self.sequence.glance(GLANCE_S, stop=self._closing.is_set)
+
     def cut_by(self, frame: int) -> tuple[str, ...]:
         """Names of the session's cameras whose pictures do not hold all of a step's surface."""
         if self._surface.cameras is None:
@@ -75,11 +84,13 @@ class SurfaceSteps:
 
     def close(self) -> None:
         """Let go of the files."""
+        self._closing.set()
         self._rated.close()
         self._shapes.close()
         if self._footage is not None:
             self._footage.close()
-        self.sequence.close()
+        with self._glancing:  # what is asked once the process has ended would start it anew
+            self.sequence.close()
 
     def __enter__(self) -> Self:
         return self

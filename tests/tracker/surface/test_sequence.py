@@ -12,11 +12,22 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.tracker.surface.mesh_files import BOX, CORNERS, folder_of, obj, ply, standing_box
+from tests.tracker.surface.mesh_files import (
+    BOX,
+    CORNERS,
+    QUADS,
+    folder_of,
+    obj,
+    off,
+    ply,
+    standing_box,
+)
 from tracker.errors import SurfaceError
 from tracker.surface.files.guessing import guess_units, guess_up
-from tracker.surface.files.sequence import MeshSequence
+from tracker.surface.files.reading import MeshReader
+from tracker.surface.files.sequence import Glance, MeshSequence
 from tracker.surface.files.sources import FolderSource
+from tracker.surface.files.unusable import unusable_words
 from tracker.surface.mesh import SurfaceMesh
 
 
@@ -378,3 +389,120 @@ def test_many_missing_steps_are_told_at_once() -> None:
     assert sorted(source.missing) == list(range(1, count - 1))
     assert 'between "0.ply" and "2000.ply"' in source.missing[7]
     assert Counted.looks < 10 * count
+
+
+# --- what is known without reading ---------------------------------------------------------------
+
+
+def glance_at(folder: Path) -> Glance:
+    with MeshSequence.open(folder) as meshes:
+        return meshes.glance()
+
+
+def good(suffix: str) -> bytes:
+    return {".ply": ply, ".obj": obj, ".off": off, ".glb": standing_box}[suffix]()
+
+
+def spoilt(suffix: str) -> dict[str, bytes]:
+    """Files that cannot be used, and show it at once."""
+    whole = good(suffix)
+    found = {"empty": b"", "zip": b"PK\x03\x04" + whole, "zeros": bytes(300)}
+    if suffix == ".ply":
+        found["points"] = whole.replace(b"element face 12", b"element face 0")
+        found["huge"] = whole.replace(b"element face 12", b"element face 9999999")
+        found["cut"] = whole[: len(whole) - 14]
+        found["endless"] = whole.replace(b"end_header", b"comment " + b"x" * 10**6)
+    if suffix == ".off":
+        found["points"] = b"OFF\n8 0 0\n" + whole.split(b"\n", 2)[2]
+        found["huge"] = b"OFF\n8 9999999 0\n" + whole.split(b"\n", 2)[2]
+    if suffix == ".glb":
+        found["cut"] = whole[: len(whole) - 90]
+        found["old"] = whole[:4] + b"\1" + whole[5:]
+    return found
+
+
+@pytest.mark.parametrize("suffix", [".ply", ".obj", ".off", ".glb"])
+def test_a_glance_tells_which_steps_cannot_be_used_in_the_words_of_reading_them(
+    tmp_path: Path, suffix: str
+) -> None:
+    bad = list(spoilt(suffix).values())
+    folder = tmp_path / "scan"
+    folder.mkdir()
+    for step in range(2 * len(bad)):
+        content = bad[step // 2] if step % 2 else good(suffix)
+        (folder / f"box_{step:02}{suffix}").write_bytes(content)
+    with MeshSequence.open(folder) as meshes:
+        seen = meshes.glance()
+        assert list(seen.problems) == list(range(1, 2 * len(bad), 2))
+        assert seen.looked_at == 2 * len(bad)
+        assert meshes.missing == {}  # so that they can still be asked for
+        for frame, words in seen.problems.items():
+            assert words == sentence_of(meshes, frame)
+
+
+@pytest.mark.parametrize("form", ["ascii", "binary_little_endian", "binary_big_endian"])
+def test_a_glance_finds_nothing_wrong_in_files_whose_faces_differ(
+    tmp_path: Path, form: str
+) -> None:
+    """Rows as long as the first would not find room."""
+    folder, box = tmp_path / "scan", BOX.tolist()
+    folder.mkdir()
+    kinds = ([QUADS[0], *box], [*QUADS, *box], [*box, (0, 1)], [*box[:6], (0, 1), *box[6:]])
+    for number, faces in enumerate(kinds):
+        (folder / f"box_{number}.ply").write_bytes(ply(faces=faces, form=form))
+    with MeshSequence.open(folder) as meshes:
+        assert meshes.glance().problems == {}
+        assert all(len(meshes.mesh(frame).faces) for frame in range(len(kinds)))
+
+
+def test_a_glance_knows_steps_without_a_file_and_finds_nothing_in_whole_ones(
+    tmp_path: Path,
+) -> None:
+    folder = named(tmp_path / "scan", "a_1.ply", "a_2.ply", "a_4.ply")
+    seen = glance_at(folder)
+    assert list(seen.problems) == [2]
+    assert "missing between" in seen.problems[2]
+    assert glance_at(folder_of(tmp_path / "whole", 4, ".obj")).problems == {}
+
+
+def test_a_glance_reads_no_more_than_the_beginnings(tmp_path: Path) -> None:
+    """Half a gigabyte that announces as much, in a child that may use 64 MB."""
+    folder = folder_of(tmp_path / "scan", 3, ".ply")
+    large = sorted(folder.iterdir())[1]
+    content = ply().replace(b"element vertex 8", b"element vertex 999999")
+    with large.open("wb") as file:
+        file.write(content)
+        file.truncate(500 * 2**20)
+    with MeshSequence.open(folder, MeshReader(memory_bytes=64 * 2**20)) as meshes:
+        assert meshes.glance().problems == {}
+        assert "memory" in sentence_of(meshes, 1)
+
+
+def test_a_glance_takes_no_longer_than_it_may_and_says_how_far_it_came(tmp_path: Path) -> None:
+    folder = folder_of(tmp_path / "scan", 6, ".ply")
+    sorted(folder.iterdir())[5].write_bytes(b"")
+    with MeshSequence.open(folder) as meshes:
+        assert meshes.glance(seconds=-1.0).looked_at == 0
+        asked = iter([False, False, False, True])
+        seen = meshes.glance(60.0, stop=lambda: next(asked))
+        assert (seen.looked_at, seen.problems) == (3, {})
+
+
+def test_a_glance_at_one_animated_file_has_nothing_to_look_at(tmp_path: Path) -> None:
+    path = tmp_path / "wave.glb"
+    path.write_bytes(standing_box())
+    assert glance_at(path).problems == {}
+
+
+@pytest.mark.parametrize(
+    ("steps", "words"),
+    [
+        ([], ""),
+        ([4], "Why 4."),
+        ([7, 12], "Steps 7 and 12 cannot be used: Why 7."),
+        ([3, 7, 8, 9, 12], "Steps 3, 7–9 and 12 cannot be used: Why 3."),
+        (range(0, 40, 2), "Steps 0, 2, 4, 6, 8, 10, 12, 14 and 12 more cannot be used: Why 0."),
+    ],
+)
+def test_steps_that_cannot_be_used_are_named_in_a_sentence(steps: list[int], words: str) -> None:
+    assert unusable_words({step: f"Why {step}." for step in steps}) == words

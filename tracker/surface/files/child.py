@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, BinaryIO, Final
 
 from tracker.surface.files.animated import AnimatedScene, read_resting
+from tracker.surface.files.parsing.beginning import demand_good_beginning
 from tracker.surface.files.parsing.obj import read_obj
 from tracker.surface.files.parsing.off import read_off
 from tracker.surface.files.parsing.opening import opened
@@ -68,6 +69,10 @@ class Desk:
                 with opened(Path(path)) as file:
                     mesh = READERS[str(question["kind"])](file)
                 _send(answers, tidied(mesh))
+            case "beginning":
+                with opened(Path(path)) as file:
+                    demand_good_beginning(file, str(question["kind"]))
+                answer(answers, {})
             case "steps":
                 scene = self._scene(path)
                 answer(answers, {"steps": scene.frame_count, "animated": scene.animated})

@@ -52,6 +52,10 @@ class MeshReader:
         question = {"wanted": "mesh", "path": str(path), "kind": path.suffix.lower()}
         return _mesh(self._asked(question)[1])
 
+    def glance(self, path: Path) -> None:
+        """Refused where already the beginning of a file tells that it cannot be used."""
+        self._asked({"wanted": "beginning", "path": str(path), "kind": path.suffix.lower()})
+
     def steps(self, path: Path) -> tuple[int, bool]:
         """How many steps a GLB file has, and whether it is animated."""
         facts, _ = self._asked({"wanted": "steps", "path": str(path)})

@@ -10,7 +10,10 @@ used keeps its number, and asking for it raises one sentence.
 from __future__ import annotations
 
 import threading
+import time
+from collections.abc import Callable, Mapping
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from statistics import median_low
 from typing import Final, Self
@@ -26,8 +29,22 @@ from tracker.surface.mesh import SurfaceMesh
 
 OTHER_SIZE: Final = 5.0
 """A step so many times larger or smaller than the first ones is not the same thing."""
+GLANCE_S: Final = 0.5
+"""So long files are only glanced at."""
 _FIRST_STEPS: Final = 3
 _LOOKED_AT_MOST: Final = 10
+
+
+@dataclass(frozen=True)
+class Glance:
+    """What is known without reading all meshes.
+
+    problems:  of each step that cannot be used a sentence; others may turn out so when read.
+    looked_at: so many steps, from the first on, were looked at.
+    """
+
+    problems: Mapping[int, str]
+    looked_at: int
 
 
 class MeshSequence:
@@ -93,6 +110,24 @@ class MeshSequence:
         self._demand_usual_size(frame)
         return mesh
 
+    def glance(self, seconds: float = GLANCE_S, stop: Callable[[], bool] = lambda: False) -> Glance:
+        """Look at the beginnings of the files, for so long at most.
+
+        What is found is only told: a step may be asked for all the same, should its file have been
+        exported anew meanwhile.
+        """
+        problems = dict(self.missing)
+        end = time.monotonic() + seconds
+        for frame in range(self.frame_count):
+            if stop() or time.monotonic() > end:
+                return Glance(problems, frame)
+            try:
+                if frame not in problems:
+                    self._source.glance(self._reader, frame)
+            except Refused as refusal:
+                problems[frame] = self._sentence(frame, str(refusal))
+        return Glance(problems, self.frame_count)
+
     def fingerprint(self) -> str:
         """ "sha256:…" of the files' names, sizes, heads and tails: quick, and equal for copies."""
         return self._source.fingerprint()
@@ -116,8 +151,11 @@ class MeshSequence:
         return mesh
 
     def _unusable(self, frame: int, why: str) -> SurfaceError:
-        self.missing[frame] = f'Step {frame} ("{self._source.name(frame)}") {why}'
+        self.missing[frame] = self._sentence(frame, why)
         return SurfaceError(self.missing[frame])
+
+    def _sentence(self, frame: int, why: str) -> str:
+        return f'Step {frame} ("{self._source.name(frame)}") {why}'
 
     def _demand_usual_size(self, frame: int) -> None:
         """One of the first ones that is odd itself does not decide: their median does."""

@@ -38,6 +38,9 @@ class Source(Protocol):
     def read(self, reader: MeshReader, frame: int) -> SurfaceMesh:
         """The mesh of a step that has a file. Raises Refused."""
 
+    def glance(self, reader: MeshReader, frame: int) -> None:
+        """Refused where the beginning of a step's file tells that it cannot be used."""
+
     def fingerprint(self) -> str:
         """ "sha256:…", equal for copies."""
 
@@ -64,6 +67,11 @@ class FolderSource:
         file = self._files[frame]
         assert file is not None, "a missing step is refused before"
         return reader.mesh(file)
+
+    def glance(self, reader: MeshReader, frame: int) -> None:
+        file = self._files[frame]
+        assert file is not None, "a missing step is not looked at"
+        reader.glance(file)
 
     def fingerprint(self) -> str:
         digest = hashlib.sha256()
@@ -94,6 +102,9 @@ class GlbSource:
 
     def read(self, reader: MeshReader, frame: int) -> SurfaceMesh:
         return reader.step(self._path, frame)
+
+    def glance(self, reader: MeshReader, frame: int) -> None:
+        """All steps are in one file, which was looked at when it was opened."""
 
     def fingerprint(self) -> str:
         # Not of its name: a renamed file is the same.

@@ -7,6 +7,7 @@ may name (textures, buffers beside it, addresses) are never opened.
 from __future__ import annotations
 
 import json
+import os
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -50,12 +51,7 @@ class Glb:
     @classmethod
     def read(cls, file: BinaryIO) -> Glb:
         """Refused where it is no GLB file of version 2, or is cut short."""
-        head = file.read(12)
-        if head[:4] != b"glTF" or len(head) < 12:
-            raise Refused("does not begin as a GLB file does: export it again.")
-        version, length = struct.unpack("<II", head[4:])
-        if version != 2:
-            raise Refused(f"is a GLB file of version {version}: export it as version 2.")
+        length = _demand_head(file)
         document = json.loads(_chunk(file, _JSON, _LONGEST_DOCUMENT) or b"null")
         block = _chunk(file, _BINARY, length)
         if not isinstance(document, dict):
@@ -127,15 +123,52 @@ class Glb:
         return np.ndarray(shape, kind, self.block, start + offset, strides)
 
 
+def demand_whole(file: BinaryIO) -> None:
+    """Refused where the file is no GLB file of version 2, or ends before what it announces."""
+    whole = _demand_head(file)
+    for wanted, longest in ((_JSON, _LONGEST_DOCUMENT), (_BINARY, whole)):
+        head = file.read(8)
+        length = _length(head, wanted, longest) if head else 0
+        if length > _left(file):
+            raise _cut_short()
+        file.seek(length, os.SEEK_CUR)
+
+
+def _cut_short() -> Refused:
+    return Refused("is cut short: export it again.")
+
+
+def _demand_head(file: BinaryIO) -> int:
+    """How long the file says it is."""
+    head = file.read(12)
+    if head[:4] != b"glTF" or len(head) < 12:
+        raise Refused("does not begin as a GLB file does: export it again.")
+    version, length = struct.unpack("<II", head[4:])
+    if version != 2:
+        raise Refused(f"is a GLB file of version {version}: export it as version 2.")
+    return int(length)
+
+
+def _left(file: BinaryIO) -> int:
+    """Bytes that are not read yet."""
+    return os.fstat(file.fileno()).st_size - file.tell()
+
+
+def _length(head: bytes, wanted: int, longest: int) -> int:
+    """Of the chunk with this head (8 bytes)."""
+    length, kind = struct.unpack("<II", head) if len(head) == 8 else (0, 0)
+    if kind != wanted or length > longest:
+        raise damaged()
+    return int(length)
+
+
 def _chunk(file: BinaryIO, wanted: int, longest: int) -> bytes:
     """The content of the next chunk; nothing where there is none. Refused where it is cut short."""
     head = file.read(8)
     if not head:
         return b""
-    length, kind = struct.unpack("<II", head) if len(head) == 8 else (0, 0)
-    if kind != wanted or length > longest:
-        raise damaged()
+    length = _length(head, wanted, longest)
     content = file.read(length)
     if len(content) < length:
-        raise Refused("is cut short: export it again.")
+        raise _cut_short()
     return content

@@ -17,7 +17,7 @@ _BEGINNING: Final = 64 * 1024
 
 def read_off(file: BinaryIO) -> RawMesh:
     """The mesh of an open OFF file. Refused where it is none, cut short or too large."""
-    _counts(_lines(file.read(_BEGINNING)))
+    demand_header(file)
     file.seek(0)
     lines = _lines(file.read())
     vertex_count, face_count, rest = _counts(lines)
@@ -36,6 +36,11 @@ def read_off(file: BinaryIO) -> RawMesh:
         raise Refused("has a face with an impossible corner: export it again.")
     counts = values[starts + 1].astype(np.int64)
     return RawMesh(vertices, fan(runs(values, starts + 2, counts), counts, vertex_count))
+
+
+def demand_header(file: BinaryIO) -> None:
+    """Refused where the file does not begin as such a file does, or announces too much."""
+    _counts(_lines(file.read(_BEGINNING)))
 
 
 def _lines(content: bytes) -> list[bytes]:
