@@ -1,15 +1,18 @@
 // The pictures of the film: fetched and decoded ahead, shown when they are whole.
 
 import { S, U, put, watch } from '../state.js';
-import { send } from '../link.js';
+import { listen, send } from '../link.js';
 
 const AHEAD = 24;
 const MOST_BYTES = 400e6;
 const MOST_LOADS = 6;
 /** While playing, a picture waits this long for the server's word that the body stands there too. */
 const PATIENCE_MS = 80;
+/** A last picture that did not come is asked for again so often. */
+const AGAIN_MS = 500;
 
 const decoded = new Map();
+const refused = new Set();
 const loading = new Map();
 const queue = [];
 let screen = null;
@@ -19,19 +22,30 @@ let version = '';
 let wanted = -1;
 let shown = -1;
 let play = null;
+/** Where playing left the playhead, {frame, n}: older words of the server come after it. */
+let left = null;
 
 /** Draw into this canvas; `onSize(width, height)` when the pictures have another size. */
 export function mountFrames(canvas, onSize) {
   screen = canvas.getContext('2d', { alpha: false });
   changed = onSize;
   watch(['file', 'camera'], newFilm);
-  watch(['view'], () => S.view && (play ? followServer() : showFrame(S.view.frame)));
+  watch(['view'], () => S.view && (play ? followServer() : showTold()));
+  listen('state', () => left && S.ack >= left.n && showTold());
+  watch(['u:connected'], () => (left = null));
   watch(['u:playing'], () => (U.playing ? startPlaying() : stopPlaying()));
 }
 
 /** The frame whose picture is on the screen, −1 before the first. */
 export function shownFrame() {
   return shown;
+}
+
+/** What the server says counts once it has heard where playing ended. */
+function showTold() {
+  if (left && S.ack < left.n && S.view.frame !== left.frame) return;
+  if (left && S.ack >= left.n) left = null;
+  if (S.view) showFrame(S.view.frame);
 }
 
 /** Show this frame as soon as its picture is there; a later wish replaces it. */
@@ -54,6 +68,7 @@ function newFilm() {
   for (const abort of loading.values()) abort.abort();
   decoded.clear();
   loading.clear();
+  refused.clear();
   queue.length = 0;
   shown = -1;
   if (now && S.view) showFrame(S.view.frame);
@@ -114,7 +129,10 @@ async function load(frame) {
   try {
     const url = `/frame/${frame}.jpg?v=${encodeURIComponent(S.camera.image_version)}`;
     const answer = await fetch(url, { signal: abort.signal });
-    if (!answer.ok) return void (frame === wanted && blank());
+    if (!answer.ok) {
+      refused.add(frame);
+      return void (frame === wanted && blank());
+    }
     const bitmap = await createImageBitmap(await answer.blob());
     if (wished !== version) return void bitmap.close();
     decoded.set(frame, bitmap);
@@ -145,16 +163,17 @@ function startPlaying() {
   if (!S.file || !S.view) return;
   const last = S.file.frames - 1;
   const first = S.view.frame >= last ? 0 : S.view.frame;
-  play = { first, began: performance.now(), sent: -1, sentAt: 0 };
+  play = { first, began: performance.now(), sent: -1, sentAt: 0, drawn: -1, due: -1, askedAt: 0 };
   loadAround(first);
   requestAnimationFrame(tick);
 }
 
 function stopPlaying() {
   if (!play) return;
-  const { sent } = play;
+  const { sent, n } = play;
   play = null;
-  if (shown >= 0 && sent !== shown) send({ do: 'go', frame: shown });
+  if (shown < 0) return;
+  left = { frame: shown, n: sent === shown ? n : send({ do: 'go', frame: shown }) };
 }
 
 function tick(now) {
@@ -165,24 +184,33 @@ function tick(now) {
   if (frame !== null && frame !== play.sent) {
     play.sent = frame;
     play.sentAt = now;
-    send({ do: 'go', frame });
+    play.n = send({ do: 'go', frame });
   }
-  if (play.sent > shown && now - play.sentAt > PATIENCE_MS && decoded.has(play.sent)) {
-    draw(play.sent);
-  }
-  if (due !== play.loaded) {
-    play.loaded = due;
-    wanted = -1;
-    if (due <= last) loadAround(due);
-  }
-  if (due > last && shown >= last) put('playing', false);
+  if (now - play.sentAt > PATIENCE_MS) drawOnward(play.sent);
+  if (due !== play.due || due > last) fetchDue(Math.min(due, last), now);
+  play.due = due;
+  if (due > last && (play.drawn >= last || refused.has(last))) put('playing', false);
   else requestAnimationFrame(tick);
+}
+
+/** Have what is due and what follows it; a picture that did not come is asked for again. */
+function fetchDue(due, now) {
+  if (play.due >= due && now - play.askedAt < AGAIN_MS) return;
+  play.askedAt = now;
+  wanted = -1;
+  loadAround(due);
 }
 
 /** The server moved the body: its picture now comes with it. */
 function followServer() {
-  const { frame } = S.view;
-  if (frame <= play.sent && decoded.has(frame)) draw(frame);
+  if (S.view.frame <= play.sent) drawOnward(S.view.frame);
+}
+
+/** Time does not run backward, though the server's word on an earlier frame may come late. */
+function drawOnward(frame) {
+  if (frame <= play.drawn || !decoded.has(frame)) return;
+  play.drawn = frame;
+  draw(frame);
 }
 
 /** The newest picture that is there and not later than due; none when it was shown already. */

@@ -1,0 +1,90 @@
+"""Playing the film: it goes forward only, and ends where it should, however late the server is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from tests.app.serving import Keypose, Visitor
+from tests.browser.hands import section, until, until_told
+from tests.browser.shared import let_in, opened, served
+
+LATE = """
+const usual = Object.getOwnPropertyDescriptor(WebSocket.prototype, 'onmessage');
+Object.defineProperty(WebSocket.prototype, 'onmessage', {
+  ...usual,
+  set(heard) {
+    usual.set.call(this, (event) => setTimeout(() => heard(event), 300));
+  },
+});
+"""
+"""Whatever the server says is heard a third of a second later, in its order."""
+
+RECORD = """
+() => {
+  const canvas = document.querySelector('#main canvas.vid');
+  window.seen = [];
+  new MutationObserver(() => window.seen.push(Number(canvas.dataset.frame)))
+    .observe(canvas, { attributeFilter: ['data-frame'] });
+}
+"""
+
+
+@pytest.fixture(scope="module")
+def keypose(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Keypose]:
+    with served(tmp_path_factory.mktemp("playing")) as (running, _):
+        yield running
+
+
+def _played(page: Page) -> list[int]:
+    """The pictures that were seen from here to the end."""
+    page.evaluate(RECORD)
+    page.keyboard.press("Space")
+    until(lambda: page.evaluate("() => window.keypose.U.playing"), "playing")
+    until(lambda: not page.evaluate("() => window.keypose.U.playing"), "the end")
+    return list(page.evaluate("() => window.seen"))
+
+
+def _go(keypose: Keypose, page: Page, frame: int) -> None:
+    """Begin at a frame, with its picture."""
+    visitor = Visitor(keypose)
+    visitor.do(do="go", frame=frame)
+    visitor.leave()
+    until_told(page, "view.frame", lambda now: now == frame)
+    page.wait_for_selector(f"#main canvas.vid[data-frame='{frame}']")
+
+
+@pytest.mark.parametrize("late", [False, True])
+def test_pictures_go_forward_only_and_end_with_the_last(
+    browser: Browser, keypose: Keypose, late: bool
+) -> None:
+    with let_in(browser, drawn=False) as context:
+        if late:
+            context.add_init_script(LATE)
+        page = opened(context, keypose)
+        last = section(page, "file.frames") - 1
+        _go(keypose, page, last - 20)
+        seen = _played(page)
+        assert seen == sorted(seen)
+        assert seen[-1] == last
+        until_told(page, "view.frame", lambda frame: frame == last)
+        page.wait_for_timeout(700)  # whatever is still on its way has come by then
+        assert section(page, "view.frame") == last
+        again = _played(page)  # from the end it begins anew
+        assert again == sorted(again)
+        assert again[-1] == last
+
+
+def test_playing_ends_though_the_last_picture_cannot_be_had(
+    browser: Browser, keypose: Keypose
+) -> None:
+    visitor = Visitor(keypose)
+    last = visitor.seen["file"]["frames"] - 1
+    visitor.do(do="go", frame=last - 10)  # else the page opens with the last one
+    visitor.leave()
+    with let_in(browser, drawn=False) as context:
+        context.route(f"**/frame/{last}.jpg*", lambda route: route.fulfill(status=404))
+        page = opened(context, keypose)
+        assert _played(page)[-1] < last
