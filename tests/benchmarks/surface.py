@@ -35,7 +35,7 @@ from tracker.surface.fit.segment import SurfaceTracker
 from tracker.surface.fit.solving import fit_pose
 from tracker.surface.mesh import SurfaceMesh
 
-PAPER = Options(mutual=False, floor=False, stiff=0.0)
+PAPER = Options(mutual=False, floor=False, stiff=0.0, trust=False, swell=False)
 VARIANTS: Mapping[str, Options] = {
     "ICP": replace(PAPER, contact=False, photo=False),
     "ρ_c": replace(PAPER, photo=False),

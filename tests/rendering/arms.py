@@ -23,6 +23,7 @@ from tracker.surface.mesh import SurfaceMesh
 
 HullKind: TypeAlias = Literal["visual", "photo", "ideal"]
 
+MADE_BY = ("arms", "arm_bodies", "arm_motions", "ring", "shade", "texture")
 VOXEL_M = 0.01
 THROUGH_M = 0.02
 """A place is seen through by a view in which the thing lies farther away by this."""
@@ -46,7 +47,7 @@ def arms_scene(
     kind: Kind, cameras: int, seed: int = 0, hull: HullKind = "visual", voxel_m: float = VOXEL_M
 ) -> ArmsScene:
     """`make_scene`, or as it was kept of a run before: making one takes up to a minute."""
-    key = digest(*_made_by(), repr((kind, cameras, seed, hull, voxel_m)).encode())
+    key = digest(*made_by(*MADE_BY), repr((kind, cameras, seed, hull, voxel_m)).encode())
     place = place_for(f"arms-{kind}-{cameras}-{seed}-{hull}-{1000 * voxel_m:g}mm", key, ".npz")
     if not place.is_file():
         keep_meshes(place, make_scene(kind, cameras, seed, hull, voxel_m).steps)
@@ -97,9 +98,8 @@ def observed(
     return replace(mesh, consistency=consistency(mesh, views, pictures))
 
 
-def _made_by() -> list[Path]:
-    """The files whose text decides what a scene looks like."""
-    rendering = ("arms", "arm_bodies", "arm_motions", "ring", "shade", "texture")
+def made_by(*rendering: str) -> list[Path]:
+    """The files whose text decides what a scene looks like; rendering: those of this folder."""
     surface = ("carve", "hull", "nets", "photo")
     kernels = ("carving", "patches", "sweeping", "raster")
     return [

@@ -9,9 +9,10 @@ import pytest
 from scipy.spatial import cKDTree
 
 from sample_videos.make_arms import FOLDER, MOST_BYTES
+from tests.rendering import arms, walker
 from tests.rendering.arm_bodies import Kind, arm_mesh, arms_body
 from tests.rendering.arm_motions import P_CENTRE, STEPS, arm_poses
-from tests.rendering.arms import observed, shots_of
+from tests.rendering.arms import made_by, observed, shots_of
 from tests.rendering.ring import ring_of
 from tracker.geometry import Array
 from tracker.pose import Pose, pose_transforms
@@ -107,3 +108,8 @@ def test_the_samples_cameras_look_at_its_arms() -> None:
     assert len(views) == 15
     for view in views:
         assert np.abs(view.project(p_arms) - (320, 240)).max() < 140
+
+
+def test_all_files_that_decide_what_kept_scenes_look_like_are_there() -> None:
+    for names in (arms.MADE_BY, walker.MADE_BY):
+        assert [file for file in made_by(*names) if not file.is_file()] == []

@@ -9,13 +9,12 @@ noise1cm   every vertex moved at random, 1 cm standard deviation.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Literal, TypeAlias
 
 import numpy as np
 
-from tests.benchmarks.keeping import ROOT, digest, place_for
-from tests.rendering.arms import HullKind, observed
+from tests.benchmarks.keeping import digest, place_for
+from tests.rendering.arms import HullKind, made_by, observed
 from tests.rendering.kept_meshes import keep_meshes, kept_meshes
 from tests.rendering.ring import Skin, ring_of
 from tests.rendering.walker_body import Human, body_and_poses
@@ -28,6 +27,7 @@ from tracker.surface.mesh import SurfaceMesh
 
 WalkKind: TypeAlias = Literal["plain", "contact", "missing20", "noise1cm"]
 
+MADE_BY = ("arms", "walker", "walker_body", "winding", "ring", "shade", "texture")
 UNION_VOXEL_M = 0.008
 HULL_VOXEL_M = 0.01
 REACH_M = 3.1
@@ -76,7 +76,7 @@ def _steps(
     if cameras is None and kind != "contact":
         plain = [SurfaceMesh(p, human.faces) for p in human.vertices]
         return [_spoilt(mesh, kind, seed, i) for i, mesh in enumerate(plain)]
-    key = digest(*_made_by(), repr((kind, cameras, seed, hull)).encode())
+    key = digest(*made_by(*MADE_BY), repr((kind, cameras, seed, hull)).encode())
     place = place_for(f"walker-{kind}-{cameras}-{seed}-{hull}", key, ".npz")
     if not place.is_file():
         steps = (
@@ -156,15 +156,3 @@ def _with_holes(mesh: SurfaceMesh, share: float, rng: np.random.Generator) -> Su
     used, faces = np.unique(mesh.faces[kept], return_inverse=True)
     agreed = None if mesh.consistency is None else mesh.consistency[used]
     return SurfaceMesh(mesh.vertices[used], faces.reshape(-1, 3), agreed)
-
-
-def _made_by() -> list[Path]:
-    """The files whose text decides what the meshes look like."""
-    rendering = ("arms", "walker", "walker_body", "winding", "ring", "shade", "texture")
-    surface = ("carve", "hull", "nets", "photo")
-    kernels = ("carving", "patches", "sweeping", "raster")
-    return [
-        *(ROOT / "tests" / "rendering" / f"{name}.py" for name in rendering),
-        *(ROOT / "tracker" / "surface" / f"{name}.py" for name in surface),
-        *(ROOT / "tracker" / "kernels" / f"{name}.py" for name in kernels),
-    ]

@@ -73,23 +73,26 @@ def distance_to_others(points, normals, part, apart, grid, reach, distance):
 
 
 @compiled
-def pull(p_each, shares, groups, model, target, normals, weights, plane, A, b):
+def pull(p_each, shares, groups, model, target, normals, weights, n_model, plane, A, b):
     """The normal equations of pairs, summed over the points that the same parts carry.
 
     Pair i draws model point model[i] to target (N, 3): along normals (N, 3) where `plane` is 1,
     in all three directions where it is 0, between where it is between. A row of its Jacobian is
-    (n, p × n) for each of the two parts, times a twist [velocity at the origin, turn].
-    Fills A (G, 12, 12) and b (G, 12) for the G groups; returns the weighted sum of squares.
+    that of a swelling, the model's point moved along its own normal (n_model, (V, 3)) by a sum of
+    the squares and √2 times the products of that normal's coordinates (xx, yy, zz, xy, yz, zx),
+    and then (n, p × n) for each of the two parts, times a twist [velocity at the origin, turn].
+    Fills A (G, 18, 18) and b (G, 18) for the G groups; returns the weighted sum of squares.
     """
     A[:] = 0.0
     b[:] = 0.0
-    row, n = np.empty(12), np.empty(3)
+    row, n = np.empty(18), np.empty(3)
     total = 0.0
     for i in range(len(model)):
         if weights[i] <= 0:
             continue
         v = model[i]
         g = groups[v]
+        x, y, z = n_model[v]
         for axis in range(4):
             w = weights[i] * (plane if axis == 3 else 1.0 - plane)
             if w == 0.0:
@@ -100,21 +103,25 @@ def pull(p_each, shares, groups, model, target, normals, weights, plane, A, b):
             for k in range(3):
                 p = shares[v, 0] * p_each[v, 0, k] + shares[v, 1] * p_each[v, 1, k]
                 r += n[k] * (p - target[i, k])
-            used = 12 if shares[v, 1] > 0 else 6
-            for j in range(used // 6):
-                s, p = shares[v, j], p_each[v, j]
+            out = n[0] * x + n[1] * y + n[2] * z
+            twice = np.sqrt(2.0) * out
+            row[0], row[1], row[2] = out * x * x, out * y * y, out * z * z
+            row[3], row[4], row[5] = twice * x * y, twice * y * z, twice * z * x
+            used = 18 if shares[v, 1] > 0 else 12
+            for j in range(used // 6 - 1):
+                s, p, at = shares[v, j], p_each[v, j], 6 * j + 6
                 for k in range(3):
-                    row[6 * j + k] = s * n[k]
-                row[6 * j + 3] = s * (p[1] * n[2] - p[2] * n[1])
-                row[6 * j + 4] = s * (p[2] * n[0] - p[0] * n[2])
-                row[6 * j + 5] = s * (p[0] * n[1] - p[1] * n[0])
+                    row[at + k] = s * n[k]
+                row[at + 3] = s * (p[1] * n[2] - p[2] * n[1])
+                row[at + 4] = s * (p[2] * n[0] - p[0] * n[2])
+                row[at + 5] = s * (p[0] * n[1] - p[1] * n[0])
             for j in range(used):
                 b[g, j] += w * row[j] * r
                 for k in range(j + 1):
                     A[g, j, k] += w * row[j] * row[k]
             total += w * r * r
     for g in range(len(A)):
-        for j in range(12):
+        for j in range(18):
             for k in range(j):
                 A[g, k, j] = A[g, j, k]
     return total

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from tests.tracker.surface.surfaces import BOXES, ROUND, bent, joints, surface_of, two_bars
-from tracker.geometry import exp_rotation, log_rotation
+from tracker.geometry import Array, exp_rotation, log_rotation
 from tracker.kernels.surface import pull
 from tracker.pose import Pose, moved, pose_transforms
-from tracker.shapes import Box
+from tracker.shapes import Box, Frustum
 from tracker.skeleton import Skeleton
 from tracker.surface.fit.certainty import UNSEEN
 from tracker.surface.fit.fit_here import lay_body
@@ -22,10 +22,16 @@ from tracker.surface.fit.model import SurfaceModel
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.pairing import Observed, pairs_of
 from tracker.surface.fit.solving import _jacobians, fit_pose
+from tracker.surface.fit.swelling import normal_equations
+from tracker.surface.fit.trusting import Record
 from tracker.surface.fit.weights import in_agreement
 from tracker.surface.mesh import SurfaceMesh
 
 BODY = two_bars()
+TAPERING = (
+    Frustum(start_m=-0.05, end_m=0.5, start_radii_m=(0.04, 0.03), end_radii_m=(0.1, 0.08)),
+    Frustum(start_m=0.03, end_m=0.45, start_radii_m=(0.03, 0.02), end_radii_m=(0.08, 0.06)),
+)
 START = bent(BODY, 0.4, (0.2, 0.3, -0.1))
 OPTIONS = Options(points=1200)
 MODEL = SurfaceModel.of(surface_of(BODY, START), BODY, START, OPTIONS.points)
@@ -45,24 +51,28 @@ def _error_m(found: Pose, truth: Pose) -> float:
 
 
 @pytest.mark.parametrize("plane", [0.0, 1.0])
-@pytest.mark.parametrize("smooth", [False, True])
-def test_the_slope_of_the_energy_is_that_of_finite_differences(plane: float, smooth: bool) -> None:
+@pytest.mark.parametrize(("smooth", "swell"), [(False, False), (True, False), (True, True)])
+def test_the_slope_of_the_energy_is_that_of_finite_differences(
+    plane: float, smooth: bool, swell: bool
+) -> None:
     model = SurfaceModel.of(surface_of(BODY, START), BODY, START, 300, smooth)
     pose = _disturbed(START, 0.1, 0.03)
     observed = Observed.of(surface_of(BODY, START), replace(OPTIONS, points=300))
     Ts = pose_transforms(model.skeleton, pose)
     pairs = pairs_of(model, model.posed(Ts), observed, OPTIONS)
-    A, b = np.empty((len(model.pairs), 12, 12)), np.empty((len(model.pairs), 12))
+    A, b = np.empty((len(model.pairs), 18, 18)), np.empty((len(model.pairs), 18))
+    n_model = model.posed(Ts).normals
 
     def energy(at: Pose) -> float:
         each = model.posed(pose_transforms(model.skeleton, at)).p_each
-        return pull(
+        total = pull(
             each, model.shares, model.groups, pairs.model, pairs.target, pairs.normals,
-            pairs.weights, plane, A, b,
+            pairs.weights, n_model, plane, A, b,
         )  # fmt: skip
+        return normal_equations(A, b, _jacobians(model, Ts), total, swell).energy
 
-    energy(pose)
-    slope = np.einsum("gid,gi->d", _jacobians(model, Ts), b)
+    total = energy(pose)
+    slope = normal_equations(A, b, _jacobians(model, Ts), total, swell).slope
     steps = 1e-6 * np.eye(model.skeleton.dof_count)
     numeric = [
         (energy(moved(model.skeleton, pose, s)) - energy(moved(model.skeleton, pose, -s))) / 4e-6
@@ -96,6 +106,26 @@ def test_a_pose_that_does_not_lower_the_energy_is_rejected() -> None:
     ]
     assert all(later <= before for before, later in pairwise(energies))
     assert energies[-1] < 0.5 * energies[0]
+
+
+def _thickened(mesh: SurfaceMesh, by_m: float, end: Array) -> SurfaceMesh:
+    """By as much everywhere; on what lies near an end, the cameras do not agree."""
+    unsure = np.linalg.norm(mesh.vertices - end, axis=1) < 0.15
+    vertices = mesh.vertices + by_m * mesh.normals
+    return replace(mesh, vertices=vertices, consistency=np.where(unsure, -1.0, 0.9))
+
+
+def test_a_body_does_not_slide_along_its_tapering_limbs_where_the_surface_is_thicker() -> None:
+    body = two_bars(TAPERING)
+    mesh, truth = surface_of(body, START), joints(body, START)
+    model = SurfaceModel.of(mesh, body, START, OPTIONS.points)
+    observed = Observed.of(_thickened(mesh, 0.006, truth[-1]), OPTIONS)
+    errors = {}
+    for swell in (False, True):
+        found = fit_pose(model, observed, START, replace(OPTIONS, swell=swell)).pose
+        errors[swell] = np.linalg.norm(joints(body, found) - truth, axis=1).max()
+    assert errors[True] < 0.001
+    assert errors[False] > 0.003
 
 
 def test_the_turn_of_a_round_limb_about_its_length_is_reported_and_stays() -> None:
@@ -141,6 +171,20 @@ def test_a_volume_that_the_cameras_do_not_agree_on_draws_nothing() -> None:
         errors[photo] = _error_m(found.pose, START)
     assert errors[True] < 0.003
     assert errors[False] > 3 * errors[True]
+
+
+def test_what_of_the_first_surface_the_steps_do_not_bear_out_counts_less() -> None:
+    model = SurfaceModel.of(_with_phantom(surface_of(BODY, START)), BODY, START, OPTIONS.points)
+    mesh = surface_of(BODY, START)
+    still = replace(OPTIONS, mutual=False, solves=0)
+    fit = fit_pose(model, Observed.of(mesh, OPTIONS), START, still)
+    record = Record.of(model)
+    for _ in range(5):
+        record = record.after(model, fit)
+    trust = record.trusted(model).trust
+    far = np.sqrt(fit.pairs.square[: fit.pairs.forward])
+    assert trust[far < 0.01].mean() > 0.95
+    assert np.median(trust[(far > 0.03) & (record.steps > 0)]) < 0.2
 
 
 def test_what_is_explained_by_another_place_draws_nothing_even_without_pictures() -> None:

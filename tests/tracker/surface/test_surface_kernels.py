@@ -67,6 +67,11 @@ def _carried(seed: int):
     return p_each, np.stack([first, 1 - first], axis=1), np.arange(40) % 2
 
 
+def _products(n):
+    """The products of coordinates whose sums of squares are the same however n is turned."""
+    return np.concatenate([n * n, np.sqrt(2.0) * n * np.roll(n, -1)])
+
+
 @pytest.mark.parametrize("plane", [0.0, 0.7, 1.0])
 def test_the_pull_is_the_sum_over_pairs_of_rows_and_residuals(plane: float) -> None:
     p_each, shares, groups = _carried(4)
@@ -74,18 +79,18 @@ def test_the_pull_is_the_sum_over_pairs_of_rows_and_residuals(plane: float) -> N
     model = rng.integers(0, 40, size=90)
     target, normals = rng.normal(size=(2, 90, 3))
     weights = rng.uniform(size=90)
-    A, b = np.empty((2, 12, 12)), np.empty((2, 12))
-    total = pull(p_each, shares, groups, model, target, normals, weights, plane, A, b)
+    n_model = rng.normal(size=(40, 3))
+    A, b = np.empty((2, 18, 18)), np.empty((2, 18))
+    total = pull(p_each, shares, groups, model, target, normals, weights, n_model, plane, A, b)
     A_plain, b_plain, total_plain = np.zeros_like(A), np.zeros_like(b), 0.0
     for v, q, n, w in zip(model, target, normals, weights, strict=True):
         axes = [(n, plane), *((axis, 1 - plane) for axis in np.eye(3))]
         for axis, share in axes:
-            row = np.concatenate(
-                [
-                    s * np.r_[axis, np.cross(p, axis)]
-                    for s, p in zip(shares[v], p_each[v], strict=True)
-                ]
-            )
+            twists = [
+                s * np.r_[axis, np.cross(p, axis)]
+                for s, p in zip(shares[v], p_each[v], strict=True)
+            ]
+            row = np.concatenate([axis @ n_model[v] * _products(n_model[v]), *twists])
             r = axis @ (shares[v] @ p_each[v] - q)
             A_plain[groups[v]] += w * share * np.outer(row, row)
             b_plain[groups[v]] += w * share * row * r

@@ -13,6 +13,7 @@ from tracker.surface.fit.model import SurfaceModel
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.pairing import Observed
 from tracker.surface.fit.solving import Fit, fit_pose
+from tracker.surface.fit.trusting import Record
 from tracker.surface.steps import Steps
 
 TROUBLE = 0.05
@@ -25,17 +26,20 @@ class Link:
 
     step:    None where the surface of the step could not be used; the pose is then the one before.
     problem: why, in a sentence.
+    record:  what the chain knows of the body's surface when it goes on from here; only its last
+             link needs to keep it.
     """
 
     frame: int
     pose: Pose
     step: StepFit | None
     problem: str = ""
+    record: Record | None = None
 
 
 def keyed(model: SurfaceModel, steps: Steps, frame: int, pose: Pose, options: Options) -> Link:
     """A keyframe as it was posed, measured but not moved: where a chain begins."""
-    still = replace(options, solves=0)
+    still = replace(options, solves=0, trust=False)
     return next(follow(model, steps, [Link(frame, pose, None)], [frame], still))
 
 
@@ -54,15 +58,18 @@ def follow(
     usable = [link.pose for k, link in enumerate(before) if k == 0 or link.step is not None]
     pose = usable[-1]
     ahead = _gone_on(*usable[-2:]) if len(usable) > 1 else None
+    record = before[-1].record or Record.of(model)
     for frame in frames:
         try:
             observed = Observed.of(steps.mesh(frame), options)
         except SurfaceError as error:
-            yield Link(frame, pose, None, str(error))
+            yield Link(frame, pose, None, str(error), record)
             continue
-        fit, step = _fitted(model, observed, pose, ahead, options)
+        trusted = record.trusted(model)
+        fit, step = _fitted(trusted, observed, pose, ahead, options)
         pose, ahead = fit.pose, _gone_on(pose, fit.pose)
-        yield Link(frame, pose, step)
+        record = record.after(trusted, fit) if options.trust else record
+        yield Link(frame, pose, step, "", record)
 
 
 def _fitted(

@@ -27,8 +27,9 @@ _NOT_YET = (
     " Much of the surface is still far from the body: set height and sizes in Body, pull the limbs "
     "nearer, and fit again."
 )
-OPTIONS = Options(contact=False, solves=60)
-"""Solids overlap where a surface is in one piece: what is near another part tells as much."""
+OPTIONS = Options(contact=False, swell=False, solves=60)
+"""Solids overlap where a surface is in one piece: what is near another part tells as much. Since
+nothing is left out so, a difference in thickness pushes evenly."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -62,7 +62,7 @@ def misfit(model: SurfaceModel, observed: Observed, pairs: Pairs) -> float:
 def measure(model: SurfaceModel, observed: Observed, fit: Fit) -> StepFit:
     """Read off a step's outcome."""
     pairs = fit.pairs
-    turns = turns_seen(model, _counting(pairs))
+    turns = turns_seen(model, counting(model, pairs))
     information = np.linalg.eigvalsh(fit.information)[::-1]
     far = FAR_SHARE * model.size_m
     off = pairs.square > far * far
@@ -92,12 +92,15 @@ def _counts(model: SurfaceModel, pairs: Pairs) -> Array:
     """Of each part's own points the share that counts as much as any."""
     own, count = model.own, model.skeleton.part_count
     points = np.maximum(np.bincount(own, minlength=count), 1)
-    return np.asarray(np.bincount(own, _counting(pairs), count) / points)
+    return np.asarray(np.bincount(own, counting(model, pairs), count) / points)
 
 
-def _counting(pairs: Pairs) -> Array:
-    """(V,) how much each of the model's points counts, 1 for those that count most."""
-    weights = pairs.weights[: pairs.forward]
+def counting(model: SurfaceModel, pairs: Pairs) -> Array:
+    """(V,) how much each of the model's points counts at a step, 1 for those that count most.
+
+    How far it was trusted before is not asked.
+    """
+    weights = pairs.weights[: pairs.forward] / model.trust
     return np.asarray(weights / max(weights.max(initial=0.0), 1e-12))
 
 

@@ -6,7 +6,7 @@ point of the mesh goes with the nearest part.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +47,7 @@ class SurfaceModel:
     size_m:    diagonal of the box around the surface.
     spacing_m: between neighbouring points, about.
     limits:    of the joints, wide enough for what was posed.
+    trust:     (V,) how much each point counts beside the others, above 0 to 1.
     """
 
     skeleton: Skeleton
@@ -60,6 +61,7 @@ class SurfaceModel:
     size_m: float
     spacing_m: float
     limits: Limits
+    trust: Array
 
     @classmethod
     def of(
@@ -114,12 +116,17 @@ class SurfaceModel:
             size_m,
             samples.spacing_m,
             Limits.of(skeleton.body).widened([pose.Rs_parent_part]),
+            frozen(np.ones(len(parts))),
         )
 
     @property
     def own(self) -> NDArray[np.int64]:
         """(V,) the part that carries most of each point."""
         return np.ascontiguousarray(self.parts[:, 0])
+
+    def trusting(self, trust: Array) -> SurfaceModel:
+        """The same with its points counting by trust (V,)."""
+        return replace(self, trust=frozen(trust))
 
     def posed(self, Ts_camera_part: Array) -> PosedSurface:
         """The surface with its parts at Ts_camera_part (P, 4, 4)."""

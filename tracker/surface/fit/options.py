@@ -20,6 +20,8 @@ class Options:
     mutual: a point counts less whose nearest has a nearer one of its own.
     floor, stiff: whether small parts keep a least weight, and what the surface does not show stays
         as it was.
+    trust: a point of the body's surface counts less where the steps before did not bear it out.
+    swell: along normals the observed surface may stand out from the body's, by direction.
     """
 
     contact: bool = True
@@ -32,6 +34,8 @@ class Options:
     mutual: bool = True
     floor: bool = True
     stiff: float = 1.0
+    trust: bool = True
+    swell: bool = True
 
     def at(self, quality: Quality) -> Options:
         """With less work for a quick look."""

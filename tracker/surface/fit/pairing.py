@@ -73,8 +73,9 @@ def pairs_of(
     reach = REACH_SHARE * model.size_m
     to_seen, far_there = _nearest(posed, seen, observed.grid, reach, options)
     to_model, far_back = _nearest(seen, posed, grid, reach, options)
-    there = clear * observed.believed[to_seen] * (to_seen >= 0)
-    back = clear[to_model] * observed.believed * (to_model >= 0)
+    own = clear * model.trust
+    there = own * observed.believed[to_seen] * (to_seen >= 0)
+    back = own[to_model] * observed.believed * (to_model >= 0)
     if options.mutual:
         near = (SPURIOUS_SHARE * model.size_m) ** 2
         there = there * _mutual(far_there, far_back[to_seen], near)

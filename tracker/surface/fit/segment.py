@@ -129,6 +129,7 @@ class SurfaceTracker:
             range(at + 1, last + 1) if chain[0].frame == first else range(at - 1, first - 1, -1)
         )
         for link in follow(self.model, self._steps, chain, onward, self._options):
+            chain[-1] = replace(chain[-1], record=None)
             chain.append(link)
             teller.tell(chain)
 

@@ -2,7 +2,8 @@
 
 Points are paired anew at every pose that is tried, and a pose that does not lower the energy is
 rejected. What the surface does not show, such as the turn of a round limb about its own length,
-stays as it was: a weak pull to the pose the step began from holds it.
+stays as it was: a weak pull to the pose the step began from holds it. How far the observed surface
+stands out from the body's is found beside the pose.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from tracker.surface.fit.certainty import turns_seen
 from tracker.surface.fit.model import PosedSurface, SurfaceModel
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.pairing import Observed, Pairs, pairs_of
+from tracker.surface.fit.swelling import SWELLINGS, normal_equations
 
 STIFFNESS = 3e-6
 """Of the weak pull, per radian² and per (surface size)²: a step turns a part by a tenth of a radian
@@ -34,8 +36,9 @@ FIRST_DAMPING, HARDER, EASIER, HARDEST = 1e-3, 10.0, 0.2, 1e6
 class Fit:
     """The outcome of one step.
 
-    energy:      SURFACE (4) with the pull and the limits, metres².
-    information: (D, D) of the free degrees of freedom, without the pull; metres² per unit².
+    energy:      SURFACE (4) at the best swelling, with the pull and the limits, metres².
+    information: (D, D) of the free degrees of freedom beside any swelling, without the pull;
+                 metres² per unit².
     """
 
     pose: Pose
@@ -112,19 +115,18 @@ def _look(
     Ts = pose_transforms(model.skeleton, pose)
     posed = model.posed(Ts)
     pairs = pairs_of(model, posed, observed, options)
-    A, b = np.empty((len(model.pairs), 12, 12)), np.empty((len(model.pairs), 12))
+    size = SWELLINGS + 12
+    A, b = np.empty((len(model.pairs), size, size)), np.empty((len(model.pairs), size))
     energy = pull(
         posed.p_each, model.shares, model.groups, pairs.model, pairs.target, pairs.normals,
-        pairs.weights, float(options.plane), A, b,
+        pairs.weights, posed.normals, float(options.plane), A, b,
     )  # fmt: skip
-    J = _jacobians(model, Ts)
-    information = np.einsum("gid,gij,gje->de", J, A, J, optimize=True)
-    slope = np.einsum("gid,gi->d", J, b) + stiffness @ away
-    energy += float(away @ stiffness @ away)
+    swell = options.swell and options.plane == 1.0
+    seen = normal_equations(A, b, _jacobians(model, Ts), energy, swell)
     bounds = bounds_at(model, pose)
-    energy += bounds.energy
-    slope, information = slope + bounds.slope, information + bounds.information
-    return _Look(pose, away, energy, information, slope, pairs, posed)
+    energy = seen.energy + float(away @ stiffness @ away) + bounds.energy
+    slope = seen.slope + stiffness @ away + bounds.slope
+    return _Look(pose, away, energy, seen.information + bounds.information, slope, pairs, posed)
 
 
 def _jacobians(model: SurfaceModel, Ts_camera_part: Array) -> Array:
