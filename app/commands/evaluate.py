@@ -54,12 +54,8 @@ def _evaluation(session_path: Path, reference_path: Path) -> Evaluation:
     from tracker.evaluate import evaluate, evaluate_joints
     from tracker.formats.reference import load_reference
     from tracker.session.files import load_session
-    from tracker.session.tracks import (
-        load_trajectory,
-        open_ends,
-        outdated_words,
-        tracked_keyframes,
-    )
+    from tracker.session.outdated import open_ends, outdated_words, tracked_keyframes
+    from tracker.session.tracks import load_trajectory
     from tracker.skeleton import Skeleton
     from tracker.trajectory import Trajectory
 

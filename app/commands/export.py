@@ -65,7 +65,8 @@ def add(commands: Subcommands) -> None:
 def run(arguments: argparse.Namespace) -> int:
     from tracker.session.atomic import demand_absent, demand_folder, make_folder, write_file
     from tracker.session.files import load_session
-    from tracker.session.tracks import load_tracks, outdated_words
+    from tracker.session.outdated import outdated_words
+    from tracker.session.tracks import load_tracks
 
     session = load_session(arguments.session)
     tracks = load_tracks(session, arguments.session)

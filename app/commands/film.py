@@ -218,7 +218,7 @@ def _with_bar(pictures: Iterator[Picture], count: int) -> Iterator[Picture]:
 def _note(session: Session, poses: KnownPoses, film: Film) -> None:
     """What the film does not show."""
     from app.drawing.films import posed_frames
-    from tracker.session.tracks import outdated_words
+    from tracker.session.outdated import outdated_words
 
     if poses.tracks is not None:
         note(outdated_words(session, poses.tracks))

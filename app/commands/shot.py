@@ -118,7 +118,8 @@ def _wanted(session: Session, arguments: argparse.Namespace) -> Still:
 def _poses(session: Session, session_path: Path, frame: int, wanted: Still) -> KnownPoses:
     """With the pose to draw; SessionError when the frame is neither a keyframe nor tracked."""
     from app.drawing.poses import KnownPoses
-    from tracker.session.tracks import load_tracks, outdated_words
+    from tracker.session.outdated import outdated_words
+    from tracker.session.tracks import load_tracks
     from tracker.skeleton import Skeleton
 
     if frame >= session.video.frame_count:

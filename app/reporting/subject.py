@@ -11,8 +11,8 @@ import numpy as np
 from app.drawing.poses import KnownPoses
 from app.results import Results, SegmentTrack, Span, State, load_results
 from tracker.errors import SessionError
+from tracker.session.outdated import outdated_words
 from tracker.session.schema import Session
-from tracker.session.tracks import outdated_words
 from tracker.skeleton import Skeleton
 from tracker.video import VideoInfo
 

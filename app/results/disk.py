@@ -16,13 +16,8 @@ from app.results.track import RANK, SegmentTrack
 from tracker.geometry import Array
 from tracker.run import SegmentResult, TrackResult
 from tracker.session import SegmentSummary, Session
-from tracker.session.tracks import (
-    KEYFRAME_TOLERANCE,
-    Tracks,
-    load_tracks,
-    save_result,
-    setup_hash,
-)
+from tracker.session.outdated import KEYFRAME_TOLERANCE, setup_hash
+from tracker.session.tracks import Tracks, load_tracks, save_result
 from tracker.settings import Quality
 from tracker.skeleton import Skeleton
 from tracker.trajectory import Trajectory

@@ -23,7 +23,8 @@ from tests.tracker import session_cases as cases
 from tracker.errors import VideoError
 from tracker.session import Session
 from tracker.session.files import load_session, save_session
-from tracker.session.tracks import load_trajectory, outdated_words
+from tracker.session.outdated import outdated_words
+from tracker.session.tracks import load_trajectory
 
 
 def test_tracking_writes_beside_the_session(session_path: Path) -> None:

@@ -26,7 +26,8 @@ from tests.app.cli_cases import refused
 from tests.app.results_cases import told
 from tests.tracker import session_cases as cases
 from tracker.session.files import load_session, open_video_of, save_session
-from tracker.session.tracks import save_result, setup_hash
+from tracker.session.outdated import setup_hash
+from tracker.session.tracks import save_result
 from tracker.verdict import Verdict
 
 EVIL = "</title><script>alert(1)</script>\"'&<img src=x onerror=alert(2)>"

@@ -15,7 +15,7 @@ from tracker.session import Keyframe, SegmentSummary, Session
 from tracker.session import schema as saved
 from tracker.session.chronicle import Moment, base_record, mark_of
 from tracker.session.files import session_json
-from tracker.session.tracks import outdated_words, setup_hash
+from tracker.session.outdated import outdated_words, setup_hash
 from tracker.skeleton import Skeleton
 
 TWO = cases.session(keyframes=(1, 3))

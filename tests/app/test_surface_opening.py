@@ -24,7 +24,7 @@ from tracker.pose import pose_transforms
 from tracker.session.chronicle import Moment, base_record, edit_record
 from tracker.session.files import journal_path, load_session, open_video_of, save_session
 from tracker.session.journal import Journal
-from tracker.session.tracks import setup_hash
+from tracker.session.outdated import setup_hash
 from tracker.shapes import Box
 from tracker.sizing import height
 from tracker.surface.beginning import Reading

@@ -15,17 +15,13 @@ from tracker.errors import SessionError
 from tracker.session import IgnoreMask, Keyframe, Session
 from tracker.session.archive import archive_arrays, archive_bytes
 from tracker.session.files import load_session, save_session
-from tracker.session.tracks import (
-    Tracks,
-    load_tracks,
-    load_trajectory,
+from tracker.session.outdated import (
     outdated_keyframes,
     outdated_words,
-    save_result,
     setup_hash,
     tracked_keyframes,
-    tracks_name,
 )
+from tracker.session.tracks import Tracks, load_tracks, load_trajectory, save_result, tracks_name
 
 
 def saved(folder: Path) -> tuple[Session, Path]:

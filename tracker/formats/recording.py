@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 from tracker.camera import Camera
 from tracker.errors import FormatError
 from tracker.geometry import Array, frozen
+from tracker.session.outdated import open_ends
 from tracker.session.schema import Session
-from tracker.session.tracks import Tracks, open_ends
+from tracker.session.tracks import Tracks
 from tracker.skeleton import Skeleton
 from tracker.trajectory import Trajectory
 

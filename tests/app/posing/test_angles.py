@@ -24,7 +24,7 @@ from app.posing.limits import box_of, is_within, nearest_within, of_angles
 from tests.app.posing.posing_cases import ARMS, PERSON, bent, difference, standing, walking
 from tracker.body import PRESETS, preset
 from tracker.geometry import exp_rotation, log_rotation, rotation_from_euler
-from tracker.session.tracks import setup_hash
+from tracker.session.outdated import setup_hash
 from tracker.skeleton import Skeleton
 
 SKELETON = Skeleton.of(PERSON)
