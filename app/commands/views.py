@@ -75,11 +75,6 @@ def demand_tint(session: Session, tint: str) -> None:
             f"No surface moves with the body yet, so nothing is known of {tint}: set a keyframe "
             "first."
         )
-    if tint == "photo" and session.surface is not None and session.surface.cameras is None:
-        raise FormatError(
-            "No cameras are known, so nothing tells what of the surface they agree on: name their "
-            "file with `keypose fit --cameras FILE`."
-        )
 
 
 def video_if_there(session: Session, session_path: Path, otherwise: str) -> Any:

@@ -61,6 +61,11 @@ class SurfaceSights:
             return None
         if self._tint == "photo":
             mesh = steps.mesh(frame)
+            if mesh.consistency is None:
+                raise SurfaceError(
+                    f"Nothing tells how well cameras agree on the surface of frame {frame}: name "
+                    "their file with `keypose fit --cameras FILE`, or choose another colouring."
+                )
         return Sight(mesh, colours_of(mesh, self._tint, pose, self._model_where_needed()))
 
     def picture(self, frame: int, pose: Pose | None) -> Picture | None:

@@ -28,6 +28,7 @@ from tracker.session.outdated import setup_hash
 from tracker.shapes import Box
 from tracker.sizing import height
 from tracker.surface.beginning import Reading
+from tracker.surface.files import sequence
 from tracker.surface.files.ply import ply_bytes
 from tracker.surface.files.sequence import Glance, MeshSequence
 from tracker.surface.mesh import SurfaceMesh
@@ -66,8 +67,9 @@ def box(
 
 
 def test_info_names_all_meshes_whose_files_tell_that_they_cannot_be_used(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(sequence, "GLANCE_S", 60.0)
     folder = cases.meshes(tmp_path / "scan")
     files = sorted(folder.iterdir())
     files[2].write_bytes(b"")

@@ -396,7 +396,7 @@ def test_many_missing_steps_are_told_at_once() -> None:
 
 def glance_at(folder: Path) -> Glance:
     with MeshSequence.open(folder) as meshes:
-        return meshes.glance()
+        return meshes.glance(60.0)
 
 
 def good(suffix: str) -> bytes:
@@ -432,7 +432,7 @@ def test_a_glance_tells_which_steps_cannot_be_used_in_the_words_of_reading_them(
         content = bad[step // 2] if step % 2 else good(suffix)
         (folder / f"box_{step:02}{suffix}").write_bytes(content)
     with MeshSequence.open(folder) as meshes:
-        seen = meshes.glance()
+        seen = meshes.glance(60.0)
         assert list(seen.problems) == list(range(1, 2 * len(bad), 2))
         assert seen.looked_at == 2 * len(bad)
         assert meshes.missing == {}  # so that they can still be asked for
@@ -451,7 +451,7 @@ def test_a_glance_finds_nothing_wrong_in_files_whose_faces_differ(
     for number, faces in enumerate(kinds):
         (folder / f"box_{number}.ply").write_bytes(ply(faces=faces, form=form))
     with MeshSequence.open(folder) as meshes:
-        assert meshes.glance().problems == {}
+        assert meshes.glance(60.0).problems == {}
         assert all(len(meshes.mesh(frame).faces) for frame in range(len(kinds)))
 
 
@@ -474,7 +474,7 @@ def test_a_glance_reads_no_more_than_the_beginnings(tmp_path: Path) -> None:
         file.write(content)
         file.truncate(500 * 2**20)
     with MeshSequence.open(folder, MeshReader(memory_bytes=64 * 2**20)) as meshes:
-        assert meshes.glance().problems == {}
+        assert meshes.glance(60.0).problems == {}
         assert "memory" in sentence_of(meshes, 1)
 
 

@@ -110,14 +110,16 @@ class MeshSequence:
         self._demand_usual_size(frame)
         return mesh
 
-    def glance(self, seconds: float = GLANCE_S, stop: Callable[[], bool] = lambda: False) -> Glance:
-        """Look at the beginnings of the files, for so long at most.
+    def glance(
+        self, seconds: float | None = None, stop: Callable[[], bool] = lambda: False
+    ) -> Glance:
+        """Look at the beginnings of the files, for so long at most; GLANCE_S when left out.
 
         What is found is only told: a step may be asked for all the same, should its file have been
         exported anew meanwhile.
         """
         problems = dict(self.missing)
-        end = time.monotonic() + seconds
+        end = time.monotonic() + (GLANCE_S if seconds is None else seconds)
         for frame in range(self.frame_count):
             if stop() or time.monotonic() > end:
                 return Glance(problems, frame)
