@@ -12,7 +12,7 @@ import numpy as np
 
 from app.drawing.palette import SIDE_COLOURS, part_sides
 from app.editor.state import EditorState
-from app.results import SegmentTrack
+from app.results import SegmentTrack, Span
 from tracker.errors import FormatError
 from tracker.formats.bvh import bvh
 from tracker.formats.c3d import c3d
@@ -90,7 +90,11 @@ def motion_archive(format_name: MotionFormat, edit: EditorState) -> File:
 def saved_motion(session: Session, tracks: Tracks, times_s: Array) -> Recording:
     """The motion that a session's results refer to; times_s are those of all the video's frames."""
     segments = session.results.segments if session.results else ()
-    stretches = [Stretch(s.first_frame, s.last_frame, s.verdict, s.words) for s in segments]
+    stretches = [
+        Stretch(first, last, s.verdict, s.words)
+        for s in segments
+        for first, last in _reached(s.first_frame, s.last_frame, s.unreached)
+    ]
     return Recording.of(session, tracks, stretches, times_s)
 
 
@@ -99,8 +103,21 @@ def shown_motion(edit: EditorState) -> Recording:
     found = sorted((t for t in edit.fitting.values() if t.finished), key=lambda t: t.first)
     if not found:
         raise FormatError("There is no motion yet: pose two keyframes and track.")
-    stretches = [Stretch(t.first, t.last, t.kind, t.told) for t in found if t.kind]
+    stretches = [
+        Stretch(first, last, t.kind, t.told)
+        for t in found
+        if t.kind is not None
+        for first, last in _reached(t.first, t.last, t.unreached)
+    ]
     return Recording.of(edit.doc, _tracks(edit, found), stretches, edit.times_s)
+
+
+def _reached(first: int, last: int, unreached: Span | None) -> list[Span]:
+    """The stretches of a segment that are left without what was not reached."""
+    if unreached is None:
+        return [(first, last)]
+    both = [(first, unreached[0] - 1), (unreached[1] + 1, last)]
+    return [(a, b) for a, b in both if a < b]
 
 
 def _tracks(edit: EditorState, found: Sequence[SegmentTrack]) -> Tracks:
@@ -114,7 +131,9 @@ def _tracks(edit: EditorState, found: Sequence[SegmentTrack]) -> Tracks:
     for track in found:
         frames = slice(track.first - first, track.last - first + 1)
         steps = slice(frames.start, frames.stop - 1)
-        Rs[frames], ps[frames] = track.trajectory.Rs_parent_part, track.trajectory.ps_camera_root
+        there, path = track.tracked, track.trajectory
+        Rs[frames][there] = path.Rs_parent_part[there]
+        ps[frames][there] = path.ps_camera_root[there]
         rank[steps], singular[steps] = track.rank, track.singular_values
         observability[steps], residual[steps] = track.observability, track.residual
     names = edit.skeleton.body.names

@@ -39,6 +39,10 @@ Ending: TypeAlias = Literal["done", "cancelled", "failed"]
 FitEnded: TypeAlias = Callable[[Fitted | JobFailed], None]
 
 
+SECONDS_TO_LEAVE = 3.0
+"""A pass, or a step of time, takes less."""
+
+
 class Runner:
     """One job at a time. `tell` is called after each news; its flag: a segment is done.
 
@@ -134,6 +138,17 @@ class Runner:
     def cancel(self) -> None:
         """Stop within a pass; what is finished stays."""
         self._tracking.cancel()
+
+    async def leave(self) -> None:
+        """Stop what is being tracked, and wait a moment for what was done until then."""
+        is_at_work = self.job.state == "running" and self._progress is not None
+        if not is_at_work or self._fit_ended is not None:
+            return
+        self.cancel()
+        clock = asyncio.get_running_loop().time
+        end = clock() + SECONDS_TO_LEAVE
+        while self.job.state == "running" and clock() < end:
+            await asyncio.sleep(0.02)
 
     # --- what the worker says
 
@@ -237,7 +252,7 @@ class Runner:
         )
         kinds = [track.kind for track in found if track is not None]
         if state == "cancelled" and any(track is not None and track.missing for track in found):
-            return f"what was done is kept, and {self._verbs[2]} goes on from there"
+            return f"what was done is kept; {self._verbs[2]} goes on from there"
         if state == "cancelled":
             return "what was finished is kept" if any(kinds) else "no segment was finished"
         counts = ((kind, kinds.count(kind)) for kind in ("good", "check", "lost"))

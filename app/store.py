@@ -384,7 +384,8 @@ class Store:
         await self._let_go()
 
     async def _settle(self) -> None:
-        """Have everything written, as far as the disk takes it."""
+        """Have everything written, as far as the disk takes it, with what is tracked until now."""
+        await self._runner.leave()
         self._saver.again()
         while True:
             if self._outlook.edit is not None:

@@ -21,9 +21,10 @@ def surface_suggestion(keys: Sequence[int], spans: Sequence[Span], fitting: Fitt
     if not spans:
         return Suggestion(None, "One surface is all there is: nothing to fit.", "", "pose")
     done = [fitting[span] for span in spans if span in fitting and fitting[span].finished]
+    off = [track for track in done if track.finding is not None and track.finding.what == "off"]
     lost = [track for track in done if track.kind == "lost"]
-    if lost:
-        return _about(max(lost, key=_doubtful), keys)
+    if off or lost:
+        return _about(off[0] if off else max(lost, key=_doubtful), keys)
     stopped = [track for track in done if track.missing]
     if stopped:
         return _to_go_on(stopped[0])
@@ -43,7 +44,7 @@ def _to_go_on(stopped: SegmentTrack) -> Suggestion:
     finding = stopped.finding
     assert finding is not None
     where = frames_in_words(*(finding.frames or stopped.span))
-    return Suggestion(None, "Go on fitting.", f"{where} {finding.reason}", "track")
+    return Suggestion(None, "Fit next.", f"{where} {finding.reason}", "track")
 
 
 def _about(track: SegmentTrack, keys: Sequence[int]) -> Suggestion:
@@ -52,7 +53,8 @@ def _about(track: SegmentTrack, keys: Sequence[int]) -> Suggestion:
     assert finding is not None
     frame = middle if finding.go is None else finding.go
     where = "" if finding.frames is None else f" {frames_in_words(*finding.frames)}"
-    reason = f"{finding.reason}{where}" if finding.what != "near" else "The fit is lost there"
+    told = {"near": "The fit is lost there", "off": "The body lies off its surface there"}
+    reason = told.get(finding.what, f"{finding.reason}{where}")
     reason = reason[:1].upper() + reason[1:]
     if frame in keys:
         return Suggestion(frame, f"Look at key {frame} again.", reason, "look")

@@ -33,6 +33,8 @@ class SegmentResult:
     notes: what could not be done as wished, in sentences for a person.
     need: (N,) what a keyframe at each frame would mend, see tracker.need; None where not known.
     missing: steps of the work that were not done, because it was left; 0 where all is done.
+    unreached: the first and last frame that therefore have no pose of their own; the nearest one's
+        stands there.
     """
 
     trajectory: Trajectory
@@ -48,6 +50,7 @@ class SegmentResult:
     notes: tuple[str, ...] = ()
     need: Array | None = None
     missing: int = 0
+    unreached: tuple[int, int] | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,12 +7,14 @@ while the person's video is still being read.
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Sequence
 from pathlib import Path
 
 import numba
 import numpy as np
 
+from tracker import kernels
 from tracker.body import ALL_DOFS, Body, Part
 from tracker.camera import Camera
 from tracker.eye import Eye
@@ -35,7 +37,7 @@ _DONE, _HULLS_DONE = "warm", "warm-hulls"
 
 
 def is_warm() -> bool:
-    """Whether the loops have been compiled on this machine before."""
+    """Whether the loops, as their files lie here, have been compiled on this machine before."""
     return _mark(_DONE).exists()
 
 
@@ -130,4 +132,9 @@ def _match(picture: Picture) -> None:
 
 
 def _mark(name: str) -> Path:
-    return Path(numba.config.CACHE_DIR) / name  # type: ignore[attr-defined]
+    """A mark in the cache that holds for the loops as they lie here: numba compiles them anew
+    where their files lie elsewhere or were written again, even with the same text."""
+    files = sorted(Path(kernels.__file__).absolute().parent.glob("*.py"))
+    stamps = [(str(file), (facts := file.stat()).st_mtime_ns, facts.st_size) for file in files]
+    stamp = hashlib.sha256(repr(stamps).encode()).hexdigest()[:12]
+    return Path(numba.config.CACHE_DIR) / f"{name}-{stamp}"  # type: ignore[attr-defined]

@@ -10,7 +10,7 @@ from tracker.errors import SessionError
 from tracker.pose import Pose
 from tracker.run import SegmentTracker
 from tracker.session import Session
-from tracker.session.files import open_video_at
+from tracker.session.files import open_same_at, open_video_at
 from tracker.session.first_motion import of_session
 from tracker.session.tracking import demand_first_motion, fitter_of, steps_of
 from tracker.skeleton import Skeleton
@@ -83,12 +83,14 @@ class Bench:
         """The video at a path, opened again only when another file lies there now; or when the
         session has its surfaces read otherwise.
 
-        folder: of the session's file.
+        folder: of the session's file.  SessionError where there are now more or fewer surfaces
+        than the session has steps: every one after that would be another one's.
         """
         opened = (_identity(Path(path)), *_reading(session, Path(path), folder))
         if self._video is None or opened != self._opened:
             self.close()
-            self._video = open_video_at(session, Path(path), folder)
+            opens = open_video_at if session.surface is None else open_same_at
+            self._video = opens(session, Path(path), folder)
             self._opened = opened
         return self._video
 

@@ -22,11 +22,13 @@ class Progress:
     """Shares of a job's steps (a segment at one quality) that are done. Immutable.
 
     started_at, now: any clock in seconds, the same one throughout.
+    given: the share of the whole job that was there when it began: a fit may go on.
     """
 
     started_at: float
     weights: Mapping[Step, float]
     shares: Mapping[Step, float] = field(default_factory=dict)
+    given: float = 0.0
 
     @classmethod
     def of(cls, started: Started, now: float) -> Progress:
@@ -43,7 +45,11 @@ class Progress:
         if isinstance(report, PassFinished):
             # a segment may take more passes than expected, and is not done before it is judged
             share = min((report.number + 1) / (report.of + 1), 0.95)
-            return self._with((report.span, report.quality), share)
+            step = (report.span, report.quality)
+            after = self._with(step, share)
+            if report.unit == "pass" or step in self.shares:
+                return after
+            return replace(after, given=after.given + after.share - self.share)
         if isinstance(report, SegmentFinished):
             return self._with((report.track.span, report.track.quality), 1.0)
         return self
@@ -67,10 +73,10 @@ class Progress:
 
     def seconds_left(self, now: float) -> float | None:
         """As if the rest went as fast as what is done; None while that says little."""
-        elapsed, share = now - self.started_at, self.share
-        if share < TELLING_SHARE or elapsed < TELLING_SECONDS:
+        elapsed, done = now - self.started_at, self.share - self.given
+        if done < TELLING_SHARE or elapsed < TELLING_SECONDS:
             return None
-        return elapsed * (1.0 - share) / share
+        return elapsed * (1.0 - self.share) / done
 
     def _with(self, step: Step, share: float) -> Progress:
         reached = max(share, self.shares.get(step, 0.0))

@@ -89,7 +89,8 @@ def angle_charts(subject: Subject) -> Iterator[Html]:
     root = subject.session.body.parts[0]
     known = np.full((count, 3), np.nan)
     for (a, b), track in fitting.items():
-        known[a : b + 1] = track.trajectory.ps_camera_root
+        there = track.tracked
+        known[a : b + 1][there] = track.trajectory.ps_camera_root[there]
     places = dict(zip(AXES, ("right", "down", "away"), strict=True))
     yield from _multiple(
         subject, f"{part_label(root.name)}, metres", known, first, places, LEAST_MOTION_M, " m"

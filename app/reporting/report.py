@@ -20,7 +20,7 @@ from app.suggesting import suggestion
 from app.suggesting_surfaces import surface_suggestion
 from tracker.session.schema import Session
 from tracker.settings import Weights
-from tracker.video import Video
+from tracker.video import Video, VideoInfo
 
 __all__ = [
     "Html",
@@ -157,7 +157,7 @@ def _facts(subject: Subject) -> list[str]:
     else:
         rate = "about " if video.variable_rate else ""
         facts += [
-            f"{clip.frame_count} frames, {number_text(float(video.times_s[-1]), 2)} s",
+            f"{clip.frame_count} frames, {number_text(_duration_s(video), 2)} s",
             f"{rate}{number_text(video.fps, 2)} frames/s",
         ]
     facts.append(f"body {session.body.name.replace('_', ' ')}, {len(session.body.parts)} parts")
@@ -166,6 +166,11 @@ def _facts(subject: Subject) -> list[str]:
     elif session.results is not None:
         facts.append(f"method {session.results.method}, quality {session.results.quality}")
     return facts
+
+
+def _duration_s(video: VideoInfo) -> float:
+    """Until the last frame has been shown as long as the others, as the page says it."""
+    return float(video.times_s[-1]) + 1 / video.fps
 
 
 def _kind(session: Session) -> str:

@@ -20,14 +20,15 @@ def segments_table(subject: Subject) -> Html:
 
 
 def keyframes_table(subject: Subject) -> Html:
-    """Every keyframe with the interval to the next; below, frames, keyframes and mean interval."""
+    """Every keyframe with the interval to the next; below, the frames that the segments cover,
+    keyframes and mean interval."""
     head = ("Keyframe", "Frame", "Time, s", "To the next", "Seconds", "Segment after it")
     keys = subject.keys
     rows = [_keyframe_row(subject, i) for i in range(len(keys))]
     foot: list[Child] = []
     if len(keys) > 1:
-        covered = keys[-1] - keys[0] + 1
-        words = f"{covered} frames, {len(keys)} keyframes"
+        first, last = subject.ends
+        words = f"{last - first + 1} frames, {len(keys)} keyframes"
         mean = f"mean {number_text(subject.mean_interval, 1)}"
         seconds = subject.time_s(keys[-1]) - subject.time_s(keys[0])
         foot = [element("th", words, colspan=3, scope="row"), _number(mean),
@@ -94,18 +95,15 @@ def _scores(subject: Subject, span: Span) -> list[Child]:
 
 
 def _keyframe_row(subject: Subject, i: int) -> list[Child]:
-    keys = subject.keys
-    frame, time_s = keys[i], subject.time_s(keys[i])
-    cells = [_number(str(i + 1)), _number(str(frame)), _number(figure(time_s, 2))]
-    span = subject.after(frame)
-    if span is None:
-        return [*cells, _number(""), _number(""), element("td")]
-    return [
-        *cells,
-        _number(str(span[1] - span[0])),
-        _number(figure(subject.time_s(span[1]) - time_s, 2)),
-        element("td", verdict(subject.states[span], subject.words(span))),
-    ]
+    frame, time_s = subject.keys[i], subject.time_s(subject.keys[i])
+    steps = seconds = ""
+    if i + 1 < len(subject.keys):
+        next_ = subject.keys[i + 1]
+        steps, seconds = str(next_ - frame), figure(subject.time_s(next_) - time_s, 2)
+    span = subject.after(frame)  # of surfaces there is one after the last keyframe too
+    said = None if span is None else verdict(subject.states[span], subject.words(span))
+    numbers = (str(i + 1), str(frame), figure(time_s, 2), steps, seconds)
+    return [*map(_number, numbers), element("td", said)]
 
 
 def _number(words: str) -> Html:

@@ -41,7 +41,7 @@ def load_results(session: Session, session_path: Path) -> Results:
     for summary in session.results.segments:
         span = (summary.first_frame, summary.last_frame)
         frames = slice(span[0] - tracks.first_frame, span[1] - tracks.first_frame + 1)
-        path = _path(tracks, span, frames)
+        path = _path(tracks, span, frames, summary.unreached)
         if path is None:
             continue
         key = summary.key or _key(session, keys, path)
@@ -129,12 +129,19 @@ def _goes_through(session: Session, path: Trajectory) -> bool:
     return True
 
 
-def _path(tracks: Tracks, span: Span, frames: slice) -> Trajectory | None:
-    """The motion of a segment; None where the file does not hold all of it."""
+def _path(tracks: Tracks, span: Span, frames: slice, unreached: Span | None) -> Trajectory | None:
+    """The motion of a segment, the nearest pose where it was not reached; None where the file does
+    not hold all the rest."""
     count = span[1] - span[0] + 1
-    if frames.start < 0 or count < 2 or tracks.tracked[frames].sum() != count:
+    if frames.start < 0 or count < 2:
         return None
-    return Trajectory(span[0], tracks.Rs_parent_part[frames], tracks.ps_camera_root[frames])
+    there = np.flatnonzero(tracks.tracked[frames])
+    beyond = 0 if unreached is None else unreached[1] - unreached[0] + 1
+    if not len(there) or len(there) + beyond != count:
+        return None
+    nearest = there[np.maximum(np.searchsorted(there, np.arange(count), "right") - 1, 0)]
+    rows = frames.start + nearest
+    return Trajectory(span[0], tracks.Rs_parent_part[rows], tracks.ps_camera_root[rows])
 
 
 def _loaded(
@@ -148,7 +155,7 @@ def _loaded(
         summary.verdict, summary.words, tuple(_number(score) for score in summary.scores), (),
         summary.best_pass, _number(summary.closing_error), rank, tracks.singular_values[steps],
         tracks.observability[steps], tracks.residual[steps], _need(tracks, frames),
-        summary.notes, summary.missing,
+        summary.notes, summary.missing, summary.unreached,
     )  # fmt: skip
 
 
@@ -184,4 +191,5 @@ def _segment_result(track: SegmentTrack) -> SegmentResult:
         need=track.need,
         notes=track.notes,
         missing=track.missing,
+        unreached=track.unreached,
     )

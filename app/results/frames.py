@@ -22,7 +22,7 @@ Fitting: TypeAlias = Mapping[Span, SegmentTrack]
 def pose_at(fitting: Fitting, frame: int) -> Pose | None:
     """The tracked pose at a frame, None where there is none."""
     for (first, last), track in fitting.items():
-        if first <= frame <= last:
+        if first <= frame <= last and track.tracked[frame - first]:
             return track.trajectory.pose(frame)
     return None
 
@@ -41,7 +41,8 @@ def rotations(fitting: Fitting, frame_count: int, part: int) -> Array:
     """(F, 3, 3) a part's rotation in its parent's frame."""
     table = np.full((frame_count, 3, 3), np.nan)
     for (first, last), track in fitting.items():
-        table[first : last + 1] = track.trajectory.Rs_parent_part[:, part]
+        Rs = track.trajectory.Rs_parent_part[:, part]
+        table[first : last + 1] = np.where(track.tracked[:, None, None], Rs, np.nan)
     return table
 
 

@@ -33,6 +33,7 @@ class SegmentTrack:
     notes: what could not be done as wished, in sentences.
     need: (n + 1,) what a keyframe at each frame would mend, see tracker.need; None where not known.
     missing: steps of the work that were not done, because it was stopped; 0 where all is done.
+    unreached: the first and last frame that have no pose of their own then: see `tracked`.
     """
 
     first: int
@@ -53,6 +54,7 @@ class SegmentTrack:
     need: Array | None = None
     notes: tuple[str, ...] = ()
     missing: int = 0
+    unreached: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
         for name in ("singular_values", "observability", "residual"):
@@ -71,7 +73,7 @@ class SegmentTrack:
             path.first_frame, path.last_frame, key, quality, path, verdict.kind, verdict.words,
             result.scores, result.steps, result.best_pass, result.closing_error,
             result.rank, result.singular_values, result.observability, result.residual,
-            result.need, result.notes, result.missing,
+            result.need, result.notes, result.missing, result.unreached,
         )  # fmt: skip
 
     @classmethod
@@ -89,6 +91,14 @@ class SegmentTrack:
     def finished(self) -> bool:
         """Whether it can be used: judged, though perhaps stopped before all was done."""
         return self.kind is not None
+
+    @property
+    def tracked(self) -> NDArray[np.bool_]:
+        """(N,) True for the frames that have a pose of their own."""
+        there = np.ones(len(self.trajectory), dtype=np.bool_)
+        if self.unreached is not None:
+            there[self.unreached[0] - self.first : self.unreached[1] + 1 - self.first] = False
+        return there
 
     @property
     def span(self) -> tuple[int, int]:

@@ -8,13 +8,14 @@ from typing import Literal, TypeAlias
 
 Kind: TypeAlias = Literal["good", "check", "lost"]
 What: TypeAlias = Literal[
-    "good", "hidden", "uncertain", "diverged", "near", "nowhere", "contradiction", "other"
+    "good", "hidden", "uncertain", "diverged", "off", "near", "nowhere", "contradiction", "other"
 ]
 
 _CHECK = re.compile(r"check frames? (\d+)(?:–(\d+))?: (.+)")
 _NEAR = re.compile(r"lost: add a keyframe near (\d+)")
 _CONTRADICTION = re.compile(r"lost: the keyframes at (\d+) and (\d+) contradict each other")
 _NOWHERE = "lost: nothing of the body is seen"
+_OFF = "the body lies off the surface that moves with it"
 _REASONS: dict[str, What] = {"not seen": "hidden", "uncertain": "uncertain"}
 
 
@@ -62,6 +63,8 @@ class Finding:
             return f"Lost. Keys {first} and {last} contradict each other"
         if self.what == "nowhere":
             return "Lost. Nothing of the body is seen: check keys, camera and masks"
+        if self.what == "off" and self.frames is not None:
+            return f"Check: at key {self.frames[0]} the body lies off its surface"
         sentence = f"{self.kind.capitalize()}: {self.reason}"
         if self.frames is None or _is_all(self.frames, first, last):
             return sentence
@@ -86,7 +89,8 @@ def _reason(text: str) -> tuple[What, str]:
     for ending, what in _REASONS.items():
         if text.endswith(f" {ending}"):
             return what, text.removesuffix(f" {ending}")
-    return ("diverged" if text == "a pass diverged" else "other"), ""
+    named: dict[str, What] = {"a pass diverged": "diverged", _OFF: "off"}
+    return named.get(text, "other"), ""
 
 
 def _is_all(frames: tuple[int, int], first: int, last: int) -> bool:

@@ -42,6 +42,8 @@ def _segment(outlook: Outlook, span: Span, state: State, track: SegmentTrack | N
         "scores": [],
         "best": None,
         "notes": [],
+        "unfinished": track is not None and track.missing > 0,
+        "unreached": None if track is None or track.unreached is None else list(track.unreached),
     }
     if track is not None and track.finished:
         value |= {

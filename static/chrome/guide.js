@@ -1,5 +1,6 @@
-// The guide to a first pose: a card that ticks its six steps off as they are done in any way, and
-// gives way to the handles, to what is dragged and to what is told of it.
+// The guide to a first pose: a card that ticks its steps off as they are done in any way, and
+// gives way to the handles, to what is dragged and to what is told of it. Once the pose is a
+// keyframe it is at its end, whichever step was shown.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../icons.js';
@@ -12,13 +13,14 @@ import { isUnderHand } from '../handles/underhand.js';
 import { drawMarks } from './guide_marks.js';
 import { carry, cornerFor, covers, coversWords } from './guide_place.js';
 import { forgetPulled, mountPulled } from './guide_pulled.js';
-import { STEPS, ending, takeWaist } from './guide_steps.js';
+import { ending, isDone, isKept, steps, takeWaist } from './guide_steps.js';
 
 const KEY = 'keypose.guide';
 const PAUSE_MS = 900; // long enough to see the tick
 const SECTIONS = ['guide', 'file', 'pose', 'body', 'keys', 'suggest', 'segments', 'job'];
 
 let wasDone = false; // what was done before its step was shown does not move it on
+let wasKept = false; // nor does a pose that was kept before
 let offered = null; // the file the guide was offered for
 let timer = 0;
 let corner = null; // where the card stands
@@ -34,8 +36,8 @@ export function openGuide() {
 /** The guide at the first step that is not done yet; at its end when all are. */
 function offerGuide() {
   isPutAside = false;
-  const first = STEPS.findIndex(({ name }) => !S.guide.done[name]);
-  show(first < 0 ? STEPS.length : first);
+  const first = steps().findIndex((step) => !isDone(step));
+  show(first < 0 ? steps().length : first);
 }
 
 /** Close the guide for good; tells whether it was open. */
@@ -59,7 +61,7 @@ export function mountGuide() {
   const draw = () => {
     render(isOpen() ? coach() : nothing, card);
     if (isOpen()) place(card.firstElementChild);
-    drawMarks(marks, isOpen() && !U.dragging ? STEPS[U.guideStep] : null);
+    drawMarks(marks, isOpen() && !U.dragging ? shown() : null);
   };
   mountPulled();
   watch(['guide', 'file', 'u:dragging'], notice);
@@ -69,16 +71,18 @@ export function mountGuide() {
   addEventListener('resize', () => requestAnimationFrame(draw));
 }
 
-function show(step) {
-  const { name, tool, rings } = STEPS[step] ?? {};
-  if (tool) put('tool', tool);
-  if (rings) takeWaist();
-  if (step !== U.guideStep) forgetPulled();
-  wasDone = Boolean(S.guide?.done[name]);
-  put('guideStep', step);
+function show(number) {
+  const step = steps()[number] ?? {};
+  if (step.tool) put('tool', step.tool);
+  if (step.rings) takeWaist();
+  if (number !== U.guideStep) forgetPulled();
+  wasDone = isDone(step);
+  wasKept = isKept();
+  put('guideStep', number);
 }
 
 const isOpen = () => Boolean(S.file) && Number.isInteger(U.guideStep);
+const shown = () => steps()[U.guideStep];
 
 function notice() {
   if (!S.file || !S.guide) return;
@@ -87,24 +91,28 @@ function notice() {
     else put('guideStep', null); // it was of the session before
   }
   offered = S.file.path;
-  const step = STEPS[U.guideStep];
+  const step = shown();
   if (!step) return;
-  if (!S.guide.done[step.name]) wasDone = false;
-  else if (!wasDone && !step.again && !U.dragging) soonOn(step);
+  if (!isDone(step)) wasDone = false;
+  if (!isKept()) wasKept = false;
+  if (U.dragging) return;
+  if (isKept() && !wasKept) soonOn(step, finish);
+  else if (isDone(step) && !wasDone && !step.again) soonOn(step);
 }
 
-/** On to the next step, once the tick was seen. */
-function soonOn(step) {
+/** On to the next step, or to the end, once the tick was seen. */
+function soonOn(step, go = advance) {
   clearTimeout(timer);
-  timer = setTimeout(() => STEPS[U.guideStep] === step && !U.dragging && advance(), PAUSE_MS);
+  timer = setTimeout(() => shown() === step && !U.dragging && go(), PAUSE_MS);
 }
 
 function advance() {
-  const done = S.guide?.done ?? {};
   let next = U.guideStep + 1;
-  while (next < STEPS.length && done[STEPS[next].name]) next += 1;
+  while (next < steps().length && isDone(steps()[next])) next += 1;
   show(next);
 }
+
+const finish = () => show(steps().length);
 
 function wasClosed() {
   try {
@@ -115,17 +123,17 @@ function wasClosed() {
 }
 
 function coach() {
-  const step = U.guideStep;
-  const { title, text, choices } = STEPS[step] ?? ending();
+  const step = shown();
+  const { title, text, choices } = step ?? ending();
   return html`<div class="coach" role="dialog" aria-label="First pose" @pointerdown=${lift}>
-    <div class="steps">${STEPS.map((each, i) => bar(each, i))}</div>
+    <div class="steps">${steps().map(bar)}</div>
     <h3>${title}</h3>
     <p>${text}</p>
     ${choices
-      ? html`<div class="choices">${choices.map((choice) => choiceButton(STEPS[step], choice))}</div>`
+      ? html`<div class="choices">${choices.map((choice) => choiceButton(step, choice))}</div>`
       : nothing}
     <div class="row foot">
-      ${step < STEPS.length ? stepFoot(step) : html`<span class="sp"></span>
+      ${step ? stepFoot(step) : html`<span class="sp"></span>
             <button class="btn sm" @click=${closeGuide}>Close guide</button>`}
     </div>
   </div>`;
@@ -140,29 +148,29 @@ function choiceButton(step, { label, title, act, ends }) {
 }
 
 function stepFoot(step) {
-  const isDone = Boolean(S.guide?.done?.[STEPS[step].name]);
-  return html`<span class="dim num">Step ${step + 1} of ${STEPS.length}</span><span class="sp"></span>
+  const done = isDone(step);
+  return html`<span class="dim num">Step ${U.guideStep + 1} of ${steps().length}</span><span class="sp"></span>
     <button class="btn ghost sm" title="Close for good   Esc" @click=${closeGuide}>
       Close guide
     </button>
     <button
-      class="btn sm ${isDone ? 'pri' : ''}"
-      title=${isDone ? 'On to the next step' : 'Leave it as it is'}
+      class="btn sm ${done ? 'pri' : ''}"
+      title=${done ? 'On to the next step' : 'Leave it as it is'}
       @click=${advance}
     >
       Next
     </button>`;
 }
 
-function bar({ name, word }, i) {
-  const isDone = Boolean(S.guide?.done?.[name]);
+function bar(step, i) {
+  const done = isDone(step);
   const kind = i === U.guideStep ? 'c' : '';
   return html`<button
-    class="${kind} ${isDone ? 'd' : ''}"
+    class="${kind} ${done ? 'd' : ''}"
     aria-current=${i === U.guideStep ? 'step' : nothing}
     @click=${() => show(i)}
   >
-    <i></i><span>${isDone ? icon('check') : nothing}${word}</span>
+    <i></i><span>${done ? icon('check') : nothing}${step.word}</span>
   </button>`;
 }
 
@@ -179,7 +187,7 @@ function lift(event) {
 function place(card) {
   fade(card);
   if (U.dragging) return;
-  const step = STEPS[U.guideStep];
+  const step = shown();
   if (isPutAside && !covers(card, step)) return;
   isPutAside = false;
   const { name, x, y } = cornerFor(card, step, corner);

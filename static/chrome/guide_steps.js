@@ -1,21 +1,21 @@
-// The six steps to a first pose, in the order the guide goes through them. A step takes its tool in
-// hand; any other way of doing it counts as well. `name` is the server's key.
+// The steps to a first pose, in the order the guide goes through them: six of a film, four of
+// observed surfaces. A step takes its tool in hand; any other way of doing it counts as well.
+// `name` is the server's key.
 
 import { send } from '../link.js';
 import { S, put } from '../state.js';
 import { fewestKeys, isSurface, words as subject } from '../subject.js';
 
-const SIZE_IN_PICTURE = `Hold D and drag the point between the arrows until head and feet match: up
+const SIZE = `Hold D and drag the point between the arrows until head and feet match: up
   makes the body smaller and farther. If you know the height, set it in the Body tab first.`;
-const SIZE_IN_SURFACE = `Set the height in the Body tab until head and feet match, then the thickness
-  of trunk and limbs. F lays the body into the surface: press it now, and again after the limbs.`;
 
 /**
  * takes: which handles are to be dragged, in which view. again: it is rarely done with one drag, so
  * the card waits for Next instead of moving on by itself. rings: it needs those of the waist.
  * choices: buttons on the card, [{label, title, act, ends}]; one that `ends` the step leads on.
+ * also: another of the server's keys that does it as well.
  */
-export const STEPS = [
+const IN_FILM = [
   {
     name: 'hips',
     tool: 'move',
@@ -32,9 +32,7 @@ export const STEPS = [
     takes: { view: 'main', kinds: ['root'] },
     word: 'Size',
     title: 'As large as the person',
-    get text() {
-      return isSurface() ? SIZE_IN_SURFACE : SIZE_IN_PICTURE;
-    },
+    text: SIZE,
   },
   {
     name: 'facing',
@@ -80,6 +78,56 @@ export const STEPS = [
     text: 'This frame becomes a keyframe: the motion will pass exactly through this pose.',
   },
 ];
+
+const IN_SURFACE = [
+  {
+    name: 'hips',
+    also: 'height',
+    tool: 'move',
+    again: true,
+    takes: { view: 'main', kinds: ['root'] },
+    word: 'Place',
+    title: 'Put the body into the surface',
+    text: `Drag the point between the four arrows, here and in another view, until the body stands in
+      the surface. The Body tab has its sizes.`,
+  },
+  {
+    name: 'facing',
+    tool: 'rotate',
+    again: true,
+    rings: true,
+    word: 'Turn',
+    title: 'Turn it like the surface',
+    text: 'Drag the rings until the body points the same way as the surface.',
+  },
+  {
+    name: 'limbs',
+    tool: 'ends',
+    again: true,
+    takes: { view: 'main', kinds: ['end', 'middle'] },
+    word: 'Limbs',
+    title: 'Pull the limbs near',
+    text: 'Drag the ringed points near to where they belong, in any view.',
+  },
+  {
+    name: 'key',
+    word: 'Key',
+    title: 'Press F, then K',
+    text: `F lays the body into the surface; where it is wrong, pull it and press F again. K makes it a
+      keyframe.`,
+  },
+];
+
+/** The steps of the guide for what the session is about. */
+export const steps = () => (isSurface() ? IN_SURFACE : IN_FILM);
+
+/** Whether this step has been done. */
+export function isDone({ name, also }) {
+  return Boolean(S.guide?.done[name] || S.guide?.done[also]);
+}
+
+/** Whether the pose has been kept: then there is nothing left to lead to. */
+export const isKept = () => Boolean(S.guide?.done.key);
 
 function faces(way, label, title = label) {
   return { label, title, act: () => send({ do: 'face', way }), ends: true };

@@ -91,7 +91,8 @@ const nothingChanged = () =>
   S.job?.state === 'running' ? `Being ${words().done}` : 'All segments are up to date';
 const tooFew = () => (S.keys?.frames.length ?? 0) < fewestKeys();
 const isDone = (s) => ['good', 'check', 'lost'].includes(s.state);
-const changed = () => (S.segments ?? []).filter((s) => s.state === 'outdated' || s.state === 'none');
+const isChanged = ({ state, unfinished }) => state === 'outdated' || state === 'none' || unfinished;
+const changed = () => (S.segments ?? []).filter(isChanged);
 const isFirst = () => !(S.segments ?? []).some((s) => isDone(s) || s.state === 'outdated' || s.percent);
 
 /** "39–50, 50–61", or how many there are when that would be long. */

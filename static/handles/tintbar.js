@@ -1,12 +1,12 @@
 // By what an observed surface is coloured, with its legend; and why there is none at this frame.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U } from '../state.js';
+import { S } from '../state.js';
 import { send } from '../link.js';
 import { icon } from '../icons.js';
 
 export function tintbar() {
-  if (!S.surface || U.layout === 'quad') return nothing;
+  if (!S.surface) return nothing;
   return html`<div class="glass" id="mtint" role="group" aria-label="Colours of the surface">
       <div class="seg">${S.surface.tints.map(choice)}</div>
       ${legend()}

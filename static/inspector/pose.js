@@ -8,6 +8,7 @@ import { words } from '../subject.js';
 import { button, iconButton } from '../fields.js';
 import { fitHereButton } from './fitting.js';
 import { section } from './section.js';
+import { reaches } from './seen.js';
 
 const TRACKED = new Set(['good', 'check', 'lost']);
 
@@ -54,7 +55,7 @@ function sides() {
 function untracked() {
   const here = S.view.frame;
   const result = (S.segments ?? []).some(
-    (one) => one.first <= here && here <= one.last && (TRACKED.has(one.state) || one.scores?.length),
+    (one) => reaches(one, here) && (TRACKED.has(one.state) || one.scores?.length),
   );
   return result ? '' : `Frame ${here} is not ${words().done} yet. ${words().verb} with T`;
 }

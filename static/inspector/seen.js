@@ -29,6 +29,12 @@ export function hiddenRuns(part) {
   return runs;
 }
 
+/** Whether a segment holds a frame, and its motion, stopped midway, has come so far. */
+export function reaches({ first, last, unreached }, frame) {
+  const isBeyond = unreached && unreached[0] <= frame && frame <= unreached[1];
+  return first <= frame && frame <= last && !isBeyond;
+}
+
 export function range([first, last]) {
   return first === last ? `${first}` : `${first}–${last}`;
 }
@@ -40,7 +46,7 @@ function lane(part) {
 function restWord(part) {
   if (part.tracked.length === 0 && !isSurface()) return 'Rides along, not tracked';
   const here = S.view.frame;
-  const known = (S.segments ?? []).some((one) => one.first <= here && here <= one.last && JUDGED.has(one.state));
+  const known = (S.segments ?? []).some((one) => reaches(one, here) && JUDGED.has(one.state));
   if (!known) return `Not ${words().done} yet`;
   return isSurface() ? 'Fitted, not judged' : 'Tracked, not judged in a preview';
 }

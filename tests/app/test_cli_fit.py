@@ -133,8 +133,16 @@ def test_ctrl_c_keeps_the_steps_that_are_done(
     told = capsys.readouterr()
     assert "check frames 3–4: not fitted yet" in told.out
     assert "Interrupted: 0 of 1 segments are finished, 1 more kept in part." in told.err
-    found = load_trajectory(load_session(session_path), session_path)
+    found = load_tracks(load_session(session_path), session_path)
+    assert found.runs(tracked=False) == "3 to 4"
     assert np.abs(found.ps_camera_root - cases.true_roots())[:3].max() < NEAR_M
+    out = session_path.parent / "motion"
+    exported = ["export", str(session_path), "--format", "bvh,csv", "--out", str(out)]
+    assert main(exported) == 0
+    with (out / "frames.csv").open(encoding="utf-8") as table:
+        rows = list(csv.DictReader(table))
+    assert [row["pose"] for row in rows][:3] == ["keyframe", "tracked", "tracked"]
+    assert "Frames: 3" in (out / "motion.bvh").read_text(encoding="utf-8")
     assert fit("--session", session_path) == 0
     assert load_session(session_path).results.segments[0].missing == 0  # type: ignore[union-attr]
 

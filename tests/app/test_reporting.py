@@ -22,6 +22,7 @@ from app.reporting.plots import MOST_COLUMNS, Scale, area, curve, nice_ticks, ru
 from app.reporting.report import report_html, segments_table, subject_of, thumbnail
 from app.reporting.tables import keyframes_table
 from app.suggesting import suggestion
+from tests.app import surface_cases
 from tests.app.cli_cases import refused
 from tests.app.results_cases import told
 from tests.tracker import session_cases as cases
@@ -371,3 +372,35 @@ def test_a_session_without_keyframes_has_no_sheet(
     cases.altered(session_path, lambda data: data.update(keyframes=[]))
     command: list[Any] = ["sheet", session_path, "--out", tmp_path / "a.png"]
     assert "has no keyframes to draw" in refused(capsys, tmp_path, command)
+
+
+# --- of surfaces
+
+
+def test_of_surfaces_the_keyframes_foot_counts_all_that_is_fitted(tmp_path: Path) -> None:
+    path = surface_cases.write_session(tmp_path / "arms", 5, (0, 2))
+    table = keyframes_table(subject_of(load_session(path), path))
+    assert read(table).text.endswith("5 frames, 2 keyframes mean 2.0 0.08")
+
+
+def test_after_the_last_keyframe_of_surfaces_there_is_a_segment_and_no_next_keyframe(
+    tmp_path: Path,
+) -> None:
+    path = surface_cases.write_session(tmp_path / "arms", 5, (0, 2))
+    table = keyframes_table(subject_of(load_session(path), path))
+    last = table.split("<tr>")[3].split("</tr>")[0]
+    cells = re.findall(r"<t[dh][^>]*>(.*?)</t[dh]>", last)
+    assert cells[:5] == ["2", "2", "0.08", "", ""]
+    assert "Not tracked" in cells[5]
+
+
+@pytest.mark.parametrize("of_surfaces", [False, True])
+def test_a_report_says_the_same_duration_as_the_page(
+    session_path: Path, tmp_path: Path, of_surfaces: bool
+) -> None:
+    """So many frames at a rate last that many divided by it: the last one is shown as well."""
+    path = surface_cases.write_session(tmp_path / "arms", 5) if of_surfaces else session_path
+    session = load_session(path)
+    with open_video_of(session, path) as video:
+        seconds = video.info.frame_count / video.info.fps
+    assert f"{video.info.frame_count} frames, {seconds:.2f} s" in read(report_of(path)).text

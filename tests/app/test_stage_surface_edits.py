@@ -280,10 +280,19 @@ def test_what_is_in_doubt_is_to_be_looked_at() -> None:
 
 def test_a_fit_that_was_stopped_goes_on_first() -> None:
     state = fitted(desk(), "check", "check frames 8–18: not fitted yet", missing=11)
-    assert suggested(state) == ("track", None, "Go on fitting. 8–18 not fitted yet")
+    assert suggested(state) == ("track", None, "Fit next. 8–18 not fitted yet")
     assert state.results.wanted(state.doc)
+    assert told(state, "segments")[0]["unfinished"]
     lost = fitted(desk(), "lost", "lost: add a keyframe near 3", missing=11)
     assert suggested(lost)[:2] == ("key", 3)
+
+
+def test_a_body_that_lies_off_its_surface_is_to_be_looked_at_before_anything_else() -> None:
+    words = "check frame 0: the body lies off the surface that moves with it"
+    state = fitted(desk(), "check", words, missing=11)
+    reason = "Look at key 0 again. The body lies off its surface there"
+    assert suggested(state) == ("look", 0, reason)
+    assert told(state, "segments")[0]["words"] == "Check: at key 0 the body lies off its surface"
 
 
 def test_what_is_good_needs_nothing() -> None:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from app import running, store
-from app.jobs import JobFinished, Report, SegmentFinished, Wanted
+from app.jobs import JobFinished, Report, SegmentFinished, Started, Wanted
 from app.library import Library
 from app.outlook import Saved
 from app.results import SegmentTrack
@@ -162,7 +162,7 @@ def test_what_a_stopped_fit_of_surfaces_has_done_is_kept_saved_and_gone_on_with(
         _Tracking.newest.report(SegmentFinished(1, _stopped(doc, *wanted[0])))
         _Tracking.newest.report(JobFinished(1, cancelled=True))
         assert desk.outlook.job.title == "Cancelled"
-        assert desk.outlook.job.words == "what was done is kept, and Fit goes on from there"
+        assert desk.outlook.job.words == "what was done is kept; Fit goes on from there"
         desk.receive(tab, {"do": "track", "what": "changed"})
         assert len(_Tracking.newest.orders) == 2
 
@@ -172,6 +172,31 @@ def test_what_a_stopped_fit_of_surfaces_has_done_is_kept_saved_and_gone_on_with(
     assert [(s.words, s.missing) for s in session.results.segments] == [
         ("check frames 3–4: not fitted yet", 2)
     ]
+
+
+def test_a_fit_that_is_under_way_when_the_server_ends_is_kept_as_far_as_it_came(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = surface_cases.write_session(tmp_path / "job")
+
+    def cancel(tracking: _Tracking) -> None:
+        if not tracking.orders:
+            return
+        doc, wanted = tracking.orders.pop()
+        tracking.report(SegmentFinished(1, _stopped(doc, *wanted[0])))
+        tracking.report(JobFinished(1, cancelled=True))
+
+    monkeypatch.setattr(_Tracking, "cancel", cancel)
+
+    async def work(desk: Store) -> None:
+        desk.receive(desk.join(), {"do": "track", "what": "changed"})
+        _, wanted = _Tracking.newest.orders[0]
+        _Tracking.newest.report(Started(1, tuple(wanted), ("full",)))
+
+    _with_store(path, work)
+    session = load_session(path)
+    assert session.results is not None
+    assert session.results.segments[0].missing == 2
 
 
 def test_segments_that_come_in_quickly_do_not_put_off_saving_for_ever(

@@ -29,6 +29,7 @@ from app.jobs.tracking import _needed
 from app.jobs.work import Job
 from app.rerun import keep
 from app.results import Results, SegmentTrack, load_results, save_results, segment_keys
+from app.results import pose_at as pose_of
 from tests.app import surface_cases as cases
 from tests.app.serving import Keypose, Visitor
 from tests.tracker import session_cases
@@ -36,11 +37,12 @@ from tracker.errors import SessionError
 from tracker.geometry import exp_rotation
 from tracker.pose import Pose
 from tracker.run import SegmentStarted, TrackFinished
-from tracker.session import Session
+from tracker.session import Keyframe, Session
 from tracker.session.files import load_session, open_video_of, save_session
 from tracker.session.tracking import track_session
 from tracker.session.tracks import load_trajectory
 from tracker.settings import Weights
+from tracker.skeleton import Skeleton
 from tracker.surface.fit import segment
 from tracker.surface.fit.fitter import SurfaceFitter, options_of
 from tracker.video import Video
@@ -164,6 +166,9 @@ def test_what_a_stopped_fit_has_done_comes_back_from_the_disk_and_yields_to_more
     loaded = load_results(session, path)
     (back,) = loaded.fitting(session).values()
     assert (back.missing, back.told) == (more.missing, more.told)
+    assert back.trajectory.ps_camera_root.tobytes() == more.trajectory.ps_camera_root.tobytes()
+    assert pose_of({(0, 4): back}, 3) is not None
+    assert pose_of({(0, 4): back}, 4) is None
     assert loaded.wanted(session)
     assert loaded.states(session) == {(0, 4): "check"}
     assert loaded.with_track(less) is loaded
@@ -209,6 +214,61 @@ def test_a_mesh_that_was_mended_in_its_place_is_read_anew(bench: Bench, path: Pa
     assert isinstance(fitted(bench, path, 2, pose_at(2)), JobFailed)
     file.write_bytes(whole)
     assert isinstance(fitted(bench, path, 2, pose_at(2)), PoseFitted)
+
+
+def test_a_mesh_less_in_the_folder_is_refused_for_every_step_would_be_another_one(
+    bench: Bench, path: Path
+) -> None:
+    session = load_session(path)
+    bench.video(session, str(path.parent / "meshes"), path.parent)
+    first, *_ = sorted((path.parent / "meshes").iterdir())
+    first.unlink()
+    report = done(bench, path, session)[-1]
+    assert isinstance(report, JobFailed)
+    assert "is not the one this session was made for (it has 4 frames instead of 5)" in report.words
+    with pytest.raises(SessionError) as refused, open_video_of(session, path):
+        pass
+    assert report.words == str(refused.value)
+
+
+def _moved_keyframe(session: Session, by_m: float) -> Session:
+    at = pose_at(0)
+    pose = Pose(at.Rs_parent_part, at.p_camera_root + np.array([by_m, 0.0, 0.0]))
+    keyframe = Keyframe.of(Skeleton.of(session.body), pose, 0, 0.0)
+    others = tuple(k for k in session.keyframes if k.frame)
+    return session.model_copy(update={"keyframes": (keyframe, *others)})
+
+
+@pytest.mark.parametrize(
+    "wrong", ["a pose beside the mesh", "meshes ten times too small", "meshes in millimetres"]
+)
+def test_a_body_that_does_not_lie_in_the_surface_that_moves_with_it_is_told_before_all_else(
+    bench: Bench, path: Path, wrong: str
+) -> None:
+    session = cases.session(keyframes=(0, 3))
+    if wrong == "a pose beside the mesh":
+        session = _moved_keyframe(session, 0.35)
+    else:
+        assert session.surface is not None
+        units = "mm" if "millimetres" in wrong else "dm"
+        at = session.keyframes[0].pose(Skeleton.of(session.body)).p_camera_root
+        update = {"units": units, "p_camera_surface": tuple(map(float, at))}
+        session = session.model_copy(update={"surface": session.surface.model_copy(update=update)})
+    tracks = _tracks(done(bench, path, session))
+    words = "check frame 0: the body lies off the surface that moves with it"
+    assert [(track.kind, track.told) for track in tracks] == [("check", words)] * 2
+    assert {track.finding.go for track in tracks if track.finding is not None} == {0}
+    notes = [note for track in tracks for note in track.notes if "does not lie in" in note]
+    assert len(notes) == 1
+    assert notes[0].startswith("At frame 0 the body does not lie in the mesh that moves with it")
+
+
+def test_a_body_posed_a_few_centimetres_off_its_mesh_is_not_said_to_lie_elsewhere(
+    bench: Bench, path: Path
+) -> None:
+    (track,) = _tracks(done(bench, path, _moved_keyframe(cases.session(), 0.05)))
+    assert "lies off" not in track.told
+    assert not any("does not lie in" in note for note in track.notes)
 
 
 @pytest.mark.parametrize("weights", ["contact", "none"])

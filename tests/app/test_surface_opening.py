@@ -76,7 +76,7 @@ def test_info_names_all_meshes_whose_files_tell_that_they_cannot_be_used(
     files[4].write_bytes(files[4].read_bytes()[:-40])
     assert main(["info", str(folder)]) == 0
     told = capsys.readouterr().out
-    assert "note         Steps 2 and 4 cannot be used: Step 2" in told
+    assert "note         Steps 2 and 4 cannot be used. The first of them: Step 2" in told
     assert "not looked at" not in told
     assert main(["info", str(folder), "--json"]) == 0
     facts = json.loads(capsys.readouterr().out)

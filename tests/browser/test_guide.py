@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import shutil
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +15,7 @@ from playwright.sync_api import Browser, Locator, Page
 
 from tests.browser.hands import drag, section, settled, spot, until, until_told
 from tests.browser.shared import Desk, desk
+from tests.browser.test_surface import SAMPLE, arms
 
 
 @pytest.fixture(scope="module")
@@ -209,6 +213,57 @@ def test_at_its_end_the_guide_says_what_is_to_be_done_and_praises_nothing(guided
     button(guided, "Next").click()
     until(lambda: title(guided) == "Press Track (T)", "the end")
     assert "stands" not in guided.locator("#guide").inner_text()
+
+
+def test_a_pose_that_is_kept_early_ends_the_guide(at: Desk, guided: Page) -> None:
+    at.visitor.do(do="go", frame=5)
+    at.agreed("view")
+    guided.keyboard.press("k")
+    until(lambda: title(guided) == "Press Track (T)", "the end")
+    guided.locator("#guide .steps button").first.click()
+    guided.wait_for_timeout(1200)
+    assert title(guided) == "Drag the waist onto the hips"  # looked up again, it stays
+
+
+# --- of observed surfaces
+
+
+def test_of_surfaces_the_guide_speaks_of_them_and_ends_with_the_keyframe(
+    browser: Browser, tmp_path: Path
+) -> None:
+    with unposed_arms(browser, tmp_path) as desk:
+        page = desk.page
+        until(lambda: page.locator("#guide h3").count(), "the guide")
+        assert page.locator("#guide .foot").inner_text().startswith("Step 1 of 4")
+        words = ""
+        for wanted in ("Turn it like the surface", "Pull the limbs near", "Press F, then K"):
+            words += page.locator("#guide").inner_text()
+            up_to(page, wanted)
+        words += page.locator("#guide").inner_text()
+        assert not any(word in words for word in ("person", "hips", "waist", "head"))
+        page.locator("#guide .steps button").first.click()
+        page.keyboard.press("k")
+        until(lambda: title(page) == "Press Fit (T)", "the end")
+
+
+def test_of_surfaces_a_drag_in_any_view_places_the_body(browser: Browser, tmp_path: Path) -> None:
+    with unposed_arms(browser, tmp_path) as desk:
+        page = desk.page
+        first = page.locator("#guide .steps button").first
+        first.wait_for()
+        pulled(page, "arm_a", (9, 5), view="side")
+        until(lambda: "d" in (first.get_attribute("class") or "").split(), "the tick")
+
+
+@contextmanager
+def unposed_arms(browser: Browser, folder: Path) -> Iterator[Desk]:
+    """The page of observed surfaces in which nothing has been posed yet."""
+    place = folder / "arms"
+    shutil.copytree(SAMPLE, place)
+    session = json.loads((place / "session.json").read_text())
+    (place / "session.json").write_text(json.dumps(session | {"keyframes": [], "results": None}))
+    with arms(browser, folder, drawn=False) as desk:
+        yield desk
 
 
 # --- K and Delete

@@ -194,6 +194,16 @@ def test_a_colouring_changes_the_picture_and_has_its_legend(at: Desk, tint: str,
     screen(page, f"surface-{tint}")
 
 
+def test_with_four_views_the_colours_are_chosen_and_read_in_the_camera_s(at: Desk) -> None:
+    page = at.page
+    page.keyboard.press("5")
+    page.locator("[data-view=main] #mtint [data-tint=distance]").click()
+    until_told(page, "view.tint", lambda now: now == "distance")
+    page.locator("[data-view=main] #mtint .ramp").wait_for()
+    screen(page, "surface-four-views")
+    page.keyboard.press("1")
+
+
 @pytest.mark.parametrize(("view", "tint"), [("all", "clay"), ("top", "contact"), ("main", "photo")])
 def test_the_picture_is_that_of_the_command_line_in_the_colours_that_are_chosen(
     at: Desk, tmp_path: Path, view: str, tint: str
@@ -327,7 +337,9 @@ def test_steps_that_cannot_be_used_are_told_before_they_are_met(
         page.locator("#insp [role=tab]").last.click()
         told = page.locator("#insp .note.warned")
         told.wait_for()
-        assert told.inner_text().startswith("Steps 7 and 12 cannot be used: Step 7")
+        assert told.inner_text().startswith(
+            "Steps 7 and 12 cannot be used. The first of them: Step 7"
+        )
         assert section(page, "view.frame") == 0
         told.scroll_into_view_if_needed()
         screen(page, "surface-unusable")

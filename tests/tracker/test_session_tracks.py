@@ -21,6 +21,7 @@ from tracker.session.outdated import (
     setup_hash,
     tracked_keyframes,
 )
+from tracker.session.schema import Surface
 from tracker.session.tracks import Tracks, load_tracks, load_trajectory, save_result, tracks_name
 
 
@@ -101,6 +102,19 @@ def test_nothing_tracked_is_said(tmp_path: Path) -> None:
     with pytest.raises(SessionError, match="no tracked segment"):
         save_result(cases.session(), path, nothing)
     assert not list(tmp_path.iterdir())
+
+
+def test_of_a_session_about_surfaces_it_is_said_how_surfaces_are_fitted(tmp_path: Path) -> None:
+    path = tmp_path / "my session.json"
+    session = cases.session().model_copy(
+        update={"surface": Surface(p_camera_surface=(0.0, 0.0, 3.0))}
+    )
+    command = r"run `keypose fit --session '.*my session\.json'`\."
+    with pytest.raises(SessionError, match=f"has not been fitted yet: {command}"):
+        load_tracks(session, path)
+    partial = save_result(session, path, cases.result(cases.segment(6, 8), cases.segment(0, 4)))
+    with pytest.raises(SessionError, match=f"not been fitted yet at frames 5: {command}"):
+        load_trajectory(partial, path)
 
 
 def test_a_changed_byte_is_noticed(tmp_path: Path) -> None:

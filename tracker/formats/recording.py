@@ -41,7 +41,7 @@ class Recording:
     stretches: what was tracked, ascending; neighbours share a keyframe.
     times_s:   (N,) seconds from the video's first frame.
     up_camera: (3,) what is up, a unit vector in the camera frame.
-    open_ends: frames at which a motion of surfaces begins or ends without a keyframe.
+    open_ends: frames at which a motion of surfaces begins, ends or was stopped without a keyframe.
     """
 
     skeleton: Skeleton
@@ -74,7 +74,7 @@ class Recording:
             tuple(s for s in sorted(stretches, key=_begin) if _is_tracked(tracks, s)),
             frozen(times_s[first : last + 1]),
             frozen(up / np.linalg.norm(up)),
-            open_ends(session),
+            (*open_ends(session), *_stopped_at(session, stretches)),
         )
 
     def __len__(self) -> int:
@@ -175,6 +175,14 @@ def _over(tracks: Tracks, first: int, last: int) -> Tracks:
         over(tracks.observability, np.nan, 1),
         over(tracks.residual, np.nan, 1),
     )
+
+
+def _stopped_at(session: Session, stretches: Sequence[Stretch]) -> set[int]:
+    """Where stretches of surfaces end though nobody posed anything there."""
+    if session.surface is None:
+        return set()
+    ends = {frame for s in stretches for frame in (s.first_frame, s.last_frame)}
+    return ends - {keyframe.frame for keyframe in session.keyframes}
 
 
 def _begin(stretch: Stretch) -> int:

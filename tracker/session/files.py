@@ -174,7 +174,12 @@ def _opened_as(session: Session, session_path: Path, path: Path) -> Video:
             f"{_what(session)} {str(path)!r} is missing; put it there or change video.path in "
             f"{session_path.name}."
         )
-    video = open_video_at(session, path, Path(session_path).absolute().parent)
+    return open_same_at(session, path, Path(session_path).absolute().parent)
+
+
+def open_same_at(session: Session, path: Path, folder: Path) -> Video:
+    """As `open_video_at`; SessionError where it is not what the session was made for."""
+    video = open_video_at(session, path, folder)
     try:
         _demand_same(session, path, video)
     except BaseException:

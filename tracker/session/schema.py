@@ -172,11 +172,16 @@ class SegmentSummary(Plain):
         description="Steps of the work that were not done, because it was stopped; left out where "
         "all is done.",
     )
+    unreached: tuple[FrameIndex, FrameIndex] | None = Field(
+        default=None,
+        description="First and last frame that have no pose therefore; left out where all have.",
+    )
 
     @model_serializer(mode="wrap")
     def _of_surfaces_alone(self, told: SerializerFunctionWrapHandler) -> dict[str, Any]:
         ends = _without(told(self), "open_ends", not self.open_ends)
-        return _without(ends, "missing", not self.missing)
+        work = _without(ends, "missing", not self.missing)
+        return _without(work, "unreached", self.unreached is None)
 
 
 class Results(Plain):

@@ -174,14 +174,14 @@ def save_result(session: Session, session_path: Path, result: TrackResult) -> Se
 
 def load_tracks(session: Session, session_path: Path) -> Tracks:
     """The session's tracks file. SessionError in one sentence when there is none or it is odd."""
-    again = f"run `keypose track {shlex.quote(str(session_path))}`"
+    done, again = _work(session, session_path)
     if session.results is None:
-        raise SessionError(f"{session_path.name} has not been tracked yet: {again}.")
+        raise SessionError(f"{session_path.name} has not been {done} yet: {again}.")
     path = session_path.parent / session.results.tracks
     tracks = _read(path)
     if tracks.part_names != session.body.names:
         raise SessionError(
-            f"{path.name} was tracked with other parts than the session's body has: {again} again."
+            f"{path.name} was {done} with other parts than the session's body has: {again} again."
         )
     return tracks
 
@@ -190,11 +190,19 @@ def load_trajectory(session: Session, session_path: Path) -> Trajectory:
     """The tracked motion. SessionError when there is none, or when frames inside it are missing."""
     tracks = load_tracks(session, session_path)
     if not tracks.tracked.all():
+        done, again = _work(session, session_path)
         raise SessionError(
-            f"{session_path.name} has not been tracked yet at frames {tracks.runs(False)}: run "
-            f"`keypose track {shlex.quote(str(session_path))}`."
+            f"{session_path.name} has not been {done} yet at frames {tracks.runs(False)}: {again}."
         )
     return Trajectory(tracks.first_frame, tracks.Rs_parent_part, tracks.ps_camera_root)
+
+
+def _work(session: Session, session_path: Path) -> tuple[str, str]:
+    """What is done to a session, and how it is done."""
+    path = shlex.quote(str(session_path))
+    if session.surface is not None:
+        return "fitted", f"run `keypose fit --session {path}`"
+    return "tracked", f"run `keypose track {path}`"
 
 
 def _lay(
@@ -205,6 +213,11 @@ def _lay(
     steps = slice(frames.start, frames.stop - 1)
     arrays["Rs_parent_part"][frames] = segment.trajectory.Rs_parent_part
     arrays["ps_camera_root"][frames] = segment.trajectory.ps_camera_root
+    if segment.unreached is not None:
+        shift = start - segment.trajectory.first_frame
+        first, last = segment.unreached
+        for name in _POSES:
+            arrays[name][first + shift : last + 1 + shift] = np.nan
     for name in _STEPS:
         arrays[name][steps] = getattr(segment, name)
     rank[steps] = segment.rank
@@ -233,6 +246,7 @@ def _summary(segment: SegmentResult, session: Session) -> SegmentSummary:
         closing_error=_finite(segment.closing_error),
         notes=segment.notes,
         missing=segment.missing,
+        unreached=segment.unreached,
     )
 
 

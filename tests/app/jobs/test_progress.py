@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from app.jobs import PassFinished, Progress, SegmentFinished, Started
@@ -71,3 +73,14 @@ def test_other_reports_and_other_segments_change_nothing() -> None:
 
 def test_a_job_of_nothing_is_done() -> None:
     assert Progress.of(Started(1, (), ("full",)), now=0.0).percent == 100
+
+
+def test_what_was_done_before_says_nothing_on_how_fast_it_goes() -> None:
+    steps = replace(passed(0, 59, 100), unit="step")
+    progress = begun().after(steps)
+    assert progress.seconds_left(now=200.0) is None
+    on = progress.after(replace(steps, number=89))
+    assert on.share > 0.4
+    slow = on.seconds_left(now=130.0)
+    assert slow is not None
+    assert slow > 100  # a seventh of the whole in thirty seconds

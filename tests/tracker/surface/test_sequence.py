@@ -499,9 +499,12 @@ def test_a_glance_at_one_animated_file_has_nothing_to_look_at(tmp_path: Path) ->
     [
         ([], ""),
         ([4], "Why 4."),
-        ([7, 12], "Steps 7 and 12 cannot be used: Why 7."),
-        ([3, 7, 8, 9, 12], "Steps 3, 7–9 and 12 cannot be used: Why 3."),
-        (range(0, 40, 2), "Steps 0, 2, 4, 6, 8, 10, 12, 14 and 12 more cannot be used: Why 0."),
+        ([7, 12], "Steps 7 and 12 cannot be used. The first of them: Why 7."),
+        ([3, 7, 8, 9, 12], "Steps 3, 7–9 and 12 cannot be used. The first of them: Why 3."),
+        (
+            range(0, 40, 2),
+            "Steps 0, 2, 4, 6, 8, 10, 12, 14 and 12 more cannot be used. The first of them: Why 0.",
+        ),
     ],
 )
 def test_steps_that_cannot_be_used_are_named_in_a_sentence(steps: list[int], words: str) -> None:

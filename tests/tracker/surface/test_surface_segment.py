@@ -155,7 +155,7 @@ def test_a_fit_that_is_stopped_keeps_what_was_done_and_says_what_was_not() -> No
     assert _is_pose(found.trajectory.pose(8), found.trajectory.pose(5))
     assert found.rank[5:].tolist() == [-1] * 3
     assert np.isnan(found.residual[5:]).all()
-    assert found.notes == ()
+    assert (found.unreached, found.notes) == ((6, 8), ())
 
 
 @pytest.mark.usefixtures("told_all")
@@ -186,12 +186,12 @@ def test_a_fit_goes_on_where_it_was_stopped_and_comes_out_the_same(
 def test_between_two_keyframes_what_one_chain_has_reached_leads_over_to_the_other() -> None:
     tracker = _tracker({0: TRUE[0], 8: TRUE[8]})
     early = tracker.run_segment((0, 8), _stop_at(3))
-    assert early.missing == 13
+    assert (early.missing, early.unreached) == (13, (4, 7))
     assert early.verdict.words == "check frames 4–7: not fitted yet"
     assert _is_pose(early.trajectory.pose(8), TRUE[8])
     assert _errors_m(early).max() < 0.02  # an even motion
     late = tracker.run_segment((0, 8), _stop_at(12))
-    assert late.missing == 4
+    assert (late.missing, late.unreached) == (4, None)
     assert late.verdict.words == "check frames 1–7: fitted from one keyframe only so far"
     assert _errors_m(late).max() < 0.005
 

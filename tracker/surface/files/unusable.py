@@ -11,7 +11,8 @@ MOST_NAMED = 8
 
 
 def unusable_words(problems: Mapping[int, str]) -> str:
-    """Which steps these are, and what is wrong with the first; nothing where there are none.
+    """Which steps these are, and what is wrong with the first of them, said to be of it alone;
+    nothing where there are none.
 
     problems: of each step a sentence, which is enough where it is one step.
     """
@@ -21,7 +22,7 @@ def unusable_words(problems: Mapping[int, str]) -> str:
     names = [f"{first}" if first == last else f"{first}–{last}" for first, last in runs]
     more = sum(last - first + 1 for first, last in runs[MOST_NAMED:])
     named = listed([*names[:MOST_NAMED], *([f"{more} more"] if more else [])])
-    return f"Steps {named} cannot be used: {problems[runs[0][0]]}"
+    return f"Steps {named} cannot be used. The first of them: {problems[runs[0][0]]}"
 
 
 def _runs(steps: Set[int]) -> Iterator[tuple[int, int]]:

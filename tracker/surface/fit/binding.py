@@ -1,4 +1,5 @@
-"""Which part carries a point of the surface: the one whose solid is nearest (SURFACE §4.1)."""
+"""Which part carries a point of the surface: the one whose solid is nearest (SURFACE §4.1); and
+whether the solids lie in it at all."""
 
 from __future__ import annotations
 
@@ -8,6 +9,9 @@ from numpy.typing import NDArray
 from tracker.geometry import Array
 from tracker.shapes import Box, Cylinder, Frustum, Shape
 from tracker.skeleton import Skeleton
+
+SEEN_SHARE = 0.25
+"""Of the body: so much is near the surface even where the mesh shows no more than half of it."""
 
 
 def distances_to_parts(skeleton: Skeleton, Ts_camera_part: Array, p_camera: Array) -> Array:
@@ -54,6 +58,23 @@ def shares_of(
     if blend_m > 0:
         first = np.where(joined, 0.5 + 0.5 * np.clip(ahead / blend_m, 0.0, 1.0), 1.0)
     return two, np.stack([first, 1.0 - first], axis=1)
+
+
+def apart_m(to_solids: Array, p_surface: Array, p_solids: Array, far_m: float) -> float:
+    """How far a body and its surface lie apart, metres.
+
+    The larger of two: how far the surface's points are from the nearest solid, on average, which
+    tells of a body that lies elsewhere or is too small; and how far the nearest quarter of the
+    solids is from the surface, which tells of one that is too large.
+
+    to_solids: (V,) distances of the surface's points p_surface (V, 3).  p_solids: (N, 3) on the
+    solids.  far_m: what is farther counts as that, for it may be a thing held in a hand.
+    """
+    from scipy.spatial import cKDTree
+
+    surface_off = np.minimum(np.abs(to_solids), far_m).mean()
+    to_surface, _ = cKDTree(p_surface).query(p_solids)
+    return float(max(surface_off, np.quantile(to_surface, SEEN_SHARE)))
 
 
 def _radii(shape: Cylinder | Frustum) -> Array:

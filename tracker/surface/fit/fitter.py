@@ -14,6 +14,7 @@ from tracker.run import SegmentResult
 from tracker.session.schema import Session, Surface
 from tracker.settings import Quality, TrackSettings
 from tracker.skeleton import Skeleton
+from tracker.surface.fit.judging import lies_off, off_its_surface
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.segment import SurfaceTracker
 from tracker.surface.steps import Steps
@@ -64,10 +65,13 @@ class SurfaceFitter:
         def tell(step: Pass, done: int) -> None:
             emit(step, done - 1)
 
-        span = self.spans[index]
-        found = self._tracker(settings.quality).run_segment(span, tell)
-        notes = (*self._holes(), *self._cuts()) if self._is_told_of_model(span) else ()
-        return replace(found, notes=(*notes, *found.notes))
+        span, tracker = self.spans[index], self._tracker(settings.quality)
+        found = tracker.run_segment(span, tell)
+        off = lies_off(tracker.model, self._keyposes[self.model_frame])
+        if self._is_told_of_model(span):
+            notes = (*self._astray(off), *self._holes(), *self._cuts())
+            found = replace(found, notes=(*notes, *found.notes))
+        return replace(found, verdict=off_its_surface(self.model_frame)) if off else found
 
     def fit_frame(self, frame: int, pose: Pose, quality: Quality = "full") -> Pose:
         """A pose laid onto the surface of one step; SurfaceError where that cannot be used."""
@@ -76,6 +80,16 @@ class SurfaceFitter:
     def _is_told_of_model(self, span: Span) -> bool:
         """Of the segments that touch the model's keyframe one says what is to be said of it."""
         return self.model_frame == (span[1] if self.model_frame else span[0])
+
+    def _astray(self, off: bool) -> tuple[str, ...]:
+        """A sentence where the body does not lie in that mesh."""
+        if not off:
+            return ()
+        return (
+            f"At frame {self.model_frame} the body does not lie in the mesh that moves with it: "
+            "look at its pose there (F lays it into the mesh), at its height and sizes in Body, "
+            "and at the units of the meshes.",
+        )
 
     def _holes(self) -> tuple[str, ...]:
         """A sentence where the mesh that moves with the body is not whole."""

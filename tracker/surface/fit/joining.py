@@ -26,12 +26,13 @@ class Joined:
     """A segment's links in the order of their frames.
 
     apart_m: (N, P) how far two whole chains put each joint apart; None where there was one.
-    unreached: frames that no chain has reached.  missing: links that the chains still lack.
+    unreached: the first and last frame that no chain has reached.  missing: links that the chains
+        still lack.
     """
 
     links: tuple[Link, ...]
     apart_m: Array | None
-    unreached: tuple[int, ...] = ()
+    unreached: tuple[int, int] | None = None
     missing: int = 0
 
 
@@ -88,7 +89,8 @@ def _as_far_as(
         link = known.get(frame) or Link(frame, pose, None)
         links.append(link)
         pose = link.pose
-    unreached = tuple(frame for frame in range(first, last + 1) if frame not in known)
+    beyond = [frame for frame in range(first, last + 1) if frame not in known]
+    unreached = (beyond[0], beyond[-1]) if beyond else None
     return Joined(tuple(filled(links)), None, unreached, missing)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracker.geometry import Array
+from tracker.pose import Pose
 from tracker.surface.fit.certainty import UNSEEN
 from tracker.surface.fit.chain import Link
 from tracker.surface.fit.model import SurfaceModel
@@ -29,6 +30,10 @@ HIDDEN = 0.12
 """Of a part's surface: when less of it counts, it goes by what the rest leaves it."""
 BEYOND_RAD = np.radians(10.0)
 """Past a joint's limits: so far nothing but a wrong pose, or wrong sizes, turns it."""
+OFF_SHARE = 0.04
+"""Of the surface's size. Bodies a sixth too large or too small, or half a limb's thickness beside
+their surface, come to 0.03; three times too large or small, or a limb's thickness and a half across
+their limbs, to more."""
 SHORTEST_RUN = 3
 """Steps for which a part must be doubtful before it is worth a word."""
 MOST_TOLD = 5
@@ -74,11 +79,23 @@ def judge_links(
     return Verdict("check", f"check {frames_in_words(*between)}: {name} {kind}", between)
 
 
-def not_reached(unreached: Sequence[int], span: tuple[int, int]) -> Verdict:
+def lies_off(model: SurfaceModel, pose: Pose) -> bool:
+    """Whether the body, in the pose at which its surface was laid out, clearly lies elsewhere."""
+    return model.off_share(pose) > OFF_SHARE
+
+
+def off_its_surface(frame: int) -> Verdict:
+    """The verdict on every segment where the body, as it was posed at this frame, does not lie in
+    the mesh that moves with it: no other keyframe mends what follows from that."""
+    words = f"check frame {frame}: the body lies off the surface that moves with it"
+    return Verdict("check", words, (frame, frame))
+
+
+def not_reached(unreached: tuple[int, int] | None, span: tuple[int, int]) -> Verdict:
     """The verdict on a segment whose fit was stopped; without frames that no chain has reached,
     those between its keyframes still lack the second one."""
-    first, last = (unreached[0], unreached[-1]) if unreached else (span[0] + 1, span[1] - 1)
-    why = "not fitted yet" if unreached else "fitted from one keyframe only so far"
+    first, last = unreached or (span[0] + 1, span[1] - 1)
+    why = "fitted from one keyframe only so far" if unreached is None else "not fitted yet"
     return Verdict("check", f"check {frames_in_words(first, last)}: {why}", (first, last))
 
 

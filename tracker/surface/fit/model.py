@@ -17,7 +17,7 @@ from tracker.kernels.surface import pose_surface
 from tracker.limits import Limits
 from tracker.pose import Pose, pose_transforms
 from tracker.skeleton import Skeleton
-from tracker.surface.fit.binding import distances_to_parts, shares_of
+from tracker.surface.fit.binding import apart_m, distances_to_parts, shares_of
 from tracker.surface.fit.points import SurfaceSamples
 from tracker.surface.mesh import SurfaceMesh
 
@@ -25,6 +25,8 @@ SEAM_SHARE = 0.025
 """Of the surface's size: parts nearer than that at t_0 are joined there, and do not touch."""
 BLEND_SHARE = 0.02
 """Of the surface's size: within it two joined parts share the surface, where that is smooth."""
+FAR_SHARE = 0.1
+"""Of the surface's size: a place so far from every solid may be of something else."""
 
 
 def freed(body: Body) -> Body:
@@ -127,6 +129,17 @@ class SurfaceModel:
     def trusting(self, trust: Array) -> SurfaceModel:
         """The same with its points counting by trust (V,)."""
         return replace(self, trust=frozen(trust))
+
+    def off_share(self, pose: Pose) -> float:
+        """How far the body's solids and the surface lie apart, over the surface's size.
+
+        pose: the one at which the surface was laid out.
+        """
+        Ts = pose_transforms(self.skeleton, pose)
+        p_surface = self.posed(Ts).p
+        to_solids = distances_to_parts(self.skeleton, Ts, p_surface).min(axis=1)
+        solids = SurfaceSamples.of(_solids(self.skeleton, Ts)[0], len(p_surface))
+        return apart_m(to_solids, p_surface, solids.p, FAR_SHARE * self.size_m) / self.size_m
 
     def posed(self, Ts_camera_part: Array) -> PosedSurface:
         """The surface with its parts at Ts_camera_part (P, 4, 4)."""

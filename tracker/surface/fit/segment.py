@@ -158,12 +158,14 @@ def _result(model: SurfaceModel, every: Joined, keys: Sequence[int]) -> SegmentR
         residual=np.array([unknown if s is None else s.residual for s in steps]),
         notes=(*unusable_steps(links), *unseen_turns(model, links)),
         missing=every.missing,
+        unreached=every.unreached,
     )
 
 
 def _verdict(model: SurfaceModel, every: Joined, keys: Sequence[int]) -> Verdict:
     """Of what was reached; where that is not lost, what was not reached comes first."""
-    reached = [link for link in every.links if link.frame not in every.unreached]
+    first, last = every.unreached or (0, -1)
+    reached = [link for link in every.links if not first <= link.frame <= last]
     found = judge_links(model, reached, keys, every.apart_m)
     if not every.missing or found.kind == "lost":
         return found
