@@ -104,13 +104,14 @@ def rerun(
     job = _Job(order, stop, told.put)
     work = Thread(target=_run, args=(job, workers, told), name="tracking")
     work.start()
-    failed = ""
+    failed, ended = "", False
     try:
         while (report := _next(told)) is not None:
             failed = report.words if isinstance(report, JobFailed) else ""
             yield report
+        ended = True
     finally:
-        if work.is_alive():
+        if not ended:  # who listened has gone; other sessions of a batch share `stop`
             stop.set()
         work.join()
     if failed:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import time
 from collections.abc import Callable
 from pathlib import Path
 from threading import Event
@@ -11,6 +12,7 @@ from typing import Any
 
 import pytest
 
+import app.rerun
 import sample_videos
 from app.batch.doing import do
 from app.batch.task import Task
@@ -144,6 +146,22 @@ def test_nobody_listening_any_more_ends_the_work(tmp_path: Path) -> None:
         reports = rerun(session, path, video, all_segments(session), workers=1, stop=stop)
         next(reports)
         reports.close()  # type: ignore[attr-defined]
+
+
+def test_a_run_that_ends_stops_no_other_of_its_batch(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = copied(tmp_path / "job", quality="preview")
+    session, stop, run = load_session(path), Event(), app.rerun._run
+
+    def ends_late(*given: Any) -> None:
+        run(*given)
+        time.sleep(0.3)
+
+    monkeypatch.setattr(app.rerun, "_run", ends_late)
+    with open_video_of(session, path) as video:
+        list(rerun(session, path, video, all_segments(session), workers=1, stop=stop))
+    assert not stop.is_set()
 
 
 def test_with_nothing_found_nothing_is_written(tmp_path: Path) -> None:
