@@ -31,7 +31,7 @@ from app.results import (
 )
 from tracker.errors import KeyposeError, SessionError
 from tracker.session import Session
-from tracker.session import schema as saved
+from tracker.session import results as saved
 from tracker.session.files import load_session, save_session
 from tracker.settings import Initial, MethodName, Quality
 from tracker.video import Video

@@ -239,7 +239,7 @@ class Runner:
         self.job = replace(self.job, words=words, percent=percent, seconds_left=left)
 
     def _on_end(self, state: Ending, words: str = "") -> None:
-        doing, done, _ = self._verbs
+        doing, done = self._verbs
         title = {"done": done, "cancelled": "Cancelled", "failed": f"{doing} failed"}[state]
         if state == "done":
             title = self.job.title.replace(doing, done)
@@ -252,7 +252,7 @@ class Runner:
         )
         kinds = [track.kind for track in found if track is not None]
         if state == "cancelled" and any(track is not None and track.missing for track in found):
-            return f"what was done is kept; {self._verbs[2]} goes on from there"
+            return "what was done is kept; Fit goes on from there"
         if state == "cancelled":
             return "what was finished is kept" if any(kinds) else "no segment was finished"
         counts = ((kind, kinds.count(kind)) for kind in ("good", "check", "lost"))
@@ -273,9 +273,9 @@ def _touching(edit: EditorState, wanted: Sequence[Wanted]) -> list[Wanted]:
     return near or list(wanted)
 
 
-_VERBS: Mapping[bool, tuple[str, str, str]] = {
-    False: ("Tracking", "Tracked", "Track"),
-    True: ("Fitting", "Fitted", "Fit"),
+_VERBS: Mapping[bool, tuple[str, str]] = {
+    False: ("Tracking", "Tracked"),
+    True: ("Fitting", "Fitted"),
 }
 """What is done with a film, and with surfaces."""
 

@@ -10,9 +10,9 @@ from typing import Annotated, Literal, Self, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from app.library.files import SESSION_FOLDER
+from tracker.session import SegmentSummary, Session
 from tracker.session.atomic import make_folder, write_file
 from tracker.session.files import video_path
-from tracker.session.schema import SegmentSummary, Session
 
 MOST = 40
 

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from tracker.camera import Camera
 from tracker.errors import FormatError
 from tracker.geometry import Array, frozen
-from tracker.session.outdated import open_ends
 from tracker.session.schema import Session
 from tracker.session.tracks import Tracks
 from tracker.skeleton import Skeleton
@@ -74,7 +73,7 @@ class Recording:
             tuple(s for s in sorted(stretches, key=_begin) if _is_tracked(tracks, s)),
             frozen(times_s[first : last + 1]),
             frozen(up / np.linalg.norm(up)),
-            (*open_ends(session), *_stopped_at(session, stretches)),
+            tuple(sorted(_open_ends(session, stretches))),
         )
 
     def __len__(self) -> int:
@@ -177,7 +176,7 @@ def _over(tracks: Tracks, first: int, last: int) -> Tracks:
     )
 
 
-def _stopped_at(session: Session, stretches: Sequence[Stretch]) -> set[int]:
+def _open_ends(session: Session, stretches: Sequence[Stretch]) -> set[int]:
     """Where stretches of surfaces end though nobody posed anything there."""
     if session.surface is None:
         return set()

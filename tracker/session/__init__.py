@@ -1,12 +1,7 @@
 """The session: what a person edits and saves, and the file it lives in."""
 
-from tracker.session.schema import (
-    Keyframe,
-    Results,
-    SegmentSummary,
-    Session,
-    VideoReference,
-)
+from tracker.session.results import Results, SegmentSummary
+from tracker.session.schema import Keyframe, Session, VideoReference
 from tracker.settings import IgnoreMask, TrackSettings
 
 __all__ = [

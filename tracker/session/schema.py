@@ -8,16 +8,15 @@ are kept as they are: another program may have its own.
 from __future__ import annotations
 
 import math
+import operator
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self, TypeAlias
+from typing import Annotated, Literal, Self, TypeAlias
 
 import numpy as np
 from pydantic import (
     Field,
     FiniteFloat,
-    SerializerFunctionWrapHandler,
     field_validator,
-    model_serializer,
     model_validator,
 )
 
@@ -25,14 +24,12 @@ from tracker.body import Body, Name
 from tracker.camera import Camera
 from tracker.geometry import quaternion_wxyz, rotation_from_quaternion
 from tracker.pose import Pose, pose_transforms
+from tracker.session.results import Results
 from tracker.session.versions import PRESENT
 from tracker.settings import (
     FrameIndex,
     IgnoreMask,
-    Initial,
-    MethodName,
     Plain,
-    Quality,
     TrackSettings,
     Units,
     UpAxis,
@@ -135,82 +132,6 @@ class Keyframe(Plain):
         return Pose(rotation_from_quaternion(quaternions), np.array(self.root_m))
 
 
-class SegmentSummary(Plain):
-    """What tracking found for the stretch between two keyframes."""
-
-    first_frame: FrameIndex
-    last_frame: FrameIndex
-    verdict: Literal["good", "check", "lost"]
-    words: str
-    scores: tuple[FiniteFloat | None, ...] = Field(
-        description="Score of the start and after every pass; null where nothing was seen."
-    )
-    best_pass: int
-    closing_error: FiniteFloat | None = Field(
-        description="Largest difference of the motion's ends from the keyframes, over entries of "
-        "rotation matrices and metres; null when not finite."
-    )
-    notes: tuple[str, ...] = Field(
-        default=(), description="What could not be done as wished, in sentences."
-    )
-    key: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] | None = Field(
-        default=None,
-        description="SHA-256 of all that this segment's motion was tracked for; null when not "
-        "known.",
-    )
-    quality: Quality | None = Field(
-        default=None, description="This segment's own quality; null when it is that of all."
-    )
-    open_ends: tuple[FrameIndex, ...] = Field(
-        default=(),
-        description="Its ends that had no keyframe, as those of surfaces may; left out where both "
-        "had one.",
-    )
-
-    missing: Annotated[int, Field(ge=0)] = Field(
-        default=0,
-        description="Steps of the work that were not done, because it was stopped; left out where "
-        "all is done.",
-    )
-    unreached: tuple[FrameIndex, FrameIndex] | None = Field(
-        default=None,
-        description="First and last frame that have no pose therefore; left out where all have.",
-    )
-
-    @model_serializer(mode="wrap")
-    def _of_surfaces_alone(self, told: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        ends = _without(told(self), "open_ends", not self.open_ends)
-        work = _without(ends, "missing", not self.missing)
-        return _without(work, "unreached", self.unreached is None)
-
-
-class Results(Plain):
-    """Where the tracked motion lies, and what was found."""
-
-    tracks: Annotated[str, Field(pattern=r"^tracks-[0-9a-f]{12}\.npz$")] = Field(
-        description="File of the trajectories, beside the session file."
-    )
-    method: MethodName
-    quality: Quality
-    initial: Initial | None = Field(
-        default=None, description="Where segments started from; null: as the settings say."
-    )
-    left_out: tuple[str, ...] = ()
-    segments: tuple[SegmentSummary, ...]
-    tracked_for: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] | None = Field(
-        default=None,
-        description="SHA-256 of the body, the camera and the ignore masks that the motion was "
-        "tracked with; null when not known.",
-    )
-
-    def settings_used(self, settings: TrackSettings) -> TrackSettings:
-        """A session's settings with the method and the start that these results came by."""
-        used = {"method": self.method, "initial": self.initial, "left_out": self.left_out}
-        if self.initial is None:
-            used = {"method": self.method}
-        return settings.model_copy(update=used)
-
-
 class FirstMotion(Plain):
     """A motion from elsewhere, fitted to the body: a start for tracking, not its result."""
 
@@ -247,6 +168,7 @@ class Session(Plain):
     )
     surface: Surface | None = Field(
         default=None,
+        exclude_if=operator.not_,
         description="How to read the meshes, where the session is about such; left out otherwise.",
     )
     results: Results | None = None
@@ -277,10 +199,6 @@ class Session(Plain):
         """Whether a newer Keypose wrote it: then it may be looked at, not changed."""
         return self.schema_version > PRESENT
 
-    @model_serializer(mode="wrap")
-    def _films_as_ever(self, told: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        return _without(told(self), "surface", self.surface is None)
-
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         size, video = (self.camera.width, self.camera.height), self.video
@@ -298,13 +216,6 @@ class Session(Plain):
             _demand_in_video(keyframe, video.frame_count)
             _demand_before_camera(keyframe, skeleton)
         return self
-
-
-def _without(told: dict[str, Any], name: str, if_so: bool) -> dict[str, Any]:
-    """Without a field that sessions about films do not have."""
-    if if_so:
-        told.pop(name, None)
-    return told
 
 
 def _demand_sorted(keyframes: tuple[Keyframe, ...]) -> None:

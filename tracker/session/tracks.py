@@ -36,7 +36,8 @@ from tracker.pose import Pose
 from tracker.session.archive import archive_arrays, archive_bytes
 from tracker.session.atomic import write_file
 from tracker.session.outdated import open_ends, setup_hash
-from tracker.session.schema import Results, SegmentSummary, Session
+from tracker.session.results import Results, SegmentSummary
+from tracker.session.schema import Session
 from tracker.trajectory import Trajectory
 
 if TYPE_CHECKING:

@@ -1,0 +1,82 @@
+"""What a session's file says of its motion: where it lies, and what was found."""
+
+from __future__ import annotations
+
+import operator
+from typing import Annotated, Literal
+
+from pydantic import Field, FiniteFloat
+
+from tracker.settings import FrameIndex, Initial, MethodName, Plain, Quality, TrackSettings
+
+
+class SegmentSummary(Plain):
+    """What tracking found for the stretch between two keyframes."""
+
+    first_frame: FrameIndex
+    last_frame: FrameIndex
+    verdict: Literal["good", "check", "lost"]
+    words: str
+    scores: tuple[FiniteFloat | None, ...] = Field(
+        description="Score of the start and after every pass; null where nothing was seen."
+    )
+    best_pass: int
+    closing_error: FiniteFloat | None = Field(
+        description="Largest difference of the motion's ends from the keyframes, over entries of "
+        "rotation matrices and metres; null when not finite."
+    )
+    notes: tuple[str, ...] = Field(
+        default=(), description="What could not be done as wished, in sentences."
+    )
+    key: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] | None = Field(
+        default=None,
+        description="SHA-256 of all that this segment's motion was tracked for; null when not "
+        "known.",
+    )
+    quality: Quality | None = Field(
+        default=None, description="This segment's own quality; null when it is that of all."
+    )
+    open_ends: tuple[FrameIndex, ...] = Field(
+        default=(),
+        exclude_if=operator.not_,
+        description="Its ends that had no keyframe, as those of surfaces may; left out where both "
+        "had one.",
+    )
+    missing: Annotated[int, Field(ge=0)] = Field(
+        default=0,
+        exclude_if=operator.not_,
+        description="Steps of the work that were not done, because it was stopped; left out where "
+        "all is done.",
+    )
+    unreached: tuple[FrameIndex, FrameIndex] | None = Field(
+        default=None,
+        exclude_if=operator.not_,
+        description="First and last frame that have no pose therefore; left out where all have.",
+    )
+
+
+class Results(Plain):
+    """Where the tracked motion lies, and what was found."""
+
+    tracks: Annotated[str, Field(pattern=r"^tracks-[0-9a-f]{12}\.npz$")] = Field(
+        description="File of the trajectories, beside the session file."
+    )
+    method: MethodName
+    quality: Quality
+    initial: Initial | None = Field(
+        default=None, description="Where segments started from; null: as the settings say."
+    )
+    left_out: tuple[str, ...] = ()
+    segments: tuple[SegmentSummary, ...]
+    tracked_for: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] | None = Field(
+        default=None,
+        description="SHA-256 of the body, the camera and the ignore masks that the motion was "
+        "tracked with; null when not known.",
+    )
+
+    def settings_used(self, settings: TrackSettings) -> TrackSettings:
+        """A session's settings with the method and the start that these results came by."""
+        used = {"method": self.method, "initial": self.initial, "left_out": self.left_out}
+        if self.initial is None:
+            used = {"method": self.method}
+        return settings.model_copy(update=used)
