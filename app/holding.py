@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from app.editor.refusal import Refused
-from app.locking import HeldElsewhere, SessionLock
+from app.locking import HeldElsewhere, NotALock, SessionLock
 from app.opening import Workpiece
 
 
@@ -26,6 +26,8 @@ class Holding:
                 self._lock = SessionLock.take(folder)
             except HeldElsewhere as held:
                 self.read_only = f"Read only: {held}. Close it there, then open it here again."
+            except NotALock as error:
+                self.read_only = f"Read only: {error}"
 
     def take_new(self, folder: Path) -> None:
         """Take the lock of a folder that was just made, unless one is held; HeldElsewhere."""

@@ -15,12 +15,21 @@ except ImportError:  # not on Windows, where two Keyposes on one session are not
     fcntl = None  # type: ignore[assignment]
 
 from tracker.errors import SessionError
+from tracker.files import NotRegular, open_own
 
 NAME = ".keypose.lock"
 
 
+LONGEST_HOLDER = 20
+"""Bytes of a process id, which is all that a lock may hold."""
+
+
 class HeldElsewhere(SessionError):
     """Another process has the session; the text says which."""
+
+
+class NotALock(SessionError):
+    """Something else has the lock's name, and nothing is written beside it; the text says what."""
 
 
 class SessionLock:
@@ -33,12 +42,16 @@ class SessionLock:
     def take(cls, folder: Path) -> SessionLock:
         """Take the lock of a folder that exists; HeldElsewhere when another process has it.
 
+        NotALock when a link, a pipe or anything but a regular file has its name.
         Where no file can be made, nothing can be saved either, which is told when it is tried.
         """
         if fcntl is None:
             return cls(None)
         try:
-            descriptor = os.open(folder / NAME, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+            descriptor = open_own(folder / NAME, os.O_RDWR | os.O_CREAT, one_name=False)
+        except NotRegular as error:
+            what = f"{NAME} in {str(folder)!r} is not a lock of Keypose, {error.strerror}"
+            raise NotALock(f"{what}: remove it if you trust this folder.") from None
         except OSError:
             return cls(None)
         try:
@@ -49,9 +62,7 @@ class SessionLock:
             if error.errno in (errno.EWOULDBLOCK, errno.EACCES):
                 raise HeldElsewhere(f"open in another Keypose{holder}") from None
             return cls(None)  # a file system without locks
-        with suppress(OSError):  # who holds it is only for the words; the disk may be full
-            os.ftruncate(descriptor, 0)
-            os.pwrite(descriptor, str(os.getpid()).encode(), 0)
+        _write_holder(descriptor)
         return cls(descriptor)
 
     def __enter__(self) -> Self:
@@ -82,7 +93,19 @@ def locked(session_path: Path, advice: str) -> Iterator[None]:
         yield
 
 
+def _write_holder(descriptor: int) -> None:
+    """Who holds it, for the words alone. A file that holds anything else, or has another name
+    elsewhere, is not written to: it locks as well as any."""
+    with suppress(OSError):  # the disk may be full
+        there = os.pread(descriptor, LONGEST_HOLDER + 1, 0)
+        is_lock = not there or (there.isdigit() and len(there) <= LONGEST_HOLDER)
+        if not is_lock or os.fstat(descriptor).st_nlink > 1:
+            return
+        os.ftruncate(descriptor, 0)
+        os.pwrite(descriptor, str(os.getpid()).encode(), 0)
+
+
 def _holder(descriptor: int) -> str:
     with suppress(OSError, ValueError):
-        return f" (pid {int(os.pread(descriptor, 20, 0))})"
+        return f" (pid {int(os.pread(descriptor, LONGEST_HOLDER, 0))})"
     return ""

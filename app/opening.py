@@ -15,10 +15,12 @@ from app.journaling import Beginning
 from app.posing import opening_pose
 from app.results import Results, load_results
 from tracker.errors import SessionError
+from tracker.files import read_regular
 from tracker.geometry import Array
 from tracker.session.atomic import make_folder
 from tracker.session.chronicle import OUTSIDE, is_same_film, of_film
 from tracker.session.files import (
+    LARGEST_SESSION_BYTES,
     Opened,
     journal_path,
     load_session,
@@ -208,7 +210,7 @@ def _is_one_file(one: Path, other: Path) -> bool:
 
 def _content(path: Path) -> bytes:
     try:
-        return path.read_bytes()
+        return read_regular(path, LARGEST_SESSION_BYTES)
     except OSError:
         return b""
 

@@ -23,6 +23,7 @@ from pydantic import (
 )
 
 from tracker.errors import BodyError
+from tracker.files import read_regular
 from tracker.shapes import Length, Shape
 from tracker.wording import one_sentence
 
@@ -37,6 +38,7 @@ Angle: TypeAlias = Annotated[FiniteFloat, Field(ge=-360, le=360)]
 Limits: TypeAlias = dict[Literal["x", "y", "z"], tuple[Angle, Angle]]
 
 PRESETS = ("adult_male", "adult_female", "elderly_male", "elderly_female")
+LARGEST_BODY_BYTES = 16 * 2**20
 
 
 class Part(BaseModel):
@@ -132,7 +134,7 @@ class Body(BaseModel):
 def load_body(path: Path) -> Body:
     """Read a body from a JSON file; BodyError in one sentence when it is not one."""
     try:
-        return Body.model_validate_json(path.read_bytes())
+        return Body.model_validate_json(read_regular(path, LARGEST_BODY_BYTES))
     except ValidationError as error:
         raise BodyError(f"{path.name}: {one_sentence(error)}") from None
     except OSError as error:

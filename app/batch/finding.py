@@ -16,13 +16,14 @@ def find_sessions(paths: Sequence[Path]) -> tuple[Path, ...]:
     """The session files, absolute, each once, in the order they were named; a folder's by name.
 
     A file stands for itself, a folder for all sessions in it and below, hidden folders left out
-    and links to folders not followed; what was set aside of a session is none of its own.
+    and links not followed; what was set aside of a session is none of its own.
     SessionError when a path is not there or a folder has none.
     """
     found: dict[str, Path] = {}
     for path in paths:
         for session in _meant(path):
-            found.setdefault(os.path.realpath(session), session.absolute())
+            real = os.path.realpath(session)
+            found.setdefault(real, Path(real) if session.is_symlink() else session.absolute())
     return tuple(found.values())
 
 
@@ -59,5 +60,5 @@ def _below(folder: Path) -> Iterator[Path]:
         for name in sorted(names):
             path = Path(here) / name
             is_shown = not name.startswith(".") and name.lower().endswith(".json")
-            if is_shown and is_session(path):
+            if is_shown and not path.is_symlink() and is_session(path):
                 yield path

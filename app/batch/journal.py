@@ -16,9 +16,11 @@ from typing import IO, Any
 
 from app.locking import HeldElsewhere, SessionLock
 from tracker.errors import SessionError
+from tracker.files import open_own, read_own
 from tracker.session.atomic import make_folder
 
 FOLDER, NAME = ".keypose-batch", "journal.jsonl"
+LARGEST_BYTES = 64 * 2**20
 
 
 class Journal:
@@ -31,6 +33,9 @@ class Journal:
     def __init__(self, out: Path, asked: Mapping[str, Any]) -> None:
         folder = out / FOLDER
         make_folder(folder, error=SessionError)
+        if folder.is_symlink():
+            words = f"{str(folder)!r} is a link: remove it, or choose another --out."
+            raise SessionError(words)
         try:
             self._lock = SessionLock.take(folder)
         except HeldElsewhere as held:
@@ -62,7 +67,7 @@ class Journal:
     def _add(self, line: Mapping[str, Any]) -> None:
         try:
             if self._file is None:
-                self._file = self._path.open("ab" if self._goes_on else "wb")
+                self._file = self._opened()
                 first = {} if self._goes_on else {"asked": self._asked}
                 self._file.write(b"\n" + _encoded(first))  # after one that may have been cut off
             self._file.write(_encoded(line))
@@ -72,6 +77,13 @@ class Journal:
             why = problem.strerror or problem
             raise SessionError(f"{str(self._path)!r} cannot be written: {why}.") from None
 
+    def _opened(self) -> IO[bytes]:
+        """Emptied, unless this batch goes on, only once it is known to be the batch's own."""
+        file = os.fdopen(open_own(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND), "ab")
+        if not self._goes_on:
+            file.truncate(0)
+        return file
+
 
 def _encoded(line: Mapping[str, Any]) -> bytes:
     return json.dumps(line).encode() + b"\n"
@@ -80,7 +92,7 @@ def _encoded(line: Mapping[str, Any]) -> bytes:
 def _lines(path: Path) -> list[dict[str, Any]]:
     """The whole lines; one that was cut off is as if it had not been written."""
     try:
-        content = path.read_bytes()
+        content = read_own(path, LARGEST_BYTES)
     except OSError:
         return []
     lines = []

@@ -20,6 +20,7 @@ from app.reporting.report import (
 from app.reporting.shell import logo
 from app.results import SegmentTrack
 from tracker.errors import KeyposeError
+from tracker.files import read_head
 from tracker.session import Session
 from tracker.session.files import load_session, open_video_of
 from tracker.video import Video
@@ -65,8 +66,7 @@ def batch_html(entries: Sequence[Entry], seconds: float) -> bytes:
 def is_report(path: Path) -> bool:
     """Whether an earlier batch has written this file, so that it may be exchanged."""
     try:
-        with path.open("rb") as file:
-            return MARK in file.read(MARK_WITHIN)
+        return MARK in read_head(path, MARK_WITHIN)
     except OSError:
         return False
 

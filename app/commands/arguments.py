@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import textwrap
 from collections.abc import Callable
@@ -39,7 +40,7 @@ def add_command(
 
 
 def add_session(command: argparse.ArgumentParser) -> None:
-    command.add_argument("session", metavar="SESSION", type=file_name, help="the session file")
+    command.add_argument("session", metavar="SESSION", type=session_file, help="the session file")
 
 
 def add_json(command: argparse.ArgumentParser) -> None:
@@ -71,6 +72,13 @@ def file_name(text: str) -> Path:
         reason = getattr(problem, "strerror", None) or problem
         raise argparse.ArgumentTypeError(f"{text[:40]!r}… is no name: {reason}") from None
     return path
+
+
+def session_file(text: str) -> Path:
+    """A parser of names of session files. A link is followed here, once: what belongs to a session
+    lies beside its file, and is never written through a link."""
+    path = file_name(text)
+    return Path(os.path.realpath(path)) if path.is_symlink() else path
 
 
 def whole_number(least: int, most: int | None = None) -> Callable[[str], int]:

@@ -14,6 +14,7 @@ from app.commands.arguments import (
     add_command,
     add_work,
     file_name,
+    session_file,
 )
 from tracker.errors import SessionError
 
@@ -47,7 +48,7 @@ def add(commands: Subcommands) -> None:
         "when left out",
     )
     command.add_argument(
-        "--session", metavar="SESSION", type=file_name, required=True, help="the session file"
+        "--session", metavar="SESSION", type=session_file, required=True, help="the session file"
     )
     of_session = "; the session's own when left out"
     command.add_argument(

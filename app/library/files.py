@@ -14,6 +14,7 @@ from urllib.parse import quote_from_bytes, unquote_to_bytes
 from app.library.names import shown
 from app.library.uploading import SUFFIXES, SURFACES
 from tracker.errors import KeyposeError
+from tracker.files import read_head
 from tracker.surface.files.sources import SUFFIXES as MESHES
 from tracker.surface.source import are_meshes
 from tracker.video.folder import SUFFIXES as IMAGES
@@ -147,10 +148,7 @@ def is_session(path: Path) -> bool:
     if _SET_ASIDE.search(path.name):
         return False
     try:
-        if not path.is_file():  # a pipe would wait for ever
-            return False
-        with path.open("rb") as file:
-            head = file.read(_HEAD_BYTES)
+        head = read_head(path, _HEAD_BYTES)
     except OSError:
         return False
     return b'"schema_version"' in head and b'"video"' in head

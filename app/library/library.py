@@ -15,6 +15,7 @@ from app.library.recents import Recent, Span, forget, read_recents, remember, sp
 from app.library.samples import bundled, own_copy
 from app.library.uploading import LARGEST_BYTES, SUFFIXES, SURFACES, Upload
 from tracker.errors import KeyposeError, SessionError
+from tracker.files import read_own
 from tracker.session.atomic import make_folder, write_file
 from tracker.session.files import load_session, open_video_of, save_session
 from tracker.session.schema import Session
@@ -24,6 +25,7 @@ Kind: TypeAlias = Literal["recent", "file", "sample", "upload"]
 
 SAMPLE_FOLDER = Path(__file__).resolve().parents[2] / "sample_videos"
 _SAMPLE_THUMB = "sample-"
+_LARGEST_THUMB_BYTES = 4 * 2**20
 
 
 class Library:
@@ -162,7 +164,7 @@ class Library:
             return None
         kept = self._thumbs / f"{id}.jpg"
         with suppress(OSError):
-            return kept.read_bytes()
+            return read_own(kept, _LARGEST_THUMB_BYTES)
         content = _thumb_of(known)
         if content is not None:
             with suppress(KeyposeError):  # then it is made anew the next time

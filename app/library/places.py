@@ -10,7 +10,9 @@ from pydantic_core import from_json
 from app.library.files import SESSION_FOLDER
 from app.library.names import numbered
 from tracker.errors import KeyposeError
+from tracker.files import read_regular
 from tracker.session.atomic import demand_folder
+from tracker.session.files import LARGEST_SESSION_BYTES
 
 SESSION = "session.json"
 
@@ -50,7 +52,7 @@ def _place(folder: Path, video: Path) -> Path:
 def _is_about(session: Path, video: Path) -> bool:
     """A file that cannot be read counts: opening it tells what is wrong with it."""
     try:
-        path = str(from_json(session.read_bytes())["video"]["path"])
+        path = str(from_json(read_regular(session, LARGEST_SESSION_BYTES))["video"]["path"])
         return os.path.realpath(session.parent / path) == os.path.realpath(video)
     except (OSError, ValueError, KeyError, TypeError):
         return True

@@ -10,11 +10,13 @@ from typing import Annotated, Literal, Self, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from app.library.files import SESSION_FOLDER
+from tracker.files import read_own
 from tracker.session import SegmentSummary, Session
 from tracker.session.atomic import make_folder, write_file
 from tracker.session.files import video_path
 
 MOST = 40
+LARGEST_BYTES = 4 * 2**20
 
 State: TypeAlias = Literal["good", "check", "lost", "outdated", "tracking", "waiting", "none"]
 Span: TypeAlias = tuple[int, int, State]
@@ -67,7 +69,7 @@ class _Book(BaseModel):
 def read_recents(file: Path) -> tuple[Recent, ...]:
     """Newest first; a file that cannot be read is as good as none."""
     try:
-        return _Book.model_validate_json(file.read_bytes()).recents
+        return _Book.model_validate_json(read_own(file, LARGEST_BYTES)).recents
     except (OSError, ValidationError):
         return ()
 

@@ -13,9 +13,11 @@ import numpy as np
 from app.results.collection import Results
 from app.results.keys import Span, segment_keys
 from app.results.track import RANK, SegmentTrack
+from tracker.files import read_regular
 from tracker.geometry import Array
 from tracker.run import SegmentResult, TrackResult
 from tracker.session import SegmentSummary, Session
+from tracker.session.files import LARGEST_SESSION_BYTES
 from tracker.session.outdated import KEYFRAME_TOLERANCE, setup_hash
 from tracker.session.tracks import Tracks, load_tracks, save_result
 from tracker.settings import Quality
@@ -88,7 +90,7 @@ def tidy_tracks(folder: Path) -> None:
 
 def _content(file: Path) -> bytes:
     try:
-        return file.read_bytes()
+        return read_regular(file, LARGEST_SESSION_BYTES)
     except OSError:
         return b""
 

@@ -17,6 +17,7 @@ from pathlib import Path
 from tracker.body import Body, Point
 from tracker.errors import FormatError
 from tracker.evaluate import Place
+from tracker.files import TooLarge, read_regular
 from tracker.formats.bvh import end_site
 from tracker.formats.marker_names import places_of
 from tracker.shapes import Frustum
@@ -133,9 +134,9 @@ def matched(
 def load_names(path: Path) -> dict[str, str]:
     """A file {"their name": "our joint"}; FormatError in one sentence when it is not one."""
     try:
-        if path.stat().st_size > LARGEST_NAMES_BYTES:
-            raise FormatError(f"{path.name} is too large for a list of names.")
-        names = json.loads(path.read_bytes())
+        names = json.loads(read_regular(path, LARGEST_NAMES_BYTES))
+    except TooLarge:
+        raise FormatError(f"{path.name} is too large for a list of names.") from None
     except OSError as error:
         raise FormatError(f"{str(path)!r} cannot be read: {error.strerror or error}.") from None
     except (ValueError, RecursionError):

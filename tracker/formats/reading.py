@@ -14,6 +14,7 @@ from typing import Final, Literal, TypeAlias
 import numpy as np
 
 from tracker.errors import FormatError
+from tracker.files import TooLarge, read_regular
 from tracker.geometry import Array, frozen
 
 LARGEST_MOTION_BYTES: Final = 96 * 2**20
@@ -112,10 +113,10 @@ def load_motion(path: Path) -> JointMotion:
     if read is None:
         raise FormatError(f"{path.name} is no motion file: .bvh, .trc, .c3d or .csv is expected.")
     try:
-        if path.stat().st_size > LARGEST_MOTION_BYTES:
-            limit = LARGEST_MOTION_BYTES // 2**20
-            raise FormatError(f"{path.name} is larger than the {limit} MB a motion may have.")
-        return read(path)
+        return read(path.name, read_regular(path, LARGEST_MOTION_BYTES))
+    except TooLarge:
+        limit = LARGEST_MOTION_BYTES // 2**20
+        raise FormatError(f"{path.name} is larger than the {limit} MB a motion may have.") from None
     except FileNotFoundError:
         raise FormatError(f"There is no motion file {str(path)!r}.") from None
     except UnicodeDecodeError:
@@ -133,7 +134,8 @@ def demand_size(file: str, frames: int, joints: int) -> None:
         raise FormatError(f"{file} has {frames} frames of {joints} joints, which is too much.")
 
 
-def _readers() -> dict[str, Callable[[Path], JointMotion]]:
+def _readers() -> dict[str, Callable[[str, bytes], JointMotion]]:
+    """By the ending of a name, what makes a motion of a file's name and content."""
     from tracker.formats.reading_bvh import read_bvh
     from tracker.formats.reading_c3d import read_c3d
     from tracker.formats.reading_csv import read_csv

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 
@@ -31,9 +30,9 @@ class _Joint:
     channels: list[tuple[int, int, str]] = field(default_factory=list)
 
 
-def read_bvh(path: Path) -> JointMotion:
-    """The motion of a BVH file; FormatError in one sentence."""
-    file, text = path.name, path.read_text("utf-8-sig")
+def read_bvh(file: str, content: bytes) -> JointMotion:
+    """The motion in a BVH file's content; FormatError in one sentence."""
+    text = content.decode("utf-8-sig")
     head, mark, tail = text.partition("MOTION")
     if not mark:
         raise FormatError(f"{file} has no MOTION section, so it is no whole BVH file.")

@@ -6,6 +6,7 @@ was not seen. Time runs from the trial's first frame, also where the file begins
 
 from __future__ import annotations
 
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -19,14 +20,11 @@ _MAGIC = 0x50
 """The second byte of every C3D file."""
 
 
-def read_c3d(path: Path) -> JointMotion:
-    """The motion of a C3D file; FormatError in one sentence."""
-    file = path.name
-    with path.open("rb") as content:
-        start = content.read(512)
-    if len(start) < 512 or start[1] != _MAGIC:
+def read_c3d(file: str, content: bytes) -> JointMotion:
+    """The motion in a C3D file's content; FormatError in one sentence."""
+    if len(content) < 512 or content[1] != _MAGIC:
         raise FormatError(f"{file} does not begin as a C3D file does.")
-    held = _opened(path)
+    held = _opened(file, content)
     try:
         points, point = held["data"]["points"], held["parameters"]["POINT"]
         names = [str(name).strip() for name in point["LABELS"]["value"]][: points.shape[1]]
@@ -46,13 +44,16 @@ def read_c3d(path: Path) -> JointMotion:
     return JointMotion.of(file, names, np.swapaxes(positions, 0, 1), times_s, world, unit)
 
 
-def _opened(path: Path) -> Any:
+def _opened(file: str, content: bytes) -> Any:
     try:
         import ezc3d
     except ImportError:
         raise FormatError("C3D files need ezc3d: pip install 'keypose[c3d]'.") from None
     try:
-        return ezc3d.c3d(str(path))
+        with tempfile.TemporaryDirectory() as folder:  # ezc3d reads from a path and nothing else
+            path = Path(folder) / "motion.c3d"
+            path.write_bytes(content)
+            return ezc3d.c3d(str(path))
     except Exception as error:  # noqa: BLE001 — whatever its reader raises, the file is at fault
         why = " ".join(str(error).split()).rstrip(".")[:120]
-        raise FormatError(f"{path.name} is no C3D file that can be read: {why}.") from None
+        raise FormatError(f"{file} is no C3D file that can be read: {why}.") from None

@@ -9,8 +9,8 @@ camera frame. Any other is taken to be y up. An empty place is a joint that was 
 from __future__ import annotations
 
 import csv
+import io
 import re
-from pathlib import Path
 
 import numpy as np
 
@@ -21,10 +21,9 @@ _COLUMN = re.compile(r"(?P<name>.+)[_ .](?P<axis>[xyzXYZ])(?:_(?P<unit>m|cm|mm))
 _TIMES = ("time_s", "time", "t")
 
 
-def read_csv(path: Path) -> JointMotion:
-    """The motion of a table; FormatError in one sentence."""
-    file = path.name
-    rows = _rows(path)
+def read_csv(file: str, content: bytes) -> JointMotion:
+    """The motion in a table; FormatError in one sentence."""
+    rows = _rows(file, content.decode("utf-8-sig"))
     heads = [head.strip() for head in rows[0]]
     time = next((heads.index(head) for head in _TIMES if head in heads), None)
     if time is None:
@@ -46,19 +45,18 @@ def read_csv(path: Path) -> JointMotion:
     return JointMotion.of(file, list(columns), positions, table[:, time], world, unit)
 
 
-def _rows(path: Path) -> list[list[str]]:
+def _rows(file: str, text: str) -> list[list[str]]:
     rows: list[list[str]] = []
     try:
-        with path.open(encoding="utf-8-sig", newline="") as text:
-            for row in csv.reader(text):
-                if row:
-                    rows.append(row)
-                if len(rows) > MOST_FRAMES + 1:
-                    raise FormatError(f"{path.name} has more than {MOST_FRAMES} rows.")
+        for row in csv.reader(io.StringIO(text, newline="")):
+            if row:
+                rows.append(row)
+            if len(rows) > MOST_FRAMES + 1:
+                raise FormatError(f"{file} has more than {MOST_FRAMES} rows.")
     except csv.Error as error:
-        raise FormatError(f"{path.name} is no table of comma-separated values: {error}.") from None
+        raise FormatError(f"{file} is no table of comma-separated values: {error}.") from None
     if not rows:
-        raise FormatError(f"{path.name} is empty.")
+        raise FormatError(f"{file} is empty.")
     return rows
 
 

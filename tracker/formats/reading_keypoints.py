@@ -18,6 +18,7 @@ import numpy as np
 from pydantic_core import from_json
 
 from tracker.errors import FormatError
+from tracker.files import TooLarge, read_regular
 from tracker.geometry import Array
 
 LARGEST_KEYPOINT_BYTES: Final = 256 * 2**20
@@ -185,9 +186,9 @@ def _other_side(name: str, names: Sequence[str]) -> str:
 
 
 def _json(path: Path, largest: int) -> Any:
-    if path.stat().st_size > largest:
-        raise FormatError(f"{path.name} is too large for keypoints.")
     try:
-        return from_json(path.read_bytes())
+        return from_json(read_regular(path, largest))
+    except TooLarge:
+        raise FormatError(f"{path.name} is too large for keypoints.") from None
     except ValueError:
         raise FormatError(f"{path.name} is not JSON.") from None

@@ -5,8 +5,6 @@ The unit is the header's, y is up, and an empty place is a marker that was not s
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 
 from tracker.errors import FormatError
@@ -16,9 +14,9 @@ from tracker.geometry import Array
 _UNITS: dict[str, Unit] = {"m": "m", "meters": "m", "metres": "m", "cm": "cm", "mm": "mm"}
 
 
-def read_trc(path: Path) -> JointMotion:
-    """The motion of a TRC file; FormatError in one sentence."""
-    file, lines = path.name, path.read_text("utf-8-sig").splitlines()
+def read_trc(file: str, content: bytes) -> JointMotion:
+    """The motion in a TRC file's content; FormatError in one sentence."""
+    lines = content.decode("utf-8-sig").splitlines()
     if len(lines) < 6 or not lines[0].startswith("PathFileType"):
         raise FormatError(f"{file} does not begin as a TRC file does, with PathFileType.")
     header = dict(zip(lines[1].split(), lines[2].split(), strict=False))

@@ -24,6 +24,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
 from tracker.errors import FormatError
 from tracker.evaluate import JointReference
+from tracker.files import TooLarge, read_regular
 from tracker.formats.marker_names import places_of
 from tracker.geometry import Array, transpose
 from tracker.session.archive import LARGEST_PACKED_BYTES, archive_arrays
@@ -68,10 +69,10 @@ def load_reference(path: Path, skeleton: Skeleton) -> Trajectory | JointReferenc
 
 
 def _marks(path: Path, skeleton: Skeleton) -> JointReference:
-    if path.stat().st_size > LARGEST_MARKS_BYTES:
-        raise FormatError(f"{path.name} is too large for a file of marked joints.")
     try:
-        marks = _Marks.model_validate_json(path.read_bytes()).frames
+        marks = _Marks.model_validate_json(read_regular(path, LARGEST_MARKS_BYTES)).frames
+    except TooLarge:
+        raise FormatError(f"{path.name} is too large for a file of marked joints.") from None
     except ValidationError as error:
         text = one_sentence(error)
         raise FormatError(f"{path.name}: {text[:1].lower()}{text[1:]}") from None
@@ -88,10 +89,10 @@ def _marks(path: Path, skeleton: Skeleton) -> JointReference:
 
 
 def _arrays(path: Path, skeleton: Skeleton) -> Trajectory | JointReference:
-    if path.stat().st_size > LARGEST_PACKED_BYTES:
-        raise FormatError(f"{path.name} is too large for a reference.")
     try:
-        arrays = archive_arrays(path.read_bytes(), packed=True)
+        arrays = archive_arrays(read_regular(path, LARGEST_PACKED_BYTES), packed=True)
+    except TooLarge:
+        raise FormatError(f"{path.name} is too large for a reference.") from None
     except ValueError as error:
         why = " ".join(str(error).split()).rstrip(".")
         raise FormatError(f"{path.name} is not an archive of plain arrays: {why}.") from None

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import secrets
+import stat
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
@@ -23,13 +24,12 @@ def write_file(
     keep_previous: bool = False,
     error: type[KeyposeError] = FormatError,
 ) -> None:
-    """Put the bytes at the path. A link is followed: what it points to is exchanged.
+    """Put the bytes at the path. Where a link is there, it is replaced; what it leads to stays.
 
-    overwrite:     exchange a file that is there; otherwise that is an error.
+    overwrite:     replace a file that is there; otherwise that is an error.
     keep_previous: the file that was there stays as `<name>.previous`.
     error:         the kind of error raised, in one sentence, when the disk refuses.
     """
-    path = Path(os.path.realpath(path))
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(6)}.part")
     try:
         try:
@@ -63,7 +63,7 @@ def demand_folder(folder: Path, *, error: type[KeyposeError] = FormatError) -> N
 def demand_absent(paths: Iterable[Path], *, error: type[KeyposeError] = FormatError) -> None:
     """Raise, in one sentence, when one of these files is there already."""
     for path in paths:
-        if path.exists() or path.is_symlink():
+        if os.path.lexists(path):
             raise error(f"{str(path)!r} exists already; choose another place or add --overwrite.")
 
 
@@ -88,10 +88,12 @@ def _place(temporary: Path, path: Path, overwrite: bool, keep_previous: bool) ->
     if not overwrite:
         _place_new(temporary, path)
         return
-    if path.exists():
-        temporary.chmod(path.stat().st_mode & 0o777)
-        if keep_previous:
-            _keep(path)
+    with suppress(FileNotFoundError):
+        mode = path.lstat().st_mode
+        if stat.S_ISREG(mode):
+            temporary.chmod(mode & 0o777)
+            if keep_previous:
+                _keep(path)
     temporary.replace(path)
 
 
@@ -102,7 +104,7 @@ def _place_new(temporary: Path, path: Path) -> None:
     except FileExistsError:
         raise
     except OSError:  # a file system without links: the look and the rename are two steps there
-        if path.exists():
+        if os.path.lexists(path):
             raise FileExistsError from None
         temporary.rename(path)
 

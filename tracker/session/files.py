@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,7 @@ from pydantic import ValidationError
 from pydantic_core import from_json
 
 from tracker.errors import SessionError
+from tracker.files import TooLarge, read_own, read_regular
 from tracker.session.atomic import write_file
 from tracker.session.chronicle import Recovered, recovered
 from tracker.session.finding import found_again
@@ -94,7 +96,7 @@ def save_session(session: Session, path: Path) -> None:
     """
     content = session_json(session)
     try:
-        there = path.read_bytes() if path.is_file() else b""
+        there = read_own(path, LARGEST_SESSION_BYTES)
     except OSError:  # it cannot be compared, so it is written, which tells what is wrong
         there = b""
     if there == content:
@@ -118,7 +120,7 @@ def _back_up(path: Path, there: bytes) -> None:
     if version is None or version >= PRESENT:
         return
     kept = path.with_name(f"{path.name}.v{version}")
-    if not kept.exists():
+    if not os.path.lexists(kept):
         write_file(kept, there, error=SessionError)
 
 
@@ -129,13 +131,17 @@ def set_aside(path: Path, known: Collection[bytes]) -> Path | None:
     nothing else was written. SessionError when it cannot be kept.
     """
     try:
-        there = path.read_bytes()
+        there = read_regular(path, LARGEST_SESSION_BYTES)
+    except TooLarge as error:
+        raise SessionError(
+            f"{path.name} was replaced by a file that is too large for a session: move it away."
+        ) from error
     except OSError:  # nothing there that could be lost
         return None
     if there in known:
         return None
     copy = path.with_name(f"{path.stem}.theirs-{hashlib.sha256(there).hexdigest()[:8]}.json")
-    if not copy.exists():
+    if not os.path.lexists(copy):
         write_file(copy, there, error=SessionError)
     return copy
 
@@ -235,9 +241,9 @@ def _read(path: Path) -> bytes:
     try:
         if path.is_dir():
             raise SessionError(f"{str(path)!r} is a folder; name the session file in it.")
-        if path.stat().st_size > LARGEST_SESSION_BYTES:
-            raise SessionError(f"{str(path)!r} is too large to be a session file.")
-        return path.read_bytes()
+        return read_regular(path, LARGEST_SESSION_BYTES)
+    except TooLarge:
+        raise SessionError(f"{str(path)!r} is too large to be a session file.") from None
     except FileNotFoundError:
         raise SessionError(f"There is no session file {str(path)!r}.") from None
     except (OSError, ValueError) as error:  # ValueError: a NUL character in the name

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from tracker.errors import SurfaceError
+from tracker.files import read_head
 from tracker.session.schema import Session, Surface
 
 MOST_FILES = 500
@@ -55,10 +56,7 @@ def cameras_seen(surface: Surface, place: Path) -> Surface:
     """The same with the fingerprint of its cameras' file, which lies there; a file that cannot be
     read tells nothing new."""
     try:
-        if not place.is_file():  # a pipe would wait for ever
-            return surface
-        with place.open("rb") as file:
-            content = file.read(MOST_CAMERA_BYTES)
+        content = read_head(place, MOST_CAMERA_BYTES)
     except (OSError, ValueError):  # ValueError: a NUL character in its name
         return surface
     fingerprint = f"sha256:{hashlib.sha256(content).hexdigest()}"

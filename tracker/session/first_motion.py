@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 
 from tracker.body import Body
 from tracker.errors import SessionError
+from tracker.files import read_regular
 from tracker.geometry import transpose
-from tracker.session.archive import archive_arrays, archive_bytes
+from tracker.session.archive import LARGEST_PACKED_BYTES, archive_arrays, archive_bytes
 from tracker.session.atomic import write_file
 from tracker.session.schema import FirstMotion, Session
 from tracker.trajectory import Trajectory
@@ -68,7 +69,7 @@ def carry_first_motion(session: Session, folder: Path, other: Path) -> None:
     if place.exists():  # named by its content
         return
     try:
-        content = source.read_bytes()
+        content = read_regular(source, LARGEST_PACKED_BYTES)
     except OSError:  # tracking will tell that it is missing
         return
     write_file(place, content, overwrite=True, error=SessionError)
@@ -77,7 +78,7 @@ def carry_first_motion(session: Session, folder: Path, other: Path) -> None:
 def load_first_motion(path: Path, body: Body) -> Trajectory:
     """The motion in a file; SessionError in one sentence when there is none for this body."""
     try:
-        content = path.read_bytes()
+        content = read_regular(path, LARGEST_PACKED_BYTES)
     except OSError as error:
         raise SessionError(
             f"The imported motion {str(path)!r} cannot be read: {error.strerror or error}; import "

@@ -18,6 +18,7 @@ from typing import Any, TypeAlias
 from pydantic_core import from_json, to_json
 
 from tracker.errors import SessionError
+from tracker.files import TooLarge, open_own, read_own, require_own
 from tracker.session.atomic import write_file
 
 NAME = "journal.jsonl"
@@ -43,11 +44,11 @@ class Read:
 def read_journal(path: Path) -> Read:
     """What a journal says; nothing where there is none. SessionError when it cannot be read."""
     try:
-        if path.stat().st_size > LARGEST_BYTES:
-            raise SessionError(f"{str(path)!r} is too large to be a session's journal.")
-        content = path.read_bytes()
+        content = read_own(path, LARGEST_BYTES)
     except FileNotFoundError:
         return Read()
+    except TooLarge:
+        raise SessionError(f"{str(path)!r} is too large to be a session's journal.") from None
     except OSError as error:
         why = error.strerror or error
         raise SessionError(f"The journal {str(path)!r} cannot be read: {why}.") from None
@@ -79,9 +80,12 @@ class Journal:
     def is_there(self) -> bool:
         """Whether the file still is the one to go on with: nobody removed or exchanged it."""
         try:
-            there = self.path.stat()
-        except OSError:
+            there = self.path.lstat()
+            require_own(self.path, there)
+        except FileNotFoundError:
             return self.size == 0
+        except OSError:
+            return False
         if self._file is not None and not os.path.samestat(there, os.fstat(self._file)):
             return False
         return there.st_size >= self.size
@@ -123,8 +127,7 @@ class Journal:
 
     def _opened(self) -> int:
         if self._file is None:
-            flags = os.O_WRONLY | os.O_CREAT | getattr(os, "O_CLOEXEC", 0)
-            self._file = os.open(self.path, flags, 0o644)
+            self._file = open_own(self.path, os.O_WRONLY | os.O_CREAT)
             os.ftruncate(self._file, self.size)
         return self._file
 

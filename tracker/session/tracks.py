@@ -31,6 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracker.errors import SessionError
+from tracker.files import read_own, read_regular
 from tracker.geometry import Array, frozen, transpose
 from tracker.pose import Pose
 from tracker.session.archive import archive_arrays, archive_bytes
@@ -39,6 +40,9 @@ from tracker.session.outdated import open_ends, setup_hash
 from tracker.session.results import Results, SegmentSummary
 from tracker.session.schema import Session
 from tracker.trajectory import Trajectory
+
+LARGEST_TRACKS_BYTES = 2**30
+"""Hours of film; what is larger was put there by somebody else."""
 
 if TYPE_CHECKING:
     from tracker.run import SegmentResult, TrackResult
@@ -263,14 +267,14 @@ def tracks_name(content: bytes) -> str:
 
 def _holds(path: Path, content: bytes) -> bool:
     try:
-        return path.read_bytes() == content
+        return read_own(path, LARGEST_TRACKS_BYTES) == content
     except OSError:
         return False
 
 
 def _read(path: Path) -> Tracks:
     try:
-        content = path.read_bytes()
+        content = read_regular(path, LARGEST_TRACKS_BYTES)
     except OSError as error:
         raise SessionError(
             f"The tracks file {str(path)!r} cannot be read: {error.strerror or error}."

@@ -16,6 +16,7 @@ from av.container import InputContainer
 from av.video.stream import VideoStream
 
 from tracker.errors import VideoError
+from tracker.files import read_head
 
 # Only demuxers that read one local file. Playlists (HLS, DASH, concat) and numbered image
 # patterns would let a file name other files, or addresses on the network.
@@ -126,8 +127,7 @@ def _is_cover(stream: VideoStream) -> bool:
 
 
 def _unreadable(path: Path) -> str:
-    with path.open("rb") as file:
-        head = file.read(12)
+    head = read_head(path, 12)
     if head[4:8] == b"ftyp":
         return (
             f'"{path.name}" is incomplete, its table of frames is absent or damaged: '

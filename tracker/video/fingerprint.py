@@ -10,6 +10,8 @@ import hashlib
 from collections.abc import Sequence
 from pathlib import Path
 
+from tracker.files import open_regular
+
 _CHUNK = 64 * 1024
 _IMAGE_CHUNK = 4 * 1024
 
@@ -36,6 +38,6 @@ def fingerprint_of_images(paths: Sequence[Path]) -> str:
 
 
 def _chunk(path: Path, offset: int, length: int) -> bytes:
-    with path.open("rb") as file:
+    with open_regular(path) as file:
         file.seek(offset)
         return file.read(length)

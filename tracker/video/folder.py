@@ -14,6 +14,7 @@ import av.error
 import numpy as np
 
 from tracker.errors import VideoError
+from tracker.files import open_regular
 from tracker.video.container import OPTIONS, not_permitted
 from tracker.video.fingerprint import fingerprint_of_images
 from tracker.video.image_size import stored_size
@@ -161,7 +162,7 @@ def natural(name: str) -> tuple[list[tuple[int, str]], str]:
 
 def _read(path: Path, length: int = -1) -> bytes:
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             return file.read(length)
     except PermissionError as error:
         raise not_permitted(path) from error

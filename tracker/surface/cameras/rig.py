@@ -22,6 +22,7 @@ from pydantic_core import from_json
 
 from tracker.camera import Camera
 from tracker.errors import SurfaceError
+from tracker.files import TooLarge, read_regular
 from tracker.geometry import Array, nearest_rotation, rotation_from_quaternion, transform
 from tracker.settings import Plain, Units, UpAxis
 from tracker.surface.cameras.views import View
@@ -128,11 +129,9 @@ def _content(path: Path) -> bytes:
     try:
         if path.is_dir():
             raise SurfaceError(f"{str(path)!r} is a folder; name the cameras' file in it.")
-        if path.exists() and not path.is_file():
-            raise SurfaceError(f"{str(path)!r} is no ordinary file.")
-        if path.stat().st_size > LARGEST_BYTES:
-            raise SurfaceError(f"{str(path)!r} is too large to be a file of cameras.")
-        return path.read_bytes()
+        return read_regular(path, LARGEST_BYTES)
+    except TooLarge:
+        raise SurfaceError(f"{str(path)!r} is too large to be a file of cameras.") from None
     except FileNotFoundError:
         raise SurfaceError(f"There is no file of cameras {str(path)!r}.") from None
     except (OSError, ValueError) as error:

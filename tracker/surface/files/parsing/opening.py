@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 import os
-import stat
 from pathlib import Path
 from typing import BinaryIO, Final
 
+from tracker.files import NotRegular, open_regular
 from tracker.surface.files.parsing.raw import Refused
 
 LARGEST_BYTES: Final = 512 * 2**20
 
-_FLAGS: Final = (
-    os.O_RDONLY
-    | getattr(os, "O_BINARY", 0)
-    | getattr(os, "O_NONBLOCK", 0)  # a pipe put there after it was looked at is not waited for
-)
 _ARCHIVES: Final = {
     b"PK\x03\x04": "zip archive",
     b"PK\x05\x06": "zip archive",
@@ -30,9 +25,9 @@ _ARCHIVES: Final = {
 def opened(path: Path) -> BinaryIO:
     """The file, open for reading. Refused where it is none, empty, huge or an archive."""
     try:
-        # Looked at before it is opened: opening a device may already do something.
-        _demand_ordinary(path.stat())
-        file = os.fdopen(os.open(path, _FLAGS), "rb")
+        file = open_regular(path)
+    except NotRegular as error:
+        raise Refused("is not a regular file: put a mesh in its place.") from error
     except FileNotFoundError as error:
         raise Refused("is no longer there: put it back, or open the folder again.") from error
     except PermissionError as error:
@@ -40,7 +35,7 @@ def opened(path: Path) -> BinaryIO:
     except OSError as error:
         raise Refused("cannot be read: check the disk or connection it is on.") from error
     try:
-        _demand_ordinary(os.fstat(file.fileno()))
+        _demand_sensible_size(os.fstat(file.fileno()).st_size)
         _demand_no_archive(file)
     except BaseException:
         file.close()
@@ -48,14 +43,12 @@ def opened(path: Path) -> BinaryIO:
     return file
 
 
-def _demand_ordinary(facts: os.stat_result) -> None:
-    if not stat.S_ISREG(facts.st_mode):
-        raise Refused("is no ordinary file: put a mesh in its place.")
-    if facts.st_size == 0:
+def _demand_sensible_size(size: int) -> None:
+    if size == 0:
         raise Refused("is empty: export it again.")
-    if facts.st_size > LARGEST_BYTES:
+    if size > LARGEST_BYTES:
         raise Refused(
-            f"is {facts.st_size / 2**20:,.0f} MB large, and no more than "
+            f"is {size / 2**20:,.0f} MB large, and no more than "
             f"{LARGEST_BYTES // 2**20} MB are read: simplify it, or save it in a binary form."
         )
 

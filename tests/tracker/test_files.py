@@ -1,0 +1,198 @@
+"""Foreign files are read as regular files of a sensible size; Keypose's own through no link."""
+
+from __future__ import annotations
+
+import os
+import socket
+import stat
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from tests.tracker import session_cases as cases
+from tracker.body import load_body
+from tracker.errors import BodyError, FormatError, KeyposeError, SessionError, SurfaceError
+from tracker.files import (
+    NotRegular,
+    TooLarge,
+    open_own,
+    open_regular,
+    read_head,
+    read_own,
+    read_regular,
+)
+from tracker.formats.joint_names import load_names
+from tracker.formats.reading import load_motion
+from tracker.formats.reading_keypoints import load_keypoints
+from tracker.formats.reference import load_reference
+from tracker.session.files import load_session
+from tracker.session.finding import MOST_CAMERA_BYTES
+from tracker.session.journal import Journal, read_journal
+from tracker.skeleton import Skeleton
+from tracker.surface.cameras.rig import Rig
+
+NOT_FILES = ("pipe", "device", "socket", "folder")
+
+
+@contextmanager
+def made(kind: str, path: Path) -> Iterator[Path]:
+    """Something at the path that is no regular file."""
+    listener = None
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "device":
+        path.symlink_to("/dev/zero")
+    elif kind == "socket":
+        listener = socket.socket(socket.AF_UNIX)
+        listener.bind(str(path))
+    else:
+        path.mkdir()
+    try:
+        yield path
+    finally:
+        if listener is not None:
+            listener.close()
+
+
+@pytest.fixture
+def short(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder whose name leaves room for a socket's."""
+    return tmp_path_factory.mktemp("s")
+
+
+@pytest.mark.parametrize("kind", NOT_FILES)
+@pytest.mark.parametrize("read", [lambda p: open_regular(p), lambda p: read_regular(p, 9),
+                                  lambda p: read_head(p, 9), lambda p: read_own(p, 9)])  # fmt: skip
+def test_what_is_no_regular_file_is_never_read(
+    kind: str, read: Callable[[Path], object], short: Path
+) -> None:
+    with made(kind, short / "it") as path, pytest.raises(NotRegular):
+        read(path)
+
+
+def test_a_pipe_put_there_after_the_look_is_not_waited_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pipe, plain = tmp_path / "pipe", tmp_path / "plain"
+    os.mkfifo(pipe)
+    plain.write_bytes(b"x")
+    looked = plain.stat()
+    monkeypatch.setattr(Path, "stat", lambda *_, **__: looked)
+    with pytest.raises(NotRegular):
+        open_regular(pipe)
+
+
+def test_no_more_is_read_than_is_allowed(tmp_path: Path) -> None:
+    path = tmp_path / "file"
+    path.write_bytes(b"12345")
+    assert read_regular(path, 5) == b"12345"
+    assert read_head(path, 4) == b"1234"
+    with pytest.raises(TooLarge):
+        read_regular(path, 4)
+
+
+def test_a_file_that_claims_no_size_is_not_believed() -> None:
+    claims_nothing = Path("/proc/self/maps")
+    if not claims_nothing.exists():
+        pytest.skip("there is no /proc")
+    assert claims_nothing.stat().st_size == 0
+    with pytest.raises(TooLarge):
+        read_regular(claims_nothing, 10)
+
+
+def load_any_reference(path: Path) -> object:
+    return load_reference(path, Skeleton.of(cases.session().body))
+
+
+READERS: dict[str, Callable[[Path], object]] = {
+    "session.json": load_session,
+    "body.json": load_body,
+    "names.json": load_names,
+    "coco.json": load_keypoints,
+    "cameras.json": Rig.open,
+    "motion.bvh": load_motion,
+    "motion.csv": load_motion,
+    "marks.json": load_any_reference,
+    "truth.npz": load_any_reference,
+}
+
+
+@pytest.mark.parametrize("name", READERS)
+@pytest.mark.parametrize("kind", ["pipe", "device"])
+def test_every_reader_refuses_what_never_ends_in_one_sentence(
+    kind: str, name: str, tmp_path: Path
+) -> None:
+    with made(kind, tmp_path / name) as path, pytest.raises(KeyposeError) as told:
+        READERS[name](path)
+    assert isinstance(told.value, BodyError | FormatError | SessionError | SurfaceError)
+    assert "not a regular file" in str(told.value)
+
+
+# --- Keypose's own
+
+
+def test_a_link_is_not_followed_to_write(tmp_path: Path) -> None:
+    precious, link = tmp_path / "v.txt", tmp_path / "own"
+    precious.write_bytes(b"precious")
+    link.symlink_to(precious)
+    with pytest.raises(NotRegular, match="link"):
+        open_own(link, os.O_WRONLY | os.O_CREAT)
+
+
+def test_a_link_to_nowhere_makes_no_file_there(tmp_path: Path) -> None:
+    (tmp_path / "own").symlink_to(tmp_path / "new")
+    with pytest.raises(NotRegular):
+        open_own(tmp_path / "own", os.O_WRONLY | os.O_CREAT)
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_file_with_a_second_name_is_read_and_not_written(tmp_path: Path) -> None:
+    first, second = tmp_path / "first", tmp_path / "second"
+    first.write_bytes(b"x")
+    second.hardlink_to(first)
+    assert read_own(second, 9) == b"x"
+    with pytest.raises(NotRegular, match="another name"):
+        open_own(second, os.O_WRONLY)
+
+
+def test_a_link_put_there_after_the_look_is_not_followed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    precious, link = tmp_path / "v.txt", tmp_path / "own"
+    precious.write_bytes(b"precious")
+    link.symlink_to(precious)
+    looked = precious.stat()
+    monkeypatch.setattr(Path, "lstat", lambda *_: looked)
+    with pytest.raises(OSError):  # noqa: PT011 — ELOOP, by whatever name the system has for it
+        open_own(link, os.O_WRONLY)
+
+
+def test_an_own_file_is_made_where_there_is_none(tmp_path: Path) -> None:
+    os.close(open_own(tmp_path / "own", os.O_WRONLY | os.O_CREAT, 0o600))
+    assert stat.S_IMODE((tmp_path / "own").stat().st_mode) == 0o600
+
+
+@pytest.mark.parametrize("link", ["symbolic", "hard"])
+def test_a_journal_that_leads_elsewhere_is_begun_anew_in_its_own_place(
+    tmp_path: Path, link: str
+) -> None:
+    precious, path = tmp_path / "v.txt", tmp_path / "journal.jsonl"
+    precious.write_bytes(b"precious")
+    path.symlink_to(precious) if link == "symbolic" else path.hardlink_to(precious)
+    journal = Journal(path, 0)
+    assert not journal.is_there()
+    with pytest.raises(SessionError, match="cannot be written"):
+        journal.append([{"saved": "x"}])
+    journal.begin_anew([{"saved": "x"}])
+    journal.append([{"saved": "y"}])
+    journal.close()
+    assert precious.read_bytes() == b"precious"
+    assert [record["saved"] for record in read_journal(path).records] == ["x", "y"]
+
+
+def test_cameras_beyond_their_size_are_recognized_by_their_beginning(tmp_path: Path) -> None:
+    path = tmp_path / "cameras.json"
+    path.write_bytes(b" " * (MOST_CAMERA_BYTES + 1))
+    assert len(read_head(path, MOST_CAMERA_BYTES)) == MOST_CAMERA_BYTES

@@ -1,0 +1,114 @@
+"""Opening files that somebody else may have put there.
+
+A name in a folder from elsewhere may be a link to any file of the user, a pipe that waits for ever
+or a device that never ends. Foreign files are read as regular files of at most so many bytes. Files
+that Keypose keeps beside a session are opened only where they are its own: regular, reached by no
+link, known by no second name.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import stat
+from pathlib import Path
+from typing import BinaryIO
+
+_ALWAYS = getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_NONBLOCK", 0)
+"""Without waiting: a pipe put there after it was looked at would hang."""
+
+
+class NotRegular(OSError):
+    """There is something at this path that is not a regular file, or not Keypose's own."""
+
+    def __init__(self, path: Path, why: str) -> None:
+        super().__init__(errno.EINVAL, why, str(path))
+
+
+class TooLarge(OSError):
+    """The file has more bytes than are read of its kind."""
+
+    def __init__(self, path: Path, most_bytes: int) -> None:
+        size = f"{most_bytes / 2**20:,.3g} MB"
+        super().__init__(errno.EFBIG, f"it is larger than {size}", str(path))
+
+
+def open_regular(path: Path) -> BinaryIO:
+    """A file open for reading. OSError, NotRegular among them, with a reason in `strerror`."""
+    # Looked at before it is opened: opening a device may already do something.
+    _require_regular(path, path.stat())
+    file = os.fdopen(os.open(path, os.O_RDONLY | _ALWAYS), "rb")
+    try:
+        _require_regular(path, os.fstat(file.fileno()))
+    except BaseException:
+        file.close()
+        raise
+    return file
+
+
+def read_regular(path: Path, most_bytes: int) -> bytes:
+    """All of a file. OSError as `open_regular`, and TooLarge where it has more bytes than that."""
+    with open_regular(path) as file:
+        # The size a file claims is not believed: one in /proc claims none, another may grow.
+        content = file.read(most_bytes + 1)
+    if len(content) > most_bytes:
+        raise TooLarge(path, most_bytes)
+    return content
+
+
+def read_head(path: Path, most_bytes: int) -> bytes:
+    """The first bytes of a file, however long it is. OSError as `open_regular`."""
+    with open_regular(path) as file:
+        return file.read(most_bytes)
+
+
+def open_own(path: Path, flags: int, mode: int = 0o644, *, one_name: bool = True) -> int:
+    """A descriptor of a file that Keypose keeps for itself; no link is followed.
+
+    flags:    as of os.open, but O_TRUNC, which would act before the file is known to be Keypose's.
+    one_name: refuse a file that has another name as well, for writing would change that one too.
+    OSError, and NotRegular where something else has the name.
+    """
+    assert not flags & os.O_TRUNC
+    try:
+        require_own(path, path.lstat(), one_name=one_name)
+    except FileNotFoundError:
+        if not flags & os.O_CREAT:
+            raise
+    file = os.open(path, flags | _ALWAYS | getattr(os, "O_NOFOLLOW", 0), mode)
+    try:
+        require_own(path, os.fstat(file), one_name=one_name)
+    except BaseException:
+        os.close(file)
+        raise
+    return file
+
+
+def read_own(path: Path, most_bytes: int) -> bytes:
+    """All of a file that Keypose keeps for itself, through no link. OSError as `read_regular`.
+
+    A second name, as a backup of hard links gives it, does no harm to what is only read.
+    """
+    _require_no_link(path, path.lstat())
+    return read_regular(path, most_bytes)
+
+
+def require_own(path: Path, facts: os.stat_result, *, one_name: bool = True) -> None:
+    """NotRegular unless these facts, read without following a link, are of a file Keypose may
+    write to."""
+    _require_no_link(path, facts)
+    _require_regular(path, facts)
+    if one_name and facts.st_nlink > 1:
+        raise NotRegular(path, "the same file has another name elsewhere")
+
+
+def _require_no_link(path: Path, facts: os.stat_result) -> None:
+    if stat.S_ISLNK(facts.st_mode):
+        raise NotRegular(path, "it is a link to another file")
+
+
+def _require_regular(path: Path, facts: os.stat_result) -> None:
+    if stat.S_ISDIR(facts.st_mode):
+        raise NotRegular(path, "it is a folder")
+    if not stat.S_ISREG(facts.st_mode):
+        raise NotRegular(path, "it is not a regular file")
