@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import socket
 import stat
@@ -196,3 +197,37 @@ def test_cameras_beyond_their_size_are_recognized_by_their_beginning(tmp_path: P
     path = tmp_path / "cameras.json"
     path.write_bytes(b" " * (MOST_CAMERA_BYTES + 1))
     assert len(read_head(path, MOST_CAMERA_BYTES)) == MOST_CAMERA_BYTES
+
+
+# --- all readers
+
+OWN_READS = {
+    "app/reporting/shell.py": "the program's own sheets and pictures",
+    "tracker/body.py": "a body that comes with the program",
+    "tracker/formats/c3d.py": "a file that was just written",
+    "tracker/kernels/__init__.py": "the program's own text",
+    "tracker/session/atomic.py": "what was just seen to be a regular file",
+    "tracker/surface/files/child.py": "a number of the system's",
+    "tracker/video/encode.py": "a file that was just written",
+}
+"""Where a file is read without `tracker.files`, and what it is."""
+
+
+def reads_of(path: Path) -> bool:
+    """Whether a module reads files by itself."""
+    calls = [node for node in ast.walk(ast.parse(path.read_text("utf-8")))
+             if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)]  # fmt: skip
+    modes = [
+        call.args[0].value
+        for call in calls
+        if call.func.attr == "open" and call.args and isinstance(call.args[0], ast.Constant)
+    ]
+    names = {call.func.attr for call in calls}
+    return bool(names & {"read_bytes", "read_text"}) or "r" in modes or "rb" in modes
+
+
+def test_all_other_readers_open_files_in_this_way() -> None:
+    root = Path(__file__).parents[2]
+    modules = [path for package in ("app", "tracker") for path in (root / package).rglob("*.py")]
+    found = {path.relative_to(root).as_posix() for path in modules if reads_of(path)}
+    assert found == set(OWN_READS)

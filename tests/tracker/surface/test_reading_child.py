@@ -100,12 +100,12 @@ def test_a_bad_file_gives_one_sentence_and_the_next_one_is_read(
     assert len(reader.mesh(tmp_path / "good.ply").faces) == 12
 
 
-def test_what_is_no_ordinary_file_is_not_waited_for(reader: MeshReader, tmp_path: Path) -> None:
+def test_what_is_not_a_regular_file_is_not_waited_for(reader: MeshReader, tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.ply")
     (tmp_path / "zero.ply").symlink_to("/dev/zero")
     (tmp_path / "folder.ply").mkdir()
     for name in ("pipe.ply", "zero.ply", "folder.ply"):
-        assert "no ordinary file" in refusal(reader, tmp_path / name)
+        assert "not a regular file" in refusal(reader, tmp_path / name)
     (tmp_path / "nowhere.ply").symlink_to("gone.ply")
     assert "no longer there" in refusal(reader, tmp_path / "nowhere.ply")
 

@@ -116,7 +116,7 @@ def test_what_is_no_file_is_told_in_one_sentence(tmp_path: Path) -> None:
         (tmp_path / "absent.json", "no file of cameras"),
         (tmp_path / "big.json", "too large"),
         (tmp_path / "text.json", "not JSON"),
-        (Path("/dev/zero"), "no ordinary file"),
+        (Path("/dev/zero"), "not a regular file"),
     ):
         with pytest.raises(SurfaceError, match=words):
             Rig.open(place)

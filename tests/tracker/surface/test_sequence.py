@@ -194,7 +194,7 @@ def test_a_bad_step_is_told_with_its_file_and_the_others_are_kept(tmp_path: Path
     with MeshSequence.open(folder) as meshes:
         assert sentence_of(meshes, 3) == 'Step 3 ("mesh_003.ply") is empty: export it again.'
         assert "cut short" in sentence_of(meshes, 4)
-        assert "no ordinary file" in sentence_of(meshes, 5)
+        assert "not a regular file" in sentence_of(meshes, 5)
         assert [place_x(meshes, frame) for frame in (0, 1, 2, 6, 7)] == [0, 1, 2, 6, 7]
         assert [*meshes.missing] == [3, 4, 5]
 
@@ -280,7 +280,7 @@ def test_what_holds_no_meshes_is_told_in_a_sentence(tmp_path: Path) -> None:
 
 def test_a_pipe_with_the_name_of_an_animation_is_not_waited_for(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "film.glb")
-    assert "no ordinary file" in refusal(tmp_path / "film.glb")
+    assert "not a regular file" in refusal(tmp_path / "film.glb")
 
 
 # --- the same meshes ----------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""The door: only ordinary files of a sensible size get through."""
+"""The door: only regular files of a sensible size get through."""
 
 from __future__ import annotations
 
