@@ -1,0 +1,84 @@
+"""`python -m tests.benchmarks.outputs FILE`: digests of all that the commands write, one per line.
+
+Run it before and after a change that should change nothing, and compare the two files: every
+sample, both methods, three qualities, observed surfaces, all exports and pictures.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+OUT = Path("out/outputs")
+FILMS, SURFACES = ("balance", "box", "person"), ("arms",)
+METHODS, QUALITIES = ("keypose", "paper"), ("preview", "fast", "full")
+REFERENCES = {"box": "truth.npz", "person": "truth.npz"}
+FORMATS = "bvh,glb,trc,c3d,csv,npz"
+LATE = ("report.html",)
+"""What says when it was written."""
+
+
+def main() -> None:
+    shutil.rmtree(ROOT / OUT, ignore_errors=True)
+    with Path(sys.argv[1]).open("w", encoding="utf-8") as lines:
+        for line in _all():
+            print(line, file=lines, flush=True)
+
+
+def _all() -> Iterator[str]:
+    for sample in FILMS:
+        given = f"sample_videos/{sample}/session.json"
+        for method in METHODS:
+            for quality in QUALITIES:
+                out = OUT / f"{sample}-{method}-{quality}"
+                how = ["--method", method, "--quality", quality]
+                yield _said(out, "track", given, "--out", str(out), *how)
+                yield from _taken_home(out, sample)
+        out = OUT / f"{sample}-templates"
+        yield _said(out, "track", given, "--out", str(out), "--initial", "templates")
+        yield from _taken_home(out, sample)
+    for sample in SURFACES:
+        given = f"sample_videos/{sample}/session.json"
+        for weights in ("both", "none"):
+            for distance in ("plane", "point"):
+                out = OUT / f"{sample}-{weights}-{distance}"
+                how = ["--weights", weights, "--distance", distance]
+                yield _said(out, "fit", "--session", given, "--out", str(out), *how)
+                yield from _taken_home(out, sample)
+
+
+def _taken_home(out: Path, sample: str) -> Iterator[str]:
+    """What a person makes of a tracked session, and the digests of all files."""
+    session = str(out / "session.json")
+    yield _said(out, "export", session, "--format", FORMATS, "--out", str(out))
+    for view in ("all", "main", "orbit:30,20"):
+        name = out / f"{view.split(':')[0]}.png"
+        given = ["--frame", "3", "--view", view, "--out", str(name)]
+        yield _said(out, "shot", session, *given)
+    yield _said(out, "sheet", session, "--out", str(out / "sheet.png"))
+    if sample in REFERENCES:
+        truth = f"sample_videos/{sample}/{REFERENCES[sample]}"
+        yield _said(out, "evaluate", session, "--reference", truth, "--json")
+    for path in sorted((ROOT / out).rglob("*")):
+        if path.is_file() and path.name not in LATE and not path.name.startswith("."):
+            digest = hashlib.sha256(path.read_bytes()).hexdigest()[:16]
+            yield f"{path.relative_to(ROOT / OUT)} {digest}"
+
+
+def _said(out: Path, *words: str) -> str:
+    """Run a command; its exit code and a digest of what it says."""
+    command = [sys.executable, "-m", "app", *words]
+    ran = subprocess.run(command, cwd=ROOT, capture_output=True)
+    if ran.returncode not in (0, 1):
+        raise RuntimeError(f"{' '.join(words)}: {ran.stderr.decode()}")
+    digest = hashlib.sha256(ran.stdout).hexdigest()[:16]
+    return f"{out.name} {words[0]}: {ran.returncode} {digest}"
+
+
+if __name__ == "__main__":
+    main()
