@@ -20,7 +20,7 @@ from tracker.errors import CameraError
 from tracker.geometry import Array
 
 PixelSize: TypeAlias = Annotated[int, Field(ge=2, le=65536)]
-Focal: TypeAlias = Annotated[FiniteFloat, Field(gt=0, le=1e7)]
+Focal: TypeAlias = Annotated[FiniteFloat, Field(ge=1, le=1e7)]
 Centre: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]
 Coefficient: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e3, le=1e3)]
 
@@ -44,7 +44,7 @@ class Camera(BaseModel):
         0.0,
     )
     projection: Literal["perspective", "telephoto"] = "perspective"
-    telephoto_distance_m: Annotated[FiniteFloat, Field(gt=0, le=1e5)] | None = Field(
+    telephoto_distance_m: Annotated[FiniteFloat, Field(ge=0.01, le=1e5)] | None = Field(
         default=None, description="Distance at which a telephoto camera's scale holds."
     )
     origin: Literal["intrinsics", "field of view", "guess"] = "intrinsics"

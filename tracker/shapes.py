@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
 from tracker.geometry import Array, frozen
 
-Size: TypeAlias = Annotated[FiniteFloat, Field(gt=0, le=100)]
+Size: TypeAlias = Annotated[FiniteFloat, Field(ge=1e-6, le=100)]
 Length: TypeAlias = Annotated[FiniteFloat, Field(ge=-100, le=100)]
 
 SIDES = 24

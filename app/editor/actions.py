@@ -314,7 +314,7 @@ class Observe(Edit):
     units: Units | None = None
     up: UpAxis | None = None
     about: tuple[Metres, Metres, Metres] = (0.0, 0.0, 0.0)
-    fps: Annotated[FiniteFloat, Field(gt=0, le=10_000)] | None = None
+    fps: Annotated[FiniteFloat, Field(ge=0.001, le=10_000)] | None = None
     model_frame: FrameIndex | None = None
     weights: Weights | None = None
     distance: Literal["plane", "point"] | None = None

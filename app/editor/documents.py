@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from app.editor.refusal import Refused
 from tracker.geometry import Array
 from tracker.pose import Pose, pose_transforms
+from tracker.session import changes
 from tracker.session.schema import Keyframe, Session
 from tracker.skeleton import Skeleton
 
@@ -49,6 +50,22 @@ def demand_before_camera(skeleton: Skeleton, pose: Pose) -> None:
     z = pose_transforms(skeleton, pose)[:, 2, 3]
     if not z.min() > NEAREST_M:
         raise Refused("The body would stand behind the camera. Pull it farther away.")
+
+
+def demand_sound(before: Session, after: Session, what: str) -> None:
+    """Refused, with the name of the action, where the document could not be read back.
+
+    before: a document that could.
+    """
+    try:
+        changes.demand_sound(before, after)
+    except ValueError as error:
+        raise impossible(what, str(error)) from None
+
+
+def impossible(what: str, why: str) -> Refused:
+    """The refusal of an action by its name, with the reason."""
+    return Refused(f"{what[:1].upper()}{what[1:]}: not possible ({why.rstrip('.')}).")
 
 
 def _frame(keyframe: Keyframe) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
 from pydantic import ValidationError
 
 from app.editor import actions as do
@@ -46,7 +47,10 @@ def righted(state: EditorState, action: do.Vertical) -> Session:
     """Up along a line drawn on the picture."""
     if math.dist(action.a, action.b) < 5:
         raise Refused("Draw a longer line along something upright.")
-    x, y, z = (float(v) for v in up_from_vertical(state.doc.camera, action.a, action.b))
+    up = up_from_vertical(state.doc.camera, action.a, action.b)
+    if not np.isfinite(up).all():
+        raise Refused("The lens shows nothing at an end of this line. Draw it nearer the middle.")
+    x, y, z = (float(v) for v in up)
     return state.doc.model_copy(update={"up_camera": (x, y, z)})
 
 

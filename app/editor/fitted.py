@@ -5,7 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 
-from app.editor.documents import demand_before_camera, keyframe_of, posed, with_keyframes
+from app.editor.documents import (
+    demand_before_camera,
+    demand_sound,
+    keyframe_of,
+    posed,
+    with_keyframes,
+)
 from app.editor.refusal import Refused
 from app.editor.shown import shown
 from app.editor.state import EditorState
@@ -63,5 +69,6 @@ def _carried(draft: Keyframe, factor: float) -> Keyframe:
 
 
 def _after(state: EditorState, doc: Session, label: str, frame: int) -> EditorState:
+    demand_sound(state.doc, doc, label)
     history = state.history.after(state.doc, label, frame)
     return replace(state.with_doc(doc), history=history)

@@ -6,15 +6,18 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+from pydantic import ValidationError
+
 from app.editor import actions as do
 from app.editor import choosing, filming, keying, observing, posing_edits, shaping
-from app.editor.documents import keyframe_of
+from app.editor.documents import demand_sound, impossible, keyframe_of
 from app.editor.refusal import Refused
 from app.editor.shown import shown
 from app.editor.state import EditorState, Stroke
 from app.posing import Readout, part_label
 from app.posing.gesture import Surface
 from tracker.session.schema import Session
+from tracker.wording import one_sentence
 
 REMEMBERED_STROKES = 50
 
@@ -67,6 +70,7 @@ def _rewind(state: EditorState, action: do.Rewinding) -> EditorState:
     if found is None:
         raise Refused("There is nothing to undo." if undo else "There is nothing to redo.")
     step, history = found
+    demand_sound(state.doc, step.doc, f"{action.do} {step.label}")
     changed = replace(state.with_doc(step.doc), history=history, frame=step.frame)
     return _still_there(changed)
 
@@ -107,8 +111,12 @@ def _edit(state: EditorState, action: Any) -> EditorState:
     if action.stroke is None or not _is_under_way(state, action.stroke):
         state = ended(state)
     before = state if state.stroke is None else state.with_doc(state.stroke.before)
-    doc, readout = _changed(state, before, action)
     label = label_of(action)
+    try:
+        doc, readout = _changed(state, before, action)
+    except ValidationError as error:
+        raise impossible(label, one_sentence(error)) from None
+    demand_sound(before.doc, doc, label)
     if action.stroke is not None:
         stroke = Stroke(action.stroke, before.doc, label, state.frame, readout)
         return _still_there(replace(state.with_doc(doc), stroke=stroke))

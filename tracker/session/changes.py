@@ -9,9 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, TypeAlias, get_type_hints
 
-from pydantic import TypeAdapter
+from pydantic import TypeAdapter, ValidationError
 
-from tracker.session.schema import Keyframe, Session
+from tracker.session.schema import Keyframe, Session, demand_fit
+from tracker.wording import one_sentence
 
 Changes: TypeAlias = dict[str, Any]
 """New values by the session's fields; of keyframes and drafts: {"set": [...], "drop": [frames]}."""
@@ -53,6 +54,34 @@ def changed(before: Session, told: Mapping[str, Any]) -> Session:
         for name, value in told.items()
     }
     return before.model_copy(update=new) if new else before
+
+
+def demand_sound(before: Session, after: Session) -> None:
+    """ValueError, in words that name the field, when `after` would not read back.
+
+    before: a session that is sound; only what differs from it is looked at.
+    """
+    told = changes(before, after)
+    for name, value in told.items():
+        _demand_valid(name, value)
+    if not told:
+        return
+    posed = (*after.keyframes, *after.drafts)
+    if not told.keys() & {"video", "camera", "body"}:  # what every pose is held against
+        known = {id(pose) for pose in (*before.keyframes, *before.drafts)}
+        posed = tuple(pose for pose in posed if id(pose) not in known)
+    demand_fit(after, posed)
+
+
+def _demand_valid(name: str, value: Any) -> None:
+    try:
+        if name in LISTED:
+            _KEYFRAMES.validate_python(value["set"])
+        else:
+            _VALUES[name].validate_python(value)
+    except ValidationError as error:
+        words = one_sentence(error).rstrip(".")
+        raise ValueError(f"{name}: {words[:1].lower()}{words[1:]}") from None
 
 
 def _plain(name: str, value: Any) -> Any:

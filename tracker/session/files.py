@@ -147,8 +147,20 @@ def set_aside(path: Path, known: Collection[bytes]) -> Path | None:
 
 
 def session_json(session: Session) -> bytes:
-    """The bytes of the session's file; the same session has the same bytes."""
-    return session.model_dump_json(indent=2).encode() + b"\n"
+    """The bytes of the session's file; the same session has the same bytes.
+
+    SessionError for a session that could not be read back: it must never replace one that can.
+    """
+    try:
+        content = session.model_dump_json(indent=2).encode() + b"\n"
+        Session.model_validate_json(content)
+    except ValidationError as error:
+        words = one_sentence(error)
+        raise SessionError(
+            f"This session could not be opened again, so it is not saved ({words.rstrip('.')}). "
+            "Undo the last edit."
+        ) from None
+    return content
 
 
 def video_path(session: Session, session_path: Path) -> Path:

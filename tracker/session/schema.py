@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import operator
+from collections.abc import Iterable
 from itertools import pairwise
 from typing import Annotated, Literal, Self, TypeAlias
 
@@ -63,7 +64,7 @@ class Surface(Plain):
     p_camera_surface: Position = Field(
         description="The origin of the meshes' files in the camera frame, metres."
     )
-    fps: Annotated[FiniteFloat, Field(gt=0, le=10_000)] = Field(
+    fps: Annotated[FiniteFloat, Field(ge=0.001, le=10_000)] = Field(
         default=25.0, description="Meshes a second."
     )
     cameras: str | None = Field(
@@ -201,21 +202,29 @@ class Session(Plain):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        size, video = (self.camera.width, self.camera.height), self.video
-        if size != (video.width, video.height):
-            raise ValueError(
-                f"camera.width × height is {size[0]}×{size[1]} but video.width × height is "
-                f"{video.width}×{video.height}; the sizes must agree, both the video's own"
-            )
-        _demand_sorted(self.keyframes)
-        _demand_sorted(self.drafts)
-        _demand_direction(self.up_camera)
-        skeleton = Skeleton.of(self.body)
-        _demand_parts(self.settings.left_out, self.body)
-        for keyframe in (*self.keyframes, *self.drafts):
-            _demand_in_video(keyframe, video.frame_count)
-            _demand_before_camera(keyframe, skeleton)
+        demand_fit(self, (*self.keyframes, *self.drafts))
         return self
+
+
+def demand_fit(session: Session, poses: Iterable[Keyframe]) -> None:
+    """ValueError in words unless the session's values, each valid by itself, fit together.
+
+    poses: the keyframes and drafts to be held against body and video; the others are known to fit.
+    """
+    camera, video = session.camera, session.video
+    if (camera.width, camera.height) != (video.width, video.height):
+        raise ValueError(
+            f"camera.width × height is {camera.width}×{camera.height} but video.width × height is "
+            f"{video.width}×{video.height}; the sizes must agree, both the video's own"
+        )
+    _demand_sorted(session.keyframes)
+    _demand_sorted(session.drafts)
+    _demand_direction(session.up_camera)
+    _demand_parts(session.settings.left_out, session.body)
+    skeleton = Skeleton.of(session.body)
+    for keyframe in poses:
+        _demand_in_video(keyframe, video.frame_count)
+        _demand_before_camera(keyframe, skeleton)
 
 
 def _demand_sorted(keyframes: tuple[Keyframe, ...]) -> None:
@@ -263,7 +272,7 @@ def _demand_before_camera(keyframe: Keyframe, skeleton: Skeleton) -> None:
             f"have; its parts are {', '.join(names)}"
         )
     z = pose_transforms(skeleton, keyframe.pose(skeleton))[:, 2, 3]
-    if z.min() <= 0.05:
+    if not z.min() > 0.05:
         part = names[int(np.argmin(z))]
         raise ValueError(
             f"keyframes: frame {keyframe.frame} has {part!r} behind the camera; "

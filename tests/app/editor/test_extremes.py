@@ -1,0 +1,139 @@
+"""Whatever numbers an edit carries: what is accepted can be saved and read, the rest is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from app.editor.actions import ACTIONS
+from app.editor.documents import demand_sound
+from app.editor.refusal import Refused
+from app.editor.state import EditorState
+from app.editor.update import update
+from tests.app.editor.desk import after, desk
+from tracker.errors import KeyposeError
+from tracker.session.files import load_session, save_session
+
+HUGE_AND_TINY = (0.0, 5e-324, 1e-308, 1e-12, 1e-3, 0.2, 1.0, 1e3, 1e4, 1e6, 1e7, 1e150, 1.7e308)
+NUMBERS = st.one_of(
+    st.sampled_from([*HUGE_AND_TINY, *(-number for number in HUGE_AND_TINY)]),
+    st.floats(-1e4, 1e4),
+    st.floats(),
+)
+SPOTS = st.tuples(NUMBERS, NUMBERS)
+PARTS = st.sampled_from(["hips", "chest", "head", "left_thigh", "left_forearm", "right_hand"])
+KEYS = st.sampled_from(["length", "radius", "start_radius", "end_width", "start_depth", "whole"])
+FRAMES = st.integers(0, 80)
+
+
+def _action(do: str, **fields: st.SearchStrategy[Any]) -> st.SearchStrategy[dict[str, Any]]:
+    return st.fixed_dictionaries({"do": st.just(do)}, optional=fields)
+
+
+HANDLES = st.one_of(
+    st.just({"kind": "root"}),
+    st.fixed_dictionaries({"kind": st.just("ring"), "part": PARTS, "axis": st.sampled_from("xyz")}),
+    st.fixed_dictionaries({"kind": st.just("end"), "name": st.sampled_from(["left_hand", "head"])}),
+    st.fixed_dictionaries({"kind": st.just("size"), "part": PARTS, "key": KEYS}),
+)
+XYZ = {axis: NUMBERS for axis in "xyz"}
+EDITS = st.one_of(
+    _action("camera", **{name: NUMBERS for name in ("fx", "fy", "cx", "cy")}),
+    _action("field_of_view").flatmap(lambda edit: NUMBERS.map(lambda deg: {**edit, "deg": deg})),
+    _action("distortion", **{name: NUMBERS for name in ("k1", "k2", "p1", "p2", "k3")}),
+    st.fixed_dictionaries({"do": st.just("vertical"), "a": SPOTS, "b": SPOTS}),
+    st.fixed_dictionaries({"do": st.just("size"), "part": PARTS, "key": KEYS, "cm": NUMBERS}),
+    st.fixed_dictionaries({"do": st.just("joint"), "part": PARTS}, optional=XYZ),
+    st.fixed_dictionaries({"do": st.just("height"), "cm": NUMBERS}),
+    _action("root", **XYZ),
+    st.fixed_dictionaries({"do": st.just("angles"), "part": PARTS}, optional=XYZ),
+    st.fixed_dictionaries({"do": st.just("go"), "frame": FRAMES}),
+    st.fixed_dictionaries({"do": st.just("add_key"), "frame": FRAMES}),
+    st.fixed_dictionaries(
+        {
+            "do": st.just("add_mask"),
+            "polygon": st.lists(SPOTS, min_size=3, max_size=4),
+            "first": FRAMES,
+            "last": FRAMES,
+        }
+    ),
+    st.fixed_dictionaries(
+        {
+            "do": st.just("drag"),
+            "view": st.sampled_from(["main", "top", "side", "front"]),
+            "handle": HANDLES,
+            "from": SPOTS,
+            "at": SPOTS,
+        }
+    ),
+    st.just({"do": "undo"}),
+)
+
+
+def _tried(state: EditorState, message: dict[str, Any]) -> EditorState:
+    """The state after the message, the same where it is refused."""
+    try:
+        return update(state, ACTIONS.validate_python(message))  # type: ignore[arg-type]
+    except (ValidationError, KeyposeError):
+        return state
+
+
+@settings(max_examples=100)
+@example(
+    edits=[{"do": "camera", "fx": 1e-308}, {"do": "vertical", "a": [300, 300], "b": [310, 100]}]
+)
+@given(edits=st.lists(EDITS, min_size=1, max_size=6))
+def test_no_sequence_of_accepted_edits_makes_a_session_that_cannot_be_read(
+    tmp_path_factory: pytest.TempPathFactory, edits: list[dict[str, Any]]
+) -> None:
+    state = desk()
+    for edit in edits:
+        state = _tried(state, edit)
+    path = tmp_path_factory.mktemp("extremes") / "session.json"
+    save_session(state.doc, path)
+    assert load_session(path) == state.doc
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        {"do": "camera", "fx": 1e-308},
+        {"do": "camera", "fy": 0.5},
+        {"do": "height", "cm": 0.001},
+        {"do": "size", "part": "left_thigh", "key": "length", "cm": 1e-9},
+    ],
+)
+def test_a_size_or_lens_too_small_to_be_meant_is_refused(edit: dict[str, Any]) -> None:
+    with pytest.raises(KeyposeError):
+        after(desk(), edit)
+
+
+def test_a_document_that_could_not_be_read_back_is_refused_by_the_name_of_its_action() -> None:
+    doc = desk().doc
+    nowhere = doc.model_copy(update={"up_camera": (float("nan"), 0.0, 0.0)})
+    with pytest.raises(Refused, match=r"^Up direction: not possible \(up_camera: .*finite"):
+        demand_sound(doc, nowhere, "up direction")
+
+
+def test_poses_that_were_not_touched_are_held_against_a_body_that_was() -> None:
+    doc = desk().doc
+    part = doc.body.parts[1]
+    far = doc.body.with_part(part.model_copy(update={"joint_m": (0.0, 0.0, -90.0)}))
+    with pytest.raises(Refused, match="behind the camera"):
+        demand_sound(doc, doc.model_copy(update={"body": far}), "resize")
+
+
+def test_a_session_that_could_not_be_read_back_is_not_written_over_one_that_can(
+    tmp_path: Path,
+) -> None:
+    doc, path = desk().doc, tmp_path / "session.json"
+    save_session(doc, path)
+    broken = doc.model_copy(update={"up_camera": (float("nan"), 0.0, 0.0)})
+    with pytest.raises(KeyposeError, match="could not be opened again"):
+        save_session(broken, path)
+    assert load_session(path) == doc
