@@ -2,17 +2,19 @@
 
 Exit codes: 0 done; 1 tracking was lost somewhere, or a session of a batch was not done; 2 the
 input cannot be used, said in one sentence on stderr; 70 a fault of Keypose itself, with a
-traceback; 130 interrupted; 141 nobody reads the output any more.
+traceback; 130 interrupted, by Ctrl+C or SIGTERM; 141 nobody reads the output any more.
 """
 
 from __future__ import annotations
 
 import argparse
+import errno
 import io
 import os
 import sys
 import traceback
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import NoReturn
 
 from app.commands import (
@@ -31,12 +33,14 @@ from app.commands import (
     shot,
     track,
 )
+from app.commands.interrupting import sigterm_as_ctrl_c
 from tracker.errors import KeyposeError
 
 BAD_INPUT = 2
 FAULT = 70
 INTERRUPTED = 130
 NO_READER = 141
+DISK_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 
 _EXAMPLES = """\
 examples:
@@ -61,7 +65,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.reconfigure(errors="backslashreplace")
     try:
         arguments = parser().parse_args(argv)
-        code: int = arguments.run(arguments)
+        with sigterm_as_ctrl_c():
+            code: int = arguments.run(arguments)
         sys.stdout.flush()
         return code
     except KeyposeError as error:
@@ -70,13 +75,28 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     except BrokenPipeError:
-        # What is still buffered would raise once more when the interpreter closes stdout.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
         return NO_READER
+    except OSError as error:
+        if error.errno not in DISK_FULL:
+            return _fault()
+        _drop_output()
+        print(f"The output cannot be written: {error.strerror}.", file=sys.stderr)
+        return BAD_INPUT
     except Exception:  # noqa: BLE001 — told in full, and told apart from a motion that was lost
-        traceback.print_exc()
-        print("This is a fault of Keypose, not of your input.", file=sys.stderr)
-        return FAULT
+        return _fault()
+
+
+def _fault() -> int:
+    traceback.print_exc()
+    print("This is a fault of Keypose, not of your input.", file=sys.stderr)
+    return FAULT
+
+
+def _drop_output() -> None:
+    """What is still buffered would raise once more when the interpreter closes stdout."""
+    with suppress(OSError, ValueError):  # where stdout is no file of the system, nothing does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def parser() -> argparse.ArgumentParser:

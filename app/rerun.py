@@ -37,7 +37,7 @@ from tracker.settings import Initial, MethodName, Quality
 from tracker.video import Video
 
 POLL_S = 0.2
-"""Between two looks at whether Ctrl+C was pressed."""
+"""Between two looks at whether to stop."""
 
 
 def with_settings(
@@ -197,7 +197,7 @@ def _run(job: _Job, workers: int, told: queue.SimpleQueue[Report | None]) -> Non
 
 
 def _next(told: queue.SimpleQueue[Report | None]) -> Report | None:
-    """Waits in short turns, so that Ctrl+C is heard on every system."""
+    """Waits in short turns, so that signals are heard on every system."""
     while True:
         with suppress(queue.Empty):
             return told.get(timeout=POLL_S)

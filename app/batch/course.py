@@ -13,7 +13,7 @@ from app.batch.task import Step, Summary, Task
 
 TRIES = 2
 LOOK_S = 0.2
-"""Between two looks at whether Ctrl+C was pressed."""
+"""Between two looks at whether to stop."""
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any
 
@@ -60,8 +61,9 @@ class Journal:
         self._add({"end": True})
 
     def close(self) -> None:
-        if self._file is not None:
-            self._file.close()
+        with suppress(OSError):  # what the disk did not take was raised when it was added
+            if self._file is not None:
+                self._file.close()
         self._lock.release()
 
     def _add(self, line: Mapping[str, Any]) -> None:

@@ -21,7 +21,8 @@ Answer: TypeAlias = Step | Summary
 
 def serve(connection: Connection) -> None:
     """The life of the process: the main thread listens, so that it hears when nobody is left."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C is for the process that gives orders
+    for number in (signal.SIGINT, signal.SIGTERM):  # for the process that gives orders
+        signal.signal(number, signal.SIG_IGN)
     hands = _Hands(connection)
     try:
         while True:

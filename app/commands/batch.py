@@ -7,9 +7,10 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,11 +22,12 @@ from app.commands.arguments import (
     whole_number,
 )
 from app.commands.batch_telling import Telling, telling
-from app.commands.interrupting import set_by_ctrl_c
+from app.commands.interrupting import set_when_interrupted
 from app.commands.preparing import prepare_loops
-from tracker.errors import FormatError, SessionError
+from tracker.errors import FormatError, KeyposeError, SessionError
 
 if TYPE_CHECKING:
+    from app.batch.course import Told
     from app.batch.crew import Crew
     from app.batch.journal import Journal
     from app.batch.report import Entry
@@ -53,9 +55,9 @@ def add(commands: Subcommands) -> None:
         "Track saved sessions anew, many at a time, as the page would. Results are written beside "
         "each session; keyframes are never changed, and a session that is open in the page is left "
         "alone. What goes wrong with one does not stop the others. A table and a page, "
-        "batch-report.html, tell the outcome. Ctrl+C keeps the segments that are finished; the "
-        "same command given again goes on with the sessions that were not done, and once all "
-        "have had their turn it begins anew. The exit code is 1 when tracking was lost somewhere "
+        "batch-report.html, tell the outcome. Ctrl+C or SIGTERM keeps the segments that are "
+        "finished; the same command given again goes on with the sessions that were not done, and "
+        "once all have had their turn it begins anew. The exit code is 1 when tracking was lost somewhere "
         "or a session was not done."
     )
     command = add_command(commands, "batch", run, text, _EXAMPLES)
@@ -128,22 +130,33 @@ def run(arguments: argparse.Namespace) -> int:
             told.start(len(journal.done & {str(session) for session in sessions}))
             whole = batch.run(crew, told)
         if whole:
-            journal.end()
+            batch.note(journal.end)
     seconds = time.monotonic() - began
     report = _report(batch, place, seconds) if whole else None
-    told.finish(batch.entries, report, seconds)
-    if not whole:
-        return INTERRUPTED
-    return DONE if batch.is_good else NOT_ALL
+    told.finish(batch.entries, report, seconds, interrupted=not whole)
+    return _code(batch, whole)
 
 
-def _report(batch: _Batch, place: Path, seconds: float) -> Path:
+def _report(batch: _Batch, place: Path, seconds: float) -> Path | None:
+    """The report, None where it cannot be written."""
     from app.batch.report import NAME, batch_html
     from tracker.session.atomic import write_file
 
     report = place / NAME
-    write_file(report, batch_html(batch.entries, seconds), overwrite=True)
-    return report
+    content = batch_html(batch.entries, seconds)
+    written = batch.note(lambda: write_file(report, content, overwrite=True))
+    return report if written else None
+
+
+def _code(batch: _Batch, whole: bool) -> int:
+    """The exit code; what could not be written beside the sessions is said here, once."""
+    if not whole or not batch.is_good:
+        if batch.problem is not None:
+            print(batch.problem, file=sys.stderr)
+        return NOT_ALL if whole else INTERRUPTED
+    if batch.problem is not None:
+        raise batch.problem
+    return DONE
 
 
 def _formats(text: str) -> tuple[str, ...]:
@@ -242,30 +255,53 @@ def _tasks(
     return tasks
 
 
+def _tell(telling: Telling, event: Told) -> None:
+    """KeyposeError where it cannot be told, but for want of a reader."""
+    try:
+        telling.tell(event)
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise FormatError(f"The output cannot be written: {error.strerror}.") from None
+
+
 @dataclass(eq=False)
 class _Batch:
-    """The sessions of this run by their numbers, and what has become of them."""
+    """The sessions of this run by their numbers, and what has become of them.
+
+    problem: the first reason why journal or report could not be written.
+    """
 
     tasks: Sequence[Task]
     names: Sequence[str]
     journal: Journal
     summaries: dict[int, Summary] = field(default_factory=dict)
+    problem: KeyposeError | None = None
+
+    def note(self, write: Callable[[], None]) -> bool:
+        """Write something about the batch; where that fails, the sessions go on all the same."""
+        try:
+            write()
+        except KeyposeError as error:
+            self.problem = self.problem or error
+            return False
+        return True
 
     def run(self, crew: Crew, telling: Telling) -> bool:
-        """Do all; False when Ctrl+C ended it early."""
+        """Do all; False when it was interrupted."""
         from app.batch.course import Begun, Ended, run
 
         stop = threading.Event()
-        with set_by_ctrl_c(stop):
+        with set_when_interrupted(stop):
             for event in run(self.tasks, crew, stop):
                 session = self.tasks[event.number].session
                 if isinstance(event, Begun):
-                    self.journal.begin(session)
+                    self.note(partial(self.journal.begin, session))
                 elif isinstance(event, Ended):
                     self.summaries[event.number] = event.summary
                     if event.summary.is_done:
-                        self.journal.finish(session)
-                telling.tell(event)
+                        self.note(partial(self.journal.finish, session))
+                self.note(partial(_tell, telling, event))
         had_all = len(self.summaries) == len(self.tasks)
         return had_all and all(s.state != "interrupted" for s in self.summaries.values())
 

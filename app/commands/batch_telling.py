@@ -34,7 +34,9 @@ class Telling(Protocol):
 
     def tell(self, event: Told) -> None: ...
 
-    def finish(self, entries: Sequence[Entry], report: Path | None, seconds: float) -> None: ...
+    def finish(
+        self, entries: Sequence[Entry], report: Path | None, seconds: float, *, interrupted: bool
+    ) -> None: ...
 
 
 @contextmanager
@@ -73,12 +75,14 @@ class _JsonLines:
             more = {} if segment is None else segment
             print_json({"event": kind, **session, "percent": event.step.percent, **more})
 
-    def finish(self, entries: Sequence[Entry], report: Path | None, seconds: float) -> None:
+    def finish(
+        self, entries: Sequence[Entry], report: Path | None, seconds: float, *, interrupted: bool
+    ) -> None:
         summaries = [entry.summary for entry in entries]
         print_json(
             {
                 "event": "finished",
-                "interrupted": report is None,
+                "interrupted": interrupted,
                 "sessions": summaries,
                 "of": len(self._paths),
                 "not_done": [s.session for s in summaries if not s.is_done],
@@ -101,14 +105,16 @@ class _ForPeople:
                 file=sys.stderr,
             )
 
-    def finish(self, entries: Sequence[Entry], report: Path | None, seconds: float) -> None:
+    def finish(
+        self, entries: Sequence[Entry], report: Path | None, seconds: float, *, interrupted: bool
+    ) -> None:
         for line in _table(entries):
             print(line)
         done = sum(entry.summary.is_done for entry in entries)
         print(f"{done} of {len(self._names)} sessions done in {seconds:.1f} s.")
         if report is not None:
             print(f"Written: {report}")
-        else:
+        if interrupted:
             print("Interrupted: the same command goes on from here.", file=sys.stderr)
 
 

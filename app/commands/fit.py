@@ -36,7 +36,8 @@ def add(commands: Subcommands) -> None:
         "moves with it. Results are written beside the session, which then refers to them and "
         "keeps how it was fitted; with --out, a copy of the session and the results go to that "
         "folder and the session stays as it is. A mesh that cannot be used is left out, and told. "
-        "Ctrl+C keeps the steps that are done. The exit code is 1 when the body was lost somewhere."
+        "Ctrl+C or SIGTERM keeps the steps that are done. The exit code is 1 when the body was "
+        "lost somewhere."
     )
     command = add_command(commands, "fit", run, text, _EXAMPLES)
     command.add_argument(

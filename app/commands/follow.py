@@ -1,4 +1,4 @@
-"""Following a track run: what it tells on the way, and what is left of it after Ctrl+C."""
+"""Following a track run: what it tells on the way, and what is left of it when interrupted."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from app.commands.interrupting import set_by_ctrl_c
+from app.commands.interrupting import set_when_interrupted
 from app.commands.json_output import print_json
 from app.jobs import JobFinished, PassFinished, Report, SegmentFinished
 from app.rerun import all_segments, rerun
@@ -39,14 +39,14 @@ class Run:
 def follow(session: Session, session_path: Path, video: Video, workers: int, as_json: bool) -> Run:
     """Track, and tell on the way: JSON lines, a bar at a terminal, or a line per segment.
 
-    However the run ends, the segments finished by then are in it. The first Ctrl+C lets the
-    tracker come to rest and say all it has finished; a second one breaks off even that.
+    However the run ends, the segments finished by then are in it. The first Ctrl+C or SIGTERM
+    lets the tracker come to rest and say all it has finished; a second one breaks off even that.
     """
     stop = threading.Event()
     given = (session, session_path, video, all_segments(session))
     finished: dict[Span, SegmentTrack] = {}
     cancelled = False
-    with set_by_ctrl_c(stop), _telling(session, as_json) as tell:
+    with set_when_interrupted(stop), _telling(session, as_json) as tell:
         try:
             for report in rerun(*given, workers=workers, stop=stop):
                 if isinstance(report, SegmentFinished):

@@ -19,7 +19,7 @@ from app.commands.arguments import (
     file_name,
     note,
 )
-from app.commands.interrupting import set_by_ctrl_c
+from app.commands.interrupting import set_when_interrupted
 from app.commands.json_output import print_json
 from app.commands.preparing import prepare_hull_loops
 from tracker.errors import SurfaceError
@@ -85,7 +85,7 @@ def run(arguments: argparse.Namespace) -> int:
                 "be believed."
             )
         prepare_hull_loops()
-        stack.enter_context(set_by_ctrl_c(stop))
+        stack.enter_context(set_when_interrupted(stop))
         written, refused = _make(hulls, places, stop, arguments)
     _tell(written, refused, len(places), stop.is_set(), arguments.json)
     if stop.is_set():

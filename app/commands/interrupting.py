@@ -1,29 +1,53 @@
-"""Ctrl+C while something long is at work: once to let it come to rest, twice to break it off."""
+"""Ctrl+C or SIGTERM while something long is at work: once to let it come to rest, twice to break it
+off."""
 
 from __future__ import annotations
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from types import FrameType
+from typing import TypeAlias
+
+Handler: TypeAlias = Callable[[int, FrameType | None], None]
 
 
 @contextmanager
-def set_by_ctrl_c(stop: threading.Event) -> Iterator[None]:
-    """Within, the first Ctrl+C sets the event and the next one raises KeyboardInterrupt."""
-    before = signal.getsignal(signal.SIGINT)
-    on_main = threading.current_thread() is threading.main_thread()
-    if before in (signal.SIG_IGN, None) or not on_main:  # whoever ignores Ctrl+C goes on doing so
-        yield
-        return
+def set_when_interrupted(stop: threading.Event) -> Iterator[None]:
+    """Within, the first such signal sets the event and the next one raises KeyboardInterrupt."""
 
     def handle(*_: object) -> None:
         if stop.is_set():
             raise KeyboardInterrupt
         stop.set()
 
-    signal.signal(signal.SIGINT, handle)
+    with _handled(handle, signal.SIGINT, signal.SIGTERM):
+        yield
+
+
+@contextmanager
+def sigterm_as_ctrl_c() -> Iterator[None]:
+    """Within, SIGTERM raises KeyboardInterrupt, so that what is half done is cleared away."""
+
+    def handle(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    with _handled(handle, signal.SIGTERM):
+        yield
+
+
+@contextmanager
+def _handled(handle: Handler, *numbers: signal.Signals) -> Iterator[None]:
+    """A signal that is ignored stays so: whoever started this program wants that."""
+    before = {number: signal.getsignal(number) for number in numbers}
+    before = {n: known for n, known in before.items() if known not in (signal.SIG_IGN, None)}
+    if threading.current_thread() is not threading.main_thread():  # no other may set handlers
+        before = {}
+    for number in before:
+        signal.signal(number, handle)
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, known in before.items():
+            signal.signal(number, known)

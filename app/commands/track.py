@@ -23,9 +23,9 @@ def add(commands: Subcommands) -> None:
     text = (
         "Track the motion between the keyframes. Results are written beside the session, which "
         "then refers to them; with --out, a copy of the session and the results go to that folder "
-        "and the session stays as it is. Ctrl+C keeps the segments that are finished. A session "
-        "that is open in the page is left alone. The exit code is 1 when tracking was lost "
-        "somewhere."
+        "and the session stays as it is. Ctrl+C or SIGTERM keeps the segments that are finished. "
+        "A session that is open in the page is left alone. The exit code is 1 when tracking "
+        "was lost somewhere."
     )
     command = add_command(commands, "track", run, text, _EXAMPLES)
     add_session(command)

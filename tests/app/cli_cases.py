@@ -26,10 +26,11 @@ def tracker(
     stop_after: int | None = None,
     stops: int = 1,
     error: Exception | None = None,
+    number: signal.Signals = signal.SIGINT,
 ) -> Fake:
     """A tracker that finds a bent interpolation.
 
-    After `stop_after` segments it meets the error or, when there is none, Ctrl+C that many times.
+    After `stop_after` segments it meets the error or, when there is none, a signal that many times.
     """
 
     def rerun(
@@ -49,7 +50,7 @@ def tracker(
                 raise error
             if i == stop_after:
                 for _ in range(stops):
-                    signal.raise_signal(signal.SIGINT)
+                    signal.raise_signal(number)
                 assert stop.is_set()
                 break
             segment = cases.segment(first, last, kind)

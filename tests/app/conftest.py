@@ -10,6 +10,7 @@ import pytest
 
 from app.commands import follow
 from tests.app.cli_cases import tracker
+from tests.app.full_disks import mounted
 from tests.tracker import session_cases as cases
 from tracker import warm
 from tracker.session.files import load_session, save_session
@@ -41,3 +42,10 @@ def tracked_path(session_path: Path) -> Path:
     save_session(session, session_path)
     (session_path.parent / "session.json.previous").unlink()
     return session_path
+
+
+@pytest.fixture
+def small_disk(tmp_path: Path) -> Iterator[Path]:
+    """A disk with room for the session and a few edits."""
+    with mounted(tmp_path / "disk", "640k") as place:
+        yield place

@@ -19,9 +19,12 @@ from app.batch.task import Step, Stretch, Summary, Task
 from app.cli import main
 from tests.app.batch.batch_cases import Befalls, Here, write_sessions
 from tests.app.cli_cases import refused
+from tests.app.full_disks import fill
 from tests.app.serving import ROOT
 from tests.tracker import session_cases as cases
 from tracker import warm
+from tracker.errors import FormatError
+from tracker.session import atomic
 from tracker.session.files import load_session
 
 Capture = pytest.CaptureFixture[str]
@@ -149,25 +152,26 @@ def test_a_lost_segment_gives_exit_code_1(
     assert batch(root(sessions)) == 1
 
 
-def interrupted_after(count: int) -> Befalls:
-    """Ctrl+C comes while the session of this number is at work."""
+def interrupted_after(count: int, by: signal.Signals = signal.SIGINT) -> Befalls:
+    """A signal comes while the session of this number is at work."""
 
     def befalls(number: int, task: Task) -> News | None:
         if number < count:
             return None
-        signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(by)
         return number, Summary(str(task.session), "interrupted")
 
     return befalls
 
 
-def test_after_ctrl_c_the_same_command_goes_on_with_what_was_not_done(
-    sessions: list[Path], monkeypatch: pytest.MonkeyPatch, capsys: Capture
+@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM], ids=lambda n: n.name)
+def test_after_an_interruption_the_same_command_goes_on_with_what_was_not_done(
+    by: signal.Signals, sessions: list[Path], monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
-    before = signal.getsignal(signal.SIGINT)
-    hired = meeting(monkeypatch, interrupted_after(1))
+    before = signal.getsignal(by)
+    hired = meeting(monkeypatch, interrupted_after(1, by))
     assert batch(root(sessions), "--workers", "1") == 130
-    assert signal.getsignal(signal.SIGINT) is before
+    assert signal.getsignal(by) is before
     assert hired[0].closed
     assert "goes on from here" in capsys.readouterr().err
     assert not (root(sessions) / NAME).exists()
@@ -314,3 +318,46 @@ def test_wrong_arguments_are_one_sentence(
     monkeypatch.chdir(root(sessions))
     (root(sessions) / "empty").mkdir()
     assert words in refused(capsys, sessions[0].parent, ["batch", *arguments])
+
+
+def test_a_full_disk_fails_the_sessions_with_a_sentence_each_and_the_table_is_there(
+    small_disk: Path, monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    monkeypatch.setattr(warm, "is_warm", lambda: True)
+    meeting(monkeypatch, lambda number, task: None)
+    write_sessions(small_disk / "all", "a", "b")
+    fill(small_disk / "ballast")
+    assert batch(small_disk / "all") == 1
+    out, err = capsys.readouterr()
+    assert [line.split()[:2] for line in out.splitlines()[1:3]] == [
+        ["a", "failed"],
+        ["b", "failed"],
+    ]
+    assert out.count("No space left on device") == 2
+    assert "Traceback" not in err
+    assert err.splitlines()[-1].endswith("cannot be written: No space left on device.")
+    (small_disk / "ballast").unlink()
+    assert batch(small_disk / "all") == 0
+
+
+def test_a_report_that_cannot_be_written_is_told_after_the_table(
+    sessions: list[Path], monkeypatch: pytest.MonkeyPatch, capsys: Capture
+) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise FormatError("The report cannot be written: No space left on device.")
+
+    monkeypatch.setattr(atomic, "write_file", full)
+    assert batch(root(sessions)) == 2
+    out, err = capsys.readouterr()
+    assert "3 of 3 sessions done" in out
+    assert err.splitlines()[-1] == "The report cannot be written: No space left on device."
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no /dev/full")
+def test_output_that_goes_to_a_full_disk_ends_in_a_sentence() -> None:
+    run = "import sys; from app.cli import main; sys.exit(main())"
+    command = [sys.executable, "-c", run, "schema", "body"]
+    with Path("/dev/full").open("wb") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, cwd=ROOT)
+    assert done.returncode == 2
+    assert done.stderr == "The output cannot be written: No space left on device.\n"

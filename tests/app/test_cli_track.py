@@ -194,6 +194,33 @@ def test_the_first_ctrl_c_asks_the_tracker_for_all_it_has_finished(
     assert load_trajectory(load_session(session_path), session_path).last_frame == 8
 
 
+def test_sigterm_keeps_what_is_finished_as_ctrl_c_does(
+    session_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def track(*given: Any, stop: Event, **more: Any) -> Iterator[Any]:
+        signal.raise_signal(signal.SIGTERM)
+        assert stop.is_set()
+        yield from tracker()(*given, stop=stop, **more)
+
+    monkeypatch.setattr(follow, "rerun", track)
+    before = signal.getsignal(signal.SIGTERM)
+    assert main(["track", str(session_path)]) == 130
+    assert signal.getsignal(signal.SIGTERM) is before
+    assert load_trajectory(load_session(session_path), session_path).last_frame == 8
+
+
+def test_sigterm_is_heard_where_ctrl_c_is_ignored(
+    session_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(follow, "rerun", tracker(stop_after=1, number=signal.SIGTERM))
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        assert main(["track", str(session_path)]) == 130
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert load_trajectory(load_session(session_path), session_path).last_frame == 4
+
+
 def test_a_second_ctrl_c_ends_the_run_at_once_and_keeps_what_was_told(
     session_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -5,14 +5,14 @@ from __future__ import annotations
 import errno
 import os
 import shutil
-import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from app import running
+from tests.app.full_disks import fill
 from tests.app.serving import ROOT
 from tests.app.test_journaling import NoWorker, done, turn, with_store
 from tracker.session.chronicle import mark_of, without_results
@@ -92,22 +92,6 @@ _UNUSED = ("rename", "link")
 """A save does without them where they fail."""
 
 
-@pytest.fixture
-def small_disk(tmp_path: Path) -> Iterator[Path]:
-    """A disk with room for the session and a few edits."""
-    place = tmp_path / "disk"
-    place.mkdir()
-    command = ["mount", "-t", "tmpfs", "-o", "size=640k", "tmpfs", str(place)]
-    try:
-        mounted = subprocess.run(command, capture_output=True).returncode == 0
-    except OSError:
-        mounted = False
-    if not mounted:
-        pytest.skip("no small disk can be mounted here")
-    yield place
-    subprocess.run(["umount", str(place)], check=True)
-
-
 def test_a_full_disk_is_told_and_every_edit_is_there_once_there_is_room(small_disk: Path) -> None:
     folder = small_disk / "person"
     folder.mkdir()
@@ -129,14 +113,3 @@ def test_a_full_disk_is_told_and_every_edit_is_there_once_there_is_room(small_di
 
     with_store(path, edit)
     assert len(open_session(path).recovered.moment.history.past) == 40
-
-
-def fill(place: Path) -> None:
-    """Leave no byte."""
-    with place.open("wb", buffering=0) as file:
-        for size in (65536, 4096, 512, 1):
-            while True:
-                try:
-                    file.write(b"x" * size)
-                except OSError:
-                    break
