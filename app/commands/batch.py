@@ -57,8 +57,8 @@ def add(commands: Subcommands) -> None:
         "alone. What goes wrong with one does not stop the others. A table and a page, "
         "batch-report.html, tell the outcome. Ctrl+C or SIGTERM keeps the segments that are "
         "finished; the same command given again goes on with the sessions that were not done, and "
-        "once all have had their turn it begins anew. The exit code is 1 when tracking was lost somewhere "
-        "or a session was not done."
+        "once all have had their turn it begins anew. The exit code is 1 when tracking was lost "
+        "somewhere or a session was not done."
     )
     command = add_command(commands, "batch", run, text, _EXAMPLES)
     command.add_argument(
