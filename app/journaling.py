@@ -53,7 +53,7 @@ class Journaling:
         self._lock = Lock()
         self._pending: list[tuple[Moment, Moment]] = []
         self._marked = ""
-        self._noted = self._written = self._given_up = 0
+        self._noted = self._written = 0
         self._waiting: list[tuple[int, Callable[[], None]]] = []
 
     # --- on the loop's thread
@@ -70,18 +70,23 @@ class Journaling:
         return True
 
     def when_written(self, call: Callable[[], None]) -> None:
-        """Call once all that was noted until now is on the disk, or cannot be brought there."""
-        if self._noted <= max(self._written, self._given_up):
+        """Call once all that was noted until now is on the disk, however long that takes."""
+        if self._noted <= self._written:
             call()
         else:
             self._waiting.append((self._noted, call))
 
-    def heard(self, *, failed: bool = False) -> None:
+    def heard(self) -> None:
         """Call those whose wait is over."""
-        if failed:
-            self._given_up = self._noted
-        ready = [call for number, call in self._waiting if failed or number <= self._written]
-        self._waiting = [w for w in self._waiting if not failed and w[0] > self._written]
+        self._call(self._written)
+
+    def give_up(self) -> None:
+        """Call all, for a person has given up what is not on the disk."""
+        self._call(self._noted)
+
+    def _call(self, upto: int) -> None:
+        ready = [call for number, call in self._waiting if number <= upto]
+        self._waiting = [waits for waits in self._waiting if waits[0] > upto]
         for call in ready:
             call()
 

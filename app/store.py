@@ -11,7 +11,6 @@ import traceback
 from collections.abc import Callable, Coroutine
 from contextlib import suppress
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -128,7 +127,8 @@ class Store:
         self._loop.call_soon(self._acknowledge, tab, number)  # after the turn that tells it
 
     def _acknowledge(self, tab: Tab, number: int) -> None:
-        """Only once what was decided is on the disk."""
+        """As kept only once what was decided is on the disk."""
+        tab.settle(number)
         if self._journaling is None:
             tab.acknowledge(number)
         else:
@@ -233,8 +233,6 @@ class Store:
         if saved.state == "saved":
             self._warned = None
         self._look(saved=saved)
-        if saved.state == "failed" and self._journaling is not None:
-            self._loop.call_soon(partial(self._journaling.heard, failed=True))
 
     # --- tracking
 
@@ -381,6 +379,8 @@ class Store:
         if problem is not None and problem != self._warned:
             self._warned = problem
             raise SessionError(f"{problem} Ask once more to go on without saving.")
+        if self._journaling is not None:
+            self._journaling.give_up()
         await self._let_go()
 
     async def _settle(self) -> None:
@@ -404,7 +404,6 @@ class Store:
         self._fitter.closed()
         self._runner.closed()
         if self._journaling is not None:
-            self._journaling.heard(failed=True)
             self._journaling.close()
             self._journaling = None
         self._holding.release()

@@ -16,8 +16,8 @@ class Tab:
     def __init__(self) -> None:
         self._sections: dict[str, Any] = {}
         self._messages: list[dict[str, Any]] = []
-        self._ack = 0
-        self._acked = 0
+        self._done = self._ack = 0
+        self._told = (0, 0)
         self._news = asyncio.Event()
 
     def tell(self, sections: Mapping[str, Any]) -> None:
@@ -30,19 +30,25 @@ class Tab:
         self._messages.append(message)
         self._news.set()
 
+    def settle(self, number: int) -> None:
+        """The action of this number, and all before it, have been done or refused."""
+        self._done = max(self._done, number)
+        self._news.set()
+
     def acknowledge(self, number: int) -> None:
-        """The action of this number, and all before it, have been dealt with."""
+        """What they changed is on the disk, too."""
         self._ack = max(self._ack, number)
         self._news.set()
 
     async def next(self) -> list[dict[str, Any]]:
         """Wait for news; everything there is to send now."""
-        while not (self._messages or self._sections or self._ack > self._acked):
+        while not (self._messages or self._sections or (self._done, self._ack) != self._told):
             self._news.clear()
             await self._news.wait()
         out, self._messages = self._messages, []
-        out.append({"t": "state", "ack": self._ack, "set": self._sections})
-        self._sections, self._acked = {}, self._ack
+        self._told = (self._done, self._ack)
+        out.append({"t": "state", "done": self._done, "ack": self._ack, "set": self._sections})
+        self._sections = {}
         return out
 
 

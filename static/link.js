@@ -85,7 +85,8 @@ function receive(message) {
     return;
   }
   if (message.t === 'state') {
-    S.ack = message.ack;
+    S.done = message.done; // done or refused
+    S.ack = message.ack; // and on the disk
     take(message.set);
   }
   for (const fn of listeners.get(message.t) ?? []) fn(message);

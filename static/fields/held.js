@@ -53,5 +53,5 @@ function tell(key) {
   for (const fn of shownBy) fn(key);
 }
 
-listen('state', () => answered(S.ack ?? 0));
+listen('state', () => answered(S.done ?? 0));
 listen('refused', (message) => answered(message.n));

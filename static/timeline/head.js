@@ -18,7 +18,7 @@ function tell(frame) {
 
 /** The frame the playhead stands on. */
 export function frame() {
-  if (wanted !== null && wanted.n !== null && (S.ack ?? 0) >= wanted.n) wanted = null;
+  if (wanted !== null && wanted.n !== null && (S.done ?? 0) >= wanted.n) wanted = null;
   return wanted === null ? clampFrame(S.view?.frame ?? 0) : wanted.frame;
 }
 

@@ -31,7 +31,7 @@ export function mountFrames(canvas, onSize) {
   changed = onSize;
   watch(['file', 'camera'], newFilm);
   watch(['view'], () => S.view && (play ? followServer() : showTold()));
-  listen('state', () => left && S.ack >= left.n && showTold());
+  listen('state', () => left && S.done >= left.n && showTold());
   watch(['u:connected'], () => (left = null));
   watch(['u:playing'], () => (U.playing ? startPlaying() : stopPlaying()));
 }
@@ -43,8 +43,8 @@ export function shownFrame() {
 
 /** What the server says counts once it has heard where playing ended. */
 function showTold() {
-  if (left && S.ack < left.n && S.view.frame !== left.frame) return;
-  if (left && S.ack >= left.n) left = null;
+  if (left && S.done < left.n && S.view.frame !== left.frame) return;
+  if (left && S.done >= left.n) left = null;
   if (S.view) showFrame(S.view.frame);
 }
 

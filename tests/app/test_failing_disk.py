@@ -14,7 +14,7 @@ import pytest
 from app import running
 from tests.app.full_disks import fill
 from tests.app.serving import ROOT
-from tests.app.test_journaling import NoWorker, done, turn, with_store
+from tests.app.test_journaling import NoWorker, done, tried, turn, with_store
 from tracker.session.chronicle import mark_of, without_results
 from tracker.session.files import load_session, open_session
 
@@ -69,7 +69,7 @@ def test_a_disk_that_fails_at_any_step_of_a_save_loses_nothing(
             failing = _Failing(getattr(os, name), number)
             with monkeypatch.context() as patch:
                 patch.setattr(os, name, failing)
-                await done(store, turn(1 + number, part=part))
+                await tried(store, turn(1 + number, part=part))
                 for _ in range(3):
                     await store._saver.settled()
             edited = mark_of(store.outlook.edit.settled)
@@ -104,7 +104,7 @@ def test_a_full_disk_is_told_and_every_edit_is_there_once_there_is_room(small_di
     async def edit(store: Any) -> None:
         await done(store, turn(-1))
         fill(ballast)
-        await done(store, *(turn(-x) for x in range(2, 40)))
+        await tried(store, *(turn(-x) for x in range(2, 40)))
         assert store.outlook.saved.state == "failed"
         assert "No space left on device" in store.outlook.saved.words
         assert open_session(path).recovered.moment.history.past

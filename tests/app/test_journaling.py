@@ -18,6 +18,7 @@ from app import running
 from app.library import Library
 from app.opening import Workpiece, copied_session, edit_state
 from app.store import Store
+from app.tabs import Tab
 from tests.app.killing import kill_once
 from tests.app.serving import ROOT
 from tracker.errors import SessionError
@@ -71,11 +72,24 @@ async def done(store: Store, *actions: dict[str, Any]) -> None:
     tab = store.join()
     for number, action in enumerate(actions, start=1):
         store.receive(tab, {**action, "n": number})
-        acknowledged = 0
-        while acknowledged < number:
-            messages = await tab.next()
-            acknowledged = max(m.get("ack", 0) for m in messages)
+        await told(tab, "ack", number)
     store.leave(tab)
+
+
+async def tried(store: Store, *actions: dict[str, Any]) -> Tab:
+    """Each is done, and written as far as the disk takes it, before the next is sent. The tab."""
+    tab = store.join()
+    for number, action in enumerate(actions, start=1):
+        store.receive(tab, {**action, "n": number})
+        await told(tab, "done", number)
+        await store._saver.settled()
+    return tab
+
+
+async def told(tab: Tab, what: str, number: int) -> None:
+    """The tab has been told that this action is done, or acknowledged."""
+    while max(m.get(what, 0) for m in await tab.next()) < number:
+        pass
 
 
 def turn(x: float, **more: Any) -> dict[str, Any]:
@@ -216,13 +230,48 @@ def test_a_disk_that_is_full_is_told_and_what_was_done_is_written_once_there_is_
     async def edit(store: Store) -> None:
         with monkeypatch.context() as patch:
             patch.setattr(os, "write", _full)
-            await done(store, turn(-10), turn(-20))
+            await tried(store, turn(-10), turn(-20))
             assert store.outlook.saved.state == "failed"
             assert "No space left" in store.outlook.saved.words
         await done(store, turn(-30))
 
     with_store(path, edit)
     assert len(labels(path)) == 3
+
+
+def test_edits_on_a_full_disk_are_acknowledged_by_themselves_once_they_are_written(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.saving.SECONDS_BETWEEN_TRIES", 0.01)
+
+    async def edit(store: Store) -> None:
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "fsync", _full)
+            tab = await tried(store, turn(-10), {"do": "go", "frame": 3})
+            assert tab._ack == 0
+            assert store.outlook.saved.state == "failed"
+        await told(tab, "ack", 2)
+        assert len(labels(path)) == 1
+        await store._saver.settled()
+        assert store.outlook.saved.state == "saved"
+
+    with_store(path, edit)
+
+
+def test_what_a_person_gives_up_by_closing_is_waited_for_no_more(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def edit(store: Store) -> None:
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "fsync", _full)
+            tab = await tried(store, turn(-10))
+            with pytest.raises(SessionError, match="Ask once more"):
+                await store.close_session()
+            assert tab._ack == 0
+            await store.close_session()
+        assert tab._ack == 1
+
+    with_store(path, edit)
 
 
 def _full(*_: object) -> int:

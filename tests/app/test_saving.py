@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 import threading
 
+import pytest
+
 from app.outlook import Saved
 from app.saving import Saver
 from tracker.errors import SessionError
@@ -55,6 +57,32 @@ def test_a_failed_write_is_told_in_its_own_words_and_can_be_tried_again() -> Non
         ("saving", ""),
         ("saved", ""),
     ]
+
+
+def test_what_is_unsaved_is_told_so_until_it_is_written_and_is_tried_again_by_itself(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("app.saving.SECONDS_BETWEEN_TRIES", 0.01)
+    told: list[Saved] = []
+    tries: list[int] = []
+
+    def write(number: int) -> None:
+        tries.append(number)
+        if len(tries) < 5:
+            raise SessionError("The disk is full.")
+
+    async def both() -> None:
+        saver = Saver(told.append)
+        saver.save(lambda: write(1))
+        await saver.settled()
+        saver.save(lambda: write(2))
+        while told[-1].state != "saved":
+            await asyncio.sleep(0.005)
+        assert saver.problem is None
+
+    asyncio.run(both())
+    assert [saved.state for saved in told] == ["saving", *4 * ["failed"], "saved"]
+    assert tries == [1, 2, 2, 2, 2]
 
 
 def test_the_time_of_the_last_save_survives_a_failure() -> None:
