@@ -16,6 +16,7 @@ except ImportError:  # not on Windows, where two Keyposes on one session are not
 
 from tracker.errors import SessionError
 from tracker.files import NotRegular, open_own
+from tracker.session.leftovers import sweep
 
 NAME = ".keypose.lock"
 
@@ -42,7 +43,9 @@ class SessionLock:
     def take(cls, folder: Path) -> SessionLock:
         """Take the lock of a folder that exists; HeldElsewhere when another process has it.
 
-        NotALock when a link, a pipe or anything but a regular file has its name.
+        NotALock when a link, a pipe or anything but a regular file has its name. What writers left
+        there that were killed is removed.
+
         Where no file can be made, nothing can be saved either, which is told when it is tried.
         """
         if fcntl is None:
@@ -63,6 +66,7 @@ class SessionLock:
                 raise HeldElsewhere(f"open in another Keypose{holder}") from None
             return cls(None)  # a file system without locks
         _write_holder(descriptor)
+        sweep(folder, is_locked=True)
         return cls(descriptor)
 
     def __enter__(self) -> Self:

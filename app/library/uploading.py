@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import secrets
 import shutil
-import time
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
@@ -14,6 +13,7 @@ from typing import BinaryIO, Final, Self
 from app.library.names import clean_name, numbered
 from tracker.errors import KeyposeError
 from tracker.session.atomic import make_folder
+from tracker.session.leftovers import sweep
 
 LARGEST_BYTES: Final = 8 * 2**30
 SPARE_BYTES: Final = 256 * 2**20
@@ -23,8 +23,6 @@ SUFFIXES = (".mp4", ".mov", ".m4v", ".mkv", ".webm", ".avi")
 SURFACES = ".glb"
 """Of observed surfaces that are one file; a folder of meshes is opened where it lies."""
 STALE_SECONDS = 24 * 3600
-
-_PART = ".part"
 
 
 class Upload:
@@ -46,8 +44,8 @@ class Upload:
         self._demand_video()
         self._demand_room(largest_bytes)
         make_folder(folder, error=KeyposeError)
-        sweep(folder)
-        self._temporary = folder / f".{self.name}.{secrets.token_hex(6)}{_PART}"
+        sweep(folder, old_seconds=STALE_SECONDS)  # younger ones may be at work
+        self._temporary = folder / f".{self.name}.{secrets.token_hex(6)}.part"
         self._file: BinaryIO | None = self._opened()
 
     def __enter__(self) -> Self:
@@ -155,15 +153,6 @@ def free_bytes(folder: Path) -> int:
     """Free on the disk a folder lies on, or will lie on."""
     nearest = next(p for p in (folder, *folder.absolute().parents) if p.exists())
     return shutil.disk_usage(nearest).free
-
-
-def sweep(folder: Path) -> None:
-    """Remove what uploads left that ended with the program; younger ones may be at work."""
-    with suppress(OSError):
-        for file in folder.glob(f".*{_PART}"):
-            with suppress(OSError):
-                if time.time() - file.stat().st_mtime > STALE_SECONDS:
-                    file.unlink()
 
 
 def _gigabytes(size: int) -> str:

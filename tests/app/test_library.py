@@ -22,6 +22,7 @@ from tracker.session.files import load_session, open_video_of, save_session
 from tracker.surface.source import holds_meshes
 
 SAMPLES = Path(__file__).resolve().parents[2] / "sample_videos"
+PART = "0123456789ab.part"
 
 
 @pytest.fixture
@@ -411,7 +412,7 @@ def test_what_is_no_video_is_refused(library: Library) -> None:
 
 def test_what_a_killed_program_left_is_swept_and_what_is_at_work_is_not(library: Library) -> None:
     library.uploads.mkdir(parents=True)
-    old, young = library.uploads / ".a.mp4.1.part", library.uploads / ".b.mp4.2.part"
+    old, young = library.uploads / f".a.mp4.{PART}", library.uploads / f".b.mp4.{PART}"
     for file in (old, young):
         file.write_bytes(b"half")
     os.utime(old, (time.time() - 2 * 24 * 3600,) * 2)
