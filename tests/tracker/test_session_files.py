@@ -17,6 +17,7 @@ from tests.tracker import session_cases as cases
 from tracker.errors import FormatError, SessionError
 from tracker.session import Session
 from tracker.session.atomic import demand_absent, demand_folder, write_file
+from tracker.session.changes import changed
 from tracker.session.files import (
     load_session,
     open_video_of,
@@ -356,3 +357,19 @@ def test_a_saved_session_is_plain_json(tmp_path: Path) -> None:
     save_session(cases.session(), path)
     data = json.loads(path.read_text("utf-8"), parse_constant=pytest.fail)
     assert data["schema_version"] == 2
+
+
+@pytest.mark.parametrize("field", ["keyframes", "drafts", "ignore_masks"])
+def test_more_than_a_person_sets_is_refused_before_any_of_it_is_read(
+    tmp_path: Path, field: str
+) -> None:
+    path = cases.write_session(tmp_path)
+    cases.altered(path, _set(field, to=[{"not": "read"}] * 10_001))
+    with pytest.raises(SessionError, match=f"{field}: 10001 are more than the 10000"):
+        load_session(path)
+
+
+def test_an_edit_of_more_than_a_person_sets_is_refused_before_it_is_read(tmp_path: Path) -> None:
+    session = load_session(cases.write_session(tmp_path))
+    with pytest.raises(ValueError, match="more than the 10000"):
+        changed(session, {"keyframes": {"set": [{"not": "read"}] * 10_001}})

@@ -7,6 +7,7 @@ names no unit; centimetres are the custom.
 
 from __future__ import annotations
 
+import io
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
@@ -15,6 +16,11 @@ import numpy as np
 from tracker.errors import FormatError
 from tracker.formats.reading import MOST_JOINTS, JointMotion, demand_size
 from tracker.geometry import Array, exp_rotation
+
+LONGEST_HIERARCHY = 4_000_000
+LONGEST_NAME = 5_000
+MOST_CHANNELS = 12
+"""Of one joint: its place and its turns need six."""
 
 _CHANNELS = {f"{axis}{kind}": ("xyz".index(axis), kind) for axis in "xyz" for kind in
              ("position", "rotation")}  # fmt: skip
@@ -36,6 +42,8 @@ def read_bvh(file: str, content: bytes) -> JointMotion:
     head, mark, tail = text.partition("MOTION")
     if not mark:
         raise FormatError(f"{file} has no MOTION section, so it is no whole BVH file.")
+    if len(head) > LONGEST_HIERARCHY:
+        raise FormatError(f"{file} has a hierarchy of {len(head)} letters, which is too much.")
     joints, columns = _hierarchy(file, iter(head.split()))
     count, seconds, rows = _header(file, tail)
     demand_size(file, count, len(joints))
@@ -49,7 +57,7 @@ def _hierarchy(file: str, words: Iterator[str]) -> tuple[list[_Joint], int]:
     """The joints, parents first, and how many channels they have together."""
     joints: list[_Joint] = []
     open_joints: list[int] = []
-    columns, waiting = 0, False
+    columns, waiting, names = 0, False, _Names()
     try:
         if next(words) != "HIERARCHY":
             raise FormatError(f"{file} does not begin with HIERARCHY, so it is no BVH file.")
@@ -57,11 +65,12 @@ def _hierarchy(file: str, words: Iterator[str]) -> tuple[list[_Joint], int]:
             key = word.upper()
             if key in ("ROOT", "JOINT", "END"):
                 parent = open_joints[-1] if open_joints else -1
-                if waiting or (parent < 0) != (key == "ROOT") or len(joints) >= MOST_JOINTS:
+                if waiting or (parent < 0) != (key == "ROOT"):
                     raise FormatError(f"{file}: {key} does not belong where it stands.")
                 label = next(words)
                 name = f"{joints[parent].name}_end" if key == "END" else label
-                joints.append(_Joint(_unused(name, joints), parent))
+                joints.append(_Joint(names.unused(name), parent))
+                _demand_few(file, joints)
                 waiting = True
             elif key == "{" and waiting:
                 open_joints.append(len(joints) - 1)
@@ -71,7 +80,7 @@ def _hierarchy(file: str, words: Iterator[str]) -> tuple[list[_Joint], int]:
             elif key == "OFFSET" and open_joints:
                 joints[open_joints[-1]].offset = np.array([float(next(words)) for _ in range(3)])
             elif key == "CHANNELS" and open_joints:
-                for _ in range(int(next(words))):
+                for _ in range(_channel_count(file, joints[open_joints[-1]], next(words))):
                     axis, kind = _CHANNELS[next(words).lower()]
                     joints[open_joints[-1]].channels.append((columns, axis, kind))
                     columns += 1
@@ -86,10 +95,35 @@ def _hierarchy(file: str, words: Iterator[str]) -> tuple[list[_Joint], int]:
     return joints, columns
 
 
-def _unused(name: str, joints: list[_Joint]) -> str:
-    while any(joint.name == name for joint in joints):
-        name += "_"
-    return name
+class _Names:
+    """The names given so far. A name that is taken gets underscores, one more each time."""
+
+    def __init__(self) -> None:
+        self._taken: set[str] = set()
+        self._tried: dict[str, int] = {}
+
+    def unused(self, name: str) -> str:
+        tried = self._tried.get(name, 0)
+        while (found := name + tried * "_") in self._taken:
+            tried += 1
+        self._tried[name] = tried
+        self._taken.add(found)
+        return found
+
+
+def _demand_few(file: str, joints: list[_Joint]) -> None:
+    """Asked of every joint as it is read: a file may hold more than could be read in minutes."""
+    if len(joints) > MOST_JOINTS:
+        raise FormatError(f"{file} has more than {MOST_JOINTS} joints, which is too much.")
+    if len(joints[-1].name) > LONGEST_NAME:
+        raise FormatError(f"{file} has a joint whose name is longer than {LONGEST_NAME} letters.")
+
+
+def _channel_count(file: str, joint: _Joint, word: str) -> int:
+    count = int(word)
+    if len(joint.channels) + count > MOST_CHANNELS:
+        raise FormatError(f"{file} has a joint of more than {MOST_CHANNELS} channels.")
+    return count
 
 
 def _header(file: str, tail: str) -> tuple[int, float, str]:
@@ -112,18 +146,25 @@ def _after(line: str, label: str) -> str:
 
 def _values(file: str, rows: str, count: int, columns: int) -> Array:
     """(N, C) what the channels say."""
-    words = rows.split()
-    if len(words) != count * columns:
-        raise FormatError(
-            f"{file} should hold {count} rows of {columns} numbers and holds {len(words)} numbers."
-        )
+    values, found = np.empty(count * columns), 0
     try:
-        values = np.array(words, dtype=np.float64).reshape(count, columns)
+        for line in io.StringIO(rows):
+            words = line.split(maxsplit=len(values) - found)  # no more of them than are wanted
+            if found + len(words) > len(values):
+                found = -1
+                break
+            values[found : found + len(words)] = [float(word) for word in words]
+            found += len(words)
     except ValueError:
         raise FormatError(f"{file} has something else than numbers in its rows.") from None
+    if found != len(values):
+        holds = "more" if found < 0 else f"{found} numbers"
+        raise FormatError(
+            f"{file} should hold {count} rows of {columns} numbers and holds {holds}."
+        )
     if not np.isfinite(values).all():
         raise FormatError(f"{file} has a channel that is not a finite number.")
-    return values
+    return values.reshape(count, columns)
 
 
 def _positions(joints: list[_Joint], values: Array) -> Array:

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias, get_type_hints
 
 from pydantic import TypeAdapter, ValidationError
 
-from tracker.session.schema import Keyframe, Session, demand_fit
+from tracker.session.schema import Keyframe, Session, demand_few, demand_fit
 from tracker.wording import one_sentence
 
 Changes: TypeAlias = dict[str, Any]
@@ -101,6 +101,7 @@ def _listed(was: Sequence[Keyframe], now: Sequence[Keyframe]) -> dict[str, Any]:
 def _merged(was: Sequence[Keyframe], told: Any) -> tuple[Keyframe, ...]:
     if not isinstance(told, dict) or not told.keys() <= {"set", "drop"}:
         raise ValueError("keyframes that are neither set nor dropped")
+    demand_few({"keyframes": told.get("set", ())})
     left = {keyframe.frame: keyframe for keyframe in was}
     for frame in told.get("drop", ()):
         left.pop(frame, None)

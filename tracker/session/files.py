@@ -26,7 +26,7 @@ from tracker.wording import one_sentence
 if TYPE_CHECKING:
     from tracker.video import Video
 
-LARGEST_SESSION_BYTES = 256 * 2**20
+LARGEST_SESSION_BYTES = 64 * 2**20
 """Far above any session: what is larger is a video or an archive chosen by mistake."""
 
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Iterable
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
-from typing import Annotated, Literal, Self, TypeAlias
+from typing import Annotated, Any, Literal, Self, TypeAlias
 
 import numpy as np
 from pydantic import (
@@ -24,7 +24,7 @@ from pydantic import (
 from tracker.body import Body, Name
 from tracker.camera import Camera
 from tracker.geometry import quaternion_wxyz, rotation_from_quaternion
-from tracker.pose import Pose, pose_transforms
+from tracker.pose import Pose, part_transforms
 from tracker.session.results import Results
 from tracker.session.versions import PRESENT
 from tracker.settings import (
@@ -42,6 +42,16 @@ Quaternion: TypeAlias = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat
 Metres: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e5, le=1e5)]
 Position: TypeAlias = tuple[Metres, Metres, Metres]
 Seconds: TypeAlias = Annotated[FiniteFloat, Field(ge=0, le=1e7)]
+
+
+AT_REST: Quaternion = (1.0, 0.0, 0.0, 0.0)
+NEAREST_M = 0.05
+"""The least depth of a joint."""
+
+MOST: Mapping[str, int] = {"keyframes": 10_000, "drafts": 10_000, "ignore_masks": 10_000}
+"""Far above what a person sets in a session."""
+
+POSES_AT_A_TIME = 500
 
 
 class VideoReference(Plain):
@@ -127,9 +137,7 @@ class Keyframe(Plain):
 
     def pose(self, skeleton: Skeleton) -> Pose:
         """The pose it holds."""
-        at_rest = (1.0, 0.0, 0.0, 0.0)
-        names = skeleton.body.names
-        quaternions = np.array([self.rotations_wxyz.get(name, at_rest) for name in names])
+        quaternions = np.array(_quaternions(self, skeleton.body.names))
         return Pose(rotation_from_quaternion(quaternions), np.array(self.root_m))
 
 
@@ -200,17 +208,25 @@ class Session(Plain):
         """Whether a newer Keypose wrote it: then it may be looked at, not changed."""
         return self.schema_version > PRESENT
 
+    @model_validator(mode="before")
+    @classmethod
+    def _is_of_usable_size(cls, data: Any) -> Any:
+        if isinstance(data, dict):
+            demand_few(data)
+        return data
+
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
         demand_fit(self, (*self.keyframes, *self.drafts))
         return self
 
 
-def demand_fit(session: Session, poses: Iterable[Keyframe]) -> None:
+def demand_fit(session: Session, poses: Sequence[Keyframe]) -> None:
     """ValueError in words unless the session's values, each valid by itself, fit together.
 
     poses: the keyframes and drafts to be held against body and video; the others are known to fit.
     """
+    demand_few({name: getattr(session, name) for name in MOST})
     camera, video = session.camera, session.video
     if (camera.width, camera.height) != (video.width, video.height):
         raise ValueError(
@@ -221,10 +237,16 @@ def demand_fit(session: Session, poses: Iterable[Keyframe]) -> None:
     _demand_sorted(session.drafts)
     _demand_direction(session.up_camera)
     _demand_parts(session.settings.left_out, session.body)
-    skeleton = Skeleton.of(session.body)
     for keyframe in poses:
         _demand_in_video(keyframe, video.frame_count)
-        _demand_before_camera(keyframe, skeleton)
+        _demand_known_parts(keyframe, session.body)
+    skeleton = Skeleton.of(session.body)
+    for start in range(0, len(poses), POSES_AT_A_TIME):
+        _demand_before_camera(poses[start : start + POSES_AT_A_TIME], skeleton)
+
+
+def _quaternions(keyframe: Keyframe, names: Sequence[str]) -> list[Quaternion]:
+    return [keyframe.rotations_wxyz.get(name, AT_REST) for name in names]
 
 
 def _demand_sorted(keyframes: tuple[Keyframe, ...]) -> None:
@@ -263,21 +285,36 @@ def _demand_in_video(keyframe: Keyframe, frame_count: int) -> None:
         )
 
 
-def _demand_before_camera(keyframe: Keyframe, skeleton: Skeleton) -> None:
-    names = skeleton.body.names
-    unknown = sorted(set(keyframe.rotations_wxyz) - set(names))
+def _demand_known_parts(keyframe: Keyframe, body: Body) -> None:
+    unknown = sorted(keyframe.rotations_wxyz.keys() - set(body.names))
     if unknown:
         raise ValueError(
             f"keyframes: frame {keyframe.frame} poses {unknown[0]!r}, which the body does not "
-            f"have; its parts are {', '.join(names)}"
+            f"have; its parts are {', '.join(body.names)}"
         )
-    z = pose_transforms(skeleton, keyframe.pose(skeleton))[:, 2, 3]
-    if not z.min() > 0.05:
-        part = names[int(np.argmin(z))]
+
+
+def _demand_before_camera(keyframes: Sequence[Keyframe], skeleton: Skeleton) -> None:
+    names = skeleton.body.names
+    quaternions = np.array([_quaternions(keyframe, names) for keyframe in keyframes])
+    roots = np.array([keyframe.root_m for keyframe in keyframes])
+    z = part_transforms(skeleton, rotation_from_quaternion(quaternions), roots)[..., 2, 3]
+    behind = np.flatnonzero(~(z.min(axis=-1) > NEAREST_M))
+    if len(behind):
+        first = behind[0]
         raise ValueError(
-            f"keyframes: frame {keyframe.frame} has {part!r} behind the camera; "
-            "every joint needs a depth of more than 0.05 m"
+            f"keyframes: frame {keyframes[first].frame} has {names[int(np.argmin(z[first]))]!r} "
+            f"behind the camera; every joint needs a depth of more than {NEAREST_M} m"
         )
+
+
+def demand_few(data: Mapping[str, Any]) -> None:
+    """ValueError when there is more in a list than a session may have; asked before any of it is
+    read, for a file may hold what would take minutes."""
+    for name, most in MOST.items():
+        given = data.get(name)
+        if isinstance(given, list | tuple) and len(given) > most:
+            raise ValueError(f"{name}: {len(given)} are more than the {most} a session may have")
 
 
 def _triple(values: np.ndarray) -> Position:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from tests.tracker.formats import recordings
 from tracker.errors import FormatError
+from tracker.formats import reading_bvh
 from tracker.formats.bvh import bvh
 from tracker.formats.csv import joints_csv
 from tracker.formats.reading import JointMotion, load_motion
@@ -47,6 +48,14 @@ Frame Time: 0.04
 10 90 0 0 0 0 0 0 0
 10 90 0 90 0 0 90 0 0
 """
+
+
+def nested(count: int) -> str:
+    """A BVH file of joints of one name, each inside the one before it."""
+    joints = "".join(f"{'JOINT' if i else 'ROOT'} a {{ OFFSET 0 0 0\n" for i in range(count))
+    end = "} " * count
+    return f"HIERARCHY\n{joints}{end}\nMOTION\nFrames: 1\nFrame Time: 0.1\n\n"
+
 
 TRC = (
     "PathFileType\t4\t(X/Y/Z)\twalk.trc\n"
@@ -154,6 +163,25 @@ def test_c3d_is_read_with_its_unit_its_up_and_what_was_not_seen(tmp_path: Path) 
     assert np.allclose(np.diff(motion.times_s), 0.01)
 
 
+def test_joints_of_one_name_are_told_apart_without_trying_every_name_for_each(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lookups = 0
+
+    class Counting(set[str]):
+        def __contains__(self, name: object) -> bool:
+            nonlocal lookups
+            lookups += 1
+            return super().__contains__(name)
+
+    monkeypatch.setattr(reading_bvh, "set", Counting, raising=False)
+    (tmp_path / "a.bvh").write_text(nested(1000))
+    motion = load_motion(tmp_path / "a.bvh")
+    assert motion.names[:3] == ("a", "a_", "a__")
+    assert len(set(motion.names)) == 1000
+    assert lookups <= 2000
+
+
 def test_positions_between_frames_lie_on_straight_lines_and_outside_there_are_none() -> None:
     ps: NDArray[np.float64] = np.arange(4.0)[:, None, None] * np.ones((4, 1, 3))
     ps[3] = np.nan
@@ -173,6 +201,11 @@ def test_positions_between_frames_lie_on_straight_lines_and_outside_there_are_no
         ("a.bvh", BVH.replace("}\n}\nMOTION", "}\nMOTION"), "does not end"),
         ("a.bvh", BVH.replace("Frame Time: 0.04", "Frame Time: 0"), "0 s apart"),
         ("a.bvh", BVH.replace("Frames: 2", "Frames: 999999999"), "too much"),
+        ("a.bvh", BVH + "1 2 3\n", "holds more"),
+        ("a.bvh", nested(2001), "more than 2000 joints"),
+        ("a.bvh", BVH.replace("hips", "h" * 5001), "longer than 5000"),
+        ("a.bvh", BVH.replace("CHANNELS 6", "CHANNELS 999999999"), "more than 12 channels"),
+        ("a.bvh", BVH.replace("OFFSET 0 0 0\n", "OFFSET 0 0 0\n" * 310_000), "too much"),
         ("a.bvh", b"\xff\xfe\x00HIERARCHY", "not text"),
         ("a.bvh", "", "MOTION"),
         ("a.trc", TRC.replace("mm", "ell"), "unit"),
