@@ -118,6 +118,13 @@ class Journaling:
         """Whether the journal has everything."""
         return self._noted == self._written
 
+    def is_own(self, path: Path) -> bool:
+        """Whether a session file is as this program read it or left it."""
+        try:
+            return path.read_bytes() in self._ours
+        except OSError:
+            return False
+
     def save(self, session: Session, path: Path) -> Path | None:
         """Save the session file. Returns where the version of another program that wrote it
         meanwhile is kept, None where none did; SessionError when the disk refuses."""

@@ -11,6 +11,7 @@ import traceback
 from collections.abc import Callable, Coroutine
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +35,6 @@ from app.saving import Saver
 from app.sections import Sections
 from app.tabs import Tab, Tabs
 from tracker.errors import KeyposeError, SessionError, SurfaceError, VideoError
-from tracker.session.atomic import make_folder
 from tracker.wording import one_sentence
 
 SECONDS_BETWEEN_SAVES = 3.0
@@ -205,8 +205,7 @@ class Store:
         path, doc = piece.session_path, edit.settled
 
         def write() -> None:
-            make_folder(path.parent, error=SessionError)
-            self._holding.take_new(path.parent)
+            self._holding.demand_folder(path.parent, partial(journaling.is_own, path))
             if not path.exists():  # a journal alone would not be found
                 journaling.save(doc, path)
             journaling.write()

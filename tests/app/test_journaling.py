@@ -16,6 +16,7 @@ import pytest
 
 from app import running
 from app.library import Library
+from app.locking import HeldElsewhere, SessionLock
 from app.opening import Workpiece, copied_session, edit_state
 from app.store import Store
 from app.tabs import Tab
@@ -256,6 +257,57 @@ def test_edits_on_a_full_disk_are_acknowledged_by_themselves_once_they_are_writt
         assert store.outlook.saved.state == "saved"
 
     with_store(path, edit)
+
+
+def test_a_folder_that_was_renamed_is_not_made_anew_and_gets_the_edits_once_it_is_back(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.saving.SECONDS_BETWEEN_TRIES", 0.01)
+    elsewhere = path.parent.with_name("renamed")
+
+    async def edit(store: Store) -> None:
+        await tried(store, turn(-10))
+        path.parent.rename(elsewhere)
+        tab = await tried(store, turn(-20))
+        assert not path.parent.exists()
+        assert store.outlook.saved.state == "failed"
+        assert "is gone or was renamed" in store.outlook.saved.words
+        assert tab._ack == 0
+        elsewhere.rename(path.parent)
+        await told(tab, "ack", 1)
+
+    with_store(path, edit)
+    assert len(labels(path)) == 2
+
+
+def test_another_folder_in_its_place_is_left_alone(path: Path) -> None:
+    async def edit(store: Store) -> None:
+        await tried(store, turn(-10))
+        path.parent.rename(path.parent.with_name("renamed"))
+        path.parent.mkdir()
+        await tried(store, turn(-20))
+        assert list(path.parent.iterdir()) == []
+        assert "is gone or was renamed" in store.outlook.saved.words
+
+    with pytest.raises(SessionError, match="The last changes are lost"):
+        with_store(path, edit)
+    assert list(path.parent.iterdir()) == []
+
+
+def test_a_session_put_back_from_a_copy_is_gone_on_with(path: Path) -> None:
+    async def edit(store: Store) -> None:
+        await tried(store, turn(-10))
+        shutil.copytree(path.parent, path.parent.with_name("copy"))
+        shutil.rmtree(path.parent)
+        await tried(store, turn(-20))
+        assert store.outlook.saved.state == "failed"
+        path.parent.with_name("copy").rename(path.parent)
+        await done(store, turn(-30))
+        with pytest.raises(HeldElsewhere):
+            SessionLock.take(path.parent)
+
+    with_store(path, edit)
+    assert len(labels(path)) == 3
 
 
 def test_what_a_person_gives_up_by_closing_is_waited_for_no_more(
