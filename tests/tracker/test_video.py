@@ -28,6 +28,7 @@ from tests.tracker.video_cases import (
     write_image,
     write_numbered,
     write_sound,
+    write_with_foreign_tags,
 )
 from tracker.errors import VideoError
 from tracker.video import MissingFrame, Video
@@ -268,6 +269,64 @@ def test_a_copy_has_the_same_fingerprint_and_another_video_has_not(tmp_path: Pat
             prints.append(video.fingerprint())
     assert prints[0] == prints[1] != prints[2]
     assert prints[0].startswith("sha256:")
+
+
+@pytest.mark.parametrize(
+    ("name", "codec"),
+    [
+        ("clip.mp4", "libx264"),
+        ("clip.mov", "libx264"),
+        ("clip.mkv", "libx264"),
+        ("clip.avi", "mpeg4"),
+    ],
+)
+def test_a_film_opens_whatever_letters_its_title_and_artist_are_in(
+    tmp_path: Path, name: str, codec: str
+) -> None:
+    path = write_with_foreign_tags(tmp_path / name, 12, codec=codec)
+    with pytest.raises(UnicodeDecodeError):
+        av.open(str(path))
+    assert_every_frame_is_itself(path, 12)
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        UnicodeDecodeError("utf-8", b"\xe9", 0, 1, "invalid"),
+        ValueError("not a pixel format"),
+        OverflowError("too large"),
+        av.error.InvalidDataError(1, "invalid"),
+    ],
+)
+def test_whatever_pyav_raises_on_opening_is_one_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: Exception
+) -> None:
+    path = write_numbered(tmp_path / "clip.mp4", 3)
+    folder = write_folder(tmp_path / "shots", ["1.png"])
+
+    def fails(*_: object, **__: object) -> None:
+        raise error
+
+    monkeypatch.setattr("tracker.video.container.av.open", fails)
+    for place in (path, folder):
+        with pytest.raises(VideoError, match=r"^[^\n]+\.$"):
+            Video.open(place)
+
+
+def test_a_picture_that_pyav_cannot_convert_is_missing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = write_numbered(tmp_path / "clip.mp4", 3)
+    folder = write_folder(tmp_path / "shots", ["1.png", "2.png"])
+
+    def fails(*_: object) -> None:
+        raise ValueError("no such conversion")
+
+    for place in (path, folder):
+        with Video.open(place) as video, monkeypatch.context() as broken:
+            broken.setattr("tracker.video.picture.PictureMaker.picture", fails)
+            with pytest.raises(MissingFrame):
+                video.frame(1)
 
 
 # --- damage -----------------------------------------------------------------------------------

@@ -49,9 +49,11 @@ def write_clip(
     time_base: Fraction | None = None,
     container_format: str | None = None,
     turn: tuple[Any, ...] | None = None,
+    tags: dict[str, str] | None = None,
 ) -> Path:
     """Write `pictures` as a video; `turn` is what the file asks to be done before showing."""
     with av.open(str(path), "w", format=container_format) as container:
+        container.metadata.update(tags or {})
         stream: Any = container.add_stream(codec, rate=rate, options=options or {})
         stream.height, stream.width = pictures[0].shape[:2]
         stream.pix_fmt = pixels
@@ -121,3 +123,16 @@ def decoded_plainly(path: Path) -> list[Picture]:
         stream.thread_type = "NONE"
         frames = [f.to_ndarray(format="rgb24", threads=1) for f in container.decode(stream)]
     return [np.asarray(frame, dtype=np.uint8) for frame in frames]
+
+
+def write_with_foreign_tags(path: Path, count: int, **how: Any) -> Path:
+    """A sound film of numbered pictures whose title and artist are Latin-1, not UTF-8."""
+    tags = {"title": "Cafe# au lait", "artist": "Jose# Muller"}
+    write_numbered(path, count, tags=tags, **how)
+    content = path.read_bytes()
+    for text in tags.values():
+        assert text.encode() in content
+        foreign = text.replace("e#", "é ").encode("latin-1")  # as long as before
+        content = content.replace(text.encode(), foreign)
+    path.write_bytes(content)
+    return path

@@ -6,6 +6,7 @@ that is not there.
 
 from __future__ import annotations
 
+import io
 import stat
 from collections.abc import Iterator
 from pathlib import Path
@@ -25,7 +26,12 @@ _DEMUXERS = (
     "flv,asf,ogg,gif,apng,mjpeg,mjpeg_2000,yuv4mpegpipe,mxf,dv,nut,rm,wtv,swf,"
     "png_pipe,jpeg_pipe,bmp_pipe,tiff_pipe,webp_pipe,ppm_pipe,pgm_pipe"
 )
-OPTIONS = {"format_whitelist": _DEMUXERS, "protocol_whitelist": "file"}
+_OPTIONS = {"format_whitelist": _DEMUXERS, "protocol_whitelist": "file"}
+
+PYAV_ERRORS = (av.error.FFmpegError, ValueError, ArithmeticError, LookupError, RuntimeError)
+"""What PyAV raises on what a file says: FFmpeg's errors, and those of turning the file's numbers
+and texts into Python's (UnicodeDecodeError, OverflowError …). To be caught around calls of PyAV
+alone, where none of our own code runs."""
 
 # What a decoder hides in a damaged picture depends on how many threads share it. The number is
 # fixed so that every machine sees the same pictures.
@@ -36,15 +42,30 @@ def open_container(path: Path) -> InputContainer:
     """The file at `path`, opened. Raises VideoError when it is no readable media file."""
     _check_file(path)
     try:
-        return av.open(f"file:{path}", "r", options=OPTIONS)
+        return demux(f"file:{path}")
     except PermissionError as error:
         raise not_permitted(path) from error
-    except av.error.FFmpegError as error:
+    except PYAV_ERRORS as error:
         raise VideoError(_unreadable(path)) from error
+
+
+def demux(file: str | io.BytesIO) -> InputContainer:
+    """A media file opened by PyAV, whose errors (PYAV_ERRORS) are the caller's to catch.
+
+    Titles and artists are of no use here: many are not UTF-8, and none may keep a film shut.
+    """
+    return av.open(file, "r", options=_OPTIONS, metadata_errors="replace")
 
 
 def picture_stream(path: Path, container: InputContainer, threaded: bool = True) -> VideoStream:
     """The first stream of moving pictures. Raises VideoError when there is none to decode."""
+    try:
+        return _picture_stream(path, container, threaded)
+    except PYAV_ERRORS as error:
+        raise VideoError(_undecodable(path)) from error
+
+
+def _picture_stream(path: Path, container: InputContainer, threaded: bool) -> VideoStream:
     streams = [s for s in container.streams.video if not _is_cover(s)]
     if not streams:
         holds = "sound but no pictures" if container.streams.audio else "no pictures"
@@ -52,9 +73,7 @@ def picture_stream(path: Path, container: InputContainer, threaded: bool = True)
     stream = streams[0]
     # Without a decoder there is no context, whatever the annotation says.
     if getattr(stream, "codec_context", None) is None:
-        raise VideoError(
-            f'"{path.name}" is coded in a way Keypose cannot decode: convert it to H.264 in MP4.'
-        )
+        raise VideoError(_undecodable(path))
     stream.thread_type = "AUTO" if threaded else "NONE"
     stream.codec_context.thread_count = _THREADS if threaded else 1
     return stream
@@ -68,7 +87,7 @@ def decode(
         return list(stream.codec_context.decode(packet))
     except av.error.MemoryError:
         raise
-    except av.error.FFmpegError:
+    except PYAV_ERRORS:
         return [None]
 
 
@@ -85,7 +104,7 @@ def packets(
                 yield packet
     except av.error.InvalidDataError:
         return  # what follows the damage cannot be told apart from noise
-    except av.error.FFmpegError as error:
+    except PYAV_ERRORS as error:
         raise VideoError(
             f'"{path.name}" could not be read to its end: check the disk or connection it is on.'
         ) from error
@@ -126,8 +145,15 @@ def _is_cover(stream: VideoStream) -> bool:
     return av.stream.Disposition.attached_pic in stream.disposition
 
 
+def _undecodable(path: Path) -> str:
+    return f'"{path.name}" is coded in a way Keypose cannot decode: convert it to H.264 in MP4.'
+
+
 def _unreadable(path: Path) -> str:
-    head = read_head(path, 12)
+    try:
+        head = read_head(path, 12)
+    except OSError:
+        return f'"{path.name}" can no longer be read: put it back, or choose another video.'
     if head[4:8] == b"ftyp":
         return (
             f'"{path.name}" is incomplete, its table of frames is absent or damaged: '

@@ -8,13 +8,12 @@ from fractions import Fraction
 from pathlib import Path
 
 import av
-import av.error
 import numpy as np
 from av.container import InputContainer
 from av.video.stream import VideoStream
 
 from tracker.errors import VideoError
-from tracker.video.container import decoded, open_container, picture_stream
+from tracker.video.container import PYAV_ERRORS, decoded, open_container, picture_stream
 from tracker.video.fingerprint import fingerprint_of_file
 from tracker.video.index import FrameIndex, index_from_decoding, index_from_packets, rate_of
 from tracker.video.info import VideoInfo, clock
@@ -93,7 +92,10 @@ class FileSource:
                 run.at = at
                 good = self._is_good(frame)
                 if good and since <= at <= number:
-                    yield at, self._maker.picture(frame, self._orientation)
+                    picture = self._maker.picture_or_none(frame, self._orientation)
+                    good = picture is not None
+                    if picture is not None:
+                        yield at, picture
                 if good and at == number:
                     return
                 if at >= number or (believed and not good):
@@ -129,7 +131,7 @@ class FileSource:
             try:
                 self._container.seek(pts, stream=self._stream)
                 return _Run(self._numbered(synced=False), origin)
-            except av.error.FFmpegError:
+            except PYAV_ERRORS:
                 origin = 0  # a container that cannot seek is read from its beginning
         self._reopen()
         return _Run(self._numbered(synced=True), origin)

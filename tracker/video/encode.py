@@ -20,10 +20,10 @@ from types import TracebackType
 from typing import Self
 
 import av
-import av.error
 from av.video.reformatter import ColorRange, Colorspace, VideoReformatter
 
 from tracker.errors import VideoError
+from tracker.video.container import PYAV_ERRORS
 from tracker.video.picture import Picture
 
 QUALITY = 18
@@ -120,7 +120,7 @@ class FilmWriter:
         trace: TracebackType | None,
     ) -> None:
         if kind is not None:
-            with suppress(av.error.FFmpegError, OSError):
+            with suppress(*PYAV_ERRORS, OSError):
                 self._container.close()
             return
         with _told(self._place):
@@ -170,6 +170,7 @@ def _told(place: Path) -> Iterator[None]:
     """What the encoder throws, in one sentence."""
     try:
         yield
-    except av.error.FFmpegError as error:
+    except PYAV_ERRORS as error:
         name = place.name.lstrip(".").rsplit(".", 2)[0] if place.suffix == ".part" else place.name
-        raise VideoError(f'The film "{name}" cannot be written: {error.strerror}.') from error
+        reason = getattr(error, "strerror", None) or error
+        raise VideoError(f'The film "{name}" cannot be written: {reason}.') from error

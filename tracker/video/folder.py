@@ -10,12 +10,11 @@ from fractions import Fraction
 from pathlib import Path
 
 import av
-import av.error
 import numpy as np
 
 from tracker.errors import VideoError
 from tracker.files import open_regular
-from tracker.video.container import OPTIONS, not_permitted
+from tracker.video.container import PYAV_ERRORS, demux, not_permitted
 from tracker.video.fingerprint import fingerprint_of_images
 from tracker.video.image_size import stored_size
 from tracker.video.info import VideoInfo, clock
@@ -65,23 +64,30 @@ class FolderSource:
         """
         frame = self._decode(number)
         if frame is None:
-            self._facts = replace(self._facts, missing=tuple(sorted(self._missing)))
+            self._lose(number)
             return
-        picture = self._maker.picture(frame, orientation_of(frame))
+        picture = self._maker.picture_or_none(frame, orientation_of(frame))
+        if picture is None:
+            self._lose(number)
+            return
         if picture.shape[:2] != (self._facts.height, self._facts.width):
             height, width = picture.shape[:2]
             sizes = ((self._facts.width, self._facts.height), (width, height))
             raise self._sizes_differ((self._pattern, number), sizes)
         yield number, picture
 
+    def _lose(self, number: int) -> None:
+        self._missing.add(number)
+        self._facts = replace(self._facts, missing=tuple(sorted(self._missing)))
+
     def _decode(self, number: int) -> av.VideoFrame | None:
         """One image; None, and counted as missing, when it cannot be decoded."""
         content = _read(self._files[number])
         try:
             # From memory, so that the name cannot be mistaken for a pattern of many images.
-            with av.open(io.BytesIO(content), "r", options=OPTIONS) as container:
+            with demux(io.BytesIO(content)) as container:
                 frame = next(container.decode(video=0), None)
-        except (av.error.FFmpegError, IndexError):  # IndexError: there is no picture in it
+        except PYAV_ERRORS:  # IndexError among them: there is no picture in it
             frame = None
         if frame is None or frame.is_corrupt:
             self._missing.add(number)

@@ -8,13 +8,18 @@ from itertools import pairwise
 from pathlib import Path
 
 import av
-import av.error
 import numpy as np
 from av.container import InputContainer
 from av.video.stream import VideoStream
 from numpy.typing import NDArray
 
-from tracker.video.container import decode, open_container, packets, picture_stream
+from tracker.video.container import (
+    PYAV_ERRORS,
+    decode,
+    open_container,
+    packets,
+    picture_stream,
+)
 
 # Containers whose packets tell one by one which frames will be shown, and when.
 _TRUSTED = {"mov", "matroska", "webm"}
@@ -65,7 +70,7 @@ def index_from_packets(container: InputContainer, stream: VideoStream) -> FrameI
             pts.append(packet.pts)
             if packet.is_keyframe:
                 keys.append(packet.pts)
-    except av.error.FFmpegError:
+    except PYAV_ERRORS:
         return None  # decoding will tell how far the file can be read
     ordered = np.unique(np.asarray(pts, dtype=np.int64))
     if len(ordered) != len(pts) or stream.frames not in (0, len(pts)) or stream.time_base is None:

@@ -11,6 +11,8 @@ from av.sidedata.sidedata import Type as SideDataType
 from av.video.reformatter import VideoReformatter
 from numpy.typing import NDArray
 
+from tracker.video.container import PYAV_ERRORS
+
 Picture = NDArray[np.uint8]  # (height, width, 3) RGB
 
 
@@ -82,3 +84,10 @@ class PictureMaker:
         picture = np.ascontiguousarray(orientation.apply(stored))
         picture.setflags(write=False)
         return picture
+
+    def picture_or_none(self, frame: av.VideoFrame, orientation: Orientation) -> Picture | None:
+        """The same; None where the frame is in colours or sizes that cannot be converted."""
+        try:
+            return self.picture(frame, orientation)
+        except PYAV_ERRORS:
+            return None
