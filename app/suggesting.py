@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from app.results import Finding, SegmentTrack, Span, frames_in_words
+from app.results import Finding, SegmentTrack, Span, damaged_in_words, frames_in_words
 from tracker.geometry import Array, log_rotation, transpose
 from tracker.need import MENDED
 
@@ -247,6 +247,8 @@ def _need(track: SegmentTrack) -> int:
 def _reason(track: SegmentTrack, finding: Finding, parts: Sequence[str]) -> str:
     if finding.part and finding.frames is not None:
         return f"{_upper(finding.reason)} {frames_in_words(*finding.frames)}"
+    if finding.what == "damaged" and finding.frames is not None:
+        return _upper(damaged_in_words(*finding.frames))
     where = frames_in_words(track.first, track.last)
     if finding.what != "near":
         return f"{_upper(finding.reason)} in {where}"

@@ -63,10 +63,12 @@ class Clip:
     """Prepared pictures of consecutive frames.
 
     levels: one array (n, h, w, 4) float32 for each pyramid level, finest first.
+    damaged: the frames whose pictures are missing or damaged; all of them is IGNORED.
     """
 
     first_frame: int
     levels: tuple[Picture, ...]
+    damaged: frozenset[int] = frozenset()
 
     def __len__(self) -> int:
         return len(self.levels[0])

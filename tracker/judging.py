@@ -8,6 +8,7 @@ that are right from segments that are not.
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +18,7 @@ from tracker.observe import Observation
 from tracker.scene import Scene
 from tracker.segment import NOWHERE_PX, Outcome
 from tracker.stretch import Segment, extent_px
-from tracker.verdict import Verdict, frames_in_words, runs, spoken
+from tracker.verdict import DAMAGED, Verdict, frames_in_words, runs, spoken
 
 LOST_APART, LOST_DRIFT = 0.28, 0.23
 CHECK_APART, CHECK_DRIFT = 0.18, 0.044
@@ -61,6 +62,9 @@ def judge(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -
         return Verdict(
             "check", f"check {frames_in_words(first, last)}: a pass diverged", (first, last)
         )
+    if segment.damaged:
+        first, last = _longest_run(segment.damaged)
+        return Verdict("check", f"check {frames_in_words(first, last)}: {DAMAGED}", (first, last))
     unseen = _longest_unseen(scene, segment, seen)
     if unseen is not None:
         part, first, last = unseen
@@ -75,6 +79,14 @@ def judge(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -
             "check", f"check {frames_in_words(first, last)}: {name} {why}", (first, last)
         )
     return Verdict("good", "good")
+
+
+def _longest_run(frames: Collection[int]) -> tuple[int, int]:
+    """First and last of the longest run of consecutive frames."""
+    start = min(frames)
+    flags = np.isin(np.arange(start, max(frames) + 1), list(frames))
+    first, last = max(runs(flags), key=lambda run: run[1] - run[0])
+    return start + first, start + last
 
 
 def _lost(segment: Segment, evidence: _Evidence) -> Verdict:

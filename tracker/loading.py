@@ -80,7 +80,7 @@ class WorkingSize:
 class ClipLoader:
     """Prepares clips of one video; the most recent stay ready, within a share of the memory.
 
-    A frame that cannot be decoded is shown as ignored everywhere: it decides nothing.
+    A frame that is missing or damaged is shown as ignored everywhere: it decides nothing.
     """
 
     video: Video
@@ -90,6 +90,7 @@ class ClipLoader:
     static_camera: bool = False
     memory: int = MEMORY_BYTES
     _ready: OrderedDict[tuple[int, int], Clip] = field(default_factory=OrderedDict)
+    _damaged: set[int] = field(default_factory=set)
     _plate: Picture | None = None
     _beyond: NDArray[np.bool_] | None = None
     _lock: Lock = field(default_factory=Lock)
@@ -142,7 +143,8 @@ class ClipLoader:
         for index, pictures in self._each(first, last):
             for level, picture in zip(levels, pictures, strict=True):
                 level[index - first] = picture
-        return Clip(first, levels)
+        damaged = frozenset(n for n in self._damaged if first <= n <= last)
+        return Clip(first, levels, damaged)
 
     def _each(self, first: int, last: int) -> Iterator[tuple[int, list[Picture]]]:
         """Every frame's pictures; those that are ready are not prepared again."""
@@ -150,7 +152,9 @@ class ClipLoader:
         yield from ready.items()
         for start, stop in _gaps(first, last + 1, ready):
             reached = start
-            for index, rgb in self.video.frames(start, stop):
+            for index, rgb in self.video.sound_frames(start, stop):
+                if rgb is None:
+                    self._damaged.add(index)
                 yield index, self._prepare(index, rgb)
                 reached = index + 1
             if reached != stop:
@@ -213,7 +217,7 @@ class ClipLoader:
         pictures = [
             self._grey(rgb)
             for frame in frames
-            for _, rgb in self.video.frames(int(frame), int(frame) + 1)
+            for _, rgb in self.video.frames(int(frame), int(frame) + 1)  # a median bears damage
             if rgb is not None
         ]
         return _smooth(np.median(np.stack(pictures), axis=0).astype(np.float32))

@@ -33,6 +33,12 @@ class Segment:
     clip: Clip
     imported: Trajectory | None = None
 
+    @property
+    def damaged(self) -> frozenset[int]:
+        """The frames between the keyframes whose pictures are missing or damaged."""
+        inside = range(self.first_frame + 1, self.last_frame)
+        return frozenset(n for n in self.clip.damaged if n in inside)
+
 
 def is_sound(scene: Scene, segment: Segment, trajectory: Trajectory) -> bool:
     """Whether every joint of a trajectory lies before the camera, and not absurdly far away."""

@@ -8,6 +8,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+DAMAGED = "damaged in the video"
+"""Why frames are to be checked that nothing could be seen of, for their pictures are not sound."""
+
 
 @dataclass(frozen=True, eq=False)
 class Verdict:

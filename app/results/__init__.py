@@ -11,7 +11,7 @@ from app.results.disk import load_results, save_results, tidy_tracks
 from app.results.frames import Fitting, listed, observability, pose_at, residual, rotations
 from app.results.keys import Span, segment_key, segment_keys
 from app.results.track import SegmentTrack
-from app.results.words import Finding, Kind, frames_in_words
+from app.results.words import Finding, Kind, damaged_in_words, frames_in_words
 
 __all__ = [
     "Finding",
@@ -21,6 +21,7 @@ __all__ = [
     "SegmentTrack",
     "Span",
     "State",
+    "damaged_in_words",
     "frames_in_words",
     "listed",
     "load_results",

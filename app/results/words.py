@@ -6,9 +6,20 @@ import re
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
+from tracker.verdict import DAMAGED
+
 Kind: TypeAlias = Literal["good", "check", "lost"]
 What: TypeAlias = Literal[
-    "good", "hidden", "uncertain", "diverged", "off", "near", "nowhere", "contradiction", "other"
+    "good",
+    "hidden",
+    "uncertain",
+    "diverged",
+    "off",
+    "near",
+    "nowhere",
+    "contradiction",
+    "damaged",
+    "other",
 ]
 
 _CHECK = re.compile(r"check frames? (\d+)(?:–(\d+))?: (.+)")
@@ -65,6 +76,8 @@ class Finding:
             return "Lost. Nothing of the body is seen: check keys, camera and masks"
         if self.what == "off" and self.frames is not None:
             return f"Check: at key {self.frames[0]} the body lies off its surface"
+        if self.what == "damaged" and self.frames is not None:
+            return f"Check: {damaged_in_words(*self.frames)}"
         sentence = f"{self.kind.capitalize()}: {self.reason}"
         if self.frames is None or _is_all(self.frames, first, last):
             return sentence
@@ -85,11 +98,18 @@ def frames_in_words(first: int, last: int) -> str:
     return str(first) if first >= last else f"{first}–{last}"
 
 
+def damaged_in_words(first: int, last: int) -> str:
+    """ "frames 31–60 are damaged in the video"."""
+    if first >= last:
+        return f"frame {first} is {DAMAGED}"
+    return f"frames {first}–{last} are {DAMAGED}"
+
+
 def _reason(text: str) -> tuple[What, str]:
     for ending, what in _REASONS.items():
         if text.endswith(f" {ending}"):
             return what, text.removesuffix(f" {ending}")
-    named: dict[str, What] = {"a pass diverged": "diverged", _OFF: "off"}
+    named: dict[str, What] = {"a pass diverged": "diverged", _OFF: "off", DAMAGED: "damaged"}
     return named.get(text, "other"), ""
 
 

@@ -137,6 +137,9 @@ class MemoryVideo:
         for i in range(first, stop):
             yield i, None if i in self.missing else self.pictures[i]
 
+    def sound_frames(self, first: int, stop: int) -> Iterator[tuple[int, NDArray[np.uint8] | None]]:
+        return self.frames(first, stop)
+
 
 @dataclass(frozen=True, eq=False)
 class Case:

@@ -85,8 +85,8 @@ class Desk:
 
 
 def _colours(loader: ClipLoader, frame: int) -> NDArray[np.uint8] | None:
-    """A frame in colour at the working size, or None where it cannot be decoded."""
-    (_, rgb), *_ = loader.video.frames(frame, frame + 1)
+    """A frame in colour at the working size, or None where it is missing or damaged."""
+    (_, rgb), *_ = loader.video.sound_frames(frame, frame + 1)
     return None if rgb is None else loader.size.picture(loader.camera.rectify(rgb))
 
 

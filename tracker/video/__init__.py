@@ -6,7 +6,9 @@
             ...
 
 A frame's number is its place in the order of presentation. It never shifts: a frame that cannot
-be decoded keeps its number and is reported missing.
+be decoded keeps its number and is reported missing. One that can, but shows something wrong
+because it is built on what is lost, is reported damaged once it has been examined:
+`sound_frames` leaves such frames out.
 
 What a picture is:
 
@@ -18,7 +20,8 @@ What a picture is:
 
 from __future__ import annotations
 
+from tracker.video.damage import Examined
 from tracker.video.info import MissingFrame, VideoInfo
 from tracker.video.video import Video
 
-__all__ = ["MissingFrame", "Video", "VideoInfo"]
+__all__ = ["Examined", "MissingFrame", "Video", "VideoInfo"]

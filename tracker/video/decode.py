@@ -14,6 +14,7 @@ from av.video.stream import VideoStream
 
 from tracker.errors import VideoError
 from tracker.video.container import PYAV_ERRORS, decoded, open_container, picture_stream
+from tracker.video.damage import Examined, examine
 from tracker.video.fingerprint import fingerprint_of_file
 from tracker.video.index import FrameIndex, index_from_decoding, index_from_packets, rate_of
 from tracker.video.info import VideoInfo, clock
@@ -104,6 +105,10 @@ class FileSource:
             raise Surprise
         self._missing.add(number)
         self._facts = replace(self._facts, missing=tuple(sorted(self._missing)))
+
+    def examine(self, first: int, last: int) -> Iterator[Examined]:
+        """Decode the frames first … last once more, strictly; tells in turn what is known."""
+        yield from examine(self._path, self._index, self._stored_size, first, last)
 
     def _runs(self, number: int) -> Iterator[_Run]:
         """Stretches of decoding that may reach a frame, the best first.

@@ -15,6 +15,7 @@ import numpy as np
 from tracker.errors import VideoError
 from tracker.files import open_regular
 from tracker.video.container import PYAV_ERRORS, demux, not_permitted
+from tracker.video.damage import Examined
 from tracker.video.fingerprint import fingerprint_of_images
 from tracker.video.image_size import stored_size
 from tracker.video.info import VideoInfo, clock
@@ -75,6 +76,13 @@ class FolderSource:
             sizes = ((self._facts.width, self._facts.height), (width, height))
             raise self._sizes_differ((self._pattern, number), sizes)
         yield number, picture
+
+    def examine(self, first: int, last: int) -> Iterator[Examined]:
+        """Decodes the images one by one; none is built on another."""
+        for number in range(first, last + 1):
+            if self._decode(number) is None:
+                self._lose(number)
+            yield Examined(number, number, frozenset())
 
     def _lose(self, number: int) -> None:
         self._missing.add(number)

@@ -35,6 +35,7 @@ class VideoInfo:
     interlaced: bool
     pixel_aspect: Fraction  # width over height of one pixel of the upright picture
     missing: tuple[int, ...]  # frames known so far to be undecodable, ascending
+    damaged: tuple[int, ...] = ()  # known so far to show something wrong, ascending; not missing
 
 
 @dataclass(frozen=True, eq=False)

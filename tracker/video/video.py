@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import threading
+from collections import deque
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Protocol, Self
 
 from tracker.errors import VideoError
 from tracker.video.cache import PictureCache
+from tracker.video.damage import Examined
 from tracker.video.decode import FileSource, Surprise
 from tracker.video.folder import FolderSource
 from tracker.video.info import MissingFrame, VideoInfo
@@ -25,6 +28,7 @@ class _Source(Protocol):
     def info(self) -> VideoInfo: ...
     def approach(self, number: int, since: int) -> Iterator[tuple[int, Picture]]: ...
     def reindex(self) -> None: ...
+    def examine(self, first: int, last: int) -> Iterator[Examined]: ...
     def fingerprint(self) -> str: ...
     def close(self) -> None: ...
 
@@ -38,6 +42,9 @@ class Video:
         self._cache = PictureCache(cache_bytes)
         self._lock = threading.RLock()
         self._closed = False
+        self._examined: set[int] = set()
+        self._damaged: set[int] = set()
+        self._told: tuple[VideoInfo, VideoInfo] | None = None  # the source's, and with the damaged
 
     @classmethod
     def open(cls, path: str | Path, cache_bytes: int = CACHE_BYTES) -> Self:
@@ -67,8 +74,16 @@ class Video:
     @property
     def info(self) -> VideoInfo:
         """What is known now. `missing` may grow while frames are read; and a file that turns out
-        to hold other frames than its packets tell is indexed anew, whereupon all may change."""
-        return self._source.info
+        to hold other frames than its packets tell is indexed anew, whereupon all may change.
+        `damaged` grows with what is examined."""
+        told = self._source.info
+        if not self._damaged:
+            return told
+        known = self._told  # once: another thread may be examining
+        if known is None or known[0] is not told:
+            damaged = tuple(sorted(self._damaged.difference(told.missing)))
+            self._told = known = told, replace(told, damaged=damaged)
+        return known[1]
 
     @property
     def missing(self) -> tuple[int, ...]:
@@ -109,6 +124,34 @@ class Video:
             self._check(stop - 1)
         return self._walk(start, stop, step)
 
+    def sound_frames(self, start: int, stop: int) -> Iterator[tuple[int, Picture | None]]:
+        """As `frames`, with None for damaged ones too; what is not examined yet is examined."""
+        for number, picture in self.frames(start, stop):
+            if number not in self._examined:
+                deque(self.examine(number, stop - 1), maxlen=0)
+            yield number, None if number in self._damaged else picture
+
+    def examine(self, first: int, last: int) -> Iterator[int]:
+        """Find which of the frames first … last (both included) are damaged; `info` then says so.
+
+        They are decoded once more, strictly, with what they are built on; those examined before
+        are left out. Tells in turn up to which frame it is known. Other threads may go on reading.
+        VideoError when there are no such frames, or the video is closed meanwhile.
+        """
+        self._check(first)
+        self._check(last)
+        unknown = [number for number in range(first, last + 1) if number not in self._examined]
+        if not unknown:
+            return
+        for found in self._source.examine(unknown[0], unknown[-1]):
+            with self._lock:
+                self._check(min(found.last, last))
+                self._examined.update(range(found.first, found.last + 1))
+                if not found.damaged <= self._damaged:
+                    self._damaged = self._damaged | found.damaged
+                    self._told = None
+            yield min(found.last, last)
+
     def fingerprint(self) -> str:
         """ "sha256:…" of the content, quick to make: equal for copies of the same video."""
         return self._source.fingerprint()
@@ -141,6 +184,11 @@ class Video:
         except Surprise:
             self._source.reindex()
             self._cache.clear()
+            self._examined, self._damaged, self._told = (
+                set(),
+                set(),
+                None,
+            )  # the numbers of frames may be others now
             return self._get(number, since)
         return self._cache.get(number)
 

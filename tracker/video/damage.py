@@ -1,0 +1,218 @@
+"""Which frames are damaged: found by decoding once more, strictly, without making pictures.
+
+Most frames are built on others. Where one is missing, lost or patched up by the decoder, all that
+is decoded after it may be garbage, although the decoder says nothing more about it. So everything
+from there on counts as damaged, up to the next sound key frame: one that is built on nothing
+before it, and neither are the frames shown after it.
+
+One thread decodes, so that what the decoder complains of is known to be about the packet just
+given to it, and comes out the same every time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import cast
+
+import av
+import av.error
+import numpy as np
+from av.codec.context import CodecContext, Flags
+from av.container import InputContainer
+from av.video.codeccontext import VideoCodecContext
+from av.video.frame import PictureType
+from av.video.stream import VideoStream
+
+from tracker.video.container import PYAV_ERRORS, open_container, packets, picture_stream
+from tracker.video.index import FrameIndex
+
+_STRICTER = {"vp9": "libvpx-vp9"}
+"""Decoders that notice damage FFmpeg's own pass over, by codec."""
+_ONE_LATE = {"av1"}
+"""Codecs whose decoder (dav1d) reports a damaged packet when it is given the next one."""
+_REORDERED = 16
+"""Frames that may be shown before one that was decoded ahead of them, at most."""
+
+
+@dataclass(frozen=True)
+class Examined:
+    """Of the frames first … last (both included) it is known now which are damaged."""
+
+    first: int
+    last: int
+    damaged: frozenset[int]
+
+
+@dataclass(frozen=True)
+class _Step:
+    """One packet given to the decoder, or one frame got back.
+
+    order: the packet's place in the order of decoding.  number: the frame's, where it is known.
+    kind: "lost" when the decoder gave up on the packet.
+    """
+
+    kind: str  # "packet", "lost" or "frame"
+    order: int
+    number: int | None
+    sound: bool = True
+    key: bool = False
+
+
+@dataclass
+class _Section:
+    """What is known of the frames from one sound key frame to the next."""
+
+    first: int
+    came: dict[int, int] = field(default_factory=dict)  # packet by frame, of frames that came
+    given: dict[int, int] = field(default_factory=dict)  # packet by frame, of all that should come
+    faults: dict[int, int | None] = field(default_factory=dict)  # frame, where known, by packet
+
+    def damaged(self, stop: int) -> frozenset[int]:
+        """Those of the frames first … before stop that are damaged."""
+        absent = [n for n in range(self.first, stop) if n not in self.came]
+        faults = [*self.faults, *(self.given[n] for n in absent if n in self.given)]
+        if not faults:
+            return frozenset(absent)
+        earliest = min(faults)
+        built_on_it = (n for n, at in self.came.items() if at >= earliest and n < stop)
+        return frozenset([*absent, *built_on_it])
+
+    def after(self, key: int) -> _Section:
+        """The next section, which the frame `key` begins."""
+        at = self.came[key]
+        return _Section(
+            key,
+            {n: p for n, p in self.came.items() if n >= key},
+            {n: p for n, p in self.given.items() if n >= key},
+            {p: n for p, n in self.faults.items() if p > at and (n is None or n > key)},
+        )
+
+
+def examine(
+    path: Path, index: FrameIndex, size: tuple[int, int], first: int, last: int
+) -> Iterator[Examined]:
+    """Decode what the frames first … last are built on, and them; tells what is known, in turn.
+
+    size: (width, height) of sound frames as stored. VideoError when the file cannot be read.
+    """
+    origin = int(np.searchsorted(index.keys, first, side="right")) - 1
+    steps = _steps(path, index, size, origin)
+    if origin > 0 and not _starts_with_key(path, index, size, origin):
+        origin, steps = 0, _steps(path, index, size, 0)
+    section = _Section(int(index.keys[origin]))
+    reached = section.first
+    for step in steps:
+        if step.number is not None and step.number < section.first:
+            continue
+        _note(section, step)
+        if step.kind != "frame" or step.number is None:
+            continue
+        reached = max(reached, step.number)
+        if step.key and step.sound and step.number > section.first:
+            yield Examined(section.first, step.number - 1, section.damaged(step.number))
+            section = section.after(step.number)
+        if section.first > last or reached > last + _REORDERED:
+            break
+    else:
+        reached = len(index.pts) - 1
+    if section.first <= last:
+        known = min(last, reached)
+        yield Examined(section.first, known, section.damaged(known + 1))
+
+
+def _note(section: _Section, step: _Step) -> None:
+    if step.kind == "packet":
+        if step.number is not None:
+            section.given[step.number] = step.order
+        return
+    if step.kind == "lost" or not step.sound:
+        section.faults[step.order] = step.number
+    if step.kind == "frame" and step.number is not None:
+        section.came[step.number] = step.order
+
+
+def _starts_with_key(path: Path, index: FrameIndex, size: tuple[int, int], origin: int) -> bool:
+    """Whether a decoder that is put before this key begins with it, and it is one.
+
+    Some files call frames keys that are built on others: pictures refreshed bit by bit.
+    """
+    start = int(index.keys[origin])
+    for step in _steps(path, index, size, origin):
+        if step.kind == "frame" and step.number is not None and step.number >= start:
+            return step.key and step.number == start
+    return False
+
+
+def _steps(path: Path, index: FrameIndex, size: tuple[int, int], origin: int) -> Iterator[_Step]:
+    """What the decoder is given and gives back, from one of the index's keys on."""
+    with open_container(path) as container:
+        stream = picture_stream(path, container, threaded=False)
+        decoder = _decoder(stream) if index.named else stream.codec_context
+        if origin > 0:
+            try:
+                container.seek(int(index.pts[index.keys[origin]]), stream=stream)
+            except PYAV_ERRORS:
+                return  # a container that cannot seek is read from its beginning
+        yield from _Reading(index, size, decoder).steps(path, container, stream)
+
+
+def _decoder(stream: VideoStream) -> VideoCodecContext:
+    """The strictest decoder there is for the stream, decoding with one thread."""
+    own = stream.codec_context
+    name = _STRICTER.get(own.codec.canonical_name)
+    if name is None or name not in av.codecs_available:
+        return own
+    stricter = cast(VideoCodecContext, CodecContext.create(name, "r"))
+    stricter.extradata, stricter.thread_count = own.extradata, 1
+    return stricter
+
+
+class _Reading:
+    """One pass through a decoder, keeping count of packets and frames."""
+
+    def __init__(
+        self, index: FrameIndex, size: tuple[int, int], decoder: VideoCodecContext
+    ) -> None:
+        self._index, self._size, self._decoder = index, size, decoder
+        self._decoder.flags |= Flags.copy_opaque  # a frame then says which packet it was
+        self._late = decoder.codec.canonical_name in _ONE_LATE
+        self._order, self._count = -1, -1
+        self._keys: set[int] = set()  # packets the container calls keys
+
+    def steps(self, path: Path, container: InputContainer, stream: VideoStream) -> Iterator[_Step]:
+        for packet in packets(path, container, stream):
+            self._order += 1
+            packet.opaque = self._order
+            if packet.is_keyframe:
+                self._keys.add(self._order)
+            number = self._index.number_of(packet.pts) if self._index.named else None
+            yield _Step("packet", self._order, number)
+            if packet.is_corrupt:
+                yield _Step("lost", self._order, number)
+            yield from self._decoded(packet)
+        yield from self._decoded(None)
+
+    def _decoded(self, packet: av.Packet[VideoStream] | None) -> Iterator[_Step]:
+        try:
+            frames = self._decoder.decode(packet)
+        except av.error.MemoryError:
+            raise
+        except PYAV_ERRORS:
+            self._count += 1
+            if self._late and packet is not None:
+                yield _Step("lost", max(self._order - 1, 0), None)
+            else:
+                number = None if packet is None else self._number_of(packet.pts)
+                yield _Step("lost", self._order, number)
+            return
+        for frame in frames:
+            self._count += 1
+            order = frame.opaque if isinstance(frame.opaque, int) else self._order
+            sound = not frame.is_corrupt and (frame.width, frame.height) == self._size
+            key = order in self._keys and frame.key_frame and frame.pict_type == PictureType.I
+            yield _Step("frame", order, self._number_of(frame.pts), sound, key)
+
+    def _number_of(self, pts: int | None) -> int | None:
+        return self._index.number_of(pts) if self._index.named else self._count
