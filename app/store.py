@@ -21,6 +21,7 @@ from app.editor import actions
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.editor.update import ended, update
+from app.examining import Examiner
 from app.fits import Fitter
 from app.frames import Frames
 from app.guiding import guide_after
@@ -35,6 +36,8 @@ from app.saving import Saver
 from app.sections import Sections
 from app.tabs import Tab, Tabs
 from tracker.errors import KeyposeError, SessionError, SurfaceError, VideoError
+from tracker.surface.picture import SurfaceVideo
+from tracker.video import VideoInfo
 from tracker.wording import one_sentence
 
 SECONDS_BETWEEN_SAVES = 3.0
@@ -78,6 +81,7 @@ class Store:
         self._warned: str | None = None
         self._holding = Holding()
         self._journaling: Journaling | None = None
+        self._examiner: Examiner | None = None
         self.frames: Frames | None = None
 
     @property
@@ -360,8 +364,15 @@ class Store:
                 saved=Saved("readonly" if read_only else "saved", 0.0, read_only),
             )
             self._runner.opened(edit)
+            if not isinstance(piece.video, SurfaceVideo):
+                self._examiner = Examiner(self._loop, piece.video, self._on_damage)
             for words in (*piece.news, *([problem] if problem else [])):
                 self.note("check", words)
+
+    def _on_damage(self, info: VideoInfo) -> None:
+        """More frames of the open video are known to be missing or damaged."""
+        if self._outlook.opened is not None:
+            self._look(opened=replace(self._outlook.opened, info=info))
 
     async def close_session(self) -> None:
         """Save, and go back to the start screen."""
@@ -397,8 +408,8 @@ class Store:
 
     async def _let_go(self) -> None:
         """Nothing is open from here on, at once; what is slow to close is closed after that."""
-        piece, frames = self._piece, self.frames
-        self._piece = self.frames = self._warned = None
+        piece, frames, examiner = self._piece, self.frames, self._examiner
+        self._piece = self.frames = self._warned = self._examiner = None
         self._saver.give_up()
         self._fitter.closed()
         self._runner.closed()
@@ -408,6 +419,8 @@ class Store:
         self._holding.release()
         self._look(opened=None, edit=None, running={}, job=Job(), saved=Saved(), fit=None)
         self._look(surface=SurfaceSeen(), unusable="")
+        if examiner is not None:
+            await asyncio.to_thread(examiner.close)
         if frames is not None:
             frames.close()
         if piece is not None:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from app.commands.arguments import Subcommands, add_command, add_json, file_name
 from app.commands.json_output import print_json
+from tracker.errors import SurfaceError
 
 if TYPE_CHECKING:
     from tracker.video import Video
@@ -18,6 +20,7 @@ Told: TypeAlias = tuple[dict[str, Any], list[str]]
 _EXAMPLES = """\
   keypose info jump.mp4
   keypose info jump.mp4 --json
+  keypose info jump.mp4 --check
   keypose info scan
 """
 
@@ -30,13 +33,23 @@ def add(commands: Subcommands) -> None:
     )
     command = add_command(commands, "info", run, text, _EXAMPLES)
     command.add_argument("video", metavar="VIDEO|MESHES", type=file_name, help="the video")
+    command.add_argument(
+        "--check",
+        action="store_true",
+        help="decode every frame of a video, and tell which are damaged",
+    )
     add_json(command)
 
 
 def run(arguments: argparse.Namespace) -> int:
     from tracker.surface.source import holds_meshes
 
-    facts, lines = (_of_meshes if holds_meshes(arguments.video) else _of_video)(arguments.video)
+    if holds_meshes(arguments.video):
+        if arguments.check:
+            raise SurfaceError("Meshes cannot be checked like this: leave out --check.")
+        facts, lines = _of_meshes(arguments.video)
+    else:
+        facts, lines = _of_video(arguments.video, arguments.check)
     if arguments.json:
         print_json(facts, indent=2)
         return 0
@@ -45,12 +58,24 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _of_video(path: Path) -> Told:
+def _of_video(path: Path, check: bool) -> Told:
     from tracker.video import Video
 
     with Video.open(path) as video:
-        facts = _facts(video)
+        if check:
+            _examine(video)
+        facts = {**_facts(video), "checked": check}
     return facts, _lines(facts)
+
+
+def _examine(video: Video) -> None:
+    """Decode every frame; a bar at a terminal says how far it is."""
+    from tqdm import tqdm
+
+    count = video.info.frame_count
+    with tqdm(total=count, unit="frame", file=sys.stderr, disable=None, leave=False) as bar:
+        for reached in video.examine(0, count - 1):
+            bar.update(reached + 1 - bar.n)
 
 
 def _of_meshes(path: Path) -> Told:
@@ -124,6 +149,7 @@ def _facts(video: Video) -> dict[str, Any]:
         "interlaced": info.interlaced,
         "rotation_deg": info.rotation_deg,
         "missing_frames": list(info.missing),
+        "damaged_frames": list(info.damaged),
         "fingerprint": video.fingerprint(),
     }
 
@@ -144,5 +170,21 @@ def _lines(facts: dict[str, Any]) -> list[str]:
         f"pixels {facts['pixel_aspect']:.4f} times as wide as high": facts["pixel_aspect"] != 1,
         "interlaced: two half pictures are woven into one": facts["interlaced"],
         f"{len(facts['missing_frames'])} frames cannot be decoded": facts["missing_frames"],
+        _damage(facts): facts["damaged_frames"],
+        "every frame was decoded, and none is damaged": facts["checked"]
+        and not (facts["missing_frames"] or facts["damaged_frames"]),
     }
     return lines + [f"  note         {text}" for text, holds in notes.items() if holds]
+
+
+def _damage(facts: dict[str, Any]) -> str:
+    """ "60 frames are damaged and not used for tracking: 31–60, 80–109"."""
+    import numpy as np
+
+    from tracker.verdict import runs
+
+    frames = facts["damaged_frames"]
+    flags = np.isin(np.arange(facts["frame_count"]), frames)
+    listed = ", ".join(str(a) if a == b else f"{a}–{b}" for a, b in runs(flags))
+    are = "frame is" if len(frames) == 1 else "frames are"
+    return f"{len(frames)} {are} damaged and not used for tracking: {listed}"

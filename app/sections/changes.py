@@ -94,6 +94,7 @@ def _tinted(outlook: Outlook) -> tuple[Any, ...]:
 
 SECTIONS: dict[str, _Section] = {
     "file": _Section(_both(_doc("surface"), lambda o: (o.opened,)), scene_values.file),
+    "damage": _Section(lambda o: (o.opened,), scene_values.damage),
     "camera": _Section(
         _both(_doc("camera", "up_camera"), lambda o: (o.opened,), _tinted), scene_values.camera
     ),

@@ -5,11 +5,15 @@ from __future__ import annotations
 import hashlib
 import math
 
+import numpy as np
+
 from app.editor.sights import up_of
 from app.outlook import Outlook
 from app.posing import tilt_and_roll, view_rotations
 from app.sections.json_value import Json, doc_of
 from app.sections.surface_values import surface_version
+from tracker.surface.picture import CONTAINER
+from tracker.verdict import runs
 
 
 def file(outlook: Outlook) -> Json:
@@ -31,6 +35,16 @@ def file(outlook: Outlook) -> Json:
         "missing": list(info.missing),
         "times": [round(float(t), 4) for t in info.times_s] if info.variable_rate else None,
     }
+
+
+def damage(outlook: Outlook) -> Json:
+    """First and last of every run of frames that tracking leaves out: damaged or missing ones."""
+    opened = outlook.opened
+    if opened is None or opened.info.container == CONTAINER:
+        return []
+    flags = np.zeros(opened.info.frame_count, dtype=np.bool_)
+    flags[[*opened.info.damaged, *opened.info.missing]] = True
+    return [list(run) for run in runs(flags)]
 
 
 def camera(outlook: Outlook) -> Json:

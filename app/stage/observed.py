@@ -167,7 +167,7 @@ class TintedSource:
 
     def examine(self, first: int, last: int) -> Iterator[Examined]:
         """Nothing here is built on something else: no frame is damaged by another."""
-        yield Examined(first, last, frozenset())
+        yield Examined(first, last, frozenset(), last)
 
     def fingerprint(self) -> str:
         return self._observed.video(self._edit.settled).fingerprint()

@@ -4,6 +4,7 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../icons.js';
 import { send } from '../link.js';
 import { S, U } from '../state.js';
+import { damagedFrames } from '../damage.js';
 import { isSurface } from '../subject.js';
 import { heading, line, menuHolder, note, toggleMenu } from './menus.js';
 import { openChooser } from './start/chooser.js';
@@ -56,17 +57,16 @@ function recent({ id, name, keyframes, opened_at: at }) {
 
 function facts() {
   const { frames, fps, width, height, duration_s: seconds, path, missing } = S.file;
+  const lost = isSurface() ? missing.length : damagedFrames();
   const rate = Number.isInteger(fps) ? fps : fps?.toFixed(2);
   return html`<span class="num">${count(frames, 'frame')} · ${rate} fps · ${width} × ${height}</span>
     <span class="num"> · ${seconds?.toFixed(2)} s</span>
-    ${missing?.length
-      ? html`<br /><span class="checkword">${damaged(missing.length)}</span>`
-      : nothing}
+    ${lost ? html`<br /><span class="checkword">${damaged(lost)}</span>` : nothing}
     <br /><span class="path">${path}</span>`;
 }
 
 const damaged = (n) =>
-  isSurface() ? `${count(n, 'step')} without a surface` : `${count(n, 'damaged frame')}, shown grey`;
+  isSurface() ? `${count(n, 'step')} without a surface` : `${count(n, 'damaged frame')}, not used for tracking`;
 
 async function copyPath() {
   try {

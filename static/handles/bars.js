@@ -8,6 +8,7 @@ import { footbars } from './footbars.js';
 import { headbar } from './headbar.js';
 import { hold, onHold } from './hold.js';
 import { largeView } from './scale.js';
+import { damagebar } from './damagebar.js';
 import { tintbar } from './tintbar.js';
 import { toolbar } from './toolbar.js';
 import { hidesHandle } from './underhand.js';
@@ -18,7 +19,7 @@ export function mountBars() {
   host.className = 'bars';
   // A bar clicked with the mouse leaves the keys to the views.
   host.addEventListener('mousedown', (event) => event.preventDefault());
-  watch(['file', 'surface', 'view', 'pose', 'keys', 'segments', 'u:tool', 'u:layout'], draw);
+  watch(['file', 'damage', 'surface', 'view', 'pose', 'keys', 'segments', 'u:tool', 'u:layout'], draw);
   onViews(draw);
   onHold(draw);
   onSlide(draw);
@@ -35,5 +36,5 @@ function draw() {
 }
 
 function bars() {
-  return html`${headbar()}${toolbar()}${displaybar()}${tintbar()}${footbars()}`;
+  return html`${headbar()}${toolbar()}${displaybar()}${tintbar()}${damagebar()}${footbars()}`;
 }

@@ -8,6 +8,7 @@ import { frame } from './head.js';
 import { held, hovered } from './held.js';
 import { segmentAt, suggestedFrame } from './moves.js';
 import { drawClip, drawRuler } from './ruler.js';
+import { drawDamage } from './damage.js';
 import { drawNeed } from './need.js';
 import { drawSegments } from './segments.js';
 import { drawCurrent, drawKeys, drawSuggestion } from './keymarks.js';
@@ -33,6 +34,7 @@ const angleHeld = () => (held()?.kind === 'angle' ? held().frame : null);
 const LAYERS = [
   ['back', 'ground', () => [], ({ rows }) => drawGround(rows)],
   ['frames', 'ruler', () => [isScore()], ({ rows }) => drawRuler(bottomOf(rows))],
+  ['frames', 'damage', () => [S.damage, isScore()], ({ rows }) => drawDamage(bottomOf(rows))],
   ['frames', 'bands', () => [frame(), S.keys, isScore()], ({ rows }) => drawBand(rows, bottomOf(rows))],
   ['frames', 'lanes', () => [S.view?.selected],
     ({ rows, lanes, scroll }) => drawLanes(rows, lanes, scroll)],

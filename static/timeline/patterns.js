@@ -1,4 +1,5 @@
-// The second channel beside colour: every verdict has a pattern of its own.
+// The second channel beside colour: every verdict has a pattern of its own,
+// and so have frames that are damaged in the file.
 
 import { svg } from '../vendor/lit-html/lit-html.js';
 
@@ -17,6 +18,9 @@ export const PATTERNS = svg`<defs>
   </pattern>
   <pattern id="tl-hidden" width="5" height="5" patternUnits="userSpaceOnUse" patternTransform="rotate(45)">
     <rect class="f-quiet" width="1.4" height="5" />
+  </pattern>
+  <pattern id="tl-damaged" width="6" height="6" patternUnits="userSpaceOnUse" patternTransform="rotate(-45)">
+    <rect class="f-damaged" width="1.5" height="6" opacity=".55" />
   </pattern>
 </defs>`;
 

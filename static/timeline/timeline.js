@@ -27,7 +27,7 @@ export { zoomToInterval } from './zoom.js';
 export { foldLanes } from './fold.js';
 
 const WATCHED = [
-  'file', 'view', 'keys', 'segments', 'suggest', 'need', 'lanes', 'curve', 'body', 'job',
+  'file', 'damage', 'view', 'keys', 'segments', 'suggest', 'need', 'lanes', 'curve', 'body', 'job',
   'u:playing', 'u:chart', 'u:lanes', 'u:curveAxis', 'u:timeWindow', 'u:timeSize', 'u:timeHead',
   'u:timeHeld', 'u:timeHover', 'u:timeOpen', 'u:timeScroll', 'u:zoomHint',
 ];

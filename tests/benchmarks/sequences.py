@@ -121,7 +121,7 @@ class _Source:
 
     def examine(self, first: int, last: int) -> Iterator[Examined]:
         """Nothing here is built on something else: no frame is damaged by another."""
-        yield Examined(first, last, frozenset())
+        yield Examined(first, last, frozenset(), last)
 
     def fingerprint(self) -> str:
         return ""

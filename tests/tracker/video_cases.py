@@ -136,3 +136,13 @@ def write_with_foreign_tags(path: Path, count: int, **how: Any) -> Path:
         content = content.replace(text.encode(), foreign)
     path.write_bytes(content)
     return path
+
+
+def flip_bit(path: Path, packet: int, byte: int, bit: int = 0) -> None:
+    """Turn one bit of one packet of a file, as a worn disk does."""
+    with av.open(str(path)) as container:
+        packets = [bytes(packet) for packet in container.demux(video=0) if packet.size]
+    content = bytearray(path.read_bytes())
+    start = content.index(packets[packet])
+    content[start + byte] ^= 1 << bit
+    path.write_bytes(content)

@@ -32,17 +32,23 @@ _STRICTER = {"vp9": "libvpx-vp9"}
 """Decoders that notice damage FFmpeg's own pass over, by codec."""
 _ONE_LATE = {"av1"}
 """Codecs whose decoder (dav1d) reports a damaged packet when it is given the next one."""
+_NEWS = 16
+"""Frames after which it is told how far the decoding is."""
 _REORDERED = 16
 """Frames that may be shown before one that was decoded ahead of them, at most."""
 
 
 @dataclass(frozen=True)
 class Examined:
-    """Of the frames first … last (both included) it is known now which are damaged."""
+    """Of the frames first … last (both included) it is known now which are damaged.
+
+    None of them, last being before first, where only so much has been decoded: up to `reached`.
+    """
 
     first: int
     last: int
     damaged: frozenset[int]
+    reached: int
 
 
 @dataclass(frozen=True)
@@ -73,11 +79,9 @@ class _Section:
         """Those of the frames first … before stop that are damaged."""
         absent = [n for n in range(self.first, stop) if n not in self.came]
         faults = [*self.faults, *(self.given[n] for n in absent if n in self.given)]
-        if not faults:
-            return frozenset(absent)
-        earliest = min(faults)
-        built_on_it = (n for n, at in self.came.items() if at >= earliest and n < stop)
-        return frozenset([*absent, *built_on_it])
+        earliest = min(faults, default=None)
+        wrong = [n for n, at in self.came.items() if earliest is not None and at >= earliest]
+        return frozenset(range(min([*absent, *wrong], default=stop), stop))
 
     def after(self, key: int) -> _Section:
         """The next section, which the frame `key` begins."""
@@ -111,15 +115,18 @@ def examine(
             continue
         reached = max(reached, step.number)
         if step.key and step.sound and step.number > section.first:
-            yield Examined(section.first, step.number - 1, section.damaged(step.number))
-            section = section.after(step.number)
+            stop = step.number
+            yield Examined(section.first, stop - 1, section.damaged(stop), min(stop - 1, last))
+            section = section.after(stop)
+        elif reached % _NEWS == 0:
+            yield Examined(section.first, section.first - 1, frozenset(), min(reached, last))
         if section.first > last or reached > last + _REORDERED:
             break
     else:
         reached = len(index.pts) - 1
     if section.first <= last:
         known = min(last, reached)
-        yield Examined(section.first, known, section.damaged(known + 1))
+        yield Examined(section.first, known, section.damaged(known + 1), known)
 
 
 def _note(section: _Section, step: _Step) -> None:

@@ -82,7 +82,7 @@ class FolderSource:
         for number in range(first, last + 1):
             if self._decode(number) is None:
                 self._lose(number)
-            yield Examined(number, number, frozenset())
+            yield Examined(number, number, frozenset(), number)
 
     def _lose(self, number: int) -> None:
         self._missing.add(number)

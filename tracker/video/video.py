@@ -135,7 +135,7 @@ class Video:
         """Find which of the frames first … last (both included) are damaged; `info` then says so.
 
         They are decoded once more, strictly, with what they are built on; those examined before
-        are left out. Tells in turn up to which frame it is known. Other threads may go on reading.
+        are left out. Tells in turn which frame has been reached. Other threads may go on reading.
         VideoError when there are no such frames, or the video is closed meanwhile.
         """
         self._check(first)
@@ -145,12 +145,12 @@ class Video:
             return
         for found in self._source.examine(unknown[0], unknown[-1]):
             with self._lock:
-                self._check(min(found.last, last))
+                self._check(found.reached)
                 self._examined.update(range(found.first, found.last + 1))
                 if not found.damaged <= self._damaged:
                     self._damaged = self._damaged | found.damaged
                     self._told = None
-            yield min(found.last, last)
+            yield found.reached
 
     def fingerprint(self) -> str:
         """ "sha256:…" of the content, quick to make: equal for copies of the same video."""

@@ -1,0 +1,60 @@
+"""Looking for damaged frames of the open video, behind all else that goes on."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+import threading
+from collections.abc import Callable
+
+from tracker.errors import VideoError
+from tracker.video import Video, VideoInfo
+
+_NICENESS = 10
+_SECONDS_TO_END = 5.0
+
+
+class Examiner:
+    """Decodes the whole video once, in a thread of its own; `found` hears of what is damaged."""
+
+    def __init__(
+        self, loop: asyncio.AbstractEventLoop, video: Video, found: Callable[[VideoInfo], None]
+    ) -> None:
+        """`found` is called on the loop, as often as more is known to be damaged or missing."""
+        self._loop, self._video, self._found = loop, video, found
+        self._ended = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="examining", daemon=True)
+        self._thread.start()
+
+    def close(self) -> None:
+        """End it, soon; nothing is told any more."""
+        self._ended.set()
+        self._thread.join(_SECONDS_TO_END)
+
+    def _run(self) -> None:
+        _stand_back()
+        try:
+            self._examine()
+        except VideoError:
+            return  # closed or gone meanwhile: whoever reads frames is told in words
+
+    def _examine(self) -> None:
+        told = self._video.info
+        for _ in self._video.examine(0, told.frame_count - 1):
+            if self._ended.is_set():
+                return
+            info = self._video.info
+            if (info.damaged, info.missing) != (told.damaged, told.missing):
+                told = info
+                self._loop.call_soon_threadsafe(self._tell, info)
+
+    def _tell(self, info: VideoInfo) -> None:
+        if not self._ended.is_set():
+            self._found(info)
+
+
+def _stand_back() -> None:
+    """Let others go first, where threads have a priority of their own."""
+    if sys.platform == "linux":
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _NICENESS)

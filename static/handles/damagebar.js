@@ -1,0 +1,12 @@
+// What is wrong with the picture, where its frame is damaged.
+
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { S } from '../state.js';
+import { damageAt, damageWords } from '../damage.js';
+import { icon } from '../icons.js';
+
+export function damagebar() {
+  const run = damageAt(S.view.frame);
+  if (!run) return nothing;
+  return html`<div class="glass" id="mdamaged" role="status">${icon('warn')}<span>${damageWords(...run)}</span></div>`;
+}
