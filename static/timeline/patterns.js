@@ -20,7 +20,7 @@ export const PATTERNS = svg`<defs>
     <rect class="f-quiet" width="1.4" height="5" />
   </pattern>
   <pattern id="tl-damaged" width="6" height="6" patternUnits="userSpaceOnUse" patternTransform="rotate(-45)">
-    <rect class="f-damaged" width="1.5" height="6" opacity=".55" />
+    <rect class="f-damaged" width="1.5" height="6" opacity=".4" />
   </pattern>
 </defs>`;
 
