@@ -213,7 +213,7 @@ def test_where_neither_a_person_nor_the_files_say_it_the_cameras_do() -> None:
 
 
 @pytest.mark.parametrize(
-    ("longest", "units"), [(1.7, "m"), (12.0, "dm"), (3.9, "ft"), (25_000.0, "mm")]
+    ("longest", "units"), [(1.7, "m"), (12.0, "dm"), (3.0, "m"), (3.3, "ft"), (25_000.0, "mm")]
 )
 def test_units_by_which_no_surface_is_a_person_are_those_that_come_nearest(
     longest: float, units: str
