@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
+from pathlib import Path
 from typing import Any
 
 import pytest
 from pydantic import ValidationError
 
+import static
 from app.editor.actions import ACTIONS
 
 ANGLES = {"do": "angles", "part": "head"}
@@ -114,3 +117,10 @@ def test_a_message_is_never_changed_and_has_no_field_too_many() -> None:
         action.frame = 4  # type: ignore[union-attr, misc]
     assert refused({"do": "go", "frame": 3, "fast": True})
     assert refused({"do": "go", "frame": -1})
+
+
+def test_the_page_sends_every_action_by_its_word_and_no_other() -> None:
+    page = "".join(file.read_text("utf-8") for file in Path(static.__file__).parent.rglob("*.js"))
+    known = set(ACTIONS.json_schema()["discriminator"]["mapping"])
+    assert set(re.findall(r"\bdo: ?'(\w+)'", page)) <= known
+    assert known <= set(re.findall(r"'(\w+)'", page))
