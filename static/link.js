@@ -1,12 +1,14 @@
 // The ordered line to the server: edits and questions out, sections and answers in. Edits made
 // while the line is down wait here and are sent, in order, once it is back.
 
+import { keyProtocols } from './key.js';
 import { S, put, take } from './state.js';
 
 let socket = null;
 let count = 0;
 let strokes = 0;
-const tab = crypto.randomUUID().slice(0, 8);
+// randomUUID is there on this computer's own address only.
+const tab = [...crypto.getRandomValues(new Uint8Array(8))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
 const waiting = [];
 const questions = new Map();
 const listeners = new Map();
@@ -44,7 +46,7 @@ export function listen(kind, fn) {
 }
 
 export function connect() {
-  socket = new WebSocket(`${location.origin.replace(/^http/, 'ws')}/events`);
+  socket = new WebSocket(`${location.origin.replace(/^http/, 'ws')}/events`, keyProtocols());
   socket.onopen = opened;
   socket.onmessage = (event) => receive(JSON.parse(event.data));
   socket.onclose = closed;

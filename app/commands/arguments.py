@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import sys
 import textwrap
 from collections.abc import Callable
@@ -79,6 +80,15 @@ def session_file(text: str) -> Path:
     lies beside its file, and is never written through a link."""
     path = file_name(text)
     return Path(os.path.realpath(path)) if path.is_symlink() else path
+
+
+def host_name(text: str) -> str:
+    """A parser of what stands between http:// and / in an address: a name, maybe with a port."""
+    if not re.fullmatch(r"[a-z0-9]([a-z0-9.-]{0,251}[a-z0-9])?(:\d{1,5})?", text.lower()):
+        raise argparse.ArgumentTypeError(
+            f"{text[:40]!r} is no host name; such as keypose.example.org or workshop.lan:8090"
+        )
+    return text.lower()
 
 
 def whole_number(least: int, most: int | None = None) -> Callable[[str], int]:

@@ -18,6 +18,7 @@ from app.commands.arguments import (
     Subcommands,
     add_command,
     file_name,
+    host_name,
     note,
     whole_number,
 )
@@ -25,6 +26,7 @@ from tracker.errors import KeyposeError
 
 if TYPE_CHECKING:
     from app.library import Library
+    from app.serving.links import Links
     from app.serving.server import Server
 
 PORT = 8090
@@ -35,8 +37,8 @@ _EXAMPLES = """\
   keypose open scan --units cm --up +z
 """
 _TUNNEL = """\
-Keypose is made for one person on one computer: its page travels unencrypted, and whoever has the
-address and its token may do everything. From another computer, rather use an SSH tunnel,
+Keypose is made for one person on one computer: its page travels unencrypted, and whoever comes with
+a link that it printed may do everything. From another computer, rather use an SSH tunnel,
 
     ssh -L {port}:127.0.0.1:{port} {host}
 
@@ -88,6 +90,15 @@ def add(commands: Subcommands) -> None:
     command.add_argument(
         "--let-others-in", action="store_true", help="allow a --host that others can reach"
     )
+    command.add_argument(
+        "--public-name",
+        metavar="HOST",
+        type=host_name,
+        action="append",
+        default=[],
+        help="a name by which others reach this server, as it stands in their address: of a proxy, "
+        "or with :PORT of this computer; may be repeated; needs --let-others-in",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -101,7 +112,7 @@ def run(arguments: argparse.Namespace) -> int:
     library = Library(arguments.workspace, _roots(path))
     path = _as_said(path, library, arguments)
     listener = _listener(arguments.host, arguments.port)
-    server = Server(library, _names(arguments.host))
+    server = Server(library, _names(arguments.host), tuple(arguments.public_name))
     try:
         return _serve(server, listener, path, arguments)
     finally:
@@ -132,16 +143,22 @@ def _serve(
     hang_up = getattr(signal, "SIGHUP", signal.SIGTERM)  # the terminal was closed
     for number in (signal.SIGINT, signal.SIGTERM, hang_up):
         signal.signal(number, lambda *_: server.ask_to_stop())
+    from app.serving.addresses import reachable
+    from app.serving.links import Links
+
     loop = server.stage.loop
     if path is not None:
         asyncio.run_coroutine_threadsafe(server.store.open(path), loop).result()
     server.listen(listener)
-    address = f"http://{_shown(arguments.host)}:{server.guard.port}{server.guard.start_path}"
-    print(f"Keypose is at {address}", flush=True)
+    links = Links(server.guard, reachable(arguments.host), arguments.public_name)
+    links.print_first()
     print("Ctrl+C ends it; everything is saved as you go.", flush=True)
     if not arguments.no_browser:
-        _show(address)
-    server.wait()
+        _show(links, arguments.workspace)
+    try:
+        server.wait()
+    finally:
+        links.end()
     print("Keypose has ended; everything is saved.", flush=True)
     return 0
 
@@ -155,19 +172,27 @@ def _roots(path: Path | None) -> list[Path]:
     return list(dict.fromkeys([Path.cwd(), *beside, *usual_folders(Path.home())]))
 
 
-def _show(address: str) -> None:
+def _show(links: Links, workspace: Path) -> None:
     """In the person's browser; those that would take over the terminal are left alone."""
     try:
         browser = webbrowser.get()
     except webbrowser.Error:
         return
-    if type(browser) is not webbrowser.GenericBrowser:
-        browser.open(address)
+    if type(browser) is webbrowser.GenericBrowser:
+        return
+    try:
+        browser.open(links.file(workspace).as_uri())
+    except KeyposeError as error:
+        note(f"{error} Open the link above in your browser.")
 
 
 def _demand_own(arguments: argparse.Namespace) -> None:
     """Only this computer's own address, or an explicit word that others may come."""
-    if _is_own(arguments.host) or arguments.let_others_in:
+    if arguments.let_others_in:
+        return
+    if arguments.public_name:
+        raise KeyposeError("--public-name lets others in: add --let-others-in.")
+    if _is_own(arguments.host):
         return
     port = arguments.port or PORT
     print(_TUNNEL.format(host=arguments.host, port=port), file=sys.stderr)
@@ -186,11 +211,10 @@ def _is_own(host: str) -> bool:
 
 
 def _names(host: str) -> tuple[str, ...]:
-    return () if host in ("127.0.0.1", "localhost") else (_shown(host),)
+    """What a request may call this server besides the address at which it arrives."""
+    from app.serving.addresses import is_wildcard, shown
 
-
-def _shown(host: str) -> str:
-    return f"[{host}]" if ":" in host else host
+    return (socket.gethostname(),) if is_wildcard(host) else (shown(host),)
 
 
 def _listener(host: str, port: int | None) -> socket.socket:

@@ -2,26 +2,35 @@
 
 A server on this computer can be reached by every page the browser shows. So each request, sockets
 included, must name this server as its host, come from a page of this server, use only the query
-names its path knows, and carry the cookie that the start address hands out once.
+names its path knows, and carry the cookie that this browser was given for a one-time token. Cookies ignore ports: another server on this host is sent them, too. So all that tells of the work
+or changes it needs the key as well, which the browser keeps for this page's origin alone.
 """
 
 from __future__ import annotations
 
-import hmac
 import re
 import secrets
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from http.cookies import CookieError, SimpleCookie
 from typing import Literal, TypeAlias
 from urllib.parse import parse_qsl
 
-from starlette.responses import PlainTextResponse, RedirectResponse, Response
+from starlette.responses import HTMLResponse, PlainTextResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Receive, Scope, Send
+
+from app.serving.addresses import parsed
+from app.serving.browsers import Browsers
+from app.serving.tokens import OneTimeTokens
 
 Kind: TypeAlias = Literal["page", "view", "data"]
 
 TOKEN = "token"
-"""The query name that carries the token, once."""
+"""The query name that carries a one-time token."""
+
+KEY_HEADER = "x-keypose-key"
+PROTOCOL = "keypose"
+KEY_PROTOCOL = "keypose-key."
+"""A page cannot give a socket headers of its own: the key comes as one of two subprotocols."""
 
 _QUERIES: tuple[tuple[re.Pattern[str], frozenset[str]], ...] = tuple(
     (re.compile(path), frozenset(names))
@@ -34,6 +43,10 @@ _QUERIES: tuple[tuple[re.Pattern[str], frozenset[str]], ...] = tuple(
         (r"/upload", {"name"}),
     )
 )
+_WITHOUT_KEY = re.compile(r"/|/static/.+|/thumb/.+|/view/[a-z]+")
+"""What the browser itself asks for, which adds no key: the page, its files, small pictures, and the
+views, which tell where the body is and take nothing."""
+
 _SAFE_METHODS = ("GET", "HEAD")
 _LONGEST_QUERY = 2000
 
@@ -45,72 +58,114 @@ class Refusal(Exception):
 class Guard:
     """ASGI middleware in front of everything.
 
-    `port` is set once the socket is bound. `extra_hosts` are other names under which the server may
-    be addressed, with or without a port, such as the one given with --host.
+    `port` is set once the socket is bound. `browsers` are those let in. `extra_hosts` are other
+    names under which the server may be addressed, with or without a port, such as the one given
+    with --host; `public_hosts` those of a proxy in front of it, which may add TLS. `entered` is
+    called with each token that has been used.
     """
 
     def __init__(
-        self, app: ASGIApp, port: int = 0, token: str | None = None, extra_hosts: Iterable[str] = ()
+        self,
+        app: ASGIApp,
+        port: int = 0,
+        browsers: Browsers | None = None,
+        extra_hosts: Iterable[str] = (),
+        public_hosts: Iterable[str] = (),
     ) -> None:
         self._app = app
         self.port = port
-        self.token = token or secrets.token_urlsafe(24)
+        self.tokens = OneTimeTokens()
+        self.entered: Callable[[str], None] = lambda _: None
+        self._browsers = browsers or Browsers()
         self._extra_hosts = tuple(host.lower() for host in extra_hosts)
+        self._public_hosts = frozenset(host.lower() for host in public_hosts)
 
     @property
     def cookie(self) -> str:
         """Cookies do not tell ports apart: two servers must not share a name."""
         return f"keypose_{self.port}"
 
-    @property
     def start_path(self) -> str:
-        """The address, without its host, that lets a browser in."""
-        return f"/?{TOKEN}={self.token}"
+        """An address, without its host, that lets one browser in, once."""
+        return f"/?{TOKEN}={self.tokens.issue()}"
 
     @property
     def hosts(self) -> frozenset[str]:
-        """What the Host header may say."""
-        names = ("127.0.0.1", "localhost", *self._extra_hosts)
+        """The names that the Host header may say."""
+        names = ("127.0.0.1", "localhost", *self._extra_hosts, *self._public_hosts)
         with_port = (n if re.search(r":\d+$", n) else f"{n}:{self.port}" for n in names)
-        return frozenset(with_port) | (frozenset(names) if self.port == 80 else frozenset())
+        without = frozenset(names) if self.port == 80 else self._public_hosts
+        return frozenset(with_port) | without
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
         try:
-            enters = self._examine(scope)
+            answer = self._examine(scope) or self._app
         except Refusal as refusal:
             await _refuse(str(refusal), scope, receive, send)
             return
-        if enters:
-            await self._welcome()(scope, receive, send)
-        else:
-            await self._app(scope, receive, send)
+        await answer(scope, receive, send)
 
-    def _examine(self, scope: Scope) -> bool:
-        """Raise Refusal, or tell whether this is the first visit, the token in its address."""
+    def _examine(self, scope: Scope) -> Response | None:
+        """Raise Refusal, or return what answers one who comes with a token; None for all others."""
         headers = _headers(scope)
-        host = self._checked_host(headers)
-        _check_origin(scope, headers, host)
+        host = self._checked_host(scope, headers)
         query = _query(scope)
-        if query.get("websocket", own := f"ws://{host}{scope['path']}") != own:
+        _check_origin(scope, headers, self._origins(host), is_entry=TOKEN in query)
+        if "websocket" in query and query["websocket"] not in self._sockets(host, scope["path"]):
             raise Refusal("The address names a server that is not this one.")
+        cookie = self._given_cookie(headers)
+        knows = self._browsers.has_cookie(cookie)
         if TOKEN in query:
-            if scope["type"] != "http" or scope["method"] not in _SAFE_METHODS:
-                raise Refusal("The token belongs in the address of the page.")
-            if not self._is_token(query[TOKEN]):
-                raise Refusal("The token in the address is not this server's. " + _HOW)
-            return True
-        if not self._is_token(self._given_cookie(headers)):
+            return _redirect() if knows else self._enter(scope, headers, query[TOKEN])
+        if not knows:
             raise Refusal("This browser has not been let in. " + _HOW)
-        return False
+        key = _given_key(headers)
+        needs_key = key is not None or not _is_without_key(scope)
+        if needs_key and not self._browsers.has_key(cookie, key or ""):
+            raise Refusal("This page has not been let in. " + _HOW)
+        return None
 
-    def _checked_host(self, headers: dict[str, list[str]]) -> str:
+    def _enter(self, scope: Scope, headers: dict[str, list[str]], token: str) -> Response:
+        """Take the token and let its browser in; Refusal where it is no valid one."""
+        if scope["type"] != "http" or scope["method"] != "GET" or _is_speculative(headers):
+            raise Refusal("The token belongs in the address of the page.")
+        if not self.tokens.spend(token):
+            raise Refusal("This link has been used, or is another server's. " + _HOW)
+        response = self._welcome()
+        self.entered(token)
+        return response
+
+    def _checked_host(self, scope: Scope, headers: dict[str, list[str]]) -> str:
         given = headers.get("host", [])
-        if len(given) != 1 or given[0].lower() not in self.hosts:
-            raise Refusal("The request names another host than this server.")
-        return given[0].lower()
+        if len(given) != 1:
+            raise Refusal(_OTHER_HOST)
+        host = given[0].lower()
+        if host not in self.hosts and not self._is_where_it_arrived(host, scope):
+            raise Refusal(_OTHER_HOST)
+        return host
+
+    def _is_where_it_arrived(self, host: str, scope: Scope) -> bool:
+        """Whether the host is the address of ours at which the connection came in. A page of
+        another server that has its name lead here still says that name."""
+        address, port = _split(host)
+        arrived = (scope.get("server") or ("", 0))[0]
+        return (
+            (port or 80) == self.port
+            and parsed(address) is not None
+            and parsed(address) == parsed(str(arrived))
+        )
+
+    def _origins(self, host: str) -> frozenset[str]:
+        return frozenset(f"{scheme}://{host}" for scheme in self._schemes(host, "http"))
+
+    def _sockets(self, host: str, path: str) -> frozenset[str]:
+        return frozenset(f"{scheme}://{host}{path}" for scheme in self._schemes(host, "ws"))
+
+    def _schemes(self, host: str, plain: str) -> tuple[str, ...]:
+        return (plain, f"{plain}s") if host in self._public_hosts else (plain,)
 
     def _given_cookie(self, headers: dict[str, list[str]]) -> str:
         given = ""
@@ -122,14 +177,23 @@ class Guard:
             given = morsel.value if morsel is not None else given
         return given
 
-    def _is_token(self, given: str) -> bool:
-        return hmac.compare_digest(given.encode("utf-8", "replace"), self.token.encode())
-
     def _welcome(self) -> Response:
-        """Exchange the token in the address for a cookie, and forget the address."""
-        response = RedirectResponse("/", 303, {"Cache-Control": "no-store", **headers_for("data")})
-        response.set_cookie(self.cookie, self.token, path="/", httponly=True, samesite="strict")
+        """A page that keeps the key, then goes on to the page itself without the token.
+
+        It is a page and no redirect: one that comes from a file would go on as from elsewhere, and
+        browsers would leave out the cookie.
+        """
+        given, nonce = self._browsers.let_in(), secrets.token_urlsafe(16)
+        headers = {"Cache-Control": "no-store", **headers_for("data")}
+        headers["Content-Security-Policy"] += f"; script-src 'nonce-{nonce}'"
+        response = HTMLResponse(_ENTRY.format(nonce=nonce, key=given.key), 200, headers)
+        response.set_cookie(self.cookie, given.cookie, path="/", httponly=True, samesite="strict")
         return response
+
+
+def _redirect() -> Response:
+    """One who is in already needs no token, which stays valid for another."""
+    return RedirectResponse("/", 303, {"Cache-Control": "no-store", **headers_for("data")})
 
 
 def headers_for(kind: Kind, host: str = "") -> dict[str, str]:
@@ -149,7 +213,21 @@ def headers_for(kind: Kind, host: str = "") -> dict[str, str]:
     return {**common, "Content-Security-Policy": policy.format(socket=socket)}
 
 
-_HOW = "Open the address that `keypose open` printed."
+_HOW = "Open the newest link that `keypose open` printed."
+_OTHER_PAGE = "The request comes from a page of another server."
+_OTHER_HOST = "The request names another host than this server."
+
+_ENTRY = """\
+<!doctype html>
+<meta charset="utf-8">
+<title>Keypose</title>
+<p>This browser stores no site data, which Keypose needs. Allow it for this address, then open the
+newest link that <code>keypose open</code> printed.</p>
+<script nonce="{nonce}">
+localStorage.setItem("keypose.key", "{key}");
+location.replace("/");
+</script>
+"""
 
 _PAGE_POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; font-src 'self'; "
@@ -174,15 +252,56 @@ def _headers(scope: Scope) -> dict[str, list[str]]:
     return found
 
 
-def _check_origin(scope: Scope, headers: dict[str, list[str]], host: str) -> None:
+def _check_origin(
+    scope: Scope, headers: dict[str, list[str]], own: frozenset[str], *, is_entry: bool
+) -> None:
     origins, sites = headers.get("origin", []), headers.get("sec-fetch-site", [])
-    changes = scope["type"] == "websocket" or scope["method"] not in _SAFE_METHODS
-    if len(origins) > 1 or any(origin.lower() != f"http://{host}" for origin in origins):
-        raise Refusal("The request comes from a page of another server.")
-    if changes and not origins:
+    if len(origins) > 1 or any(origin.lower() not in own for origin in origins):
+        raise Refusal(_OTHER_PAGE)
+    if _changes(scope) and not origins:
         raise Refusal("The request does not say which page it comes from.")
-    if len(sites) > 1 or any(site not in ("same-origin", "none") for site in sites):
-        raise Refusal("The request comes from a page of another server.")
+    # Whoever follows a link with a token comes from elsewhere: a file, a mail.
+    is_link = is_entry and _is_opened(headers) and sites in (["same-site"], ["cross-site"])
+    if sites not in ([], ["same-origin"], ["none"]) and not is_link:
+        raise Refusal(_OTHER_PAGE)
+
+
+def _is_opened(headers: dict[str, list[str]]) -> bool:
+    """Whether a person opened the address as a page, not within one."""
+    return (headers.get("sec-fetch-mode"), headers.get("sec-fetch-dest")) == (
+        ["navigate"],
+        ["document"],
+    )
+
+
+def _is_speculative(headers: dict[str, list[str]]) -> bool:
+    """Whether the browser only prepares for a page that may be opened."""
+    purposes = (*headers.get("sec-purpose", []), *headers.get("purpose", []))
+    return any("prefetch" in purpose for purpose in purposes)
+
+
+def _changes(scope: Scope) -> bool:
+    return scope["type"] == "websocket" or scope["method"] not in _SAFE_METHODS
+
+
+def _is_without_key(scope: Scope) -> bool:
+    is_safe = scope.get("method", "GET") in _SAFE_METHODS  # a socket has no method
+    return is_safe and _WITHOUT_KEY.fullmatch(scope["path"]) is not None
+
+
+def _given_key(headers: dict[str, list[str]]) -> str | None:
+    """The key of the page's origin, as a header or among a socket's subprotocols."""
+    protocols = ",".join(headers.get("sec-websocket-protocol", [])).split(",")
+    named = [p.strip() for p in protocols]
+    keys = [p.removeprefix(KEY_PROTOCOL) for p in named if p.startswith(KEY_PROTOCOL)]
+    keys += headers.get(KEY_HEADER, [])
+    return keys[0] if len(keys) == 1 else None if not keys else ""
+
+
+def _split(host: str) -> tuple[str, int | None]:
+    """Host and port, as a Host header says them."""
+    found = re.fullmatch(r"(\[[0-9a-f:.]+\]|[0-9.]+)(?::(\d{1,5}))?", host)
+    return (found[1], int(found[2]) if found[2] else None) if found else ("", None)
 
 
 def _query(scope: Scope) -> dict[str, str]:

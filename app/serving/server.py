@@ -23,7 +23,9 @@ import static
 from app.editor.state import EditorState
 from app.library import Library
 from app.sections import image_version
-from app.serving.guard import Guard, headers_for
+from app.serving.browsers import NAME as BROWSERS
+from app.serving.browsers import Browsers
+from app.serving.guard import PROTOCOL, Guard, headers_for
 from app.serving.outputs import Outputs
 from app.serving.shelf import Shelf
 from app.serving.surfaces import Surfaces
@@ -42,7 +44,9 @@ SECONDS_TO_CLOSE = 2
 class Server:
     """Everything behind one port. `serve` runs until `ask_to_stop`."""
 
-    def __init__(self, library: Library, hosts: tuple[str, ...] = ()) -> None:
+    def __init__(
+        self, library: Library, hosts: tuple[str, ...] = (), public_hosts: tuple[str, ...] = ()
+    ) -> None:
         self.stage = Stage()
         self._maker = SceneryMaker()
         self.store = Store(self.stage.loop, self._show, library)
@@ -55,7 +59,12 @@ class Server:
         )
         self._shelf = Shelf(library)
         self._outputs = Outputs(self.store, self._surfaces)
-        self.guard = Guard(self._application(), extra_hosts=hosts)
+        self.guard = Guard(
+            self._application(),
+            browsers=Browsers(library.workspace / BROWSERS),
+            extra_hosts=hosts,
+            public_hosts=public_hosts,
+        )
         self._uvicorn = _uvicorn(self.guard)
         self._serving: Future[None] | None = None
 
@@ -139,7 +148,7 @@ class Server:
         await self.stage.attach(websocket, role)
 
     async def _events(self, websocket: WebSocket) -> None:
-        await websocket.accept()
+        await websocket.accept(PROTOCOL)
         tab = self.store.join()
         sender = asyncio.ensure_future(_send(websocket, tab))
         try:

@@ -1,5 +1,6 @@
 // Pictures and motion out of the page: saved as files, or copied to the clipboard.
 
+import { fetchOwn } from '../key.js';
 import { S, U } from '../state.js';
 import { frame } from '../timeline/head.js';
 import { toast } from './toasts.js';
@@ -61,7 +62,7 @@ async function saveFrom(address, name) {
 const fetchBlob = async (address) => (await answered(address)).blob();
 
 async function answered(address) {
-  const response = await fetch(address);
+  const response = await fetchOwn(address);
   if (response.ok) return response;
   const words = (await response.text()).slice(0, 300);
   let told;

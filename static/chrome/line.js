@@ -1,6 +1,7 @@
 // How the line to the server stands, for those who tell of it: U.line is null while it is up or only
 // just down, "lost", "long" when it may not come back by itself, "ended" when another Keypose answers.
 
+import { fetchOwn } from '../key.js';
 import { U, put, watch } from '../state.js';
 
 const LOST_MS = 2000;
@@ -36,7 +37,7 @@ async function look() {
   if (performance.now() - lookedAt < LOOK_MS) return;
   lookedAt = performance.now();
   try {
-    const { status } = await fetch('/static/logo.svg', { cache: 'no-store' });
+    const { status } = await fetchOwn('/static/logo.svg', { cache: 'no-store' });
     if (U.connected) return;
     if (status === 403) put('line', 'ended');
   } catch {

@@ -1,6 +1,7 @@
 // The pictures of the film: fetched and decoded ahead, shown when they are whole.
 
 import { S, U, put, watch } from '../state.js';
+import { fetchOwn } from '../key.js';
 import { listen, send } from '../link.js';
 
 const AHEAD = 24;
@@ -128,7 +129,7 @@ async function load(frame) {
   loading.set(frame, abort);
   try {
     const url = `/frame/${frame}.jpg?v=${encodeURIComponent(S.camera.image_version)}`;
-    const answer = await fetch(url, { signal: abort.signal });
+    const answer = await fetchOwn(url, { signal: abort.signal });
     if (!answer.ok) {
       refused.add(frame);
       return void (frame === wanted && blank());

@@ -2,29 +2,83 @@
 
 from __future__ import annotations
 
+import io
 import json
 import re
+import select
 import signal
 import subprocess
 import sys
 import time
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from urllib.request import ProxyHandler, build_opener
 
 from websockets.sync.client import ClientConnection, connect
 
 ROOT = Path(__file__).resolve().parents[2]
 
 
-class Keypose:
-    """The program as a process of its own. `address` lets a browser in."""
+@dataclass(frozen=True)
+class Entered:
+    """What a browser is given when it is let in."""
 
-    def __init__(self, *arguments: str) -> None:
-        command = [sys.executable, "-m", "app", "open", "--no-browser", "--port", "0", *arguments]
+    cookie: str
+    key: str
+
+    @property
+    def headers(self) -> dict[str, str]:
+        return {"Cookie": self.cookie, "X-Keypose-Key": self.key}
+
+    @property
+    def protocols(self) -> list[str]:
+        return ["keypose", f"keypose-key.{self.key}"]
+
+
+def enter(address: str) -> Entered:
+    """Use a link as a browser would. HTTPError where it lets nobody in."""
+    with build_opener(ProxyHandler({})).open(address, timeout=30) as answer:
+        key = re.search(r'"keypose.key", "([^"]+)"', answer.read().decode())
+        assert key is not None
+        return Entered(answer.headers["Set-Cookie"].split(";")[0], key[1])
+
+
+class Keypose:
+    """The program as a process of its own."""
+
+    def __init__(self, *arguments: str, port: int = 0) -> None:
+        command = [sys.executable, "-m", "app", "open", "--no-browser"]
         self.process = subprocess.Popen(
-            command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+            [*command, "--port", str(port), *arguments],
+            cwd=ROOT,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
         )
-        self.address = self._address()
+        self.printed = ""
+        self._entered: Entered | None = None
+        while "Ctrl+C" not in self.printed:
+            piece = self._read()
+            assert piece, f"the server did not start: {self.printed}"
+            self.printed += piece
+
+    @property
+    def addresses(self) -> list[str]:
+        """All links it has printed until now."""
+        while self._has_printed():
+            self.printed += self._read()
+        return re.findall(r"http://\S+", self.printed)
+
+    @property
+    def address(self) -> str:
+        """The newest link: it lets one browser in. The one before was used when it is another."""
+        return self.addresses[-1]
+
+    @property
+    def entered(self) -> Entered:
+        """As a browser that was let in once."""
+        self._entered = self._entered or enter(self.address)
+        return self._entered
 
     @property
     def origin(self) -> str:
@@ -42,10 +96,6 @@ class Keypose:
     def token(self) -> str:
         return self.address.split("token=")[1]
 
-    @property
-    def cookie(self) -> str:
-        return f"keypose_{self.port}={self.token}"
-
     def end(self, number: int = signal.SIGTERM) -> tuple[int, str]:
         """Ask it to end; its exit code and last words."""
         self.process.send_signal(number)
@@ -53,16 +103,19 @@ class Keypose:
             words, _ = self.process.communicate(timeout=30)
         finally:
             self.process.kill()
-        return self.process.returncode, words
+        return self.process.returncode, self.printed + words.decode()
 
-    def _address(self) -> str:
-        assert self.process.stdout is not None
-        told = []
-        for line in self.process.stdout:
-            told.append(line)
-            if found := re.search(r"http://\S+", line):
-                return found[0]
-        raise AssertionError("the server did not start: " + "".join(told))
+    def _has_printed(self) -> bool:
+        """Whether something is there to read. What is printed before an answer is sent is there."""
+        return bool(select.select([self.process.stdout], [], [], 0)[0]) and bool(self._peek())
+
+    def _peek(self) -> bytes:
+        assert isinstance(self.process.stdout, io.BufferedReader)
+        return self.process.stdout.peek(1)
+
+    def _read(self) -> str:
+        assert isinstance(self.process.stdout, io.BufferedReader)
+        return self.process.stdout.read1().decode()
 
 
 class Visitor:
@@ -72,7 +125,8 @@ class Visitor:
         self.line: ClientConnection = connect(
             f"ws://{keypose.host}/events",
             origin=keypose.origin,  # type: ignore[arg-type]
-            additional_headers={"Cookie": keypose.cookie},
+            additional_headers={"Cookie": keypose.entered.cookie},
+            subprotocols=keypose.entered.protocols,  # type: ignore[arg-type]
             proxy=None,
             max_queue=None,  # one that does not listen for a while must not be taken for gone
         )

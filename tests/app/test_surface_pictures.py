@@ -298,7 +298,7 @@ def test_a_video_has_no_surface_to_colour(
 
 
 def asked(keypose: Keypose, query: str) -> bytes:
-    request = Request(f"{keypose.origin}/picture.png?{query}", headers={"Cookie": keypose.cookie})
+    request = Request(f"{keypose.origin}/picture.png?{query}", headers=keypose.entered.headers)
     with urlopen(request, timeout=120) as answer:
         content: bytes = answer.read()
     return content

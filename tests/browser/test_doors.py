@@ -20,13 +20,14 @@ from tests.browser.hands import section
 from tests.browser.shared import let_in, opened, served
 
 ATTEMPTS = """
-async (origin) => {
+async ([origin, key]) => {
+  const headers = key ? { 'X-Keypose-Key': key } : {};
   const line = (path, kinds) => new Promise((done) => {
     const socket = new WebSocket(origin.replace('http', 'ws') + path, kinds);
     socket.onopen = () => { socket.close(); done('let in'); };
     socket.onerror = () => done('refused');
   });
-  const asked = (path, how) => fetch(origin + path, { credentials: 'include', ...how }).then(
+  const asked = (path, how) => fetch(origin + path, { credentials: 'include', headers, ...how }).then(
     async (answer) => (answer.ok ? 'let in' : `refused: ${await answer.text()}`),
     () => 'refused',
   );
@@ -38,15 +39,15 @@ async (origin) => {
   });
   const film = { method: 'POST', body: 'x'.repeat(100) };
   return {
-    events: await line('/events', []),
+    events: await line('/events', ['keypose', `keypose-key.${key || 'guess'}`]),
     view: await line('/view/main', 'viser-v1.1.1'),
     frame: await asked('/frame/0.jpg'),
-    blind: await asked('/frame/0.jpg', { mode: 'no-cors' }),
+    blind: await asked('/frame/0.jpg', { mode: 'no-cors', headers: {} }),
     picture: await asked('/picture.png'),
     library: await asked('/library'),
     upload: await asked('/upload?name=evil.mp4', film),
-    'blind upload': await asked('/upload?name=evil.mp4', { ...film, mode: 'no-cors' }),
-    image: await element('img', { src: `${origin}/frame/0.jpg` }),
+    'blind upload': await asked('/upload?name=evil.mp4', { ...film, mode: 'no-cors', headers: {} }),
+    image: await element('img', { src: `${origin}/static/logo.svg` }),
     style: await element('link', { rel: 'stylesheet', href: `${origin}/static/style/base.css` }),
   };
 }

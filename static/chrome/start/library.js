@@ -1,5 +1,6 @@
 // What can be opened: recent sessions, samples, the files of the server's folders.
 
+import { fetchOwn } from '../../key.js';
 import { put, U } from '../../state.js';
 
 let asked = null;
@@ -18,7 +19,7 @@ export function isVideoName(name) {
 
 async function fetchLibrary() {
   try {
-    const response = await fetch('/library');
+    const response = await fetchOwn('/library');
     if (response.ok) put('library', await response.json());
   } catch {
     // The line is down; the status bar says so, and the next opening asks again.

@@ -2,6 +2,7 @@
 
 import { html, nothing } from '../../vendor/lit-html/lit-html.js';
 import { icon } from '../../icons.js';
+import { keyHeader } from '../../key.js';
 import { send } from '../../link.js';
 import { U, put } from '../../state.js';
 import { toast } from '../toasts.js';
@@ -67,6 +68,7 @@ function upload(file) {
   request.onerror = () => ended(`${file.name} was not copied. The connection was lost on the way.`);
   request.onabort = () => ended('');
   request.open('POST', `/upload?name=${encodeURIComponent(file.name)}`);
+  for (const [name, value] of Object.entries(keyHeader())) request.setRequestHeader(name, value);
   request.send(file);
   put('upload', { name: file.name, loaded: 0, total: file.size });
 }

@@ -1,0 +1,114 @@
+"""The browsers that were let in, kept in the workspace so that a restarted server knows them.
+
+A browser holds two secrets: a cookie, and a key in the storage of the page's origin. Cookies ignore
+ports, so every server on the same host is sent the cookie; the key stays with this one. The file
+holds digests of both, which let nobody in.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import hmac
+import secrets
+import time
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from app.serving.private_file import read_private, write_private
+from tracker.errors import KeyposeError
+from tracker.session.atomic import make_folder
+
+MOST = 50
+LONGEST_S = 30 * 24 * 3600.0
+LARGEST_BYTES = 1 << 16
+NAME = "browsers.json"
+
+
+@dataclass(frozen=True)
+class Secrets:
+    """What a browser is given: `cookie` for every request, `key` for all that matters."""
+
+    cookie: str
+    key: str
+
+
+class _Browser(BaseModel):
+    model_config = ConfigDict(frozen=True)
+
+    cookie_sha256: str = Field(max_length=64)
+    key_sha256: str = Field(max_length=64)
+    since_s: float
+
+
+class _Known(BaseModel):
+    browsers: tuple[_Browser, ...] = ()
+
+
+class Browsers:
+    """file: where they are kept; None: they are forgotten with the process."""
+
+    def __init__(self, file: Path | None = None, now: Callable[[], float] = time.time) -> None:
+        self._file, self._now = file, now
+        self._known = self._valid(self._read())
+
+    def let_in(self) -> Secrets:
+        """The secrets of one more browser."""
+        given = Secrets(secrets.token_urlsafe(24), secrets.token_urlsafe(24))
+        added = _Browser(
+            cookie_sha256=_digest(given.cookie),
+            key_sha256=_digest(given.key),
+            since_s=self._now(),
+        )
+        # Another Keypose of the same workspace may have let others in meanwhile.
+        self._known = self._valid(dict.fromkeys((added, *self._known, *self._read())))
+        self._write()
+        return given
+
+    def has_cookie(self, cookie: str) -> bool:
+        """Whether a browser with this cookie was let in."""
+        return self._of_cookie(cookie) is not None
+
+    def has_key(self, cookie: str, key: str) -> bool:
+        """Whether the browser with this cookie was given this key."""
+        browser = self._of_cookie(cookie)
+        return browser is not None and _is_same(browser.key_sha256, _digest(key))
+
+    def _of_cookie(self, cookie: str) -> _Browser | None:
+        digest, found = _digest(cookie), None
+        for browser in self._valid(self._known):
+            if _is_same(browser.cookie_sha256, digest):
+                found = browser
+        return found
+
+    def _valid(self, browsers: Iterable[_Browser]) -> tuple[_Browser, ...]:
+        """The newest, as long as they are let in without a new link."""
+        oldest = self._now() - LONGEST_S
+        recent = [b for b in browsers if b.since_s >= oldest]
+        return tuple(sorted(recent, key=lambda b: -b.since_s)[:MOST])
+
+    def _read(self) -> tuple[_Browser, ...]:
+        content = None if self._file is None else read_private(self._file, LARGEST_BYTES)
+        try:
+            return () if content is None else _Known.model_validate_json(content).browsers
+        except ValidationError:
+            return ()
+
+    def _write(self) -> None:
+        if self._file is None:
+            return
+        content = _Known(browsers=self._known).model_dump_json(indent=1).encode()
+        with suppress(KeyposeError):  # after a restart the new link would be needed
+            make_folder(self._file.parent)
+            write_private(self._file, content)
+
+
+def _digest(secret: str) -> str:
+    return hashlib.sha256(secret.encode("utf-8", "replace")).hexdigest()
+
+
+def _is_same(one: str, other: str) -> bool:
+    return hmac.compare_digest(one.encode(), other.encode())
