@@ -2,7 +2,9 @@
 
 A server on this computer can be reached by every page the browser shows. So each request, sockets
 included, must name this server as its host, come from a page of this server, use only the query
-names its path knows, and carry the cookie that this browser was given for a one-time token. Cookies ignore ports: another server on this host is sent them, too. So all that tells of the work
+names its path knows, and carry the cookie that this browser was given for a one-time token.
+
+Cookies ignore ports: another server on this host is sent them, too. So all that tells of the work
 or changes it needs the key as well, which the browser keeps for this page's origin alone.
 """
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import os
 import re
 import select
 import signal
@@ -47,11 +48,15 @@ def enter(address: str) -> Entered:
 class Keypose:
     """The program as a process of its own."""
 
-    def __init__(self, *arguments: str, port: int = 0) -> None:
-        command = [sys.executable, "-m", "app", "open", "--no-browser"]
+    def __init__(self, *arguments: str, port: int = 0, browser: str | None = None) -> None:
+        """port: 0 is any free one.  browser: a command that is started with what is to be shown."""
+        command = [sys.executable, "-m", "app", "open", "--port", str(port), *arguments]
+        if browser is None:
+            command.append("--no-browser")
         self.process = subprocess.Popen(
-            [*command, "--port", str(port), *arguments],
+            command,
             cwd=ROOT,
+            env={**os.environ, "BROWSER": browser or ""},
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
         )

@@ -4,17 +4,23 @@ from __future__ import annotations
 
 import asyncio
 import hmac
+import re
 from typing import Any
 
 import pytest
 
+from app.serving.browsers import Browsers
 from app.serving.guard import Guard, headers_for
 
-TOKEN = "open-sesame"
 PORT = 8123
 HOST = f"127.0.0.1:{PORT}"
 ORIGIN = f"http://{HOST}"
-COOKIE = f"keypose_{PORT}={TOKEN}"
+BROWSERS = Browsers()
+GIVEN = BROWSERS.let_in()
+COOKIE = f"keypose_{PORT}={GIVEN.cookie}"
+PROTOCOLS = f"keypose, keypose-key.{GIVEN.key}"
+OPENED = {"sec_fetch_mode": "navigate", "sec_fetch_dest": "document"}
+"""What a browser says of an address that a person opens."""
 
 
 class House:
@@ -50,10 +56,14 @@ def ask(
     method: str = "GET",
     socket: bool = False,
     guard: Guard | None = None,
+    arrived_at: str = "127.0.0.1",
     **headers: str | list[str] | None,
 ) -> Answer:
-    """One request with a good host, origin and cookie; a header given as None is left out."""
+    """One request with a good host, origin, cookie and key; a header given as None is left out."""
     given: dict[str, str | list[str] | None] = {"host": HOST, "cookie": COOKIE}
+    given["sec-websocket-protocol" if socket else "x-keypose-key"] = (
+        PROTOCOLS if socket else GIVEN.key
+    )
     if socket or method != "GET":
         given["origin"] = ORIGIN
     given |= {name.replace("_", "-"): value for name, value in headers.items()}
@@ -66,6 +76,7 @@ def ask(
         "path": path,
         "query_string": query.encode(),
         "headers": lines,
+        "server": (arrived_at, PORT),
     }
     if not socket:
         scope["method"] = method
@@ -82,7 +93,17 @@ def ask(
 
 
 def door(**settings: Any) -> Guard:
-    return Guard(House(), PORT, TOKEN, **settings)
+    return Guard(House(), PORT, BROWSERS, **settings)
+
+
+def link(guard: Guard) -> str:
+    """The query of a link that lets one browser in."""
+    return guard.start_path().partition("?")[2]
+
+
+def comes(guard: Guard, query: str, **headers: str | list[str] | None) -> Answer:
+    """A browser that was never here opens a link."""
+    return ask("/", query, guard=guard, **{"cookie": None, "x_keypose_key": None, **headers})
 
 
 def refused(answer: Answer) -> bool:
@@ -172,8 +193,9 @@ def test_what_the_browser_calls_ours_or_typed_passes() -> None:
         "",
         f"keypose_{PORT}=guess",
         f"keypose_{PORT}=",
-        f"keypose_{PORT + 1}={TOKEN}",
-        f"other={TOKEN}",
+        f"keypose_{PORT + 1}={GIVEN.cookie}",
+        f"other={GIVEN.cookie}",
+        f"keypose_{PORT}={GIVEN.key}",
         "a=b; =; ;;;",
         f"keypose_{PORT}=caf\xe9",
     ],
@@ -190,41 +212,130 @@ def test_the_cookie_may_stand_among_others() -> None:
     assert ask("/", cookie=f"theme=dark; {COOKIE}; last=1").status == 200
 
 
+def test_the_cookie_alone_gets_what_browsers_ask_for_themselves_and_no_more() -> None:
+    for path in ("/", "/static/views/cameras.js", "/thumb/ab12.jpg", "/view/main"):
+        assert ask(path, x_keypose_key=None).status == 200
+    assert ask("/view/top", socket=True, sec_websocket_protocol="viser-v1.1.1").accepted
+    for path in ("/frame/17.jpg", "/library", "/motion", "/picture.png", "/report.html", "/other"):
+        assert refused(ask(path, x_keypose_key=None))
+        assert refused(ask(path, x_keypose_key="guess"))
+    assert refused(ask("/upload", "name=a.mp4", method="POST", x_keypose_key=None))
+    assert refused(ask("/", method="POST", x_keypose_key=None))
+    for protocols in (None, "keypose", "keypose, keypose-key.guess", "keypose-key."):
+        assert refused(ask("/events", socket=True, sec_websocket_protocol=protocols))
+
+
+def test_a_wrong_key_is_refused_even_where_none_is_needed() -> None:
+    assert refused(ask("/static/logo.svg", x_keypose_key="guess"))
+    assert refused(ask("/static/logo.svg", x_keypose_key=[GIVEN.key, GIVEN.key]))
+
+
+def test_the_key_of_another_browser_does_not_fit() -> None:
+    other = BROWSERS.let_in()
+    assert ask("/library", cookie=f"keypose_{PORT}={other.cookie}", x_keypose_key=other.key).text
+    assert refused(ask("/library", x_keypose_key=other.key))
+
+
 def test_two_servers_on_one_computer_have_cookies_of_their_own() -> None:
-    neighbour = Guard(House(), PORT + 1, "another token")
+    neighbour = Guard(House(), PORT + 1)
     assert neighbour.cookie != door().cookie
     host = f"127.0.0.1:{PORT + 1}"
     assert refused(ask("/", guard=neighbour, host=host, cookie=COOKIE))
 
 
-def test_the_token_in_the_address_is_exchanged_for_a_cookie_once() -> None:
+def test_a_link_lets_one_browser_in_once_and_gives_it_secrets_of_its_own() -> None:
     guard = door()
-    answer = ask("/", guard.start_path.partition("?")[2], cookie=None, guard=guard)
-    assert answer.status == 303
-    assert answer.headers["location"] == "/"
-    cookie = answer.headers["set-cookie"].lower()
-    assert cookie.startswith(f"keypose_{PORT}={TOKEN};")
-    assert "httponly" in cookie
-    assert "samesite=strict" in cookie
+    query = link(guard)
+    answer = comes(guard, query)
+    assert answer.status == 200
+    name, _, cookie = answer.headers["set-cookie"].partition(";")[0].partition("=")
+    assert name == f"keypose_{PORT}"
+    settings = answer.headers["set-cookie"].lower()
+    assert "httponly" in settings
+    assert "samesite=strict" in settings
     assert answer.headers["cache-control"] == "no-store"
-    assert isinstance(guard._app, House)
-    assert guard._app.guests == []
+    key = re.search(r'"keypose.key", "([^"]+)"', answer.text)
+    assert key is not None
+    token = query.removeprefix("token=")
+    assert len({token, cookie, key[1]}) == 3
+    assert min(len(token), len(cookie), len(key[1])) >= 32
+    assert token not in answer.text
+    assert ask("/library", cookie=f"{name}={cookie}", x_keypose_key=key[1]).text == "inside"
+    again = comes(guard, query)
+    assert refused(again)
+    assert "has been used" in again.text
+
+
+def test_one_who_is_in_already_needs_no_link_and_leaves_it_to_another() -> None:
+    guard = door()
+    query = link(guard)
+    answer = ask("/", query, guard=guard)
+    assert (answer.status, answer.headers["location"]) == (303, "/")
+    assert "set-cookie" not in answer.headers
+    assert comes(guard, query).status == 200
+
+
+def test_whoever_starts_a_browser_learns_that_a_link_was_used() -> None:
+    guard, used = door(), []
+    guard.entered = used.append
+    query = link(guard)
+    comes(guard, query)
+    comes(guard, query)
+    ask("/", link(guard), guard=guard)
+    assert used == [query.removeprefix("token=")]
 
 
 @pytest.mark.parametrize("query", ["token=guess", "token=", "token=%00", "token=caf%C3%A9"])
-def test_a_wrong_token_is_refused_even_with_the_cookie(query: str) -> None:
-    assert refused(ask("/", query, cookie=None))
-    assert refused(ask("/", query))
+def test_a_wrong_token_is_refused(query: str) -> None:
+    assert refused(comes(door(), query))
 
 
-def test_the_token_opens_the_page_and_nothing_else() -> None:
-    assert refused(ask("/events", f"token={TOKEN}", socket=True, cookie=None))
-    assert refused(ask("/", f"token={TOKEN}", method="POST", cookie=None))
-    assert refused(ask("/static/page.js", f"token={TOKEN}", cookie=None))
-    assert refused(ask("/", f"token={TOKEN}", socket=True, cookie=None))
+def test_a_link_opens_the_page_and_nothing_else() -> None:
+    guard = door()
+    query = link(guard)
+    outside = {"guard": guard, "cookie": None}
+    assert refused(ask("/events", query, socket=True, **outside))  # type: ignore[arg-type]
+    assert refused(ask("/", query, method="POST", **outside))  # type: ignore[arg-type]
+    assert refused(ask("/", query, method="HEAD", **outside))  # type: ignore[arg-type]
+    assert refused(ask("/static/page.js", query, **outside))  # type: ignore[arg-type]
+    assert refused(ask("/", query, socket=True, **outside))  # type: ignore[arg-type]
+    assert comes(guard, query).status == 200
 
 
-def test_the_token_is_not_compared_letter_by_letter(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("site", ["cross-site", "same-site", "none"])
+def test_a_link_may_be_followed_from_a_file_or_a_mail(site: str) -> None:
+    guard = door()
+    assert comes(guard, link(guard), sec_fetch_site=site, **OPENED).status == 200
+    if site != "none":
+        assert refused(comes(guard, "token=guess", sec_fetch_site=site, **OPENED))
+        assert refused(ask("/", sec_fetch_site=site, **OPENED))
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        {"sec_fetch_mode": "no-cors", "sec_fetch_dest": "image"},
+        {"sec_fetch_mode": "navigate", "sec_fetch_dest": "iframe"},
+        {"sec_fetch_mode": "cors", "sec_fetch_dest": "empty"},
+        {},
+    ],
+)
+def test_a_link_within_another_page_is_refused_and_stays_valid(how: dict[str, str]) -> None:
+    guard = door()
+    query = link(guard)
+    assert refused(comes(guard, query, sec_fetch_site="cross-site", **how))
+    assert comes(guard, query).status == 200
+
+
+def test_a_browser_that_only_looks_ahead_does_not_use_a_link_up() -> None:
+    guard = door()
+    query = link(guard)
+    assert refused(comes(guard, query, sec_purpose="prefetch;prerender"))
+    assert refused(comes(guard, query, purpose="prefetch"))
+    assert comes(guard, query).status == 200
+
+
+def test_secrets_are_not_compared_letter_by_letter(monkeypatch: pytest.MonkeyPatch) -> None:
     compared = []
 
     def compare(a: bytes, b: bytes) -> bool:
@@ -232,15 +343,14 @@ def test_the_token_is_not_compared_letter_by_letter(monkeypatch: pytest.MonkeyPa
         return a == b
 
     monkeypatch.setattr(hmac, "compare_digest", compare)
-    ask("/")
-    ask("/", "token=guess")
-    assert compared == [(TOKEN.encode(), TOKEN.encode()), (b"guess", TOKEN.encode())]
-
-
-def test_every_server_has_a_token_of_its_own() -> None:
-    first, second = Guard(House()), Guard(House())
-    assert first.token != second.token
-    assert len(first.token) >= 32
+    ask("/library")
+    secrets = (GIVEN.cookie.encode(), GIVEN.key.encode())
+    assert len(compared) >= 2
+    assert not any(secret in pair for secret in secrets for pair in compared)  # only digests are
+    guard = door()
+    query = link(guard)
+    comes(guard, "token=guess")
+    assert (b"guess", query.removeprefix("token=").encode()) in compared
 
 
 @pytest.mark.parametrize(
@@ -291,6 +401,39 @@ def test_a_host_that_was_allowed_passes_with_its_port() -> None:
         assert answer.accepted
     assert refused(ask("/", guard=guard, host="workshop.local:1"))
     assert refused(ask("/", guard=guard, host="workshop.local"))
+
+
+def test_the_address_at_which_a_request_arrives_is_always_ours() -> None:
+    for host, address in (
+        (f"192.0.2.2:{PORT}", "192.0.2.2"),
+        (f"192.0.2.2:{PORT}", "::ffff:192.0.2.2"),
+        (f"[fd00::2]:{PORT}", "fd00::2"),
+        (f"[fd00:0:0::2]:{PORT}", "fd00::2"),
+    ):
+        origin = f"http://{host}"
+        assert ask("/events", socket=True, host=host, origin=origin, arrived_at=address).accepted
+        assert refused(ask("/", host=host, arrived_at="192.0.2.3"))
+    assert refused(ask("/", host="192.0.2.2:1", arrived_at="192.0.2.2"))
+    assert refused(ask("/", host="192.0.2.2", arrived_at="192.0.2.2"))
+
+
+def test_a_name_that_leads_to_an_address_of_ours_is_still_another_host() -> None:
+    for name in ("evil.example", "192.0.2.2.evil.example", "0xc0000202", "3221225986"):
+        assert refused(ask("/", host=f"{name}:{PORT}", arrived_at="192.0.2.2"))
+
+
+def test_a_public_name_passes_as_it_is_written_also_with_tls_in_front() -> None:
+    guard = door(public_hosts=("Keypose.example.org", f"workshop.lan:{PORT}"))
+    for scheme in ("http", "https"):
+        origin = f"{scheme}://keypose.example.org"
+        host = "keypose.example.org"
+        assert ask("/events", socket=True, guard=guard, host=host, origin=origin).accepted
+    own = "websocket=wss://keypose.example.org/view/main"
+    assert ask("/view/main", own, guard=guard, host="keypose.example.org").status == 200
+    assert ask("/", guard=guard, host=f"workshop.lan:{PORT}").status == 200
+    assert refused(ask("/", guard=guard, host="workshop.lan"))
+    assert refused(ask("/", guard=guard, host="example.org"))
+    assert refused(ask("/events", socket=True, guard=guard, origin=f"https://{HOST}"))
 
 
 def test_a_refusal_says_why_and_is_not_kept() -> None:

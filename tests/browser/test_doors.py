@@ -27,7 +27,8 @@ async ([origin, key]) => {
     socket.onopen = () => { socket.close(); done('let in'); };
     socket.onerror = () => done('refused');
   });
-  const asked = (path, how) => fetch(origin + path, { credentials: 'include', headers, ...how }).then(
+  const own = { credentials: 'include', headers };
+  const asked = (path, how) => fetch(origin + path, { ...own, ...how }).then(
     async (answer) => (answer.ok ? 'let in' : `refused: ${await answer.text()}`),
     () => 'refused',
   );
@@ -64,7 +65,8 @@ FRAMED = """
 
 SPEAK = """
 ([address, messages]) => new Promise((done) => {
-  const socket = new WebSocket(address);
+  const kinds = ['keypose', `keypose-key.${localStorage.getItem('keypose.key')}`];
+  const socket = new WebSocket(address, kinds);
   const told = [];
   socket.onopen = () => messages.forEach((message) => socket.send(message));
   socket.onmessage = ({ data }) => {
@@ -95,7 +97,8 @@ class Doors:
         sections = {name: value for name, value in visitor.seen.items() if name != "tabs"}
         visitor.leave()
         folder = self.session.parent.parent
-        files = {str(p): p.stat().st_size for p in folder.rglob("*") if p.is_file()}
+        kept = (p for p in folder.rglob("*") if p.is_file() and p.name != "browsers.json")
+        files = {str(p): p.stat().st_size for p in kept}
         return {**json.loads(json.dumps(sections)), "files": files}
 
 
@@ -147,7 +150,11 @@ def all_refused(found: dict[str, str], words: str = "") -> bool:
 
 
 def test_the_page_itself_is_let_in(doors: Doors) -> None:
-    assert set(doors.page.evaluate(ATTEMPTS, doors.keypose.origin).values()) == {"let in"}
+    key = doors.page.evaluate("() => localStorage.getItem('keypose.key')")
+    found = doors.page.evaluate(ATTEMPTS, [doors.keypose.origin, key])
+    needs_key = {name: found.pop(name) for name in ("blind", "blind upload")}
+    assert set(found.values()) == {"let in"}
+    assert all(outcome.startswith("refused") for outcome in needs_key.values())
 
 
 @pytest.mark.usefixtures("untouched")
@@ -158,7 +165,7 @@ def test_a_page_of_another_server_on_this_computer_is_refused(
 ) -> None:
     hostile = visiting(doors.context, f"http://{home}:{doors.foreigner.port}/")
     origin = doors.keypose.origin.replace("127.0.0.1", target)
-    assert all_refused(hostile.evaluate(ATTEMPTS, origin))
+    assert all_refused(hostile.evaluate(ATTEMPTS, [origin, None]))
     assert cannot_frame(hostile, origin)
     hostile.close()
 
@@ -176,7 +183,7 @@ def test_a_page_from_far_away_is_refused(doors: Doors, far: tuple[BrowserContext
     context, laid = far
     laid.lead("attacker.test", f"127.0.0.1:{doors.foreigner.port}")
     hostile = visiting(context, "http://attacker.test/")
-    assert all_refused(hostile.evaluate(ATTEMPTS, doors.keypose.origin))
+    assert all_refused(hostile.evaluate(ATTEMPTS, [doors.keypose.origin, None]))
     assert cannot_frame(hostile, doors.keypose.origin)
     hostile.close()
 
@@ -191,7 +198,7 @@ def test_a_name_that_suddenly_leads_here_is_refused(
     hostile = visiting(context, f"http://{host}/")
     laid.lead(host, doors.keypose.host)
     words = "The request names another host than this server.\n"
-    assert all_refused(hostile.evaluate(ATTEMPTS, f"http://{host}"), words)
+    assert all_refused(hostile.evaluate(ATTEMPTS, [f"http://{host}", None]), words)
     answer = hostile.goto(f"http://{host}/?token={doors.keypose.token}")
     assert answer is not None
     assert (answer.status, answer.text()) == (403, words)
@@ -202,9 +209,9 @@ def test_a_name_that_suddenly_leads_here_is_refused(
 @pytest.mark.usefixtures("untouched")
 def test_without_the_token_nothing_is_to_be_had(browser: Browser, doors: Doors) -> None:
     words = (
-        "This browser has not been let in. Open the address that `keypose open` printed.\n",
-        "The token in the address is not this server's. "
-        "Open the address that `keypose open` printed.\n",
+        "This browser has not been let in. Open the newest link that `keypose open` printed.\n",
+        "This link has been used, or is another server's. "
+        "Open the newest link that `keypose open` printed.\n",
     )
     origin = doors.keypose.origin
     with let_in(browser, drawn=True) as stranger:
@@ -216,7 +223,7 @@ def test_without_the_token_nothing_is_to_be_had(browser: Browser, doors: Doors) 
         assert stranger.cookies() == []
         stranger.route(origin + "/", lambda route: route.fulfill(body="<!doctype html>"))
         page.goto(origin + "/")
-        assert all_refused(page.evaluate(ATTEMPTS, origin), words[0])
+        assert all_refused(page.evaluate(ATTEMPTS, [origin, None]), words[0])
 
 
 @pytest.mark.usefixtures("untouched")
@@ -301,7 +308,8 @@ def test_what_is_no_message_ends_its_own_line_at_most(doors: Doors, what: str) -
     outcome = doors.page.evaluate(
         f"""
         (address) => new Promise((done) => {{
-          const socket = new WebSocket(address);
+          const kinds = ['keypose', `keypose-key.${{localStorage.getItem('keypose.key')}}`];
+          const socket = new WebSocket(address, kinds);
           socket.onopen = () => {{
             socket.send({BROKEN[what]});
             socket.send('{{"do": "end_stroke", "stroke": "-", "n": 7}}');
