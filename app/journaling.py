@@ -6,13 +6,14 @@ Edits are noted on the loop's thread and written on another; what is acknowledge
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from threading import Lock
 
 from app.editor.state import EditorState
 from tracker.session.chronicle import (
     Moment,
+    Received,
     edit_record,
     mark_of,
     saved_record,
@@ -31,13 +32,15 @@ class Beginning:
     """Where a session's files stand when it is opened.
 
     size: bytes of the journal that are whole, of `length` in all.  follows: it can be gone on with;
-    otherwise the next edit begins it anew.  content: of the session file.
+    otherwise the next edit begins it anew.  content: of the session file.  received: whose edits
+    are in it.
     """
 
     size: int = 0
     follows: bool = False
     content: bytes = b""
     length: int = 0
+    received: Received = field(default_factory=Received)
 
 
 class Journaling:
@@ -49,7 +52,7 @@ class Journaling:
         self._follows = beginning.follows
         self._ours: tuple[bytes, ...] = (beginning.content,)
         self._began_with = size
-        self._last = _moment(edit)
+        self._last = _moment(edit, beginning.received)
         self._lock = Lock()
         self._pending: list[tuple[Moment, Moment]] = []
         self._marked = ""
@@ -58,11 +61,12 @@ class Journaling:
 
     # --- on the loop's thread
 
-    def note(self, edit: EditorState) -> bool:
-        """Whether something was decided, which has to be written."""
+    def note(self, edit: EditorState, received: Received | None = None) -> bool:
+        """Whether something was decided, which has to be written. received: whose edits are in
+        what is settled of it, where that has changed."""
         if edit.settled is self._last.doc and edit.history is self._last.history:
             return False
-        moment = _moment(edit)
+        moment = _moment(edit, received or self._last.received)
         with self._lock:
             self._pending.append((self._last, moment))
             self._noted += 1
@@ -114,6 +118,11 @@ class Journaling:
         self._follows, self._marked = True, ""
         self._began_with = self._journal.size
 
+    def as_written(self, doc: Session) -> Session:
+        """The document as far as the journal has it; `doc` where it has everything."""
+        with self._lock:
+            return self._pending[0][0].doc if self._pending else doc
+
     def is_written(self) -> bool:
         """Whether the journal has everything."""
         return self._noted == self._written
@@ -147,5 +156,5 @@ class Journaling:
         self._journal.close()
 
 
-def _moment(edit: EditorState) -> Moment:
-    return Moment(edit.settled, edit.history, edit.frame)
+def _moment(edit: EditorState, received: Received) -> Moment:
+    return Moment(edit.settled, edit.history, edit.frame, received)

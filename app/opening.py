@@ -170,7 +170,7 @@ def _opened(path: Path) -> Workpiece:
         video,
         fresh=False,
         history=moment.history,
-        journal=Beginning(journal.size, follows, content, journal.length),
+        journal=Beginning(journal.size, follows, content, journal.length, moment.received),
         news=news,
     )
 

@@ -74,10 +74,14 @@ class Running:
 
 @dataclass(frozen=True, eq=False)
 class Opened:
-    """The session's file and its video; `film` tells videos apart, whatever they are called."""
+    """The session's file and its video; `film` tells videos apart, whatever they are called.
+
+    id: of the session among the recent ones.
+    """
 
     name: str
     session_path: str
+    id: str
     info: VideoInfo
     film: str = ""
 
@@ -104,9 +108,12 @@ class SurfaceSeen:
 class Outlook:
     """running: the segments at work, by (first, last).
 
+    server: differs for every start of the program.  revision: differs after every edit.
     unusable: which observed surfaces cannot be used, a sentence as far as is known, or empty.
     """
 
+    server: str = ""
+    revision: str = ""
     opened: Opened | None = None
     edit: EditorState | None = None
     job: Job = Job()

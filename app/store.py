@@ -7,6 +7,8 @@ session saved, segments tracked anew) is done once per turn of the loop, for the
 from __future__ import annotations
 
 import asyncio
+import re
+import secrets
 import traceback
 from collections.abc import Callable, Coroutine
 from contextlib import suppress
@@ -17,6 +19,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from app.clients import Clients
 from app.editor import actions
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
@@ -27,7 +30,7 @@ from app.frames import Frames
 from app.guiding import guide_after
 from app.holding import Holding
 from app.journaling import Journaling
-from app.library import Library
+from app.library import Library, id_of
 from app.opening import Workpiece, edit_state, open_workpiece
 from app.outlook import FitTold, Guide, Job, Opened, Outlook, Saved, SurfaceSeen
 from app.results import save_results, tidy_tracks
@@ -36,9 +39,13 @@ from app.saving import Saver
 from app.sections import Sections
 from app.tabs import Tab, Tabs
 from tracker.errors import KeyposeError, SessionError, SurfaceError, VideoError
+from tracker.session.chronicle import mark_of
 from tracker.surface.picture import SurfaceVideo
 from tracker.video import VideoInfo
 from tracker.wording import one_sentence
+
+CLIENT = re.compile(r"[0-9A-Za-z_-]{8,64}")
+"""What a tab may call itself."""
 
 SECONDS_BETWEEN_SAVES = 3.0
 """Of tracked segments, while more of them are to come; edits are saved at once."""
@@ -64,7 +71,7 @@ class Store:
         self._loop = loop
         self._show = show
         self._library = library
-        self._outlook = Outlook()
+        self._outlook = Outlook(server=secrets.token_hex(8))
         self._sections = Sections()
         self._tabs = Tabs()
         self._piece: Workpiece | None = None
@@ -82,6 +89,7 @@ class Store:
         self._holding = Holding()
         self._journaling: Journaling | None = None
         self._examiner: Examiner | None = None
+        self._clients = Clients()
         self.frames: Frames | None = None
 
     @property
@@ -106,16 +114,19 @@ class Store:
         """One tab fewer; the gesture it may have been in the middle of ends as it is."""
         self._tabs.leave(tab)
         if self._outlook.edit is not None and self._dragging is tab:
+            self._clients.resume_gesture()
             self._edit_to(ended(self._outlook.edit))
+            self._clients.end()
         self._look(tabs=len(self._tabs))
         self._look_back(False)
 
     def receive(self, tab: Tab, message: Any) -> None:
-        """An action from a tab: validated, done, acknowledged."""
-        number = message.get("n", 0) if isinstance(message, dict) else 0
-        number = number if isinstance(number, int) and 0 <= number < 2**53 else 0
+        """An action from a tab: validated, done once, acknowledged."""
+        client, number, message = _addressed(message)
         try:
-            action = actions.ACTIONS.validate_python(_without_number(message))
+            if not self._clients.begin(client, number):
+                return
+            action = actions.ACTIONS.validate_python(message)
             self.do(action)
             under_way = self._outlook.edit.stroke if self._outlook.edit else None
             if under_way is not None and under_way.name == getattr(action, "stroke", None):
@@ -128,15 +139,18 @@ class Store:
             traceback.print_exception(error)
             words = f"This met a fault of Keypose itself ({type(error).__name__})."
             tab.say({"t": "refused", "n": number, "words": words})
-        self._loop.call_soon(self._acknowledge, tab, number)  # after the turn that tells it
+        finally:
+            self._clients.end()
+            # After the turn that tells it.
+            self._loop.call_soon(self._acknowledge, tab, number, client)
 
-    def _acknowledge(self, tab: Tab, number: int) -> None:
+    def _acknowledge(self, tab: Tab, number: int, client: str) -> None:
         """As kept only once what was decided is on the disk."""
         tab.settle(number)
         if self._journaling is None:
-            tab.acknowledge(number)
+            tab.acknowledge(number, client)
         else:
-            self._journaling.when_written(lambda: tab.acknowledge(number))
+            self._journaling.when_written(lambda: tab.acknowledge(number, client))
 
     def do(self, action: actions.Action) -> None:
         """Do it; KeyposeError, in one sentence, when it cannot be done."""
@@ -162,7 +176,9 @@ class Store:
         self._look(edit=edit, fit=fit if fit is not None and edit.doc is fit.after else None)
         if (before is not None and before.stroke is not None) != (edit.stroke is not None):
             self._runner.hold(edit.stroke is not None)
-        if self._journaling is not None and self._journaling.note(edit):
+        received = self._clients.received(edit.stroke.name if edit.stroke else None)
+        if self._journaling is not None and self._journaling.note(edit, received):
+            self._look(revision=received.revision)
             self._save()
         if before is None:
             return
@@ -211,7 +227,7 @@ class Store:
         def write() -> None:
             self._holding.demand_folder(path.parent, partial(journaling.is_own, path))
             if not path.exists():  # a journal alone would not be found
-                journaling.save(doc, path)
+                journaling.save(journaling.as_written(doc), path)
             journaling.write()
             self._loop.call_soon_threadsafe(journaling.heard)
             session = save_results(doc, path, edit.results)
@@ -356,9 +372,12 @@ class Store:
             read_only = self._holding.read_only
             if not read_only:
                 self._journaling = Journaling(piece.session_path, edit, piece.journal)
+            received = piece.journal.received
+            self._clients = Clients(received.clients)
             self._piece, self.frames = piece, Frames(piece.video)
             self._look(
-                opened=Opened(piece.name, str(piece.session_path), piece.video.info, film),
+                opened=_opened(piece, film),
+                revision=received.revision or mark_of(edit.doc),
                 edit=edit,
                 guide=Guide(first=not edit.doc.keyframes),
                 saved=Saved("readonly" if read_only else "saved", 0.0, read_only),
@@ -417,8 +436,9 @@ class Store:
             self._journaling.close()
             self._journaling = None
         self._holding.release()
+        self._clients = Clients()
         self._look(opened=None, edit=None, running={}, job=Job(), saved=Saved(), fit=None)
-        self._look(surface=SurfaceSeen(), unusable="")
+        self._look(surface=SurfaceSeen(), unusable="", revision="")
         if examiner is not None:
             await asyncio.to_thread(examiner.close)
         if frames is not None:
@@ -465,7 +485,18 @@ def _aside(path: Path, theirs: Path) -> str:
     )
 
 
-def _without_number(message: Any) -> Any:
+def _opened(piece: Workpiece, film: str) -> Opened:
+    path = piece.session_path
+    return Opened(piece.name, str(path), id_of(str(path.absolute())), piece.video.info, film)
+
+
+def _addressed(message: Any) -> tuple[str, int, Any]:
+    """Who sends a message, its number, and what is left of it. Without a number nothing is told of
+    it, and without a client it is not remembered."""
     if not isinstance(message, dict):
-        return message
-    return {key: value for key, value in message.items() if key != "n"}
+        return "", 0, message
+    number, client = message.get("n", 0), message.get("client", "")
+    is_number = type(number) is int and 0 <= number < 2**53
+    is_client = isinstance(client, str) and CLIENT.fullmatch(client)
+    rest = {key: value for key, value in message.items() if key not in ("n", "client")}
+    return client if is_client and is_number and number else "", number if is_number else 0, rest

@@ -18,6 +18,7 @@ class Tab:
         self._messages: list[dict[str, Any]] = []
         self._done = self._ack = 0
         self._told = (0, 0)
+        self._acks: dict[str, int] = {}
         self._news = asyncio.Event()
 
     def tell(self, sections: Mapping[str, Any]) -> None:
@@ -35,20 +36,31 @@ class Tab:
         self._done = max(self._done, number)
         self._news.set()
 
-    def acknowledge(self, number: int) -> None:
-        """What they changed is on the disk, too."""
+    def acknowledge(self, number: int, client: str = "") -> None:
+        """What they changed is on the disk, too.
+
+        client: who gave it that number, where it says so: a tab also sends what it kept of another.
+        """
+        if client:
+            self._acks[client] = max(self._acks.get(client, 0), number)
         self._ack = max(self._ack, number)
         self._news.set()
 
+    def _is_behind(self) -> bool:
+        """Whether more is done, or kept, than the page knows."""
+        return (self._done, self._ack) != self._told
+
     async def next(self) -> list[dict[str, Any]]:
         """Wait for news; everything there is to send now."""
-        while not (self._messages or self._sections or (self._done, self._ack) != self._told):
+        while not (self._messages or self._sections or self._acks or self._is_behind()):
             self._news.clear()
             await self._news.wait()
         out, self._messages = self._messages, []
         self._told = (self._done, self._ack)
-        out.append({"t": "state", "done": self._done, "ack": self._ack, "set": self._sections})
-        self._sections = {}
+        state: dict[str, Any] = {"t": "state", "done": self._done, "ack": self._ack}
+        state |= {"acks": self._acks} if self._acks else {}
+        out.append(state | {"set": self._sections})
+        self._sections, self._acks = {}, {}
         return out
 
 

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from app.library.library import Library
 from app.library.places import usual_folders
+from app.library.recents import id_of
 from app.library.uploading import LARGEST_BYTES, Upload
 
-__all__ = ["LARGEST_BYTES", "Library", "Upload", "usual_folders"]
+__all__ = ["LARGEST_BYTES", "Library", "Upload", "id_of", "usual_folders"]

@@ -43,7 +43,7 @@ class Recent(BaseModel):
 
     @property
     def id(self) -> str:
-        return hashlib.sha256(self.path.encode("utf-8", "surrogateescape")).hexdigest()[:16]
+        return id_of(self.path)
 
     @classmethod
     def of(cls, path: Path, session: Session, spans: Sequence[Span], now_s: float) -> Self:
@@ -60,6 +60,11 @@ class Recent(BaseModel):
             # Meshes have another kind of fingerprint; that they are others is told on opening.
             fingerprint="" if session.surface is not None else session.video.fingerprint,
         )
+
+
+def id_of(path: str) -> str:
+    """What the page calls the session in this file."""
+    return hashlib.sha256(path.encode("utf-8", "surrogateescape")).hexdigest()[:16]
 
 
 class _Book(BaseModel):

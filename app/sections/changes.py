@@ -125,6 +125,8 @@ SECTIONS: dict[str, _Section] = {
     "clipboard": _Section(_edit("clipboard"), work_values.clipboard),
     "guide": _Section(lambda o: (o.guide,), work_values.guide),
     "tabs": _Section(lambda o: (o.tabs,), lambda o: o.tabs),
+    "server": _Section(lambda o: (o.server,), lambda o: o.server),
+    "revision": _Section(lambda o: (o.revision,), lambda o: o.revision),
 }
 
 

@@ -27,6 +27,7 @@ def file(outlook: Outlook) -> Json:
         "name": opened.name,
         "video": info.path.name,
         "path": opened.session_path,
+        "id": opened.id,
         "frames": info.frame_count,
         "fps": fps,
         "width": info.width,

@@ -4,6 +4,8 @@
     {"frame", "doc", "kept", "past", "future", "mark"}   one edit, undo or redo
     {"saved": mark}                                      the session file then held this
 
+The first two also have "revision", and "clients" where these changed: see Received.
+
 `doc` are the changes from the document before; `kept` tells which steps of the history stay: the
 past's first and behind its last, the future's number. `past` and `future` are the steps that are
 new, each with where its document is found: "doc", the document before, or changes from it. A mark
@@ -32,13 +34,26 @@ _NONSENSE = (ValueError, LookupError, TypeError, AttributeError, ArithmeticError
 """What whole lines lead to that do not say what they should."""
 
 
+@dataclass(frozen=True)
+class Received:
+    """Which edits a document holds, so that none that is sent again is made again.
+
+    clients:  of each client, such as a browser's tab, the number of its last edit that is in it.
+    revision: another one after every edit; empty where it is not known.
+    """
+
+    clients: Mapping[str, int] = field(default_factory=dict)
+    revision: str = ""
+
+
 @dataclass(frozen=True, eq=False)
 class Moment:
-    """A document, its history, and the frame one stood at."""
+    """A document, its history, the frame one stood at, and whose edits are in it."""
 
     doc: Session
     history: History = field(default_factory=History)
     frame: int = 0
+    received: Received = field(default_factory=Received)
 
     def each(self, changed: Callable[[Session], Session]) -> Moment:
         """The same with the document, and that of every step, changed."""
@@ -47,7 +62,7 @@ class Moment:
             return tuple(replace(step, doc=changed(step.doc)) for step in told)
 
         history = History(steps(self.history.past), steps(self.history.future))
-        return Moment(changed(self.doc), history, self.frame)
+        return replace(self, doc=changed(self.doc), history=history)
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +115,12 @@ def _of_cameras(one: Session, doc: Session) -> Session:
 def base_record(moment: Moment) -> Record:
     """The beginning of a journal; the history is told by what follows."""
     doc = moment.doc
-    return {"base": doc.model_dump(mode="json"), "frame": moment.frame, "mark": mark_of(doc)}
+    return {
+        "base": doc.model_dump(mode="json"),
+        "frame": moment.frame,
+        "mark": mark_of(doc),
+        **_received_since(Received(), moment.received),
+    }
 
 
 def edit_record(before: Moment, after: Moment) -> Record:
@@ -114,6 +134,7 @@ def edit_record(before: Moment, after: Moment) -> Record:
         "past": [_told(step, before.doc) for step in after.history.past[stop - first :]],
         "future": [_told(step, before.doc) for step in after.history.future[future:]],
         "mark": mark_of(after.doc),
+        **_received_since(before.received, after.received),
     }
 
 
@@ -126,11 +147,12 @@ def whole_record(moment: Moment) -> Iterator[Record]:
     """A journal that says what there is, and no more."""
     past, future = moment.history.past, moment.history.future
     docs = [*(step.doc for step in past), moment.doc]
-    last = Moment(docs[0], frame=past[0].frame if past else moment.frame)
+    frame = past[0].frame if past else moment.frame
+    last = Moment(docs[0], frame=frame, received=moment.received)
     yield base_record(last)
     for number, doc in enumerate(docs[1:], start=1):
         frame = past[number].frame if number < len(past) else moment.frame
-        here = Moment(doc, History(past[:number]), frame)
+        here = Moment(doc, History(past[:number]), frame, moment.received)
         yield edit_record(last, here)
         last = here
     if future:
@@ -163,7 +185,8 @@ def recovered(session: Session, records: Sequence[Record]) -> Recovered:
         return Recovered(newest, len(marks) - 1 - known[-1], follows=True)
     last = of_film(last, doc)
     history = last.history.after(last.doc, OUTSIDE, last.frame)
-    return Recovered(Moment(doc, history, last.frame), 0, follows=False)
+    theirs = replace(last.received, revision="")  # whoever wrote the file said none
+    return Recovered(Moment(doc, history, last.frame, theirs), 0, follows=False)
 
 
 def _fits_together(doc: Session) -> bool:
@@ -205,7 +228,8 @@ def _replayed(records: Sequence[Record]) -> tuple[Moment | None, list[str], int]
 
 def _base(record: Mapping[str, Any]) -> Moment:
     base = brought_up(record["base"], "the journal")
-    return Moment(Session.model_validate(base), frame=int(record["frame"]))
+    received = _received(Received(), record)
+    return Moment(Session.model_validate(base), frame=int(record["frame"]), received=received)
 
 
 def _next(before: Moment, record: Mapping[str, Any]) -> Moment:
@@ -213,7 +237,25 @@ def _next(before: Moment, record: Mapping[str, Any]) -> Moment:
     past = (*before.history.past[first:stop], *_steps(record["past"], before.doc))
     ahead = (*before.history.future[:future], *_steps(record["future"], before.doc))
     doc = changed(before.doc, record["doc"])
-    return Moment(doc, History(past, ahead), int(record["frame"]))
+    received = _received(before.received, record)
+    return Moment(doc, History(past, ahead), int(record["frame"]), received)
+
+
+# --- clients
+
+
+def _received_since(before: Received, after: Received) -> Record:
+    new = {name: n for name, n in after.clients.items() if before.clients.get(name) != n}
+    return {
+        **({"clients": new} if new else {}),
+        **({"revision": after.revision} if after.revision else {}),
+    }
+
+
+def _received(before: Received, record: Mapping[str, Any]) -> Received:
+    new = {str(name): int(n) for name, n in record.get("clients", {}).items()}
+    others = {name: n for name, n in before.clients.items() if name not in new}
+    return Received({**others, **new}, str(record.get("revision", "")))  # the last heard last
 
 
 # --- steps
