@@ -146,7 +146,7 @@ class Store:
 
     def _acknowledge(self, tab: Tab, number: int, client: str) -> None:
         """As kept only once what was decided is on the disk."""
-        tab.settle(number)
+        tab.settle(number, client)
         if self._journaling is None:
             tab.acknowledge(number, client)
         else:

@@ -18,6 +18,7 @@ class Tab:
         self._messages: list[dict[str, Any]] = []
         self._done = self._ack = 0
         self._told = (0, 0)
+        self._dones: dict[str, int] = {}
         self._acks: dict[str, int] = {}
         self._news = asyncio.Event()
 
@@ -31,16 +32,18 @@ class Tab:
         self._messages.append(message)
         self._news.set()
 
-    def settle(self, number: int) -> None:
-        """The action of this number, and all before it, have been done or refused."""
+    def settle(self, number: int, client: str = "") -> None:
+        """The action of this number, and all before it, have been done or refused.
+
+        client: who gave it that number, where it says so: a tab also sends what it kept of another.
+        """
+        if client:
+            self._dones[client] = max(self._dones.get(client, 0), number)
         self._done = max(self._done, number)
         self._news.set()
 
     def acknowledge(self, number: int, client: str = "") -> None:
-        """What they changed is on the disk, too.
-
-        client: who gave it that number, where it says so: a tab also sends what it kept of another.
-        """
+        """What they changed is on the disk, too."""
         if client:
             self._acks[client] = max(self._acks.get(client, 0), number)
         self._ack = max(self._ack, number)
@@ -48,19 +51,19 @@ class Tab:
 
     def _is_behind(self) -> bool:
         """Whether more is done, or kept, than the page knows."""
-        return (self._done, self._ack) != self._told
+        news = self._dones or self._acks
+        return bool(news) or (self._done, self._ack) != self._told
 
     async def next(self) -> list[dict[str, Any]]:
         """Wait for news; everything there is to send now."""
-        while not (self._messages or self._sections or self._acks or self._is_behind()):
+        while not (self._messages or self._sections or self._is_behind()):
             self._news.clear()
             await self._news.wait()
         out, self._messages = self._messages, []
         self._told = (self._done, self._ack)
         state: dict[str, Any] = {"t": "state", "done": self._done, "ack": self._ack}
-        state |= {"acks": self._acks} if self._acks else {}
-        out.append(state | {"set": self._sections})
-        self._sections, self._acks = {}, {}
+        out.append({**state, "dones": self._dones, "acks": self._acks, "set": self._sections})
+        self._sections, self._dones, self._acks = {}, {}, {}
         return out
 
 

@@ -1,33 +1,36 @@
-// The ordered line to the server: edits and questions out, sections and answers in. Edits made
-// while the line is down wait here and are sent, in order, once it is back.
+// The ordered line to the server: edits and questions out, sections and answers in. Edits wait in
+// edits.js until the server has them on its disk, also while the line is down.
 
+import { acknowledge, due, keep, settle } from './edits.js';
 import { keyProtocols } from './key.js';
-import { S, put, take } from './state.js';
+import { put, take } from './state.js';
 
 let socket = null;
-let count = 0;
+let line = 0;
+let isGreeted = false;
+let questionCount = 0;
 let strokes = 0;
-// randomUUID is there on this computer's own address only.
-const tab = [...crypto.getRandomValues(new Uint8Array(8))].map((byte) => byte.toString(16).padStart(2, '0')).join('');
-const waiting = [];
+const tab = Math.random().toString(36).slice(2, 10);
 const questions = new Map();
 const listeners = new Map();
 
 /** Send an action; its number comes back, by which the server acknowledges it. */
 export function send(action) {
-  const message = { ...action, n: ++count };
-  if (!isOpen()) {
-    keep(message);
-    return message.n;
-  }
-  socket.send(JSON.stringify(message));
-  return message.n;
+  const n = keep(action);
+  sendDue();
+  return n;
+}
+
+/** Send what can be sent by now. */
+export function sendDue() {
+  if (!isOpen() || !isGreeted) return;
+  for (const message of due(line)) socket.send(JSON.stringify(message));
 }
 
 /** Ask something that concerns this tab alone; rejects when the line is down. */
 export function ask(question) {
   if (!isOpen()) return Promise.reject(new Error('not connected'));
-  const id = ++count;
+  const id = ++questionCount;
   return new Promise((resolve) => {
     questions.set(id, resolve);
     socket.send(JSON.stringify({ ...question, id }));
@@ -52,26 +55,14 @@ export function connect() {
   socket.onclose = closed;
 }
 
-/** How many edits wait for the line to come back. */
-export function backlog() {
-  return waiting.length;
-}
-
 function isOpen() {
   return socket !== null && socket.readyState === WebSocket.OPEN;
 }
 
-function keep(message) {
-  const last = waiting.at(-1);
-  // Moves of one gesture replace each other: each is told from the gesture's beginning.
-  const same = last?.stroke && last.stroke === message.stroke && last.do === message.do;
-  if (same) waiting.pop();
-  waiting.push(message);
-}
-
 function opened() {
+  line += 1;
+  isGreeted = false;
   put('connected', true);
-  for (const message of waiting.splice(0)) socket.send(JSON.stringify(message));
 }
 
 function closed() {
@@ -87,9 +78,12 @@ function receive(message) {
     return;
   }
   if (message.t === 'state') {
-    S.done = message.done; // done or refused
-    S.ack = message.ack; // and on the disk
+    settle(message.dones ?? {});
     take(message.set);
+    acknowledge(message.acks ?? {});
+    // Only now it is known which server this is, and what it has open.
+    isGreeted = true;
+    sendDue();
   }
   for (const fn of listeners.get(message.t) ?? []) fn(message);
 }

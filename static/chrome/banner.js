@@ -3,7 +3,8 @@
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../icons.js';
-import { backlog } from '../link.js';
+import { backlog, discard, release } from '../edits.js';
+import { send, sendDue } from '../link.js';
 import { S, U, put, watch } from '../state.js';
 import { count } from './words.js';
 
@@ -15,7 +16,7 @@ export function mountBanner() {
   place.id = 'banner';
   document.getElementById('screens').append(place);
   const draw = () => render(banner(), place);
-  const news = ['u:line', 'u:connected', 'u:dragging', 'u:readOnlyRead', 'u:flat', 'u:flatRead'];
+  const news = ['u:line', 'u:connected', 'u:dragging', 'u:readOnlyRead', 'u:flat', 'u:flatRead', 'u:held'];
   watch(['file', 'saved', ...news], draw);
   // How many edits wait is known to the link alone.
   setInterval(() => U.line && draw(), 500);
@@ -23,6 +24,7 @@ export function mountBanner() {
 
 function banner() {
   if (U.line || (!U.connected && U.dragging && S.file)) return noLine();
+  if (U.held.length) return held(U.held[0]);
   const isNews = S.saved?.state === 'readonly' && S.file && U.readOnlyRead !== S.file.path;
   if (isNews) return readOnly(S.saved.words);
   return U.flat && S.file && !U.flatRead ? flat() : nothing;
@@ -32,24 +34,49 @@ function banner() {
 function noLine() {
   const pulse = U.dragging ? 'pulse' : '';
   return html`<div class="banner lost ${pulse}" role="alert">
-    ${icon('warn')}<span>${U.line === 'ended' ? HAS_ENDED : isAway()}</span>
+    ${icon('warn')}<span>${U.line === 'ended' ? hasEnded() : isAway()}</span>
   </div>`;
 }
 
-const HAS_ENDED = html`<b>This page belongs to a Keypose that has ended.</b>
-  Open the address the new one printed.`;
+function hasEnded() {
+  const waiting = backlog();
+  const edits = waiting ? ` ${count(waiting, 'edit')} will then be sent from this tab.` : '';
+  return html`<b>Keypose was restarted.</b> Open the new link.${edits}`;
+}
 
 function isAway() {
-  const advice = 'If it has ended, start it again and open the address it prints.';
-  return html`<b>Keypose does not answer.</b> ${waitingEdits()}. ${U.line === 'long' ? advice : nothing}`;
+  const advice = U.line === 'long' ? ' If Keypose has ended, start it again.' : '';
+  return html`<b>Connection lost.</b> ${waitingEdits()} will be sent when it is back.${advice}`;
 }
 
-/** "3 edits wait here". */
-export function waitingEdits() {
+/** "3 edits", or "Edits" where there is none yet. */
+function waitingEdits() {
   const waiting = backlog();
-  if (!waiting) return 'Edits wait here';
-  return `${count(waiting, 'edit')} ${waiting === 1 ? 'waits' : 'wait'} here`;
+  return waiting ? count(waiting, 'edit') : 'Edits';
 }
+
+/** Edits made for another server than this one, which cannot simply be sent to it. */
+function held({ client, why, file, count: many }) {
+  const edits = `${count(many, 'edit')} ${many === 1 ? 'was' : 'were'} not sent before the connection was lost.`;
+  return html`<div class="banner check" role="alert">
+    ${icon('warn')}<span><b>${edits}</b> ${WHY_HELD[why](file)}</span>
+    ${HELD_BUTTON[why]?.(client, file) ?? nothing}
+    <button class="btn sm" @click=${() => discard(client)}>Discard</button>
+  </div>`;
+}
+
+const WHY_HELD = {
+  changed: () => 'This session has been changed since.',
+  elsewhere: ({ name }) => `Open ${name} to apply them.`,
+  readonly: () => 'This session is read only here.',
+};
+
+const HELD_BUTTON = {
+  changed: (client) => button('Apply', () => (release(client), sendDue())),
+  elsewhere: (_, { id, name }) => button(`Open ${name}`, () => send({ do: 'open', kind: 'recent', id })),
+};
+
+const button = (label, act) => html`<button class="btn sm" @click=${act}>${label}</button>`;
 
 function readOnly(words) {
   const what = words || 'Read only: nothing is saved.';

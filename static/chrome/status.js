@@ -2,10 +2,9 @@
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../icons.js';
-import { backlog } from '../link.js';
+import { backlog } from '../edits.js';
 import { S, U, watch } from '../state.js';
 import * as tools from '../handles/tools.js';
-import { waitingEdits } from './banner.js';
 import { count } from './words.js';
 
 export function mountStatus() {
@@ -17,9 +16,9 @@ export function mountStatus() {
   addEventListener('beforeunload', keepWaiting);
 }
 
-/** Edits that wait would be lost with the page: the browser asks first. */
+/** Edits that wait would be lost with the tab: the browser asks first. */
 function keepWaiting(event) {
-  if (backlog() > 0) event.preventDefault();
+  if ((!U.connected && backlog() > 0) || U.held.length) event.preventDefault();
 }
 
 function bar() {
@@ -46,7 +45,7 @@ function connection() {
       <span class="dim num">${location.host}</span></span
     >`;
   }
-  // Where another one answers, nothing that waits will ever be taken.
-  const words = U.line === 'ended' ? 'Not connected' : `Reconnecting… ${waitingEdits()}`;
+  const waiting = backlog() ? ` ${count(backlog(), 'edit')} waiting` : '';
+  const words = `${U.line === 'ended' ? 'Not connected.' : 'Reconnecting…'}${waiting}`;
   return html`<span class="h lostlink" role="status">${icon('warn')}${words}</span>`;
 }

@@ -110,8 +110,16 @@ class Keypose:
             self.process.kill()
         return self.process.returncode, self.printed + words.decode()
 
+    def kill(self) -> None:
+        """As a power cut would."""
+        self.process.kill()
+        self.process.communicate()
+
     def _has_printed(self) -> bool:
         """Whether something is there to read. What is printed before an answer is sent is there."""
+        assert self.process.stdout is not None
+        if self.process.stdout.closed:
+            return False
         return bool(select.select([self.process.stdout], [], [], 0)[0]) and bool(self._peek())
 
     def _peek(self) -> bytes:

@@ -71,8 +71,7 @@ def test_a_browser_that_was_let_in_comes_back_to_a_restarted_server(tmp_path: Pa
     workspace = str(tmp_path / "workspace")
     keypose = Keypose("--workspace", workspace)
     entered, port = keypose.entered, keypose.port
-    keypose.process.kill()
-    keypose.process.communicate()
+    keypose.kill()
     again = Keypose("--workspace", workspace, port=port)
     assert is_in(again, entered)
     again.end()

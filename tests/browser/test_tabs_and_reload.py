@@ -170,10 +170,10 @@ def test_a_reload_comes_back_to_the_same(at: Desk) -> None:
 def test_without_a_line_edits_wait_and_arrive_in_order(at: Desk, line: Cable) -> None:
     page = at.page
     line.cut()
-    until(lambda: "reconnecting… edits wait here" in status(page), "the word")
+    until(lambda: "reconnecting…" in status(page), "the word")
     for key in ("ArrowRight", "k", "ArrowRight", "k", "Control+z", "ArrowRight", "k"):
         page.keyboard.press(key)
-    until(lambda: "7 edits wait here" in status(page), "the count")
+    until(lambda: "4 edits waiting" in status(page), "the count")
     assert at.served["view"]["frame"] == 0
     assert at.served["undo"]["undo"] is None
     line.mend()

@@ -1,0 +1,200 @@
+// Edits on their way to the server: each is kept, over a reload too, until it is on the server's disk.
+// When another server answers, they go to it, if its session is the one they were made in and is as
+// they knew it; otherwise they are held until the person decides. None is made twice: the server
+// knows by client and number what it has.
+
+import { S, put, U } from './state.js';
+
+const NAME = 'keypose.edits';
+const LOOKS = {
+  go: ({ frame }) => ({ frame }),
+  limits: ({ on }) => ({ limits: on }),
+  link: ({ on }) => ({ link: on }),
+  axes: ({ frame }) => ({ axes: frame }),
+};
+const ENDS = new Set(['end_stroke', 'cancel_stroke']);
+const NO_EDITS = new Set([
+  ...Object.keys(LOOKS),
+  ...ENDS,
+  ...['select', 'display', 'live', 'begin_guide', 'copy_pose', 'look_before', 'close_fit'],
+  ...['open', 'close', 'cancel', 'save_again'],
+]);
+
+let client = newClient();
+let count = 0;
+let entries = restored();
+const own = new Set([client]);
+const acked = new Map();
+U.held = []; // [{client, why, file, count}]: what waits for the person
+S.done = 0; // of this page's messages: done or refused
+S.ack = 0; // and on the disk
+
+/** Keep a message until it is acknowledged; its number. */
+export function keep(message) {
+  const n = ++count;
+  const last = entries.at(-1);
+  // Moves of one gesture replace each other: each is told from the gesture's beginning.
+  if (last && !last.held && isMove(message) && last.message.do === message.do && isOf(last, message)) entries.pop();
+  for (const entry of entries) {
+    if (isMove(entry.message) && !(isMove(message) && isOf(entry, message))) entry.over ??= n;
+  }
+  entries.push({ client, n, message, server: S.server, file: fileNow(), revision: S.revision, look: lookNow() });
+  store();
+  return n;
+}
+
+/** The server has done or refused these: the highest number of each client. */
+export function settle(dones) {
+  for (const [name, n] of Object.entries(dones)) if (own.has(name)) S.done = Math.max(S.done, n);
+}
+
+/** The server has these on its disk: the highest number of each client. */
+export function acknowledge(acks) {
+  for (const [name, n] of Object.entries(acks)) {
+    acked.set(name, Math.max(acked.get(name) ?? 0, n));
+    if (own.has(name)) S.ack = Math.max(S.ack, n);
+  }
+  const left = entries.filter((entry) => !isSafe(entry));
+  if (left.length === entries.length) return;
+  entries = left;
+  store();
+  tellHeld();
+}
+
+/** The messages to send now, in order, of those that were not sent on this line yet. */
+export function due(line) {
+  const unsent = entries.filter((entry) => entry.line !== line);
+  if (!unsent.length) return [];
+  for (const entry of unsent) entry.held = whyHeld(unsent.find((first) => isOneGroup(first, entry)));
+  const free = unsent.filter((entry) => !entry.held);
+  const messages = withLooks(free);
+  for (const entry of free) Object.assign(entry, { server: S.server, line });
+  entries = entries.filter((entry) => !entry.held || !NO_EDITS.has(entry.message.do) || ENDS.has(entry.message.do));
+  if (entries.some((entry) => entry.held && entry.client === client)) beAnother();
+  store();
+  tellHeld();
+  return messages;
+}
+
+/** How many edits wait for the line to come back. */
+export const backlog = () => entries.filter((entry) => !entry.held && isEdit(entry)).length;
+
+/** Let these be sent though the session has been changed since. */
+export function release(name) {
+  for (const entry of entries) if (entry.client === name) entry.agreed = true;
+}
+
+/** The person does not want these. */
+export function discard(name) {
+  entries = entries.filter((entry) => !(entry.held && entry.client === name));
+  store();
+  tellHeld();
+}
+
+// --- another server
+
+const isOneGroup = (one, other) => one.client === other.client && one.file?.path === other.file?.path;
+
+/** Why a group cannot be sent, told by its first; null when it can. */
+function whyHeld({ file, server, agreed, revision, client: name }) {
+  if (!file) return null; // there was no session yet
+  if (file.path !== S.file?.path) return 'elsewhere';
+  if (server === S.server) return null;
+  if (S.saved?.state === 'readonly') return 'readonly';
+  const isKnown = S.revision === revision || S.revision?.startsWith(`${name}:`);
+  return isKnown || agreed ? null : 'changed';
+}
+
+/** What is made from now on may be sent before what is held, whose numbers must not come too late. */
+function beAnother() {
+  client = newClient();
+  own.add(client);
+}
+
+/** Another server does not know at which frame one stood, and with which switches. */
+function withLooks(some) {
+  const messages = [];
+  const at = { ...S.view };
+  for (const { server, look, message, client: name, n } of some) {
+    if (server !== S.server) messages.push(...steps(at, look));
+    messages.push({ ...message, client: name, n });
+    Object.assign(at, LOOKS[message.do]?.(message));
+    if (message.do === 'undo' || message.do === 'redo') at.frame = null; // they go where they belong
+  }
+  return messages;
+}
+
+function steps(at, look) {
+  const differs = (name) => look[name] !== undefined && look[name] !== at[name];
+  const messages = [];
+  if (differs('frame')) messages.push({ do: 'go', frame: look.frame });
+  if (differs('axes')) messages.push({ do: 'axes', frame: look.axes });
+  for (const name of ['limits', 'link']) if (differs(name)) messages.push({ do: name, on: look[name] });
+  Object.assign(at, look);
+  return messages;
+}
+
+function tellHeld() {
+  const groups = new Map();
+  for (const entry of entries.filter((one) => one.held && isEdit(one))) {
+    const { client: name, held, file } = entry;
+    const key = `${name} ${file?.path}`;
+    if (!groups.has(key)) groups.set(key, { client: name, why: held, file, count: 0 });
+    groups.get(key).count += 1;
+  }
+  const told = [...groups.values()];
+  if (JSON.stringify(told) !== JSON.stringify(U.held)) put('held', told);
+}
+
+// --- one entry
+
+const isEdit = ({ message }) => !NO_EDITS.has(message.do);
+const isMove = (message) => Boolean(message.stroke) && !ENDS.has(message.do);
+const isOf = ({ message }, other) => message.stroke === other.stroke;
+
+/** On the server's disk; a gesture is only once it has ended, however often it was acknowledged. */
+function isSafe({ client: name, n, message, over }) {
+  const upTo = acked.get(name) ?? 0;
+  if (n > upTo) return false;
+  const end = own.has(name) ? S.ack : upTo; // this page may have ended it under its next name
+  return !isMove(message) || (over <= end && S.pose?.stroke !== message.stroke);
+}
+
+function fileNow() {
+  return S.file ? { path: S.file.path, id: S.file.id, name: S.file.name } : null;
+}
+
+/** Where one stands, once all that is on its way is done. */
+function lookNow() {
+  if (!S.view) return {};
+  const { frame, limits, link, axes } = S.view;
+  const look = { frame, limits, link, axes };
+  for (const { message, held } of entries) if (!held) Object.assign(look, LOOKS[message.do]?.(message));
+  return look;
+}
+
+function newClient() {
+  const bytes = crypto.getRandomValues(new Uint8Array(12)); // randomUUID is not there on every address
+  return Array.from(bytes, (byte) => byte.toString(16).padStart(2, '0')).join('');
+}
+
+// --- over a reload
+
+function store() {
+  try {
+    if (entries.length) sessionStorage.setItem(NAME, JSON.stringify(entries));
+    else sessionStorage.removeItem(NAME);
+  } catch {
+    // Then they are kept as long as the page is.
+  }
+}
+
+/** What a page of this tab did not get to its server. Its gestures are over. */
+function restored() {
+  try {
+    const kept = JSON.parse(sessionStorage.getItem(NAME) ?? '[]');
+    return kept.map((entry) => ({ ...entry, line: null, over: entry.over ?? entry.n }));
+  } catch {
+    return [];
+  }
+}

@@ -1,0 +1,216 @@
+"""Keypose is killed and started again under an open tab: no edit is lost, none is made twice."""
+
+from __future__ import annotations
+
+import random
+import shutil
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Page
+
+from tests.app.serving import ROOT, Keypose, Visitor
+from tests.browser.cable import Cable, cable
+from tests.browser.hands import section, until
+from tests.browser.shared import let_in, opened
+from tracker.session.files import load_session
+
+EDITS = 50
+
+MARK = """
+async (numbers) => {
+  const { send } = await import('/static/link.js');
+  for (const n of numbers) {
+    send({ do: 'add_mask', polygon: [[n, 0], [n + 1, 0], [n, 1]], first: 0, last: 1 });
+  }
+}
+"""
+"""Edits that can be told apart afterwards, and of which each would show if it were made twice."""
+
+WAITING = """
+async () => {
+  const { backlog } = await import('/static/edits.js');
+  return backlog() + window.keypose.U.held.reduce((sum, { count }) => sum + count, 0);
+}
+"""
+
+
+@dataclass
+class Work:
+    """A server that can be killed and started again, and the page of one browser."""
+
+    folder: Path
+    cable: Cable
+    keypose: Keypose
+    context: BrowserContext
+    page: Page
+
+    @property
+    def session(self) -> Path:
+        return self.folder / "person" / "session.json"
+
+    def start(self, *arguments: str) -> None:
+        """Start it again, with the session open unless something else is said."""
+        given = arguments or (str(self.session),)
+        self.keypose = Keypose(*given, *_workspace(self.folder), port=self.keypose.port)
+
+    def mark(self, *numbers: int) -> None:
+        self.page.evaluate(MARK, list(numbers))
+
+    def marks(self) -> list[int]:
+        """Those that are on the disk, in their order."""
+        masks = load_session(self.session).ignore_masks
+        return [round(mask.polygon[0][0]) for mask in masks]
+
+    def sent(self) -> None:
+        """Wait until the server has everything."""
+        until(lambda: self.page.evaluate(WAITING) == 0, "the last edit")
+
+    def banner(self) -> str:
+        return self.page.locator("#banner").inner_text()
+
+
+def _workspace(folder: Path) -> tuple[str, str]:
+    return "--workspace", str(folder / "workspace")
+
+
+@pytest.fixture
+def work(browser: Browser, tmp_path: Path) -> Iterator[Work]:
+    shutil.copytree(
+        ROOT / "sample_videos" / "person",
+        tmp_path / "person",
+        ignore=lambda _, names: [n for n in names if n not in ("person.mp4", "session.json")],
+    )
+    keypose = Keypose(str(tmp_path / "person" / "session.json"), *_workspace(tmp_path))
+    with (
+        cable() as laid,
+        let_in(browser, drawn=False, proxy={"server": laid.address}) as context,
+    ):
+        at = Work(tmp_path, laid, keypose, context, opened(context, keypose))
+        yield at
+        code, words = at.keypose.end()
+    assert code == 0, words
+    assert "Traceback" not in words, words
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_of_50_edits_made_while_it_is_killed_and_started_again_each_is_there_once(
+    work: Work, seed: int
+) -> None:
+    chance = random.Random(seed)
+    stops = sorted(chance.sample(range(1, EDITS), 4))
+    at = 0
+    for stop in (*stops, EDITS):
+        while at < stop:
+            many = min(chance.randint(1, 6), stop - at)
+            work.mark(*range(at, at + many))
+            at += many
+            work.page.wait_for_timeout(chance.choice((0, 0, 5, 20, 60)))
+        if stop < EDITS:
+            work.keypose.kill()
+            if chance.random() < 0.5:  # some edits are made while nobody answers
+                work.mark(at)
+                at += 1
+            work.start()
+    work.sent()
+    assert work.marks() == list(range(EDITS))
+
+
+def test_a_tab_that_is_opened_again_after_the_restart_still_has_its_edits(work: Work) -> None:
+    work.keypose.kill()
+    until(lambda: not work.page.evaluate("() => window.keypose.U.connected"), "the loss")
+    work.mark(1, 2, 3)
+    work.start()
+    work.page.goto(work.keypose.origin)
+    work.page.wait_for_selector("html[data-ready]", state="attached")
+    work.sent()
+    assert work.marks() == [1, 2, 3]
+
+
+def test_an_edit_goes_to_the_frame_at_which_it_was_made(work: Work) -> None:
+    until(lambda: section(work.page, "view.frame") == 0, "the page")
+    send = "async (action) => (await import('/static/link.js')).send(action)"
+    work.page.evaluate(send, {"do": "go", "frame": 48})
+    until(lambda: section(work.page, "view.frame") == 48, "the frame")
+    work.sent()
+    work.keypose.kill()
+    work.page.evaluate(send, {"do": "root", "z": 7.5})
+    work.start()
+    work.sent()
+    depths = {k.frame: k.root_m[2] for k in load_session(work.session).keyframes}
+    assert depths[48] == pytest.approx(7.5)
+    assert depths[0] != pytest.approx(7.5)
+
+
+@pytest.fixture
+def apart(work: Work) -> Work:
+    """Edits of the tab wait, and the session has been changed by another since."""
+    work.cable.cut()
+    until(lambda: not work.page.evaluate("() => window.keypose.U.connected"), "the loss")
+    work.mark(1, 2, 3)
+    work.keypose.kill()
+    work.start()
+    other = Visitor(work.keypose)
+    other.do(do="add_mask", polygon=[[9, 0], [10, 0], [9, 1]], first=0, last=1)
+    other.leave()
+    work.cable.mend()
+    until(lambda: "3 edits were not sent" in work.banner(), "the question")
+    return work
+
+
+def test_where_the_session_was_changed_meanwhile_the_person_is_asked(apart: Work) -> None:
+    assert "This session has been changed since." in apart.banner()
+    assert apart.marks() == [9]
+    apart.mark(4)  # work goes on, whatever is answered later
+    until(lambda: apart.marks() == [9, 4], "the edit")
+    apart.page.get_by_role("button", name="Apply").click()
+    apart.sent()
+    assert apart.marks() == [9, 4, 1, 2, 3]
+    assert apart.banner() == ""
+
+
+def test_a_person_may_do_without_the_edits(apart: Work) -> None:
+    apart.page.get_by_role("button", name="Discard").click()
+    apart.sent()
+    apart.page.reload()
+    apart.page.wait_for_selector("html[data-ready]", state="attached")
+    apart.mark(4)
+    apart.sent()
+    assert apart.marks() == [9, 4]
+
+
+def test_where_another_session_is_open_the_edits_wait_for_their_own(work: Work) -> None:
+    work.mark(0)  # the session is among the recent ones now
+    work.sent()
+    work.keypose.kill()
+    work.mark(1, 2)
+    work.start("sample_videos/box/session.json", "--out", str(work.folder / "box"))
+    until(lambda: "Open person to apply them." in work.banner(), "the question")
+    work.page.get_by_role("button", name="Open person").click()
+    work.sent()
+    assert work.marks() == [0, 1, 2]
+    assert not load_session(work.folder / "box" / "session.json").ignore_masks
+
+
+def test_a_page_says_that_the_connection_is_lost_and_comes_back_by_itself(work: Work) -> None:
+    work.keypose.kill()
+    until(lambda: "Connection lost. Edits will be sent when it is back." in work.banner(), "that")
+    work.mark(1)
+    until(lambda: "1 edit will be sent when it is back." in work.banner(), "the count")
+    work.start()
+    work.sent()
+    until(lambda: work.banner() == "", "the end of it")
+
+
+def test_a_server_that_does_not_know_the_browser_needs_the_new_link(work: Work) -> None:
+    work.keypose.kill()
+    work.mark(1)
+    (work.folder / "workspace" / "browsers.json").unlink()
+    work.start()
+    words = "Keypose was restarted. Open the new link. 1 edit will then be sent from this tab."
+    until(lambda: words in work.banner(), "the words")
+    opened(work.context, work.keypose)
+    work.sent()
+    assert work.marks() == [1]
