@@ -182,8 +182,8 @@ def test_a_person_may_do_without_the_edits(apart: Work) -> None:
 
 
 def test_where_another_session_is_open_the_edits_wait_for_their_own(work: Work) -> None:
-    work.mark(0)  # the session is among the recent ones now
-    work.sent()
+    work.mark(0)
+    until((work.folder / "workspace" / "recents.json").exists, "the session among the recent ones")
     work.keypose.kill()
     work.mark(1, 2)
     work.start("sample_videos/box/session.json", "--out", str(work.folder / "box"))
