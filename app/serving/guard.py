@@ -188,6 +188,7 @@ class Guard:
         given, nonce = self._browsers.let_in(), secrets.token_urlsafe(16)
         headers = {"Cache-Control": "no-store", **headers_for("data")}
         headers["Content-Security-Policy"] += f"; script-src 'nonce-{nonce}'"
+        headers["Referrer-Policy"] = "no-referrer"
         response = HTMLResponse(_ENTRY.format(nonce=nonce, key=given.key), 200, headers)
         response.set_cookie(self.cookie, given.cookie, path="/", httponly=True, samesite="strict")
         return response

@@ -13,7 +13,7 @@ import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 from urllib.request import ProxyHandler, build_opener
 
 from websockets.sync.client import ClientConnection, connect
@@ -109,6 +109,13 @@ class Keypose:
         finally:
             self.process.kill()
         return self.process.returncode, self.printed + words.decode()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self.process.returncode is None:
+            self.end()
 
     def kill(self) -> None:
         """As a power cut would."""

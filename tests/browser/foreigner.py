@@ -11,14 +11,16 @@ PAGE = b"<!doctype html><title>Somebody else</title>"
 
 
 class Foreigner:
-    """`visits` are the addresses it was asked for, sockets among them."""
+    """`visits` are the addresses it was asked for, `cookies` what it was sent with each."""
 
     def __init__(self) -> None:
         visits: list[str] = []
+        cookies: list[str] = []
 
         class Handler(BaseHTTPRequestHandler):
             def do_GET(self) -> None:
                 visits.append(self.path)
+                cookies.append(self.headers.get("Cookie", ""))
                 self.send_response(200)
                 self.send_header("Content-Type", "text/html")
                 self.send_header("Content-Length", str(len(PAGE)))
@@ -29,6 +31,7 @@ class Foreigner:
                 pass
 
         self.visits = visits
+        self.cookies = cookies
         self.server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
 
     @property
