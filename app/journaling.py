@@ -11,6 +11,7 @@ from pathlib import Path
 from threading import Lock
 
 from app.editor.state import EditorState
+from tracker.files import read_regular
 from tracker.session.chronicle import (
     Moment,
     Received,
@@ -19,7 +20,13 @@ from tracker.session.chronicle import (
     saved_record,
     whole_record,
 )
-from tracker.session.files import journal_path, save_session, session_json, set_aside
+from tracker.session.files import (
+    LARGEST_SESSION_BYTES,
+    journal_path,
+    save_session,
+    session_json,
+    set_aside,
+)
 from tracker.session.journal import Journal
 from tracker.session.schema import Session
 
@@ -130,7 +137,7 @@ class Journaling:
     def is_own(self, path: Path) -> bool:
         """Whether a session file is as this program read it or left it."""
         try:
-            return path.read_bytes() in self._ours
+            return read_regular(path, LARGEST_SESSION_BYTES) in self._ours
         except OSError:
             return False
 
