@@ -12,11 +12,12 @@ from typing import Literal, TypeAlias
 from urllib.parse import quote_from_bytes, unquote_to_bytes
 
 from app.library.names import shown
-from app.library.uploading import SUFFIXES, SURFACES
+from app.library.uploading import SURFACES
 from tracker.errors import KeyposeError
 from tracker.files import read_head
 from tracker.surface.files.sources import SUFFIXES as MESHES
 from tracker.surface.source import are_meshes
+from tracker.video.container import SUFFIXES
 from tracker.video.folder import SUFFIXES as IMAGES
 
 Kind: TypeAlias = Literal["video", "images", "meshes", "session"]
@@ -29,6 +30,12 @@ LONGEST_SECONDS = 3.0
 
 SESSION_FOLDER = ".keypose"
 _HEAD_BYTES = 512
+_PACKETS = ((0, 188), (4, 192))
+"""Of a transport stream: where the first one begins, and how far it is to the next."""
+
+_ALSO_CODE = (".ts", ".mts")
+"""Endings that TypeScript has, too."""
+
 _SET_ASIDE = re.compile(r"\.theirs-[0-9a-f]{8}\.json$")
 """The name of what another program wrote into a session, kept beside it."""
 
@@ -134,7 +141,7 @@ def _in_folder(number: int, root: Path, here: Path, names: Sequence[str]) -> Ite
 def _kind(path: Path) -> Kind | None:
     suffix = path.suffix.lower()
     if suffix in SUFFIXES:
-        return "video"
+        return "video" if suffix not in _ALSO_CODE or _is_transport_stream(path) else None
     if suffix == SURFACES:
         return "meshes"
     return "session" if suffix == ".json" and is_session(path) else None
@@ -147,11 +154,22 @@ def is_session(path: Path) -> bool:
     """
     if _SET_ASIDE.search(path.name):
         return False
-    try:
-        head = read_head(path, _HEAD_BYTES)
-    except OSError:
-        return False
+    head = _head(path)
     return b'"schema_version"' in head and b'"video"' in head
+
+
+def _is_transport_stream(path: Path) -> bool:
+    """Told by the byte that begins each of its packets, which a recorder's clock may precede."""
+    head = _head(path)
+    return any(head[at : at + 1] == head[at + size :][:1] == b"G" for at, size in _PACKETS)
+
+
+def _head(path: Path) -> bytes:
+    """The first bytes of a file; none where it cannot be read."""
+    try:
+        return read_head(path, _HEAD_BYTES)
+    except OSError:
+        return b""
 
 
 def _found(number: int, root: Path, path: Path, kind: Kind, count: int = 0) -> Iterator[Found]:

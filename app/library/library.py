@@ -13,12 +13,13 @@ from app.library.names import shown
 from app.library.places import SESSION, session_for
 from app.library.recents import Recent, Span, forget, read_recents, remember, spans_of
 from app.library.samples import bundled, own_copy
-from app.library.uploading import LARGEST_BYTES, SUFFIXES, SURFACES, Upload
+from app.library.uploading import LARGEST_BYTES, SURFACES, Upload
 from tracker.errors import KeyposeError, SessionError
 from tracker.files import read_own
 from tracker.session.atomic import make_folder, write_file
 from tracker.session.files import load_session, open_video_of, save_session
 from tracker.session.schema import Session
+from tracker.video.container import SUFFIXES
 from tracker.video.fingerprint import fingerprint_of_file
 
 Kind: TypeAlias = Literal["recent", "file", "sample", "upload"]

@@ -14,12 +14,12 @@ from app.library.names import clean_name, numbered
 from tracker.errors import KeyposeError
 from tracker.session.atomic import make_folder
 from tracker.session.leftovers import sweep
+from tracker.video.container import SUFFIXES
 
 LARGEST_BYTES: Final = 8 * 2**30
 SPARE_BYTES: Final = 256 * 2**20
 """Left free on the disk: sessions and results have to be saved too."""
 
-SUFFIXES = (".mp4", ".mov", ".m4v", ".mkv", ".webm", ".avi")
 SURFACES = ".glb"
 """Of observed surfaces that are one file; a folder of meshes is opened where it lies."""
 STALE_SECONDS = 24 * 3600
@@ -102,7 +102,8 @@ class Upload:
     def _demand_video(self) -> None:
         if not self.name.lower().endswith((*SUFFIXES, SURFACES)):
             raise KeyposeError(
-                f"{self.name} is no video. Keypose opens MP4, MOV, MKV, WebM and AVI, and GLB."
+                f"{self.name} is no video. Keypose opens MP4, MOV, MKV, WebM, AVI, TS, MPG and the "
+                "like, and GLB."
             )
 
     def _demand_room(self, largest_bytes: int) -> None:

@@ -6,7 +6,9 @@ import os
 import shutil
 import time
 from pathlib import Path
+from typing import TYPE_CHECKING, cast
 
+import av
 import cv2
 import numpy as np
 import pytest
@@ -20,6 +22,10 @@ from tests.tracker import session_cases as cases
 from tracker.errors import KeyposeError, SessionError
 from tracker.session.files import load_session, open_video_of, save_session
 from tracker.surface.source import holds_meshes
+from tracker.video import Video
+
+if TYPE_CHECKING:
+    from av.video.stream import VideoStream
 
 SAMPLES = Path(__file__).resolve().parents[2] / "sample_videos"
 PART = "0123456789ab.part"
@@ -94,6 +100,54 @@ def test_videos_sessions_and_folders_of_images_are_listed(library: Library, home
     assert found["throw"] == "session"
     assert found["shots"] == "images"
     assert not {"notes.txt", "other.json"} & set(found)
+
+
+FILMS = {  # container and codec by the ending of the name
+    ".ts": ("mpegts", "mpeg2video"),
+    ".mts": ("mpegts", "h264"),
+    ".m2ts": ("mpegts", "h264"),
+    ".mpg": ("mpeg", "mpeg2video"),
+    ".vob": ("vob", "mpeg2video"),
+    ".flv": ("flv", "flv"),
+    ".gif": ("gif", "gif"),
+    ".wmv": ("asf", "wmv2"),
+    ".3gp": ("3gp", "h264"),
+    ".mjpeg": ("mjpeg", "mjpeg"),
+}
+
+
+def film(place: Path, container: str, codec: str, **options: str) -> Path:
+    """Twelve grey frames: a transport stream is known by a number of packets."""
+    formats = {"gif": "rgb8", "mjpeg": "yuvj420p"}
+    with av.open(str(place), "w", format=container, options=options) as out:
+        stream = cast("VideoStream", out.add_stream(codec, rate=25))
+        stream.width, stream.height, stream.pix_fmt = 64, 48, formats.get(codec, "yuv420p")
+        for grey in range(0, 240, 20):
+            picture = np.full((48, 64, 3), grey, np.uint8)
+            out.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
+        out.mux(stream.encode())
+    return place
+
+
+@pytest.mark.parametrize("ending", FILMS)
+def test_films_of_every_kind_that_is_read_are_listed_and_taken(
+    library: Library, home: Path, ending: str
+) -> None:
+    place = film(home / f"jump{ending}", *FILMS[ending])
+    assert [(f["name"], f["kind"]) for f in library.contents()["files"]] == [(place.name, "video")]
+    assert ending in library.contents()["suffixes"]
+    name = uploaded(library, f"Jump{ending.upper()}", place.read_bytes())
+    with Video.open(library.find("upload", name)) as video:
+        assert video.info.frame_count == 12
+
+
+def test_a_recorder_s_transport_stream_is_listed_and_code_of_that_ending_is_not(
+    library: Library, home: Path
+) -> None:
+    film(home / "recorded.mts", "mpegts", "h264", mpegts_m2ts_mode="1")
+    (home / "page.ts").write_text("Good code, not a film\n" * 100)
+    os.mkfifo(home / "pipe.ts")
+    assert [f["name"] for f in library.contents()["files"]] == ["recorded.mts"]
 
 
 def test_what_was_set_aside_of_a_session_is_not_listed(library: Library, home: Path) -> None:

@@ -26,6 +26,15 @@ _DEMUXERS = (
     "flv,asf,ogg,gif,apng,mjpeg,mjpeg_2000,yuv4mpegpipe,mxf,dv,nut,rm,wtv,swf,"
     "png_pipe,jpeg_pipe,bmp_pipe,tiff_pipe,webp_pipe,ppm_pipe,pgm_pipe"
 )
+SUFFIXES = (
+    *(".mp4", ".mov", ".m4v", ".qt", ".3gp", ".3g2", ".f4v", ".mkv", ".webm", ".avi"),
+    *(".ts", ".mts", ".m2ts", ".mpg", ".mpeg", ".m2v", ".vob", ".flv", ".wmv", ".asf", ".ogv"),
+    *(".gif", ".apng", ".mjpeg", ".mjpg", ".y4m", ".mxf", ".dv", ".nut", ".rm", ".wtv"),
+    *(".h264", ".hevc", ".ivf", ".obu"),
+)
+"""What the files that these read are called: those that are offered to be opened. A file of any
+other name is read all the same when it is named."""
+
 _OPTIONS = {"format_whitelist": _DEMUXERS, "protocol_whitelist": "file"}
 
 PYAV_ERRORS = (av.error.FFmpegError, ValueError, ArithmeticError, LookupError, RuntimeError)

@@ -6,7 +6,7 @@ import { send } from '../../link.js';
 import { U, put, watch } from '../../state.js';
 import { dialogIn } from '../dialogs.js';
 import { bytes, listed, longAgo } from '../words.js';
-import { loadLibrary } from './library.js';
+import { loadLibrary, videoSuffixes } from './library.js';
 import { takeFiles } from './uploading.js';
 
 const KINDS = { any: null, video: ['video', 'images'], meshes: ['meshes'], session: ['session'] };
@@ -121,7 +121,7 @@ function nowhere() {
 function elsewhere() {
   return html`<label class="btn filebtn">
     ${icon('up')}From elsewhere…
-    <input type="file" accept="video/*,.mkv,.avi,.glb" @change=${picked} />
+    <input type="file" accept=${['video/*', ...(videoSuffixes() ?? [])].join()} @change=${picked} />
   </label>`;
 }
 

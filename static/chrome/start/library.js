@@ -11,10 +11,14 @@ export function loadLibrary() {
   return asked;
 }
 
-/** Whether a name's ending is one of a video. */
+/** Whether a name's ending is one of a video; while none are known, the server will say. */
 export function isVideoName(name) {
-  const suffixes = U.library?.suffixes ?? ['.mp4', '.mov', '.m4v', '.mkv', '.webm', '.avi'];
-  return suffixes.some((suffix) => name.toLowerCase().endsWith(suffix));
+  return videoSuffixes()?.some((suffix) => name.toLowerCase().endsWith(suffix)) ?? true;
+}
+
+/** The endings of all that can be opened, undefined until the server has told them. */
+export function videoSuffixes() {
+  return U.library?.suffixes;
 }
 
 async function fetchLibrary() {

@@ -62,7 +62,7 @@ function dropZone() {
     </p>
     ${U.upload ? uploadCard() : buttons()}
     <p class="dim kinds">
-      MP4, MOV, MKV, WebM or AVI · one steady camera<br />or observed surfaces, one mesh a step:
+      MP4, MOV, MKV, WebM, AVI and others · one steady camera<br />or observed surfaces, one mesh a step:
       <button class="textlink" @click=${() => openChooser('meshes')}>Choose surfaces…</button>
     </p>
   </div>`;

@@ -9,7 +9,7 @@ import { toast } from '../toasts.js';
 import { bytes } from '../words.js';
 import { isVideoName } from './library.js';
 
-const KINDS = 'MP4, MOV, MKV, WebM and AVI, and GLB';
+const KINDS = 'MP4, MOV, MKV, WebM, AVI, TS, MPG and the like, and GLB';
 
 let request = null;
 
