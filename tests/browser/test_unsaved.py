@@ -1,0 +1,25 @@
+"""Edits that cannot be written are told as unsaved, with the reason, until they are written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from playwright.sync_api import Page
+
+from tests.browser.hands import section, until
+from tracker.session.files import open_session
+
+
+def test_the_page_says_why_an_edit_is_unsaved_until_it_is_written(page: Page, sample: Path) -> None:
+    elsewhere = sample.parent.with_name("renamed")
+    sample.parent.rename(elsewhere)
+    page.keyboard.press("Delete")  # the keyframe one stands at
+    told = page.locator(".notsaved")
+    told.wait_for()
+    assert "is gone or was renamed" in told.inner_text()
+    assert page.evaluate("() => window.keypose.S.done > window.keypose.S.ack")
+    elsewhere.rename(sample.parent)
+    told.wait_for(state="detached")
+    until(lambda: section(page, "saved.state") == "saved", "the save")
+    until(lambda: page.evaluate("() => window.keypose.S.done === window.keypose.S.ack"), "the ack")
+    assert len(open_session(sample).recovered.moment.history.past) == 1
