@@ -67,7 +67,7 @@ WRONG: dict[str, tuple[Callable[[dict[str, Any]], object], str]] = {
     ),
     "a part of no size": (
         lambda data: data["body"]["parts"][2]["shape"].update(radius_m=0),
-        "greater than 0",
+        "greater than or equal to 0.000001",
     ),
     "a camera of another size": (
         lambda data: data["camera"].update(width=1920),
