@@ -75,10 +75,9 @@ def _soft(noise: NDArray[np.int64], sigma: float) -> Picture:
 def write_film(folder: Path, kind: FilmKind) -> Path:
     """A film of that kind."""
     pictures = moving_pictures()
+    options = {"threads": "1", **kind.options}  # the same film on every computer
     path = folder / kind.name
-    return write_clip(
-        path, pictures, codec=kind.codec, pixels=kind.pixels, options=dict(kind.options)
-    )
+    return write_clip(path, pictures, codec=kind.codec, pixels=kind.pixels, options=options)
 
 
 def mutants(film: Path, count: int) -> Iterator[Path]:

@@ -25,6 +25,7 @@ from av.video.codeccontext import VideoCodecContext
 from av.video.frame import PictureType
 from av.video.stream import VideoStream
 
+from tracker.video.consumption import CODEC, strays
 from tracker.video.container import PYAV_ERRORS, open_container, packets, picture_stream
 from tracker.video.index import FrameIndex
 
@@ -90,7 +91,7 @@ class _Section:
             key,
             {n: p for n, p in self.came.items() if n >= key},
             {n: p for n, p in self.given.items() if n >= key},
-            {p: n for p, n in self.faults.items() if p > at and (n is None or n > key)},
+            {p: n for p, n in self.faults.items() if p >= at and (n is None or n >= key)},
         )
 
 
@@ -196,10 +197,13 @@ class _Reading:
                 self._keys.add(self._order)
             number = self._index.number_of(packet.pts) if self._index.named else None
             yield _Step("packet", self._order, number)
-            if packet.is_corrupt:
+            if packet.is_corrupt or self._strays(bytes(packet)):
                 yield _Step("lost", self._order, number)
             yield from self._decoded(packet)
         yield from self._decoded(None)
+
+    def _strays(self, packet: bytes) -> bool:
+        return self._decoder.name == CODEC and strays(packet, self._decoder.extradata)
 
     def _decoded(self, packet: av.Packet[VideoStream] | None) -> Iterator[_Step]:
         try:
