@@ -5,6 +5,7 @@ PYTHON ?= python3
 SAMPLE = sample_videos/balance
 OUT = out/balance
 KEYPOSE = .venv/bin/keypose
+NODE_TOOLS = tests/page/node_modules
 
 .PHONY: run test browser check bench clean
 .DEFAULT_GOAL := run
@@ -32,6 +33,13 @@ check: .venv/.ready-dev
 	@.venv/bin/ruff format --check --quiet .
 	@.venv/bin/mypy --no-error-summary
 	@.venv/bin/lint-imports --no-logo
+	@if node -e 'process.exit(parseInt(process.version.slice(1)) < 18 ? 1 : 0)' 2> /dev/null && command -v npm > /dev/null; then \
+	    $(MAKE) --silent --no-print-directory $(NODE_TOOLS)/.ready && \
+	    $(NODE_TOOLS)/.bin/eslint --config tests/page/eslint.config.js --max-warnings 0 static tests/page && \
+	    $(NODE_TOOLS)/.bin/tsc --project tests/page; \
+	else \
+	    echo "There is no Node 18 or newer with npm: eslint and tsc are skipped."; \
+	fi
 
 bench: .venv/.ready-dev
 	@.venv/bin/pip install --quiet --disable-pip-version-check --editable '.[dev,bench]'
@@ -39,9 +47,15 @@ bench: .venv/.ready-dev
 
 # What the commands above have made; the compiled loops in ~/.cache/keypose stay.
 clean:
-	rm -rf .venv out build *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis \
+	rm -rf .venv out build $(NODE_TOOLS) *.egg-info .mypy_cache .ruff_cache .pytest_cache .hypothesis \
 	    .import_linter_cache benchmarks.json
 	find app tracker tests sample_videos -name __pycache__ -prune -exec rm -rf {} +
+
+# What checks the page's JavaScript; the page itself is served as it is written.
+$(NODE_TOOLS)/.ready: tests/page/package.json tests/page/package-lock.json
+	@echo "Installing eslint and tsc into $(NODE_TOOLS) …"
+	@npm ci --prefix tests/page --ignore-scripts --loglevel=error > /dev/null
+	@touch $@
 
 .venv/.ready: pyproject.toml | .venv/bin/pip
 	@echo "Installing Keypose and what it needs into .venv …"

@@ -2,8 +2,13 @@
 // A room watches the names it draws and is called once per animation frame after any of them
 // changed. Names of U carry the prefix "u:".
 
+/** @typedef {import('./shapes.js').Sections} Sections */
+/** @typedef {import('./shapes.js').Ui} Ui */
+
+/** @type {Partial<Sections>} */
 export const S = {};
 
+/** @type {Ui} */
 export const U = {
   tool: 'select',
   layout: 'main',
@@ -28,7 +33,12 @@ export function watch(names, fn) {
   return () => watchers.delete(watcher);
 }
 
-/** Set one of this tab's own values. */
+/**
+ * Set one of this tab's own values.
+ * @template {keyof Ui} K
+ * @param {K} name
+ * @param {Ui[K]} value
+ */
 export function put(name, value) {
   if (U[name] === value) return;
   U[name] = value;

@@ -43,7 +43,7 @@ function pictureAddress(view) {
   const { mode, opacity, tint } = S.view;
   const query = new URLSearchParams({ view, frame: frame() });
   if (mode !== undefined) query.set('mode', mode);
-  if (opacity !== undefined) query.set('opacity', opacity);
+  if (opacity !== undefined) query.set('opacity', String(opacity));
   if (S.surface && tint !== undefined) query.set('tint', tint);
   return `/picture.png?${query}`;
 }

@@ -139,6 +139,10 @@ function coach() {
   </div>`;
 }
 
+/**
+ * @param {import('./guide_steps.js').Step} step
+ * @param {import('./guide_steps.js').Choice} choice
+ */
 function choiceButton(step, { label, title, act, ends }) {
   const choose = () => {
     act();

@@ -92,6 +92,7 @@ const nearest = (points, corner, size) =>
   Math.min(FAR, ...points.map((point) => distance(point, corner, size)));
 
 /** From a point to the nearest edge of the card; 0 inside. */
+/** @param {number[]} at */
 function distance([px, py], { x, y }, { width, height }) {
   const dx = Math.max(x - px, 0, px - x - width);
   const dy = Math.max(y - py, 0, py - y - height);

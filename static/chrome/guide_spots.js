@@ -4,7 +4,10 @@ import { S } from '../state.js';
 import { view } from '../views.js';
 import { isPulled } from './guide_pulled.js';
 
-/** The handles that are still to be dragged in this step: [{handle, at}, …], those in sight. */
+/**
+ * The handles that are still to be dragged in this step: [{handle, at}, …], those in sight.
+ * @param {import('./guide_steps.js').Step} [step]
+ */
 export function spotsOf({ takes } = {}) {
   if (!takes) return [];
   return stillToPull(takes.kinds)
@@ -37,6 +40,10 @@ function inWindow(name, point) {
   return [left + at[0], top + at[1]];
 }
 
+/**
+ * @param {string} name
+ * @param {number[]} at
+ */
 function isIn(name, [x, y]) {
   const { left, right, top, bottom } = view(name).el.getBoundingClientRect();
   return left <= x && x <= right && top <= y && y <= bottom;

@@ -10,11 +10,29 @@ const SIZE = `Hold D and drag the point between the arrows until head and feet m
   makes the body smaller and farther. If you know the height, set it in the Body tab first.`;
 
 /**
- * takes: which handles are to be dragged, in which view. again: it is rarely done with one drag, so
- * the card waits for Next instead of moving on by itself. rings: it needs those of the waist.
- * choices: buttons on the card, [{label, title, act, ends}]; one that `ends` the step leads on.
- * also: another of the server's keys that does it as well.
+ * @typedef {object} Choice  A button on the card; one that `ends` the step leads on.
+ * @property {string} label
+ * @property {string} [title]
+ * @property {() => unknown} act
+ * @property {boolean} [ends]
  */
+
+/**
+ * @typedef {object} Step
+ * @property {string} [name]
+ * @property {string} [tool]
+ * @property {string} [word]
+ * @property {string} [title]
+ * @property {string} [text]
+ * @property {{ view: string, kinds: string[] }} [takes]  Which handles are to be dragged, and where.
+ * @property {boolean} [again]  It is rarely done with one drag, so the card waits for Next instead of
+ *   moving on by itself.
+ * @property {boolean} [rings]  It needs those of the waist.
+ * @property {Choice[]} [choices]
+ * @property {string} [also]  Another of the server's keys that does it as well.
+ */
+
+/** @type {Step[]} */
 const IN_FILM = [
   {
     name: 'hips',
@@ -79,6 +97,7 @@ const IN_FILM = [
   },
 ];
 
+/** @type {Step[]} */
 const IN_SURFACE = [
   {
     name: 'hips',
@@ -121,7 +140,10 @@ const IN_SURFACE = [
 /** The steps of the guide for what the session is about. */
 export const steps = () => (isSurface() ? IN_SURFACE : IN_FILM);
 
-/** Whether this step has been done. */
+/**
+ * Whether this step has been done.
+ * @param {Step} step
+ */
 export function isDone({ name, also }) {
   return Boolean(S.guide?.done[name] || S.guide?.done[also]);
 }
@@ -144,7 +166,10 @@ function turnWaist() {
   takeWaist();
 }
 
-/** What stands on the card after the last step: where to go on is the server's to say. */
+/**
+ * What stands on the card after the last step: where to go on is the server's to say.
+ * @returns {Step}
+ */
 export function ending() {
   const keys = S.keys?.frames.length ?? 0;
   if (keys >= fewestKeys()) return standing();

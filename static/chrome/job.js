@@ -11,6 +11,7 @@ const ICONS = { good: 'check', check: 'warn', lost: 'lost', old: 'old' };
 
 let ran = new Set(); // the segments this job has worked on, as "39–50"
 let timer = 0;
+let wasRunning = false;
 
 /** The job of the top bar, or nothing. */
 export function jobState() {
@@ -31,13 +32,13 @@ export function noticeJob() {
   const { state } = S.job ?? {};
   if (state === 'running') {
     for (const s of S.segments ?? []) if (isWorkedOn(s)) ran.add(nameOf(s));
-    noticeJob.wasRunning = true;
+    wasRunning = true;
     put('ended', null);
     return;
   }
   // An end that lies before this page was opened is no news.
-  if (!noticeJob.wasRunning) return;
-  noticeJob.wasRunning = false;
+  if (!wasRunning) return;
+  wasRunning = false;
   if (state in ENDED) announce(S.job);
   ran = new Set();
 }
@@ -51,6 +52,7 @@ function announce(job) {
 
 /** The colour of a finished job is that of its worst segment. */
 function worst() {
+  /** @type {string[]} */
   const states = (S.segments ?? []).filter((s) => ran.has(nameOf(s))).map((s) => s.state);
   return ['lost', 'check'].find((state) => states.includes(state)) ?? 'good';
 }

@@ -53,8 +53,8 @@ function group({ title, rows }) {
 const asHere = (label) => label.replace(/^Track\b/, words().verb);
 
 function spoken(chord) {
-  const words = chord.split(' ').map((word) => SIGNS[word] ?? word);
-  return words.map((word) => (word === 'Ctrl' ? ctrl : word)).join(' ');
+  const names = chord.split(' ').map((word) => SIGNS[word] ?? word);
+  return names.map((word) => (word === 'Ctrl' ? ctrl : word)).join(' ');
 }
 
 function showGuide() {

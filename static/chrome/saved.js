@@ -10,6 +10,7 @@ import { shortAgo } from './words.js';
 export function savedState() {
   const saved = S.saved;
   if (!saved) return nothing;
+  /** @type {Record<string, (saved: import('../shapes.js').Saved) => unknown>} */
   const shown = { saved: isSaved, saving: isSaving, failed: hasFailed, readonly: isReadOnly };
   return html`<span class="savedbox" role="status">${shown[saved.state]?.(saved) ?? nothing}</span>`;
 }

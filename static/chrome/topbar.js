@@ -57,10 +57,10 @@ function session() {
 
 function step(action, word, keys) {
   const label = S.undo?.[action];
-  const title = label ? `${word} “${label}”   ${keys}` : `Nothing to ${action}`;
+  const hint = label ? `${word} “${label}”   ${keys}` : `Nothing to ${action}`;
   return html`<button
     class="ib"
-    title=${title}
+    title=${hint}
     aria-label=${label ? `${word} ${label}` : word}
     ?disabled=${!label}
     @click=${() => send({ do: action })}

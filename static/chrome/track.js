@@ -85,7 +85,7 @@ function items() {
   ];
 }
 
-const tail = (words) => (words ? html` <span class="dim num">${words}</span>` : nothing);
+const tail = (said) => (said ? html` <span class="dim num">${said}</span>` : nothing);
 
 const nothingChanged = () =>
   S.job?.state === 'running' ? `Being ${words().done}` : 'All segments are up to date';

@@ -9,7 +9,11 @@ export function tip(words, key = '') {
   return key ? `${words}   ${key}` : words;
 }
 
-/** A square button with an icon. off: why it cannot be used, or ''. */
+/**
+ * A square button with an icon. off: why it cannot be used, or ''.
+ * @param {{ name: string, label: string, key?: string, act: () => unknown, off?: string,
+ *   pressed?: boolean }} spec
+ */
 export function iconButton({ name, label, key = '', act, off = '', pressed }) {
   return html`<button
     type="button"
@@ -24,7 +28,11 @@ export function iconButton({ name, label, key = '', act, off = '', pressed }) {
   </button>`;
 }
 
-/** A button with words. flip: its icon looks the other way. */
+/**
+ * A button with words. flip: its icon looks the other way.
+ * @param {{ name?: string, flip?: boolean, label: string, key?: string, title?: string,
+ *   act: () => unknown, off?: string, kind?: string }} spec
+ */
 export function button({ name, flip = false, label, key = '', title = label, act, off = '', kind = '' }) {
   return html`<button
     type="button"

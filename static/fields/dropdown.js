@@ -7,8 +7,11 @@ import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../icons.js';
 
 class DropDown extends HTMLElement {
+  static count = 0;
+  popId = '';
+
   connectedCallback() {
-    this.popId ??= `drop-${(DropDown.count = (DropDown.count ?? 0) + 1)}`;
+    this.popId ||= `drop-${++DropDown.count}`;
     this.addEventListener('toggle', (event) => this.toggled(event), { capture: true });
     this.draw();
   }
@@ -24,6 +27,7 @@ class DropDown extends HTMLElement {
     return this.known.options.filter(fits);
   }
 
+  /** @returns {HTMLElement} */
   get list() {
     return this.querySelector('.drop-list');
   }

@@ -44,7 +44,7 @@ class SlideBar extends ValueElement {
     this.setAttribute('aria-valuemax', limit?.[1] ?? max);
     this.setAttribute('aria-valuenow', this.value ?? zero);
     this.setAttribute('aria-valuetext', `${shortNumber(this.value ?? zero, this.spec.decimals ?? 1)} ${unit}`);
-    this.setAttribute('aria-disabled', off !== '');
+    this.setAttribute('aria-disabled', String(off !== ''));
   }
 
   /** Both ends; they stay where they are while the thumb is held, whatever the server says. */

@@ -137,6 +137,12 @@ export class ValueElement extends HTMLElement {
 
   /** What a control drops when it comes to stand for something else. */
   leave() {}
+
+  /** What it is made of, once. */
+  build() {}
+
+  /** The present value, shown. */
+  draw() {}
 }
 
 /** Follow a pointer until it is let go: Esc and the right button take back. */

@@ -85,7 +85,7 @@ function chip(segment, isShort) {
 }
 
 /** What is said of a segment, and the sentence which frame to go to, where there is one. */
-function verdict({ state, words: said = '', go, pass, of }) {
+function verdict({ state, words: said = '', go, pass }) {
   if (state === 'tracking') return { say: pass == null ? subject().doing : upper(said) };
   if (state === 'waiting') return { say: 'Waiting' };
   const say = said.replace(/[.:,;]? *(Go to|Key frame) \d+\.?/, '');

@@ -114,8 +114,8 @@ export async function pick(view, x, y) {
   const none = { parts: [], outline: [] };
   // An answer that never comes, when the line drops, must not stop the questions.
   const late = new Promise((resolve) => setTimeout(resolve, 1500, none));
-  const asked = ask({ ask: 'pick', view: view.name, at: view.toView([x, y]) });
-  return { ...none, ...(await Promise.race([asked.catch(() => none), late])) };
+  const answer = ask({ ask: 'pick', view: view.name, at: view.toView([x, y]) });
+  return { ...none, ...(await Promise.race([answer.catch(() => none), late])) };
 }
 
 function show({ view, x, y }, { parts, outline }) {

@@ -156,10 +156,7 @@ function beginSurface(view, part) {
   const handle = { kind: 'surface', part, tool };
   const from = view.toView([press.x, press.y]);
   select(part);
-  const open = handle.kind === 'ring' && isFree(handle.part, handle.axis);
-  const tell = (at, wishes) => ({
-    do: 'drag', view: view.name, handle, from, at, ...wishes, free: open || wishes.free,
-  });
+  const tell = (at, wishes) => ({ do: 'drag', view: view.name, handle, from, at, ...wishes });
   const hint = { rotate: 'turn', move: 'root', ends: 'end' }[tool];
   beginDrag(view, press, tell, { target: { key: `part:${part}`, part }, hint });
   view.over.style.cursor = 'grabbing';

@@ -36,6 +36,11 @@ function boxIn(view, element) {
   return { left: left - own.left, top: top - own.top, width, height };
 }
 
+/**
+ * @param {{ left: number, top: number, width: number, height: number }} box
+ * @param {number[]} at
+ * @param {number} margin
+ */
 function holds({ left, top, width, height }, [x, y], margin) {
   return (
     x > left - margin && x < left + width + margin && y > top - margin && y < top + height + margin

@@ -60,6 +60,7 @@ function outlines() {
   return all;
 }
 
+/** @param {number[]} numbers */
 function capsule([dx1, y1, dx2, y2, w1, w2], side) {
   const x1 = MIDDLE + side * dx1;
   const x2 = MIDDLE + side * dx2;

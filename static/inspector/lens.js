@@ -42,6 +42,7 @@ function fieldOfView() {
     ${origin === 'guess' ? html`<p class="note">A guess. Better numbers give better depth.</p>` : nothing}`;
 }
 
+/** @param {{ key: string, label: string, min?: number }} one */
 function intrinsic({ key, label, min }) {
   return measure({
     key: `camera.${key}`, label, value: S.camera[key], unit: 'px', step: 1, coarse: 10, min,

@@ -40,16 +40,16 @@ function face(part) {
 
 /** The keys of a figure that was reached with Tab. */
 function walk(event) {
-  const steps = {
+  const moves = {
     ArrowUp: () => alongChain(-1), ArrowDown: () => alongChain(1),
     ArrowLeft: otherSide, ArrowRight: otherSide,
     Enter: () => event.target.dispatchEvent(new MouseEvent('click')),
   };
-  const step = steps[event.key === ' ' ? 'Enter' : event.key];
-  if (!step) return;
+  const move = moves[event.key === ' ' ? 'Enter' : event.key];
+  if (!move) return;
   event.preventDefault();
   event.stopPropagation();
-  step();
+  move();
 }
 
 function about(part) {

@@ -26,6 +26,7 @@ export function position() {
   );
 }
 
+/** @param {{ label: string, axis: string, sign: number, title: string, min?: number }} row */
 function place({ label, axis, sign, title, min }) {
   const value = S.pose ? sign * S.pose.root['xyz'.indexOf(axis)] : null;
   return measure({

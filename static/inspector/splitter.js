@@ -14,7 +14,7 @@ export function addSplitter(inspector) {
   for (const [name, value] of Object.entries({
     role: 'separator', 'aria-orientation': 'vertical', 'aria-label': 'Width of the inspector',
     'aria-valuemin': LEAST, 'aria-valuemax': MOST,
-  })) bar.setAttribute(name, value);
+  })) bar.setAttribute(name, String(value));
   inspector.append(bar);
   const resize = (width) => setWidth(bar, width);
   bar.addEventListener('pointerdown', (event) => grab(event, bar, inspector, resize));

@@ -76,14 +76,14 @@ function whatAndWhy({ words, reason }) {
 }
 
 function suggestionButton({ frame: to, kind }) {
-  const button = (label, key, words, act) => html`<button class="btn sm pri" aria-label=${words}
+  const labelled = (label, key, words, act) => html`<button class="btn sm pri" aria-label=${words}
     @click=${act}>${label}<kbd>${key}</kbd></button>`;
   if (kind === 'track') {
     const { verb } = subject();
-    return button(verb, 'T', `${verb} changed segments`, trackChanged);
+    return labelled(verb, 'T', `${verb} changed segments`, trackChanged);
   }
   if (to === null || to === undefined || to === frame()) return html`<span class="pad"></span>`;
-  return button('Go', 'N', `Go to frame ${to}`, next);
+  return labelled('Go', 'N', `Go to frame ${to}`, next);
 }
 
 const SIGNS = [['good', 'check'], ['check', 'warn'], ['lost', 'lost']];

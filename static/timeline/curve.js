@@ -54,8 +54,8 @@ export function partOf(name) {
 }
 
 export function scale(row) {
-  const extent = frozen ?? range();
-  return extent === null ? null : scaleOf(extent, row);
+  const ends = frozen ?? range();
+  return ends === null ? null : scaleOf(ends, row);
 }
 
 export function valueAt(at) {

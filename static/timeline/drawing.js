@@ -31,6 +31,7 @@ const keyHeld = () => (held()?.kind === 'key' && !held().copy ? held().from : nu
 const angleHeld = () => (held()?.kind === 'angle' ? held().frame : null);
 
 /** [where, name, what it is drawn from, how]; all are drawn from the ground as well. */
+/** @type {[string, string, () => unknown[], (ground: any) => unknown][]} */
 const LAYERS = [
   ['back', 'ground', () => [], ({ rows }) => drawGround(rows)],
   ['frames', 'ruler', () => [isScore()], ({ rows }) => drawRuler(bottomOf(rows))],

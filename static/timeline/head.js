@@ -12,8 +12,8 @@ let stopping = false;
 
 const tellSoon = paced(tell);
 
-function tell(frame) {
-  wanted = { frame, n: send({ do: 'go', frame }) };
+function tell(target) {
+  wanted = { frame: target, n: send({ do: 'go', frame: target }) };
 }
 
 /** The frame the playhead stands on. */

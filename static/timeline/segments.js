@@ -102,6 +102,6 @@ function freePlace(from, to, wide) {
   const isFree = (at) =>
     at - wide / 2 >= from && at + wide / 2 <= to &&
     diamonds.every((there) => Math.abs(there - at) > wide / 2 + 10);
-  const places = [0.5, 0.24, 0.76].map((share) => from + (to - from) * share);
+  const places = [0.5, 0.24, 0.76].map((part) => from + (to - from) * part);
   return places.find(isFree) ?? null;
 }

@@ -17,6 +17,7 @@ const refused = new Set();
 const loading = new Map();
 const queue = [];
 let screen = null;
+/** @type {(width: number, height: number) => void} */
 let changed = () => {};
 let film = '';
 let version = '';

@@ -29,7 +29,9 @@ function place() {
   const stage = document.getElementById('stage');
   stage.dataset.layout = U.layout;
   const large = SMALL_VIEWS.includes(U.layout) ? U.layout : 'main';
-  for (const view of document.querySelectorAll('.view')) {
+  /** @type {NodeListOf<HTMLElement>} */
+  const views = document.querySelectorAll('.view');
+  for (const view of views) {
     const { view: name } = view.dataset;
     // The camera goes where the enlarged view came from.
     const home = name === 'main' ? SMALL_VIEWS.indexOf(large) : SMALL_VIEWS.indexOf(name);
@@ -89,6 +91,7 @@ function sizeOf(name) {
   return SPLITTERS[name].along === 'x' ? element.offsetWidth : element.offsetHeight;
 }
 
+/** @returns {HTMLElement} */
 function smallView() {
   return document.querySelector('.view:not(.large)');
 }
@@ -110,6 +113,7 @@ function set(name, size) {
   }
   if (rows !== undefined) return setRow(rows, size, least);
   let largest = typeof most === 'function' ? most() : most;
+  /** @type {HTMLElement} */
   const large = document.querySelector('.view.large');
   if (name !== 'time') largest = Math.min(largest, sizeOf(name) + large.offsetWidth - LEAST_MAIN_PX);
   root.setProperty(style, `${Math.round(Math.max(least, Math.min(largest, size)))}px`);

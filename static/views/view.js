@@ -105,6 +105,19 @@ export class View {
     render(this.marks(), this.#marks);
   }
 
+  /** The window that shows all there is. */
+  showAll() {}
+
+  /** What lies below the body. */
+  paper() {
+    return nothing;
+  }
+
+  /** What is written over it. */
+  marks() {
+    return nothing;
+  }
+
   get isLarge() {
     return this.el.clientHeight >= LARGE_PX;
   }

@@ -1,0 +1,325 @@
+// The shapes of what the page knows, for whoever reads it and for the type check: no code.
+// The server's sections are made in app/sections; angles are degrees, points metres in the camera frame.
+
+/** @typedef {'x' | 'y' | 'z'} Axis */
+/** @typedef {'main' | 'top' | 'side' | 'front'} ViewName */
+/** @typedef {[number, number]} Spot */
+/** @typedef {[number, number, number]} Point */
+/** @typedef {(number | null)[]} Series  One value for every frame, null where nothing is known. */
+
+/**
+ * @typedef {object} File  What is open.
+ * @property {string} name
+ * @property {string} video
+ * @property {string} path
+ * @property {number} frames
+ * @property {number} fps
+ * @property {number} width
+ * @property {number} height
+ * @property {number} duration_s
+ * @property {number[]} missing
+ * @property {number[] | null} times  Only where the rate varies.
+ */
+
+/**
+ * @typedef {object} Camera
+ * @property {number} width
+ * @property {number} height
+ * @property {number} fx
+ * @property {number} fy
+ * @property {number} cx
+ * @property {number} cy
+ * @property {number[]} distortion
+ * @property {string} origin
+ * @property {string} projection
+ * @property {number | null} telephoto_distance_m
+ * @property {number} fov_deg
+ * @property {Point} up
+ * @property {'camera' | 'drawn'} up_origin
+ * @property {number} tilt_deg
+ * @property {number} roll_deg
+ * @property {string} image_version
+ */
+
+/** @typedef {{ id: string, label: string, title: string, low: string, high: string, off: string }} Tint */
+
+/**
+ * @typedef {object} Surface  Observed surfaces; null for a video.
+ * @property {string} units
+ * @property {string} up
+ * @property {number} fps
+ * @property {string} weights
+ * @property {string} distance
+ * @property {string} binding
+ * @property {string | null} cameras
+ * @property {number | null} model_frame
+ * @property {string} problem
+ * @property {string} unusable
+ * @property {number | null} faces
+ * @property {Point | null} middle
+ * @property {number | null} rims  Open edges.
+ * @property {Tint[]} tints
+ * @property {string[]} ramp  Colours from low to high.
+ */
+
+/** @typedef {{ key: string, label: string, cm: number, min: number, max: number, at_cm: Point }} Size */
+
+/**
+ * @typedef {object} Part
+ * @property {string} name
+ * @property {string} label
+ * @property {string | null} parent
+ * @property {'L' | 'R' | 'C'} side
+ * @property {string | null} mirror
+ * @property {string[]} tracked
+ * @property {Record<Axis, string>} words
+ * @property {Record<Axis, [number, number] | null>} limits
+ * @property {Point} joint_cm
+ * @property {string[]} landmarks
+ * @property {Size[]} sizes
+ */
+
+/**
+ * @typedef {object} Handle  What can be taken hold of.
+ * @property {string} name
+ * @property {string} kind
+ * @property {string} part
+ * @property {string} anchor
+ * @property {string} label
+ * @property {string[]} limb
+ */
+
+/**
+ * @typedef {object} Body
+ * @property {string} name
+ * @property {string | null} preset
+ * @property {boolean} edited
+ * @property {number} height_cm
+ * @property {number} dof_count
+ * @property {number} dof_total
+ * @property {{ name: string, label: string }[]} presets
+ * @property {{ label: string, parts: string[] }[]} lanes
+ * @property {Part[]} parts
+ * @property {Handle[]} handles
+ */
+
+/**
+ * @typedef {object} Looks  Where one looks, and the switches.
+ * @property {number} frame
+ * @property {string | null} selected
+ * @property {'wire' | 'solid' | 'both'} mode
+ * @property {number} opacity
+ * @property {boolean} ghosts
+ * @property {boolean} trail
+ * @property {boolean} live
+ * @property {boolean} limits
+ * @property {'part' | 'parent' | 'view'} axes
+ * @property {boolean} link
+ * @property {string} tint
+ */
+
+/**
+ * @typedef {object} Gesture  What is shown beside the pointer.
+ * @property {string} label
+ * @property {string} value
+ * @property {string} change
+ * @property {string | null} part
+ * @property {Axis | null} axis
+ * @property {number | null} angle_rad
+ * @property {{ centre: Point, radius_m: number } | null} reach
+ * @property {boolean} out_of_reach
+ * @property {number | null} depth_m
+ */
+
+/**
+ * @typedef {object} Pose  At the present frame.
+ * @property {number} frame
+ * @property {'keyframe' | 'draft' | 'tracked' | 'between' | 'held' | 'opening'} source
+ * @property {string | null} stroke
+ * @property {Record<string, number[]>} T  Part to camera: three rows of four.
+ * @property {Record<string, Point>} points
+ * @property {Record<string, Point>} angles
+ * @property {Point} root
+ * @property {Record<string, Axis[]>} at_limit
+ * @property {Gesture | null} gesture
+ */
+
+/**
+ * @typedef {object} Segment
+ * @property {number} first
+ * @property {number} last
+ * @property {'good' | 'check' | 'lost' | 'outdated' | 'none' | 'waiting' | 'tracking'} state
+ * @property {string} words
+ * @property {number | null} go
+ * @property {number | null} percent
+ * @property {number | null} pass
+ * @property {number | null} of
+ * @property {(number | null)[]} scores
+ * @property {number | null} best
+ * @property {string[]} notes
+ * @property {boolean} unfinished
+ * @property {Spot | null} unreached
+ */
+
+/** @typedef {{ frame: number | null, words: string, reason: string, kind: string }} Suggestion */
+/** @typedef {{ part: string, x: Series, y: Series, z: Series, error: Series }} Curve */
+/** @typedef {{ part: string, points: [number, number, number, number][], keys: number[] }} Trail */
+/** @typedef {{ polygon: Spot[], first: number, last: number, note: string }} Mask */
+
+/**
+ * @typedef {object} Settings  How to track.
+ * @property {string} method
+ * @property {string} quality
+ * @property {string} initial
+ * @property {string[]} left_out
+ * @property {number | null} passes
+ * @property {number} default_passes
+ * @property {boolean} static_camera
+ * @property {string | null} imported
+ */
+
+/**
+ * @typedef {object} Fit  What the last fit did.
+ * @property {number | null} frame
+ * @property {string} words
+ * @property {boolean} looking_back
+ * @property {{ part: string, what: string, before: string, after: string }[]} changes
+ */
+
+/**
+ * @typedef {object} Job
+ * @property {'idle' | 'running' | 'done' | 'cancelled' | 'failed'} state
+ * @property {string} title
+ * @property {string} words
+ * @property {number} percent
+ * @property {number | null} seconds_left
+ * @property {'track' | 'fit'} kind
+ */
+
+/** @typedef {{ state: 'saved' | 'saving' | 'failed' | 'readonly', at: number, words: string }} Saved */
+
+/**
+ * @typedef {object} Sections  The newest of each section; null while nothing is open.
+ * @property {File | null} file
+ * @property {Camera | null} camera
+ * @property {Surface | null} surface
+ * @property {Record<string, number[][]> | null} views  R_view_camera of the three small ones.
+ * @property {Body | null} body
+ * @property {Looks | null} view
+ * @property {Pose | null} pose
+ * @property {{ frames: number[], drafts: number[] }} keys
+ * @property {Segment[]} segments
+ * @property {Suggestion | null} suggest
+ * @property {Series} need  Pixels that a keyframe is expected to mend.
+ * @property {Record<string, Series>} lanes  How much the picture tells of a part, 0 to 1.
+ * @property {Curve | null} curve
+ * @property {Trail | null} trail
+ * @property {Mask[]} masks
+ * @property {Settings} settings
+ * @property {Fit | null} fit
+ * @property {Job} job
+ * @property {Saved} saved
+ * @property {{ undo: string | null, redo: string | null }} undo
+ * @property {boolean} clipboard
+ * @property {{ first: boolean, done: Record<string, boolean> }} guide
+ * @property {number} tabs
+ * @property {number} ack  The number of the last message that the server has heard of.
+ */
+
+/**
+ * @typedef {object} Recent  A session opened lately.
+ * @property {string} id
+ * @property {string} name
+ * @property {string} path
+ * @property {string} video
+ * @property {number} keyframes
+ * @property {number} frames
+ * @property {[string, number][]} strip
+ * @property {number} opened_at
+ * @property {string} thumb
+ * @property {boolean} missing
+ * @property {boolean} exchanged
+ */
+
+/**
+ * @typedef {object} FoundFile
+ * @property {string} id
+ * @property {string} kind
+ * @property {string} name
+ * @property {string} folder
+ * @property {number} bytes
+ * @property {number} count
+ * @property {number} modified_at
+ */
+
+/**
+ * @typedef {object} Library  What can be opened.
+ * @property {Recent[]} recents
+ * @property {{ id: string, words: string, thumb: string }[]} samples
+ * @property {FoundFile[]} files
+ * @property {boolean} more
+ * @property {string[]} folders
+ * @property {string[]} suffixes
+ * @property {number} largest_upload
+ */
+
+/**
+ * @typedef {object} Message  A toast; one with a button waits for an answer, unless it is brief.
+ * @property {string} words
+ * @property {string} [kind]
+ * @property {{ label: string, send?: object, run?: () => void }} [button]
+ * @property {boolean} [brief]
+ */
+
+/** @typedef {Message & { id: number, path: string | null, at: number, until: number }} Toast */
+
+/**
+ * @typedef {object} Ui  This tab's own.
+ * @property {string} tool
+ * @property {string} layout
+ * @property {string} tab  Of the inspector.
+ * @property {string} chart
+ * @property {boolean} lanes
+ * @property {string | null} hover  The part below the pointer.
+ * @property {boolean} dragging
+ * @property {boolean} playing
+ * @property {boolean} connected
+ * @property {string[] | null} [limb]
+ * @property {number | null} [mask]  The region that is being edited.
+ * @property {number} [shown]  The frame whose picture is on the screen.
+ * @property {string | null} [menu]
+ * @property {boolean} [sheet]  Of keys.
+ * @property {boolean} [space]  The space bar is held.
+ * @property {boolean} [dropping]
+ * @property {boolean} [flat]  There is no WebGL.
+ * @property {boolean} [flatRead]
+ * @property {string | null} [readOnlyRead]
+ * @property {string | null} [line]  Since when the server does not answer: lost, long, ended.
+ * @property {(Job & { kind: string }) | null} [ended]
+ * @property {string} [theme]
+ * @property {Library | null} [library]
+ * @property {{ kind: string, lost: Recent | null } | null} [chooser]
+ * @property {string} [find]
+ * @property {string} [fileFind]
+ * @property {{ name: string, loaded: number, total: number } | null} [upload]
+ * @property {Toast[]} [toasts]
+ * @property {number | null} [guideStep]
+ * @property {Set<string>} [pulled]
+ * @property {string} [lens]
+ * @property {boolean} [allFreedoms]
+ * @property {boolean} [fitFocal]
+ * @property {string | null} [figureHover]
+ * @property {number} [segmentFirst]
+ * @property {Set<string>} [freeAxes]
+ * @property {Axis} [curveAxis]
+ * @property {number} [timeHead]
+ * @property {any} [timeHeld]
+ * @property {any} [timeHover]
+ * @property {Set<string>} [timeOpen]
+ * @property {number} [timeScroll]
+ * @property {{ width: number, height: number }} [timeSize]
+ * @property {{ first: number, last: number }} [timeWindow]
+ * @property {'shown' | 'over' | null} [zoomHint]
+ */
+
+export {};
