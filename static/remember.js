@@ -9,7 +9,7 @@ export function mount() {
     const value = read(name);
     // A drawing that was begun is gone, so its tool is put down.
     if (known.includes(value)) U[name] = value;
-    watch(['u:' + name], () => write(name, U[name]));
+    watch([/** @type {import('./shapes.js').Watched} */ ('u:' + name)], () => write(name, U[name]));
   }
 }
 

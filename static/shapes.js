@@ -322,4 +322,6 @@
  * @property {'shown' | 'over' | null} [zoomHint]
  */
 
+/** @typedef {keyof Sections | `u:${keyof Ui}`} Watched  What a room can watch. */
+
 export {};

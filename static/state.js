@@ -25,7 +25,11 @@ const watchers = new Set();
 const changed = new Set();
 let asked = false;
 
-/** Call fn once per animation frame after any of the names changed, and once at the start. */
+/**
+ * Call fn once per animation frame after any of the names changed, and once at the start.
+ * @param {import('./shapes.js').Watched[]} names
+ * @param {() => void} fn
+ */
 export function watch(names, fn) {
   const watcher = { names: new Set(names), fn };
   watchers.add(watcher);

@@ -16,6 +16,7 @@ export function mountBanner() {
   place.id = 'banner';
   document.getElementById('screens').append(place);
   const draw = () => render(banner(), place);
+  /** @type {import('../shapes.js').Watched[]} */
   const news = ['u:line', 'u:connected', 'u:dragging', 'u:readOnlyRead', 'u:flat', 'u:flatRead', 'u:held'];
   watch(['file', 'saved', ...news], draw);
   // How many edits wait is known to the link alone.

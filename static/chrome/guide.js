@@ -17,6 +17,7 @@ import { ending, isDone, isKept, steps, takeWaist } from './guide_steps.js';
 
 const KEY = 'keypose.guide';
 const PAUSE_MS = 900; // long enough to see the tick
+/** @type {import('../shapes.js').Watched[]} */
 const SECTIONS = ['guide', 'file', 'pose', 'body', 'keys', 'suggest', 'segments', 'job'];
 
 let wasDone = false; // what was done before its step was shown does not move it on

@@ -12,7 +12,9 @@ import { savedState, savedTicks } from './saved.js';
 import { themeButton } from './theme.js';
 import { liveSwitch, trackButton } from './track.js';
 
+/** @type {import('../shapes.js').Watched[]} */
 const SECTIONS = ['file', 'saved', 'undo', 'job', 'view', 'keys', 'segments'];
+/** @type {import('../shapes.js').Watched[]} */
 const OWN = ['u:menu', 'u:ended', 'u:library', 'u:connected', 'u:layout', 'u:sheet'];
 
 export function mountTopbar() {

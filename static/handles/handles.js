@@ -12,6 +12,7 @@ import { paint } from './paint.js';
 import { isPressed, listenTo, takeBack } from './press.js';
 import { sketchKey, toolChanged } from './sketch.js';
 
+/** @type {import('../shapes.js').Watched[]} */
 const SECTIONS = ['file', 'pose', 'body', 'view', 'views', 'trail', 'masks', 'keys', 'camera'];
 
 export function mount() {

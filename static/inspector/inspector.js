@@ -33,10 +33,11 @@ const OTHERWISE = {
   track: { ...TABS.track, label: 'Fit', title: 'How to fit, and how it went', draw: fitTab },
 };
 
+/** @type {import('../shapes.js').Watched[]} */
 const SHOWN = [
   'file', 'surface', 'camera', 'body', 'view', 'pose', 'keys', 'segments', 'lanes', 'masks', 'settings', 'clipboard',
-  ...['u:tab', 'u:tool', 'u:hover', 'u:figureHover', 'u:freeAxes', 'u:lens', 'u:mask'],
-  ...['u:segmentFirst', 'u:allFreedoms', 'u:fitFocal'],
+  'u:tab', 'u:tool', 'u:hover', 'u:figureHover', 'u:freeAxes', 'u:lens', 'u:mask',
+  'u:segmentFirst', 'u:allFreedoms', 'u:fitFocal',
 ];
 
 /** What was selected when it was last brought into sight. */

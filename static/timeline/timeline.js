@@ -26,6 +26,7 @@ export { middle, next, nextProblem, step, toFirst, toKey, toLast, togglePlaying 
 export { zoomToInterval } from './zoom.js';
 export { foldLanes } from './fold.js';
 
+/** @type {import('../shapes.js').Watched[]} */
 const WATCHED = [
   'file', 'damage', 'view', 'keys', 'segments', 'suggest', 'need', 'lanes', 'curve', 'body', 'job',
   'u:playing', 'u:chart', 'u:lanes', 'u:curveAxis', 'u:timeWindow', 'u:timeSize', 'u:timeHead',

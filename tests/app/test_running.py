@@ -18,6 +18,8 @@ from app.jobs import (
     JobFailed,
     JobFinished,
     PassFinished,
+    PoseFitted,
+    Ready,
     Report,
     SegmentFinished,
     Started,
@@ -54,6 +56,12 @@ class Orders:
         self.wanted.append([(first, last) for first, last, _ in wanted])
         self.keys.append([key for *_, key in wanted])
         self.stages.append(tuple(stages))
+        return len(self.wanted)
+
+    def fit(self, _: object) -> int:
+        self.wanted.append([])
+        self.keys.append([])
+        self.stages.append(())
         return len(self.wanted)
 
     def cancel(self) -> None:
@@ -328,3 +336,109 @@ def test_leaving_waits_for_the_end_of_what_is_being_tracked(runner: Runner) -> N
         assert runner.job.state == "cancelled"
 
     asyncio.run(work())
+
+
+# --- a fit goes before tracking
+
+ORDER: Any = SimpleNamespace()
+
+
+def fitted(job: int) -> PoseFitted:
+    return PoseFitted(job, desk().opening, True, "")
+
+
+def test_what_is_being_tracked_waits_for_a_fit_and_goes_on_after_it(runner: Runner) -> None:
+    heard: list[Any] = []
+    runner.track(PIECE, desk(), "all")
+    orders(runner).say(started(runner))
+    runner.fit(ORDER, "Fitting frame 3", heard.append)
+    assert (runner.job.title, runner.job.kind) == ("Fitting frame 3", "fit")
+    assert runner.job.words == "tracking goes on after it"
+    assert {one.state for one in runner.running.values()} == {"waiting"}
+    assert len(runner.running) == 3
+    orders(runner).say(JobFinished(1, cancelled=True))
+    assert runner.job.state == "running"
+    orders(runner).say(fitted(2))
+    (report,) = heard
+    assert isinstance(report, PoseFitted)
+    edit = after(desk(), {"do": "delete_key", "frame": 72})
+    runner.go_on(PIECE, edit)
+    assert orders(runner).wanted[2] == [(0, 24), (24, 48)]  # as it is posed by then
+    assert orders(runner).stages[2] == ("full",)
+    assert (runner.job.title, runner.job.kind) == ("Tracking 0–48", "track")
+    orders(runner).say(fitted(2))
+    assert len(heard) == 1
+
+
+def test_what_is_asked_for_during_a_fit_waits_for_it_as_well(runner: Runner) -> None:
+    runner.fit(ORDER, "Fitting frame 3", lambda _: None)
+    assert (runner.job.words, runner.running) == ("", {})
+    live = after(desk(), LIVE, {"do": "go", "frame": 30})
+    heard = len(runner.news)  # type: ignore[attr-defined]
+    runner.changed(PIECE, live)
+    assert len(orders(runner).wanted) == 1
+    assert list(runner.running) == [(24, 48)]
+    assert len(runner.news) == heard + 1  # type: ignore[attr-defined]
+    runner.fit(ORDER, "Fitting frame 4", lambda _: None)  # in place of the first one
+    assert list(runner.running) == [(24, 48)]
+    runner.go_on(PIECE, live)
+    assert orders(runner).wanted[2:] == [[(24, 48)]]
+    assert orders(runner).stages[2] == ("preview", "full")
+
+
+def test_after_a_fit_for_which_nothing_waited_all_is_quiet(runner: Runner) -> None:
+    runner.fit(ORDER, "Fitting frame 3", lambda _: None)
+    orders(runner).say(fitted(1))
+    runner.go_on(PIECE, desk())
+    assert (runner.job.state, runner.running) == ("idle", {})
+    assert len(orders(runner).wanted) == 1
+    assert runner.news[-1] is False  # type: ignore[attr-defined]
+
+
+def test_a_fit_that_fails_is_told_to_whoever_asked_for_it(runner: Runner) -> None:
+    heard: list[Any] = []
+    runner.fit(ORDER, "Fitting frame 3", heard.append)
+    orders(runner).say(Warming("compiling", 1))
+    orders(runner).say(Ready(1))
+    assert runner.job.words == ""
+    orders(runner).say(JobFailed(1, "There is no picture."))
+    assert [report.words for report in heard] == ["There is no picture."]
+
+
+def test_a_fit_that_was_left_tells_nobody(runner: Runner) -> None:
+    heard: list[Any] = []
+    runner.fit(ORDER, "Fitting frame 3", heard.append)
+    runner.leave_fit()
+    assert orders(runner).calls == ["cancel"]
+    orders(runner).say(fitted(1))
+    assert heard == []
+
+
+def test_leaving_does_not_wait_for_a_fit(runner: Runner) -> None:
+    runner.track(PIECE, desk(), "all")
+    orders(runner).say(started(runner))
+    runner.fit(ORDER, "Fitting frame 3", lambda _: None)
+    asyncio.run(runner.leave())
+    assert orders(runner).calls == []
+
+
+def test_a_trajectory_on_the_way_is_shown_before_its_segment_is_done(runner: Runner) -> None:
+    runner.track(PIECE, desk(), "all")
+    orders(runner).say(started(runner))
+    orders(runner).say(passed(runner, 0))
+    assert runner.results is not None
+    assert orders(runner).keys[0][0] in runner.results.tracks
+
+
+def test_a_fit_to_surfaces_is_called_so_and_says_what_was_kept_of_it(runner: Runner) -> None:
+    edit = surfaces(5, (0, 2))
+    runner.opened(edit)
+    runner.track(PIECE, edit, "all")
+    assert runner.job.title == "Fitting 0–4"
+    first = finished(runner, 0).track
+    orders(runner).say(SegmentFinished(1, replace(first, missing=1)))
+    orders(runner).say(JobFinished(1, cancelled=True))
+    assert runner.job.words == "what was done is kept; Fit goes on from there"
+    runner.track(PIECE, edit, "all")
+    orders(runner).say(JobFinished(2, cancelled=False))
+    assert runner.job.title == "Fitted 0–4"

@@ -21,6 +21,7 @@ export function mountStart() {
   const place = document.createElement('main');
   place.id = 'empty';
   document.getElementById('screens').append(place);
+  /** @type {import('../../shapes.js').Watched[]} */
   const own = ['u:library', 'u:upload', 'u:dropping', 'u:find', 'u:connected'];
   watch(['file', ...own], () => {
     const isShown = !S.file;
