@@ -22,6 +22,7 @@ from tests.tracker import session_cases as cases
 from tracker.session.files import load_session, open_video_of, save_session
 from tracker.session.tracks import save_result
 from tracker.verdict import Verdict
+from tracker.video import MissingFrame
 
 
 def tiles_of(subject: Subject) -> list[tuple[str, str]]:
@@ -35,7 +36,7 @@ def tracked(path: Path, *kinds: cases.Kind) -> Subject:
     found = []
     for (first, last), kind in zip(((0, 4), (4, 8)), kinds, strict=True):
         segment = cases.segment(first, last, kind)
-        words = "good" if kind == "good" else "lost: add a keyframe"
+        words = "good" if kind == "good" else "lost: add a keyframe near 2"
         found.append(replace(segment, verdict=Verdict(kind, words, None)))
     save_session(save_result(load_session(path), path, cases.result(*found)), path)
     return subject_of(load_session(path), path)
@@ -74,6 +75,13 @@ def test_there_is_an_interval_from_two_keyframes_on(
     assert tiles_of(subject_of(load_session(path), path)) == expected
 
 
+@pytest.mark.parametrize("rank", [0, 1])
+def test_a_step_of_which_nothing_is_seen_is_the_lowest_rank(session_path: Path, rank: int) -> None:
+    subject = tracked(session_path, "good", "good")
+    blind = replace(subject.fitting[0, 4], rank=np.array([8, rank, 8, 8]))
+    assert tiles_of(replace(subject, fitting={(0, 4): blind}))[-1] == (f"{rank}/8", "lowest rank")
+
+
 def captions(page: Html) -> list[str]:
     return [
         re.sub("<.*?>", " ", words).strip()
@@ -92,6 +100,30 @@ def test_below_a_keyframes_picture_stands_how_far_it_is_to_the_next(tmp_path: Pa
     path = cases.write_session(tmp_path / "job", (1, 4, 8))
     words = [" ".join(caption.split()) for caption in pictured(path)]
     assert words == ["1 0.03 s 3 to the next", "4 0.13 s 4 to the next", "8 0.27 s"]
+
+
+def test_where_the_video_has_lost_a_frame_words_stand_for_its_picture(
+    session_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    tracked(session_path, "good", "lost")
+    session = load_session(session_path)
+    with open_video_of(session, session_path) as video:
+        subject, whole = subject_of(session, session_path, video.info), video.frame
+
+        def lost(frame: int) -> Any:
+            if frame in (2, 4):
+                raise MissingFrame(f"Frame {frame} is missing.")
+            return whole(frame)
+
+        there = pictures_section(subject, video)
+        monkeypatch.setattr(video, "frame", lost)
+        gone = pictures_section(subject, video)
+    assert (there.count("<img"), gone.count("<img")) == (4, 2)
+    assert "has lost" not in there
+    assert "The video has lost this frame." in gone
+    assert "The video has lost frame 2." in gone
+    assert re.search(r"<figcaption><b>Frame 2</b><span>0.07 s</span>.*?Lost", there)
+    assert "left out" not in there
 
 
 def test_after_the_last_keyframe_of_surfaces_it_is_so_far_to_the_end(tmp_path: Path) -> None:
