@@ -12,6 +12,7 @@
  * @property {string} name
  * @property {string} video
  * @property {string} path
+ * @property {string} id  Of the session's place, as the library calls it.
  * @property {number} frames
  * @property {number} fps
  * @property {number} width
@@ -223,7 +224,11 @@
  * @property {boolean} clipboard
  * @property {{ first: boolean, done: Record<string, boolean> }} guide
  * @property {number} tabs
- * @property {number} ack  The number of the last message that the server has heard of.
+ * @property {[number, number][]} damage  First and last of every run of frames that are not tracked by.
+ * @property {string} server  Another after every start.
+ * @property {string} revision  Of the document: which edit it came from, if an edit.
+ * @property {number} done  The number of the last message of this page that was done or refused.
+ * @property {number} ack  And of the last whose outcome is on the disk.
  */
 
 /**
@@ -273,6 +278,9 @@
 
 /** @typedef {Message & { id: number, path: string | null, at: number, until: number }} Toast */
 
+/** @typedef {{ path: string, id: string, name: string }} Place  Where a session lies. */
+/** @typedef {{ client: string, why: string, file: Place | null, count: number }} HeldEdits */
+
 /**
  * @typedef {object} Ui  This tab's own.
  * @property {string} tool
@@ -284,6 +292,7 @@
  * @property {boolean} dragging
  * @property {boolean} playing
  * @property {boolean} connected
+ * @property {HeldEdits[]} [held]  What waits for the person.
  * @property {string[] | null} [limb]
  * @property {number | null} [mask]  The region that is being edited.
  * @property {number} [shown]  The frame whose picture is on the screen.
