@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from tests.tracker.video_cases import Picture, write_clip
 from tracker.video import Video
 
-WIDTH, HEIGHT, COUNT = 160, 96, 32
+WIDTH, HEIGHT, COUNT = 352, 192, 32
 SEEN = 3.0
 """Grey levels, in the mean over the picture, from which on a frame is seen to be wrong."""
 TS_PACKET, TS_HEAD = 188, 34

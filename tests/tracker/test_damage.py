@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import pytest
 
-from tests.tracker.damage_cases import FILMS, FilmKind, Tally, examined, greys, mutants, write_film
+from tests.tracker.damage_cases import (
+    FILMS,
+    HEIGHT,
+    WIDTH,
+    FilmKind,
+    Tally,
+    examined,
+    greys,
+    mutants,
+    write_film,
+)
 from tests.tracker.video_cases import flip_bit, numbered_picture, write_image, write_numbered
 from tracker.camera import Camera
 from tracker.errors import VideoError
@@ -16,10 +25,8 @@ from tracker.loading import ClipLoader, WorkingSize
 from tracker.video import Video
 
 SAMPLES = sorted((Path(__file__).parents[2] / "sample_videos").glob("*/*.mp4"))
-MUTANTS = int(os.environ.get("KEYPOSE_MUTANTS", "6"))
-"""Of each film; 20 of them make 200."""
-SILENT = ("hevc.mp4",)
-"""FFmpeg's HEVC decoder decodes garbage without a word; what of it is known is counted apart."""
+MUTANTS = 20
+"""Of each of ten films."""
 
 ODD = (
     FilmKind("refreshed.mp4", options={"x264-params": "intra-refresh=1:keyint=10"}),
@@ -35,6 +42,14 @@ ODD = (
     FilmKind("lossless.mkv", "ffv1"),
     FilmKind("turned.ts", options={"g": "10", "bf": "2"}),
     FilmKind("flash.flv", "flv1"),
+    FilmKind("phone.mp4", "mpeg4", {"g": "5", "flags": "+aic"}),
+    FilmKind("woven.avi", "mpeg4", {"g": "5", "flags": "+ildct+ilme", "bf": "1"}),
+    FilmKind("still.mp4", "libx265", {"x265-params": "keyint=12:crf=51:wpp=0:log-level=none"}),
+    FilmKind("strips.mkv", "libx265", {"x265-params": "slices=3:keyint=8:log-level=none"}),
+    FilmKind("stream.ts", "libx265", {"x265-params": "keyint=8:log-level=none"}),
+    FilmKind("deep.mp4", "libx265", {"x265-params": "log-level=none"}, "yuv422p10le"),
+    FilmKind("worst.mp4", options={"crf": "51", "g": "6"}),
+    FilmKind("strips.mp4", options={"x264-params": "slices=4:keyint=6"}),
 )
 
 
@@ -55,11 +70,13 @@ def test_no_frame_of_a_sample_is_damaged(film: Path) -> None:
         assert examined(video) == set()
 
 
-def test_of_frames_that_are_wrong_at_least_99_in_100_are_known(tmp_path: Path) -> None:
-    tallies = {kind.name: _tally(tmp_path, kind) for kind in FILMS if kind.name not in SILENT}
+def test_of_frames_that_are_seen_to_be_wrong_98_in_100_are_known(tmp_path: Path) -> None:
+    tallies = {kind.name: _tally(tmp_path, kind) for kind in FILMS}
     wrong, known = (sum(getattr(t, name) for t in tallies.values()) for name in ("wrong", "known"))
-    assert wrong > 100
-    assert known >= 0.93 * wrong, tallies
+    assert wrong > 500
+    # The rest is in packets that hold together by chance: MPEG-4 finds back into its codes, and
+    # what stands between two keys of H.264 cannot be decoded by itself.
+    assert known >= 0.98 * wrong, tallies
 
 
 def _tally(folder: Path, kind: FilmKind) -> Tally:
@@ -109,7 +126,7 @@ def test_a_damaged_frame_has_a_picture_but_not_for_tracking(broken: Path) -> Non
 
 
 def test_a_damaged_frame_decides_nothing_in_tracking(broken: Path) -> None:
-    camera = Camera(width=160, height=96, fx=200, fy=200, cx=79.5, cy=47.5)
+    camera = Camera(width=WIDTH, height=HEIGHT, fx=400, fy=400, cx=175.5, cy=95.5)
     with Video.open(broken) as video:
         clip = ClipLoader(video, camera, WorkingSize(0)).load(11, 21)
     assert clip.damaged == set(range(13, 20))

@@ -1,16 +1,17 @@
-"""Whether an HEVC packet is decoded to its very end, neither less nor more.
+"""Whether a packet of HEVC or H.264 is decoded to its very end, neither less nor more.
 
-FFmpeg's HEVC decoder does not say when it has lost its way: it makes garbage of what is left. But
-it then ends at a wrong place, which shows from outside. One packet is decoded by itself, its
-missing references being grey. Bytes added behind its end must change nothing, else the decoder has
-read on beyond it; and other bytes in the place of the last ones must change something, else it
-never came so far.
+A decoder that has lost its way often does not say so: it makes garbage of what is left. But it then
+ends at a wrong place, which shows from outside. One packet is decoded by itself, its missing
+references being grey. Bytes added behind its end must change nothing, else the decoder has read on
+beyond it; and other bytes in the place of the last ones must change something, else it never came
+so far.
 """
 
 from __future__ import annotations
 
 import random
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import cast
 
 import av
@@ -19,9 +20,6 @@ from av.video.codeccontext import VideoCodecContext
 
 from tracker.video.container import PYAV_ERRORS
 
-CODEC = "hevc"
-_SLICES = 32
-"""Types of units below this are slices: they hold pictures."""
 _HEAD = 24
 """Bytes of a slice in which its header may lie: a shorter one is not judged."""
 _TAIL = 8
@@ -30,39 +28,75 @@ _TRIES = 24
 """Other endings, all of which must change nothing. One is enough in nearly every sound packet; in
 one that is all but empty several may happen to mean the same picture."""
 
+_BASELINE, _EXTENDED = 66, 88
+"""Profiles of H.264 that may hold slices twice, of which the decoder passes over one."""
+
 Unit = tuple[int, int]  # where a slice begins and ends in the packet
 
 
-def strays(packet: bytes, extradata: bytes | None) -> bool:
-    """Whether the decoder loses its way in this packet; False where that cannot be judged."""
-    slices = [unit for unit in _slices(packet, extradata) if unit[1] - unit[0] > _HEAD + _TAIL]
+@dataclass(frozen=True)
+class Coding:
+    """How packets are coded: FFmpeg's name of the codec, and what it is told before any packet."""
+
+    codec: str
+    extradata: bytes | None
+
+    @property
+    def length_bytes(self) -> int:
+        """How many bytes tell a unit's length; 0 where units are parted by start codes."""
+        told = self.extradata
+        at = 21 if self.codec == "hevc" else 4
+        return (told[at] & 3) + 1 if told is not None and len(told) > at and told[0] == 1 else 0
+
+    def is_judged(self, is_key: bool) -> bool:
+        """Whether packets, keys or others, can be judged by themselves.
+
+        FFmpeg's H.264 decoder makes nothing of a packet without what it is built on.
+        """
+        if self.codec == "hevc":
+            return True
+        told = self.extradata
+        is_plain = told is not None and len(told) > 4 and told[1] not in (_BASELINE, _EXTENDED)
+        return self.codec == "h264" and is_key and is_plain and self.length_bytes > 0
+
+    def is_slice(self, head: bytes) -> bool:
+        """Whether a unit that begins like this is part of the picture that is shown."""
+        if self.codec == "h264":
+            return head[0] & 31 in (1, 5)
+        layer = (head[0] & 1) << 5 | head[1] >> 3
+        return head[0] >> 1 & 63 < 32 and layer == 0  # further layers: another eye, or alpha
+
+
+def strays(packet: bytes, coding: Coding) -> bool:
+    """Whether the decoder loses its way in this packet; False where that cannot be told."""
+    slices = [unit for unit in _slices(packet, coding) if unit[1] - unit[0] > _HEAD + _TAIL]
     if not slices:
         return False
-    picture = _decoded(packet, extradata)
+    picture = _decoded(packet, coding)
     if picture is None:
         return False
     chance = random.Random(len(packet))
-    length = _length_bytes(extradata)
+    length = coding.length_bytes
     longer = packet
     for unit in reversed(slices):
         longer = _with_ending(longer, unit, b"", _noise(chance, _ADDED), length)
-    if _decoded(longer, extradata) != picture:
+    if _decoded(longer, coding) != picture:
         return True
-    return any(not _is_reached(packet, unit, extradata, picture, chance) for unit in slices)
+    return any(not _is_reached(packet, unit, coding, picture, chance) for unit in slices)
 
 
 def _is_reached(
     packet: bytes,
     unit: Unit,
-    extradata: bytes | None,
+    coding: Coding,
     picture: tuple[bytes, ...],
     chance: random.Random,
 ) -> bool:
     """Whether the last bytes of a slice mean something to the decoder."""
-    length = _length_bytes(extradata)
+    length = coding.length_bytes
     for _ in range(_TRIES):
         other = _with_ending(packet, unit, _noise(chance, _TAIL), b"", length)
-        if _decoded(other, extradata) != picture:
+        if _decoded(other, coding) != picture:
             return True
     return False
 
@@ -82,10 +116,11 @@ def _noise(chance: random.Random, count: int) -> bytes:
     return bytes(chance.randrange(4, 256) for _ in range(count))
 
 
-def _decoded(packet: bytes, extradata: bytes | None) -> tuple[bytes, ...] | None:
+def _decoded(packet: bytes, coding: Coding) -> tuple[bytes, ...] | None:
     """The planes of the packet's picture, or None where there is none."""
-    decoder = cast(VideoCodecContext, CodecContext.create(CODEC, "r"))
-    decoder.extradata, decoder.thread_count, decoder.thread_type = extradata, 1, "NONE"
+    decoder = cast(VideoCodecContext, CodecContext.create(coding.codec, "r"))
+    decoder.extradata = coding.extradata
+    decoder.thread_count, decoder.thread_type = 1, "NONE"
     decoder.flags |= Flags.output_corrupt  # so is all that is built on missing references
     try:
         frames = [*decoder.decode(av.Packet(packet)), *decoder.decode(None)]
@@ -94,17 +129,11 @@ def _decoded(packet: bytes, extradata: bytes | None) -> tuple[bytes, ...] | None
     return tuple(bytes(plane) for frame in frames for plane in frame.planes) or None
 
 
-def _length_bytes(extradata: bytes | None) -> int:
-    """How many bytes tell a unit's length; 0 where units are parted by start codes."""
-    is_boxed = extradata is not None and len(extradata) > 21 and extradata[0] == 1
-    return (extradata[21] & 3) + 1 if is_boxed and extradata is not None else 0
-
-
-def _slices(packet: bytes, extradata: bytes | None) -> Iterator[Unit]:
-    length = _length_bytes(extradata)
+def _slices(packet: bytes, coding: Coding) -> Iterator[Unit]:
+    length = coding.length_bytes
     units = _boxed_units(packet, length) if length else _parted_units(packet)
     for start, end in units:
-        if (packet[start] >> 1) & 63 < _SLICES:
+        if end - start > 2 and coding.is_slice(packet[start : start + 2]):
             yield start, _end_of_data(packet, start, end)
 
 

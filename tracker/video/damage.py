@@ -25,7 +25,7 @@ from av.video.codeccontext import VideoCodecContext
 from av.video.frame import PictureType
 from av.video.stream import VideoStream
 
-from tracker.video.consumption import CODEC, strays
+from tracker.video.consumption import Coding, strays
 from tracker.video.container import PYAV_ERRORS, open_container, packets, picture_stream
 from tracker.video.index import FrameIndex
 
@@ -102,10 +102,26 @@ def examine(
 
     size: (width, height) of sound frames as stored. VideoError when the file cannot be read.
     """
-    origin = int(np.searchsorted(index.keys, first, side="right")) - 1
+    key = int(np.searchsorted(index.keys, first, side="right")) - 1
+    key = key if _starts_with_key(path, index, size, key) else 0
+    start = int(index.keys[key])
+    for found in _examined(path, index, size, key, last):
+        if key > 0 and found.first == start and found.damaged:
+            break  # perhaps only for want of a past: a decoder set down here may swallow frames
+        yield found
+    else:
+        return
+    before = key - 1 if _starts_with_key(path, index, size, key - 1) else 0
+    for found in _examined(path, index, size, before, last):
+        if before == 0 or found.first > int(index.keys[before]):
+            yield found
+
+
+def _examined(
+    path: Path, index: FrameIndex, size: tuple[int, int], origin: int, last: int
+) -> Iterator[Examined]:
+    """What one pass from a key on, to the frame `last`, brings to light."""
     steps = _steps(path, index, size, origin)
-    if origin > 0 and not _starts_with_key(path, index, size, origin):
-        origin, steps = 0, _steps(path, index, size, 0)
     section = _Section(int(index.keys[origin]))
     reached = section.first
     for step in steps:
@@ -142,11 +158,14 @@ def _note(section: _Section, step: _Step) -> None:
 
 
 def _starts_with_key(path: Path, index: FrameIndex, size: tuple[int, int], origin: int) -> bool:
-    """Whether a decoder that is put before this key begins with it, and it is one.
+    """Whether a decoder that is put before this key begins with it, and it is one; or the file's
+    beginning, which always is.
 
     Some files call frames keys that are built on others: pictures refreshed bit by bit.
     """
     start = int(index.keys[origin])
+    if origin == 0:
+        return True
     for step in _steps(path, index, size, origin):
         if step.kind == "frame" and step.number is not None and step.number >= start:
             return step.key and step.number == start
@@ -185,6 +204,7 @@ class _Reading:
     ) -> None:
         self._index, self._size, self._decoder = index, size, decoder
         self._decoder.flags |= Flags.copy_opaque  # a frame then says which packet it was
+        self._coding = Coding(decoder.codec.canonical_name, decoder.extradata)
         self._late = decoder.codec.canonical_name in _ONE_LATE
         self._order, self._count = -1, -1
         self._keys: set[int] = set()  # packets the container calls keys
@@ -197,13 +217,13 @@ class _Reading:
                 self._keys.add(self._order)
             number = self._index.number_of(packet.pts) if self._index.named else None
             yield _Step("packet", self._order, number)
-            if packet.is_corrupt or self._strays(bytes(packet)):
+            if packet.is_corrupt or self._strays(packet):
                 yield _Step("lost", self._order, number)
             yield from self._decoded(packet)
         yield from self._decoded(None)
 
-    def _strays(self, packet: bytes) -> bool:
-        return self._decoder.name == CODEC and strays(packet, self._decoder.extradata)
+    def _strays(self, packet: av.Packet[VideoStream]) -> bool:
+        return self._coding.is_judged(packet.is_keyframe) and strays(bytes(packet), self._coding)
 
     def _decoded(self, packet: av.Packet[VideoStream] | None) -> Iterator[_Step]:
         try:
