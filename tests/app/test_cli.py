@@ -19,6 +19,8 @@ from app.commands import follow
 from app.drawing.palette import Picture
 from app.drawing.snapshots import _with_plate
 from tests.tracker import session_cases as cases
+from tests.tracker.damage_cases import FilmKind, write_film
+from tests.tracker.video_cases import flip_bit
 from tracker.session.files import load_session, save_session
 from tracker.session.tracks import load_trajectory, save_result
 from tracker.video import MissingFrame, Video
@@ -222,6 +224,23 @@ def test_info_tells_the_facts_of_a_video(
     facts = json.loads(capsys.readouterr().out)
     assert facts["frame_count"] == cases.FRAMES
     assert facts["fingerprint"].startswith("sha256:")
+
+
+def test_info_check_decodes_every_frame_and_names_the_damaged_ones(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    kind = FilmKind("clip.mp4", options={"x264-params": "keyint=8:min-keyint=8:bframes=0"})
+    film = write_film(tmp_path, kind)
+    assert main(["info", str(film), "--check"]) == 0
+    assert "every frame was decoded, and none is damaged" in capsys.readouterr().out
+    flip_bit(film, packet=9, byte=60)
+    assert main(["info", str(film)]) == 0
+    assert "damaged" not in capsys.readouterr().out
+    assert main(["info", str(film), "--check"]) == 0
+    assert "7 frames are damaged and not used for tracking: 9–15" in capsys.readouterr().out
+    assert main(["info", str(film), "--check", "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert (facts["checked"], facts["damaged_frames"]) == (True, [*range(9, 16)])
 
 
 @pytest.mark.parametrize("kind", ["body", "session"])

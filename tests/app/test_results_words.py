@@ -18,6 +18,18 @@ SAID = [
     ("check", "check frame 46: left foot uncertain", "Check: left foot uncertain 46", 46),
     ("check", "check frames 25–47: left foot not seen", "Check: left foot hidden", 36),
     ("check", "check frames 24–48: a pass diverged", "Check: a pass diverged", 36),
+    (
+        "check",
+        "check frames 31–40: damaged in the video",
+        "Check: frames 31–40 are damaged in the video",
+        36,
+    ),
+    (
+        "check",
+        "check frame 31: damaged in the video",
+        "Check: frame 31 is damaged in the video",
+        31,
+    ),
     ("lost", "lost: add a keyframe near 37", "Lost. Key frame 37", 37),
     (
         "lost",

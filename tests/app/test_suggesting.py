@@ -64,6 +64,13 @@ def test_what_is_lost_comes_first_with_the_frame_where_a_key_helps() -> None:
     assert suggestion(KEYS, 73, some).frame == 57
 
 
+def test_frames_that_are_damaged_in_the_video_are_the_reason_for_a_key_among_them() -> None:
+    check = told(24, 48, "check", "check frames 31–40: damaged in the video")
+    found = suggestion(KEYS, 73, fitting(check))
+    assert (found.kind, found.frame) == ("key", 36)
+    assert found.reason == "Frames 31–40 are damaged in the video"
+
+
 def test_what_is_hidden_where_tracking_was_lost_is_named() -> None:
     seen = np.full((24, 2), 0.9)
     seen[4:14, 1] = 0.05

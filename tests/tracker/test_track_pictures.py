@@ -52,6 +52,14 @@ def test_a_missing_frame_reaches_the_loops_as_ignored_everywhere(person: Case) -
         assert not clip.levels[level][3, ..., 3].any()
 
 
+def test_the_verdict_names_the_frames_that_are_damaged(person: Case) -> None:
+    result = tracked(person.tracker(0, 6, missing=(2, 3)))[0]
+    assert result.verdict.kind != "good"
+    if result.verdict.kind == "check":
+        assert result.verdict.words == "check frames 2–3: damaged in the video"
+        assert result.verdict.frames == (2, 3)
+
+
 @pytest.mark.parametrize("quality", ["full", "fast", "preview"])
 def test_neighbouring_keyframes_are_segments_too(person: Case, quality: str) -> None:
     results = tracked(person.tracker(0, 1, 2, 8), quality=quality)
