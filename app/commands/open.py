@@ -9,6 +9,7 @@ import signal
 import socket
 import sys
 import webbrowser
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -30,6 +31,9 @@ if TYPE_CHECKING:
     from app.serving.server import Server
 
 PORT = 8090
+PORTS_TRIED = 10
+"""From there on. A second Keypose is found at the same port again after a restart."""
+
 _EXAMPLES = """\
   keypose open jump.mp4
   keypose open jump.keypose/session.json --port 8091 --no-browser
@@ -60,7 +64,7 @@ def add(commands: Subcommands) -> None:
         metavar="N",
         type=whole_number(0, 65535),
         default=None,
-        help=f"default: {PORT}, or a free one when it is taken; 0: any free one",
+        help=f"default: {PORT}, or the next that is free; 0: any free one",
     )
     command.add_argument("--no-browser", action="store_true", help="only print the address")
     command.add_argument(
@@ -218,15 +222,15 @@ def _names(host: str) -> tuple[str, ...]:
 
 
 def _listener(host: str, port: int | None) -> socket.socket:
-    """A bound socket: the port asked for, or the usual one, or any when that is taken."""
+    """A bound socket: the port asked for, or the first free one from the usual one on."""
     from app.serving.listening import bound
 
     if port is not None:
         return bound(host, port)
-    try:
-        return bound(host, PORT)
-    except KeyposeError:
-        return bound(host, 0)
+    for usual in range(PORT, PORT + PORTS_TRIED):
+        with suppress(KeyposeError):  # it is taken
+            return bound(host, usual)
+    return bound(host, 0)
 
 
 def _copied(path: Path | None, out: Path) -> Path:

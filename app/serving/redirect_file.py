@@ -34,7 +34,7 @@ class RedirectFile:
     def __init__(self, address: str, workspace: Path) -> None:
         """Written to the workspace, where browsers in a sandbox may read, else to the usual place
         of temporary files. KeyposeError when neither can be written."""
-        self._folder = _private_folder(workspace)
+        self._folder = _private_folder(workspace.absolute())
         self.path = self._folder / "keypose.html"
         content = _PAGE.format(script=json.dumps(address), address=html.escape(address))
         write_private(self.path, content.encode())

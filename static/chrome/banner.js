@@ -1,5 +1,5 @@
-// A banner over the large view for what concerns everything one does: the server is gone, nothing
-// can be saved, or the browser draws no bodies.
+// A banner over the large view for what concerns everything one does: the server is gone, edits were
+// not sent, nothing can be saved, or the browser draws no bodies.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../icons.js';
@@ -56,9 +56,9 @@ function waitingEdits() {
   return waiting ? count(waiting, 'edit') : 'Edits';
 }
 
-/** Edits made for another server than this one, which cannot simply be sent to it. */
+/** Edits from before the connection was lost, which cannot simply be sent to this server. */
 function held({ client, why, file, count: many }) {
-  const edits = `${count(many, 'edit')} ${many === 1 ? 'was' : 'were'} not sent before the connection was lost.`;
+  const edits = `${count(many, 'edit')} ${many === 1 ? 'was' : 'were'} not sent.`;
   return html`<div class="banner check" role="alert">
     ${icon('warn')}<span><b>${edits}</b> ${WHY_HELD[why](file)}</span>
     ${HELD_BUTTON[why]?.(client, file) ?? nothing}
