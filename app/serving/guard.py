@@ -121,7 +121,7 @@ class Guard:
         cookie = self._given_cookie(headers)
         knows = self._browsers.has_cookie(cookie)
         if TOKEN in query:
-            return _redirect() if knows else self._enter(scope, headers, query[TOKEN])
+            return self._enter(scope, headers, query[TOKEN], knows)
         if not knows:
             raise Refusal("This browser has not been let in. " + _HOW)
         key = _given_key(headers)
@@ -130,11 +130,16 @@ class Guard:
             raise Refusal("This page has not been let in. " + _HOW)
         return None
 
-    def _enter(self, scope: Scope, headers: dict[str, list[str]], token: str) -> Response:
-        """Take the token and let its browser in; Refusal where it is no valid one."""
+    def _enter(
+        self, scope: Scope, headers: dict[str, list[str]], token: str, is_in: bool
+    ) -> Response:
+        """Take the token and let its browser in, anew if it was in: its key may be gone. Refusal
+        where the token is not valid and the browser not in."""
         if scope["type"] != "http" or scope["method"] != "GET" or _is_speculative(headers):
             raise Refusal("The token belongs in the address of the page.")
         if not self.tokens.spend(token):
+            if is_in:
+                return _redirect()
             raise Refusal("This link has been used, or is another server's. " + _HOW)
         response = self._welcome()
         self.entered(token)
@@ -195,7 +200,7 @@ class Guard:
 
 
 def _redirect() -> Response:
-    """One who is in already needs no token, which stays valid for another."""
+    """One who is in already may come by a link that was used."""
     return RedirectResponse("/", 303, {"Cache-Control": "no-store", **headers_for("data")})
 
 

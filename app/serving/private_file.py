@@ -38,10 +38,15 @@ def read_private(path: Path, most_bytes: int) -> bytes | None:
         handle = os.open(path, os.O_RDONLY | _NO_WAIT | _NO_FOLLOW)
     except OSError:
         return None
-    with os.fdopen(handle, "rb") as file:
-        if not _is_private(os.fstat(handle)) or os.fstat(handle).st_size > most_bytes:
+    try:
+        found = os.fstat(handle)
+        if not _is_private(found) or found.st_size > most_bytes:
             return None
-        return file.read(most_bytes)
+        return os.read(handle, most_bytes)
+    except OSError:
+        return None
+    finally:
+        os.close(handle)
 
 
 def _is_private(found: os.stat_result) -> bool:

@@ -266,13 +266,15 @@ def test_a_link_lets_one_browser_in_once_and_gives_it_secrets_of_its_own() -> No
     assert "has been used" in again.text
 
 
-def test_one_who_is_in_already_needs_no_link_and_leaves_it_to_another() -> None:
+def test_one_who_is_in_already_may_come_by_a_link_again_and_gets_a_new_key_by_a_new_one() -> None:
     guard = door()
     query = link(guard)
-    answer = ask("/", query, guard=guard)
-    assert (answer.status, answer.headers["location"]) == (303, "/")
-    assert "set-cookie" not in answer.headers
-    assert comes(guard, query).status == 200
+    first = ask("/", query, guard=guard, x_keypose_key=None)
+    assert first.status == 200
+    assert "keypose.key" in first.text
+    again = ask("/", query, guard=guard, x_keypose_key=None)
+    assert (again.status, again.headers["location"]) == (303, "/")
+    assert "set-cookie" not in again.headers
 
 
 def test_whoever_starts_a_browser_learns_that_a_link_was_used() -> None:
@@ -281,7 +283,7 @@ def test_whoever_starts_a_browser_learns_that_a_link_was_used() -> None:
     query = link(guard)
     comes(guard, query)
     comes(guard, query)
-    ask("/", link(guard), guard=guard)
+    ask("/", query, guard=guard)
     assert used == [query.removeprefix("token=")]
 
 

@@ -25,6 +25,13 @@ async () => {
 """
 """The picture on the clipboard; the browser writes it anew, so its pixels count, not its bytes."""
 
+MOTION = """
+async () => {
+  const { fetchOwn } = await import('/static/key.js');
+  return (await fetchOwn('/motion?format=bvh')).text();
+}
+"""
+
 
 @pytest.fixture(scope="module")
 def tracked(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
@@ -169,7 +176,7 @@ def test_without_a_motion_the_menu_says_why(at: Desk) -> None:
     assert motion.get_attribute("aria-disabled") == "true"
     assert "Track first" in (motion.get_attribute("title") or "")
     at.page.keyboard.press("Escape")
-    told = at.page.evaluate("async () => (await fetch('/motion?format=bvh')).text()")
+    told = at.page.evaluate(MOTION)
     assert told == "There is no motion yet: pose two keyframes and track.\n"
     for _ in range(3):
         at.visitor.do(do="undo")

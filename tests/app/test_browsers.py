@@ -1,0 +1,81 @@
+"""Who was let in is remembered by digests, for a while, in a file of its owner alone."""
+
+from __future__ import annotations
+
+import stat
+from pathlib import Path
+
+import pytest
+
+from app.serving.browsers import LONGEST_S, MOST, NAME, Browsers
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    return tmp_path / "workspace" / NAME
+
+
+def test_a_browser_is_known_by_cookie_and_key_also_to_the_next_server(file: Path) -> None:
+    given = Browsers(file).let_in()
+    again = Browsers(file)
+    assert again.has_cookie(given.cookie)
+    assert again.has_key(given.cookie, given.key)
+    assert not again.has_key(given.cookie, given.cookie)
+    assert not again.has_cookie(given.key)
+    assert not again.has_cookie("")
+    assert not again.has_key(given.cookie, "")
+
+
+def test_the_file_is_its_owners_alone_and_holds_no_secret(file: Path) -> None:
+    given = Browsers(file).let_in()
+    assert stat.S_IMODE(file.stat().st_mode) == 0o600
+    assert given.cookie not in file.read_text()
+    assert given.key not in file.read_text()
+
+
+def test_two_servers_of_one_workspace_forget_none_of_each_others_browsers(file: Path) -> None:
+    one, other = Browsers(file), Browsers(file)
+    given = [one.let_in(), other.let_in(), one.let_in()]
+    assert all(Browsers(file).has_cookie(g.cookie) for g in given)
+
+
+def test_the_newest_are_remembered_for_a_while(file: Path) -> None:
+    now = [0.0]
+    browsers = Browsers(file, lambda: now[0])
+    given = []
+    for now[0] in range(MOST + 1):
+        given.append(browsers.let_in())
+    assert not browsers.has_cookie(given[0].cookie)
+    assert browsers.has_cookie(given[1].cookie)
+    now[0] = LONGEST_S + 1.5
+    assert not browsers.has_cookie(given[1].cookie)
+    assert browsers.has_cookie(given[2].cookie)
+    assert not Browsers(file, lambda: now[0]).has_cookie(given[1].cookie)
+
+
+@pytest.mark.parametrize("how", ["readable", "link", "folder", "damaged", "other", "huge"])
+def test_a_file_that_others_may_have_made_lets_nobody_in(file: Path, how: str) -> None:
+    given = Browsers(file).let_in()
+    content = file.read_bytes()
+    if how == "readable":
+        file.chmod(0o644)
+    elif how == "link":
+        file.rename(file.with_name("elsewhere"))
+        file.symlink_to("elsewhere")
+    elif how == "folder":
+        file.unlink()
+        file.mkdir()
+    else:
+        bad = {"damaged": content[:-9], "other": b"[7]", "huge": content + b" " * (1 << 20)}[how]
+        file.write_bytes(bad)
+    again = Browsers(file)
+    assert not again.has_cookie(given.cookie)
+    other = again.let_in()
+    assert again.has_key(other.cookie, other.key)
+
+
+def test_where_the_workspace_cannot_be_written_it_still_lets_in(tmp_path: Path) -> None:
+    (tmp_path / "workspace").write_text("a file")
+    browsers = Browsers(tmp_path / "workspace" / NAME)
+    given = browsers.let_in()
+    assert browsers.has_key(given.cookie, given.key)
