@@ -69,7 +69,7 @@ export function due(line) {
   const free = unsent.filter((entry) => !entry.held);
   const messages = withLooks(free);
   for (const entry of free) Object.assign(entry, { server: S.server, line });
-  entries = entries.filter((entry) => !entry.held || !NO_EDITS.has(entry.message.do) || ENDS.has(entry.message.do));
+  entries = entries.filter((entry) => !entry.held || isWorthHolding(entry));
   if (entries.some((entry) => entry.held && entry.client === client)) beAnother();
   store();
   tellHeld();
@@ -83,6 +83,11 @@ export const backlog = () => entries.filter((entry) => !entry.held && isEdit(ent
 export function release(name) {
   for (const entry of entries) if (entry.client === name) entry.agreed = true;
 }
+
+/** Of what is held only edits matter, and the ends of their gestures. */
+const isWorthHolding = (entry) =>
+  isEdit(entry) ||
+  (ENDS.has(entry.message.do) && entries.some((one) => isMove(one.message) && isOf(one, entry.message)));
 
 /** The person does not want these. */
 export function discard(name) {

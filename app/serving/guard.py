@@ -87,10 +87,6 @@ class Guard:
         """Cookies do not tell ports apart: two servers must not share a name."""
         return f"keypose_{self.port}"
 
-    def start_path(self) -> str:
-        """An address, without its host, that lets one browser in, once."""
-        return f"/?{TOKEN}={self.tokens.issue()}"
-
     @property
     def hosts(self) -> frozenset[str]:
         """The names that the Host header may say."""

@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from app.serving.addresses import shown
-from app.serving.guard import Guard
+from app.serving.guard import TOKEN, Guard
 from app.serving.redirect_file import RedirectFile
 
 
@@ -60,4 +60,4 @@ class Links:
         sys.stdout.flush()
 
     def _address(self, place: str, token: str) -> str:
-        return f"http://{place}/?token={token}"
+        return f"http://{place}/?{TOKEN}={token}"
