@@ -46,3 +46,18 @@ def test_a_tab_without_news_waits_and_is_woken_by_an_acknowledgement() -> None:
         return await waiting
 
     assert asyncio.run(told())[0]["ack"] == 7
+
+
+def test_whose_messages_are_acknowledged_is_said_once() -> None:
+    async def told() -> list[dict[str, object]]:
+        tab = Tab()
+        tab.acknowledge(3, "one")
+        tab.acknowledge(5, "one")
+        tab.acknowledge(2, "two")
+        first = await tab.next()
+        tab.tell({"view": 1})
+        return [*first, *await tab.next()]
+
+    messages = asyncio.run(told())
+    assert messages[0]["acks"] == {"one": 5, "two": 2}
+    assert messages[1]["acks"] == {}

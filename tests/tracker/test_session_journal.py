@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from tracker.session.changes import changed, changes
 from tracker.session.chronicle import (
     OUTSIDE,
     Moment,
+    Received,
     edit_record,
     mark_of,
     recovered,
@@ -204,6 +206,41 @@ def _agree(one: Moment, other: Moment) -> None:
     ):
         assert [(s.label, s.frame) for s in mine] == [(s.label, s.frame) for s in theirs]
         assert all(a.doc == b.doc for a, b in zip(mine, theirs, strict=True))
+
+
+def _received() -> list[Moment]:
+    """Edits of two clients, and one of none."""
+    moments = _moments([0, 1, 2])
+    told = (
+        Received(),
+        Received({"one": 3}, "one:3"),
+        Received({"one": 3, "two": 1}, "two:1"),
+        Received({"two": 1, "one": 7}, "of nobody"),
+    )
+    return [replace(m, received=r) for m, r in zip(moments, told, strict=True)]
+
+
+def test_whose_edits_a_document_holds_comes_back_also_when_the_journal_is_begun_anew() -> None:
+    moments = _received()
+    newest = moments[-1]
+    for records in (_records(moments), list(whole_record(newest))):
+        for file in (newest.doc, moments[0].doc):
+            found = recovered(file, records).moment.received
+            assert found == newest.received
+
+
+def test_what_another_program_wrote_is_no_revision_of_a_client() -> None:
+    moments = _received()
+    mask = IgnoreMask(polygon=((1, 1), (7, 1), (7, 7)), first_frame=1, last_frame=2)
+    theirs = VERSIONS[0].model_copy(update={"ignore_masks": (mask,)})
+    found = recovered(theirs, _records(moments)).moment.received
+    assert found == Received(moments[-1].received.clients, "")
+
+
+def test_a_journal_that_names_no_clients_is_read_as_ever() -> None:
+    records = _records(_moments([0, 1]))
+    assert not any("clients" in record or "revision" in record for record in records)
+    assert recovered(VERSIONS[1], records).moment.received == Received()
 
 
 @given(edits=Edits, data=st.data())
