@@ -49,11 +49,7 @@ def open_regular(path: Path) -> BinaryIO:
 def read_regular(path: Path, most_bytes: int) -> bytes:
     """All of a file. OSError as `open_regular`, and TooLarge where it has more bytes than that."""
     with open_regular(path) as file:
-        # The size a file claims is not believed: one in /proc claims none, another may grow.
-        content = file.read(most_bytes + 1)
-    if len(content) > most_bytes:
-        raise TooLarge(path, most_bytes)
-    return content
+        return _bounded(path, file, most_bytes)
 
 
 def read_head(path: Path, most_bytes: int) -> bytes:
@@ -93,6 +89,17 @@ def read_own(path: Path, most_bytes: int) -> bytes:
     return read_regular(path, most_bytes)
 
 
+def read_private(path: Path, most_bytes: int) -> bytes:
+    """All of a file that its owner alone may read or change. OSError as `open_own`, TooLarge, and
+    NotRegular where others may read it."""
+    with os.fdopen(open_own(path, os.O_RDONLY), "rb") as file:
+        facts = os.fstat(file.fileno())
+        # A home folder is its owner's on systems without POSIX, and modes say nothing there.
+        if os.name == "posix" and (facts.st_uid != os.getuid() or facts.st_mode & 0o077):
+            raise NotRegular(path, "others may read or change it")
+        return _bounded(path, file, most_bytes)
+
+
 def require_own(path: Path, facts: os.stat_result, *, one_name: bool = True) -> None:
     """NotRegular unless these facts, read without following a link, are of a file Keypose may
     write to."""
@@ -100,6 +107,14 @@ def require_own(path: Path, facts: os.stat_result, *, one_name: bool = True) -> 
     _require_regular(path, facts)
     if one_name and facts.st_nlink > 1:
         raise NotRegular(path, "the same file has another name elsewhere")
+
+
+def _bounded(path: Path, file: BinaryIO, most_bytes: int) -> bytes:
+    """The size a file claims is not believed: one in /proc claims none, another may grow."""
+    content = file.read(most_bytes + 1)
+    if len(content) > most_bytes:
+        raise TooLarge(path, most_bytes)
+    return content
 
 
 def _require_no_link(path: Path, facts: os.stat_result) -> None:

@@ -18,9 +18,9 @@ from pathlib import Path
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from app.serving.private_file import read_private, write_private
 from tracker.errors import KeyposeError
-from tracker.session.atomic import make_folder
+from tracker.files import read_private
+from tracker.session.atomic import make_folder, write_file
 
 MOST = 50
 LONGEST_S = 30 * 24 * 3600.0
@@ -91,10 +91,13 @@ class Browsers:
         return tuple(sorted(recent, key=lambda b: -b.since_s)[:MOST])
 
     def _read(self) -> tuple[_Browser, ...]:
-        content = None if self._file is None else read_private(self._file, LARGEST_BYTES)
+        """None where the file is not there, or others could have written it."""
+        if self._file is None:
+            return ()
         try:
-            return () if content is None else _Known.model_validate_json(content).browsers
-        except ValidationError:
+            content = read_private(self._file, LARGEST_BYTES)
+            return _Known.model_validate_json(content).browsers
+        except (OSError, ValidationError):
             return ()
 
     def _write(self) -> None:
@@ -103,7 +106,7 @@ class Browsers:
         content = _Known(browsers=self._known).model_dump_json(indent=1).encode()
         with suppress(KeyposeError):  # after a restart the new link would be needed
             make_folder(self._file.parent)
-            write_private(self._file, content)
+            write_file(self._file, content, overwrite=True, private=True, error=KeyposeError)
 
 
 def _digest(secret: str) -> str:

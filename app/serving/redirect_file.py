@@ -10,9 +10,8 @@ import time
 from contextlib import suppress
 from pathlib import Path
 
-from app.serving.private_file import write_private
 from tracker.errors import KeyposeError
-from tracker.session.atomic import make_folder
+from tracker.session.atomic import make_folder, write_file
 
 _PREFIX = "start-"
 _STALE_S = 3600.0
@@ -37,7 +36,7 @@ class RedirectFile:
         self._folder = _private_folder(workspace.absolute())
         self.path = self._folder / "keypose.html"
         content = _PAGE.format(script=json.dumps(address), address=html.escape(address))
-        write_private(self.path, content.encode())
+        write_file(self.path, content.encode(), private=True, error=KeyposeError)
 
     def remove(self) -> None:
         """It has been used, or is needed no more. May be called again."""

@@ -22,12 +22,14 @@ from tracker.files import (
     open_regular,
     read_head,
     read_own,
+    read_private,
     read_regular,
 )
 from tracker.formats.joint_names import load_names
 from tracker.formats.reading import load_motion
 from tracker.formats.reading_keypoints import load_keypoints
 from tracker.formats.reference import load_reference
+from tracker.session.atomic import write_file
 from tracker.session.files import load_session
 from tracker.session.finding import MOST_CAMERA_BYTES
 from tracker.session.journal import Journal, read_journal
@@ -197,6 +199,19 @@ def test_cameras_beyond_their_size_are_recognized_by_their_beginning(tmp_path: P
     path = tmp_path / "cameras.json"
     path.write_bytes(b" " * (MOST_CAMERA_BYTES + 1))
     assert len(read_head(path, MOST_CAMERA_BYTES)) == MOST_CAMERA_BYTES
+
+
+@pytest.mark.skipif(os.name != "posix", reason="modes are POSIX's")
+def test_what_others_may_read_is_not_taken_for_private(tmp_path: Path) -> None:
+    path = tmp_path / "secret"
+    write_file(path, b"x", private=True)
+    assert stat.S_IMODE(path.stat().st_mode) == 0o600
+    assert read_private(path, 9) == b"x"
+    path.chmod(0o640)
+    with pytest.raises(NotRegular, match="others may read"):
+        read_private(path, 9)
+    write_file(path, b"y", overwrite=True, private=True)
+    assert read_private(path, 9) == b"y"
 
 
 # --- all readers

@@ -15,6 +15,9 @@ from pathlib import Path
 
 from tracker.errors import FormatError, KeyposeError
 
+_USUAL, _PRIVATE = 0o666, 0o600
+"""Modes of new files, less what the umask takes away."""
+
 
 def write_file(
     path: Path,
@@ -22,19 +25,21 @@ def write_file(
     *,
     overwrite: bool = False,
     keep_previous: bool = False,
+    private: bool = False,
     error: type[KeyposeError] = FormatError,
 ) -> None:
     """Put the bytes at the path. Where a link is there, it is replaced; what it leads to stays.
 
     overwrite:     replace a file that is there; otherwise that is an error.
     keep_previous: the file that was there stays as `<name>.previous`.
+    private:       nobody but its owner may read it, not even while it is written.
     error:         the kind of error raised, in one sentence, when the disk refuses.
     """
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(6)}.part")
     try:
         try:
-            _write_through(temporary, content)
-            _place(temporary, path, overwrite, keep_previous)
+            _write_through(temporary, content, _PRIVATE if private else _USUAL)
+            _place(temporary, path, overwrite, keep_previous, keep_mode=not private)
             _sync_folder(path.parent)
         finally:
             with suppress(OSError):
@@ -76,24 +81,26 @@ def make_folder(folder: Path, *, error: type[KeyposeError] = FormatError) -> Non
         raise error(text) from None
 
 
-def _write_through(path: Path, content: bytes) -> None:
+def _write_through(path: Path, content: bytes, mode: int = _USUAL) -> None:
     """Write a new file and force it to the disk."""
-    with path.open("xb") as file:
+    with open(path, "xb", opener=lambda name, flags: os.open(name, flags, mode)) as file:
         file.write(content)
         file.flush()
         os.fsync(file.fileno())
 
 
-def _place(temporary: Path, path: Path, overwrite: bool, keep_previous: bool) -> None:
+def _place(
+    temporary: Path, path: Path, overwrite: bool, keep_previous: bool, keep_mode: bool
+) -> None:
     if not overwrite:
         _place_new(temporary, path)
         return
     with suppress(FileNotFoundError):
         mode = path.lstat().st_mode
-        if stat.S_ISREG(mode):
+        if stat.S_ISREG(mode) and keep_mode:
             temporary.chmod(mode & 0o777)
-            if keep_previous:
-                _keep(path)
+        if stat.S_ISREG(mode) and keep_previous:
+            _keep(path)
     temporary.replace(path)
 
 
