@@ -351,7 +351,10 @@ def test_what_is_being_tracked_waits_for_a_fit_and_goes_on_after_it(runner: Runn
     heard: list[Any] = []
     runner.track(PIECE, desk(), "all")
     orders(runner).say(started(runner))
+    orders(runner).say(passed(runner, 0))
+    runner.news.clear()  # type: ignore[attr-defined]
     runner.fit(ORDER, "Fitting frame 3", heard.append)
+    assert runner.news == [False]  # type: ignore[attr-defined]
     assert (runner.job.title, runner.job.kind) == ("Fitting frame 3", "fit")
     assert runner.job.words == "tracking goes on after it"
     assert {one.state for one in runner.running.values()} == {"waiting"}
@@ -389,10 +392,11 @@ def test_what_is_asked_for_during_a_fit_waits_for_it_as_well(runner: Runner) -> 
 def test_after_a_fit_for_which_nothing_waited_all_is_quiet(runner: Runner) -> None:
     runner.fit(ORDER, "Fitting frame 3", lambda _: None)
     orders(runner).say(fitted(1))
+    runner.news.clear()  # type: ignore[attr-defined]
     runner.go_on(PIECE, desk())
     assert (runner.job.state, runner.running) == ("idle", {})
     assert len(orders(runner).wanted) == 1
-    assert runner.news[-1] is False  # type: ignore[attr-defined]
+    assert runner.news == [False]  # type: ignore[attr-defined]
 
 
 def test_a_fit_that_fails_is_told_to_whoever_asked_for_it(runner: Runner) -> None:
