@@ -199,6 +199,17 @@ def test_what_the_browser_calls_ours_or_typed_passes() -> None:
         "a=b; =; ;;;",
         f"keypose_{PORT}=caf\xe9",
     ],
+    ids=[
+        "none",
+        "blank",
+        "guess",
+        "no value",
+        "other port",
+        "other name",
+        "the key",
+        "odd",
+        "accent",
+    ],
 )
 def test_without_the_cookie_nothing_is_served(cookie: str | None) -> None:
     answer = ask("/", cookie=cookie)
