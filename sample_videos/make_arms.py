@@ -19,12 +19,12 @@ from tests.rendering.arm_motions import P_CENTRE, arm_poses
 from tests.rendering.arms import ArmsScene, arms_scene, make_scene, shots_of
 from tests.rendering.ring import ring_of
 from tests.rendering.studio import cameras_json, write_studio
-from tracker.camera import Camera
+from tracker.geometry.camera import Camera
 from tracker.session import Keyframe, Session, VideoReference
-from tracker.session.archive import archive_bytes
-from tracker.session.atomic import write_file
-from tracker.session.files import session_json
 from tracker.session.schema import Surface
+from tracker.storage.archive import archive_bytes
+from tracker.storage.atomic import write_file
+from tracker.storage.files import session_json
 from tracker.surface.files.ply import ply_bytes
 from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.placing import METRES, Placement

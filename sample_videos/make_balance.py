@@ -17,13 +17,13 @@ import numpy as np
 from av.video.reformatter import Interpolation
 
 from tests.benchmarks.posing import HUMAN, Habit, Marked, Posed, fit
-from tracker.body import Body, Point, preset
-from tracker.camera import Camera
+from tracker.body.body import Body, Point, preset
+from tracker.body.scaling import resized
+from tracker.geometry.camera import Camera
 from tracker.session import Keyframe, Session, VideoReference
-from tracker.session.atomic import write_file
-from tracker.session.files import session_json
-from tracker.settings import TrackSettings
-from tracker.sizing import resized
+from tracker.session.settings import TrackSettings
+from tracker.storage.atomic import write_file
+from tracker.storage.files import session_json
 from tracker.video import Video
 
 FOLDER = Path(__file__).parent / "balance"

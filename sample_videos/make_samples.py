@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from tests.rendering.scenes import Scene, scene
 from tests.rendering.settings import RenderSettings
 from tracker.session import Keyframe, Session, VideoReference
-from tracker.session.archive import archive_bytes
-from tracker.session.atomic import write_file
-from tracker.session.files import session_json
+from tracker.storage.archive import archive_bytes
+from tracker.storage.atomic import write_file
+from tracker.storage.files import session_json
 from tracker.video import Video
 
 FOLDER = Path(__file__).parent

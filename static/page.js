@@ -1,13 +1,13 @@
 // The page's rooms, put together.
 
-import { connect } from './link.js';
-import { mount as mountMemory } from './remember.js';
-import { S, U, watch } from './state.js';
-import { mount as mountViews, view } from './views.js';
+import { connect } from './store/link.js';
+import { mount as mountMemory } from './store/remember.js';
+import { S, U, watch } from './store/state.js';
+import { mount as mountViews, view } from './views/views.js';
 import { mount as mountHandles } from './handles/handles.js';
 import { mount as mountInspector } from './inspector/inspector.js';
 import { mount as mountTimeline } from './timeline/timeline.js';
-import { mount as mountChrome } from './chrome/chrome.js';
+import { mount as mountChrome } from './shell/chrome.js';
 
 mountMemory();
 mountViews();

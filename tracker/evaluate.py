@@ -11,21 +11,17 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body import Point
-from tracker.camera import Camera
+from tracker.body.pose import joint_names
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory, interpolate, joined
 from tracker.errors import FormatError
-from tracker.geometry import Array, apply_transform, frozen, log_rotation, transpose
-from tracker.pose import joint_names
-from tracker.skeleton import Skeleton
-from tracker.trajectory import Trajectory, interpolate, joined
-
-Place: TypeAlias = tuple[tuple[int, Point], ...]
-"""A place on a body: the middle of points, each a part's index and metres in that part's frame."""
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array, apply_transform, frozen, log_rotation, transpose
+from tracker.solver.body_points import Place
 
 
 @dataclass(frozen=True)

@@ -15,23 +15,23 @@ import numba
 import numpy as np
 
 from tracker import kernels
-from tracker.body import ALL_DOFS, Body, Part
-from tracker.camera import Camera
-from tracker.eye import Eye
-from tracker.fit_here.likeness import Likeness, texture_of
-from tracker.geometry import transform
-from tracker.images import LEVELS, Clip, Picture, prepare
-from tracker.methods import FULL, PREVIEW
-from tracker.observe import observe
-from tracker.pose import Pose, pose_transforms
-from tracker.raster import BodyMesh, raster
-from tracker.scene import Scene
-from tracker.segment import track_segment
-from tracker.shapes import Box
-from tracker.skeleton import Skeleton
-from tracker.stretch import Segment
-from tracker.templates.patch import Patch
-from tracker.templates.search import Shown, cut, found
+from tracker.body.body import ALL_DOFS, Body, Part
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.raster import BodyMesh, raster
+from tracker.body.shapes import Box
+from tracker.body.skeleton import Skeleton
+from tracker.fitting.pose.likeness import Likeness, texture_of
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import transform
+from tracker.geometry.view import Eye
+from tracker.tracking.cycle import track_segment
+from tracker.tracking.diagnostics.observability import observe
+from tracker.tracking.initial.templates.patch import Patch
+from tracker.tracking.initial.templates.search import Shown, cut, found
+from tracker.tracking.method import FULL, PREVIEW
+from tracker.tracking.scene import Scene
+from tracker.tracking.segment import Segment
+from tracker.video.pyramid import LEVELS, Clip, Picture, prepare
 
 _DONE, _HULLS_DONE = "warm", "warm-hulls"
 

@@ -12,8 +12,16 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, TypeAdapter
 
 from app.posing import Gesture, Way
-from tracker.body import Dof, Name
-from tracker.settings import FrameIndex, Initial, MethodName, Quality, Units, UpAxis, Weights
+from tracker.body.body import Dof, Name
+from tracker.session.settings import (
+    FrameIndex,
+    Initial,
+    MethodName,
+    Quality,
+    Units,
+    UpAxis,
+    Weights,
+)
 
 Axis: TypeAlias = Literal["x", "y", "z"]
 Degrees: TypeAlias = Annotated[FiniteFloat, Field(ge=-1080, le=1080)]

@@ -7,9 +7,9 @@ from pydantic import ValidationError
 from app.editor import actions as do
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
+from tracker.errors import one_sentence
 from tracker.session.schema import Session
-from tracker.settings import IgnoreMask, TrackSettings
-from tracker.wording import one_sentence
+from tracker.session.settings import IgnoreMask, TrackSettings
 
 
 def mask_added(state: EditorState, action: do.AddMask) -> Session:

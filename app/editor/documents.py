@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from app.editor.refusal import Refused
-from tracker.geometry import Array
-from tracker.pose import Pose, pose_transforms
-from tracker.session import changes
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import Array
 from tracker.session.schema import Keyframe, Session
-from tracker.skeleton import Skeleton
+from tracker.storage import changes
 
 NEAREST_M = 0.06
 """Every joint of a pose stays this far before the camera; the session's own limit is 0.05."""

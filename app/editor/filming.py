@@ -12,9 +12,9 @@ from app.editor import actions as do
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.posing import up_from_vertical
-from tracker.camera import Camera
+from tracker.errors import one_sentence
+from tracker.geometry.camera import Camera
 from tracker.session.schema import Session
-from tracker.wording import one_sentence
 
 _DISTORTION = ("k1", "k2", "p1", "p2", "k3")
 

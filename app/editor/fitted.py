@@ -15,11 +15,11 @@ from app.editor.documents import (
 from app.editor.refusal import Refused
 from app.editor.shown import shown
 from app.editor.state import EditorState
-from tracker.body import Body
-from tracker.camera import Camera
-from tracker.pose import Pose
+from tracker.body.body import Body
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.camera import Camera
 from tracker.session.schema import Keyframe, Session
-from tracker.skeleton import Skeleton
 
 
 def pose_to_fit(state: EditorState) -> Pose:

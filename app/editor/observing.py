@@ -14,11 +14,11 @@ from app.editor.refusal import Refused
 from app.editor.shown import find
 from app.editor.state import EditorState
 from app.editor.timing import retimed
-from tracker.geometry import quaternion_wxyz
+from tracker.body.skeleton import Skeleton
+from tracker.errors import one_sentence
+from tracker.geometry.rotations import quaternion_wxyz
 from tracker.session.schema import Keyframe, Session, Surface
-from tracker.skeleton import Skeleton
 from tracker.surface.placing import METRES, Placement
-from tracker.wording import one_sentence
 
 _PLAIN = ("weights", "distance", "binding", "model_frame", "fps", "units", "up")
 

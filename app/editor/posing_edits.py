@@ -22,7 +22,7 @@ from app.posing import (
     with_angles,
     with_reset,
 )
-from tracker.pose import Pose
+from tracker.body.pose import Pose
 from tracker.session.schema import Keyframe, Session
 
 

@@ -7,10 +7,10 @@ from app.editor.documents import demand_before_camera
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.posing import with_height, with_joint, with_size
-from tracker.body import PRESETS, Body, Part, preset
+from tracker.body.body import PRESETS, Body, Part, preset
+from tracker.body.skeleton import Skeleton
 from tracker.session.schema import Keyframe, Session
-from tracker.settings import TrackSettings
-from tracker.skeleton import Skeleton
+from tracker.session.settings import TrackSettings
 
 
 def resized(state: EditorState, action: do.Size) -> Session:

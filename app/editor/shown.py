@@ -9,8 +9,8 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from app.editor.state import EditorState
-from tracker.geometry import rotation_between
-from tracker.pose import Pose
+from tracker.body.pose import Pose
+from tracker.geometry.rotations import rotation_between
 from tracker.session.schema import Keyframe
 
 Source: TypeAlias = Literal["keyframe", "draft", "tracked", "between", "held", "rest"]
@@ -66,6 +66,6 @@ def _from_neighbours(state: EditorState, frame: int) -> Shown:
 
 
 def _mixed(start: Pose, end: Pose, share: float) -> Pose:
-    """One frame of tracker.trajectory.interpolate."""
+    """One frame of tracker.body.trajectory.interpolate."""
     Rs = rotation_between(start.Rs_parent_part, end.Rs_parent_part, np.array([share]))[0]
     return Pose(Rs, (1 - share) * start.p_camera_root + share * end.p_camera_root)

@@ -9,12 +9,12 @@ from typing import Literal
 from app.editor.sights import up_of
 from app.editor.timing import times_of
 from app.posing import Readout, opening_pose
-from app.results import Fitting, Results, pose_at
-from tracker.geometry import Array
-from tracker.pose import Pose
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import Array
 from tracker.session.history import History
 from tracker.session.schema import Keyframe, Session
-from tracker.skeleton import Skeleton
+from tracker.storage.results import Fitting, Results, pose_at
 
 
 @dataclass(frozen=True)

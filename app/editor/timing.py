@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tracker.geometry import Array, frozen
+from tracker.geometry.rotations import Array, frozen
 from tracker.session.schema import Keyframe, Surface
 
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from app.editor.shown import find
 from app.editor.state import EditorState
-from tracker.geometry import Array
-from tracker.pose import joint_names, joint_positions, part_transforms
-from tracker.trajectory import Trajectory, interpolate
+from tracker.body.pose import joint_names, joint_positions, part_transforms
+from tracker.body.trajectory import Trajectory, interpolate
+from tracker.geometry.rotations import Array
 
 REACH = 30
 """Frames to both sides of the present at most."""

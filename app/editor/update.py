@@ -16,8 +16,8 @@ from app.editor.shown import shown
 from app.editor.state import EditorState, Stroke
 from app.posing import Readout, part_label
 from app.posing.gesture import Surface
+from tracker.errors import one_sentence
 from tracker.session.schema import Session
-from tracker.wording import one_sentence
 
 REMEMBERED_STROKES = 50
 

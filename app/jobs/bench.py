@@ -5,19 +5,19 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from app.results import Span
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
 from tracker.errors import SessionError
-from tracker.pose import Pose
-from tracker.run import SegmentTracker
 from tracker.session import Session
-from tracker.session.files import open_same_at, open_video_at
-from tracker.session.first_motion import of_session
-from tracker.session.tracking import demand_first_motion, fitter_of, steps_of
-from tracker.skeleton import Skeleton
+from tracker.storage.files import open_same_at, open_video_at
+from tracker.storage.first_motion import of_session
+from tracker.storage.results import Span
+from tracker.storage.tracking import demand_first_motion, fitter_of, steps_of
 from tracker.surface.files.sources import SUFFIXES
 from tracker.surface.fit.fitter import SurfaceFitter
 from tracker.surface.steps import Steps
-from tracker.track import Tracker
+from tracker.tracking.pool import SegmentTracker
+from tracker.tracking.tracker import Tracker
 from tracker.video import Video
 
 

@@ -22,11 +22,10 @@ from app.jobs.reports import (
     SizesFitted,
     SizesOrder,
 )
-from tracker.errors import KeyposeError, SurfaceError
+from tracker.body.skeleton import Skeleton
+from tracker.errors import KeyposeError, SurfaceError, one_sentence
 from tracker.session import Session
-from tracker.skeleton import Skeleton
 from tracker.video import Video
-from tracker.wording import one_sentence
 
 Tell = Callable[[Report], None]
 
@@ -79,7 +78,7 @@ class Fit:
         return PoseFitted(order.job, found.pose, True, found.words)
 
     def _pose(self, order: PoseOrder, session: Session, video: Video) -> PoseFitted:
-        from tracker.fit_here import fit_here  # loads what only this needs
+        from tracker.fitting.pose import fit_here  # loads what only this needs
 
         skeleton = Skeleton.of(session.body)
         others = {k.frame: k.pose(skeleton) for k in session.keyframes if k.frame != order.frame}
@@ -90,7 +89,7 @@ class Fit:
         return PoseFitted(order.job, found.pose, found.way != "nothing", found.words)
 
     def _sizes(self, order: SizesOrder, session: Session, video: Video) -> SizesFitted:
-        from tracker.fit_sizes import fit_sizes  # loads what only this needs
+        from tracker.fitting.sizes import fit_sizes  # loads what only this needs
 
         skeleton = Skeleton.of(session.body)
         keyposes = {k.frame: k.pose(skeleton) for k in session.keyframes}

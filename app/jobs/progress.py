@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from app.jobs.reports import PassFinished, Report, SegmentFinished, Started
-from app.results import Span
-from tracker.settings import Quality
+from tracker.session.settings import Quality
+from tracker.storage.results import Span
 
 COST = {"preview": 1.0, "fast": 3.0, "full": 4.0}
 """Of one frame, by quality, relative to each other."""

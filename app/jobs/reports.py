@@ -7,12 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
-from app.results import SegmentTrack, Span
-from tracker.body import Body
-from tracker.camera import Camera
-from tracker.pose import Pose
-from tracker.settings import Quality
-from tracker.trajectory import Trajectory
+from tracker.body.body import Body
+from tracker.body.pose import Pose
+from tracker.body.trajectory import Trajectory
+from tracker.geometry.camera import Camera
+from tracker.session.settings import Quality
+from tracker.storage.results import SegmentTrack, Span
 
 Wanted: TypeAlias = tuple[int, int, str]
 """First frame, last frame and key of a segment to track."""

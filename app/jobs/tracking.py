@@ -26,7 +26,7 @@ from app.jobs.reports import (
     Warming,
 )
 from tracker.session import Session
-from tracker.settings import Quality
+from tracker.session.settings import Quality
 
 LIVE: tuple[Quality, ...] = ("preview", "full")
 """The stages while a person poses: something to see at once, then what is meant."""

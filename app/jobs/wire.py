@@ -8,9 +8,9 @@ from dataclasses import fields
 from multiprocessing.connection import Connection
 from typing import Any
 
-from app.results import SegmentTrack
-from tracker.pose import Pose
-from tracker.trajectory import Trajectory
+from tracker.body.pose import Pose
+from tracker.body.trajectory import Trajectory
+from tracker.storage.results import SegmentTrack
 
 
 def send(connection: Connection, message: object) -> None:

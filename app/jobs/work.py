@@ -23,13 +23,12 @@ from app.jobs.reports import (
     Unit,
     Wanted,
 )
-from app.results import SegmentTrack, Span
-from tracker.errors import KeyposeError
-from tracker.run import Left, SegmentTracker
+from tracker.body.trajectory import Pass
+from tracker.errors import KeyposeError, one_sentence
 from tracker.session import Session
-from tracker.settings import Quality, TrackSettings
-from tracker.trajectory import Pass
-from tracker.wording import one_sentence
+from tracker.session.settings import Quality, TrackSettings
+from tracker.storage.results import SegmentTrack, Span
+from tracker.tracking.pool import Left, SegmentTracker
 
 Tell = Callable[[Report], None]
 

@@ -7,10 +7,10 @@ import math
 import numpy as np
 
 from app.posing.limits import SLACK, TURN, beyond, box_of, fitting, nearest_within, triples
-from tracker.body import Part
-from tracker.geometry import Array, rotation_from_euler
-from tracker.pose import Pose
-from tracker.skeleton import Skeleton
+from tracker.body.body import Part
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import Array, rotation_from_euler
 
 AXES = ("x", "y", "z")
 GIMBAL = 1e-4

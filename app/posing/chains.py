@@ -12,7 +12,7 @@ from app.posing.sight import Sight
 from app.posing.sticking import within_reach
 from app.posing.two_bones import Reached
 from app.posing.vectors import any_across, cross, length, smooth_step, unit
-from tracker.geometry import Array, exp_rotation
+from tracker.geometry.rotations import Array, exp_rotation
 
 _ROUNDS = 60
 _LARGEST_TURN = 0.35

@@ -22,9 +22,9 @@ from app.posing.sight import Sight
 from app.posing.size_drags import resized_by_drag
 from app.posing.standing import Standing
 from app.posing.turning import turned_by_ring, turned_by_surface
-from tracker.body import Body
-from tracker.pose import Pose
-from tracker.skeleton import Skeleton
+from tracker.body.body import Body
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
 
 
 def drag(

@@ -18,7 +18,7 @@ from app.posing.sight import Sight
 from app.posing.swinging import Swing, on_sphere
 from app.posing.two_bones import Reached, TwoBones
 from app.posing.vectors import across, cross, length, signed_angle, smooth_step, turn, unit, wrapped
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 
 FULL = math.radians(100.0)
 """Up to this angle a turn is made whole; beyond, less, until half a circle makes none."""

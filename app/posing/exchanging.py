@@ -10,14 +10,13 @@ from __future__ import annotations
 import numpy as np
 
 from app.posing.mirroring import mirrored
-from tracker.body import Body
-from tracker.camera import Camera
-from tracker.evaluate import Place
-from tracker.fitting import fit_picture
-from tracker.geometry import Array, exp_rotation
-from tracker.places import Places
-from tracker.pose import Pose, pose_transforms
-from tracker.skeleton import Skeleton
+from tracker.body.body import Body
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array, exp_rotation
+from tracker.solver.body_points import Place, Places
+from tracker.solver.fit_joints import fit_picture
 
 HALF_TURN = np.array([0.0, np.pi, 0.0])
 """About the root's own y."""

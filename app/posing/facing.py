@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from app.posing.angles import with_rotation
 from app.posing.upright import CAMERA_UP, view_rotations
 from app.posing.vectors import across, cross, length, unit
-from tracker.geometry import Array, exp_rotation, nearest_rotation
-from tracker.pose import Pose
+from tracker.body.pose import Pose
+from tracker.geometry.rotations import Array, exp_rotation, nearest_rotation
 
 Way: TypeAlias = Literal["camera", "away", "left", "right"]
 """Left and right are those of the picture."""

@@ -7,9 +7,9 @@ from typing import Annotated, Literal, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
 
-from tracker.body import Body, Name
-from tracker.geometry import Array
-from tracker.pose import Pose
+from tracker.body.body import Body, Name
+from tracker.body.pose import Pose
+from tracker.geometry.rotations import Array
 
 Axis: TypeAlias = Literal["x", "y", "z"]
 ViewOfPage: TypeAlias = Literal["main", "top", "side", "front"]

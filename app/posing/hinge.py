@@ -10,8 +10,8 @@ import numpy as np
 from app.posing.limits import box_of
 from app.posing.standing import Standing
 from app.posing.vectors import across, any_across, cross, length, unit, wrapped
-from tracker.body import Part
-from tracker.geometry import Array
+from tracker.body.body import Part
+from tracker.geometry.rotations import Array
 
 NARROW = math.radians(40.0)
 """A range this small, of both y and z, makes a joint a hinge about x."""

@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
-from tracker.body import Part
-from tracker.geometry import Array, euler_from_rotation
+from tracker.body.body import Part
+from tracker.geometry.rotations import Array, euler_from_rotation
 
 TURN = 2.0 * math.pi
 SLACK = 1e-7

@@ -12,8 +12,8 @@ from app.posing.sight import Sight
 from app.posing.standing import Standing
 from app.posing.vectors import length, unit
 from app.posing.words import number_text
-from tracker.geometry import Array
-from tracker.pose import Pose
+from tracker.body.pose import Pose
+from tracker.geometry.rotations import Array
 
 STEP_M = 0.01
 """The steps that snapping takes."""

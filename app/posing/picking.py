@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.posing.sight import Sight
-from tracker.eye import NEAR_M
-from tracker.geometry import Array, apply_transform
-from tracker.pose import Pose, pose_transforms
-from tracker.shapes import Mesh, Shape
-from tracker.skeleton import Skeleton
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.shapes import Mesh, Shape
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import Array, apply_transform
+from tracker.geometry.view import NEAR_M
 
 
 @lru_cache(maxsize=512)

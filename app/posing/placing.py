@@ -7,11 +7,11 @@ from numpy.typing import ArrayLike
 
 from app.posing.sight import Sight
 from app.posing.upright import CAMERA_UP, view_rotations
-from tracker.body import Body
-from tracker.camera import Camera
-from tracker.geometry import Array, apply_transform
-from tracker.pose import Pose, pose_transforms
-from tracker.skeleton import Skeleton
+from tracker.body.body import Body
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array, apply_transform
 
 FILLED_HEIGHT = 0.70
 """Share of the picture's height that the body takes at first."""

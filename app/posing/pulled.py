@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.posing.standing import Standing
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 
 
 @dataclass(frozen=True, eq=False)

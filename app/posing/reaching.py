@@ -13,7 +13,7 @@ from app.posing.standing import Standing
 from app.posing.swinging import Swing, on_sphere
 from app.posing.two_bones import Reached, TwoBones
 from app.posing.vectors import across, length, unit
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 
 LEVEL_M = 0.005
 """A handle that is no nearer and no farther than this has kept its depth."""

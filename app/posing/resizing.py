@@ -9,11 +9,10 @@ from dataclasses import dataclass
 from pydantic import ValidationError
 
 from app.posing.words import kind_of
-from tracker import sizing
-from tracker.body import Body, Part, Point
-from tracker.errors import BodyError
-from tracker.shapes import Box, Cylinder, Frustum, Shape
-from tracker.wording import one_sentence
+from tracker.body import scaling
+from tracker.body.body import Body, Part, Point
+from tracker.body.shapes import Box, Cylinder, Frustum, Shape
+from tracker.errors import BodyError, one_sentence
 
 SMALLEST_CM = 0.2
 LARGEST_CM = 1000.0
@@ -101,13 +100,13 @@ def with_joint(
     for value in joint_cm:
         _demand_between("joint's place", value, -LARGEST_CM, LARGEST_CM)
     x, y, z = (value / 100 for value in joint_cm)
-    return sizing.joint_moved(body, part, (x, y, z), linked=linked)
+    return scaling.joint_moved(body, part, (x, y, z), linked=linked)
 
 
 def with_height(body: Body, cm: float) -> Body:
     """The whole body scaled to a height in the rest pose."""
     _demand_between("height", cm, LOWEST_CM, HIGHEST_CM)
-    return sizing.with_height(body, cm / 100)
+    return scaling.with_height(body, cm / 100)
 
 
 def _demand_between(what: str, cm: float, low: float, high: float) -> None:

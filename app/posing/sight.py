@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tracker.camera import Camera
-from tracker.geometry import Array, frozen
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array, frozen
 
 
 @dataclass(frozen=True, eq=False)

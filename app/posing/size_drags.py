@@ -11,9 +11,9 @@ from app.posing.sight import Sight
 from app.posing.standing import Standing
 from app.posing.vectors import length
 from app.posing.words import number_text, part_label
+from tracker.body.shapes import Box
 from tracker.errors import BodyError
-from tracker.geometry import Array
-from tracker.shapes import Box
+from tracker.geometry.rotations import Array
 
 _SEEN = 0.2
 """Share of its length under which an axis, seen end on, is too short to be dragged along."""

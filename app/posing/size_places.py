@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from tracker.body import Point
+from tracker.body.body import Point
+from tracker.body.shapes import Box, Cylinder, Shape
 from tracker.errors import BodyError
-from tracker.shapes import Box, Cylinder, Shape
 
 
 def size_place(shape: Shape, key: str) -> Point:

@@ -12,7 +12,7 @@ from app.posing.sight import Sight
 from app.posing.swinging import Swing, on_sphere
 from app.posing.two_bones import Reached
 from app.posing.vectors import cross, length, unit
-from tracker.geometry import Array, exp_rotation
+from tracker.geometry.rotations import Array, exp_rotation
 
 FALL = 0.45
 """Each part turns against the one below it by this share of what that one turns."""

@@ -8,9 +8,9 @@ import numpy as np
 
 from app.posing.limits import box_of, fitting, nearest_within, of_angles, widened
 from app.posing.vectors import unit
-from tracker.geometry import Array, nearest_rotation
-from tracker.pose import Pose, pose_transforms
-from tracker.skeleton import Skeleton
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import Array, nearest_rotation
 
 
 @dataclass(frozen=True, eq=False)

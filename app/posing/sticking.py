@@ -10,7 +10,7 @@ from app.posing.moving import Aim
 from app.posing.sight import Sight
 from app.posing.swinging import in_level
 from app.posing.vectors import length, unit
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 
 
 def within_reach(

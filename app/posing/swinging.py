@@ -10,7 +10,7 @@ import numpy as np
 from app.posing.moving import Aim
 from app.posing.sight import Sight
 from app.posing.vectors import across, any_across, least_turn, length, smooth_step, unit
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 
 LEAN = math.radians(50.0)
 """How far the direction that a limb's turns are counted from may lie from where it points."""

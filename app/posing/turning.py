@@ -13,7 +13,7 @@ from app.posing.sight import Sight
 from app.posing.standing import Standing
 from app.posing.vectors import across, any_across, cross, turn, unit
 from app.posing.words import degrees_text, part_words
-from tracker.geometry import Array, exp_rotation
+from tracker.geometry.rotations import Array, exp_rotation
 
 STEP = math.radians(5.0)
 """The steps that snapping takes."""

@@ -13,7 +13,7 @@ from app.posing.standing import Standing
 from app.posing.sticking import within_reach
 from app.posing.swinging import Swing
 from app.posing.vectors import across, cross, length, signed_angle, smooth_step, turn, unit
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 
 EASED_M = 0.05
 """A joint bent the wrong way is brought to the right side over a drag of this length."""

@@ -13,10 +13,10 @@ from numpy.typing import ArrayLike
 
 from app.posing.sight import Sight
 from app.posing.vectors import across, cross, length, unit
-from tracker.camera import Camera
 from tracker.errors import CameraError
-from tracker.eye import ViewName
-from tracker.geometry import Array, frozen
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array, frozen
+from tracker.geometry.view import ViewName
 
 CAMERA_UP = (0.0, -1.0, 0.0)
 """The picture's own up direction, in the camera frame."""

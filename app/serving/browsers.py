@@ -20,7 +20,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from tracker.errors import KeyposeError
 from tracker.files import read_private
-from tracker.session.atomic import make_folder, write_file
+from tracker.storage.atomic import make_folder, write_file
 
 MOST = 50
 LONGEST_S = 30 * 24 * 3600.0

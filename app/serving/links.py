@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
+from app.server.guard import TOKEN, Guard
 from app.serving.addresses import shown
-from app.serving.guard import TOKEN, Guard
 from app.serving.redirect_file import RedirectFile
 
 

@@ -11,7 +11,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from tracker.errors import KeyposeError
-from tracker.session.atomic import make_folder, write_file
+from tracker.storage.atomic import make_folder, write_file
 
 _PREFIX = "start-"
 _STALE_S = 3600.0

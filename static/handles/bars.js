@@ -1,8 +1,8 @@
 // The glass bars over the large view. They move with it when another view is enlarged.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
-import { S, U, watch } from '../state.js';
-import { onViews, view as viewNamed } from '../views.js';
+import { S, U, watch } from '../store/state.js';
+import { onViews, view as viewNamed } from '../views/views.js';
 import { displaybar, onSlide } from './displaybar.js';
 import { footbars } from './footbars.js';
 import { headbar } from './headbar.js';

@@ -1,9 +1,9 @@
 // What is wrong with the picture, where its frame is damaged.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S } from '../state.js';
-import { damageAt, damageWords } from '../damage.js';
-import { icon } from '../icons.js';
+import { S } from '../store/state.js';
+import { damageAt, damageWords } from '../store/damage.js';
+import { icon } from '../controls/icons.js';
 
 export function damagebar() {
   const run = damageAt(S.view.frame);

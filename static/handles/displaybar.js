@@ -1,9 +1,9 @@
 // How the body is drawn: wire, solid or both, how opaque; ghosts and trail.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U } from '../state.js';
-import { send } from '../link.js';
-import { icon } from '../icons.js';
+import { S, U } from '../store/state.js';
+import { send } from '../store/link.js';
+import { icon } from '../controls/icons.js';
 
 const MODES = [
   { mode: 'wire', label: 'Wire' },

@@ -1,8 +1,8 @@
 // A drag under way. What it does is always told from where it began, so that only the newest
 // word counts and a lost one does no harm.
 
-import { put } from '../state.js';
-import { newStroke, send } from '../link.js';
+import { put } from '../store/state.js';
+import { newStroke, send } from '../store/link.js';
 import { hold, touch } from './hold.js';
 import { isFine, noteModifiers, wishes } from './keysheld.js';
 

@@ -1,9 +1,9 @@
 // The feet of the large view: which frame, and how near.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U } from '../state.js';
-import { icon } from '../icons.js';
-import { view as viewNamed } from '../views.js';
+import { S, U } from '../store/state.js';
+import { icon } from '../controls/icons.js';
+import { view as viewNamed } from '../views/views.js';
 import { largeView } from './scale.js';
 import { sketchHint } from './sketch.js';
 

@@ -1,7 +1,7 @@
 // The grab handles: hands, feet, head, the joints between, and the diamond that carries the body.
 
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U } from '../state.js';
+import { S, U } from '../store/state.js';
 import { hold, isHeld, isHot } from './hold.js';
 import { gripScale, isLarge } from './scale.js';
 import { add, pathOf, unit } from './space.js';

@@ -1,7 +1,7 @@
 // Everything a pointer does on the four views: handles, rings, selection, drawing, the bars.
 
-import { U, put, watch } from '../state.js';
-import { VIEWS, onViews, view as viewNamed } from '../views.js';
+import { U, put, watch } from '../store/state.js';
+import { VIEWS, onViews, view as viewNamed } from '../views/views.js';
 import { mountBars } from './bars.js';
 import { tellSoon } from './drag.js';
 import { hold, onHold, touch } from './hold.js';
@@ -12,7 +12,7 @@ import { paint } from './paint.js';
 import { isPressed, listenTo, takeBack } from './press.js';
 import { sketchKey, toolChanged } from './sketch.js';
 
-/** @type {import('../shapes.js').Watched[]} */
+/** @type {import('../store/shapes.js').Watched[]} */
 const SECTIONS = ['file', 'pose', 'body', 'view', 'views', 'trail', 'masks', 'keys', 'camera'];
 
 export function mount() {

@@ -2,11 +2,11 @@
 // segments are.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U } from '../state.js';
-import { send } from '../link.js';
-import { icon } from '../icons.js';
-import { words as subject } from '../subject.js';
-import { VIEWS } from '../views.js';
+import { S, U } from '../store/state.js';
+import { send } from '../store/link.js';
+import { icon } from '../controls/icons.js';
+import { words as subject } from '../store/subject.js';
+import { VIEWS } from '../views/views.js';
 import { largeView } from './scale.js';
 
 const LABELS = { main: 'Camera', top: 'Top', side: 'Side', front: 'Front' };

@@ -1,8 +1,8 @@
 // What lies under the resting pointer: a handle at once, a part by asking the server, its name
 // after a moment.
 
-import { S, U, put } from '../state.js';
-import { ask } from '../link.js';
+import { S, U, put } from '../store/state.js';
+import { ask } from '../store/link.js';
 import { hold, touch } from './hold.js';
 import { targetAt } from './targets.js';
 

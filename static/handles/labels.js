@@ -2,7 +2,7 @@
 // under a resting pointer.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
-import { S, U } from '../state.js';
+import { S, U } from '../store/state.js';
 import { hold } from './hold.js';
 import { isLarge, largeView, ringRadius } from './scale.js';
 import { isReady } from './targets.js';

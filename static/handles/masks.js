@@ -2,8 +2,8 @@
 // new corner is pulled out of the middle of an edge.
 
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../state.js';
-import { send } from '../link.js';
+import { S, U, put } from '../store/state.js';
+import { send } from '../store/link.js';
 import { isHeld, isHot } from './hold.js';
 import { inside, pathOf } from './space.js';
 

@@ -1,8 +1,8 @@
 // The SVG over each view, drawn anew whenever what it shows has changed.
 
 import { render, svg, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U } from '../state.js';
-import { VIEWS, view as viewNamed } from '../views.js';
+import { S, U } from '../store/state.js';
+import { VIEWS, view as viewNamed } from '../views/views.js';
 import { drawGrips, drawLimb, drawReach } from './grips.js';
 import { hold } from './hold.js';
 import { drawLabels } from './labels.js';

@@ -1,7 +1,7 @@
 // From pointer events to gestures: one press at a time, captured by its view.
 
-import { isFree } from '../limits.js';
-import { S, U, put } from '../state.js';
+import { isFree } from '../store/limits.js';
+import { S, U, put } from '../store/state.js';
 import { beginDrag, cancelDrag, endDrag, moveDrag } from './drag.js';
 import { hold } from './hold.js';
 import { hover, leave, pick } from './hover.js';

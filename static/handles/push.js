@@ -1,6 +1,6 @@
 // Pushing and zooming a view: wheel, middle button, Space-drag, the pan tool, two fingers.
 
-import { put } from '../state.js';
+import { put } from '../store/state.js';
 import { hold, touch } from './hold.js';
 import { apart } from './space.js';
 

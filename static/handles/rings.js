@@ -1,7 +1,7 @@
 // The three rotation rings about the selected part's joint: where they run, how they look.
 
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U } from '../state.js';
+import { S, U } from '../store/state.js';
 import { hold, isHot } from './hold.js';
 import { gripsIn } from './grips.js';
 import { isLarge, ringRadius } from './scale.js';

@@ -1,7 +1,7 @@
 // How big things are drawn: full size in a large view, smaller in a small one.
 
-import { U } from '../state.js';
-import { VIEWS } from '../views.js';
+import { U } from '../store/state.js';
+import { VIEWS } from '../views/views.js';
 
 const SMALL_UNDER = 260;
 

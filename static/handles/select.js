@@ -1,7 +1,7 @@
 // Clicks: what they select, and what a second click at the same place means.
 
-import { S, U, put } from '../state.js';
-import { send } from '../link.js';
+import { S, U, put } from '../store/state.js';
+import { send } from '../store/link.js';
 import { chooseMask, deleteCorner, maskAt } from './masks.js';
 import { apart } from './space.js';
 

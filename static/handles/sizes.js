@@ -2,7 +2,7 @@
 // is thick, a cross on its joint.
 
 import { svg } from '../vendor/lit-html/lit-html.js';
-import { S, U } from '../state.js';
+import { S, U } from '../store/state.js';
 import { isHeld, isHot } from './hold.js';
 import { gripScale } from './scale.js';
 import { add, apart, axesOf, originOf, pathOf, times } from './space.js';

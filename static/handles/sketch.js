@@ -1,9 +1,9 @@
 // Drawing on the picture: the outline of an ignore mask, or a line along something upright.
 
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../state.js';
-import { send } from '../link.js';
-import { view as viewNamed } from '../views.js';
+import { S, U, put } from '../store/state.js';
+import { send } from '../store/link.js';
+import { view as viewNamed } from '../views/views.js';
 import { hold, touch } from './hold.js';
 import { apart, pathOf } from './space.js';
 

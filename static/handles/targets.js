@@ -1,6 +1,6 @@
 // Everything that can be grabbed in a view, and which of it a pointer means.
 
-import { S, U } from '../state.js';
+import { S, U } from '../store/state.js';
 import { gripsIn } from './grips.js';
 import { masksIn } from './masks.js';
 import { ringsIn } from './rings.js';

@@ -1,9 +1,9 @@
 // By what an observed surface is coloured, with its legend; and why there is none at this frame.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S } from '../state.js';
-import { send } from '../link.js';
-import { icon } from '../icons.js';
+import { S } from '../store/state.js';
+import { send } from '../store/link.js';
+import { icon } from '../controls/icons.js';
 
 export function tintbar() {
   if (!S.surface) return nothing;

@@ -1,8 +1,8 @@
 // The tools down the left side of the large view.
 
 import { html } from '../vendor/lit-html/lit-html.js';
-import { U, put } from '../state.js';
-import { icon } from '../icons.js';
+import { U, put } from '../store/state.js';
+import { icon } from '../controls/icons.js';
 import { PAN, TOOLS } from './tools.js';
 
 export function toolbar() {

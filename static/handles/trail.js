@@ -2,7 +2,7 @@
 // ghost stands. The line itself belongs to the scene.
 
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
-import { S } from '../state.js';
+import { S } from '../store/state.js';
 import { isHot } from './hold.js';
 import { isLarge } from './scale.js';
 

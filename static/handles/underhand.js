@@ -1,7 +1,7 @@
 // What lies over a picture gives way to what is under it: a drag that passes there, and a handle
 // that the pointer comes near.
 
-import { view as viewNamed } from '../views.js';
+import { view as viewNamed } from '../views/views.js';
 import { gripsIn } from './grips.js';
 import { hold } from './hold.js';
 import { apart } from './space.js';

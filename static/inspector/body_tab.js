@@ -1,9 +1,9 @@
 // The Body tab: the whole body's preset and height, and every part's sizes at a glance.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S } from '../state.js';
-import { send } from '../link.js';
-import { checkbox, dropdown, iconButton, numberField } from '../fields.js';
+import { S } from '../store/state.js';
+import { send } from '../store/link.js';
+import { checkbox, dropdown, iconButton, numberField } from '../controls/fields.js';
 import { fitSizesRow } from './fitting.js';
 import { line, measure, section } from './section.js';
 import { partNamed, select, shortLabel } from './parts.js';

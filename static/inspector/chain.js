@@ -1,7 +1,7 @@
 // Walking over the body with Q, [ and ].
 
 import { partNamed, ancestors, childrenOf, select, selectedPart } from './parts.js';
-import { S } from '../state.js';
+import { S } from '../store/state.js';
 
 /** Which child was last visited below a part: ] retraces the way [ came. */
 const lastChild = new Map();

@@ -1,7 +1,7 @@
 // In a narrow window the inspector is a drawer over the views; a tag on its edge pulls it out.
 
 import { html, render } from '../vendor/lit-html/lit-html.js';
-import { icon } from '../icons.js';
+import { icon } from '../controls/icons.js';
 
 /** Put the tag on the inspector's left edge; the style sheet shows it where it is needed. */
 export function addDrawer(inspector) {

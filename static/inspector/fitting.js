@@ -1,10 +1,10 @@
 // Fits to the pictures: of the pose at the present frame, and of the body's sizes to all keyframes.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../state.js';
-import { send } from '../link.js';
-import { button, checkbox } from '../fields.js';
-import { isSurface, words } from '../subject.js';
+import { S, U, put } from '../store/state.js';
+import { send } from '../store/link.js';
+import { button, checkbox } from '../controls/fields.js';
+import { isSurface, words } from '../store/subject.js';
 
 /** Improve the pose of the present frame from its picture; the server says why it cannot. */
 export function fitHere() {

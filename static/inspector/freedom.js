@@ -1,9 +1,9 @@
 // Which motions the tracker estimates; the others stay as the keyframes around have them.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../state.js';
-import { send } from '../link.js';
-import { iconButton } from '../fields.js';
+import { S, U, put } from '../store/state.js';
+import { send } from '../store/link.js';
+import { iconButton } from '../controls/fields.js';
 import { section } from './section.js';
 import { select, selectedPart } from './parts.js';
 

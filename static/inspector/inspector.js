@@ -1,8 +1,8 @@
 // The inspector: the part picker on top, four tabs of numbers below.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
-import { S, U, put, watch } from '../state.js';
-import { isSurface } from '../subject.js';
+import { S, U, put, watch } from '../store/state.js';
+import { isSurface } from '../store/subject.js';
 import { bodyTab } from './body_tab.js';
 import { addDrawer } from './drawer.js';
 import { freedom } from './freedom.js';
@@ -33,7 +33,7 @@ const OTHERWISE = {
   track: { ...TABS.track, label: 'Fit', title: 'How to fit, and how it went', draw: fitTab },
 };
 
-/** @type {import('../shapes.js').Watched[]} */
+/** @type {import('../store/shapes.js').Watched[]} */
 const SHOWN = [
   'file', 'surface', 'camera', 'body', 'view', 'pose', 'keys', 'segments', 'lanes', 'masks', 'settings', 'clipboard',
   'u:tab', 'u:tool', 'u:hover', 'u:figureHover', 'u:freeAxes', 'u:lens', 'u:mask',

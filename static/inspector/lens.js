@@ -1,9 +1,9 @@
 // The lens: by its field of view or by its intrinsics, and its distortion.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../state.js';
-import { send } from '../link.js';
-import { iconButton, segmented, shortNumber } from '../fields.js';
+import { S, U, put } from '../store/state.js';
+import { send } from '../store/link.js';
+import { iconButton, segmented, shortNumber } from '../controls/fields.js';
 import { fact, line, measure, section } from './section.js';
 
 const COEFFICIENTS = ['k1', 'k2', 'p1', 'p2', 'k3'];

@@ -1,9 +1,9 @@
 // Regions of the picture that the tracker leaves out, each over a range of frames.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../state.js';
-import { send } from '../link.js';
-import { button, iconButton, numberField, textField } from '../fields.js';
+import { S, U, put } from '../store/state.js';
+import { send } from '../store/link.js';
+import { button, iconButton, numberField, textField } from '../controls/fields.js';
 import { leaveSketch } from '../handles/sketch.js';
 import { section } from './section.js';
 

@@ -1,9 +1,9 @@
 // How to track.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S } from '../state.js';
-import { send } from '../link.js';
-import { checkbox, dropdown, numberField, segmented, slider } from '../fields.js';
+import { S } from '../store/state.js';
+import { send } from '../store/link.js';
+import { checkbox, dropdown, numberField, segmented, slider } from '../controls/fields.js';
 import { start } from './start.js';
 import { line, section } from './section.js';
 

@@ -1,7 +1,7 @@
 // Questions about the body's parts: which is selected, who hangs on whom, what it is called.
 
-import { S } from '../state.js';
-import { send } from '../link.js';
+import { S } from '../store/state.js';
+import { send } from '../store/link.js';
 
 /** The part of this name, or undefined. */
 export function partNamed(name) {

@@ -1,10 +1,10 @@
 // The top of the inspector: the figure, and what is selected.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../state.js';
-import { send } from '../link.js';
-import { icon } from '../icons.js';
-import { dropdown, iconButton } from '../fields.js';
+import { S, U, put } from '../store/state.js';
+import { send } from '../store/link.js';
+import { icon } from '../controls/icons.js';
+import { dropdown, iconButton } from '../controls/fields.js';
 import { alongChain, endOfChain, otherSide, outward, remember } from './chain.js';
 import { figure, isPerson } from './figure.js';
 import { ancestors, partNamed, select, selectedPart, shortLabel } from './parts.js';

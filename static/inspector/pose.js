@@ -2,10 +2,10 @@
 // at rest; exchanged sides.
 
 import { html } from '../vendor/lit-html/lit-html.js';
-import { S } from '../state.js';
-import { send } from '../link.js';
-import { words } from '../subject.js';
-import { button, iconButton } from '../fields.js';
+import { S } from '../store/state.js';
+import { send } from '../store/link.js';
+import { words } from '../store/subject.js';
+import { button, iconButton } from '../controls/fields.js';
 import { fitHereButton } from './fitting.js';
 import { section } from './section.js';
 import { reaches } from './seen.js';

@@ -1,9 +1,9 @@
 // Where the root stands before the camera, in metres: across and up in the picture, and depth.
 
 import { html } from '../vendor/lit-html/lit-html.js';
-import { S } from '../state.js';
-import { send } from '../link.js';
-import { iconButton } from '../fields.js';
+import { S } from '../store/state.js';
+import { send } from '../store/link.js';
+import { iconButton } from '../controls/fields.js';
 import { measure, section } from './section.js';
 
 const NEAREST_M = 0.05;

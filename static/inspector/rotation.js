@@ -1,11 +1,11 @@
 // The three angles of the selected part, within their joint limits, and the frame of the rings.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../state.js';
-import { send } from '../link.js';
-import { icon } from '../icons.js';
-import { checkbox, iconButton, numberField, segmented, shortNumber, slider, tip } from '../fields.js';
-import { isFree } from '../limits.js';
+import { S, U, put } from '../store/state.js';
+import { send } from '../store/link.js';
+import { icon } from '../controls/icons.js';
+import { checkbox, iconButton, numberField, segmented, shortNumber, slider, tip } from '../controls/fields.js';
+import { isFree } from '../store/limits.js';
 import { section } from './section.js';
 
 const AXES = ['x', 'y', 'z'];

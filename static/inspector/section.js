@@ -1,7 +1,7 @@
 // The pieces a tab is laid out with.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { numberField, slider } from '../fields.js';
+import { numberField, slider } from '../controls/fields.js';
 
 /** A titled block; right: what stands at the right end of its heading. */
 export function section(title, body, right = nothing) {

@@ -1,7 +1,7 @@
 // What the picture tells about a part, in words.
 
-import { S } from '../state.js';
-import { isSurface, words } from '../subject.js';
+import { S } from '../store/state.js';
+import { isSurface, words } from '../store/subject.js';
 
 const HIDDEN = 0.35;
 const PARTLY = 0.65;

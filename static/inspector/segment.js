@@ -1,11 +1,11 @@
 // The segment of the present frame: its verdict in words, and its error after every pass.
 
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../state.js';
-import { send } from '../link.js';
-import { icon } from '../icons.js';
-import { button, segmented, shortNumber } from '../fields.js';
-import { fewestKeys, isSurface, words as subject } from '../subject.js';
+import { S, U, put } from '../store/state.js';
+import { send } from '../store/link.js';
+import { icon } from '../controls/icons.js';
+import { button, segmented, shortNumber } from '../controls/fields.js';
+import { fewestKeys, isSurface, words as subject } from '../store/subject.js';
 import { fact, section } from './section.js';
 
 const CHIPS = {

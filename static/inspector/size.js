@@ -1,10 +1,10 @@
 // Sizes of the selected part and where it hangs on its parent, in centimetres.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S } from '../state.js';
-import { send } from '../link.js';
-import { icon } from '../icons.js';
-import { numberField } from '../fields.js';
+import { S } from '../store/state.js';
+import { send } from '../store/link.js';
+import { icon } from '../controls/icons.js';
+import { numberField } from '../controls/fields.js';
 import { measure, section } from './section.js';
 import { otherSideWord, partNamed } from './parts.js';
 

@@ -1,9 +1,9 @@
 // Where a segment starts from before the passes go over it, and what templates need not follow.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S } from '../state.js';
-import { send } from '../link.js';
-import { checkbox, dropdown } from '../fields.js';
+import { S } from '../store/state.js';
+import { send } from '../store/link.js';
+import { checkbox, dropdown } from '../controls/fields.js';
 import { line } from './section.js';
 import { shortLabel } from './parts.js';
 

@@ -2,10 +2,10 @@
 // read: what the Track tab shows instead of what only films need.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S } from '../state.js';
-import { send } from '../link.js';
-import { icon } from '../icons.js';
-import { button, checkbox, dropdown, segmented, shortNumber } from '../fields.js';
+import { S } from '../store/state.js';
+import { send } from '../store/link.js';
+import { icon } from '../controls/icons.js';
+import { button, checkbox, dropdown, segmented, shortNumber } from '../controls/fields.js';
 import { qualityLine } from './method.js';
 import { fact, line, measure, section } from './section.js';
 

@@ -1,9 +1,9 @@
 // What is up: as the camera holds it, or along a line drawn on the picture.
 
 import { html } from '../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../state.js';
-import { send } from '../link.js';
-import { button, dropdown, shortNumber } from '../fields.js';
+import { S, U, put } from '../store/state.js';
+import { send } from '../store/link.js';
+import { button, dropdown, shortNumber } from '../controls/fields.js';
 import { leaveSketch } from '../handles/sketch.js';
 import { fact, line, section } from './section.js';
 

@@ -1,8 +1,8 @@
 // The camera of a session about surfaces: nobody filmed with it.
 
 import { html } from '../vendor/lit-html/lit-html.js';
-import { S } from '../state.js';
-import { shortNumber } from '../fields.js';
+import { S } from '../store/state.js';
+import { shortNumber } from '../controls/fields.js';
 import { fact, section } from './section.js';
 
 export function virtualCamera() {

@@ -1,20 +1,20 @@
 // The bar over the timeline: going from frame to frame, what to key next, how the segments stand.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../state.js';
-import { send } from '../link.js';
-import { icon } from '../icons.js';
-import { isSurface, words as subject } from '../subject.js';
-import { frameCount, isZoomed, lastFrame } from './scale.js';
-import { frame } from './head.js';
+import { S, U, put } from '../store/state.js';
+import { send } from '../store/link.js';
+import { icon } from '../controls/icons.js';
+import { isSurface, words as subject } from '../store/subject.js';
+import { frameCount, isZoomed, lastFrame } from './draw/scale.js';
+import { frame } from './edit/head.js';
 import { frameBox } from './framebox.js';
-import { foldLanes } from './fold.js';
-import { deleteKey, setKey } from './keying.js';
-import { zoomToInterval } from './zoom.js';
-import { drawZoomHint } from './zoomhint.js';
+import { foldLanes } from './edit/fold.js';
+import { deleteKey, setKey } from './edit/keying.js';
+import { zoomToInterval } from './edit/zoom.js';
+import { drawZoomHint } from './edit/zoomhint.js';
 import {
   isKey, keyBeside, keyFrames, middle, next, nextProblem, step, toFirst, togglePlaying, toKey, toLast,
-} from './moves.js';
+} from './edit/moves.js';
 
 /** A square button: icon, what it does, its key. */
 function button(name, words, key, act, { off = false, pressed = null } = {}) {

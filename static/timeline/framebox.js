@@ -1,9 +1,9 @@
 // The frame as a number to type over: Enter goes there, Esc takes back, +5 and -5 go relatively.
 
 import { html } from '../vendor/lit-html/lit-html.js';
-import { icon } from '../icons.js';
-import { lastFrame } from './scale.js';
-import { frame, goTo, hold } from './head.js';
+import { icon } from '../controls/icons.js';
+import { lastFrame } from './draw/scale.js';
+import { frame, goTo, hold } from './edit/head.js';
 
 export function frameBox() {
   const digits = String(lastFrame()).length;

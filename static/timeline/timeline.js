@@ -1,32 +1,32 @@
 // The timeline: a bar, and one drawing in layers under it. See layers.js for what is drawn when.
 
 import { html, render } from '../vendor/lit-html/lit-html.js';
-import { S, U, put, watch } from '../state.js';
-import { anyLane, lanesOf } from './lanevalues.js';
+import { S, U, put, watch } from '../store/state.js';
+import { anyLane, lanesOf } from './draw/lanevalues.js';
 import { drawBar } from './bar.js';
 import { show } from './framebox.js';
-import { areFolded, mountFold } from './fold.js';
-import { frame } from './head.js';
-import { held } from './held.js';
-import { listenOn } from './gestures.js';
-import { mountMenu } from './menu.js';
+import { areFolded, mountFold } from './edit/fold.js';
+import { frame } from './edit/head.js';
+import { held } from './edit/held.js';
+import { listenOn } from './edit/gestures.js';
+import { mountMenu } from '../controls/menu.js';
 import { mountSplitter, splitter } from './splitter.js';
-import { PATTERNS } from './patterns.js';
-import { GUTTER, isZoomed, reveal, setWidth } from './scale.js';
-import { showOpened } from './zoom.js';
-import { noticeZoom } from './zoomhint.js';
-import { clearNumbers } from './ruler.js';
-import { flagWidth } from './playhead.js';
-import { headKeys } from './headkeys.js';
-import { layersOf } from './drawing.js';
-import { isCramped, rowsFor } from './rows.js';
-import { remembered } from './layers.js';
+import { PATTERNS } from './draw/patterns.js';
+import { GUTTER, isZoomed, reveal, setWidth } from './draw/scale.js';
+import { showOpened } from './edit/zoom.js';
+import { noticeZoom } from './edit/zoomhint.js';
+import { clearNumbers } from './draw/ruler.js';
+import { flagWidth } from './draw/playhead.js';
+import { headKeys } from './edit/headkeys.js';
+import { layersOf } from './draw/drawing.js';
+import { isCramped, rowsFor } from './draw/rows.js';
+import { remembered } from './draw/layers.js';
 
-export { middle, next, nextProblem, step, toFirst, toKey, toLast, togglePlaying } from './moves.js';
-export { zoomToInterval } from './zoom.js';
-export { foldLanes } from './fold.js';
+export { middle, next, nextProblem, step, toFirst, toKey, toLast, togglePlaying } from './edit/moves.js';
+export { zoomToInterval } from './edit/zoom.js';
+export { foldLanes } from './edit/fold.js';
 
-/** @type {import('../shapes.js').Watched[]} */
+/** @type {import('../store/shapes.js').Watched[]} */
 const WATCHED = [
   'file', 'damage', 'view', 'keys', 'segments', 'suggest', 'need', 'lanes', 'curve', 'body', 'job',
   'u:playing', 'u:chart', 'u:lanes', 'u:curveAxis', 'u:timeWindow', 'u:timeSize', 'u:timeHead',

@@ -1,8 +1,8 @@
 // The camera's view: the film, and the body over it.
 
 import { svg } from '../vendor/lit-html/lit-html.js';
-import { S, U } from '../state.js';
-import { isSurface } from '../subject.js';
+import { S, U } from '../store/state.js';
+import { isSurface } from '../store/subject.js';
 import { cameraEye } from './cameras.js';
 import { View } from './view.js';
 

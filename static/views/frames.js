@@ -1,8 +1,8 @@
 // The pictures of the film: fetched and decoded ahead, shown when they are whole.
 
-import { S, U, put, watch } from '../state.js';
-import { fetchOwn } from '../key.js';
-import { listen, send } from '../link.js';
+import { S, U, put, watch } from '../store/state.js';
+import { fetchOwn } from '../store/key.js';
+import { listen, send } from '../store/link.js';
 
 const AHEAD = 24;
 const MOST_BYTES = 400e6;

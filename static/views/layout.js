@@ -1,7 +1,7 @@
 // Which view stands where, and how large. Views change places by style alone: an iframe that is
 // moved in the document loads anew.
 
-import { U, watch } from '../state.js';
+import { U, watch } from '../store/state.js';
 
 const SMALL_PLACES = ['one', 'two', 'three'];
 const SMALL_VIEWS = ['top', 'side', 'front'];

@@ -1,7 +1,7 @@
 // A browser without a graphics card draws four views too slowly to follow a hand. Where pictures
 // come late, the view that is looked at draws first, and the others less often.
 
-import { U, watch } from '../state.js';
+import { U, watch } from '../store/state.js';
 
 const SLOW_MS = 24;
 const REST_MS = 250;

@@ -3,7 +3,7 @@
 // failed, so that none would ever succeed. Hence the page lets them try: seldom, and only while its
 // own line is there.
 
-import { U, watch } from '../state.js';
+import { U, watch } from '../store/state.js';
 
 /** Longer than an attempt can take: viser ends it after five seconds. */
 const AGAIN_MS = 7000;

@@ -1,7 +1,7 @@
 // The body from above, from the side or from the front, on squared paper.
 
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
-import { S, U } from '../state.js';
+import { S, U } from '../store/state.js';
 import { parallelEye } from './cameras.js';
 import { gridLines, scaleBar } from './grid.js';
 import { View } from './view.js';

@@ -2,8 +2,8 @@
 // of the camera frame is on the screen and back; its window can be moved.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
-import { icon } from '../icons.js';
-import { U, put } from '../state.js';
+import { icon } from '../controls/icons.js';
+import { U, put } from '../store/state.js';
 import { aim } from './cameras.js';
 import { Picture } from './iframe.js';
 import { pace } from './pace.js';

@@ -10,12 +10,12 @@ from typing import Any
 
 import pytest
 
-from app.cli import main
+from app.cli.main import main
+from app.document.folder_lock import NAME
 from app.jobs import JobFinished, PassFinished, SegmentFinished, Started, Wanted
-from app.locking import NAME
-from app.results import SegmentTrack
 from tests.tracker import session_cases as cases
 from tracker.session import Session
+from tracker.storage.results import SegmentTrack
 from tracker.video import Video
 
 Fake = Callable[..., Iterator[Any]]

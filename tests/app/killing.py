@@ -10,9 +10,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tests.app.serving import ROOT
-from tracker.session.chronicle import mark_of, without_results
-from tracker.session.files import journal_path, open_session
-from tracker.session.journal import read_journal
+from tracker.storage.chronicle import mark_of, without_results
+from tracker.storage.files import journal_path, open_session
+from tracker.storage.journal import read_journal
 
 LONGEST_S = 1.5
 

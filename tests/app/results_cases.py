@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from app.results import Results, SegmentTrack, segment_key
 from tests.tracker import session_cases as cases
+from tracker.body.trajectory import Trajectory
 from tracker.session import Session
-from tracker.settings import Quality
-from tracker.trajectory import Trajectory
+from tracker.session.settings import Quality
+from tracker.storage.results import Results, SegmentTrack, segment_key
 
 PARTS = cases.SKELETON.part_count
 

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 import sample_videos
-from tracker.geometry import Array
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import Array
 from tracker.session import Keyframe, Session
-from tracker.session.files import load_session, save_session
-from tracker.skeleton import Skeleton
+from tracker.storage.files import load_session, save_session
 from tracker.surface.files.sequence import MeshSequence
 
 SAMPLE = Path(sample_videos.__file__).parent / "arms"

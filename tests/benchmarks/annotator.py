@@ -22,18 +22,18 @@ from itertools import pairwise
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from app.results import SegmentTrack, Span
-from app.suggesting import suggestion
+from app.editor.suggest import suggestion
 from tests.benchmarks.keeping import Absent
 from tests.benchmarks.sequences import Sequence as Shown
 from tests.benchmarks.sequences import sequence
 from tests.benchmarks.table import Expected, Report, Table
 from tests.benchmarks.tracking import track
-from tracker.geometry import Array
-from tracker.pose import moved
-from tracker.settings import MethodName
-from tracker.track import Tracker
-from tracker.trajectory import Trajectory, interpolate, joined
+from tracker.body.pose import moved
+from tracker.body.trajectory import Trajectory, interpolate, joined
+from tracker.geometry.rotations import Array
+from tracker.session.settings import MethodName
+from tracker.storage.results import SegmentTrack, Span
+from tracker.tracking.tracker import Tracker
 
 MOTIONS = ("walk", "jump", "wash", "pirouette", "jumping_jacks", "throw", "speech")
 GIVE_UP_FRAMES = 3

@@ -13,10 +13,10 @@ import numpy as np
 from tests.benchmarks.keeping import ROOT, data_folder, digest, place_for
 from tests.benchmarks.marked import FITTED_FROM, Person, _marks
 from tests.benchmarks.posing import Marked, fit
-from tracker.body import Body, preset
-from tracker.camera import Camera
-from tracker.pose import Pose
-from tracker.skeleton import Skeleton
+from tracker.body.body import Body, preset
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.camera import Camera
 
 MARKS = Path(__file__).with_name("arms_marks.json")
 VIDEO = "arms_576x576.mp4"

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from tests.app.batch.dask_cases import cluster
+from tests.app.jobs.batch.dask_cases import cluster
 from tests.benchmarks.keeping import ROOT, digest
 from tests.benchmarks.table import Expected, Report
 

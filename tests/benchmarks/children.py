@@ -15,7 +15,7 @@ from pathlib import Path
 
 from tests.benchmarks.keeping import ROOT
 
-IMPORTS = "import app.cli, app.commands.follow, tracker.session.files, tracker.session.tracks"
+IMPORTS = "import app.cli.main, app.cli.follow, tracker.storage.files, tracker.storage.tracks"
 INTERVAL = 12
 
 
@@ -64,10 +64,10 @@ def _track_box() -> tuple[float, float]:
 def _track_looped(frames: int, memory_mb: int | None) -> None:
     """Track the walk there and back again, over and over."""
     from tests.benchmarks.sequences import video_of, walking
-    from tracker.loading import MEMORY_BYTES
-    from tracker.run import run
-    from tracker.settings import TrackSettings
-    from tracker.track import Tracker
+    from tracker.session.settings import TrackSettings
+    from tracker.tracking.pool import run
+    from tracker.tracking.tracker import Tracker
+    from tracker.video.clip_loader import MEMORY_BYTES
 
     shown = walking()
     turn = len(shown.grey) - 1

@@ -25,16 +25,16 @@ from tests.benchmarks.literal import (
 from tests.benchmarks.sequences import Sequence, walking
 from tests.benchmarks.table import Report
 from tests.benchmarks.tracking import keyframes_every, scene_of
-from tracker.loading import MEMORY_BYTES
-from tracker.methods import FULL, Paper
-from tracker.pose import Pose, moved
-from tracker.run import run
-from tracker.segment import track_segment
-from tracker.settings import TrackSettings
-from tracker.skeleton import Skeleton
-from tracker.stretch import Segment
-from tracker.track import Tracker
+from tracker.body.pose import Pose, moved
+from tracker.body.skeleton import Skeleton
+from tracker.session.settings import TrackSettings
+from tracker.tracking.cycle import track_segment
+from tracker.tracking.method import FULL, Paper
+from tracker.tracking.pool import run
+from tracker.tracking.segment import Segment
+from tracker.tracking.tracker import Tracker
 from tracker.video import Video
+from tracker.video.clip_loader import MEMORY_BYTES
 
 LIVE_FRAME, LIVE_MS = 36, {"preview": 30.0, "full": 100.0}
 PAPERS_SECONDS = 10.0

@@ -13,15 +13,15 @@ from tests.benchmarks.keeping import data_folder
 from tests.benchmarks.sequences import video_of
 from tests.benchmarks.table import Expected, Report, Table
 from tests.benchmarks.tracking import Measure, Tracked, forward, linear, track
-from tracker.body import ALL_DOFS, Body, Part
-from tracker.camera import Camera
-from tracker.geometry import Array
-from tracker.pose import Pose
-from tracker.settings import IgnoreMask
-from tracker.shapes import Box
-from tracker.skeleton import Skeleton
-from tracker.track import Tracker
-from tracker.trajectory import Trajectory
+from tracker.body.body import ALL_DOFS, Body, Part
+from tracker.body.pose import Pose
+from tracker.body.shapes import Box
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array
+from tracker.session.settings import IgnoreMask
+from tracker.tracking.tracker import Tracker
 from tracker.video import Video
 
 INTERVALS, BARRED = (20, 54, 108, 217), (20, 54)

@@ -15,13 +15,13 @@ from tests.benchmarks.sequences import video_of
 from tests.benchmarks.table import Expected, Pair, Report, Table
 from tests.benchmarks.tracking import track
 from tests.rendering.scenes import scene
-from tracker.camera import Camera
-from tracker.fit_here import fit_here as fit
-from tracker.geometry import Array
-from tracker.pose import Pose, joint_positions, moved, pose_transforms
-from tracker.skeleton import Skeleton
-from tracker.track import Tracker
-from tracker.trajectory import joined
+from tracker.body.pose import Pose, joint_positions, moved, pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import joined
+from tracker.fitting.pose import fit_here as fit
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array
+from tracker.tracking.tracker import Tracker
 from tracker.video import Video
 
 STRETCHES = {"walk": (0, 72), "speech": (0, 72), "throw": (47, 119)}

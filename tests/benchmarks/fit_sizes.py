@@ -14,15 +14,15 @@ from tests.rendering import motions
 from tests.rendering.render import render
 from tests.rendering.scenes import camera
 from tests.rendering.settings import RenderSettings
-from tracker.body import Body, preset
-from tracker.evaluate import Place
-from tracker.fit_sizes import fit_sizes as fit
-from tracker.fit_sizes.proportions import Proportions
-from tracker.fitting import fit_picture
-from tracker.pose import Pose, joint_positions, pose_transforms
-from tracker.sizing import resized
-from tracker.skeleton import Skeleton
-from tracker.trajectory import Trajectory
+from tracker.body.body import Body, preset
+from tracker.body.pose import Pose, joint_positions, pose_transforms
+from tracker.body.scaling import resized
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
+from tracker.fitting.sizes import fit_sizes as fit
+from tracker.fitting.sizes.proportions import Proportions
+from tracker.solver.body_points import Place
+from tracker.solver.fit_joints import fit_picture
 
 GIVEN = preset("adult_male")
 CAMERA = camera()

@@ -10,7 +10,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from app.drawing.pictures import contact_sheet, overlay
+from app.render.pictures import contact_sheet, overlay
 from tests.benchmarks.arms import load_arms
 from tests.benchmarks.keeping import Absent
 from tests.benchmarks.marked import Person, load_walk
@@ -18,12 +18,12 @@ from tests.benchmarks.real import OUT, _evaluation, _pair, _sheet
 from tests.benchmarks.sequences import Sequence, sequence
 from tests.benchmarks.table import Expected, Pair, Report, Table
 from tests.benchmarks.tracking import Tracked, against, linear, mean_errors, track
-from tracker.images import prepare
+from tracker.body.trajectory import Trajectory
 from tracker.kernels.matching import find_exhaustively, find_sequentially
-from tracker.templates.search import Shown, Template, cut, outwards
-from tracker.track import Tracker
-from tracker.trajectory import Trajectory
+from tracker.tracking.initial.templates.search import Shown, Template, cut, outwards
+from tracker.tracking.tracker import Tracker
 from tracker.video import Video
+from tracker.video.pyramid import prepare
 
 EXPERIMENTS: dict[str, tuple[str, ...]] = {"shelf": (), "crossing": ("right_hand",)}
 """The two motions of INITIAL §4, and what it left out."""

@@ -11,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tests.benchmarks.sequences import Sequence
-from tracker.geometry import Array
-from tracker.images import Clip
+from tracker.body.pose import pose_transforms, twists
+from tracker.geometry.rotations import Array
 from tracker.kernels import compiled
 from tracker.kernels.pairs import solve_pair, view
-from tracker.methods import FULL, Keypose
-from tracker.pose import pose_transforms, twists
-from tracker.scene import Scene
+from tracker.tracking.method import FULL, Keypose
+from tracker.tracking.scene import Scene
+from tracker.video.pyramid import Clip
 
 DENSE_POINTS = 13_500
 FLOW_POINTS = (128, 72)

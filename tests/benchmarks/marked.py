@@ -11,14 +11,15 @@ import numpy as np
 
 from tests.benchmarks.keeping import ROOT, data_folder, digest, place_for
 from tests.benchmarks.posing import MARKS, Marked, fit
-from tracker.body import Body, preset
-from tracker.camera import Camera
-from tracker.evaluate import JointReference, Place
-from tracker.geometry import Array
-from tracker.pose import Pose
-from tracker.skeleton import Skeleton
+from tracker.body.body import Body, preset
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.evaluate import JointReference
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array
+from tracker.solver.body_points import Place
 
-FITTED_FROM = ("body.py", "camera.py", "pose.py", "sizing.py", "skeleton.py", "bodies")
+FITTED_FROM = ("body", "geometry")
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,16 +9,16 @@ from typing import Any
 import cv2
 import numpy as np
 
-from app.drawing.pictures import contact_sheet, overlay
+from app.render.pictures import contact_sheet, overlay
 from tests.benchmarks.keeping import ROOT, Absent
 from tests.benchmarks.marked import Person, load_person, load_walk
 from tests.benchmarks.table import Expected, Pair, Report, Table
 from tests.benchmarks.tracking import Tracked, linear, track
+from tracker.body.pose import joint_positions, pose_transforms
+from tracker.body.trajectory import Trajectory, interpolate, joined
 from tracker.errors import FormatError
 from tracker.evaluate import Evaluation, JointReference, Spread, evaluate_joints
-from tracker.pose import joint_positions, pose_transforms
-from tracker.track import Tracker
-from tracker.trajectory import Trajectory, interpolate, joined
+from tracker.tracking.tracker import Tracker
 from tracker.video import Video
 
 INTERVALS = {"person": (15, 30, 60), "walk": (10, 20, 40)}

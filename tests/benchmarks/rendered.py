@@ -20,7 +20,7 @@ from tests.benchmarks.tracking import (
     noted_rounds,
     track,
 )
-from tracker.track import Tracker
+from tracker.tracking.tracker import Tracker
 
 STRETCHES = {
     "walk": (0, 72),

@@ -7,7 +7,7 @@ import hashlib
 from tests.benchmarks.sequences import Sequence, sequence
 from tests.benchmarks.table import Report
 from tests.benchmarks.tracking import keyframes_every, track
-from tracker.track import Tracker
+from tracker.tracking.tracker import Tracker
 
 TIMES, INTERVAL = 10, 12
 

@@ -15,10 +15,10 @@ from tests.benchmarks.keeping import ROOT, Absent, digest, place_for
 from tests.rendering.render import rendered
 from tests.rendering.scenes import Scene, scene
 from tests.rendering.settings import RenderSettings
-from tracker.camera import Camera
-from tracker.pose import Pose
-from tracker.skeleton import Skeleton
-from tracker.trajectory import Trajectory
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
+from tracker.geometry.camera import Camera
 from tracker.video import Examined, Video
 from tracker.video.info import VideoInfo
 

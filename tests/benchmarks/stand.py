@@ -15,7 +15,7 @@ import cv2
 
 from tests.app.serving import Keypose
 from tests.benchmarks.keeping import ROOT
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 from tracker.video import Video
 
 FPS = 30

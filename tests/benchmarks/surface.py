@@ -21,10 +21,10 @@ from tests.benchmarks.keeping import Absent
 from tests.benchmarks.table import Expected, Report, Table
 from tests.rendering.arms import HullKind, arms_scene
 from tests.rendering.walker import WalkKind, walker
-from tracker.body import Body
-from tracker.geometry import Array, exp_rotation
-from tracker.pose import Pose, joint_positions, part_transforms
-from tracker.skeleton import Skeleton
+from tracker.body.body import Body
+from tracker.body.pose import Pose, joint_positions, part_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import Array, exp_rotation
 from tracker.surface.files.ply import ply_bytes
 from tracker.surface.files.sequence import MeshSequence
 from tracker.surface.fit.fit_here import lay_body

@@ -12,16 +12,16 @@ from unittest.mock import patch
 import numpy as np
 
 from tests.benchmarks.table import Pair
-from tracker.camera import Camera
-from tracker.geometry import Array
-from tracker.initial import follow
-from tracker.methods import FULL
-from tracker.run import PassFinished, SegmentResult, TrackFinished, run
-from tracker.scene import Scene
-from tracker.settings import TrackSettings
-from tracker.skeleton import Skeleton
-from tracker.track import Tracker
-from tracker.trajectory import Trajectory, interpolate
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory, interpolate
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array
+from tracker.session.settings import TrackSettings
+from tracker.tracking.initial.chains import follow
+from tracker.tracking.method import FULL
+from tracker.tracking.pool import PassFinished, SegmentResult, TrackFinished, run
+from tracker.tracking.scene import Scene
+from tracker.tracking.tracker import Tracker
 
 Measure = Callable[[Trajectory], tuple[Array, ...]]
 """Errors of a trajectory, one array for each unit, at the frames strictly between its ends."""
@@ -97,7 +97,7 @@ def scene_of(tracker: Tracker, span: tuple[int, int], density: float = FULL.dens
 @contextmanager
 def noted_rounds() -> Iterator[list[int]]:
     """All rounds that drift correction needs meanwhile; −1 where no single X was to be had."""
-    import tracker.segment as segment
+    import tracker.tracking.cycle as segment
 
     rounds: list[int] = []
     correct = segment.correct_drift

@@ -10,7 +10,7 @@ import pytest
 from playwright.sync_api import Page
 
 from tests.browser.hands import section, until
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 
 LIMIT_PX = 0.5
 SIZES = ((1440, 900), (1280, 720), (1000, 880))
@@ -124,7 +124,7 @@ def test_the_small_views_are_truly_orthographic(page: Page, name: str) -> None:
 def test_a_lens_with_its_axis_off_the_middle_is_followed(page: Page) -> None:
     page.evaluate(
         """async () => {
-          const { send } = await import('/static/link.js');
+          const { send } = await import('/static/store/link.js');
           send({ do: 'camera', fx: 700, fy: 780, cx: 250, cy: 150 });
         }"""
     )

@@ -19,9 +19,9 @@ from tests.browser.hands import (
     until_told,
 )
 from tests.browser.shared import Desk, desk
-from tracker.pose import Pose, joint_names, joint_positions, pose_transforms
-from tracker.session.files import load_session
-from tracker.skeleton import Skeleton
+from tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.storage.files import load_session
 
 FRAME = 24
 SIZE = (1440, 900)

@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
-from app.drawing.palette import SIDE_COLOURS, part_sides
+from app.render.palette import SIDE_COLOURS, part_sides
 from tests.browser.conftest import SCREENS
 from tests.tracker.formats import recordings
+from tracker.body.pose import part_transforms
 from tracker.formats.glb import glb
 from tracker.formats.recording import Recording
-from tracker.geometry import rotation_between
-from tracker.pose import part_transforms
+from tracker.geometry.rotations import rotation_between
 
 SIZE = (640, 360)
 

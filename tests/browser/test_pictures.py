@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Locator, Page
 
-from app.cli import main
+from app.cli.main import main
 from tests.browser.hands import section, until
 from tests.browser.shared import Desk, desk
 
@@ -27,7 +27,7 @@ async () => {
 
 MOTION = """
 async () => {
-  const { fetchOwn } = await import('/static/key.js');
+  const { fetchOwn } = await import('/static/store/key.js');
   return (await fetchOwn('/motion?format=bvh')).text();
 }
 """

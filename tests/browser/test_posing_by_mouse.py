@@ -22,7 +22,7 @@ from tests.browser.hands import (
     until_told,
 )
 from tests.browser.shared import Desk, desk
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 
 UNDER_PX = 1.5
 DOUBLE_CLICK_MS = 350

@@ -13,10 +13,10 @@ from playwright.sync_api import Browser, Page
 from tests.app.serving import Visitor
 from tests.browser.hands import Spot, section, settled, spot, until, until_told
 from tests.browser.shared import Desk, desk
-from tracker.geometry import Array
-from tracker.pose import pose_transforms
-from tracker.session.files import load_session
-from tracker.skeleton import Skeleton
+from tracker.body.pose import pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import Array
+from tracker.storage.files import load_session
 
 MANY = 500
 UNDER_PX = 1.5

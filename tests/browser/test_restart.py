@@ -15,13 +15,13 @@ from tests.app.serving import ROOT, Keypose, Visitor
 from tests.browser.cable import Cable, cable
 from tests.browser.hands import section, until
 from tests.browser.shared import let_in, opened
-from tracker.session.files import load_session
+from tracker.storage.files import load_session
 
 EDITS = 50
 
 MARK = """
 async (numbers) => {
-  const { send } = await import('/static/link.js');
+  const { send } = await import('/static/store/link.js');
   for (const n of numbers) {
     send({ do: 'add_mask', polygon: [[n, 0], [n + 1, 0], [n, 1]], first: 0, last: 1 });
   }
@@ -31,7 +31,7 @@ async (numbers) => {
 
 WAITING = """
 async () => {
-  const { backlog } = await import('/static/edits.js');
+  const { backlog } = await import('/static/store/edits.js');
   return backlog() + window.keypose.U.held.reduce((sum, { count }) => sum + count, 0);
 }
 """
@@ -131,7 +131,7 @@ def test_a_tab_that_is_opened_again_after_the_restart_still_has_its_edits(work: 
 
 def test_an_edit_goes_to_the_frame_at_which_it_was_made(work: Work) -> None:
     until(lambda: section(work.page, "view.frame") == 0, "the page")
-    send = "async (action) => (await import('/static/link.js')).send(action)"
+    send = "async (action) => (await import('/static/store/link.js')).send(action)"
     work.page.evaluate(send, {"do": "go", "frame": 48})
     until(lambda: section(work.page, "view.frame") == 48, "the frame")
     work.sent()

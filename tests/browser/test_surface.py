@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
-from app.cli import main
+from app.cli.main import main
 from tests.app.serving import ROOT, Keypose, Visitor
 from tests.browser.hands import drag, screen, section, settled, until, until_told
 from tests.browser.shared import Desk, let_in, opened
-from tracker.geometry import Array
-from tracker.session.files import load_session, open_video_of
-from tracker.session.tracking import surfaces_of
+from tracker.geometry.rotations import Array
+from tracker.storage.files import load_session, open_video_of
+from tracker.storage.tracking import surfaces_of
 
 SAMPLE = ROOT / "sample_videos" / "arms"
 SIZE = (1440, 900)

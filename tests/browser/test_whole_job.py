@@ -22,7 +22,7 @@ from tests.browser.hands import (
     until,
     until_told,
 )
-from tracker.session.files import load_session
+from tracker.storage.files import load_session
 
 
 def test_the_whole_job(page: Page, sample: Path, tmp_path: Path) -> None:

@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { read, shortNumber } from '../../static/fields/arithmetic.js';
+import { read, shortNumber } from '../../static/controls/arithmetic.js';
 
 const valueOf = (text, shown = 10, unit = '') => read(text, shown, unit).value;
 const near = (actual, expected) => assert.ok(Math.abs(actual - expected) < 1e-9, `${actual} ≠ ${expected}`);

@@ -3,9 +3,9 @@
 import './browser.js';
 import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
-import { S, U } from '../../static/state.js';
-import * as curve from '../../static/timeline/curve.js';
-import * as scale from '../../static/timeline/scale.js';
+import { S, U } from '../../static/store/state.js';
+import * as curve from '../../static/timeline/draw/curve.js';
+import * as scale from '../../static/timeline/draw/scale.js';
 
 const ROW = { y: 0, h: 112 };
 

@@ -3,7 +3,7 @@
 import { animationFrame } from './browser.js';
 import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
-import { paced } from '../../static/timeline/pace.js';
+import { paced } from '../../static/timeline/edit/pace.js';
 
 let calls;
 let call;

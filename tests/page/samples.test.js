@@ -3,10 +3,10 @@
 import './browser.js';
 import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
-import { S } from '../../static/state.js';
-import { line, runsOf } from '../../static/timeline/samples.js';
-import * as scale from '../../static/timeline/scale.js';
-import { extent, numbers } from '../../static/timeline/series.js';
+import { S } from '../../static/store/state.js';
+import { line, runsOf } from '../../static/timeline/draw/samples.js';
+import * as scale from '../../static/timeline/draw/scale.js';
+import { extent, numbers } from '../../static/timeline/draw/series.js';
 
 beforeEach(() => {
   S.file = { frames: 6 };

@@ -3,8 +3,8 @@
 import './browser.js';
 import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
-import { S } from '../../static/state.js';
-import * as scale from '../../static/timeline/scale.js';
+import { S } from '../../static/store/state.js';
+import * as scale from '../../static/timeline/draw/scale.js';
 
 const near = (actual, expected, within = 1e-9) =>
   assert.ok(Math.abs(actual - expected) <= within, `${actual} ≠ ${expected}`);

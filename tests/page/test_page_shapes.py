@@ -10,12 +10,12 @@ from typing import Any
 import pytest
 
 import static
-from app.library import Library
-from app.outlook import FitTold, Outlook
-from app.sections import Sections
+from app.document.library import Library
+from app.store.sections import Sections
+from app.store.state import FitTold, Outlook
 from tests.app import surface_cases
 from tests.app.editor.desk import after, desk
-from tests.app.test_sections import seen
+from tests.app.store.test_sections import seen
 
 (SHAPES,) = Path(static.__file__).parent.rglob("shapes.js")
 FIELD = re.compile(r"^ \* @property \{(.*)\} \[?(\w+)\]?", re.MULTILINE)

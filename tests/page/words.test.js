@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import * as words from '../../static/chrome/words.js';
+import * as words from '../../static/controls/words.js';
 
 const NOON = new Date(2026, 4, 13, 12).getTime() / 1000; // a Wednesday
 const [MINUTE, HOUR, DAY] = [60, 3600, 86400];

@@ -12,9 +12,9 @@ from tests.rendering.arm_bodies import Kind, arm_mesh, arms_body
 from tests.rendering.arm_motions import P_CENTRE, arm_poses
 from tests.rendering.kept_meshes import keep_meshes, kept_meshes
 from tests.rendering.ring import Carvings, Shot, ring_of
-from tracker.body import Body
-from tracker.pose import Pose, pose_transforms
-from tracker.skeleton import Skeleton
+from tracker.body.body import Body
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.skeleton import Skeleton
 from tracker.surface.cameras.carve import carved, seen_through
 from tracker.surface.cameras.hull import SMOOTHING_VOXELS, Silhouette, hull_field, hull_mesh
 from tracker.surface.cameras.photo import consistency

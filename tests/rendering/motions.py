@@ -14,8 +14,8 @@ from tests.rendering.angles import Angles, bump, wave
 from tests.rendering.ground import lowest_sole
 from tests.rendering.mocap import jump, jumping_jacks, pirouette, walk, wash
 from tests.rendering.throw_poses import THROW
-from tracker.skeleton import Skeleton
-from tracker.trajectory import Trajectory
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
 
 __all__ = [
     "crossing", "jump", "jumping_jacks", "pirouette", "shelf", "speech", "stride", "throw",

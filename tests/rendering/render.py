@@ -8,18 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.drawing.shading import smooth_normal_maps
+from app.render.shading import smooth_normal_maps
 from tests.rendering.outfit import part_colours
 from tests.rendering.settings import Occluder, RenderSettings
 from tests.rendering.shade import shade
 from tests.rendering.texture import VOLUME_SIDE_M, backdrop, noise_volume
-from tracker.camera import Camera
-from tracker.eye import Eye
-from tracker.geometry import rotation_between
-from tracker.pose import part_transforms
-from tracker.raster import BodyMesh, raster
-from tracker.skeleton import Skeleton
-from tracker.trajectory import Trajectory
+from tracker.body.pose import part_transforms
+from tracker.body.raster import BodyMesh, raster
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import rotation_between
+from tracker.geometry.view import Eye
 
 Floats = NDArray[np.float32]
 

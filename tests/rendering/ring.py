@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from tests.rendering.shade import shade
 from tests.rendering.texture import VOLUME_SIDE_M, noise_volume
-from tracker.camera import Camera
-from tracker.geometry import Array, transform
+from tracker.body.shapes import Mesh
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array, transform
 from tracker.kernels.raster import PERSPECTIVE, fill
-from tracker.shapes import Mesh
 from tracker.surface.cameras.views import Grey, View
 
 SIZE = (640, 480)

@@ -11,10 +11,10 @@ from tests.rendering import motions
 from tests.rendering.bodies import box_body
 from tests.rendering.render import render
 from tests.rendering.settings import RenderSettings
-from tracker.body import preset
-from tracker.camera import Camera
-from tracker.skeleton import Skeleton
-from tracker.trajectory import Trajectory
+from tracker.body.body import preset
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
+from tracker.geometry.camera import Camera
 
 RECORDED = ("walk", "jump", "wash", "pirouette", "jumping_jacks")
 PERSON_MOTIONS = ("speech", "throw", "stride", "shelf", "crossing", *RECORDED)

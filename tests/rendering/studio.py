@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 
 from tests.rendering.ring import Shot
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 from tracker.surface.cameras.views import View
 from tracker.surface.placing import METRES, Placement
 

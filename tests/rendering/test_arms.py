@@ -14,11 +14,11 @@ from tests.rendering.arm_bodies import Kind, arm_mesh, arms_body
 from tests.rendering.arm_motions import P_CENTRE, STEPS, arm_poses
 from tests.rendering.arms import made_by, observed, shots_of
 from tests.rendering.ring import ring_of
-from tracker.geometry import Array
-from tracker.pose import Pose, pose_transforms
-from tracker.session.archive import archive_arrays
-from tracker.session.files import load_session
-from tracker.skeleton import Skeleton
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import Array
+from tracker.storage.archive import archive_arrays
+from tracker.storage.files import load_session
 from tracker.surface.cameras.rig import Rig
 from tracker.surface.files.sequence import MeshSequence
 from tracker.surface.mesh import SurfaceMesh

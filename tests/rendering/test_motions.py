@@ -7,8 +7,8 @@ import pytest
 
 from tests.rendering.mocap import _recorded, fitted, needs_mocap
 from tests.rendering.scenes import NAMES, RECORDED, scene
-from tracker.geometry import log_rotation, transpose
-from tracker.pose import part_transforms
+from tracker.body.pose import part_transforms
+from tracker.geometry.rotations import log_rotation, transpose
 
 FRAMES = {
     "speech": 181,

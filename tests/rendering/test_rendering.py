@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from tests.rendering.scenes import Scene, scene
 from tests.rendering.settings import Occluder, RenderSettings
-from tracker.eye import Eye
-from tracker.geometry import apply_transform
-from tracker.raster import BodyMesh, raster
+from tracker.body.raster import BodyMesh, raster
+from tracker.geometry.rotations import apply_transform
+from tracker.geometry.view import Eye
 
 CLEAN = RenderSettings(noise=0.0)
 

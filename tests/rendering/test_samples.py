@@ -9,10 +9,10 @@ import pytest
 
 from sample_videos import make_balance
 from sample_videos.make_samples import FOLDER, samples
-from tracker.pose import joint_names, joint_positions, pose_transforms
-from tracker.session.archive import archive_arrays
-from tracker.session.files import load_session, open_video_of
-from tracker.skeleton import Skeleton
+from tracker.body.pose import joint_names, joint_positions, pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.storage.archive import archive_arrays
+from tracker.storage.files import load_session, open_video_of
 
 LARGEST_BYTES = {"box": 300_000, "person": 1_000_000}
 

@@ -11,8 +11,8 @@ from tests.rendering.walker_body import Human, body_and_poses
 from tests.rendering.winding import united
 from tests.tracker.surface.ball_cases import P_BALL, RADIUS_M, ball_field
 from tests.tracker.surface.test_nets import edge_counts, volume
-from tracker.pose import pose_transforms
-from tracker.skeleton import Skeleton
+from tracker.body.pose import pose_transforms
+from tracker.body.skeleton import Skeleton
 from tracker.surface.cameras.nets import surface_of
 
 needs_human = pytest.mark.skipif(

@@ -19,10 +19,10 @@ from tests.rendering.kept_meshes import keep_meshes, kept_meshes
 from tests.rendering.ring import Skin, ring_of
 from tests.rendering.walker_body import Human, body_and_poses
 from tests.rendering.winding import united
-from tracker.body import Body
-from tracker.geometry import Array, exp_rotation
-from tracker.pose import Pose
-from tracker.skeleton import Skeleton
+from tracker.body.body import Body
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import Array, exp_rotation
 from tracker.surface.mesh import SurfaceMesh
 
 WalkKind: TypeAlias = Literal["plain", "contact", "missing20", "noise1cm"]

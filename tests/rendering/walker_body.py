@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tests.benchmarks.keeping import data_folder
-from tracker.body import ALL_DOFS, ROTATIONS, Body, Part
-from tracker.geometry import Array
-from tracker.pose import Pose
-from tracker.shapes import Frustum
+from tracker.body.body import ALL_DOFS, ROTATIONS, Body, Part
+from tracker.body.pose import Pose
+from tracker.body.shapes import Frustum
+from tracker.geometry.rotations import Array
 from tracker.surface.placing import Placement
 
 PLACED = Placement("m", "+y", np.array([0.0, 0.72, 3.2]))

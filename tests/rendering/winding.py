@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 from tracker.kernels import compiled
 from tracker.surface.cameras.nets import Field, surface_of
 from tracker.surface.mesh import SurfaceMesh

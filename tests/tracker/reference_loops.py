@@ -8,7 +8,12 @@ from functools import reduce
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry import exp_rotation, log_rotation, nearest_rotation, rotation_between
+from tracker.geometry.rotations import (
+    exp_rotation,
+    log_rotation,
+    nearest_rotation,
+    rotation_between,
+)
 from tracker.kernels.layout import BodyArrays, Lens, Sight
 
 Floats = NDArray[np.float64]

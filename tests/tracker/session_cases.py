@@ -10,17 +10,17 @@ from typing import Any, Literal, TypeAlias
 import cv2
 import numpy as np
 
-from tracker.body import Body, Part
-from tracker.camera import Camera
-from tracker.geometry import exp_rotation, rotation_from_euler
-from tracker.pose import Pose
-from tracker.run import SegmentResult, TrackResult
+from tracker.body.body import Body, Part
+from tracker.body.pose import Pose
+from tracker.body.shapes import Box, Cylinder
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory, interpolate
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import exp_rotation, rotation_from_euler
 from tracker.session import Keyframe, Session, TrackSettings, VideoReference
-from tracker.session.files import save_session
-from tracker.shapes import Box, Cylinder
-from tracker.skeleton import Skeleton
-from tracker.trajectory import Trajectory, interpolate
-from tracker.verdict import Verdict
+from tracker.storage.files import save_session
+from tracker.tracking.diagnostics.verdict import Verdict
+from tracker.tracking.pool import SegmentResult, TrackResult
 from tracker.video import Video
 
 Kind: TypeAlias = Literal["good", "check", "lost"]

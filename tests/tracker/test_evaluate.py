@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from tests.tracker import session_cases as cases
+from tracker.body.pose import joint_names
+from tracker.body.trajectory import Trajectory, interpolate, joined
 from tracker.errors import FormatError
-from tracker.evaluate import JointReference, Place, Spread, evaluate, evaluate_joints
-from tracker.geometry import rotation_from_euler
-from tracker.pose import joint_names
-from tracker.trajectory import Trajectory, interpolate, joined
+from tracker.evaluate import JointReference, Spread, evaluate, evaluate_joints
+from tracker.geometry.rotations import rotation_from_euler
+from tracker.solver.body_points import Place
 
 SKELETON, CAMERA = cases.SKELETON, cases.CAMERA
 KEYS = (0, 4, 8)

@@ -13,7 +13,8 @@ from pathlib import Path
 import pytest
 
 from tests.tracker import session_cases as cases
-from tracker.body import load_body
+from tracker.body.body import load_body
+from tracker.body.skeleton import Skeleton
 from tracker.errors import BodyError, FormatError, KeyposeError, SessionError, SurfaceError
 from tracker.files import (
     NotRegular,
@@ -29,11 +30,10 @@ from tracker.formats.joint_names import load_names
 from tracker.formats.reading import load_motion
 from tracker.formats.reading_keypoints import load_keypoints
 from tracker.formats.reference import load_reference
-from tracker.session.atomic import write_file
-from tracker.session.files import load_session
-from tracker.session.finding import MOST_CAMERA_BYTES
-from tracker.session.journal import Journal, read_journal
-from tracker.skeleton import Skeleton
+from tracker.storage.atomic import write_file
+from tracker.storage.files import load_session
+from tracker.storage.finding import MOST_CAMERA_BYTES
+from tracker.storage.journal import Journal, read_journal
 from tracker.surface.cameras.rig import Rig
 
 NOT_FILES = ("pipe", "device", "socket", "folder")
@@ -217,11 +217,11 @@ def test_what_others_may_read_is_not_taken_for_private(tmp_path: Path) -> None:
 # --- all readers
 
 OWN_READS = {
-    "app/reporting/shell.py": "the program's own sheets and pictures",
-    "tracker/body.py": "a body that comes with the program",
+    "app/export/report/shell.py": "the program's own sheets and pictures",
+    "tracker/body/body.py": "a body that comes with the program",
     "tracker/formats/c3d.py": "a file that was just written",
     "tracker/kernels/__init__.py": "the program's own text",
-    "tracker/session/atomic.py": "what was just seen to be a regular file",
+    "tracker/storage/atomic.py": "what was just seen to be a regular file",
     "tracker/surface/files/child.py": "a number of the system's",
     "tracker/video/encode.py": "a file that was just written",
 }

@@ -13,21 +13,21 @@ from numpy.typing import NDArray
 
 from tests.rendering import scenes
 from tests.rendering.settings import RenderSettings
-from tracker.body import ALL_DOFS, ROTATIONS, Body, Part
-from tracker.camera import Camera
-from tracker.geometry import exp_rotation
-from tracker.images import LEVELS, Clip, prepare
-from tracker.methods import Method
-from tracker.pose import Pose
-from tracker.run import SegmentResult, TrackFinished, run
-from tracker.scene import Scene
-from tracker.segment import Outcome, track_segment
-from tracker.settings import TrackSettings
-from tracker.shapes import Box, Cylinder, Frustum, Shape
-from tracker.skeleton import Skeleton
-from tracker.stretch import Segment
-from tracker.track import Tracker
-from tracker.trajectory import Pass, Trajectory, interpolate
+from tracker.body.body import ALL_DOFS, ROTATIONS, Body, Part
+from tracker.body.pose import Pose
+from tracker.body.shapes import Box, Cylinder, Frustum, Shape
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Pass, Trajectory, interpolate
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import exp_rotation
+from tracker.session.settings import TrackSettings
+from tracker.tracking.cycle import Outcome, track_segment
+from tracker.tracking.method import Method
+from tracker.tracking.pool import SegmentResult, TrackFinished, run
+from tracker.tracking.scene import Scene
+from tracker.tracking.segment import Segment
+from tracker.tracking.tracker import Tracker
+from tracker.video.pyramid import LEVELS, Clip, prepare
 
 Floats = NDArray[np.float64]
 

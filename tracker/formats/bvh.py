@@ -18,15 +18,15 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from tracker.body import Part
+from tracker.body.body import Part
+from tracker.body.shapes import Box
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
 from tracker.errors import FormatError
 from tracker.formats.axes import flipped, flipped_rotations
 from tracker.formats.euler_curves import smooth_euler
 from tracker.formats.names import single_words
-from tracker.geometry import Array
-from tracker.shapes import Box
-from tracker.skeleton import Skeleton
-from tracker.trajectory import Trajectory
+from tracker.geometry.rotations import Array
 
 CM_PER_M = 100.0
 DECIMALS = 6

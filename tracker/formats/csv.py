@@ -34,12 +34,12 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
 from tracker.errors import FormatError
 from tracker.formats.names import column_names
 from tracker.formats.recording import Recording
-from tracker.geometry import Array, euler_from_rotation
-from tracker.skeleton import Skeleton
-from tracker.trajectory import Trajectory
+from tracker.geometry.rotations import Array, euler_from_rotation
 
 DECIMALS = 6
 """A micrometre, a microdegree, a microsecond."""

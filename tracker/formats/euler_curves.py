@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from tracker.geometry import Array, euler_from_rotation
+from tracker.geometry.rotations import Array, euler_from_rotation
 
 LOCKED = 1e-8
 """cos y below which z and x turn about one axis, as far as any file can tell."""

@@ -20,16 +20,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.camera import Camera
+from tracker.body.shapes import Shape
+from tracker.body.skeleton import Skeleton
 from tracker.errors import FormatError
 from tracker.formats.axes import flipped, flipped_rotations
 from tracker.formats.glb_file import Numbers
 from tracker.formats.glb_mesh import lit_mesh
 from tracker.formats.names import column_names
 from tracker.formats.recording import Recording
-from tracker.geometry import Array, quaternion_wxyz
-from tracker.shapes import Shape
-from tracker.skeleton import Skeleton
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array, quaternion_wxyz
 
 NEAR_M = 0.01
 """Programs draw nothing that is nearer to the camera."""

@@ -14,14 +14,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from tracker.body import Body, Point
+from tracker.body.body import Body, Point
+from tracker.body.shapes import Frustum
+from tracker.body.skeleton import Skeleton
 from tracker.errors import FormatError
-from tracker.evaluate import Place
 from tracker.files import TooLarge, read_regular
 from tracker.formats.bvh import end_site
 from tracker.formats.marker_names import places_of
-from tracker.shapes import Frustum
-from tracker.skeleton import Skeleton
+from tracker.solver.body_points import Place
 
 LARGEST_NAMES_BYTES = 2**20
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from tracker.body.shapes import Box, Shape
+from tracker.body.skeleton import Skeleton
 from tracker.errors import FormatError
-from tracker.evaluate import Place
-from tracker.shapes import Box, Shape
-from tracker.skeleton import Skeleton
+from tracker.solver.body_points import Place
 
 _LIMBS = {
     "Shoulder": "upper_arm",

@@ -39,12 +39,12 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.camera import Camera
 from tracker.formats.euler_curves import smooth_euler
 from tracker.formats.names import column_names
 from tracker.formats.recording import Recording
-from tracker.geometry import Array
-from tracker.session.archive import archive_bytes
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array
+from tracker.storage.archive import archive_bytes
 
 Arrays: TypeAlias = dict[str, NDArray[Any]]
 

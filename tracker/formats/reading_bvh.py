@@ -14,8 +14,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from tracker.errors import FormatError
-from tracker.formats.reading import MOST_JOINTS, JointMotion, demand_size
-from tracker.geometry import Array, exp_rotation
+from tracker.formats.joint_motion import MOST_JOINTS, JointMotion, demand_size
+from tracker.geometry.rotations import Array, exp_rotation
 
 LONGEST_HIERARCHY = 4_000_000
 LONGEST_NAME = 5_000

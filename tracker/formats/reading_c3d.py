@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from tracker.errors import FormatError
-from tracker.formats.reading import JointMotion, Unit, World, demand_size
+from tracker.formats.joint_motion import JointMotion, Unit, World, demand_size
 
 _UNITS: dict[str, Unit] = {"m": "m", "cm": "cm", "mm": "mm"}
 _MAGIC = 0x50

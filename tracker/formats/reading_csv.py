@@ -15,7 +15,7 @@ import re
 import numpy as np
 
 from tracker.errors import FormatError
-from tracker.formats.reading import MOST_FRAMES, JointMotion, Unit, World, demand_size
+from tracker.formats.joint_motion import MOST_FRAMES, JointMotion, Unit, World, demand_size
 
 _COLUMN = re.compile(r"(?P<name>.+)[_ .](?P<axis>[xyzXYZ])(?:_(?P<unit>m|cm|mm))?")
 _TIMES = ("time_s", "time", "t")

@@ -19,7 +19,7 @@ from pydantic_core import from_json
 
 from tracker.errors import FormatError
 from tracker.files import TooLarge, read_regular
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 
 LARGEST_KEYPOINT_BYTES: Final = 256 * 2**20
 LARGEST_PERSON_BYTES: Final = 16 * 2**20

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from tracker.errors import FormatError
-from tracker.formats.reading import JointMotion, Unit, demand_size
-from tracker.geometry import Array
+from tracker.formats.joint_motion import JointMotion, Unit, demand_size
+from tracker.geometry.rotations import Array
 
 _UNITS: dict[str, Unit] = {"m": "m", "meters": "m", "metres": "m", "cm": "cm", "mm": "mm"}
 

@@ -10,13 +10,13 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.camera import Camera
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
 from tracker.errors import FormatError
-from tracker.geometry import Array, frozen
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array, frozen
 from tracker.session.schema import Session
-from tracker.session.tracks import Tracks
-from tracker.skeleton import Skeleton
-from tracker.trajectory import Trajectory
+from tracker.storage.tracks import Tracks
 
 CAMERA_UP = (0.0, -1.0, 0.0)
 """Where no other direction is known to be up, it is the camera's own."""

@@ -22,15 +22,14 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError
 
-from tracker.errors import FormatError
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
+from tracker.errors import FormatError, one_sentence
 from tracker.evaluate import JointReference
 from tracker.files import TooLarge, read_regular
 from tracker.formats.marker_names import places_of
-from tracker.geometry import Array, transpose
-from tracker.session.archive import LARGEST_PACKED_BYTES, archive_arrays
-from tracker.skeleton import Skeleton
-from tracker.trajectory import Trajectory
-from tracker.wording import one_sentence
+from tracker.geometry.rotations import Array, transpose
+from tracker.storage.archive import LARGEST_PACKED_BYTES, archive_arrays
 
 LARGEST_MARKS_BYTES = 256 * 2**20
 

@@ -14,7 +14,7 @@ from collections.abc import Iterable
 from tracker.formats.axes import flipped
 from tracker.formats.names import column_names, single_words
 from tracker.formats.recording import Recording
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 
 MM_PER_M = 1000.0
 DECIMALS = 4

@@ -2,7 +2,7 @@
 
 from tracker.session.results import Results, SegmentSummary
 from tracker.session.schema import Keyframe, Session, VideoReference
-from tracker.settings import IgnoreMask, TrackSettings
+from tracker.session.settings import IgnoreMask, TrackSettings
 
 __all__ = [
     "IgnoreMask",

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, FiniteFloat
 
-from tracker.settings import FrameIndex, Initial, MethodName, Plain, Quality, TrackSettings
+from tracker.session.settings import FrameIndex, Initial, MethodName, Plain, Quality, TrackSettings
 
 
 class SegmentSummary(Plain):

@@ -21,13 +21,13 @@ from pydantic import (
     model_validator,
 )
 
-from tracker.body import Body, Name
-from tracker.camera import Camera
-from tracker.geometry import quaternion_wxyz, rotation_from_quaternion
-from tracker.pose import Pose, part_transforms
+from tracker.body.body import Body, Name
+from tracker.body.pose import Pose, part_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import quaternion_wxyz, rotation_from_quaternion
 from tracker.session.results import Results
-from tracker.session.versions import PRESENT
-from tracker.settings import (
+from tracker.session.settings import (
     FrameIndex,
     IgnoreMask,
     Plain,
@@ -36,7 +36,7 @@ from tracker.settings import (
     UpAxis,
     Weights,
 )
-from tracker.skeleton import Skeleton
+from tracker.session.versions import PRESENT
 
 Quaternion: TypeAlias = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
 Metres: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e5, le=1e5)]

@@ -8,11 +8,11 @@ from typing import TypeAlias
 
 import numpy as np
 
-from tracker.camera import Camera
 from tracker.errors import SurfaceError
-from tracker.geometry import Array
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array
 from tracker.session.schema import Surface
-from tracker.settings import Units, UpAxis
+from tracker.session.settings import Units, UpAxis
 from tracker.surface.cameras.rig import Rig
 from tracker.surface.files.guessing import guess_units, guess_up
 from tracker.surface.files.sequence import MeshSequence

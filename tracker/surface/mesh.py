@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry import Array, frozen
+from tracker.geometry.rotations import Array, frozen
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,10 +8,10 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.camera import Camera
-from tracker.eye import Eye
-from tracker.geometry import Array, apply_transform, frozen
-from tracker.raster import depth_of, projection_of
+from tracker.body.raster import depth_of, projection_of
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array, apply_transform, frozen
+from tracker.geometry.view import Eye
 from tracker.surface.mesh import SurfaceMesh
 
 Picture: TypeAlias = NDArray[np.uint8]

@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tracker.camera import Camera
 from tracker.errors import SurfaceError
+from tracker.geometry.camera import Camera
 from tracker.session.schema import Session, Surface
 from tracker.surface.painting import Picture, painted
 from tracker.surface.source import SurfaceSteps, opened_steps

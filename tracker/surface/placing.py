@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tracker.geometry import Array
-from tracker.settings import Units, UpAxis
+from tracker.geometry.rotations import Array
+from tracker.session.settings import Units, UpAxis
 from tracker.surface.mesh import SurfaceMesh
 
 METRES: dict[Units, float] = {

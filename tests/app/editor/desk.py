@@ -11,9 +11,9 @@ from app.editor.actions import ACTIONS
 from app.editor.state import EditorState
 from app.editor.update import update
 from app.posing import opening_pose
-from tracker.geometry import Array
-from tracker.session.files import load_session
-from tracker.skeleton import Skeleton
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import Array
+from tracker.storage.files import load_session
 
 SAMPLE = Path(__file__).resolve().parents[3] / "sample_videos" / "person" / "session.json"
 

@@ -17,7 +17,7 @@ from app.editor.state import EditorState
 from app.editor.update import update
 from tests.app.editor.desk import after, desk
 from tracker.errors import KeyposeError
-from tracker.session.files import load_session, save_session
+from tracker.storage.files import load_session, save_session
 
 HUGE_AND_TINY = (0.0, 5e-324, 1e-308, 1e-12, 1e-3, 0.2, 1.0, 1e3, 1e4, 1e6, 1e7, 1e150, 1.7e308)
 NUMBERS = st.one_of(

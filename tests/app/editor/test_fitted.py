@@ -19,9 +19,9 @@ from app.editor.shown import shown
 from app.editor.state import EditorState
 from app.posing import with_height
 from tests.app.editor.desk import after, desk
-from tracker.body import Body
+from tracker.body.body import Body
+from tracker.body.pose import Pose
 from tracker.errors import KeyposeError
-from tracker.pose import Pose
 from tracker.session.schema import FirstMotion, Session
 
 BACK = {"do": "undo"}

@@ -8,10 +8,10 @@ import numpy as np
 
 from app.editor.shown import find, shown
 from app.editor.state import EditorState
-from app.results import Results, SegmentTrack, segment_keys
 from tests.app.editor.desk import after, angles, desk
-from tracker.pose import Pose
-from tracker.trajectory import Trajectory, interpolate
+from tracker.body.pose import Pose
+from tracker.body.trajectory import Trajectory, interpolate
+from tracker.storage.results import Results, SegmentTrack, segment_keys
 
 MIDDLE = 12
 

@@ -8,8 +8,8 @@ from app.editor.shown import shown
 from app.editor.state import EditorState
 from app.editor.trail import way
 from tests.app.editor.desk import after, desk
-from tracker.geometry import Array
-from tracker.pose import joint_names, joint_positions, pose_transforms
+from tracker.body.pose import joint_names, joint_positions, pose_transforms
+from tracker.geometry.rotations import Array
 
 
 def joint(state: EditorState, frame: int, name: str) -> Array:

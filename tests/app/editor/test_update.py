@@ -15,10 +15,10 @@ from app.editor.actions import ACTIONS
 from app.editor.refusal import Refused
 from app.editor.shown import shown
 from tests.app.editor.desk import after, angles, desk
+from tracker.body.pose import Pose
 from tracker.errors import KeyposeError
-from tracker.pose import Pose
 from tracker.session import Session
-from tracker.session.files import session_json
+from tracker.storage.files import session_json
 
 TURN = {"do": "angles", "part": "left_forearm", "x": -40}
 

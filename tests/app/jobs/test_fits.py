@@ -25,8 +25,8 @@ from app.jobs.reports import (
     SizesOrder,
 )
 from tests.tracker import session_cases as cases
+from tracker.body.pose import Pose
 from tracker.errors import VideoError
-from tracker.pose import Pose
 from tracker.session import Session
 
 SESSION = cases.session()

@@ -10,7 +10,7 @@ from app.jobs import PassFinished, Progress, SegmentFinished, Started
 from app.jobs.reports import JobFinished
 from tests.app.results_cases import session, track
 from tests.tracker import session_cases as cases
-from tracker.settings import Quality
+from tracker.session.settings import Quality
 
 WANTED = ((0, 4, "a"), (4, 8, "b"))
 

@@ -24,11 +24,11 @@ from app.jobs import (
     Tracking,
     Warming,
 )
-from app.results import Results, segment_keys
 from tests.tracker import session_cases as cases
-from tracker.run import TrackFinished
 from tracker.session import Session
-from tracker.session.tracking import track_session
+from tracker.storage.results import Results, segment_keys
+from tracker.storage.tracking import track_session
+from tracker.tracking.pool import TrackFinished
 from tracker.video import Video
 
 PATIENCE_S = 300.0

@@ -20,13 +20,13 @@ from app.jobs.reports import (
     Started,
 )
 from app.jobs.work import Job
-from app.results import segment_keys
 from tests.tracker import session_cases as cases
+from tracker.body.trajectory import Pass
 from tracker.errors import SessionError, VideoError
 from tracker.session import Session
-from tracker.settings import Quality, TrackSettings
-from tracker.track import expected_steps
-from tracker.trajectory import Pass
+from tracker.session.settings import Quality, TrackSettings
+from tracker.storage.results import segment_keys
+from tracker.tracking.tracker import expected_steps
 
 Work = Callable[[int, int, TrackSettings, Callable[[Pass, int], None]], None]
 

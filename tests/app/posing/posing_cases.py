@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from app.posing import BodyHandle, Gesture, Posed, Sight, drag, opening_pose, view_rotations
 from app.posing.vectors import unit
-from tracker.body import Body, load_body, preset
-from tracker.camera import Camera
-from tracker.geometry import exp_rotation
-from tracker.pose import Pose, joint_names, joint_positions, pose_transforms
-from tracker.session.files import load_session
-from tracker.skeleton import Skeleton
+from tracker.body.body import Body, load_body, preset
+from tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import exp_rotation
+from tracker.storage.files import load_session
 
 Floats = NDArray[np.float64]
 

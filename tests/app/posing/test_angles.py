@@ -22,10 +22,10 @@ from app.posing import (
 from app.posing.angles import rotation_of
 from app.posing.limits import box_of, is_within, nearest_within, of_angles
 from tests.app.posing.posing_cases import ARMS, PERSON, bent, difference, standing, walking
-from tracker.body import PRESETS, preset
-from tracker.geometry import exp_rotation, log_rotation, rotation_from_euler
-from tracker.session.outdated import setup_hash
-from tracker.skeleton import Skeleton
+from tracker.body.body import PRESETS, preset
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import exp_rotation, log_rotation, rotation_from_euler
+from tracker.storage.fingerprints import setup_hash
 
 SKELETON = Skeleton.of(PERSON)
 angle = st.floats(-180, 180)
@@ -151,7 +151,7 @@ def test_words_fit_parts_axes_and_sides() -> None:
 
 def test_limits_do_not_make_a_tracked_motion_outdated() -> None:
     from tests.app.posing.posing_cases import SAMPLES
-    from tracker.session.files import load_session
+    from tracker.storage.files import load_session
 
     session = load_session(SAMPLES / "person" / "session.json")
     bare = [part.model_copy(update={"limits_deg": {}}) for part in session.body.parts]

@@ -11,12 +11,12 @@ from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.editor.update import update
 from app.posing import exchanged, opening_pose
-from app.results import Results
 from tests.tracker.formats import recordings
-from tracker.places import Places
-from tracker.pose import Pose, joint_names, pose_transforms
+from tracker.body.pose import Pose, joint_names, pose_transforms
+from tracker.body.skeleton import Skeleton
 from tracker.session import Session
-from tracker.skeleton import Skeleton
+from tracker.solver.body_points import Places
+from tracker.storage.results import Results
 
 Floats = NDArray[np.float64]
 

@@ -22,8 +22,8 @@ from tests.app.posing.posing_cases import (
     walking,
 )
 from tests.tracker.tracking_cases import deep_chain
-from tracker.pose import Pose
-from tracker.skeleton import Skeleton
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
 
 CHAIN = deep_chain(6).body
 SKELETON = Skeleton.of(PERSON)

@@ -19,8 +19,8 @@ from tests.app.posing.posing_cases import (
     sights,
     walking,
 )
+from tracker.body.skeleton import Skeleton
 from tracker.errors import BodyError
-from tracker.skeleton import Skeleton
 
 SENT: dict[str, Any] = {
     "view": "main",

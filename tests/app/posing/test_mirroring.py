@@ -7,8 +7,8 @@ import pytest
 
 from app.posing import mirrored, with_other_side
 from tests.app.posing.posing_cases import DOG, PERSON, bent, difference, points, rotations, tumbling
-from tracker.body import Body
-from tracker.skeleton import Skeleton
+from tracker.body.body import Body
+from tracker.body.skeleton import Skeleton
 
 
 @pytest.mark.parametrize("body", [PERSON, DOG], ids=["person", "dog"])

@@ -19,7 +19,7 @@ from tests.app.posing.posing_cases import (
     sights,
     walking,
 )
-from tracker.camera import Camera
+from tracker.geometry.camera import Camera
 
 ROOT = handle_named(PERSON, "root")
 ways = st.tuples(st.floats(-1, 1), st.floats(-1, 1))

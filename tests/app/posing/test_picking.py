@@ -18,11 +18,11 @@ from tests.app.posing.posing_cases import (
     tumbling,
     walking,
 )
-from tracker.camera import Camera
-from tracker.eye import Eye
-from tracker.pose import Pose, pose_transforms
-from tracker.raster import BodyMesh, raster
-from tracker.skeleton import Skeleton
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.raster import BodyMesh, raster
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.camera import Camera
+from tracker.geometry.view import Eye
 
 SKELETON = Skeleton.of(PERSON)
 

@@ -9,12 +9,12 @@ from app.posing import handle_named, handles, lanes, opening_pose, up_from_verti
 from app.posing.handles import handle_at_far_end
 from tests.app.posing.posing_cases import ARMS, BOX, CAMERA, DOG, PERSON, TELEPHOTO, points, sights
 from tests.tracker.tracking_cases import deep_chain, random_body
-from tracker.body import PRESETS, Body, preset
-from tracker.camera import Camera
+from tracker.body.body import PRESETS, Body, preset
+from tracker.body.pose import joint_names, pose_transforms
+from tracker.body.skeleton import Skeleton
 from tracker.errors import BodyError
-from tracker.geometry import apply_transform
-from tracker.pose import joint_names, pose_transforms
-from tracker.skeleton import Skeleton
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import apply_transform
 
 TALL = Camera(width=540, height=960, fx=840.0, fy=840.0, cx=256.0, cy=473.0)
 

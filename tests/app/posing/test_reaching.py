@@ -27,10 +27,10 @@ from tests.app.posing.posing_cases import (
     walking,
 )
 from tests.tracker.tracking_cases import deep_chain, random_body
-from tracker.body import Body
-from tracker.camera import Camera
-from tracker.pose import Pose
-from tracker.skeleton import Skeleton
+from tracker.body.body import Body
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.camera import Camera
 
 CHAIN = deep_chain(6).body
 SKELETON = Skeleton.of(PERSON)

@@ -23,9 +23,9 @@ from tests.app.posing.posing_cases import (
     standing,
     walking,
 )
-from tracker.body import Body
+from tracker.body.body import Body
+from tracker.body.scaling import height
 from tracker.errors import BodyError
-from tracker.sizing import height
 
 BODIES = (PERSON, DOG, ARMS, BOX)
 

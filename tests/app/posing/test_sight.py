@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from app.posing import CAMERA_UP, Sight, tilt_and_roll, up_from_vertical, view_rotations
 from app.posing.vectors import unit
 from tests.app.posing.posing_cases import CAMERA, TELEPHOTO, VIEWS, off_axis, sights
-from tracker.camera import Camera
 from tracker.errors import CameraError
-from tracker.eye import Eye
-from tracker.geometry import exp_rotation
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import exp_rotation
+from tracker.geometry.view import Eye
 
 numbers = st.floats(-1, 1)
 cameras = pytest.mark.parametrize("camera", [CAMERA, TELEPHOTO], ids=["perspective", "telephoto"])

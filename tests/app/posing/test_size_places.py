@@ -6,8 +6,8 @@ import pytest
 
 from app.posing import part_sizes
 from app.posing.size_places import size_place
-from tracker.body import PRESETS, preset
-from tracker.shapes import Box, Frustum
+from tracker.body.body import PRESETS, preset
+from tracker.body.shapes import Box, Frustum
 
 
 @pytest.mark.parametrize("name", PRESETS)

@@ -22,10 +22,10 @@ from tests.app.posing.posing_cases import (
     tumbling,
     walking,
 )
-from tracker.body import Body
-from tracker.geometry import log_rotation, transpose
-from tracker.pose import Pose, pose_transforms
-from tracker.skeleton import Skeleton
+from tracker.body.body import Body
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import log_rotation, transpose
 
 STEP_M, FAR_M = 0.03, 0.6
 CLOSE_M = 2e-5

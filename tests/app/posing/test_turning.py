@@ -28,10 +28,10 @@ from tests.app.posing.posing_cases import (
     standing,
     walking,
 )
-from tracker.camera import Camera
-from tracker.geometry import exp_rotation, log_rotation
-from tracker.pose import Pose
-from tracker.skeleton import Skeleton
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import exp_rotation, log_rotation
 
 SKELETON = Skeleton.of(PERSON)
 PARTS = ("waist", "chest", "left_upper_arm", "right_forearm", "left_foot")

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory, interpolate, joined
 from tracker.formats.recording import Recording, Stretch
-from tracker.geometry import exp_rotation
+from tracker.geometry.rotations import exp_rotation
 from tracker.session import Session
-from tracker.session.files import load_session
-from tracker.session.tracks import Tracks
-from tracker.skeleton import Skeleton
-from tracker.trajectory import Trajectory, interpolate, joined
+from tracker.storage.files import load_session
+from tracker.storage.tracks import Tracks
 
 SAMPLES = Path(__file__).parents[3] / "sample_videos"
 NAMES = ("person", "box", "balance", "twirl")

@@ -15,7 +15,7 @@ from tests.tracker.formats import recordings
 from tracker.errors import FormatError
 from tracker.formats.bvh import bvh
 from tracker.formats.euler_curves import smooth_euler
-from tracker.geometry import Array, exp_rotation, rotation_from_euler
+from tracker.geometry.rotations import Array, exp_rotation, rotation_from_euler
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")  # it imports its own library by an old name

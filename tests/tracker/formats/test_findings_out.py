@@ -13,7 +13,7 @@ from tracker.errors import FormatError
 from tracker.formats.csv import frames_csv, joints_csv
 from tracker.formats.npz import npz
 from tracker.formats.recording import Recording
-from tracker.geometry import rotation_from_euler
+from tracker.geometry.rotations import rotation_from_euler
 
 
 def rows(text: str) -> list[dict[str, str]]:

@@ -13,14 +13,14 @@ import trimesh
 from tests.tracker.formats import recordings
 from tests.tracker.formats.glb_reading import Player
 from tests.tracker.session_cases import CAMERA
-from tracker.camera import Camera
+from tracker.body.pose import part_transforms
+from tracker.body.shapes import Box, Cylinder
 from tracker.errors import FormatError
 from tracker.formats.glb import glb
 from tracker.formats.glb_mesh import lit_mesh
 from tracker.formats.recording import Recording
-from tracker.geometry import rotation_between
-from tracker.pose import part_transforms
-from tracker.shapes import Box, Cylinder
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import rotation_between
 
 COLOURS = {"left": (0, 0, 255), "middle": (188, 188, 188), "right": (255, 0, 0)}
 

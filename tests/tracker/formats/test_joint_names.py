@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from tracker.body import preset
+from tracker.body.body import preset
+from tracker.body.skeleton import Skeleton
 from tracker.errors import FormatError
 from tracker.formats.joint_names import load_names, matched
 from tracker.formats.reading_keypoints import LAYOUTS
-from tracker.skeleton import Skeleton
 
 SKELETON = Skeleton.of(preset("adult_male"))
 LIMBS = {

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 
 from tests.tracker.formats import recordings
+from tracker.body.pose import joint_names
+from tracker.body.skeleton import Skeleton
 from tracker.errors import FormatError
 from tracker.formats.c3d import c3d
 from tracker.formats.recording import Recording
 from tracker.formats.trc import trc
-from tracker.pose import joint_names
-from tracker.skeleton import Skeleton
 
 
 @dataclass

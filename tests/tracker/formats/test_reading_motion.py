@@ -11,13 +11,14 @@ import pytest
 from numpy.typing import NDArray
 
 from tests.tracker.formats import recordings
+from tracker.body.pose import joint_names
+from tracker.body.skeleton import Skeleton
 from tracker.errors import FormatError
 from tracker.formats import reading_bvh
 from tracker.formats.bvh import bvh
 from tracker.formats.csv import joints_csv
-from tracker.formats.reading import JointMotion, load_motion
-from tracker.pose import joint_names
-from tracker.skeleton import Skeleton
+from tracker.formats.joint_motion import JointMotion
+from tracker.formats.reading import load_motion
 
 with warnings.catch_warnings():  # it imports a library by a name that is going out of use
     warnings.simplefilter("ignore", PendingDeprecationWarning)

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tests.rendering.ring import Carvings, Shot, ring_of
-from tracker.geometry import Array
-from tracker.shapes import Mesh
+from tracker.body.shapes import Mesh
+from tracker.geometry.rotations import Array
 from tracker.surface.cameras.hull import Silhouette
 from tracker.surface.cameras.nets import Field, surface_of
 from tracker.surface.cameras.views import View

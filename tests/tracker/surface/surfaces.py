@@ -7,12 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.body import Body, Part
+from tracker.body.body import Body, Part
+from tracker.body.pose import Pose, joint_positions, pose_transforms
+from tracker.body.shapes import Box, Cylinder, Shape
+from tracker.body.skeleton import Skeleton
 from tracker.errors import SurfaceError
-from tracker.geometry import Array, apply_transform, exp_rotation
-from tracker.pose import Pose, joint_positions, pose_transforms
-from tracker.shapes import Box, Cylinder, Shape
-from tracker.skeleton import Skeleton
+from tracker.geometry.rotations import Array, apply_transform, exp_rotation
 from tracker.surface.mesh import SurfaceMesh
 
 BOXES = (

@@ -13,7 +13,7 @@ import trimesh
 
 from tests.tracker.surface.mesh_files import BOX, CORNERS, GlbFile
 from tracker.errors import SurfaceError
-from tracker.geometry import Array, exp_rotation
+from tracker.geometry.rotations import Array, exp_rotation
 from tracker.surface.files.animated import FPS, AnimatedScene
 from tracker.surface.files.parsing.channels import slerp
 from tracker.surface.files.parsing.raw import Refused

@@ -12,7 +12,7 @@ import pytest
 
 from tests.tracker.surface.mesh_files import BOX
 from tracker.errors import SurfaceError
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 from tracker.surface.beginning import (
     FILLED_HEIGHT,
     FILLED_WIDTH,

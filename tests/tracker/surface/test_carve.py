@@ -11,9 +11,9 @@ from tests.rendering.arm_motions import P_CENTRE, arm_poses
 from tests.rendering.arms import shots_of
 from tests.rendering.ring import ring_of
 from tests.tracker.surface.ball_cases import pictures, silhouettes, studio
-from tracker.geometry import Array
-from tracker.pose import pose_transforms
-from tracker.skeleton import Skeleton
+from tracker.body.pose import pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import Array
 from tracker.surface.cameras import carve
 from tracker.surface.cameras.carve import STRIDE, carved, depth_maps, seen_through
 from tracker.surface.cameras.hull import hull_field, hull_mesh

@@ -10,7 +10,7 @@ import pytest
 from tests.tracker.surface.ball_cases import P_BALL, RADIUS_M, silhouettes, studio
 from tests.tracker.surface.test_nets import edge_counts, volume
 from tracker.errors import SurfaceError
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 from tracker.surface.cameras.hull import (
     LIMIT_VOXELS,
     Silhouette,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.tracker.surface.ball_cases import P_BALL, RADIUS_M, ball_field, pictures, studio
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 from tracker.surface.cameras.nets import surface_of
 from tracker.surface.cameras.photo import LEAST_COSINE, SPACING_PX, agreement, consistency
 from tracker.surface.cameras.views import View

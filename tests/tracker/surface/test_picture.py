@@ -10,8 +10,8 @@ import pytest
 import trimesh
 from numpy.typing import NDArray
 
-from tracker.camera import Camera
 from tracker.errors import SurfaceError, VideoError
+from tracker.geometry.camera import Camera
 from tracker.kernels.painting import colour
 from tracker.kernels.raster import PERSPECTIVE, fill
 from tracker.session.schema import Surface

@@ -23,7 +23,7 @@ from tests.tracker.surface.mesh_files import (
     ply,
     standing_box,
 )
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 from tracker.surface.files.animated import read_resting
 from tracker.surface.files.parsing.obj import read_obj
 from tracker.surface.files.parsing.off import read_off

@@ -12,8 +12,8 @@ import pytest
 from tests.rendering.ring import ring_of
 from tests.rendering.studio import cameras_json
 from tracker.errors import SurfaceError
-from tracker.geometry import quaternion_wxyz
-from tracker.settings import UpAxis
+from tracker.geometry.rotations import quaternion_wxyz
+from tracker.session.settings import UpAxis
 from tracker.surface.cameras.rig import Rig
 from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.placing import Placement

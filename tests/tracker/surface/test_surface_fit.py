@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from tests.tracker.surface.surfaces import BOXES, ROUND, bent, joints, surface_of, two_bars
-from tracker.geometry import Array, exp_rotation, log_rotation
+from tracker.body.pose import Pose, moved, pose_transforms
+from tracker.body.shapes import Box, Frustum
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import Array, exp_rotation, log_rotation
 from tracker.kernels.surface import pull
-from tracker.pose import Pose, moved, pose_transforms
-from tracker.shapes import Box, Frustum
-from tracker.skeleton import Skeleton
 from tracker.surface.fit.certainty import UNSEEN
 from tracker.surface.fit.fit_here import lay_body
 from tracker.surface.fit.looking import look

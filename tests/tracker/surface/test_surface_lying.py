@@ -10,9 +10,9 @@ import pytest
 from tests.benchmarks.keeping import DATA
 from tests.rendering.walker_body import Human, body_and_poses
 from tests.tracker.surface.surfaces import BOXES, ROUND, bent, surface_of, two_bars
-from tracker.body import Body
-from tracker.geometry import exp_rotation
-from tracker.pose import Pose
+from tracker.body.body import Body
+from tracker.body.pose import Pose
+from tracker.geometry.rotations import exp_rotation
 from tracker.surface.fit.judging import OFF_SHARE, lies_off
 from tracker.surface.fit.model import SurfaceModel
 from tracker.surface.mesh import SurfaceMesh

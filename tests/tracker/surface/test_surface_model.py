@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from tests.tracker.surface.surfaces import BOXES, ROUND, bent, surface_of, two_bars
-from tracker.body import Body
+from tracker.body.body import Body
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.shapes import Box, Frustum
+from tracker.body.skeleton import Skeleton
 from tracker.kernels.cells import grid_of
-from tracker.pose import Pose, pose_transforms
-from tracker.settings import UpAxis
-from tracker.shapes import Box, Frustum
-from tracker.skeleton import Skeleton
+from tracker.session.settings import UpAxis
 from tracker.surface.fit.binding import distance_to_shape, distances_to_parts, shares_of
 from tracker.surface.fit.model import SurfaceModel, freed
 from tracker.surface.fit.options import Options

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from tests.tracker.surface.surfaces import Given, bent, joints, surface_of, two_bars
-from tracker.body import Part
+from tracker.body.body import Part
+from tracker.body.pose import Pose
+from tracker.body.shapes import Box
+from tracker.body.trajectory import Pass
 from tracker.errors import SessionError, SurfaceError
-from tracker.geometry import exp_rotation
-from tracker.pose import Pose
-from tracker.run import Left, SegmentResult
-from tracker.shapes import Box
+from tracker.geometry.rotations import exp_rotation
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.segment import SurfaceTracker
 from tracker.surface.mesh import SurfaceMesh
-from tracker.trajectory import Pass
+from tracker.tracking.pool import Left, SegmentResult
 
 BODY = two_bars()
 OPTIONS = Options(points=700)

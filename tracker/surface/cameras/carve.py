@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 from tracker.kernels.sweeping import sweep
 from tracker.surface.cameras.nets import Field
 from tracker.surface.cameras.views import Grey, Lenses, View

@@ -11,9 +11,9 @@ from typing import Literal, Self, TypeAlias
 import cv2
 import numpy as np
 
-from tracker.camera import Camera
 from tracker.errors import SurfaceError
-from tracker.geometry import Array
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array
 from tracker.surface.cameras.hull import Silhouette
 from tracker.surface.cameras.photo import consistency
 from tracker.surface.cameras.rig import Rig, RigCamera

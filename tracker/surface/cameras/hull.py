@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy import ndimage, sparse
 
 from tracker.errors import SurfaceError
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 from tracker.kernels.carving import judge_cells, measure_cells
 from tracker.surface.cameras.nets import Field, surface_of
 from tracker.surface.cameras.views import Lenses, View

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 from tracker.kernels.patches import correlate
 from tracker.kernels.raster import PERSPECTIVE, fill
 from tracker.surface.cameras.views import Grey, Lenses, View

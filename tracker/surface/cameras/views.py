@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.camera import Camera
-from tracker.geometry import Array, frozen
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array, frozen
 
 Grey = NDArray[np.uint8]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from tracker.settings import Units, UpAxis
+from tracker.session.settings import Units, UpAxis
 from tracker.surface.mesh import SurfaceMesh
 
 _PERSON: Final[tuple[tuple[float, float, Units], ...]] = (

@@ -21,7 +21,7 @@ from typing import Final, Self
 import numpy as np
 
 from tracker.errors import SurfaceError
-from tracker.settings import Units, UpAxis
+from tracker.session.settings import Units, UpAxis
 from tracker.surface.files.parsing.raw import Refused
 from tracker.surface.files.reading import MeshReader
 from tracker.surface.files.sources import Source, source_at

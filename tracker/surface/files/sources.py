@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Final, Protocol
 
 from tracker.errors import SurfaceError
-from tracker.settings import Units, UpAxis
+from tracker.session.settings import Units, UpAxis
 from tracker.surface.files.animated import FPS
 from tracker.surface.files.numbering import by_steps, shown
 from tracker.surface.files.parsing.opening import opened

@@ -6,9 +6,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry import Array
-from tracker.shapes import Box, Cylinder, Frustum, Shape
-from tracker.skeleton import Skeleton
+from tracker.body.shapes import Box, Cylinder, Frustum, Shape
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import Array
 
 SEEN_SHARE = 0.25
 """Of the body: so much is near the surface even where the mesh shows no more than half of it."""

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.geometry import Array
-from tracker.pose import Pose
+from tracker.body.pose import Pose
+from tracker.geometry.rotations import Array
 from tracker.surface.fit.model import SurfaceModel
 
 HARDNESS = 1e-3

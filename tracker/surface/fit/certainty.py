@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 from tracker.surface.fit.model import SurfaceModel
 
 WANDER = 0.15

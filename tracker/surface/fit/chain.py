@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from tracker.body.pose import Pose
 from tracker.errors import SurfaceError
-from tracker.geometry import transpose
-from tracker.pose import Pose
+from tracker.geometry.rotations import transpose
 from tracker.surface.fit.measuring import StepFit, measure, misfit
 from tracker.surface.fit.model import SurfaceModel
 from tracker.surface.fit.options import Options

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.geometry import Array, apply_transform
-from tracker.pose import Pose, pose_transforms
-from tracker.skeleton import Skeleton
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import Array, apply_transform
 from tracker.surface.fit.fitter import SurfaceFitter
 from tracker.surface.fit.measuring import measure
 from tracker.surface.fit.model import SurfaceModel
@@ -16,7 +16,7 @@ from tracker.surface.fit.options import Options
 from tracker.surface.fit.pairing import Observed
 from tracker.surface.fit.solving import fit_pose
 from tracker.surface.mesh import SurfaceMesh
-from tracker.verdict import spoken
+from tracker.tracking.diagnostics.verdict import spoken
 
 WORTH_A_WORD_M = 0.005
 MOST = 3

@@ -8,18 +8,17 @@ from copy import copy
 from dataclasses import replace
 from typing import TypeAlias
 
-from tracker.errors import SessionError
-from tracker.pose import Pose
-from tracker.run import SegmentResult
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Pass
+from tracker.errors import SessionError, listed
 from tracker.session.schema import Session, Surface
-from tracker.settings import Quality, TrackSettings
-from tracker.skeleton import Skeleton
+from tracker.session.settings import Quality, TrackSettings
 from tracker.surface.fit.judging import lies_off, off_its_surface
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.segment import SurfaceTracker
 from tracker.surface.steps import Steps
-from tracker.trajectory import Pass
-from tracker.wording import listed
+from tracker.tracking.pool import SegmentResult
 
 Span: TypeAlias = tuple[int, int]
 

@@ -11,9 +11,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from tracker.geometry import Array, exp_rotation, log_rotation, transpose
-from tracker.pose import Pose, part_transforms
-from tracker.skeleton import Skeleton
+from tracker.body.pose import Pose, part_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
 from tracker.surface.fit.chain import Link
 from tracker.surface.fit.measuring import StepFit
 

@@ -12,13 +12,13 @@ from collections.abc import Collection, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry import Array
-from tracker.pose import Pose
+from tracker.body.pose import Pose
+from tracker.errors import listed
+from tracker.geometry.rotations import Array
 from tracker.surface.fit.certainty import UNSEEN
 from tracker.surface.fit.chain import Link
 from tracker.surface.fit.model import SurfaceModel
-from tracker.verdict import Verdict, frames_in_words, runs, spoken
-from tracker.wording import listed
+from tracker.tracking.diagnostics.verdict import Verdict, frames_in_words, runs, spoken
 
 LOST_UNEXPLAINED, LOST_UNCOVERED = 0.25, 0.45
 """Of what is seen, and of the body: so much without a counterpart is another pose."""

@@ -6,9 +6,9 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from tracker.geometry import Array
+from tracker.body.pose import Pose, pose_transforms
+from tracker.geometry.rotations import Array
 from tracker.kernels.cells import grid_of, nearest
-from tracker.pose import Pose, pose_transforms
 from tracker.surface.fit.model import SurfaceModel
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.pairing import REACH_SHARE, clear_of

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry import Array, frozen
+from tracker.geometry.rotations import Array, frozen
 from tracker.surface.fit.certainty import turns_seen
 from tracker.surface.fit.model import SurfaceModel
 from tracker.surface.fit.pairing import Observed, Pairs

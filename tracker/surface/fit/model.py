@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body import ALL_DOFS, ROTATIONS, Body
-from tracker.geometry import Array, apply_transform, frozen
+from tracker.body.body import ALL_DOFS, ROTATIONS, Body
+from tracker.body.joint_limits import Limits
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import Array, apply_transform, frozen
 from tracker.kernels.surface import pose_surface
-from tracker.limits import Limits
-from tracker.pose import Pose, pose_transforms
-from tracker.skeleton import Skeleton
 from tracker.surface.fit.binding import apart_m, distances_to_parts, shares_of
 from tracker.surface.fit.points import SurfaceSamples
 from tracker.surface.mesh import SurfaceMesh

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 from tracker.kernels.cells import grid_of, nearest
 from tracker.kernels.surface import distance_to_others
 from tracker.surface.fit.model import PosedSurface, SurfaceModel

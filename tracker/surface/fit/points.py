@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry import Array, frozen
+from tracker.geometry.rotations import Array, frozen
 from tracker.surface.mesh import SurfaceMesh
 
 _GOLDEN = np.array([0.7548776662466927, 0.5698402909980532])

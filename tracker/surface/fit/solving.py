@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.geometry import Array
+from tracker.body.pose import Pose, moved, pose_transforms, twists
+from tracker.geometry.rotations import Array
 from tracker.kernels.surface import pull
-from tracker.pose import Pose, moved, pose_transforms, twists
 from tracker.surface.fit.bounding import bounds_at
 from tracker.surface.fit.certainty import turns_seen
 from tracker.surface.fit.model import PosedSurface, SurfaceModel

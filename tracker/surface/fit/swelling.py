@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 
 SWELLINGS = 6
 """Numbers that make up Q, first in the rows that pairs are summed to."""

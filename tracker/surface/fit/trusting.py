@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tracker.geometry import Array, frozen
+from tracker.geometry.rotations import Array, frozen
 from tracker.surface.fit.measuring import counting
 from tracker.surface.fit.model import SurfaceModel
 from tracker.surface.fit.solving import Fit

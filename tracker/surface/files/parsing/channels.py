@@ -7,7 +7,7 @@ from typing import Any, Final, Literal, TypeAlias
 
 import numpy as np
 
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 from tracker.surface.files.parsing.glb import Glb, at, damaged
 from tracker.surface.files.parsing.raw import Refused
 

@@ -8,7 +8,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 from tracker.surface.files.parsing.channels import Channel
 from tracker.surface.files.parsing.glb import Glb, at, damaged
 from tracker.surface.files.parsing.raw import Refused

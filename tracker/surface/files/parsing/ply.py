@@ -7,7 +7,7 @@ from typing import BinaryIO, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 from tracker.surface.files.parsing.ply_header import Element, read_header
 from tracker.surface.files.parsing.ply_rows import Values, rows_of
 from tracker.surface.files.parsing.polygons import fan

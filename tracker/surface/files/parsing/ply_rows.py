@@ -12,7 +12,7 @@ from typing import Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 from tracker.surface.files.parsing.ply_header import Column, Element, Header
 from tracker.surface.files.parsing.raw import Refused
 from tracker.surface.files.parsing.text import numbers

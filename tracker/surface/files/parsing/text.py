@@ -6,7 +6,7 @@ import warnings
 
 import numpy as np
 
-from tracker.geometry import Array
+from tracker.geometry.rotations import Array
 from tracker.surface.files.parsing.raw import Refused
 
 

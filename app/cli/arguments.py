@@ -1,0 +1,121 @@
+"""What the commands' arguments have in common."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import sys
+import textwrap
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeAlias
+
+Subcommands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+
+UNITS = ("m", "dm", "cm", "mm", "in", "ft")
+UP_AXES = ("+x", "-x", "+y", "-y", "+z", "-z")
+"""As in tracker.session.settings, which would load more than help needs."""
+
+WIDTH = 88
+"""Columns of a description, whose examples below it are kept as they are."""
+
+
+def add_command(
+    commands: Subcommands,
+    name: str,
+    run: Callable[[argparse.Namespace], int],
+    description: str,
+    examples: str,
+) -> argparse.ArgumentParser:
+    """A new command; the first sentence of its description stands in the list of commands."""
+    command = commands.add_parser(
+        name,
+        help=description.split(". ")[0].rstrip("."),
+        description=textwrap.fill(description, WIDTH),
+        epilog=f"examples:\n{examples}",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    command.set_defaults(run=run)
+    return command
+
+
+def add_session(command: argparse.ArgumentParser) -> None:
+    command.add_argument("session", metavar="SESSION", type=session_file, help="the session file")
+
+
+def add_json(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--json", action="store_true", help="print JSON on stdout, and nothing else"
+    )
+
+
+def add_overwrite(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--overwrite", action="store_true", help="exchange files that are there already"
+    )
+
+
+def note(words: str | None) -> None:
+    """Words a person should know, on stderr; the work goes on."""
+    if words is not None:
+        print(f"Note: {words}", file=sys.stderr)
+
+
+def file_name(text: str) -> Path:
+    """A parser of names of files and folders that the system could hold."""
+    if not text:
+        raise argparse.ArgumentTypeError("a name must not be empty")
+    try:
+        path = Path(text).expanduser()
+        path.exists()
+    except (OSError, ValueError, RuntimeError) as problem:
+        reason = getattr(problem, "strerror", None) or problem
+        raise argparse.ArgumentTypeError(f"{text[:40]!r}… is no name: {reason}") from None
+    return path
+
+
+def session_file(text: str) -> Path:
+    """A parser of names of session files. A link is followed here, once: what belongs to a session
+    lies beside its file, and is never written through a link."""
+    path = file_name(text)
+    return Path(os.path.realpath(path)) if path.is_symlink() else path
+
+
+def host_name(text: str) -> str:
+    """A parser of what stands between http:// and / in an address: a name, maybe with a port."""
+    if not re.fullmatch(r"[a-z0-9]([a-z0-9.-]{0,251}[a-z0-9])?(:\d{1,5})?", text.lower()):
+        raise argparse.ArgumentTypeError(
+            f"{text[:40]!r} is no host name; such as keypose.example.org or workshop.lan:8090"
+        )
+    return text.lower()
+
+
+def whole_number(least: int, most: int | None = None) -> Callable[[str], int]:
+    """A parser of whole numbers from `least` on, up to `most` where there is one."""
+    allowed = f"from {least} on" if most is None else f"from {least} to {most}"
+
+    def parse(text: str) -> int:
+        try:
+            number = int(text)
+        except ValueError:
+            number = least - 1
+        if number < least or (most is not None and number > most):
+            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number {allowed}")
+        return number
+
+    return parse
+
+
+def add_work(command: argparse.ArgumentParser) -> None:
+    """Of work on a session's segments: where results go, how many at a time, how it is told."""
+    command.add_argument(
+        "--out", metavar="DIR", type=file_name, help="folder for session and results"
+    )
+    command.add_argument(
+        "--workers", metavar="N", type=whole_number(1), default=1, help="segments at a time"
+    )
+    command.add_argument(
+        "--json", action="store_true", help="print JSON lines: events, the summary last"
+    )
+    add_overwrite(command)

@@ -1,0 +1,311 @@
+"""`keypose batch`: many saved sessions tracked anew, without the page."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.cli.arguments import Subcommands, add_command, add_overwrite, file_name, whole_number
+from app.cli.batch_telling import Telling, telling
+from app.cli.interrupting import set_when_interrupted
+from app.cli.preparing import prepare_loops
+from tracker.errors import FormatError, KeyposeError, SessionError
+
+if TYPE_CHECKING:
+    from app.jobs.batch.course import Told
+    from app.jobs.batch.crew import Crew
+    from app.jobs.batch.journal import Journal
+    from app.jobs.batch.report import Entry
+    from app.jobs.batch.task import Summary, Task
+
+DONE, NOT_ALL, INTERRUPTED = 0, 1, 130
+MOST_WORKERS = 256
+WORKER_BYTES = 2_000_000_000
+"""What a worker may want: the program and the clip of its longest segment."""
+
+_EXAMPLES = """\
+  keypose batch recordings
+  keypose batch recordings --only outdated --export bvh,glb --out motion
+  keypose batch */session.json --quality preview --workers 4 --json > events.jsonl
+  keypose batch /shared/recordings --scheduler tcp://10.0.0.1:8786
+
+On a cluster, `dask scheduler` and `dask worker` of the Dask project do the work; they need Keypose
+installed and see the sessions and videos under the same paths as this computer. Their lines have
+no password: keep them to a network you trust.
+"""
+
+
+def add(commands: Subcommands) -> None:
+    text = (
+        "Track saved sessions anew, many at a time, as the page would. Results are written beside "
+        "each session; keyframes are never changed, and a session that is open in the page is left "
+        "alone. What goes wrong with one does not stop the others. A table and a page, "
+        "batch-report.html, tell the outcome. Ctrl+C or SIGTERM keeps the segments that are "
+        "finished; the same command given again goes on with the sessions that were not done, and "
+        "once all have had their turn it begins anew. The exit code is 1 when tracking was lost "
+        "somewhere or a session was not done."
+    )
+    command = add_command(commands, "batch", run, text, _EXAMPLES)
+    command.add_argument(
+        "paths",
+        metavar="PATH",
+        type=file_name,
+        nargs="+",
+        help="a session file, or a folder searched for sessions, hidden folders left out",
+    )
+    command.add_argument(
+        "--only",
+        choices=("outdated",),
+        help="track only the segments without results that fit, of at least this quality",
+    )
+    of_session = "; each session's own when left out"
+    command.add_argument("--method", choices=("keypose", "paper"), help=f"how{of_session}")
+    qualities = ("full", "fast", "preview")
+    command.add_argument("--quality", choices=qualities, help=f"how much work{of_session}")
+    command.add_argument(
+        "--export",
+        metavar="FORMAT[,FORMAT]",
+        type=_formats,
+        default=(),
+        help="write the motion, too, beside each session or below --out; formats as of keypose "
+        "export",
+    )
+    command.add_argument(
+        "--out",
+        metavar="DIR",
+        type=file_name,
+        help="folder for the report and the exported files; default: the deepest folder that "
+        "holds all sessions. What a batch has done is kept there, too, in .keypose-batch",
+    )
+    command.add_argument(
+        "--workers",
+        metavar="N",
+        type=whole_number(1, MOST_WORKERS),
+        help="sessions at a time, each in a process of its own; default: one for each core, "
+        "as far as there are 2 GB of memory for each",
+    )
+    command.add_argument(
+        "--scheduler", metavar="ADDRESS", help="work on the Dask cluster of this scheduler instead"
+    )
+    command.add_argument(
+        "--json", action="store_true", help="print JSON lines: events, the summary last"
+    )
+    add_overwrite(command)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from app.jobs.batch.finding import common_folder, find_sessions, name_of
+
+    if arguments.scheduler is not None and arguments.workers is not None:
+        raise SessionError("--workers is for this computer: a cluster has its own workers.")
+    sessions = find_sessions(arguments.paths)
+    folder = common_folder(sessions)
+    out = None if arguments.out is None else arguments.out.absolute()
+    place = out or folder
+    _demand_place(place)
+    began = time.monotonic()
+    with _journal(place, arguments) as journal:
+        tasks = _tasks(sessions, out, arguments, journal)
+        batch = _Batch(tasks, [name_of(session, folder) for session in sessions], journal)
+        processes = min(_workers(arguments), len(sessions))
+        with (
+            _crew(arguments, processes) as crew,
+            telling(batch.names, [str(s) for s in sessions], arguments.json) as told,
+        ):
+            told.start(len(journal.done & {str(session) for session in sessions}))
+            whole = batch.run(crew, told)
+        if whole:
+            batch.note(journal.end)
+    seconds = time.monotonic() - began
+    report = _report(batch, place, seconds) if whole else None
+    told.finish(batch.entries, report, seconds, interrupted=not whole)
+    return _code(batch, whole)
+
+
+def _report(batch: _Batch, place: Path, seconds: float) -> Path | None:
+    """The report, None where it cannot be written."""
+    from app.jobs.batch.report import NAME, batch_html
+    from tracker.storage.atomic import write_file
+
+    report = place / NAME
+    content = batch_html(batch.entries, seconds)
+    written = batch.note(lambda: write_file(report, content, overwrite=True))
+    return report if written else None
+
+
+def _code(batch: _Batch, whole: bool) -> int:
+    """The exit code; what could not be written beside the sessions is said here, once."""
+    if not whole or not batch.is_good:
+        if batch.problem is not None:
+            print(batch.problem, file=sys.stderr)
+        return NOT_ALL if whole else INTERRUPTED
+    if batch.problem is not None:
+        raise batch.problem
+    return DONE
+
+
+def _formats(text: str) -> tuple[str, ...]:
+    from app.jobs.batch.exporting import formats_of
+
+    try:
+        return formats_of(text)
+    except ValueError as problem:
+        raise argparse.ArgumentTypeError(f"invalid choice: {problem}") from None
+
+
+def _demand_place(out: Path) -> None:
+    """Whether the report can be written is asked before the work, not after."""
+    from app.jobs.batch.report import NAME, is_report
+    from tracker.storage.atomic import demand_folder, make_folder
+
+    demand_folder(out)
+    make_folder(out)
+    report = out / NAME
+    if report.exists() and not is_report(report):
+        raise FormatError(f"{str(report)!r} is not of a batch and is not overwritten.")
+
+
+@contextmanager
+def _journal(out: Path, arguments: argparse.Namespace) -> Iterator[Journal]:
+    from app.jobs.batch.journal import Journal
+
+    asked = {name: getattr(arguments, name) for name in ("only", "method", "quality", "export")}
+    paths = sorted({os.path.realpath(path) for path in arguments.paths})
+    journal = Journal(out, {**asked, "paths": paths})
+    try:
+        yield journal
+    finally:
+        journal.close()
+
+
+@contextmanager
+def _crew(arguments: argparse.Namespace, processes: int) -> Iterator[Crew]:
+    crew: Crew
+    if arguments.scheduler is not None:
+        from app.jobs.batch.cluster import ClusterCrew
+
+        crew = ClusterCrew(arguments.scheduler)
+        if not crew.room():
+            print("The cluster has no workers yet: waiting for one.", file=sys.stderr)
+    else:
+        from app.jobs.batch.crew import LocalCrew
+
+        prepare_loops()  # here, before several processes would do it at the same time
+        crew = LocalCrew(processes)
+    try:
+        yield crew
+    finally:
+        crew.close()
+
+
+def _workers(arguments: argparse.Namespace) -> int:
+    """As many as were asked for, or one for each core that has enough memory.
+
+    Two processes on two cores compute together no longer than one does alone, so that more of them
+    than there are cores would gain nothing.
+    """
+    if arguments.workers is not None:
+        return int(arguments.workers)
+    can_ask = hasattr(os, "sched_getaffinity")
+    cores = len(os.sched_getaffinity(0)) if can_ask else os.cpu_count() or 1
+    if not hasattr(os, "sysconf") or "SC_PHYS_PAGES" not in os.sysconf_names:
+        return cores
+    memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    return max(1, min(cores, memory // WORKER_BYTES))
+
+
+def _tasks(
+    sessions: Sequence[Path], out: Path | None, arguments: argparse.Namespace, journal: Journal
+) -> list[Task]:
+    """What is to be done with every session; FormatError where a file is in the way."""
+    from app.jobs.batch.exporting import export_of, places
+    from app.jobs.batch.finding import common_folder
+    from app.jobs.batch.task import Task
+    from tracker.storage.atomic import demand_absent
+
+    folder = common_folder(sessions)
+    workers = _workers(arguments)
+    tasks = []
+    for session in sessions:
+        export = None
+        if arguments.export:
+            export = export_of(session, folder, out, arguments.export)
+            if not arguments.overwrite and str(session) not in journal.begun:
+                demand_absent(places(export))
+        done = str(session) in journal.done
+        missing_only = arguments.only is not None or done
+        threads = 1 if arguments.scheduler else max(1, workers // len(sessions))
+        how = (arguments.method, arguments.quality, missing_only, export, threads)
+        tasks.append(Task(session, *how))
+    return tasks
+
+
+def _tell(telling: Telling, event: Told) -> None:
+    """KeyposeError where it cannot be told, but for want of a reader."""
+    try:
+        telling.tell(event)
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise FormatError(f"The output cannot be written: {error.strerror}.") from None
+
+
+@dataclass(eq=False)
+class _Batch:
+    """The sessions of this run by their numbers, and what has become of them.
+
+    problem: the first reason why journal or report could not be written.
+    """
+
+    tasks: Sequence[Task]
+    names: Sequence[str]
+    journal: Journal
+    summaries: dict[int, Summary] = field(default_factory=dict)
+    problem: KeyposeError | None = None
+
+    def note(self, write: Callable[[], None]) -> bool:
+        """Write something about the batch; where that fails, the sessions go on all the same."""
+        try:
+            write()
+        except KeyposeError as error:
+            self.problem = self.problem or error
+            return False
+        return True
+
+    def run(self, crew: Crew, telling: Telling) -> bool:
+        """Do all; False when it was interrupted."""
+        from app.jobs.batch.course import Begun, Ended, run
+
+        stop = threading.Event()
+        with set_when_interrupted(stop):
+            for event in run(self.tasks, crew, stop):
+                session = self.tasks[event.number].session
+                if isinstance(event, Begun):
+                    self.note(partial(self.journal.begin, session))
+                elif isinstance(event, Ended):
+                    self.summaries[event.number] = event.summary
+                    if event.summary.is_done:
+                        self.note(partial(self.journal.finish, session))
+                self.note(partial(_tell, telling, event))
+        had_all = len(self.summaries) == len(self.tasks)
+        return had_all and all(s.state != "interrupted" for s in self.summaries.values())
+
+    @property
+    def entries(self) -> list[Entry]:
+        from app.jobs.batch.report import Entry
+
+        return [Entry(self.names[n], self.summaries[n]) for n in sorted(self.summaries)]
+
+    @property
+    def is_good(self) -> bool:
+        """Whether all are done and nothing was lost."""
+        return all(s.is_done and not s.count("lost") for s in self.summaries.values())

@@ -1,0 +1,100 @@
+"""`keypose evaluate`: the tracked motion against a reference."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.cli.arguments import Subcommands, add_command, add_json, add_session, file_name, note
+from app.cli.json_output import plain, print_json
+
+if TYPE_CHECKING:
+    from tracker.evaluate import Evaluation, Measure, Spread
+
+_EXAMPLES = """\
+  keypose evaluate session.json --reference truth.npz
+  keypose evaluate session.json --reference marked_joints.json --json
+"""
+
+_KINDS = {
+    "pixels": ("in the picture", "px", 1.0),
+    "distance_m": ("in space", "cm", 100.0),
+    "depth_m": ("along the camera axis", "cm", 100.0),
+    "angle_deg": ("joint angles", "°", 1.0),
+}
+"""Each measure with its title, its unit on screen and that unit's factor."""
+
+
+def add(commands: Subcommands) -> None:
+    text = (
+        "Measure the tracked motion against a reference. Only frames strictly between keyframes "
+        "count, those that the motion was tracked with, and their linear interpolation stands "
+        "beside. A reference is an .npz file of poses or joint positions, or a .json file of "
+        "marked joints in pixels."
+    )
+    command = add_command(commands, "evaluate", run, text, _EXAMPLES)
+    add_session(command)
+    command.add_argument("--reference", metavar="FILE", type=file_name, required=True)
+    add_json(command)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    evaluation = _evaluation(arguments.session, arguments.reference)
+    if arguments.json:
+        print_json({"reference": str(arguments.reference), **plain(evaluation)}, indent=2)
+        return 0
+    print(f"{arguments.reference.name}: {len(evaluation.frames)} frames between keyframes")
+    for line in _lines(evaluation):
+        print(line)
+    return 0
+
+
+def _evaluation(session_path: Path, reference_path: Path) -> Evaluation:
+    from tracker.body.skeleton import Skeleton
+    from tracker.body.trajectory import Trajectory
+    from tracker.evaluate import evaluate, evaluate_joints
+    from tracker.formats.reference import load_reference
+    from tracker.storage.files import load_session
+    from tracker.storage.fingerprints import open_ends
+    from tracker.storage.outdated import outdated_words, tracked_keyframes
+    from tracker.storage.tracks import load_trajectory
+
+    session = load_session(session_path)
+    skeleton, camera = Skeleton.of(session.body), session.camera
+    reference = load_reference(reference_path, skeleton)
+    estimate = load_trajectory(session, session_path)
+    note(outdated_words(session, estimate))
+    frames = tracked_keyframes(session)
+    if isinstance(reference, Trajectory):
+        return evaluate(skeleton, camera, estimate, reference, frames, open_ends(session))
+    return evaluate_joints(skeleton, camera, estimate, reference, frames, open_ends(session))
+
+
+def _lines(evaluation: Evaluation) -> list[str]:
+    lines = []
+    for kind, (title, unit, factor) in _KINDS.items():
+        ours = getattr(evaluation.estimate, kind)
+        linear = getattr(evaluation.interpolation, kind)
+        if ours is not None:
+            lines += ["", *_table(f"{title}, {unit}", factor, ours, linear)]
+    return lines
+
+
+def _table(title: str, factor: float, ours: Measure, linear: Measure) -> list[str]:
+    width = max(len(title), *(len(name) for name in ours.each), len("all"))
+    columns = ("mean", "median", "95 %")
+    head = "".join(f"{column:>9}" for column in columns)
+    groups = f"{'':{width}}{'tracked':>27}  {'interpolated':>27}"
+    rows = [("all", ours.overall, linear.overall)]
+    rows += [(name, spread, linear.each[name]) for name, spread in ours.each.items()]
+    lines = [groups, f"{title:{width}}{head}  {head}"]
+    for name, a, b in rows:
+        lines.append(f"{name:{width}}{_figures(a, factor)}  {_figures(b, factor)}")
+    return lines
+
+
+def _figures(spread: Spread, factor: float) -> str:
+    if not spread.count:
+        return f"{'–':>9}" * 3
+    return "".join(f"{value * factor:9.2f}" for value in (spread.mean, spread.median, spread.p95))

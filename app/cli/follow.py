@@ -1,0 +1,164 @@
+"""Following a track run: what it tells on the way, and what is left of it when interrupted."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from app.cli.interrupting import set_when_interrupted
+from app.cli.json_output import print_json
+from app.jobs import JobFinished, PassFinished, Report, SegmentFinished
+from app.jobs.rerun import all_segments, rerun
+from tracker.errors import KeyposeError
+from tracker.storage.results import SegmentTrack, Span
+
+if TYPE_CHECKING:
+    from tracker.session import Session
+    from tracker.video import Video
+
+Telling: TypeAlias = Callable[[Report], None]
+Places: TypeAlias = Mapping[Span, int]
+"""Of every segment, its number among all."""
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """The finished segments; `interrupted` when the person stopped before all were, and `error`
+    what else ended the run early."""
+
+    found: tuple[SegmentTrack, ...]
+    interrupted: bool = False
+    error: KeyposeError | None = None
+
+
+def follow(session: Session, session_path: Path, video: Video, workers: int, as_json: bool) -> Run:
+    """Track, and tell on the way: JSON lines, a bar at a terminal, or a line per segment.
+
+    However the run ends, the segments finished by then are in it. The first Ctrl+C or SIGTERM
+    lets the tracker come to rest and say all it has finished; a second one breaks off even that.
+    """
+    stop = threading.Event()
+    given = (session, session_path, video, all_segments(session))
+    finished: dict[Span, SegmentTrack] = {}
+    cancelled = False
+    with set_when_interrupted(stop), _telling(session, as_json) as tell:
+        try:
+            for report in rerun(*given, workers=workers, stop=stop):
+                if isinstance(report, SegmentFinished):
+                    finished[report.track.span] = report.track
+                if isinstance(report, JobFinished):
+                    cancelled = report.cancelled
+                _tell(tell, report, stop)
+        except KeyboardInterrupt:
+            return Run(_in_order(finished), interrupted=True)
+        except KeyposeError as error:
+            return Run(_in_order(finished), error=error)
+    return Run(_in_order(finished), interrupted=cancelled)
+
+
+def _tell(tell: Telling, report: Report, stop: threading.Event) -> None:
+    try:
+        tell(report)
+    except OSError:  # nobody listens any more
+        stop.set()
+
+
+def _in_order(finished: Mapping[Span, SegmentTrack]) -> tuple[SegmentTrack, ...]:
+    return tuple(finished[span] for span in sorted(finished))
+
+
+@contextmanager
+def _telling(session: Session, as_json: bool) -> Iterator[Telling]:
+    places = {wanted[:2]: index for index, wanted in enumerate(all_segments(session))}
+    if as_json:
+        yield _JsonLines(places).tell
+    elif sys.stderr.isatty():
+        with _bar(session) as tell:
+            yield tell
+    else:
+        yield lambda report: _line(report, places)
+
+
+def _line(report: Report, places: Places) -> None:
+    """One quiet line for each finished segment, for logs."""
+    if isinstance(report, SegmentFinished):
+        track = report.track
+        print(
+            f"segment {places[track.span] + 1} of {len(places)}, frames "
+            f"{track.first}–{track.last}: {track.kind}",
+            file=sys.stderr,
+            flush=True,
+        )
+
+
+@contextmanager
+def _bar(session: Session) -> Iterator[Telling]:
+    """A bar that counts frames: a segment's share of passes done is that share of its frames."""
+    from tqdm import tqdm
+
+    total = sum(last - first for first, last in session.spans)
+    done: dict[Span, float] = {}
+    with tqdm(total=total, unit="frame", file=sys.stderr, dynamic_ncols=True) as bar:
+
+        def tell(report: Report) -> None:
+            if isinstance(report, PassFinished):
+                share = min((report.number + 1) / max(report.of, 1), 1.0)  # numbers start at 0
+                done[report.span] = (report.last - report.first) * share
+            elif isinstance(report, SegmentFinished) and not report.track.missing:
+                done[report.track.span] = report.track.last - report.track.first
+            bar.n = min(round(sum(done.values())), total)
+            bar.refresh()
+
+        yield tell
+
+
+class _JsonLines:
+    """Reports without their arrays, a line each; a segment's first is preceded by its beginning."""
+
+    def __init__(self, places: Places) -> None:
+        self._places = places
+        self._begun: set[Span] = set()
+
+    def tell(self, report: Report) -> None:
+        if isinstance(report, PassFinished):
+            self._begin(report.span)
+            print_json(self._passed(report))
+        elif isinstance(report, SegmentFinished):
+            self._begin(report.track.span)
+            print_json(self._finished(report.track))
+
+    def _begin(self, span: Span) -> None:
+        if span not in self._begun:
+            self._begun.add(span)
+            first, last = span
+            event = {**self._head("segment_started", span), "of": len(self._places)}
+            print_json({**event, "first_frame": first, "last_frame": last})
+
+    def _passed(self, report: PassFinished) -> dict[str, Any]:
+        return {
+            **self._head("pass_finished", report.span),
+            "pass": report.number,
+            "of": report.of,
+            "score": report.score,
+        }
+
+    def _finished(self, track: SegmentTrack) -> dict[str, Any]:
+        return {
+            **self._head("segment_finished", track.span),
+            "of": len(self._places),
+            "verdict": track.kind,
+            "words": track.told,
+            "notes": list(track.notes),
+            "frames": track.frames,
+            "missing": track.missing,
+            "best_pass": track.best_pass,
+            "closing_error": track.closing_error,
+        }
+
+    def _head(self, event: str, span: Span) -> dict[str, Any]:
+        return {"event": event, "segment": self._places[span]}

@@ -1,0 +1,163 @@
+"""`keypose hull`: surfaces from what calibrated cameras took."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from app.cli.arguments import Subcommands, add_command, add_json, add_overwrite, file_name, note
+from app.cli.interrupting import set_when_interrupted
+from app.cli.json_output import print_json
+from app.cli.preparing import prepare_hull_loops
+from tracker.errors import SurfaceError
+
+if TYPE_CHECKING:
+    from tracker.surface.cameras.hulls import Hulls
+
+DONE, FAILED, INTERRUPTED = 0, 1, 130
+
+Telling: TypeAlias = Callable[[int, str], None]
+"""Is told a step that is done, and what became of it."""
+
+_EXAMPLES = """\
+  keypose hull cameras.json --out meshes
+  keypose hull cameras.json --voxel 0.02 --carve --out meshes --overwrite
+"""
+
+
+def add(commands: Subcommands) -> None:
+    text = (
+        "Make a surface of every step from the silhouettes of calibrated cameras: their visual "
+        "hull, as step_0000.ply and so on, in the units and axes of the cameras' file. Where it "
+        "also names images, each vertex tells as zncc how well the cameras that see it agree: "
+        "fitting needs that to disbelieve phantom volume. A step that cannot be made is told and "
+        "left out; Ctrl+C keeps what is done."
+    )
+    command = add_command(commands, "hull", run, text, _EXAMPLES)
+    command.add_argument("rig", metavar="CAMERAS", type=file_name, help="the cameras' file, JSON")
+    command.add_argument(
+        "--out", metavar="DIR", type=file_name, required=True, help="folder for the surfaces"
+    )
+    command.add_argument(
+        "--voxel", metavar="METRES", type=_length, default=0.01, help="default: 0.01"
+    )
+    command.add_argument(
+        "--carve",
+        action="store_true",
+        help="take away what cameras see through, judged by the images; takes seconds a step",
+    )
+    add_json(command)
+    add_overwrite(command)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from tracker.storage.atomic import demand_absent, demand_folder, make_folder
+    from tracker.surface.cameras.hulls import Hulls
+    from tracker.surface.cameras.rig import Rig
+
+    out: Path = arguments.out
+    stop = threading.Event()
+    with ExitStack() as stack:
+        hulls = stack.enter_context(
+            Hulls(Rig.open(arguments.rig), arguments.voxel, carve=arguments.carve)
+        )
+        places = [out / f"step_{step:04d}.ply" for step in range(hulls.step_count)]
+        if not arguments.overwrite:
+            demand_absent(places, error=SurfaceError)
+        demand_folder(out, error=SurfaceError)
+        make_folder(out, error=SurfaceError)
+        if not hulls.has_images:
+            note(
+                "The cameras' file names no images: the surfaces do not tell what of them is to "
+                "be believed."
+            )
+        prepare_hull_loops()
+        stack.enter_context(set_when_interrupted(stop))
+        written, refused = _make(hulls, places, stop, arguments)
+    _tell(written, refused, len(places), stop.is_set(), arguments.json)
+    if stop.is_set():
+        return INTERRUPTED
+    return FAILED if refused else DONE
+
+
+def _length(text: str) -> float:
+    try:
+        metres = float(text)
+    except ValueError:
+        metres = math.nan
+    if not 0.0005 <= metres <= 1.0:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a length from 0.0005 to 1 metre")
+    return metres
+
+
+def _make(
+    hulls: Hulls, places: list[Path], stop: threading.Event, arguments: argparse.Namespace
+) -> tuple[list[Path], dict[int, str]]:
+    """The files written, and why others are not."""
+    from tracker.storage.atomic import write_file
+    from tracker.surface.files.ply import ply_bytes
+
+    written: list[Path] = []
+    refused: dict[int, str] = {}
+    with _telling(len(places), arguments.json) as tell:
+        for step, place in enumerate(places):
+            if stop.is_set():
+                break
+            try:
+                mesh = hulls.mesh(step)
+            except SurfaceError as error:
+                refused[step] = str(error)
+                if arguments.overwrite:
+                    place.unlink(missing_ok=True)  # of another run: it is not this step's any more
+                tell(step, "left out")
+                continue
+            content = ply_bytes(mesh)
+            write_file(place, content, overwrite=arguments.overwrite, error=SurfaceError)
+            written.append(place)
+            tell(step, f"{len(mesh.faces):,} faces")
+    if refused and not written:
+        raise SurfaceError(next(iter(refused.values())))
+    return written, refused
+
+
+@contextmanager
+def _telling(count: int, as_json: bool) -> Iterator[Telling]:
+    """At a terminal, how far it is and how long it will take; else a quiet line for each step, for
+    logs, unless what is written is for a program."""
+    if sys.stderr.isatty():
+        from tqdm import tqdm
+
+        with tqdm(total=count, unit="step", file=sys.stderr, dynamic_ncols=True) as bar:
+
+            def count_on(step: int, words: str) -> None:
+                bar.update()
+
+            yield count_on
+    elif as_json:
+        yield lambda step, words: None
+    else:
+        yield lambda step, words: print(
+            f"step {step}, {step + 1} of {count}: {words}", file=sys.stderr, flush=True
+        )
+
+
+def _tell(
+    written: list[Path], refused: dict[int, str], count: int, interrupted: bool, as_json: bool
+) -> None:
+    if as_json:
+        facts: dict[str, Any] = {"written": [str(place) for place in written]}
+        steps = [{"step": step, "error": why} for step, why in refused.items()]
+        print_json({**facts, "steps": count, "refused": steps, "interrupted": interrupted})
+        return
+    if written:
+        print(f"Written: {written[0]} to {written[-1].name}, {len(written)} of {count} surfaces.")
+    for step, why in refused.items():
+        note(f"step {step} is left out. {why}")
+    if interrupted:
+        print(f"Interrupted: {len(written)} of {count} steps are kept.", file=sys.stderr)

@@ -1,0 +1,329 @@
+"""`keypose import`: recorded motion as a start for tracking, keypoints as first poses."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app.cli.arguments import (
+    Subcommands,
+    add_command,
+    add_json,
+    add_session,
+    file_name,
+    note,
+    whole_number,
+)
+from app.cli.json_output import print_json
+from tracker.errors import FormatError
+
+if TYPE_CHECKING:
+    from app.export.import_motion import Draft, ImportedMotion
+    from tracker.formats.joint_motion import JointMotion
+    from tracker.formats.reading_keypoints import Keypoints
+    from tracker.geometry.rotations import Array
+    from tracker.session import Session
+
+EVERY = 24
+"""Frames from one draft to the next, when none are named."""
+
+UNLIKE = 0.05
+"""Share by which bodies differ in size before it is told."""
+TOLD = 12
+"""Names that are left out and told; JSON has all of them."""
+
+_EXAMPLES = """\
+  keypose import session.json walk.bvh
+  keypose import session.json walk.trc --offset-frames 12 --names names.json
+  keypose import session.json openpose/ --keypoints --frames 0,24,48
+"""
+
+
+def add(commands: Subcommands) -> None:
+    text = (
+        "Bring in a motion recorded elsewhere, or keypoints seen in the pictures. BVH, TRC, C3D or "
+        "CSV: the motion is fitted to the session's body, laid on its keyframes and kept as a "
+        "start for tracking, used where it scores better than the tracker's own. With --keypoints, "
+        "COCO or OpenPose: drafts of poses at some frames. Keyframes are never changed."
+    )
+    command = add_command(commands, "import", run, text, _EXAMPLES)
+    add_session(command)
+    what = "motion file; with --keypoints a COCO file or a folder of OpenPose files"
+    command.add_argument("file", metavar="FILE", type=file_name, help=what)
+    motion = command.add_argument_group("motion")
+    motion.add_argument(
+        "--names", metavar="MAP.json", type=file_name, help='{"their name": "our joint", …}'
+    )
+    motion.add_argument(
+        "--offset-frames",
+        metavar="N",
+        type=int,
+        help="the video's frame at which the file's time 0 lies; in frames, may be negative",
+    )
+    motion.add_argument("--offset-s", metavar="S", type=_seconds, help="the same in seconds")
+    motion.add_argument(
+        "--unit",
+        choices=("m", "cm", "mm", "auto"),
+        help="of the file's lengths; auto scales them to the body; the file's own when left out, "
+        "auto where it names none",
+    )
+    motion.add_argument("--fps", metavar="X", type=_rate, help="the file's frames a second")
+    points = command.add_argument_group("keypoints")
+    points.add_argument("--keypoints", action="store_true", help="the file holds 2D keypoints")
+    points.add_argument("--exchange", action="store_true", help="exchange left and right of them")
+    points.add_argument("--frames", metavar="N,N,…", type=_frames, help="frames to make drafts at")
+    points.add_argument(
+        "--every",
+        metavar="N",
+        type=whole_number(1),
+        help=f"frames from one draft to the next ({EVERY} when left out)",
+    )
+    add_json(command)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from app.document.folder_lock import locked
+    from tracker.storage.files import load_session, open_video_of
+
+    _demand_of_a_kind(arguments)
+    keypoints = _keypoints(arguments) if arguments.keypoints else None
+    motion = None if arguments.keypoints else _motion(arguments)
+    path: Path = arguments.session
+    # One that is not there is told of by reading it.
+    with locked(path, "close it there first") if path.is_file() else nullcontext():
+        session = load_session(arguments.session)
+        with open_video_of(session, arguments.session) as video:
+            times_s = video.info.times_s
+        if keypoints is not None:
+            _import_keypoints(session, keypoints, arguments, times_s)
+        elif motion is not None:
+            _import_motion(session, motion, arguments, times_s)
+    return 0
+
+
+_MOTION = ("names", "offset_frames", "offset_s", "unit", "fps")
+_KEYPOINTS = ("exchange", "frames", "every")
+
+
+def _demand_of_a_kind(arguments: argparse.Namespace) -> None:
+    """An option of the other kind would be ignored in silence."""
+    others = _MOTION if arguments.keypoints else _KEYPOINTS
+    given = [name for name in others if getattr(arguments, name) not in (None, False)]
+    if given:
+        kind = "motion, not for --keypoints" if arguments.keypoints else "--keypoints"
+        raise FormatError(f"--{given[0].replace('_', '-')} is for {kind}.")
+    for one, other in (("offset_frames", "offset_s"), ("frames", "every")):
+        if getattr(arguments, one) is not None and getattr(arguments, other) is not None:
+            names = (f"--{name.replace('_', '-')}" for name in (one, other))
+            raise FormatError(f"{' and '.join(names)} say the same; give one of them.")
+
+
+# --- motion
+
+
+def _motion(arguments: argparse.Namespace) -> JointMotion:
+    from dataclasses import replace
+
+    from tracker.formats.reading import load_motion
+
+    motion = load_motion(arguments.file)
+    if arguments.fps is not None:
+        motion = motion.at_rate(arguments.fps)
+    if arguments.unit == "auto":
+        return replace(motion, unit=None)
+    return motion if arguments.unit is None else motion.in_unit(arguments.unit)
+
+
+def _import_motion(
+    session: Session, motion: JointMotion, arguments: argparse.Namespace, times_s: Array
+) -> None:
+    from app.export.import_motion import fit_to_session
+    from tracker.formats.joint_names import load_names
+    from tracker.storage.files import save_session
+    from tracker.storage.first_motion import save_first_motion
+
+    names = None if arguments.names is None else load_names(arguments.names)
+    offset_s = _offset_s(arguments, times_s)
+    file = arguments.file.name
+    found = fit_to_session(session, motion, file, times_s, offset_s, names)
+    theirs = {motion.names[i]: ours for i, ours, _ in found.matched.known}
+    saved = save_first_motion(session, arguments.session, found.fit.trajectory, file, theirs)
+    save_session(saved, arguments.session)
+    assert saved.first_motion is not None
+    written = arguments.session.parent / saved.first_motion.file
+    _tell_motion(_facts(found, theirs, written), arguments.json)
+    if found.scale == 1.0 and abs(found.size - 1.0) > UNLIKE:
+        percent, word = 100 * abs(1 / found.size - 1), "larger" if found.size < 1 else "smaller"
+        note(f"its body is {percent:.0f} % {word} than the session's; --unit auto would scale it.")
+    if session.settings.initial == "linear":
+        note("settings.initial is linear: set it to auto or import for the motion to be used.")
+
+
+def _offset_s(arguments: argparse.Namespace, times_s: Array) -> float:
+    """The video's time at which the file's time 0 lies; beyond the video at its mean rate."""
+    if arguments.offset_frames is None:
+        return arguments.offset_s or 0.0
+    frame, last = arguments.offset_frames, len(times_s) - 1
+    if 0 <= frame <= last:
+        return float(times_s[frame])
+    return float(frame * (times_s[-1] - times_s[0]) / max(last, 1))
+
+
+def _facts(found: ImportedMotion, theirs: dict[str, str], written: Path) -> dict[str, Any]:
+    import numpy as np
+
+    fit, rms = found.fit, found.fit.rms_m
+    worst = int(np.nanargmax(rms))
+    return {
+        "written": str(written),
+        "first_frame": fit.trajectory.first_frame,
+        "last_frame": fit.trajectory.last_frame,
+        "convention": found.matched.convention,
+        "matched": theirs,
+        "left_out": list(found.matched.left_out),
+        "size": found.size,
+        "scale": found.scale,
+        "rms_cm": float(100 * np.sqrt(np.nanmean(rms**2))),
+        "worst_rms_cm": float(100 * rms[worst]),
+        "worst_frame": fit.trajectory.first_frame + worst,
+        "not_converged": [
+            fit.trajectory.first_frame + int(n) for n in np.flatnonzero(~fit.converged)
+        ],
+        "keyframes": list(found.aligned),
+        "from_keyframes_cm": 100 * found.keyframes_m,
+    }
+
+
+def _tell_motion(facts: dict[str, Any], as_json: bool) -> None:
+    if as_json:
+        print_json(facts)
+        return
+    pairs = ", ".join(f"{theirs} = {ours}" for theirs, ours in facts["matched"].items())
+    print(f"Frames {facts['first_frame']}–{facts['last_frame']}.")
+    print(f"Matched {len(facts['matched'])} joints ({facts['convention']}): {pairs}")
+    if facts["left_out"]:
+        count, more = len(facts["left_out"]), ", …" if len(facts["left_out"]) > TOLD else ""
+        print(f"Left out {count}: {', '.join(facts['left_out'][:TOLD])}{more}")
+    if facts["scale"] != 1.0:
+        print(f"Scaled to the body's size: × {facts['scale']:.4g}")
+    print(
+        f"The body meets the joints to {facts['rms_cm']:.2f} cm (rms), at worst "
+        f"{facts['worst_rms_cm']:.2f} cm at frame {facts['worst_frame']}."
+    )
+    if facts["keyframes"]:
+        frames = ", ".join(str(frame) for frame in facts["keyframes"])
+        print(f"Laid on the keyframes {frames}: {facts['from_keyframes_cm']:.1f} cm from them.")
+    else:
+        print("No keyframe overlaps: it stands before the camera, and keyframes will settle where.")
+    if facts["not_converged"]:
+        note(f"the fit did not come to rest at {len(facts['not_converged'])} frames.")
+    print(f"Written: {facts['written']}")
+
+
+# --- keypoints
+
+
+def _keypoints(arguments: argparse.Namespace) -> Keypoints:
+    from tracker.formats.reading_keypoints import load_keypoints
+
+    keypoints = load_keypoints(arguments.file)
+    return keypoints.exchanged() if arguments.exchange else keypoints
+
+
+def _import_keypoints(
+    session: Session, keypoints: Keypoints, arguments: argparse.Namespace, times_s: Array
+) -> None:
+    from app.export.import_motion import drafts_of
+    from tracker.storage.files import save_session
+
+    frames = _wanted_frames(session, keypoints, arguments)
+    drafts = drafts_of(session, keypoints, arguments.file.name, frames, times_s)
+    if drafts:
+        every = (*session.drafts, *(draft.keyframe for draft in drafts))
+        ordered = tuple(sorted(every, key=lambda draft: draft.frame))
+        save_session(session.model_copy(update={"drafts": ordered}), arguments.session)
+    _tell_drafts(session, drafts, frames, arguments)
+
+
+def _wanted_frames(
+    session: Session, keypoints: Keypoints, arguments: argparse.Namespace
+) -> list[int]:
+    count = session.video.frame_count
+    if arguments.frames is not None:
+        beyond = [frame for frame in arguments.frames if frame >= count]
+        if beyond:
+            raise FormatError(
+                f"There is no frame {beyond[0]}; the video's frames are 0 to {count - 1}."
+            )
+        return sorted(set(arguments.frames))
+    there = [frame for frame in sorted(keypoints.frames) if frame < count]
+    if not there:
+        raise FormatError(f"{arguments.file.name} has no keypoints at the video's frames.")
+    every = arguments.every or EVERY
+    return [frame for frame in there if (frame - there[0]) % every == 0]
+
+
+def _tell_drafts(
+    session: Session,
+    drafts: tuple[Draft, ...],
+    frames: list[int],
+    arguments: argparse.Namespace,
+) -> None:
+    made = {draft.keyframe.frame for draft in drafts}
+    posed = {k.frame for k in (*session.keyframes, *session.drafts)}
+    kept = [frame for frame in frames if frame in posed]
+    empty = [frame for frame in frames if frame not in posed and frame not in made]
+    if arguments.json:
+        told = [
+            {
+                "frame": draft.keyframe.frame,
+                "keypoints": draft.keypoints,
+                "miss_px": draft.miss_px,
+                "converged": draft.converged,
+                "doubtful": draft.doubtful,
+            }
+            for draft in drafts
+        ]
+        print_json({"drafts": told, "kept": kept, "without_keypoints": empty})
+        return
+    for draft in drafts:
+        doubt = "; look at it closely" if draft.doubtful or not draft.converged else ""
+        print(
+            f"Draft at frame {draft.keyframe.frame}: {draft.keypoints} keypoints, missed by "
+            f"{draft.miss_px:.1f} px on average{doubt}"
+        )
+    if kept:
+        print(f"Left as posed: {', '.join(map(str, kept))}")
+    if empty:
+        print(f"Too few keypoints: {', '.join(map(str, empty))}")
+    if drafts:
+        print(f"Written: {arguments.session}")
+
+
+# --- arguments
+
+
+def _seconds(text: str) -> float:
+    return _number(text, -1e6, 1e6)
+
+
+def _rate(text: str) -> float:
+    return _number(text, 1e-3, 1e5)
+
+
+def _number(text: str, least: float, most: float) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        number = math.nan
+    if not least <= number <= most:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number from {least:g} to {most:g}")
+    return number
+
+
+def _frames(text: str) -> list[int]:
+    parse = whole_number(0)
+    return [parse(word) for word in text.split(",")]

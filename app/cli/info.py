@@ -1,0 +1,190 @@
+"""`keypose info`: the facts of a video, or of meshes."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from app.cli.arguments import Subcommands, add_command, add_json, file_name
+from app.cli.json_output import print_json
+from tracker.errors import SurfaceError
+
+if TYPE_CHECKING:
+    from tracker.video import Video
+
+Told: TypeAlias = tuple[dict[str, Any], list[str]]
+"""The facts, and the same in lines for a person."""
+
+_EXAMPLES = """\
+  keypose info jump.mp4
+  keypose info jump.mp4 --json
+  keypose info jump.mp4 --check
+  keypose info scan
+"""
+
+
+def add(commands: Subcommands) -> None:
+    text = (
+        "Tell size, frames, rate and fingerprint of a video file or a folder of images. Of meshes, "
+        "one for every time step, it tells steps and size, whether the first one has holes, and "
+        "which steps cannot be used as far as the beginnings of their files tell."
+    )
+    command = add_command(commands, "info", run, text, _EXAMPLES)
+    command.add_argument("video", metavar="VIDEO|MESHES", type=file_name, help="the video")
+    command.add_argument(
+        "--check",
+        action="store_true",
+        help="decode every frame of a video, and tell which are damaged",
+    )
+    add_json(command)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from tracker.surface.source import holds_meshes
+
+    if holds_meshes(arguments.video):
+        if arguments.check:
+            raise SurfaceError("Meshes cannot be checked like this: leave out --check.")
+        facts, lines = _of_meshes(arguments.video)
+    else:
+        facts, lines = _of_video(arguments.video, arguments.check)
+    if arguments.json:
+        print_json(facts, indent=2)
+        return 0
+    for line in lines:
+        print(line)
+    return 0
+
+
+def _of_video(path: Path, check: bool) -> Told:
+    from tracker.video import Video
+
+    with Video.open(path) as video:
+        if check:
+            _examine(video)
+        facts = {**_facts(video), "checked": check}
+    return facts, _lines(facts)
+
+
+def _examine(video: Video) -> None:
+    """Decode every frame; a bar at a terminal says how far it is."""
+    from tqdm import tqdm
+
+    count = video.info.frame_count
+    with tqdm(total=count, unit="frame", file=sys.stderr, disable=None, leave=False) as bar:
+        for reached in video.examine(0, count - 1):
+            bar.update(reached + 1 - bar.n)
+
+
+def _of_meshes(path: Path) -> Told:
+    from tracker.surface.beginning import first_mesh
+    from tracker.surface.files.sequence import MeshSequence
+    from tracker.surface.picture import CONTAINER
+
+    with MeshSequence.open(path) as meshes:
+        frame, mesh = first_mesh(meshes)
+        seen = meshes.glance()
+        facts = {
+            "path": str(path),
+            "container": CONTAINER,
+            "frame_count": meshes.frame_count,
+            "fps": meshes.fps,
+            "units": meshes.stated_units,
+            "up": meshes.stated_up,
+            "first_mesh": frame,
+            "vertices": len(mesh.vertices),
+            "faces": len(mesh.faces),
+            "extent": mesh.extent.tolist(),
+            "rim_edges": len(mesh.rim),
+            "consistency": mesh.consistency is not None,
+            "missing_frames": sorted(seen.problems),
+            "missing": {str(frame): words for frame, words in sorted(seen.problems.items())},
+            "looked_at": seen.looked_at,
+            "fingerprint": meshes.fingerprint(),
+        }
+    return facts, _mesh_lines(facts)
+
+
+def _mesh_lines(facts: dict[str, Any]) -> list[str]:
+    from tracker.surface.files.unusable import unusable_words
+
+    size = " × ".join(f"{length:.4g}" for length in facts["extent"])
+    units = facts["units"] or "units, which the files do not tell"
+    lines = [
+        facts["path"],
+        f"  meshes       0 to {facts['frame_count'] - 1}",
+        *([f"  rate         {facts['fps']:.3f} meshes/s"] if facts["fps"] else []),
+        f"  mesh {facts['first_mesh']:<8}{facts['vertices']} vertices, {facts['faces']} faces",
+        f"  size         {size} {units}",
+        f"  up           {facts['up'] or 'not told by the files'}",
+        f"  fingerprint  {facts['fingerprint']}",
+    ]
+    rims, looked_at = facts["rim_edges"], facts["looked_at"]
+    unusable = unusable_words({int(step): words for step, words in facts["missing"].items()})
+    notes = {
+        f"it has holes: {rims} edges have a face on one side only": rims,
+        unusable: unusable,
+        f"the files of steps {looked_at} and later were not looked at": looked_at
+        < facts["frame_count"],
+        "every vertex says how well the cameras agree on it": facts["consistency"],
+    }
+    return lines + [f"  note         {text}" for text, holds in notes.items() if holds]
+
+
+def _facts(video: Video) -> dict[str, Any]:
+    info = video.info
+    return {
+        "path": str(info.path),
+        "container": info.container,
+        "codec": info.codec,
+        "width": info.width,
+        "height": info.height,
+        "pixel_aspect": float(info.pixel_aspect),
+        "frame_count": info.frame_count,
+        "last_frame_s": float(info.times_s[-1]),
+        "fps": float(info.fps),
+        "variable_rate": info.variable_rate,
+        "interlaced": info.interlaced,
+        "rotation_deg": info.rotation_deg,
+        "missing_frames": list(info.missing),
+        "damaged_frames": list(info.damaged),
+        "fingerprint": video.fingerprint(),
+    }
+
+
+def _lines(facts: dict[str, Any]) -> list[str]:
+    last = facts["frame_count"] - 1
+    rate = "varying, mean " if facts["variable_rate"] else ""
+    lines = [
+        facts["path"],
+        f"  pictures     {facts['width']}×{facts['height']} pixels, {facts['codec']} in "
+        f"{facts['container']}",
+        f"  frames       0 to {last}, the last at {facts['last_frame_s']:.3f} s",
+        f"  rate         {rate}{facts['fps']:.3f} frames/s",
+        f"  fingerprint  {facts['fingerprint']}",
+    ]
+    notes = {
+        f"turned by {facts['rotation_deg']}° to stand upright": facts["rotation_deg"],
+        f"pixels {facts['pixel_aspect']:.4f} times as wide as high": facts["pixel_aspect"] != 1,
+        "interlaced: two half pictures are woven into one": facts["interlaced"],
+        f"{len(facts['missing_frames'])} frames cannot be decoded": facts["missing_frames"],
+        _damage(facts): facts["damaged_frames"],
+        "every frame was decoded, and none is damaged": facts["checked"]
+        and not (facts["missing_frames"] or facts["damaged_frames"]),
+    }
+    return lines + [f"  note         {text}" for text, holds in notes.items() if holds]
+
+
+def _damage(facts: dict[str, Any]) -> str:
+    """ "60 frames are damaged and not used for tracking: 31–60, 80–109"."""
+    import numpy as np
+
+    from tracker.tracking.diagnostics.verdict import runs
+
+    frames = facts["damaged_frames"]
+    flags = np.isin(np.arange(facts["frame_count"]), frames)
+    listed = ", ".join(str(a) if a == b else f"{a}–{b}" for a, b in runs(flags))
+    are = "frame is" if len(frames) == 1 else "frames are"
+    return f"{len(frames)} {are} damaged and not used for tracking: {listed}"

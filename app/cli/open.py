@@ -1,0 +1,241 @@
+"""`keypose open`: the page, served on this computer alone."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import ipaddress
+import signal
+import socket
+import sys
+import webbrowser
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.cli.arguments import (
+    UNITS,
+    UP_AXES,
+    Subcommands,
+    add_command,
+    file_name,
+    host_name,
+    note,
+    whole_number,
+)
+from tracker.errors import KeyposeError
+
+if TYPE_CHECKING:
+    from app.document.library import Library
+    from app.server.server import Server
+    from app.serving.links import Links
+
+PORT = 8090
+PORTS_TRIED = 10
+"""From there on. A second Keypose is found at the same port again after a restart."""
+
+_EXAMPLES = """\
+  keypose open jump.mp4
+  keypose open jump.keypose/session.json --port 8091 --no-browser
+  keypose open sample_videos/balance/session.json --out out/balance
+  keypose open scan --units cm --up +z
+"""
+_TUNNEL = """\
+Keypose is made for one person on one computer: its page travels unencrypted, and whoever comes with
+a link that it printed may do everything. From another computer, rather use an SSH tunnel,
+
+    ssh -L {port}:127.0.0.1:{port} {host}
+
+and open the address below without --host. To serve {host} all the same, add --let-others-in.
+"""
+
+
+def add(commands: Subcommands) -> None:
+    text = (
+        "Open a video, a folder of meshes or a session in the browser: pose keyframes over the "
+        "picture, track, correct, export. Without a name, the page lets you choose. A new session "
+        "is kept beside its video or meshes, and every change is saved at once. Ctrl+C ends the "
+        "server."
+    )
+    command = add_command(commands, "open", run, text, _EXAMPLES)
+    command.add_argument("path", metavar="VIDEO|MESHES|SESSION", type=file_name, nargs="?")
+    command.add_argument(
+        "--port",
+        metavar="N",
+        type=whole_number(0, 65535),
+        default=None,
+        help=f"default: {PORT}, or the next that is free; 0: any free one",
+    )
+    command.add_argument("--no-browser", action="store_true", help="only print the address")
+    command.add_argument(
+        "--out",
+        metavar="DIR",
+        type=file_name,
+        help="work on a copy of the session in DIR, made when it is missing",
+    )
+    command.add_argument(
+        "--workspace",
+        metavar="DIR",
+        type=file_name,
+        default=Path("~/Keypose").expanduser(),
+        help="where uploads, samples and the list of sessions are kept; default: ~/Keypose",
+    )
+    of_files = "of new meshes; as the files say, or guessed, when left out"
+    command.add_argument("--units", choices=UNITS, help=f"the unit {of_files}")
+    command.add_argument(
+        "--up", choices=UP_AXES, help=f"the axis, such as --up=-z, that is up {of_files}"
+    )
+    command.add_argument(
+        "--cameras", metavar="FILE", type=file_name, help="the calibrated cameras of new meshes"
+    )
+    command.add_argument(
+        "--host", default="127.0.0.1", help="another address to serve; default: 127.0.0.1"
+    )
+    command.add_argument(
+        "--let-others-in", action="store_true", help="allow a --host that others can reach"
+    )
+    command.add_argument(
+        "--public-name",
+        metavar="HOST",
+        type=host_name,
+        action="append",
+        default=[],
+        help="a name by which others reach this server, as it stands in their address: of a proxy, "
+        "or with :PORT of this computer; may be repeated; needs --let-others-in",
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    _demand_own(arguments)
+    from app.document.library import Library
+    from app.server.server import Server
+
+    path = arguments.path
+    if arguments.out is not None:
+        path = _copied(path, arguments.out)
+    library = Library(arguments.workspace, _roots(path))
+    path = _as_said(path, library, arguments)
+    listener = _listener(arguments.host, arguments.port)
+    server = Server(library, _names(arguments.host), tuple(arguments.public_name))
+    try:
+        return _serve(server, listener, path, arguments)
+    finally:
+        listener.close()
+        server.stage.stop()
+
+
+def _as_said(path: Path | None, library: Library, arguments: argparse.Namespace) -> Path | None:
+    """What to open, once its meshes are read as a person says."""
+    said = (arguments.units, arguments.up, arguments.cameras)
+    if said == (None, None, None):
+        return path
+    if path is None:
+        raise KeyposeError("--units, --up and --cameras need meshes to read.")
+    from app.document.new import read_as_said
+    from tracker.surface.beginning import Reading
+
+    reading = Reading(arguments.units, arguments.up)
+    opened, news = read_as_said(path, library.session_for, reading, arguments.cameras)
+    note(" ".join(news) or None)
+    return opened
+
+
+def _serve(
+    server: Server, listener: socket.socket, path: Path | None, arguments: argparse.Namespace
+) -> int:
+    """Until a signal asks to end."""
+    hang_up = getattr(signal, "SIGHUP", signal.SIGTERM)  # the terminal was closed
+    for number in (signal.SIGINT, signal.SIGTERM, hang_up):
+        signal.signal(number, lambda *_: server.ask_to_stop())
+    from app.serving.addresses import reachable
+    from app.serving.links import Links
+
+    loop = server.stage.loop
+    if path is not None:
+        asyncio.run_coroutine_threadsafe(server.store.open(path), loop).result()
+    server.listen(listener)
+    links = Links(server.guard, reachable(arguments.host), arguments.public_name)
+    links.print_first()
+    print("Ctrl+C ends it; everything is saved as you go.", flush=True)
+    if not arguments.no_browser:
+        _show(links, arguments.workspace)
+    try:
+        server.wait()
+    finally:
+        links.end()
+    print("Keypose has ended; everything is saved.", flush=True)
+    return 0
+
+
+def _roots(path: Path | None) -> list[Path]:
+    """The folders whose videos the page may list: where one is, where the opened file lies, and
+    where people keep films."""
+    beside = [] if path is None else [path.absolute().parent]
+    from app.document.library import usual_folders
+
+    return list(dict.fromkeys([Path.cwd(), *beside, *usual_folders(Path.home())]))
+
+
+def _show(links: Links, workspace: Path) -> None:
+    """In the person's browser; those that would take over the terminal are left alone."""
+    try:
+        browser = webbrowser.get()
+    except webbrowser.Error:
+        return
+    if type(browser) is webbrowser.GenericBrowser:
+        return
+    try:
+        browser.open(links.file(workspace).as_uri())
+    except KeyposeError as error:
+        note(f"{error} Open the link above in your browser.")
+
+
+def _demand_own(arguments: argparse.Namespace) -> None:
+    """Only this computer's own address, or an explicit word that others may come."""
+    if arguments.let_others_in:
+        return
+    if arguments.public_name:
+        raise KeyposeError("--public-name lets others in: add --let-others-in.")
+    if _is_own(arguments.host):
+        return
+    port = arguments.port or PORT
+    print(_TUNNEL.format(host=arguments.host, port=port), file=sys.stderr)
+    raise KeyposeError(
+        f"{arguments.host} can be reached by others, which --host alone does not allow."
+    )
+
+
+def _is_own(host: str) -> bool:
+    if host == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+def _names(host: str) -> tuple[str, ...]:
+    """What a request may call this server besides the address at which it arrives."""
+    from app.serving.addresses import is_wildcard, shown
+
+    return (socket.gethostname(),) if is_wildcard(host) else (shown(host),)
+
+
+def _listener(host: str, port: int | None) -> socket.socket:
+    """A bound socket: the port asked for, or the first free one from the usual one on."""
+    from app.server.listening import bound
+
+    if port is not None:
+        return bound(host, port)
+    for usual in range(PORT, PORT + PORTS_TRIED):
+        with suppress(KeyposeError):  # it is taken
+            return bound(host, usual)
+    return bound(host, 0)
+
+
+def _copied(path: Path | None, out: Path) -> Path:
+    from app.document.open import copied_session
+
+    if path is None:
+        raise KeyposeError("--out needs a session to copy.")
+    return copied_session(path, out)

@@ -1,0 +1,145 @@
+"""What becomes of a run that tracked or fitted: written, and told."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app.cli.json_output import print_json
+from app.cli.preparing import prepare_loops
+from tracker.errors import SessionError
+
+if TYPE_CHECKING:
+    from app.cli.follow import Run
+    from tracker.session import Results, Session
+
+DONE, LOST, INTERRUPTED = 0, 1, 130
+
+
+def tracked(session: Session, asked: Session, arguments: argparse.Namespace) -> int:
+    """Track the session as it was asked for, keep what was found, tell it; the exit code.
+
+    session: as its file is to stand.  arguments: session, out, overwrite, workers, json.
+    """
+    from app.cli.follow import follow
+    from app.document.folder_lock import locked
+    from tracker.storage.files import open_video_of
+    from tracker.storage.finding import as_seen
+
+    _demand_place(arguments)
+    copy = "add --out DIR to track a copy" if arguments.out is None else "choose another --out"
+    lock = locked(_place(arguments), f"close it there, or {copy}")
+    with open_video_of(asked, arguments.session) as video, lock:
+        if session.surface is not None:
+            meshes = video.fingerprint()
+            session, asked = (as_seen(s, arguments.session, meshes) for s in (session, asked))
+        prepare_loops()
+        found = follow(asked, arguments.session, video, arguments.workers, arguments.json)
+        if found.error is not None and not found.found:
+            raise found.error
+        summary = _kept(session, asked, found, arguments)
+    _tell(summary, arguments.json)
+    if found.error is not None:
+        raise found.error
+    if found.interrupted:
+        return INTERRUPTED
+    return LOST if summary["lost"] else DONE
+
+
+def _demand_place(arguments: argparse.Namespace) -> None:
+    """Whether the results can be written is asked before the work, not after."""
+    from tracker.storage.atomic import demand_absent, demand_folder
+
+    folder = arguments.session.parent if arguments.out is None else arguments.out
+    if arguments.out is not None and not arguments.overwrite:
+        demand_absent([_place(arguments)], error=SessionError)
+    demand_folder(folder, error=SessionError)
+
+
+def _place(arguments: argparse.Namespace) -> Path:
+    """The session file to write."""
+    out: Path | None = arguments.out
+    session_path: Path = arguments.session
+    return session_path if out is None else out / "session.json"
+
+
+def _kept(
+    session: Session, asked: Session, found: Run, arguments: argparse.Namespace
+) -> dict[str, Any]:
+    """Write what was found for the session as it was asked for, if anything; the summary of it."""
+    summary: dict[str, Any] = {"interrupted": found.interrupted, "session": None, "tracks": None}
+    summary |= {"segments_of": len(asked.spans), "segments": [], "lost": False}
+    summary["error"] = None if found.error is None else str(found.error)
+    results = _write(session, asked, found, arguments)
+    if results is None:
+        return summary
+    spans = {track.span for track in found.found}
+    mine = [s for s in results.segments if (s.first_frame, s.last_frame) in spans]
+    summary |= {
+        "session": str(_place(arguments)),
+        "tracks": str(_place(arguments).with_name(results.tracks)),
+        "segments": [segment.model_dump() for segment in mine],
+        "lost": any(segment.verdict == "lost" for segment in mine),
+    }
+    return summary
+
+
+def _write(
+    session: Session, asked: Session, found: Run, arguments: argparse.Namespace
+) -> Results | None:
+    from app.document.open import moved
+    from app.jobs.rerun import keep, keep_elsewhere
+    from tracker.storage.atomic import make_folder, write_file
+    from tracker.storage.files import session_json
+    from tracker.storage.first_motion import carry_first_motion
+
+    if arguments.out is None or not found.found:
+        return keep(asked, arguments.session, found.found)
+    make_folder(arguments.out, error=SessionError)
+    carry_first_motion(session, arguments.session.parent, arguments.out)
+    place = _place(arguments)
+    results = keep_elsewhere(asked, place, found.found)
+    there = moved(session, arguments.session, arguments.out)
+    write_file(
+        place,
+        session_json(there.model_copy(update={"results": results})),
+        overwrite=arguments.overwrite,
+        keep_previous=True,
+        error=SessionError,
+    )
+    return results
+
+
+def _tell(summary: dict[str, Any], as_json: bool) -> None:
+    if as_json:
+        print_json({"event": "finished", **summary})
+        return
+    for segment in summary["segments"]:
+        print(f"frames {segment['first_frame']}–{segment['last_frame']}: {segment['words']}")
+        for note in segment["notes"]:
+            print(f"  {note}")
+    if summary["session"] is not None:
+        print(f"Written: {summary['tracks']}")
+        print(f"Written: {summary['session']}")
+        _hint(summary["session"])
+    if summary["interrupted"]:
+        print(f"Interrupted: {_left(summary)}", file=sys.stderr)
+
+
+def _left(summary: dict[str, Any]) -> str:
+    """What is there of a run that was interrupted."""
+    found = summary["segments"]
+    parts = sum(segment.get("missing", 0) > 0 for segment in found)
+    whole = f"{len(found) - parts} of {summary['segments_of']} segments are"
+    return f"{whole} finished, {parts} more kept in part." if parts else f"{whole} kept."
+
+
+def _hint(session: str) -> None:
+    """What to do next, for a person at a terminal."""
+    if sys.stdout.isatty():
+        place = shlex.quote(session)
+        print(f"Next: keypose shot {place} --frame N --view all --out FILE.png")
+        print(f"      keypose export {place} --format bvh --out DIR")

@@ -1,0 +1,28 @@
+"""`keypose schema`: the JSON Schema of the files a person may write."""
+
+from __future__ import annotations
+
+import argparse
+
+from app.cli.arguments import Subcommands, add_command
+from app.cli.json_output import print_json
+
+_EXAMPLES = """\
+  keypose schema session > session.schema.json
+  keypose schema body
+"""
+
+
+def add(commands: Subcommands) -> None:
+    text = "Print the JSON Schema of a body file or a session file."
+    command = add_command(commands, "schema", run, text, _EXAMPLES)
+    command.add_argument("kind", choices=("body", "session"), help="which file")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from tracker.body.body import Body
+    from tracker.session import Session
+
+    model = Body if arguments.kind == "body" else Session
+    print_json(model.model_json_schema(), indent=2)
+    return 0

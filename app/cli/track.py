@@ -1,0 +1,58 @@
+"""`keypose track`: find the motion between the keyframes and keep it beside the session."""
+
+from __future__ import annotations
+
+import argparse
+
+from app.cli.arguments import Subcommands, add_command, add_session, add_work
+
+_EXAMPLES = """\
+  keypose track session.json
+  keypose track session.json --quality preview --workers 2 --out try
+  keypose track session.json --json > events.jsonl
+  keypose track session.json --method paper --initial templates --leave-out right_hand
+"""
+
+
+def add(commands: Subcommands) -> None:
+    text = (
+        "Track the motion between the keyframes. Results are written beside the session, which "
+        "then refers to them; with --out, a copy of the session and the results go to that folder "
+        "and the session stays as it is. Ctrl+C or SIGTERM keeps the segments that are finished. "
+        "A session that is open in the page is left alone. The exit code is 1 when tracking "
+        "was lost somewhere."
+    )
+    command = add_command(commands, "track", run, text, _EXAMPLES)
+    add_session(command)
+    of_session = "; the session's own when left out"
+    command.add_argument("--method", choices=("keypose", "paper"), help=f"how{of_session}")
+    qualities = ("full", "fast", "preview")
+    command.add_argument("--quality", choices=qualities, help=f"how much work{of_session}")
+    starts = ("auto", "linear", "templates", "both-ways", "import")
+    command.add_argument(
+        "--initial",
+        choices=starts,
+        help="where every segment starts from: interpolation, head, hands and feet followed by "
+        "what they look like, the body followed from both keyframes, or an imported motion"
+        f"{of_session}",
+    )
+    command.add_argument(
+        "--leave-out",
+        metavar="PART",
+        action="append",
+        help=f"a part whose limb is not followed by its looks; may be given again{of_session}",
+    )
+    add_work(command)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from app.cli.outcome import tracked
+    from app.jobs.rerun import demand_trackable, with_settings
+    from tracker.storage.files import load_session
+
+    session = load_session(arguments.session)
+    demand_trackable(session, arguments.session)
+    asked = with_settings(
+        session, arguments.method, arguments.quality, arguments.initial, arguments.leave_out
+    )
+    return tracked(session, asked, arguments)

@@ -1,0 +1,172 @@
+"""Views, sizes and frames as a person writes them, for the commands that draw."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+from contextlib import nullcontext
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app.cli.arguments import note, whole_number
+from tracker.errors import FormatError
+
+if TYPE_CHECKING:
+    from app.render.films import FilmView
+    from app.render.snapshots import View
+    from app.render.studio import Size
+    from app.render.viewpoints import Viewpoint
+    from tracker.session import Session
+
+NAMES = ("main", "top", "side", "front", "all")
+SMALLEST_SIDE, LARGEST_SIDE, MOST_PIXELS = 16, 8192, 20_000_000
+_NUMBER = re.compile(r"[+-]?\d{1,6}(\.\d{0,9})?")
+
+
+def session_to_draw(arguments: argparse.Namespace, what: str, *suffixes: str) -> Session:
+    """The session to draw, once it is known that the file can be written."""
+    from tracker.storage.atomic import demand_absent, demand_folder
+    from tracker.storage.files import load_session
+
+    out: Path = arguments.out
+    if out.suffix.lower() not in suffixes:
+        raise FormatError(f"{str(out)!r} must end in {suffixes[0]}, the format of the {what}.")
+    session = load_session(arguments.session)
+    if not arguments.overwrite:
+        demand_absent([out])
+    demand_folder(out.parent)
+    return session
+
+
+def add_style(command: argparse.ArgumentParser) -> None:
+    """How the body is drawn over the video."""
+    styles = ("wire", "solid", "both")
+    command.add_argument(
+        "--style", choices=styles, default="both", help="of the body over the video; default: both"
+    )
+    command.add_argument(
+        "--opacity",
+        metavar="PERCENT",
+        type=whole_number(0, 100),
+        default=50,
+        help="of the solid body over the video; default: 50",
+    )
+
+
+def add_tint(command: argparse.ArgumentParser) -> None:
+    """What colours an observed surface."""
+    command.add_argument(
+        "--tint",
+        choices=("clay", "contact", "photo", "distance"),
+        default="clay",
+        help="of an observed surface: what it counts for by contact or by the cameras, or how far "
+        "it is from the body; default: clay",
+    )
+
+
+def demand_tint(session: Session, tint: str) -> None:
+    """Refused where there is nothing to colour, or nothing that colours it."""
+    if tint != "clay" and session.surface is None:
+        raise FormatError(f"This session is about a video: it has no surface to colour by {tint}.")
+    if tint in ("contact", "distance") and session.model_keyframe is None:
+        raise FormatError(
+            f"No surface moves with the body yet, so nothing is known of {tint}: set a keyframe "
+            "first."
+        )
+
+
+def video_if_there(session: Session, session_path: Path, otherwise: str) -> Any:
+    """The session's video, opened; where it is gone, nothing, with a note."""
+    from tracker.errors import SessionError
+    from tracker.storage.files import open_video_of, video_path
+
+    try:
+        return open_video_of(session, session_path)
+    except SessionError:
+        if _exists(video_path(session, session_path)):  # another one, or damaged
+            raise
+    what = "video is" if session.surface is None else "meshes are"
+    note(f"the {what} missing; {otherwise}.")
+    return nullcontext()
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except OSError:  # such as a name too long for any file
+        return False
+
+
+def still_view(text: str) -> View | Viewpoint:
+    """main, top, side, front, all, orbit:AZIMUTH[,ELEVATION] or camera:AZIMUTH,ELEVATION[,M]."""
+    if text in NAMES:
+        return text  # type: ignore[return-value]
+    return _viewpoint(text, f"{', '.join(NAMES)}, orbit:AZIMUTH,ELEVATION in degrees")
+
+
+def film_view(text: str) -> FilmView:
+    """main, top, side, front, all, orbit or camera:AZIMUTH,ELEVATION[,METRES]."""
+    if text in (*NAMES, "orbit"):
+        return text  # type: ignore[return-value]
+    return _viewpoint(text, f"{', '.join(NAMES)}, orbit, camera:AZIMUTH,ELEVATION in degrees")
+
+
+def size(text: str) -> Size:
+    """Such as 1920x1080."""
+    found = re.fullmatch(r"(\d{1,5})[x×X](\d{1,5})", text)
+    sides = (int(found[1]), int(found[2])) if found else (0, 0)
+    if not found or not SMALLEST_SIDE <= min(sides) <= max(sides) <= LARGEST_SIDE:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a size such as 1920x1080, sides from {SMALLEST_SIDE} to "
+            f"{LARGEST_SIDE} pixels"
+        )
+    if sides[0] * sides[1] > MOST_PIXELS:
+        millions = MOST_PIXELS // 10**6
+        raise argparse.ArgumentTypeError(f"{text!r} has more than {millions} million pixels")
+    return sides
+
+
+def scale(text: str) -> float:
+    """Such as 2 or 0.5."""
+    value = float(text) if _NUMBER.fullmatch(text) else 0.0
+    if not 0.05 <= value <= 16:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0.05 to 16")
+    return value
+
+
+def rate(text: str) -> Fraction:
+    """Frames a second, such as 25, 29.97 or 30000/1001."""
+    try:
+        value = Fraction(text) if len(text) <= 16 and "e" not in text.lower() else Fraction(0)
+    except (ValueError, ZeroDivisionError):
+        value = Fraction(0)
+    if not Fraction(1, 10) <= value <= 1000:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a rate from 0.1 to 1000 frames a second")
+    return value.limit_denominator(100_000)
+
+
+def stretch(text: str) -> tuple[int, int]:
+    """Frames such as 10-60."""
+    found = re.fullmatch(r"(\d{1,9})[-–](\d{1,9})", text)
+    if not found or int(found[1]) > int(found[2]):
+        raise argparse.ArgumentTypeError(f"{text!r} are no frames such as 10-60")
+    return int(found[1]), int(found[2])
+
+
+def _viewpoint(text: str, views: str) -> Viewpoint:
+    from app.render.viewpoints import ELEVATION_DEG, Viewpoint
+
+    kind, _, told = text.partition(":")
+    numbers = [float(word) for word in told.split(",") if _NUMBER.fullmatch(word)]
+    least, most = {"orbit": (1, 2), "camera": (2, 3)}.get(kind, (1, 0))
+    if len(numbers) != told.count(",") + 1 or not least <= len(numbers) <= most:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a view; choose {views}")
+    azimuth, elevation = math.fmod(numbers[0], 360.0), [*numbers, ELEVATION_DEG][1]
+    if abs(elevation) > 90:
+        raise argparse.ArgumentTypeError(f"{text!r}: an elevation is from -90 to 90 degrees")
+    distance = numbers[2] if len(numbers) == 3 else None
+    if distance is not None and not 0.1 <= distance <= 10_000:
+        raise argparse.ArgumentTypeError(f"{text!r}: a distance is from 0.1 to 10000 metres")
+    return Viewpoint(azimuth, elevation, distance)

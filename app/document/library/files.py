@@ -1,0 +1,201 @@
+"""The videos, surfaces, sessions and folders of images in the folders that may be looked into."""
+
+from __future__ import annotations
+
+import os
+import re
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, TypeAlias
+from urllib.parse import quote_from_bytes, unquote_to_bytes
+
+from app.document.library.names import shown
+from app.document.library.uploading import SURFACES
+from tracker.errors import KeyposeError
+from tracker.files import read_head
+from tracker.surface.files.sources import SUFFIXES as MESHES
+from tracker.surface.source import are_meshes
+from tracker.video.container import SUFFIXES
+from tracker.video.folder import SUFFIXES as IMAGES
+
+Kind: TypeAlias = Literal["video", "images", "meshes", "session"]
+
+MOST_FILES = 2000
+MOST_ENTRIES = 20_000
+DEEPEST = 6
+LONGEST_SECONDS = 3.0
+"""A folder may be the whole of a slow disk: what was found by then is shown."""
+
+SESSION_FOLDER = ".keypose"
+_HEAD_BYTES = 512
+_PACKETS = ((0, 188), (4, 192))
+"""Of a transport stream: where the first one begins, and how far it is to the next."""
+
+_ALSO_CODE = (".ts", ".mts")
+"""Endings that TypeScript has, too."""
+
+_SET_ASIDE = re.compile(r"\.theirs-[0-9a-f]{8}\.json$")
+"""The name of what another program wrote into a session, kept beside it."""
+
+
+@dataclass(frozen=True)
+class Found:
+    """Something that can be opened. `id` is its place: the root's number and the path in it."""
+
+    id: str
+    kind: Kind
+    name: str
+    folder: str
+    bytes: int
+    count: int  # of images or meshes in a folder of them
+    modified_s: float
+
+
+@dataclass(frozen=True)
+class Listing:
+    """What was found, by folder and name; `more`: the search ended before everything was seen."""
+
+    files: tuple[Found, ...]
+    more: bool
+
+
+def find_files(roots: Sequence[Path]) -> Listing:
+    """Everything that can be opened in these folders and those inside them; hidden ones are not
+    looked into, links to folders not followed, links to files that lie outside left out."""
+    found: dict[Path, Found] = {}
+    left = _Budget()
+    for number, root in enumerate(roots):
+        for folder, folders, names in os.walk(root):
+            here = Path(folder)
+            folders[:] = sorted(name for name in folders if not name.startswith("."))
+            if len(here.relative_to(root).parts) >= DEEPEST:
+                folders.clear()
+            if not left.spend(len(folders) + len(names)) or len(found) >= MOST_FILES:
+                return Listing(_sorted(found), more=True)
+            for one in _in_folder(number, root, here, names):
+                path = root / unquoted(one.id.partition("/")[2])
+                if is_inside(path, roots):
+                    found.setdefault(path.resolve(), one)
+    return Listing(_sorted(found), more=False)
+
+
+def file_at(id: str, roots: Sequence[Path]) -> Path:
+    """The path behind an id; KeyposeError when it is not in one of the folders."""
+    number, _, inner = id.partition("/")
+    if number.isascii() and number.isdecimal() and int(number) < len(roots) and len(number) < 6:
+        place = unquoted(inner)
+        if place and "\0" not in place:
+            path = roots[int(number)] / place
+            if is_inside(path, roots) and path.exists():
+                return path
+    raise KeyposeError("This file is not there any more.")
+
+
+def is_inside(path: Path, roots: Sequence[Path]) -> bool:
+    """Whether it lies in one of the folders once all links are followed."""
+    try:
+        real = path.resolve()
+        return any(real.is_relative_to(root.resolve()) for root in roots)
+    except (OSError, RuntimeError, ValueError):  # a ring of links, a name no file can have
+        return False
+
+
+def quoted(path: Path) -> str:
+    """A relative path as text that survives every transport, whatever bytes its names have."""
+    return quote_from_bytes(os.fsencode(path.as_posix()))
+
+
+def unquoted(text: str) -> str:
+    """The path that was quoted."""
+    return os.fsdecode(unquote_to_bytes(text))
+
+
+class _Budget:
+    """How much may still be looked at."""
+
+    def __init__(self) -> None:
+        self._entries = MOST_ENTRIES
+        self._until = time.monotonic() + LONGEST_SECONDS
+
+    def spend(self, entries: int) -> bool:
+        self._entries -= entries
+        return self._entries >= 0 and time.monotonic() < self._until
+
+
+def _in_folder(number: int, root: Path, here: Path, names: Sequence[str]) -> Iterator[Found]:
+    seen = [name for name in names if not name.startswith(".")]
+    for name in seen:
+        kind = _kind(here / name)
+        if kind is not None:
+            yield from _found(number, root, here / name, kind)
+    if here != root:
+        what: Kind = "meshes" if are_meshes(seen) else "images"
+        suffixes = MESHES if what == "meshes" else IMAGES
+        count = sum(name.lower().endswith(suffixes) for name in seen)
+        if count > 1:
+            yield from _found(number, root, here, what, count)
+
+
+def _kind(path: Path) -> Kind | None:
+    suffix = path.suffix.lower()
+    if suffix in SUFFIXES:
+        return "video" if suffix not in _ALSO_CODE or _is_transport_stream(path) else None
+    if suffix == SURFACES:
+        return "meshes"
+    return "session" if suffix == ".json" and is_session(path) else None
+
+
+def is_session(path: Path) -> bool:
+    """Told by its first bytes: a folder may hold many large files of other kinds.
+
+    A version that was set aside is no session of its own.
+    """
+    if _SET_ASIDE.search(path.name):
+        return False
+    head = _head(path)
+    return b'"schema_version"' in head and b'"video"' in head
+
+
+def _is_transport_stream(path: Path) -> bool:
+    """Told by the byte that begins each of its packets, which a recorder's clock may precede."""
+    head = _head(path)
+    return any(head[at : at + 1] == head[at + size :][:1] == b"G" for at, size in _PACKETS)
+
+
+def _head(path: Path) -> bytes:
+    """The first bytes of a file; none where it cannot be read."""
+    try:
+        return read_head(path, _HEAD_BYTES)
+    except OSError:
+        return b""
+
+
+def _found(number: int, root: Path, path: Path, kind: Kind, count: int = 0) -> Iterator[Found]:
+    try:
+        facts = path.stat()
+    except OSError:  # a link to nowhere
+        return
+    place = path.relative_to(root)
+    name, folder = path.name, path.parent
+    if kind == "session" and name == "session.json" and path.parent != root:
+        name, folder = path.parent.name.removesuffix(SESSION_FOLDER), path.parent.parent
+    yield Found(
+        id=f"{number}/{quoted(place)}",
+        kind=kind,
+        name=shown(name),
+        folder=shown(str(folder)),
+        bytes=facts.st_size,
+        count=count,
+        modified_s=facts.st_mtime,
+    )
+
+
+def _sorted(found: dict[Path, Found]) -> tuple[Found, ...]:
+    """The roots in their order; in each the folders, and the files in them, by name."""
+
+    def key(one: Found) -> tuple[int, str, str]:
+        return int(one.id.partition("/")[0]), one.folder, one.name.casefold()
+
+    return tuple(sorted(found.values(), key=key))

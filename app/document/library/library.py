@@ -1,0 +1,227 @@
+"""The library: everything the start screen shows, and the paths behind it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, Literal, TypeAlias
+
+from app.document.library.files import file_at, find_files, is_inside
+from app.document.library.names import shown
+from app.document.library.places import SESSION, session_for
+from app.document.library.recents import Recent, Span, forget, read_recents, remember, spans_of
+from app.document.library.samples import bundled, own_copy
+from app.document.library.uploading import LARGEST_BYTES, SURFACES, Upload
+from tracker.errors import KeyposeError, SessionError
+from tracker.files import read_own
+from tracker.session.schema import Session
+from tracker.storage.atomic import make_folder, write_file
+from tracker.storage.files import load_session, open_video_of, save_session
+from tracker.video.container import SUFFIXES
+from tracker.video.fingerprint import fingerprint_of_file
+
+Kind: TypeAlias = Literal["recent", "file", "sample", "upload"]
+
+SAMPLE_FOLDER = Path(__file__).resolve().parents[3] / "sample_videos"
+_SAMPLE_THUMB = "sample-"
+_LARGEST_THUMB_BYTES = 4 * 2**20
+
+
+class Library:
+    """Sessions, videos and samples of one person.
+
+    workspace: Keypose's own folder: recents, copies of samples, uploads, and the sessions of
+               videos whose folders cannot be written to. Made when it is needed.
+    roots:     the folders whose files may be listed and opened; the uploads are always among them.
+    """
+
+    def __init__(
+        self,
+        workspace: Path,
+        roots: Sequence[Path] = (),
+        *,
+        samples: Path = SAMPLE_FOLDER,
+        largest_upload: int = LARGEST_BYTES,
+    ) -> None:
+        self.workspace = workspace.absolute()
+        self.uploads = self.workspace / "videos"
+        self.roots = (*(root.absolute() for root in roots), self.uploads)
+        self._samples = samples
+        self._largest = largest_upload
+        self._book = self.workspace / "recents.json"
+        self._thumbs = self.workspace / "thumbs"
+
+    # --- what there is
+
+    def contents(self) -> dict[str, Any]:
+        """All of it as the page wants it; looks into folders, so call it in a thread."""
+        listing = find_files(self.roots)
+        return {
+            "recents": [_recent_json(one) for one in self.recents()],
+            "samples": [
+                {"id": s.name, "words": s.words, "thumb": f"/thumb/{_SAMPLE_THUMB}{s.name}.jpg"}
+                for s in bundled(self._samples)
+            ],
+            "files": [
+                {
+                    **{"id": f.id, "kind": f.kind, "name": f.name, "folder": f.folder},
+                    **{"bytes": f.bytes, "count": f.count, "modified_at": f.modified_s},
+                }
+                for f in listing.files
+            ],
+            "more": listing.more,
+            "folders": [shown(str(root)) for root in self.roots if root.is_dir()],
+            "suffixes": [*SUFFIXES, SURFACES],
+            "largest_upload": self._largest,
+        }
+
+    def recents(self) -> list[Recent]:
+        """Sessions opened lately whose files are still there, the newest first."""
+        return [one for one in read_recents(self._book) if Path(one.path).is_file()]
+
+    def remember(self, path: Path, session: Session, spans: Sequence[Span] | None = None) -> None:
+        """Put a session first among the recent ones.
+
+        spans: the segments as they stand; left out, they are what the session itself tells.
+        KeyposeError in one sentence when the disk refuses: no reason to stop.
+        """
+        if shown(str(path)) != str(path):
+            return  # a name that is no text cannot be written down
+        told = spans_of(session) if spans is None else spans
+        remember(self._book, Recent.of(path, session, told, time.time()))
+
+    def forget(self, id: str) -> None:
+        """Leave a session out of the recent ones; its files stay."""
+        forget(self._book, id)
+
+    # --- the paths behind it
+
+    def find(self, kind: Kind, id: str, video: str | None = None) -> Path:
+        """The session file or video to open; KeyposeError in one sentence when there is none.
+
+        video: for a recent session whose video was moved: the id of the file it is now.
+        """
+        if kind == "sample":
+            return own_copy(self._samples, id, self.workspace)
+        if kind == "upload":
+            return self._uploaded(id)
+        if kind == "file":
+            return file_at(id, self.roots)
+        path = self._recent(id)
+        if video is not None:
+            self._move_video(path, self.find("file", video))
+        return path
+
+    def session_for(self, video: Path) -> Path:
+        """Where the session of a video lives; the file may not exist yet."""
+        return session_for(video, self.workspace)
+
+    def _recent(self, id: str) -> Path:
+        for one in self.recents():
+            if one.id == id:
+                return Path(one.path)
+        raise KeyposeError("This session is not there any more.")
+
+    def _uploaded(self, id: str) -> Path:
+        path = self.uploads / id
+        is_plain = "\0" not in id and path.parent == self.uploads and path.name == id
+        if is_plain and is_inside(path, [self.uploads]) and path.is_file():
+            return path
+        raise KeyposeError("This video is not there any more.")
+
+    def _move_video(self, path: Path, video: Path) -> None:
+        """Let a session name its video's new place, if that is the same video."""
+        session = load_session(path)
+        reference = session.video.model_copy(update={"path": str(video.absolute())})
+        moved = session.model_copy(update={"video": reference})
+        try:
+            open_video_of(moved, path).close()
+        except SessionError:
+            raise SessionError(
+                f"{video.name} is another video. {path.parent.name} was posed on "
+                f"{reference.frame_count} frames, {reference.width}×{reference.height}."
+            ) from None
+        save_session(moved, path)
+
+    # --- uploads
+
+    def upload(self, name: str, size: int | None) -> Upload:
+        """Begin an upload into the workspace; see Upload."""
+        return Upload(self.uploads, name, size, self._largest)
+
+    def discard(self, id: str) -> None:
+        """Remove an upload that turned out to be no video."""
+        with suppress(KeyposeError, OSError):
+            self._uploaded(id).unlink()
+
+    # --- pictures
+
+    def thumb(self, id: str) -> bytes | None:
+        """The JPEG behind /thumb/{id}.jpg, None when there is none; decodes, so use a thread."""
+        known = self._pictured(id)
+        if known is None:
+            return None
+        kept = self._thumbs / f"{id}.jpg"
+        with suppress(OSError):
+            return read_own(kept, _LARGEST_THUMB_BYTES)
+        content = _thumb_of(known)
+        if content is not None:
+            with suppress(KeyposeError):  # then it is made anew the next time
+                make_folder(self._thumbs)
+                write_file(kept, content, overwrite=True)
+        return content
+
+    def _pictured(self, id: str) -> Path | None:
+        """The session of a picture; ids come from a page, so only known ones lead to a file."""
+        for sample in bundled(self._samples):
+            if id == _SAMPLE_THUMB + sample.name:
+                return self._samples / sample.name / SESSION
+        return next((Path(r.path) for r in self.recents() if _thumb_id(r) == id), None)
+
+
+def _thumb_of(path: Path) -> bytes | None:
+    from app.document.library.thumbnails import (
+        thumbnail,  # with the decoder, when a picture is wanted
+    )
+
+    try:
+        session = load_session(path)
+        with open_video_of(session, path) as video:
+            return thumbnail(session, video)
+    except KeyposeError:
+        return None
+
+
+def _thumb_id(recent: Recent) -> str:
+    """Another middle keyframe makes another picture, so browsers may keep each for ever."""
+    return f"{recent.id}-{recent.middle_frame}"
+
+
+def _recent_json(recent: Recent) -> dict[str, Any]:
+    exchanged = _is_exchanged(recent)
+    return {
+        "id": recent.id,
+        "name": shown(recent.name),
+        "path": shown(recent.path),
+        "video": shown(Path(recent.video).name),
+        "keyframes": recent.keyframes,
+        "frames": recent.frames,
+        "strip": [list(piece) for piece in recent.strip],
+        "opened_at": recent.opened_at,
+        "thumb": f"/thumb/{_thumb_id(recent)}.jpg",
+        "missing": exchanged or not Path(recent.video).exists(),
+        "exchanged": exchanged,
+    }
+
+
+def _is_exchanged(recent: Recent) -> bool:
+    """Whether another video lies where the session's was."""
+    video = Path(recent.video)
+    try:
+        if not recent.fingerprint or not video.is_file():
+            return False
+        return fingerprint_of_file(video, recent.frames) != recent.fingerprint
+    except (OSError, ValueError):
+        return False

@@ -1,0 +1,125 @@
+"""The sessions opened lately, in one small file of the workspace."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Literal, Self, TypeAlias
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from app.document.library.files import SESSION_FOLDER
+from tracker.files import read_own
+from tracker.session import SegmentSummary, Session
+from tracker.storage.atomic import make_folder, write_file
+from tracker.storage.files import video_path
+
+MOST = 40
+LARGEST_BYTES = 4 * 2**20
+
+State: TypeAlias = Literal["good", "check", "lost", "outdated", "tracking", "waiting", "none"]
+Span: TypeAlias = tuple[int, int, State]
+"""(first frame, last frame, state) of a segment."""
+
+Piece: TypeAlias = tuple[State, Annotated[int, Field(ge=1)]]
+"""(state, frames): the strip of a session from the video's first frame to its last."""
+
+
+class Recent(BaseModel):
+    """A session as the start screen shows it, without opening it."""
+
+    model_config = ConfigDict(frozen=True)
+
+    path: str
+    name: str
+    video: str
+    keyframes: int
+    frames: int
+    middle_frame: int
+    strip: tuple[Piece, ...]
+    opened_at: float
+    fingerprint: str = ""
+
+    @property
+    def id(self) -> str:
+        return id_of(self.path)
+
+    @classmethod
+    def of(cls, path: Path, session: Session, spans: Sequence[Span], now_s: float) -> Self:
+        """What is remembered of a session in this file."""
+        return cls(
+            path=str(path.absolute()),
+            name=path.parent.name.removesuffix(SESSION_FOLDER) or path.stem,
+            video=str(video_path(session, path)),
+            keyframes=len(session.keyframes),
+            frames=session.video.frame_count,
+            middle_frame=middle_frame(session),
+            strip=strip_of(spans, session.video.frame_count),
+            opened_at=now_s,
+            # Meshes have another kind of fingerprint; that they are others is told on opening.
+            fingerprint="" if session.surface is not None else session.video.fingerprint,
+        )
+
+
+def id_of(path: str) -> str:
+    """What the page calls the session in this file."""
+    return hashlib.sha256(path.encode("utf-8", "surrogateescape")).hexdigest()[:16]
+
+
+class _Book(BaseModel):
+    recents: tuple[Recent, ...] = ()
+
+
+def read_recents(file: Path) -> tuple[Recent, ...]:
+    """Newest first; a file that cannot be read is as good as none."""
+    try:
+        return _Book.model_validate_json(read_own(file, LARGEST_BYTES)).recents
+    except (OSError, ValidationError):
+        return ()
+
+
+def remember(file: Path, recent: Recent) -> None:
+    """Put a session first. KeyposeError in one sentence when the disk refuses."""
+    others = (one for one in read_recents(file) if one.path != recent.path)
+    book = _Book(recents=(recent, *others)[:MOST])
+    make_folder(file.parent)
+    write_file(file, book.model_dump_json(indent=1).encode(), overwrite=True)
+
+
+def forget(file: Path, id: str) -> None:
+    """Leave a session out; its files stay."""
+    kept = tuple(one for one in read_recents(file) if one.id != id)
+    write_file(file, _Book(recents=kept).model_dump_json(indent=1).encode(), overwrite=True)
+
+
+def spans_of(session: Session) -> list[Span]:
+    """The verdicts a session file tells itself."""
+    found = {(s.first_frame, s.last_frame): s.verdict for s in _summaries(session)}
+    return [(first, last, found.get((first, last), "none")) for first, last in session.spans]
+
+
+def strip_of(spans: Sequence[Span], frame_count: int) -> tuple[Piece, ...]:
+    """How the video's frames are covered, from the first to the last; equal neighbours joined."""
+    pieces: list[Piece] = []
+    at = 0
+    for first, last, state in [*sorted(spans), (frame_count - 1, frame_count - 1, "none")]:
+        for piece in (("none", first - at), (state, last - first)):
+            if piece[1] < 1:
+                continue
+            if pieces and pieces[-1][0] == piece[0]:
+                pieces[-1] = (pieces[-1][0], pieces[-1][1] + piece[1])
+            else:
+                pieces.append((piece[0], piece[1]))
+        at = max(at, last)
+    return tuple(pieces)
+
+
+def middle_frame(session: Session) -> int:
+    """The frame of the middle keyframe, or of the middle draft; without any the first."""
+    posed = session.keyframes or session.drafts
+    return posed[len(posed) // 2].frame if posed else 0
+
+
+def _summaries(session: Session) -> Sequence[SegmentSummary]:
+    return session.results.segments if session.results is not None else ()

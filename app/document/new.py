@@ -1,0 +1,187 @@
+"""A session that is begun: of a video, or of observed surfaces."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from app.document.folder_lock import locked
+from app.editor.documents import NEAREST_M
+from tracker.body.body import Body, preset
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.scaling import with_height
+from tracker.body.skeleton import Skeleton
+from tracker.errors import SessionError, SurfaceError
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array, apply_transform
+from tracker.session.schema import Session, Surface, VideoReference
+from tracker.storage.atomic import make_folder
+from tracker.storage.files import load_session, save_session, video_path
+from tracker.storage.finding import cameras_seen
+from tracker.surface.beginning import Reading, begun, first_mesh
+from tracker.surface.cameras.rig import Rig
+from tracker.surface.files.sequence import MeshSequence
+from tracker.surface.source import SurfaceSteps, holds_meshes
+from tracker.video import Video
+
+FIRST_BODY = "adult_male"
+PEOPLE_M = (0.5, 2.5)
+"""Heights of surfaces that may well be a person's."""
+
+
+def new_session(video: Video, session_path: Path) -> Session:
+    """An empty session of a video: a guessed camera, an adult, no keyframes."""
+    info = video.info
+    _demand_text(info.path)
+    return Session(
+        video=VideoReference(
+            path=path_from(info.path, session_path.parent),
+            fingerprint=video.fingerprint(),
+            frame_count=info.frame_count,
+            width=info.width,
+            height=info.height,
+        ),
+        camera=Camera.guess(info.width, info.height),
+        body=preset(FIRST_BODY),
+    )
+
+
+def new_surface_session(
+    meshes: Path, session_path: Path, reading: Reading, cameras: Path | None = None
+) -> tuple[Session, tuple[str, ...]]:
+    """An empty session of observed surfaces: a camera before them, an adult, no keyframes; and
+    what had to be guessed, in a sentence. SurfaceError where there are no meshes to use.
+
+    cameras: the file of the cameras that took them.
+    """
+    _demand_text(meshes)
+    rig = None
+    if cameras is not None:
+        _demand_text(cameras)
+        rig = Rig.open(cameras)
+        reading = replace(reading, cameras=path_from(cameras, session_path.parent))
+    with MeshSequence.open(meshes) as sequence:
+        found = begun(sequence, reading, rig)
+        video = VideoReference(
+            path=path_from(meshes, session_path.parent),
+            fingerprint=sequence.fingerprint(),
+            frame_count=sequence.frame_count,
+            width=found.camera.width,
+            height=found.camera.height,
+        )
+    body = _as_tall(preset(FIRST_BODY), found.height_m)
+    surface = found.surface if cameras is None else cameras_seen(found.surface, cameras)
+    session = Session(video=video, camera=found.camera, body=body, surface=surface)
+    return session, found.news
+
+
+def _as_tall(body: Body, height_m: float) -> Body:
+    """The body with the height of what is observed, where that may be a person's."""
+    low, high = PEOPLE_M
+    return with_height(body, height_m) if low <= height_m <= high else body
+
+
+def read_as_said(
+    path: Path, session_for: Callable[[Path], Path], reading: Reading, cameras: Path | None
+) -> tuple[Path, tuple[str, ...]]:
+    """The session of meshes, written or changed so that they are read as a person says; and what
+    had to be guessed all the same, in a sentence.
+
+    SessionError where the body was posed in them as they are read now: then only the page changes
+    that, for the poses follow there.
+    """
+    named = path / "session.json" if (path / "session.json").is_file() else path
+    is_session = named.suffix.lower() == ".json"
+    session_path = named if is_session else session_for(path)
+    if not is_session and not holds_meshes(path):
+        raise SessionError(f"{str(path)!r} holds no meshes: only these have units and an up axis.")
+    meshes = path
+    if session_path.exists():
+        session = load_session(session_path)
+        if session.surface is None:
+            raise SessionError(f"{session_path.name} is about a video, not about meshes.")
+        meshes = video_path(session, session_path)
+        if _is_read_so(session.surface, reading) and cameras is None:
+            return session_path, ()
+        if session.keyframes or session.drafts:
+            raise SessionError(
+                f"{session_path.name} has poses already: open it without --units, --up and "
+                "--cameras, and change units and up under Fit, where the poses follow."
+            )
+        reading, cameras = _filled(session.surface, session_path, reading, cameras)
+    new, news = new_surface_session(meshes, session_path, reading, cameras)
+    if session_path.exists():
+        new = _read_anew(session, new)
+    make_folder(session_path.parent, error=SessionError)
+    with locked(session_path, "close it there"):
+        save_session(new, session_path)
+    return session_path, news
+
+
+def _filled(
+    surface: Surface, session_path: Path, reading: Reading, cameras: Path | None
+) -> tuple[Reading, Path | None]:
+    """What a person says now, and what is left out as the session has it."""
+    filled = Reading(reading.units or surface.units, reading.up or surface.up)
+    if cameras is None and surface.cameras is not None:
+        cameras = session_path.absolute().parent / surface.cameras
+    return filled, cameras
+
+
+def _read_anew(session: Session, new: Session) -> Session:
+    """A session whose meshes are read as in a new one; fitted they are as it says itself."""
+    surface, read = session.surface, new.surface
+    assert surface is not None
+    assert read is not None
+    names = ("units", "up", "p_camera_surface", "cameras", "cameras_fingerprint")
+    surface = surface.model_copy(update={name: getattr(read, name) for name in names})
+    return session.model_copy(update={"surface": surface, "camera": new.camera})
+
+
+def _is_read_so(surface: Surface, reading: Reading) -> bool:
+    return reading.units in (None, surface.units) and reading.up in (None, surface.up)
+
+
+def standing_in(pose: Pose, body: Body, steps: SurfaceSteps) -> Pose:
+    """The same pose in the middle of the first surface that can be used; as it is without one."""
+    try:
+        mesh = steps.shape(first_mesh(steps.sequence)[0])
+    except SurfaceError:
+        return pose
+    skeleton = Skeleton.of(body)
+    Ts = pose_transforms(skeleton, pose)
+    shapes = [
+        apply_transform(T, part.shape.mesh().vertices)
+        for T, part in zip(Ts, body.parts, strict=True)
+    ]
+    to_middle = _middle(mesh.vertices) - _middle(np.concatenate(shapes))
+    moved = Pose(pose.Rs_parent_part, pose.p_camera_root + to_middle)
+    in_sight = pose_transforms(skeleton, moved)[:, 2, 3].min() > NEAREST_M
+    return moved if in_sight else pose
+
+
+def _middle(points: Array) -> Array:
+    """(3,) of the box around points."""
+    return np.asarray((points.min(axis=0) + points.max(axis=0)) / 2)
+
+
+def path_from(path: Path, folder: Path) -> str:
+    """Relative where both lie on one disk, so that a folder can be moved as a whole."""
+    try:
+        return Path(os.path.relpath(path.absolute(), folder.absolute())).as_posix()
+    except ValueError:  # another drive
+        return str(path.absolute())
+
+
+def _demand_text(path: Path) -> None:
+    """A session is text, and so is what it calls its video."""
+    try:
+        str(path).encode()
+    except UnicodeEncodeError:
+        raise SessionError(
+            f"The name {str(path)!r} is no text in UTF-8: rename it or its folder."
+        ) from None

@@ -1,0 +1,266 @@
+"""From a path a person gave to a session with its video: opened, or begun."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from app.document.edit_log import Beginning
+from app.document.new import new_session, new_surface_session, path_from, standing_in
+from app.editor.sights import up_of
+from app.editor.state import EditorState
+from app.posing import opening_pose
+from tracker.body.skeleton import Skeleton
+from tracker.errors import SessionError
+from tracker.files import read_regular
+from tracker.geometry.rotations import Array
+from tracker.session.history import History
+from tracker.session.schema import Keyframe, Session
+from tracker.storage.atomic import make_folder
+from tracker.storage.chronicle import OUTSIDE, is_same_film, of_film
+from tracker.storage.files import (
+    LARGEST_SESSION_BYTES,
+    Opened,
+    journal_path,
+    load_session,
+    open_session,
+    open_video_at,
+    open_video_of,
+    save_session,
+    video_path,
+)
+from tracker.storage.finding import as_seen
+from tracker.storage.first_motion import carry_first_motion
+from tracker.storage.results import Results, load_results
+from tracker.surface.beginning import Reading
+from tracker.surface.picture import SurfaceVideo
+from tracker.surface.source import holds_meshes
+from tracker.video import Video
+
+
+@dataclass(frozen=True, eq=False)
+class Workpiece:
+    """A session, the file it is saved in, and its video; `fresh` when it was begun just now.
+
+    history: what can be undone and done again since another day.  journal: where it stands.
+    news:    what a person has to know of it, in sentences.
+    """
+
+    session_path: Path
+    session: Session
+    video: Video
+    fresh: bool
+    history: History = field(default_factory=History)
+    journal: Beginning = field(default_factory=Beginning)
+    news: tuple[str, ...] = ()
+
+    @property
+    def name(self) -> str:
+        """What a person calls it: the folder's name, or the video's."""
+        folder = self.session_path.parent.name
+        return folder.removesuffix(".keypose") or self.video.info.path.stem
+
+    def is_same(self, other: Workpiece) -> bool:
+        """Whether both are saved in one file."""
+        return _is_one_file(self.session_path, other.session_path)
+
+    def is_stale(self) -> bool:
+        """Whether its files have been written to since they were read."""
+        return _content(self.session_path) != self.journal.content or (
+            _length(journal_path(self.session_path)) != self.journal.length
+        )
+
+    def film(self) -> str:
+        """Equal for the same video only; reads a little of the file."""
+        return self.session.video.fingerprint or self.video.fingerprint()
+
+
+def open_workpiece(path: Path, session_for: Callable[[Path], Path]) -> Workpiece:
+    """Open a session file, or a video or meshes with the session that belongs to them.
+
+    `session_for` tells where a video's session lives; where none does yet, one is begun.
+    KeyposeError in one sentence when it cannot be opened.
+    """
+    if path.suffix.lower() == ".json":
+        return _opened(path)
+    if path.is_dir() and (path / "session.json").is_file():
+        return _opened(path / "session.json")
+    if not path.exists():
+        raise SessionError(f"There is no file {str(path)!r}.")
+    if holds_meshes(path):
+        return _with_meshes(path, session_for)
+    video = Video.open(path)
+    try:
+        session_path = session_for(video.info.path)
+        if not session_path.exists():
+            return Workpiece(session_path, new_session(video, session_path), video, fresh=True)
+    except BaseException:
+        video.close()
+        raise
+    video.close()
+    return _opened(session_path)
+
+
+def _with_meshes(path: Path, session_for: Callable[[Path], Path]) -> Workpiece:
+    """The same of observed surfaces."""
+    session_path = session_for(path)
+    if session_path.exists():
+        return _opened(session_path)
+    session, news = new_surface_session(path, session_path, Reading())
+    video = open_video_at(session, path, session_path.parent)
+    return Workpiece(session_path, session, video, fresh=True, news=news)
+
+
+def edit_state(piece: Workpiece) -> tuple[EditorState, str]:
+    """What the page starts from: the session at its first keyframe, with its tracked motion.
+
+    And a sentence where that cannot be read, for the keyframes are worth more than the motion.
+    """
+    session = piece.session
+    try:
+        results, problem = load_results(session, piece.session_path), ""
+    except SessionError as error:
+        results, problem = Results(), f"{error} The keyframes are all there: track again."
+    opening = opening_pose(session.body, session.camera, up_of(session))
+    if isinstance(piece.video, SurfaceVideo):
+        opening = standing_in(opening, session.body, piece.video.steps)
+    state = EditorState(
+        doc=session.model_copy(update={"results": None}),
+        skeleton=Skeleton.of(session.body),
+        times_s=piece.video.info.times_s,
+        opening=opening,
+        results=results,
+        history=piece.history,
+        frame=session.keyframes[0].frame if session.keyframes else 0,
+        selected=session.body.parts[0].name,
+    )
+    return state, problem
+
+
+def _opened(path: Path) -> Workpiece:
+    path = Path(os.path.realpath(path))  # journal and lock lie beside the file, not beside a link
+    content = _content(path)
+    opened = open_session(path)
+    session, found = opened.session, opened.recovered
+    journal, follows = opened.journal, found.follows and opened.journal.whole
+    video = open_video_of(session, path)
+    moment, news = found.moment, _news(opened)
+    if not _is_one_file(video_path(session, path), video.info.path):
+        place = path_from(video.info.path, path.parent)
+        session = session.model_copy(
+            update={"video": session.video.model_copy(update={"path": place})}
+        )
+        moment = of_film(moment, session)
+        what = "video was" if session.surface is None else "meshes were"
+        news = (*news, f"The {what} found again at {place}.")
+    seen = as_seen(session, path, video.fingerprint()) if session.surface else session
+    if seen is not session:
+        news = (*news, *_exported_again(session, seen))
+        session, moment = seen, of_film(moment, seen)
+    timed = timed_by(session, video.info.times_s)
+    if timed is not session:  # a new keyframe's time would not stand between the others'
+        session, follows = timed, False
+        moment = moment.each(lambda doc: timed_by(doc, video.info.times_s))
+    return Workpiece(
+        path,
+        session,
+        video,
+        fresh=False,
+        history=moment.history,
+        journal=Beginning(journal.size, follows, content, journal.length, moment.received),
+        news=news,
+    )
+
+
+def _exported_again(before: Session, now: Session) -> tuple[str, ...]:
+    """What has changed beside a session about surfaces, if it was known before."""
+    assert before.surface is not None
+    assert now.surface is not None
+    known = {
+        "meshes": (before.video.fingerprint, now.video.fingerprint),
+        "cameras": (before.surface.cameras_fingerprint, now.surface.cameras_fingerprint),
+    }
+    others = [what for what, (was, is_now) in known.items() if was not in ("", is_now)]
+    if not others:
+        return ()
+    return (f"The {' and '.join(others)} have changed since they were last opened: fit again.",)
+
+
+def timed_by(doc: Session, times_s: Array) -> Session:
+    """With each pose at its frame's time in the video, which hand-written sessions may not know."""
+
+    def timed(poses: tuple[Keyframe, ...]) -> tuple[Keyframe, ...]:
+        told = [(pose, float(times_s[pose.frame])) for pose in poses]
+        if all(pose.time_s == time_s for pose, time_s in told):
+            return poses
+        return tuple(pose.model_copy(update={"time_s": time_s}) for pose, time_s in told)
+
+    keyframes, drafts = timed(doc.keyframes), timed(doc.drafts)
+    if keyframes is doc.keyframes and drafts is doc.drafts:
+        return doc
+    return doc.model_copy(update={"keyframes": keyframes, "drafts": drafts})
+
+
+def _is_one_file(one: Path, other: Path) -> bool:
+    return os.path.realpath(one) == os.path.realpath(other)
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return read_regular(path, LARGEST_SESSION_BYTES)
+    except OSError:
+        return b""
+
+
+def _length(path: Path) -> int:
+    try:
+        return path.stat().st_size
+    except OSError:
+        return 0
+
+
+def _news(opened: Opened) -> tuple[str, ...]:
+    found = opened.recovered
+    if opened.problem:
+        return (f"{opened.problem} What could be undone before does not come back.",)
+    if not opened.journal.whole:
+        return ("The journal of edits is damaged: some steps may not come back by undo.",)
+    if found.ahead:
+        edits = "An edit" if found.ahead == 1 else f"{found.ahead} edits"
+        return (f"{edits} made before Keypose ended unexpectedly came back.",)
+    past = found.moment.history.past
+    if not found.follows and past and past[-1].label == OUTSIDE:
+        return ("The session was changed outside this page; undo brings back how you left it.",)
+    return ()
+
+
+def copied_session(path: Path, out: Path) -> Path:
+    """A session of one's own in a folder: made when it is not there yet, else as it was left."""
+    target = out / "session.json"
+    session = load_session(path)
+    if target.exists():
+        if not is_same_film(load_session(target), session):
+            raise SessionError(f"{str(out)!r} holds the session of another video; choose another.")
+        return target
+    make_folder(out)
+    carry_first_motion(session, path.parent, out)
+    save_session(moved(session, path, out).model_copy(update={"results": None}), target)
+    return target
+
+
+def moved(session: Session, session_path: Path, folder: Path) -> Session:
+    """The session as it reads in another folder: paths that were relative lead from there."""
+
+    def from_there(path: str) -> str:
+        place = session_path.absolute().parent / path
+        return str(place) if Path(path).is_absolute() else path_from(place, folder)
+
+    video, surface = session.video, session.surface
+    update: dict[str, Any] = {"video": video.model_copy(update={"path": from_there(video.path)})}
+    if surface is not None and surface.cameras is not None:
+        cameras = from_there(surface.cameras)
+        update["surface"] = surface.model_copy(update={"cameras": cameras})
+    return session.model_copy(update=update)

@@ -1,0 +1,288 @@
+"""Where the next keyframe helps most, and why, in the page's words."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal
+
+import numpy as np
+
+from tracker.geometry.rotations import Array, log_rotation, transpose
+from tracker.storage.results import Finding, SegmentTrack, Span, damaged_in_words, frames_in_words
+from tracker.tracking.diagnostics.expected_gain import MENDED
+
+NEXT_FRAMES = 24
+"""A good first distance of keyframes: about a second."""
+LONG_FRAMES = 32
+"""Past this length, fast motion is lost in half of all segments."""
+SHORT_FRAMES, SHORT_HIDDEN_FRAMES = 4, 6
+"""Intervals up to these lengths gain nothing from one keyframe more. What is hidden, whoever sets
+the keyframe does not see either."""
+HIDDEN, HIDDEN_FRAMES = 0.15, 3
+"""As in the verdict: a part below this observability, for so many frames, is not seen."""
+
+WORTH_PX = 0.6
+"""What a keyframe must be expected to mend, in the mean over a segment that is good."""
+KEYED_FRAMES = 8
+"""What is expected to be mended in intervals up to this length is mostly the keyframes' own error,
+which no keyframe more takes away."""
+OWN_PX = 0.2
+"""How much a motion can be expected to stray with every frame from the nearer keyframe. What seems
+to be more is a keyframe's own error, and one more beside it would not mend it."""
+FAST, FAST_DEG, FAST_SHARE = 1.5, 2.0, 0.6
+"""Motion is fast where a part turns more than so many times the segment's mean, and more than so
+many degrees a frame; and worth a word where that is less than this share of the segment."""
+ROOT_LEVER_M = 0.3
+"""The lever at which a turn of the root moves the body as far as a shift does."""
+
+Fitting = Mapping[Span, SegmentTrack]
+
+
+@dataclass(frozen=True)
+class Suggestion:
+    """What to do next. words: a sentence or two; reason: why, without a full stop, may be empty.
+
+    kind: "pose" a frame and press K; "key" set the keyframe `frame`; "track" what is not tracked as
+    it is posed now; "look" at `frame`, where keyframes themselves are wrong or no keyframe more
+    would help; "good" nothing.
+    """
+
+    frame: int | None
+    words: str
+    reason: str
+    kind: Literal["pose", "key", "track", "look", "good"]
+
+
+def suggestion(
+    keys: Sequence[int], frame_count: int, fitting: Fitting, parts: Sequence[str] = ()
+) -> Suggestion:
+    """The one thing that helps most. keys: frames of the keyframes, ascending.
+
+    fitting: the results of the present segments (Results.fitting); unfinished ones count as none.
+    parts: names of the body's parts, so that what is hidden where tracking was lost can be named.
+    """
+    if len(keys) < 2:
+        return _first_poses(keys, frame_count)
+    spans = list(pairwise(keys))
+    done = {span: fitting[span] for span in spans if span in fitting and fitting[span].finished}
+    if len(done) == len(spans) and all(track.need is not None for track in done.values()):
+        return _by_gain(list(done.values()), parts) or _all_good(keys, frame_count)
+    bad = [track for track in done.values() if track.kind != "good"]
+    to_mend = [track for track in bad if not _is_past_mending(track)]
+    for kind in ("lost", "check"):
+        found = [track for track in to_mend if track.kind == kind]
+        if kind == "check" and len(done) < len(spans):
+            break  # first everything is tracked, then it is made better
+        if found:
+            return _about(max(found, key=_need), parts)
+    if len(done) < len(spans):
+        return _to_track([span for span in spans if span not in done])
+    divided = _longest(spans)
+    if divided is None and bad:
+        return _look(max(bad, key=lambda track: (track.kind == "lost", _need(track))), parts)
+    return divided or _all_good(keys, frame_count)
+
+
+def _by_gain(tracks: Sequence[SegmentTrack], parts: Sequence[str]) -> Suggestion | None:
+    """The keyframe that is expected to mend most, of all segments; None where all is good.
+
+    What short intervals still show is the keyframes' own error: that much is not to be gained.
+    """
+    wrong = [track for track in tracks if track.kind != "good" and _blames_keys(track)]
+    if wrong:
+        return _about(max(wrong, key=_need), parts)
+    short = [_gain(track) for track in tracks if track.last - track.first <= KEYED_FRAMES]
+    floor = float(np.median(short)) if short else 0.0
+    open_ = [track for track in tracks if not _is_past_mending(track)]
+    worth = [t for t in open_ if t.kind == "lost" or _gain(t) > floor + WORTH_PX]
+    if worth:
+        best = max(worth, key=lambda track: (float(_strayed(track).sum()), _gain(track)))
+        return _key_where_it_gains(best, parts, tracks)
+    bad = [track for track in tracks if track.kind != "good"]
+    if bad:
+        return _look(max(bad, key=lambda track: (track.kind == "lost", _need(track))), parts)
+    return None
+
+
+def _gain(track: SegmentTrack) -> float:
+    """Pixels that the best keyframe in a segment is expected to mend, in the mean over it."""
+    assert track.need is not None
+    return float(track.need.max() / (track.last - track.first))
+
+
+def _strayed(track: SegmentTrack) -> Array:
+    """(n + 1,) pixels by which the motion may be off without the keyframes' own errors."""
+    assert track.need is not None
+    away = np.arange(len(track.need))
+    most = OWN_PX * np.minimum(away, away[::-1])
+    whole = float(track.need.sum())
+    if whole <= 0:
+        return most
+    return np.minimum(track.need * (float(track.need.max()) / MENDED / whole), most)
+
+
+def _key_where_it_gains(
+    track: SegmentTrack, parts: Sequence[str], tracks: Sequence[SegmentTrack]
+) -> Suggestion:
+    frame = track.first + int(_strayed(track).argmax())
+    frame = min(max(frame, track.first + 1), track.last - 1)
+    return Suggestion(frame, f"Key frame {frame} next.", _why(track, frame, parts, tracks), "key")
+
+
+def _why(
+    track: SegmentTrack, frame: int, parts: Sequence[str], tracks: Sequence[SegmentTrack]
+) -> str:
+    """What makes a keyframe needed there: what the verdict says, or what is seen of the motion."""
+    length, finding = track.last - track.first, track.finding
+    if finding is not None and finding.kind != "good":
+        about = finding.frames if finding.part else None
+        if about is None or about[0] <= frame <= about[1]:
+            return _reason(track, finding, parts)
+    fast = _fast_about(track, frame)
+    if fast is not None:
+        return f"Fast motion {frames_in_words(*fast)}"
+    lengths = [other.last - other.first for other in tracks]
+    if min(lengths) < length == max(lengths):
+        return f"Longest interval, {length} frames"
+    return f"Most drift in {frames_in_words(track.first, track.last)}"
+
+
+def _fast_about(track: SegmentTrack, frame: int) -> Span | None:
+    """The run of fast frames that a frame lies in, where it stands out of its segment."""
+    path = track.trajectory
+    Rs, ps = path.Rs_parent_part, path.ps_camera_root
+    turned = np.linalg.norm(log_rotation(transpose(Rs[:-1]) @ Rs[1:]), axis=-1).max(axis=1)
+    shifted = np.linalg.norm(np.diff(ps, axis=0), axis=1) / ROOT_LEVER_M
+    speed = np.rad2deg(np.maximum(turned, shifted))
+    fast = speed > max(FAST * speed.mean(), FAST_DEG)
+    step = min(frame - track.first, len(speed) - 1)
+    if not fast[step] or fast.mean() > FAST_SHARE:
+        return None
+    slow = np.flatnonzero(~fast)
+    first = int(slow[slow < step].max(initial=-1)) + 1
+    last = int(slow[slow > step].min(initial=len(speed)))
+    return track.first + first, track.first + last
+
+
+def middle(keys: Sequence[int], frame: int) -> int | None:
+    """The middle of the interval between keyframes that a frame lies in; on a keyframe, of the next
+    one. None outside of all intervals and where the interval has no inside."""
+    after = bisect_right(keys, frame)
+    if after == len(keys) and keys and keys[-1] == frame:
+        after -= 1
+    if not 0 < after < len(keys):
+        return None
+    first, last = keys[after - 1], keys[after]
+    return (first + last) // 2 if last - first > 1 else None
+
+
+def _first_poses(keys: Sequence[int], frame_count: int) -> Suggestion:
+    if not keys:
+        words = "Pose this frame, then press K. Two keyframes make the first segment."
+        return Suggestion(None, words, "", "pose")
+    key, last = keys[0], frame_count - 1
+    frame = min(key + NEXT_FRAMES, last)
+    if frame - key < NEXT_FRAMES // 2 and key > last - key:
+        frame = max(key - NEXT_FRAMES, 0)
+    if frame == key:
+        return Suggestion(None, "One frame is all there is: nothing to track.", "", "pose")
+    reason = "Two keyframes make the first segment"
+    return Suggestion(frame, f"Pose frame {frame} next, then press K.", reason, "pose")
+
+
+def _to_track(spans: list[Span]) -> Suggestion:
+    named = [frames_in_words(*span) for span in spans[:2]]
+    more = f" and {len(spans) - 2} more" if len(spans) > 2 else ""
+    listed = f"{', '.join(named)}{more}" if more else " and ".join(named)
+    changed = "not tracked as posed now"
+    return Suggestion(None, "Track next.", f"{listed} {changed}", "track")
+
+
+def _about(track: SegmentTrack, parts: Sequence[str]) -> Suggestion:
+    """What a segment that is lost, or to be checked, needs."""
+    finding, (first, last) = track.finding, track.span
+    assert finding is not None
+    if _blames_keys(track):
+        sentence = finding.sentence(first, last).removeprefix("Lost. ").removeprefix("Check: ")
+        frame = first if finding.go is None else finding.go
+        return Suggestion(frame, f"Look at key {frame} again.", _upper(sentence), "look")
+    frame = (first + last) // 2 if finding.go is None else finding.go
+    frame = min(max(frame, first + 1), last - 1)
+    return Suggestion(frame, f"Key frame {frame} next.", _reason(track, finding, parts), "key")
+
+
+def _blames_keys(track: SegmentTrack) -> bool:
+    """Whether keyframes themselves are wrong, not what lies between them."""
+    finding = track.finding
+    wrong = finding is not None and finding.what in ("contradiction", "nowhere")
+    return wrong or (track.kind == "lost" and track.last - track.first < 2)
+
+
+def _is_past_mending(track: SegmentTrack) -> bool:
+    """Whether the interval is too short for a keyframe to help: it would be halved for ever."""
+    hidden = track.finding is not None and track.finding.what == "hidden"
+    short = SHORT_HIDDEN_FRAMES if hidden else SHORT_FRAMES
+    return not _blames_keys(track) and track.last - track.first <= short
+
+
+def _look(track: SegmentTrack, parts: Sequence[str]) -> Suggestion:
+    """Nothing but to look at a segment, and to be content where it is right."""
+    finding = track.finding
+    assert finding is not None
+    frame = (track.first + track.last) // 2 if finding.go is None else finding.go
+    words = f"Look at frame {frame} and go on."
+    return Suggestion(frame, words, _reason(track, finding, parts), "look")
+
+
+def _need(track: SegmentTrack) -> int:
+    """How many frames a keyframe there would mend: those in doubt, or all that are lost."""
+    if track.kind == "check" and track.frames is not None:
+        return track.frames[1] - track.frames[0]
+    return track.last - track.first
+
+
+def _reason(track: SegmentTrack, finding: Finding, parts: Sequence[str]) -> str:
+    if finding.part and finding.frames is not None:
+        return f"{_upper(finding.reason)} {frames_in_words(*finding.frames)}"
+    if finding.what == "damaged" and finding.frames is not None:
+        return _upper(damaged_in_words(*finding.frames))
+    where = frames_in_words(track.first, track.last)
+    if finding.what != "near":
+        return f"{_upper(finding.reason)} in {where}"
+    return _longest_hidden(track, parts) or f"Forward and backward differ in {where}"
+
+
+def _longest_hidden(track: SegmentTrack, parts: Sequence[str]) -> str | None:
+    """The part that goes unseen for the longest run of frames, in words."""
+    runs = []
+    for name, column in zip(parts, track.observability.T, strict=False):
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], column < HIDDEN, [0]])))
+        runs += [(b - a, a, name) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+    length, start, name = max(runs, default=(0, 0, ""))
+    if length < HIDDEN_FRAMES:
+        return None
+    first = track.first + 1 + int(start)
+    last = min(first + int(length) - 1, track.last - 1)
+    return f"{_upper(name.replace('_', ' '))} hidden {frames_in_words(first, last)}"
+
+
+def _longest(spans: list[Span]) -> Suggestion | None:
+    first, last = max(spans, key=lambda span: span[1] - span[0])
+    if last - first <= LONG_FRAMES:
+        return None
+    frame, reason = (first + last) // 2, f"Longest interval, {last - first} frames"
+    return Suggestion(frame, f"Key frame {frame} next.", reason, "key")
+
+
+def _all_good(keys: Sequence[int], frame_count: int) -> Suggestion:
+    outside = [(0, keys[0] - 1), (keys[-1] + 1, frame_count - 1)]
+    left = [frames_in_words(*frames) for frames in outside if frames[1] >= frames[0]]
+    reason = f"{' and '.join(left)} outside the keyframes" if left else ""
+    return Suggestion(None, "All Good. Add a key only where you disagree.", reason, "good")
+
+
+def _upper(text: str) -> str:
+    return text[:1].upper() + text[1:]

@@ -1,0 +1,297 @@
+"""Motion from elsewhere brought to a session: joints over time as a first motion, keypoints as
+drafts. Keyframes are never touched.
+
+Recorded joints live in a world of their own. Where keyframes overlap with them, one rigid transform
+lays them on the keyframes' joints; without any, they are put upright before the camera.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from app.posing import opening_pose
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import interpolate
+from tracker.errors import FormatError
+from tracker.formats.joint_motion import JointMotion
+from tracker.formats.joint_names import Matched, matched
+from tracker.formats.reading_keypoints import Keypoints
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array, exp_rotation
+from tracker.session import Keyframe, Session
+from tracker.solver.body_points import Places
+from tracker.solver.fit_joints import Fit, fit_motion, fit_picture, rigid
+
+LEAST_JOINTS = 3
+"""Fewer do not say how a body is turned."""
+LEAST_KEYPOINTS = 5
+NEAREST_M = 0.06
+FILLED = 0.8
+"""Share of the picture that a body put before the camera fills."""
+UP = (0.0, -1.0, 0.0)
+MOST_UNLIKE = 3.0
+"""How many times larger or smaller than the body a motion in known units may be."""
+POOR_PX = 0.05
+"""Mean miss of a draft's joints, as a share of the keypoints' extent, above which it is told."""
+
+
+@dataclass(frozen=True, eq=False)
+class ImportedMotion:
+    """A recorded motion fitted to the body, and how well.
+
+    size: the body's size as a share of the motion's.
+    scale: by which the file's lengths were multiplied to suit the body, 1 where its unit counts.
+    aligned: frames of the keyframes that it was laid on.
+    keyframes_m: mean distance of its joints from theirs, NaN without any.
+    """
+
+    fit: Fit
+    matched: Matched
+    size: float
+    scale: float
+    aligned: tuple[int, ...]
+    keyframes_m: float
+
+
+@dataclass(frozen=True, eq=False)
+class Draft:
+    """A pose begun from keypoints: how many were used, and by how many pixels it misses them."""
+
+    keyframe: Keyframe
+    keypoints: int
+    miss_px: float
+    converged: bool
+    doubtful: bool
+
+
+def fit_to_session(
+    session: Session,
+    motion: JointMotion,
+    file: str,
+    times_s: Array,
+    offset_s: float = 0.0,
+    names: Mapping[str, str] | None = None,
+) -> ImportedMotion:
+    """The motion as poses of the session's body in its camera's frame, at the video's frames.
+
+    times_s: (N,) of the video's frames; the motion's time 0 is at `offset_s`.
+    names: our joints by the file's names; the usual names when left out.
+    FormatError in one sentence where the motion does not suit the session.
+    """
+    skeleton = Skeleton.of(session.body)
+    known = matched(skeleton, motion.names, file, names)
+    _demand_joints(known, motion, file)
+    first, ps = _within(motion.at(times_s - offset_s)[:, known.indices], file)
+    laid = Places(skeleton, tuple(known.places))
+    size = _size(laid, ps)
+    scale = size if motion.unit is None else 1.0
+    _demand_a_size(size / scale, file)
+    posed = {k.frame: k.pose(skeleton) for k in session.keyframes}
+    reached = {f: p for f, p in posed.items() if _says_enough(ps, f - first)}
+    ps = ps * scale
+    if reached:
+        ps = _on_keyframes(laid, ps, first, reached)
+    elif motion.world != "camera":
+        ps = _before_camera(session, ps, motion)
+    fit = fit_motion(session.body, known.places, ps, first, _kept(posed, first, len(ps)))
+    _demand_before_camera(fit, skeleton, file)
+    return ImportedMotion(
+        fit, known, size, scale, tuple(reached), _from_keyframes(laid, fit, reached)
+    )
+
+
+def drafts_of(
+    session: Session, keypoints: Keypoints, file: str, frames: Sequence[int], times_s: Array
+) -> tuple[Draft, ...]:
+    """A draft at each of these frames that has keypoints and is neither a keyframe nor a draft."""
+    skeleton = Skeleton.of(session.body)
+    known = matched(skeleton, keypoints.names, file)
+    if len(known.known) < LEAST_KEYPOINTS:
+        raise FormatError(f"{file} names too few places of the session's body to pose it.")
+    posed = {k.frame: k.pose(skeleton) for k in (*session.keyframes, *session.drafts)}
+    drafts = []
+    for frame in frames:
+        if frame in posed or frame not in keypoints.frames:
+            continue
+        uv, sure = (values[known.indices] for values in keypoints.frames[frame])
+        if np.isfinite(uv).all(-1).sum() < LEAST_KEYPOINTS:
+            continue
+        draft = _draft(session, known, uv, sure, frame, posed, times_s)
+        if draft is not None:
+            posed[frame] = draft.keyframe.pose(skeleton)
+            drafts.append(draft)
+    return tuple(drafts)
+
+
+# --- recorded joints
+
+
+def _demand_joints(known: Matched, motion: JointMotion, file: str) -> None:
+    if len(known.known) < LEAST_JOINTS:
+        few = ", ".join(motion.names[:6])
+        raise FormatError(
+            f"{file} has {len(motion.names)} joints, such as {few}, of which {len(known.known)} "
+            "are known: tell with --names which of ours they are."
+        )
+
+
+def _within(ps: Array, file: str) -> tuple[int, Array]:
+    """The first frame at which the motion says enough, and its positions from there to the last."""
+    says = [n for n in range(len(ps)) if _says_enough(ps, n)]
+    if len(says) < 2:
+        raise FormatError(
+            f"{file} has no joints while the video runs: move it with --offset-frames."
+        )
+    return says[0], ps[says[0] : says[-1] + 1]
+
+
+def _says_enough(ps: Array, n: int) -> bool:
+    return 0 <= n < len(ps) and int(np.isfinite(ps[n]).all(-1).sum()) >= LEAST_JOINTS
+
+
+def _size(laid: Places, ps: Array) -> float:
+    """The body's size as a share of the motion's, over all distances that no joint changes."""
+    ours = theirs = 0.0
+    for part in range(laid.skeleton.part_count):
+        still = laid.of_part(part)
+        for (j, a), (k, b) in pairwise(still):
+            lengths = np.linalg.norm(ps[:, j] - ps[:, k], axis=-1)
+            lengths = lengths[np.isfinite(lengths)]
+            if len(lengths):
+                ours += float(np.linalg.norm(a - b))
+                theirs += float(np.median(lengths))
+    return ours / theirs if ours > 0 and theirs > 1e-9 else 1.0
+
+
+def _demand_a_size(size: float, file: str) -> None:
+    """Nobody is three times as tall as another one: the unit is wrong."""
+    if not 1 / MOST_UNLIKE < size < MOST_UNLIKE:
+        times = f"{1 / size:.0f}" if size < 1 else f"{1 / size:.1g}"
+        raise FormatError(
+            f"{file} has a body {times} times the size of the session's: check --unit, or let "
+            "--unit auto scale it."
+        )
+
+
+def _on_keyframes(laid: Places, ps: Array, first: int, posed: Mapping[int, Pose]) -> Array:
+    """The positions laid on the keyframes' joints, all of them by one transform."""
+    theirs = np.concatenate([ps[frame - first] for frame in posed])
+    ours = np.concatenate(
+        [laid.at(pose_transforms(laid.skeleton, pose)) for pose in posed.values()]
+    )
+    R, p = rigid(theirs, ours)
+    return ps @ R.T + p
+
+
+def _before_camera(session: Session, ps: Array, motion: JointMotion) -> Array:
+    """Upright, as it faces, in the middle of the picture and at a distance that fills it."""
+    up = np.array(session.up_camera or UP, dtype=np.float64)
+    right = np.cross(-up, (0.0, 0.0, 1.0))
+    if np.linalg.norm(right) < 1e-6:  # the camera looks straight up or down
+        right = np.array([1.0, 0.0, 0.0])
+    y, x = up / np.linalg.norm(up), right / np.linalg.norm(right)
+    R = np.stack([x, y, np.cross(x, y)], axis=1)  # from a world with y up
+    if motion.world == "z up":
+        R = R @ np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+    turned = ps @ R.T
+    low, high = np.nanmin(turned, axis=(0, 1)), np.nanmax(turned, axis=(0, 1))
+    camera, size = session.camera, high - low
+    near = max(camera.fx * size[0] / camera.width, camera.fy * size[1] / camera.height) / FILLED
+    z = camera.telephoto_distance_m or max(near, 0.5) + size[2] / 2
+    middle = _middle(camera, z)
+    return np.asarray(turned - (low + high) / 2 + middle)
+
+
+def _middle(camera: Camera, z: float) -> Array:
+    return camera.back_project(np.array([(camera.width - 1) / 2, (camera.height - 1) / 2]), z)
+
+
+def _kept(posed: Mapping[int, Pose], first: int, count: int) -> list[Pose | None]:
+    """For every frame the pose between its keyframes, or that of the nearest; None without any."""
+    frames, kept = sorted(posed), []
+    for frame in range(first, first + count):
+        kept.append(_between(posed, frames, frame))
+    return kept
+
+
+def _between(posed: Mapping[int, Pose], frames: Sequence[int], frame: int) -> Pose | None:
+    before = [f for f in frames if f <= frame]
+    after = [f for f in frames if f >= frame]
+    if not before or not after:
+        return posed[(after or before[::-1])[0]] if frames else None
+    a, b = before[-1], after[0]
+    return posed[a] if a == b else interpolate(posed[a], posed[b], a, b).pose(frame)
+
+
+def _demand_before_camera(fit: Fit, skeleton: Skeleton, file: str) -> None:
+    z = fit.trajectory.transforms(skeleton)[..., 2, 3].min(axis=1)
+    behind = np.flatnonzero(~(z > NEAREST_M))
+    if len(behind):
+        frame = fit.trajectory.first_frame + int(behind[0])
+        raise FormatError(
+            f"{file} comes to lie behind the camera at frame {frame}: check its offset and its "
+            "unit against the keyframes."
+        )
+
+
+def _from_keyframes(laid: Places, fit: Fit, posed: Mapping[int, Pose]) -> float:
+    def at(pose: Pose) -> Array:
+        return laid.at(pose_transforms(laid.skeleton, pose))
+
+    away = [
+        np.linalg.norm(at(fit.trajectory.pose(f)) - at(p), axis=-1).mean() for f, p in posed.items()
+    ]
+    return float(np.mean(away)) if away else np.nan
+
+
+# --- keypoints
+
+
+def _draft(
+    session: Session, known: Matched, uv: Array, sure: Array, frame: int,
+    posed: Mapping[int, Pose], times_s: Array,
+) -> Draft | None:  # fmt: skip
+    """The pose that is seen at the keypoints; None where none lies before the camera."""
+    skeleton = Skeleton.of(session.body)
+    laid = Places(skeleton, tuple(known.places))
+    kept = _between(posed, sorted(posed), frame)
+    starts = _starts(session, laid, uv, kept)
+    solved = fit_picture(session.body, session.camera, known.places, uv, sure, starts, kept)
+    Ts = pose_transforms(skeleton, solved.pose)
+    if not Ts[:, 2, 3].min() > NEAREST_M:
+        return None
+    away = np.linalg.norm(session.camera.project(laid.at(Ts)) - uv, axis=-1)
+    miss, extent = float(np.nanmean(away)), float(np.ptp(uv[np.isfinite(uv).all(-1)], axis=0).max())
+    keyframe = Keyframe.of(skeleton, solved.pose, frame, float(times_s[frame]))
+    count = int(np.isfinite(away).sum())
+    return Draft(keyframe, count, miss, solved.converged, miss > POOR_PX * extent)
+
+
+def _starts(session: Session, laid: Places, uv: Array, kept: Pose | None) -> list[Pose]:
+    """The pose known nearby, and the body at rest, seen from its four sides, where it is seen."""
+    camera = session.camera.without_distortion()
+    rest = opening_pose(session.body, session.camera, session.up_camera or UP)
+    known = np.isfinite(uv).all(-1)
+    middle = uv[known].mean(0)
+    starts = [] if kept is None else [kept]
+    for quarter in range(4):
+        Rs = rest.Rs_parent_part.copy()
+        Rs[0] = Rs[0] @ exp_rotation((0.0, quarter * np.pi / 2, 0.0))
+        there = laid.at(pose_transforms(laid.skeleton, Pose(Rs, np.zeros(3))))[known]
+        z = _distance(camera, there, uv[known]) if kept is None else kept.p_camera_root[2]
+        p_middle = camera.back_project(middle, z)
+        starts.append(Pose(Rs, p_middle - there.mean(0)))
+    return starts
+
+
+def _distance(camera: Camera, ps: Array, uv: Array) -> float:
+    """The distance at which points are as large as seen, by their height, which turning keeps."""
+    if camera.telephoto_distance_m is not None:
+        return camera.telephoto_distance_m
+    z = camera.fy * float(np.std(ps[:, 1])) / max(float(np.std(uv[:, 1])), 1.0)
+    return max(z, 1.0)

@@ -1,0 +1,298 @@
+"""What tracking saw, over time: verdicts, rank, observability; scores per pass; joint angles."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from app.export.report.markup import Child, Html, element, joined
+from app.export.report.plots import (
+    Scale,
+    area,
+    curve,
+    dots,
+    drawing,
+    nice_ticks,
+    path,
+    runs,
+    steps,
+    uprights,
+)
+from app.export.report.subject import Subject
+from app.posing import lanes, part_angles_deg, part_label, part_words
+from app.posing.words import number_text
+from tracker.geometry.rotations import Array
+from tracker.storage.results import SegmentTrack, Span, observability, rotations
+
+HIDDEN_BELOW = 0.35
+"""A part of which the picture tells less is hatched, as on the page's timeline."""
+LEAST_MOTION_DEG, LEAST_MOTION_M = 1.0, 0.005
+"""An angle, a place that moves less than this gets no curve."""
+AXES = ("x", "y", "z")
+
+
+def over_time(subject: Subject) -> Html:
+    """Verdicts, rank and observability of the groups of parts, one below the other, by frame."""
+    scale = Scale(*subject.ends)
+    rows = [_row("Segments", _strip(subject, scale), "strip")]
+    if any(track.finished for track in subject.fitting.values()):
+        rows += [*_rank_row(subject, scale), *_lane_rows(subject, scale)]
+    rows.append(_row("Frame", _axis(scale), "axis"))
+    return element("div", *rows, class_="time")
+
+
+def score_chart(track: SegmentTrack) -> Html:
+    """The score of every pass of a segment, the best one marked; lower is better."""
+    told = [(i, score) for i, score in enumerate(track.scores) if math.isfinite(score)]
+    name = f"{track.first}–{track.last}"
+    state = track.kind or "none"
+    if not told:
+        none = element("p", "No pass could be scored.", class_="quiet")
+        return element("figure", element("figcaption", element("b", name)), none, class_="multi")
+    best = [number_text(score, 2) for i, score in told if i == track.best_pass]
+    ticks = [(_pass_scale(track).percent(i), str(i + 1)) for i in range(len(track.scores))]
+    return element(
+        "figure",
+        _caption(name, [(state, f"best {words}") for words in best]),
+        _plot(_score_line(track, told), high=f"{max(score for _, score in told):.3g}", low="0"),
+        _ticks(ticks[:: -(-len(ticks) // 8)]),
+        class_="multi",
+    )
+
+
+def _score_line(track: SegmentTrack, told: list[tuple[int, float]]) -> Html:
+    state, scale = track.kind or "none", _pass_scale(track)
+    points = {i: (scale.x(i), scale.y(score)) for i, score in told}
+    line = "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points.values())
+    words = ", ".join(f"{i + 1}: {score:.3g}" for i, score in told)
+    return drawing(
+        path(line, f"score {state}"),
+        path(dots(points.values()), f"dots {state}"),
+        path(dots(at for i, at in points.items() if i == track.best_pass), f"dots best {state}"),
+        words=f"Score per pass of segment {track.first}–{track.last}: {words}",
+    )
+
+
+def _pass_scale(track: SegmentTrack) -> Scale:
+    """Passes from left to right, scores from 0 up."""
+    most = max((score for score in track.scores if math.isfinite(score)), default=1.0)
+    return Scale(-0.3, max(len(track.scores) - 0.7, 1.3), 0.0, most * 1.08 or 1.0)
+
+
+def angle_charts(subject: Subject) -> Iterator[Html]:
+    """A small chart for every part that turns, and one for where the body goes."""
+    fitting, first, count = _shifted(subject)
+    if not fitting:
+        return
+    root = subject.session.body.parts[0]
+    known = np.full((count, 3), np.nan)
+    for (a, b), track in fitting.items():
+        there = track.tracked
+        known[a : b + 1][there] = track.trajectory.ps_camera_root[there]
+    places = dict(zip(AXES, ("right", "down", "away"), strict=True))
+    yield from _multiple(
+        subject, f"{part_label(root.name)}, metres", known, first, places, LEAST_MOTION_M, " m"
+    )
+    for i, part in enumerate(subject.session.body.parts):
+        Rs = rotations(fitting, count, i)
+        angles, there = np.full((count, 3), np.nan), np.isfinite(Rs[:, 0, 0])
+        angles[there] = part_angles_deg(part, Rs[there])
+        words = {
+            axis: word.lower() for axis, word in part_words(subject.session.body, part.name).items()
+        }
+        yield from _multiple(
+            subject, part_label(part.name), _unwrapped(angles), first, words, LEAST_MOTION_DEG, "°"
+        )
+
+
+def _rank_row(subject: Subject, scale: Scale) -> Iterator[Html]:
+    """How many of the degrees of freedom the picture decides at every step (DRIFT Fig. 10)."""
+    fitting, first, count = _shifted(subject)
+    rank = np.full(count, np.nan)
+    for (a, b), track in fitting.items():
+        if len(track.rank) == b - a:
+            rank[a:b] = np.where(track.rank >= 0, track.rank, np.nan)
+    if np.isnan(rank).all():
+        return
+    of, least = subject.dof_count, int(np.nanmin(rank))
+    low = max(0, min(least, of - 4) - 1)
+    values = Scale(scale.first, scale.last, low, of)
+    short = np.where(rank < of, rank, np.nan)
+    words = f"Rank of every step, {least} at least of {of} degrees of freedom"
+    lines = [path(uprights(_inner_keys(subject), scale), "keys")]
+    drawn = drawing(
+        *lines,
+        path(steps(rank, first, values), "rank"),
+        path(steps(short, first, values), "rank short"),
+        words=words,
+    )
+    yield _row("Rank", _plot(drawn, high=f"{of}", low=f"{low}"), "rankrow")
+
+
+def _lane_rows(subject: Subject, scale: Scale) -> Iterator[Html]:
+    """How much the picture tells of every group of parts, hatched where it is too little."""
+    fitting, first, count = _shifted(subject)
+    body = subject.session.body
+    table = observability(fitting, count, len(body.parts))
+    for label, parts in lanes(body):
+        columns = table[:, [body.index(part) for part in parts]]
+        known = np.isfinite(columns).any(axis=0)
+        if not known.any():
+            continue
+        values = _together(columns[:, known])
+        hidden = _hidden(values, first, scale)
+        least = float(np.nanmin(values))
+        drawn = drawing(
+            path(uprights(_inner_keys(subject), scale), "keys"),
+            path(area(values, first, scale), "lane"),
+            words=f"What the picture tells of {label}, 0 to 1: {least:.2f} at least",
+        )
+        yield _row(label, joined([_plot(drawn), *hidden]), "lanerow")
+
+
+def _together(columns: Array) -> Array:
+    """Half the mean, half the worst: a limb whose hand is hidden is not seen well."""
+    values = np.full(len(columns), np.nan)
+    there = np.isfinite(columns).any(axis=1)
+    known = columns[there]
+    values[there] = (np.nanmean(known, axis=1) + np.nanmin(known, axis=1)) / 2
+    return values
+
+
+def _hidden(values: Array, first: int, scale: Scale) -> Iterator[Html]:
+    """The hatching."""
+    for run in runs(np.where(values < HIDDEN_BELOW, values, np.nan), first):
+        left = max(scale.percent(run[0].first - 0.5), 0.0)
+        width = min(scale.percent(run[-1].last + 0.5), 100.0) - left
+        place = f"left:{left:.2f}%;width:{width:.2f}%"
+        title = f"{run[0].first}–{run[-1].last}"
+        yield element("i", class_="hidden", style=place, title=f"Hidden {title}")
+
+
+def _inner_keys(subject: Subject) -> tuple[int, ...]:
+    """The keyframes where two segments meet."""
+    first, last = subject.ends
+    return tuple(key for key in subject.keys if first < key < last)
+
+
+def _strip(subject: Subject, scale: Scale) -> Html:
+    """The segments in the colours of their verdicts, and the keyframes between them."""
+    pieces = []
+    for span in subject.spans:
+        left, right = scale.percent(span[0]), scale.percent(span[1])
+        state = subject.states[span]
+        place = f"left:{left:.2f}%;width:{right - left:.2f}%"
+        title = f"{span[0]}–{span[1]}: {subject.words(span)}"
+        pieces.append(element("i", class_=f"seg {state}", style=place, title=title))
+    pieces += [
+        element("i", class_="key", style=f"left:{scale.percent(key):.2f}%", title=f"Keyframe {key}")
+        for key in subject.keys
+    ]
+    return joined(pieces)
+
+
+def _axis(scale: Scale) -> Html:
+    ticks = nice_ticks(scale.first, scale.last, 12)
+    return _ticks([(scale.percent(tick), str(tick)) for tick in ticks])
+
+
+def _multiple(
+    subject: Subject,
+    title: str,
+    values: Array,
+    first: int,
+    words: Mapping[str, str],
+    least: float,
+    unit: str,
+) -> Iterator[Html]:
+    """One small chart of up to three curves (N, 3); none where nothing moves."""
+    moving = [k for k in range(3) if _span_of(values[:, k]) > least]
+    if not moving:
+        return
+    shown = values[:, moving]
+    low, high = float(np.nanmin(shown)), float(np.nanmax(shown))
+    keys, (start, end) = subject.keys, subject.ends
+    scale = Scale(start, end, low - 0.08 * (high - low), high + 0.08 * (high - low))
+    digits = 0 if unit == "°" else 2
+    curves = [path(curve(values[:, k], first, scale), f"curve {AXES[k]}") for k in moving]
+    marks = [
+        path(dots(_at_keys(values[:, k], first, keys, scale)), f"dots {AXES[k]}") for k in moving
+    ]
+    told = ", ".join(words[AXES[k]] for k in moving)
+    drawn = drawing(path(uprights(keys, scale), "keys"), *curves, *marks, words=f"{title}: {told}")
+    yield element(
+        "figure",
+        _caption(title, [(AXES[k], words[AXES[k]]) for k in moving]),
+        _plot(
+            drawn,
+            high=number_text(high, digits) + unit,
+            low=number_text(low, digits) + unit,
+        ),
+        _ticks([(0.0, str(start)), (100.0, str(end))]),
+        class_="multi",
+    )
+
+
+def _at_keys(
+    values: Array, first: int, keys: tuple[int, ...], scale: Scale
+) -> Iterator[tuple[float, float]]:
+    for key in keys:
+        if 0 <= key - first < len(values) and np.isfinite(values[key - first]):
+            yield scale.x(key), scale.y(float(values[key - first]))
+
+
+def _unwrapped(angles_deg: Array) -> Array:
+    """Without jumps of a whole turn, run by run."""
+    result, there = angles_deg.copy(), np.isfinite(angles_deg[:, 0])
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], there.astype(int), [0]])))
+    for start, end in zip(edges[::2], edges[1::2], strict=True):
+        result[start:end] = np.unwrap(result[start:end], period=360.0, axis=0)
+    return result
+
+
+def _span_of(values: Array) -> float:
+    known = values[np.isfinite(values)]
+    return float(np.ptp(known)) if len(known) else 0.0
+
+
+def _shifted(subject: Subject) -> tuple[dict[Span, SegmentTrack], int, int]:
+    """The results with frames counted from the first that has any; that frame; how many to the
+    last. A table of them is as long as the motion, wherever in the video that lies."""
+    fitting = subject.fitting
+    if not fitting:
+        return {}, 0, 0
+    first, last = min(a for a, _ in fitting), max(b for _, b in fitting)
+    return (
+        {(a - first, b - first): track for (a, b), track in fitting.items()},
+        first,
+        last - first + 1,
+    )
+
+
+def _row(name: str, plot: Child, class_: str) -> Html:
+    return element(
+        "div",
+        element("span", name, class_="name"),
+        element("div", plot, class_="plotbox"),
+        class_=f"row {class_}",
+    )
+
+
+def _plot(drawn: Html, high: str = "", low: str = "") -> Html:
+    """A drawing with the figures of its upper and lower end."""
+    ends = [
+        element("i", words, class_=name) for words, name in ((high, "hi"), (low, "lo")) if words
+    ]
+    return element("div", drawn, *ends, class_="plot")
+
+
+def _caption(title: str, legend: list[tuple[str, str]]) -> Html:
+    names = [element("span", words, class_=f"name {kind}") for kind, words in legend]
+    return element("figcaption", element("b", title), *names)
+
+
+def _ticks(places: list[tuple[float, str]]) -> Html:
+    marks = [element("i", words, style=f"left:{percent:.2f}%") for percent, words in places]
+    return element("div", *marks, class_="ticks")

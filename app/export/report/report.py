@@ -1,0 +1,305 @@
+"""The report of one session: what was filmed, what was found, where to look again."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping
+from pathlib import Path
+
+from app.editor.suggest import suggestion
+from app.editor.suggest_surfaces import surface_suggestion
+from app.export.report.charts import angle_charts, over_time, score_chart
+from app.export.report.images import thumbnail
+from app.export.report.markup import Child, Html, element, joined
+from app.export.report.shell import html_page, logo
+from app.export.report.subject import STATE_WORDS, Subject, subject_of
+from app.export.report.tables import keyframes_table, segments_table, verdict
+from app.posing.words import number_text
+from app.render.snapshots import Look
+from tracker.session.schema import Session
+from tracker.session.settings import Weights
+from tracker.storage.results import Span, State
+from tracker.video import Video, VideoInfo
+
+__all__ = [
+    "Html",
+    "Subject",
+    "charts_section",
+    "element",
+    "html_page",
+    "joined",
+    "pictures_section",
+    "report_html",
+    "score_chart",
+    "segments_table",
+    "subject_of",
+    "thumbnail",
+    "verdict_section",
+]
+
+MOST_PICTURES = 48
+MOST_DOUBTFUL = 24
+MOST_SCORES = 60
+"""What a session of hundreds of keyframes shows of each kind; the rest is left out, and says so."""
+
+
+def report_html(session: Session, session_path: Path, video: Video | None = None) -> bytes:
+    """The report as one HTML file; without the video it has no pictures."""
+    subject = subject_of(session, session_path, None if video is None else video.info)
+    body = joined(
+        [
+            head_section(subject),
+            verdict_section(subject),
+            charts_section(subject),
+            keyframes_section(subject),
+            pictures_section(subject, video),
+        ]
+    )
+    return html_page(f"{subject.name} – Keypose report", body)
+
+
+def head_section(subject: Subject) -> Html:
+    """The name, the facts, and all that was found in a sentence or two."""
+    return element(
+        "header",
+        element("div", logo(), element("span", "Keypose report"), class_="mark"),
+        element("h1", subject.name),
+        element("ul", *(element("li", fact) for fact in _facts(subject)), class_="facts"),
+        *(element("p", words, class_="summary") for words in _summary(subject)),
+        element("p", _sentence(subject.problem), class_="problem") if subject.problem else None,
+        _tiles(subject),
+    )
+
+
+def verdict_section(subject: Subject) -> Html:
+    """Every segment with its verdict in words."""
+    if not subject.spans:
+        few = "Two keyframes make the first segment; there is none yet."
+        if subject.is_of_surfaces:
+            few = "One keyframe is enough to fit the body to the surfaces; there is none yet."
+        return _section("Verdicts", element("p", few, class_="quiet"))
+    return _section("Verdicts", _scrolling(segments_table(subject)))
+
+
+def charts_section(subject: Subject) -> Html:
+    """Rank and observability over time, scores per pass, joint angles."""
+    if not subject.spans:
+        return Html("")
+    tracks = [track for track in subject.fitting.values() if track.finished]
+    what = "surface" if subject.is_of_surfaces else "picture"
+    led = "steps before" if subject.is_of_surfaces else "keyframes"
+    words = (
+        f"Rank counts the motions that the {what} decides at every step. The lanes tell how much "
+        "it shows of each group of parts; where they are hatched it shows too little, and the "
+        f"motion is led by the {led}."
+    )
+    seen = element("p", words, class_="quiet") if tracks else None
+    pieces = [_section("Over time", seen, over_time(subject))]
+    if tracks and not subject.is_of_surfaces:
+        charts = [score_chart(track) for track in tracks[:MOST_SCORES]]
+        words = "The difference of brightness that is left after every pass; lower is better."
+        more = _left_out(len(tracks) - len(charts), "segments")
+        quiet = element("p", words, more, class_="quiet")
+        pieces.append(_section("Score per pass", quiet, element("div", *charts, class_="cols")))
+    angles = list(angle_charts(subject))
+    if angles:
+        words = "Each part's turns in its parent's frame, over the frames; dots are the keyframes."
+        quiet = element("p", words, class_="quiet")
+        pieces.append(
+            _section("Joint angles", quiet, element("div", *angles, class_="cols angles"))
+        )
+    return joined(pieces)
+
+
+def keyframes_section(subject: Subject) -> Html:
+    """The keyframes and the intervals between them."""
+    if not subject.keys:
+        return Html("")
+    return _section("Keyframes", _scrolling(keyframes_table(subject)))
+
+
+def pictures_section(subject: Subject, video: Video | None) -> Html:
+    """What is in doubt, in all four views, and the body at every keyframe."""
+    if video is None:
+        return Html("")
+    doubtful = _doubtful(subject)
+    closer = [_closer_look(subject, video, span, go) for span, go in doubtful[:MOST_DOUBTFUL]]
+    frames = _evenly(subject.keys, MOST_PICTURES)
+    tiles = [_keyframe_picture(subject, video, frame) for frame in frames]
+    pieces = [
+        _section(
+            "Look here",
+            element("p", "One frame of every segment in doubt.",
+                    _left_out(len(doubtful) - len(closer), "segments"), class_="quiet"),
+            element("div", *closer, class_="wide"),
+        )
+    ] if closer else []  # fmt: skip
+    if tiles:
+        left = _left_out(len(subject.keys) - len(frames), "keyframes")
+        pieces.append(
+            _section(
+                "Keyframe pictures",
+                element("p", left.strip(), class_="quiet") if left else None,
+                element("div", *tiles, class_="tilesheet"),
+            )
+        )
+    return joined(pieces)
+
+
+def _facts(subject: Subject) -> list[str]:
+    session, video = subject.session, subject.video
+    clip = session.video
+    facts = [Path(clip.path).name, _kind(session)]
+    if video is None:
+        what = "surfaces" if subject.is_of_surfaces else "video"
+        facts += [f"{clip.frame_count} frames", f"{what} not at hand"]
+    else:
+        rate = "about " if video.variable_rate else ""
+        facts += [
+            f"{clip.frame_count} frames, {number_text(_duration_s(video), 2)} s",
+            f"{rate}{number_text(video.fps, 2)} frames/s",
+        ]
+    facts.append(f"body {session.body.name.replace('_', ' ')}, {len(session.body.parts)} parts")
+    if session.results is not None and session.surface is not None:
+        facts.append(f"{_WEIGHTS[session.surface.weights]}, quality {session.results.quality}")
+    elif session.results is not None:
+        facts.append(f"method {session.results.method}, quality {session.results.quality}")
+    return facts
+
+
+def _duration_s(video: VideoInfo) -> float:
+    """Until the last frame has been shown as long as the others, as the page says it."""
+    return float(video.times_s[-1]) + 1 / video.fps
+
+
+def _kind(session: Session) -> str:
+    """How large the pictures are, or how the surfaces' files are read."""
+    if session.surface is None:
+        return f"{session.video.width} × {session.video.height} pixels"
+    up = session.surface.up.replace("-", "−").upper()
+    return f"observed surfaces in {session.surface.units}, {up} up"
+
+
+_WEIGHTS: Mapping[Weights, str] = {
+    "both": "doubts by contact and cameras",
+    "contact": "doubts by contact",
+    "photo": "doubts by cameras",
+    "none": "no doubts",
+}
+
+
+def _summary(subject: Subject) -> list[str]:
+    """The outcome, and what would help most."""
+    names = subject.session.body.names
+    if subject.is_of_surfaces:
+        next_ = surface_suggestion(subject.keys, subject.spans, subject.fitting)
+    else:
+        next_ = suggestion(subject.keys, subject.session.video.frame_count, subject.fitting, names)
+    advice = f"{next_.words} {_sentence(next_.reason)}".strip()
+    if not subject.spans:
+        return [advice]
+    found = Counter(subject.states.values())
+    told = ", ".join(f"{found[state]} {words}" for state, words in _TOLD.items() if found[state])
+    count = len(subject.spans)
+    outcome = f"{count} segment{'s' if count > 1 else ''}: {told}."
+    if len(subject.keys) < 2:
+        return [outcome, advice]
+    interval = f"A keyframe every {number_text(subject.mean_interval, 1)} frames on average."
+    return [f"{outcome} {interval}", advice]
+
+
+_TOLD: Mapping[State, str] = {
+    "good": "good",
+    "check": "to check",
+    "lost": "lost",
+    "outdated": "outdated",
+    "none": "not tracked",
+}
+
+
+def _tiles(subject: Subject) -> Html:
+    """The outcome in large figures."""
+    found = Counter(subject.states.values())
+    tiles = [
+        _tile(str(found[state]), element("span", words, class_=f"verdict {state}"))
+        for state, words in STATE_WORDS.items()
+        if found[state]
+    ]
+    tiles.append(_tile(str(len(subject.keys)), "keyframes"))
+    if len(subject.keys) > 1:
+        tiles.append(_tile(number_text(subject.mean_interval, 1), "frames between keyframes"))
+    ranks = [track.rank[track.rank >= 0] for track in subject.fitting.values()]
+    least = min((int(rank.min()) for rank in ranks if len(rank)), default=None)
+    if least is not None:
+        tiles.append(_tile(f"{least}/{subject.dof_count}", "lowest rank"))
+    return element("div", *tiles, class_="tiles")
+
+
+def _tile(figure: str, words: Child) -> Html:
+    return element("div", element("b", figure), words, class_="tile")
+
+
+def _doubtful(subject: Subject) -> list[tuple[Span, int]]:
+    """Segments to check or lost, the lost ones first, with the frame to look at."""
+    found = []
+    for span, track in subject.fitting.items():
+        if track.kind in ("check", "lost"):
+            go = track.go if track.go is not None else sum(span) // 2
+            found.append((track.kind != "lost", span, go))
+    return [(span, go) for _, span, go in sorted(found)]
+
+
+def _closer_look(subject: Subject, video: Video, span: Span, go: int) -> Html:
+    picture = thumbnail(subject, video, go, 1000, Look("all"))
+    missing = element("p", f"The video has lost frame {go}.", class_="quiet")
+    caption = element(
+        "figcaption",
+        element("b", f"Frame {go}"),
+        _seconds(subject, go),
+        verdict(subject.states[span], subject.words(span)),
+    )
+    return element("figure", caption, picture or missing, class_="look")
+
+
+def _keyframe_picture(subject: Subject, video: Video, frame: int) -> Html:
+    after = subject.after(frame)
+    words: Child = None
+    if after is not None:
+        state = subject.states[after]
+        far = "next" if after[1] in subject.keys else "end"
+        words = verdict(state, f"{after[1] - after[0]} to the {far}")
+    picture = thumbnail(subject, video, frame)
+    missing = element("p", "The video has lost this frame.", class_="quiet")
+    caption = element("figcaption", element("b", str(frame)), _seconds(subject, frame), words)
+    return element("figure", picture or missing, caption)
+
+
+def _seconds(subject: Subject, frame: int) -> Html | None:
+    time_s = subject.time_s(frame)
+    return element("span", f"{number_text(time_s, 2)} s") if math.isfinite(time_s) else None
+
+
+def _evenly(frames: tuple[int, ...], most: int) -> tuple[int, ...]:
+    """All of them, or so many of them, the first and the last among them."""
+    if len(frames) <= most:
+        return frames
+    return tuple(frames[round(i * (len(frames) - 1) / (most - 1))] for i in range(most))
+
+
+def _left_out(count: int, what: str) -> str:
+    return f" {count} more {what} are left out here." if count > 0 else ""
+
+
+def _scrolling(table: Html) -> Html:
+    """A table that is wider than a small screen scrolls by itself."""
+    return element("div", table, class_="scroll")
+
+
+def _section(title: str, *children: Child) -> Html:
+    return element("section", element("h2", title), *children)
+
+
+def _sentence(words: str) -> str:
+    words = words[:1].upper() + words[1:]
+    return words if not words or words.endswith((".", "!", "?")) else f"{words}."

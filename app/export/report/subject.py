@@ -1,0 +1,139 @@
+"""What a report is about: a session, what tracking found for it, when its frames are shown."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from app.render.poses import KnownPoses
+from tracker.body.skeleton import Skeleton
+from tracker.errors import SessionError
+from tracker.session.schema import Session
+from tracker.storage.outdated import outdated_words
+from tracker.storage.results import Results, SegmentTrack, Span, State, load_results
+from tracker.video import VideoInfo
+
+STATE_WORDS: Mapping[State, str] = {
+    "good": "Good",
+    "check": "Check",
+    "lost": "Lost",
+    "outdated": "Outdated",
+    "none": "Not tracked",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """states has every segment; fitting those with a motion that is theirs.
+
+    video:   the facts of the video, None where it is not at hand.
+    problem: a sentence where the motion is absent in part or does not fit; None where all is well.
+    """
+
+    session: Session
+    session_path: Path
+    poses: KnownPoses
+    states: Mapping[Span, State]
+    fitting: Mapping[Span, SegmentTrack]
+    video: VideoInfo | None
+    problem: str | None
+
+    @property
+    def skeleton(self) -> Skeleton:
+        return self.poses.skeleton
+
+    @property
+    def name(self) -> str:
+        """What a person calls it: the folder's name, as the page does, or the video's."""
+        folder = self.session_path.absolute().parent.name
+        return folder.removesuffix(".keypose") or Path(self.session.video.path).stem
+
+    @property
+    def keys(self) -> tuple[int, ...]:
+        """The keyframes' frames, ascending."""
+        return tuple(keyframe.frame for keyframe in self.session.keyframes)
+
+    @property
+    def spans(self) -> tuple[Span, ...]:
+        """The segments: between neighbouring keyframes, of surfaces also on their outer sides."""
+        return self.session.spans
+
+    @property
+    def ends(self) -> Span:
+        """The first frame of the first segment and the last of the last; there must be one."""
+        return self.spans[0][0], self.spans[-1][1]
+
+    @property
+    def is_of_surfaces(self) -> bool:
+        """Whether surfaces were observed instead of a film."""
+        return self.session.surface is not None
+
+    @property
+    def dof_count(self) -> int:
+        """Degrees of freedom that were estimated; to surfaces all of every part."""
+        parts = len(self.session.body.parts)
+        return 3 + 3 * parts if self.is_of_surfaces else self.skeleton.dof_count
+
+    @property
+    def mean_interval(self) -> float:
+        """Frames between neighbouring keyframes, on average; NaN with fewer than two."""
+        keys = self.keys
+        return (keys[-1] - keys[0]) / (len(keys) - 1) if len(keys) > 1 else np.nan
+
+    def after(self, frame: int) -> Span | None:
+        """The segment that begins at a frame."""
+        return next((span for span in self.spans if span[0] == frame), None)
+
+    def words(self, span: Span) -> str:
+        """The verdict on a segment for a person, or what keeps it from having one."""
+        track = self.fitting.get(span)
+        return track.words if track is not None else STATE_WORDS[self.states[span]]
+
+    def time_s(self, frame: int) -> float:
+        """When a frame is shown, seconds; by the keyframes' times where the video is not at hand,
+        NaN where these do not tell."""
+        if self.video is not None:
+            return float(self.video.times_s[frame])
+        return _time_by_keyframes(self.session, frame)
+
+
+def subject_of(session: Session, session_path: Path, video: VideoInfo | None = None) -> Subject:
+    """All that is known of a session; it need not be tracked, and its tracks may be damaged."""
+    present = _as_tracked(session)
+    try:
+        poses, results = KnownPoses.of(session, session_path), load_results(present, session_path)
+        problem = None if poses.tracks is None else outdated_words(session, poses.tracks)
+    except SessionError as error:
+        bare = session.model_copy(update={"results": None})
+        poses, results, problem = KnownPoses.of(bare, session_path), Results(), str(error)
+    return Subject(
+        session,
+        session_path,
+        poses,
+        results.states(present),
+        results.fitting(present),
+        video,
+        problem,
+    )
+
+
+def _as_tracked(session: Session) -> Session:
+    """With the method it was tracked by: what another one would find is not asked here."""
+    if session.results is None:
+        return session
+    settings = session.results.settings_used(session.settings)
+    return session.model_copy(update={"settings": settings})
+
+
+def _time_by_keyframes(session: Session, frame: int) -> float:
+    """Between two keyframes by theirs; beyond them at the mean rate."""
+    frames = [keyframe.frame for keyframe in session.keyframes]
+    times_s = [keyframe.time_s for keyframe in session.keyframes]
+    if len(frames) < 2:
+        return times_s[0] if frames == [frame] else np.nan
+    pace = (times_s[-1] - times_s[0]) / (frames[-1] - frames[0])
+    beyond = min(frame - frames[0], 0) + max(frame - frames[-1], 0)
+    return float(np.interp(frame, frames, times_s)) + pace * beyond

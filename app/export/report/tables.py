@@ -1,0 +1,110 @@
+"""Segments, keyframes and the video's facts as tables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from app.export.report.markup import Child, Html, element
+from app.export.report.subject import Subject
+from app.posing.words import number_text
+from tracker.storage.results import SegmentTrack, Span, State
+
+
+def segments_table(subject: Subject) -> Html:
+    """Every segment with its verdict in words, and how well its motion fits."""
+    scores = ("Apart, mm",) if subject.is_of_surfaces else ("Passes", "Best score")
+    head = ("Frames", "Time, s", "Length", "Verdict", *scores)
+    numbers = tuple(i for i, words in enumerate(head) if words != "Verdict")
+    return table(head, [_segment_row(subject, span) for span in subject.spans], numbers)
+
+
+def keyframes_table(subject: Subject) -> Html:
+    """Every keyframe with the interval to the next; below, the frames that the segments cover,
+    keyframes and mean interval."""
+    head = ("Keyframe", "Frame", "Time, s", "To the next", "Seconds", "Segment after it")
+    keys = subject.keys
+    rows = [_keyframe_row(subject, i) for i in range(len(keys))]
+    foot: list[Child] = []
+    if len(keys) > 1:
+        first, last = subject.ends
+        words = f"{last - first + 1} frames, {len(keys)} keyframes"
+        mean = f"mean {number_text(subject.mean_interval, 1)}"
+        seconds = subject.time_s(keys[-1]) - subject.time_s(keys[0])
+        foot = [element("th", words, colspan=3, scope="row"), _number(mean),
+                _number(figure(seconds / (len(keys) - 1), 2)), element("td")]  # fmt: skip
+    return table(head, rows, (0, 1, 2, 3, 4), foot)
+
+
+def table(
+    head: Sequence[str],
+    rows: list[list[Child]],
+    numbers: tuple[int, ...],
+    foot: list[Child] | None = None,
+) -> Html:
+    """A table of rows of cells (td or th); the columns in `numbers` are set to the right."""
+    titles = (
+        element("th", words, scope="col", class_="num" if i in numbers else None)
+        for i, words in enumerate(head)
+    )
+    return element(
+        "table",
+        element("thead", element("tr", *titles)),
+        element("tbody", *(element("tr", *row) for row in rows)),
+        element("tfoot", element("tr", *foot)) if foot else None,
+        class_="rows",
+    )
+
+
+def verdict(state: State, words: str) -> Html:
+    """The words of a verdict in its colour."""
+    return element("span", words, class_=f"verdict {state}")
+
+
+def figure(value: float, digits: int) -> str:
+    """A number, or a dash where there is none."""
+    return number_text(value, digits) if math.isfinite(value) else "–"
+
+
+def best_score(track: SegmentTrack) -> float:
+    """The score of the pass that was kept; NaN where a file names one that is not there."""
+    known = 0 <= track.best_pass < len(track.scores)
+    return track.scores[track.best_pass] if known else math.nan
+
+
+def _segment_row(subject: Subject, span: Span) -> list[Child]:
+    first, last = span
+    times = f"{figure(subject.time_s(first), 2)}–{figure(subject.time_s(last), 2)}"
+    return [
+        _number(f"{first}–{last}"),
+        _number(times),
+        _number(str(last - first)),
+        element("td", verdict(subject.states[span], subject.words(span))),
+        *_scores(subject, span),
+    ]
+
+
+def _scores(subject: Subject, span: Span) -> list[Child]:
+    """Passes and the best score; of surfaces, millimetres between them and the body's."""
+    track = subject.fitting.get(span)
+    found = track is not None and track.finished
+    score = best_score(track) if found and track is not None else math.nan
+    if subject.is_of_surfaces:
+        return [_number(figure(1000 * score, 1))]
+    return [_number(str(len(track.scores)) if found and track else "–"), _number(figure(score, 2))]
+
+
+def _keyframe_row(subject: Subject, i: int) -> list[Child]:
+    frame, time_s = subject.keys[i], subject.time_s(subject.keys[i])
+    steps = seconds = ""
+    if i + 1 < len(subject.keys):
+        next_ = subject.keys[i + 1]
+        steps, seconds = str(next_ - frame), figure(subject.time_s(next_) - time_s, 2)
+    span = subject.after(frame)  # of surfaces there is one after the last keyframe too
+    said = None if span is None else verdict(subject.states[span], subject.words(span))
+    numbers = (str(i + 1), str(frame), figure(time_s, 2), steps, seconds)
+    return [*map(_number, numbers), element("td", said)]
+
+
+def _number(words: str) -> Html:
+    return element("td", words, class_="num")

@@ -1,0 +1,136 @@
+"""Who does the work of a batch, as the one who hands it out sees them; processes of this computer.
+
+A crew takes tasks by number and tells what becomes of them; it never raises for what befalls one
+task or one worker.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from multiprocessing import connection as connections
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+from typing import Protocol, TypeAlias
+
+from app.jobs.batch.task import Step, Summary, Task
+from app.jobs.batch.worker import serve
+
+PATIENCE_S = 2.0
+"""For a process that was told to end; then it is ended."""
+
+
+@dataclass(frozen=True)
+class Died:
+    """The worker of a task is gone before the task was done."""
+
+    words: str
+
+
+News: TypeAlias = tuple[int, Step | Summary | Died]
+"""The number of a task and what became of it."""
+
+
+class Crew(Protocol):
+    """Workers. `room`: how many more tasks can be begun now."""
+
+    def room(self) -> int: ...
+
+    def give(self, number: int, task: Task) -> None: ...
+
+    def wait(self, seconds: float) -> Sequence[News]:
+        """What has happened, as soon as something has, at most so long."""
+
+    def stop(self) -> None:
+        """Let what is at work end soon; a summary still comes of each."""
+
+    def close(self) -> None:
+        """End all, whatever they are doing."""
+
+
+class _Worker:
+    """One process, started when it is first needed; `number` is that of its task."""
+
+    def __init__(self) -> None:
+        context = multiprocessing.get_context("spawn")
+        self.line, theirs = context.Pipe()
+        self.process: BaseProcess = context.Process(
+            target=serve, args=(theirs,), name="keypose-batch", daemon=True
+        )
+        self.process.start()
+        theirs.close()  # so that its end is the end of the line
+        self.number: int | None = None
+
+    def end(self) -> None:
+        self.line.close()
+        self.process.join(PATIENCE_S)
+        if self.process.is_alive():
+            self.process.kill()
+            self.process.join()
+
+
+class LocalCrew:
+    """Up to so many processes of this computer."""
+
+    def __init__(self, processes: int) -> None:
+        self._most = processes
+        self._workers: list[_Worker] = []
+
+    @property
+    def pids(self) -> dict[int, int]:
+        """Of every task at work, its process."""
+        return {
+            worker.number: worker.process.pid
+            for worker in self._workers
+            if worker.number is not None and worker.process.pid is not None
+        }
+
+    def room(self) -> int:
+        return self._most - sum(worker.number is not None for worker in self._workers)
+
+    def give(self, number: int, task: Task) -> None:
+        worker = next((w for w in self._workers if w.number is None), None)
+        if worker is None:
+            worker = _Worker()
+            self._workers.append(worker)
+        worker.number = number
+        with suppress(OSError):  # it has just died, which the next look tells
+            worker.line.send(task)
+
+    def wait(self, seconds: float) -> list[News]:
+        lines = {worker.line: worker for worker in self._workers}
+        news = []
+        for line in connections.wait(list(lines), seconds):
+            assert isinstance(line, Connection)
+            news += self._heard(lines[line])
+        return news
+
+    def stop(self) -> None:
+        for worker in self._workers:
+            with suppress(OSError):
+                worker.line.send(None)
+
+    def close(self) -> None:
+        workers, self._workers = self._workers, []
+        for worker in workers:
+            worker.end()
+
+    def _heard(self, worker: _Worker) -> list[News]:
+        number = worker.number
+        try:
+            answer = worker.line.recv()
+        except (EOFError, OSError):
+            self._workers.remove(worker)
+            worker.end()
+            return [] if number is None else [(number, Died(_how(worker.process)))]
+        if isinstance(answer, Summary):
+            worker.number = None
+        return [] if number is None else [(number, answer)]
+
+
+def _how(process: BaseProcess) -> str:
+    code = process.exitcode or 0
+    ended = f"killed by signal {-code}" if code < 0 else f"ended with code {code}"
+    return f"Its worker process was {ended}" if code < 0 else f"Its worker process {ended}"

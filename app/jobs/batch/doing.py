@@ -1,0 +1,176 @@
+"""One session of a batch: locked, read, tracked, written, exported; whatever happens, a summary."""
+
+from __future__ import annotations
+
+import sys
+import time
+import traceback
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from threading import Event
+from typing import TypeAlias
+
+from app.document.folder_lock import HeldElsewhere, SessionLock
+from app.jobs import JobFinished, Progress, Report, SegmentFinished, Started, Wanted
+from app.jobs.batch.exporting import export_motion
+from app.jobs.batch.task import State, Step, Stretch, Summary, Task
+from app.jobs.rerun import all_segments, demand_trackable, keep, rerun, with_settings
+from tracker.errors import FormatError, KeyposeError, SessionError
+from tracker.session import Session
+from tracker.storage.files import load_session, open_video_of
+from tracker.storage.finding import as_seen
+from tracker.storage.results import Results, SegmentTrack, load_results
+from tracker.video import Video
+
+Tell: TypeAlias = Callable[[Step], None]
+
+
+def do(task: Task, tell: Tell, stop: Event) -> Summary:
+    """Do it. `stop` set ends it within one pass; what was finished is kept."""
+    began = time.monotonic()
+    return _told(task, tell, stop).after(time.monotonic() - began)
+
+
+def _told(task: Task, tell: Tell, stop: Event) -> Summary:
+    name = str(task.session)
+    try:
+        with SessionLock.take(task.session.parent):
+            return _done(task, tell, stop)
+    except HeldElsewhere as held:
+        return Summary(name, "open", f"{str(held)[:1].upper()}{str(held)[1:]}: left alone.")
+    except KeyposeError as error:
+        return Summary(name, "failed", str(error))
+    except MemoryError:
+        return Summary(name, "failed", "There is not enough memory: use fewer workers.")
+    except Exception as error:  # noqa: BLE001 — a fault, told as such; the other sessions go on
+        traceback.print_exc(file=sys.stderr)
+        words = f"This met a fault of Keypose itself ({type(error).__name__})."
+        return Summary(name, "failed", words)
+
+
+@dataclass(eq=False)
+class _Found:
+    """What tracking found, and how it ended."""
+
+    tracks: list[SegmentTrack]
+    cancelled: bool = False
+    error: KeyposeError | None = None
+
+
+def _done(task: Task, tell: Tell, stop: Event) -> Summary:
+    session = load_session(task.session)
+    demand_trackable(session, task.session)
+    session = _seen(session, task.session)
+    asked = with_settings(session, task.method, task.quality)
+    wanted = _missing(asked, task.session) if task.missing_only else all_segments(asked)
+    found = _Found([])
+    if wanted:
+        with open_video_of(session, task.session) as video:
+            found = _track(task, asked, video, wanted, tell, stop)
+        keep(asked, task.session, found.tracks)
+    summary = _summary(task, found)
+    if task.export is None or not summary.is_done:
+        return summary
+    try:
+        return replace(summary, exported=export_motion(task.session, task.export))
+    except FormatError as error:
+        return replace(summary, state="failed", words=str(error))
+
+
+def _seen(session: Session, path: Path) -> Session:
+    """With the surfaces it is about as they are now."""
+    if session.surface is None:
+        return session
+    with open_video_of(session, path) as video:
+        return as_seen(session, path, video.fingerprint())
+
+
+def _missing(asked: Session, path: Path) -> Sequence[Wanted]:
+    """The segments without a result that fits, of at least the quality asked for."""
+    try:
+        results = load_results(asked, path)
+    except SessionError:  # missing or damaged: as if never tracked
+        results = Results()
+    return results.wanted(asked)
+
+
+def _track(
+    task: Task, asked: Session, video: Video, wanted: Sequence[Wanted], tell: Tell, stop: Event
+) -> _Found:
+    from tracker.warm import warm
+
+    warm()
+    found = _Found([])
+    telling = _Telling(tell)
+    try:
+        given = (asked, task.session, video, wanted)
+        for report in rerun(*given, workers=task.threads, stop=stop):
+            telling.hear(report)
+            if isinstance(report, SegmentFinished):
+                found.tracks.append(report.track)
+            elif isinstance(report, JobFinished):
+                found.cancelled = report.cancelled
+    except KeyposeError as error:
+        found.error = error
+    return found
+
+
+class _Telling:
+    """Says how far it is, no more often than that changes."""
+
+    def __init__(self, tell: Tell) -> None:
+        self._tell = tell
+        self._progress: Progress | None = None
+        self._percent = 0
+
+    def hear(self, report: Report) -> None:
+        if isinstance(report, Started):
+            self._progress = Progress.of(report, time.monotonic())
+        if self._progress is None:
+            return
+        self._progress = self._progress.after(report)
+        percent = self._progress.percent
+        if isinstance(report, SegmentFinished):
+            self._tell(Step(percent, _told_of(report.track)))
+        elif percent != self._percent:
+            self._tell(Step(percent))
+        self._percent = percent
+
+
+def _told_of(track: SegmentTrack) -> dict[str, object]:
+    return {
+        "first_frame": track.first,
+        "last_frame": track.last,
+        "verdict": track.kind,
+        "words": track.told,
+    }
+
+
+def _summary(task: Task, found: _Found) -> Summary:
+    """Of the session as it stands on disk now."""
+    now = load_session(task.session)
+    results = now.results
+    segments = () if results is None else results.segments
+    fresh = {track.span for track in found.tracks}
+    stretches = tuple(
+        Stretch(
+            s.first_frame,
+            s.last_frame,
+            s.verdict,
+            s.words,
+            s.quality or now.settings.quality,
+            fresh=(s.first_frame, s.last_frame) in fresh,
+        )
+        for s in segments
+    )
+    tracks = None if results is None else results.tracks
+    name = str(task.session)
+    if found.error is not None:
+        return Summary(name, "failed", str(found.error), tracks=tracks, segments=stretches)
+    if found.cancelled:
+        return Summary(name, "interrupted", tracks=tracks, segments=stretches)
+    state: State = "tracked" if found.tracks else "kept"
+    edited = bool(_missing(with_settings(now, task.method, task.quality), task.session))
+    words = "Edited while it was tracked: some segments are out of date again." if edited else ""
+    return Summary(name, state, words, tracks=tracks, segments=stretches)

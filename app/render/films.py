@@ -1,0 +1,227 @@
+"""Pictures of many frames, one after the other: the video with the body, or the motion alone as a
+new camera sees it.
+
+A view keeps its place and its scale through the whole film. Frames are drawn side by side in
+threads, a few ahead of the one that is asked for; no more are held than these.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from app.render.palette import Picture
+from app.render.pictures import FourPlaces, Framing, framing_of, middle, posed_points
+from app.render.poses import KnownPoses
+from app.render.snapshots import View
+from app.render.stills import natural_size
+from app.render.studio import Paint, Size, Studio
+from app.render.surfaces import SurfaceSights
+from app.render.tints import Tint
+from app.render.veil import Sight
+from app.render.viewpoints import Ground, Viewpoint, calm, eye_at, least_distance, round_trip
+from tracker.body.pose import Pose
+from tracker.errors import SessionError
+from tracker.geometry.rotations import Array
+from tracker.session.schema import Session
+from tracker.video import Video
+
+FilmView: TypeAlias = View | Viewpoint | Literal["orbit"]
+Draw: TypeAlias = Callable[[int, Picture | None], Picture]
+"""The picture of a frame; the video's own is given where it is seen."""
+
+THREADS = min(4, os.cpu_count() or 1)
+CALM_SECONDS = 0.5
+"""An orbiting camera follows the body this slowly."""
+
+
+@dataclass(frozen=True)
+class Film:
+    """What is asked for: frames first to last. size: None for the video's own, made even.
+
+    tint: of observed surfaces.
+    """
+
+    view: FilmView
+    first: int
+    last: int
+    paint: Paint = field(default_factory=lambda: Paint("both", 0.5))
+    size: Size | None = None
+    tint: Tint = "clay"
+
+    @property
+    def needs_video(self) -> bool:
+        return self.view in ("main", "all")
+
+
+def film_size(session: Session, poses: KnownPoses, film: Film) -> Size:
+    """The size of the film's pictures, both sides even."""
+    width, height = film.size or natural_size(Studio.of(session, poses.skeleton), film.view)
+    return width + width % 2, height + height % 2
+
+
+def film_pictures(
+    session: Session, video: Video | None, poses: KnownPoses, film: Film, fps: float
+) -> Iterator[Picture]:
+    """The pictures (H, W, 3) of all frames in turn. The body is drawn where there is a pose.
+
+    SessionError when no frame of the film has one.
+    """
+    studio, size = Studio.of(session, poses.skeleton), film_size(session, poses, film)
+    sights = SurfaceSights.of(session, video, film.tint)
+    draw = _artist(studio, poses, film, size, fps, sights)
+    numbers = range(film.first, film.last + 1)
+    images: Iterable[tuple[int, Picture | None]] = ((number, None) for number in numbers)
+    if video is not None and film.needs_video and (sights is None or sights.is_clay):
+        images = video.frames(film.first, film.last + 1)
+    return _ahead(draw, images)
+
+
+def posed_frames(poses: KnownPoses, film: Film) -> tuple[int, ...]:
+    """The frames of the film in which the body is drawn."""
+    return tuple(frame for frame in poses.frames if film.first <= frame <= film.last)
+
+
+def _artist(
+    studio: Studio,
+    poses: KnownPoses,
+    film: Film,
+    size: Size,
+    fps: float,
+    sights: SurfaceSights | None,
+) -> Draw:
+    """What draws the frames of a film; all that is common to them is found out before."""
+    view, paint = film.view, film.paint
+    frames = posed_frames(poses, film)
+    if not frames:
+        raise SessionError(
+            f"Frames {film.first} to {film.last} have no pose: track the session first, or choose "
+            "other frames."
+        )
+
+    def ground(frame: int, image: Picture | None) -> Picture | None:
+        if sights is not None and not sights.is_clay:
+            return sights.picture(frame, poses.pose(frame))
+        return None if image is None else studio.session.camera.rectify(image)
+
+    def sight(frame: int) -> Sight | None:
+        return None if sights is None else sights.at(frame, poses.pose(frame))
+
+    if view == "main":
+
+        def over_video(frame: int, image: Picture | None) -> Picture:
+            return studio.main(ground(frame, image), frame, poses.pose(frame), size, paint)
+
+        return over_video
+    if isinstance(view, Viewpoint) or view == "orbit":
+        return _new_camera(studio, poses, film, frames, size, fps, sight)
+    framing = _framing(studio, poses, frames, view, size)
+    if view == "all":
+
+        def four(frame: int, image: Picture | None) -> Picture:
+            pose = poses.pose(frame)
+            seen = sight(frame)
+            return studio.four(ground(frame, image), frame, pose, size, paint, framing, seen)
+
+        return four
+    return lambda frame, _: studio.parallel(view, poses.pose(frame), size, framing, sight(frame))
+
+
+def _framing(
+    studio: Studio, poses: KnownPoses, frames: tuple[int, ...], view: View, size: Size
+) -> Framing:
+    """What shows the whole motion at one scale."""
+    corners = _box_of_motion(studio, poses, frames)
+    if view == "main" or view == "all":
+        sizes = FourPlaces.of(studio.camera, studio.height_of_four(size)).views
+    else:
+        sizes = {view: size}
+    return framing_of(corners, sizes, studio.Rs)
+
+
+def _new_camera(
+    studio: Studio,
+    poses: KnownPoses,
+    film: Film,
+    frames: tuple[int, ...],
+    size: Size,
+    fps: float,
+    sight: Callable[[int], Sight | None],
+) -> Draw:
+    """A camera that stands still, or that goes round the body; always far enough to see it all."""
+    level, count = studio.Rs["front"], film.last - film.first + 1
+    if film.view == "orbit":
+        viewpoints = round_trip(count)
+        centres = calm(_middles(studio, poses, film, frames), CALM_SECONDS * fps)
+    else:
+        assert isinstance(film.view, Viewpoint)
+        viewpoints = [film.view] * count
+        centre = _box_of_motion(studio, poses, frames).mean(axis=0)
+        centres = np.broadcast_to(centre, (count, 3))
+    distance = viewpoints[0].distance_m or max(
+        least_distance(
+            viewpoints[frame - film.first],
+            level,
+            centres[frame - film.first],
+            posed_points(studio.skeleton, _posed(poses, frame)),
+            size,
+        )
+        for frame in frames
+    )
+    ground = Ground.under(studio.skeleton, level, (_posed(poses, frame) for frame in poses.frames))
+
+    def seen_anew(frame: int, _: Picture | None) -> Picture:
+        i = frame - film.first
+        eye = eye_at(viewpoints[i], distance, level, centres[i], size)
+        return studio.perspective(eye, ground, centres[i], poses.pose(frame), sight(frame))
+
+    return seen_anew
+
+
+def _box_of_motion(studio: Studio, poses: KnownPoses, frames: tuple[int, ...]) -> Array:
+    """The corners (8, 3), in the camera frame, of the upright box around the body in all these
+    frames."""
+    R_level_camera = studio.Rs["front"]
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for frame in frames:
+        points = posed_points(studio.skeleton, _posed(poses, frame)) @ R_level_camera.T
+        low, high = np.minimum(low, points.min(axis=0)), np.maximum(high, points.max(axis=0))
+    corners = np.stack(np.meshgrid(*zip(low, high, strict=True), indexing="ij"), axis=-1)
+    return np.asarray(corners.reshape(8, 3) @ R_level_camera)
+
+
+def _middles(studio: Studio, poses: KnownPoses, film: Film, frames: tuple[int, ...]) -> Array:
+    """(N, 3) where the body is in every frame of the film; between known places, on the line."""
+    known = np.array(
+        [middle(posed_points(studio.skeleton, _posed(poses, frame))) for frame in frames]
+    )
+    every = np.arange(film.first, film.last + 1)
+    return np.stack([np.interp(every, frames, column) for column in known.T], axis=1)
+
+
+def _posed(poses: KnownPoses, frame: int) -> Pose:
+    pose = poses.pose(frame)
+    assert pose is not None
+    return pose
+
+
+def _ahead(draw: Draw, images: Iterable[tuple[int, Picture | None]]) -> Iterator[Picture]:
+    """The pictures in order, a few being drawn while one is used."""
+    waiting: deque[Future[Picture]] = deque()
+    with ThreadPoolExecutor(THREADS) as threads:
+        try:
+            for number, image in images:
+                waiting.append(threads.submit(draw, number, image))
+                if len(waiting) > THREADS:
+                    yield waiting.popleft().result()
+            while waiting:
+                yield waiting.popleft().result()
+        finally:
+            for future in waiting:
+                future.cancel()

@@ -1,0 +1,95 @@
+"""The body painted over a picture, or on nothing, so that it can be laid over anything.
+
+It is painted at twice its size and averaged down, so that edges are smooth; and only where the
+body is.
+"""
+
+from __future__ import annotations
+
+from typing import Literal, TypeAlias
+
+import cv2
+import numpy as np
+
+from app.render.form import Form
+from app.render.palette import Canvas, CutOut, Picture
+from app.render.shading import paint_solid, part_borders, shaded
+from app.render.strokes import body_lines, paint_dots, paint_lines
+from tracker.body.raster import raster
+from tracker.geometry.rotations import Array, apply_transform
+from tracker.geometry.view import Eye
+
+Style: TypeAlias = Literal["wire", "solid", "both"]
+
+FINE = 2
+"""Painted this many times as large as wanted."""
+
+
+def painted_over(
+    image: Picture, eye: Eye, form: Form, Ts_camera_part: Array, style: Style, opacity: float
+) -> Picture:
+    """The body over an image of the eye's size; only the pixels around it are touched."""
+    result = image.copy()
+    left, top, right, bottom = box_of(form.mesh.posed(eye.T_eye_camera @ Ts_camera_part), eye)
+    if right <= left or bottom <= top:
+        return result
+    ground = image[top:bottom, left:right].astype(np.float32)
+    canvas = ground.repeat(FINE, axis=0).repeat(FINE, axis=1)
+    _paint_body(canvas, (left, top), eye, form, Ts_camera_part, style, opacity)
+    small = cv2.resize(canvas, (right - left, bottom - top), interpolation=cv2.INTER_AREA)
+    result[top:bottom, left:right] = np.clip(np.rint(small), 0, 255)
+    return result
+
+
+def cut_out(eye: Eye, form: Form, Ts_camera_part: Array, style: Style, opacity: float) -> CutOut:
+    """The body on nothing: laid over an image by its alpha, it is the body painted over it."""
+    result = np.zeros((eye.height, eye.width, 4), dtype=np.uint8)
+    left, top, right, bottom = box_of(form.mesh.posed(eye.T_eye_camera @ Ts_camera_part), eye)
+    if right <= left or bottom <= top:
+        return result
+    canvas = np.zeros((FINE * (bottom - top), FINE * (right - left), 4), dtype=np.float32)
+    _paint_body(canvas, (left, top), eye, form, Ts_camera_part, style, opacity)
+    small = cv2.resize(canvas, (right - left, bottom - top), interpolation=cv2.INTER_AREA)
+    alpha = small[..., 3:]
+    rgb = small[..., :3] * (255.0 / np.maximum(alpha, 1e-3))
+    result[top:bottom, left:right] = np.clip(np.rint(np.dstack([rgb, alpha])), 0, 255)
+    return result
+
+
+def _paint_body(
+    canvas: Canvas,
+    corner: tuple[int, int],
+    eye: Eye,
+    form: Form,
+    Ts_camera_part: Array,
+    style: Style,
+    opacity: float,
+) -> None:
+    """Paint onto a canvas FINE times as large as the piece of the picture it begins at."""
+    height, width = canvas.shape[:2]
+    fine = eye.cropped(*corner, width // FINE, height // FINE).resized(width, height)
+    stroke = max(1, round(FINE * eye.height / 420))
+    seen = raster(form.mesh, Ts_camera_part, fine)
+    if style != "wire":
+        rgb, mask = shaded(form.mesh, form.normal_maps, form.colours, Ts_camera_part, fine, seen)
+        paint_solid(canvas, rgb, mask, opacity, part_borders(seen))
+    if style != "solid":
+        lines = body_lines(form.mesh, form.edges, Ts_camera_part, fine, seen)
+        paint_lines(canvas, lines, form.sides, stroke)
+        p_eye = apply_transform(fine.T_eye_camera, Ts_camera_part[:, :3, 3])
+        paint_dots(canvas, fine.project(p_eye), 1.1 * stroke)
+
+
+def box_of(p_eye: Array, eye: Eye) -> tuple[int, int, int, int]:
+    """Left, top, right, bottom of the pixels that a thing with these corners (V, 3) can touch,
+    right and bottom left out."""
+    margin = 4 + eye.height // 100
+    uv = eye.project(p_eye)
+    if np.isnan(uv).all():
+        return 0, 0, 0, 0
+    if np.isnan(uv).any():  # partly behind the camera: its outline may go anywhere
+        return 0, 0, eye.width, eye.height
+    limits = (eye.width, eye.height)
+    low = np.clip(np.floor(uv.min(axis=0)) - margin, 0, limits).astype(int)
+    high = np.clip(np.ceil(uv.max(axis=0)) + 1 + margin, 0, limits).astype(int)
+    return int(low[0]), int(low[1]), int(high[0]), int(high[1])

@@ -1,0 +1,44 @@
+"""The poses that pictures of a session show: the keyframe's where one is set, else the tracked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.session.schema import Session
+from tracker.storage.tracks import Tracks, load_tracks
+
+
+@dataclass(frozen=True, eq=False)
+class KnownPoses:
+    """What is known of the motion. `tracks` is None where the session has not been tracked."""
+
+    skeleton: Skeleton
+    keys: Mapping[int, Pose]
+    tracks: Tracks | None
+
+    @classmethod
+    def of(cls, session: Session, session_path: Path) -> KnownPoses:
+        """SessionError in one sentence when there is a tracks file that cannot be read."""
+        skeleton = Skeleton.of(session.body)
+        keys = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.keyframes}
+        tracks = load_tracks(session, session_path) if session.results else None
+        return cls(skeleton, keys, tracks)
+
+    def pose(self, frame: int) -> Pose | None:
+        """The pose at a frame, None where there is none."""
+        found = self.keys.get(frame)
+        return found if found is not None or self.tracks is None else self.tracks.pose(frame)
+
+    @property
+    def frames(self) -> tuple[int, ...]:
+        """The frames that have a pose, ascending."""
+        found = set(self.keys)
+        if self.tracks is not None:
+            found.update((np.flatnonzero(self.tracks.tracked) + self.tracks.first_frame).tolist())
+        return tuple(sorted(found))

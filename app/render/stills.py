@@ -1,0 +1,129 @@
+"""A picture of one frame as a person asks for it: any view, any size, over the video or on nothing.
+
+What is asked for plainly is the page's own picture.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from app.render.palette import CutOut, Picture
+from app.render.pictures import FourPlaces, middle, posed_points
+from app.render.poses import KnownPoses
+from app.render.snapshots import Look, View, background, snapshot
+from app.render.studio import Paint, Size, Studio
+from app.render.surfaces import SurfaceSights
+from app.render.tints import Tint
+from app.render.veil import Sight
+from app.render.viewpoints import Ground, Viewpoint, eye_at, least_distance
+from tracker.body.pose import Pose
+from tracker.errors import SessionError
+from tracker.geometry.rotations import Array
+from tracker.geometry.view import Eye
+from tracker.session.schema import Session
+from tracker.video import Video
+
+
+@dataclass(frozen=True)
+class Still:
+    """What is asked for. size: None for the video's, or what it gives with four views.
+
+    scale: so many times that size. on_nothing: the body alone, without video, observed surface,
+    floor and letters. tint: of observed surfaces.
+    """
+
+    view: View | Viewpoint = "main"
+    paint: Paint = field(default_factory=lambda: Paint("both", 0.5))
+    size: Size | None = None
+    scale: float = 1.0
+    on_nothing: bool = False
+    tint: Tint = "clay"
+
+    @property
+    def needs_video(self) -> bool:
+        return self.view in ("main", "all") and not self.on_nothing
+
+    @property
+    def has_floor(self) -> bool:
+        return isinstance(self.view, Viewpoint) and not self.on_nothing
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether the page draws it, too."""
+        return self.size is None and self.scale == 1.0 and not self.on_nothing
+
+
+def still(
+    session: Session, video: Video | None, frame: int, poses: KnownPoses, wanted: Still
+) -> Picture | CutOut:
+    """The picture at a frame that has a pose."""
+    pose = poses.pose(frame)
+    if pose is None:
+        raise SessionError(f"Frame {frame} has no pose.")
+    if wanted.is_plain and not isinstance(wanted.view, Viewpoint):
+        look = Look(wanted.view, wanted.paint.style, wanted.paint.opacity, wanted.tint)
+        return snapshot(session, video, frame, pose, look)
+    studio = Studio.of(session, poses.skeleton)
+    size = _size(studio, wanted)
+    if wanted.on_nothing:
+        return _on_nothing(studio, pose, wanted, size)
+    sights = SurfaceSights.of(session, video, wanted.tint)
+    if wanted.view == "main":
+        image = background(session, video, sights, frame, pose)
+        return studio.main(image, frame, pose, size, wanted.paint)
+    sight = None if sights is None else sights.at(frame, pose)
+    if isinstance(wanted.view, Viewpoint):
+        return _from_viewpoint(studio, poses, pose, wanted.view, size, sight)
+    if wanted.view != "all":
+        return studio.parallel(wanted.view, pose, size, sight=sight)
+    image = background(session, video, sights, frame, pose)
+    return studio.four(image, frame, pose, size, wanted.paint, sight=sight)
+
+
+def natural_size(studio: Studio, view: object) -> Size:
+    """The size of a picture for which none is asked."""
+    camera = studio.camera
+    if view == "all":
+        return FourPlaces.of(camera, camera.height).width, camera.height
+    return camera.width, camera.height
+
+
+def _size(studio: Studio, wanted: Still) -> Size:
+    if wanted.size is not None:
+        return wanted.size
+    width, height = natural_size(studio, wanted.view)
+    return max(1, round(width * wanted.scale)), max(1, round(height * wanted.scale))
+
+
+def _on_nothing(studio: Studio, pose: Pose, wanted: Still, size: Size) -> CutOut:
+    if isinstance(wanted.view, Viewpoint):
+        return studio.cut_out_by(_eye(studio, pose, wanted.view, size)[0], pose)
+    if wanted.view == "main":
+        return studio.main_cut_out(pose, size, wanted.paint)
+    if wanted.view == "all":
+        return studio.four_cut_out(pose, size, wanted.paint)
+    return studio.parallel_cut_out(wanted.view, pose, size)
+
+
+def _from_viewpoint(
+    studio: Studio,
+    poses: KnownPoses,
+    pose: Pose,
+    viewpoint: Viewpoint,
+    size: Size,
+    sight: Sight | None,
+) -> Picture:
+    """About the body as it is at this frame; the floor is where the whole motion has it."""
+    eye, centre = _eye(studio, pose, viewpoint, size)
+    every = [found for frame in poses.frames if (found := poses.pose(frame)) is not None]
+    ground = Ground.under(studio.skeleton, studio.Rs["front"], every)
+    return studio.perspective(eye, ground, centre, pose, sight)
+
+
+def _eye(studio: Studio, pose: Pose, viewpoint: Viewpoint, size: Size) -> tuple[Eye, Array]:
+    """What looks at the body's middle (3,), which comes with it."""
+    level = studio.Rs["front"]
+    points = posed_points(studio.skeleton, pose)
+    centre = middle(points @ level.T) @ level
+    distance = viewpoint.distance_m or least_distance(viewpoint, level, centre, points, size)
+    return eye_at(viewpoint, distance, level, centre, size), centre

@@ -1,0 +1,115 @@
+"""The observed surfaces of a session in the colours that are chosen, as pictures show them."""
+
+from __future__ import annotations
+
+import threading
+from typing import TYPE_CHECKING
+
+from app.render.palette import Picture
+from app.render.tints import Colours, Tint, clay, tinted
+from app.render.veil import Sight
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.errors import SurfaceError, VideoError
+from tracker.session.schema import Session
+from tracker.surface.mesh import SurfaceMesh
+from tracker.video import Video
+
+if TYPE_CHECKING:
+    from tracker.surface.fit.model import SurfaceModel
+    from tracker.surface.picture import SurfaceVideo
+    from tracker.surface.source import SurfaceSteps
+
+MODEL_POINTS = 3000
+"""So many places of the surface that moves tell the colours of the one observed."""
+
+
+class SurfaceSights:
+    """What is seen of a session's surfaces; threads may share it."""
+
+    def __init__(self, session: Session, video: SurfaceVideo, tint: Tint) -> None:
+        self._session, self._video, self._tint = session, video, tint
+        self._lock = threading.Lock()
+        self._model: SurfaceModel | None = None
+
+    @classmethod
+    def of(cls, session: Session, video: Video | None, tint: Tint = "clay") -> SurfaceSights | None:
+        """None where the session is about a film, or its meshes are not at hand."""
+        if session.surface is None or video is None:
+            return None
+        from tracker.surface.picture import SurfaceVideo  # a film does without
+
+        return cls(session, video, tint) if isinstance(video, SurfaceVideo) else None
+
+    @property
+    def is_clay(self) -> bool:
+        """Whether its picture by the camera is the video's own."""
+        return self._tint == "clay"
+
+    def at(self, frame: int, pose: Pose | None) -> Sight | None:
+        """A step's surface with the body at this pose; None where the step cannot be used.
+
+        VideoError where the meshes have been closed, SurfaceError where the colours need what
+        cannot be used, such as images or the surface that moves.
+        """
+        steps = self._video.steps
+        try:
+            mesh = steps.shape(frame)
+        except SurfaceError as error:
+            if self._video.is_closed:
+                raise VideoError(str(error)) from None
+            return None
+        if self._tint == "photo":
+            mesh = steps.mesh(frame)
+            if mesh.consistency is None:
+                raise SurfaceError(
+                    f"Nothing tells how well cameras agree on the surface of frame {frame}: name "
+                    "their file with `keypose fit --cameras FILE`, or choose another colouring."
+                )
+        return Sight(mesh, colours_of(mesh, self._tint, pose, self._model_where_needed()))
+
+    def picture(self, frame: int, pose: Pose | None) -> Picture | None:
+        """The same as the session's camera sees it; None as above."""
+        from tracker.surface.painting import painted
+
+        sight = self.at(frame, pose)
+        if sight is None:
+            return None
+        return painted(sight.mesh, self._session.camera.without_distortion(), sight.colours)
+
+    def _model_where_needed(self) -> SurfaceModel | None:
+        """Made once, of the surface that moves with the body."""
+        if self._tint not in ("contact", "distance"):
+            return None
+        with self._lock:
+            if self._model is None:
+                self._model = model_of(self._session, self._video.steps)
+            return self._model
+
+
+def colours_of(
+    mesh: SurfaceMesh, tint: Tint, pose: Pose | None, model: SurfaceModel | None
+) -> Colours:
+    """The colours (V, 3) of a step's surface, the body at a pose; clay where nothing tells them."""
+    if tint == "photo" and mesh.consistency is not None:
+        from tracker.surface.fit.weights import in_agreement
+
+        return tinted(tint, in_agreement(mesh.consistency))
+    if tint in ("contact", "distance") and model is not None and pose is not None:
+        from tracker.surface.fit.looking import look  # loads when surfaces are looked at
+
+        return tinted(tint, look(model, mesh, pose, tint))
+    return clay(len(mesh.vertices))
+
+
+def model_of(session: Session, steps: SurfaceSteps) -> SurfaceModel | None:
+    """The surface that moves with the body; None where nobody has posed it. SurfaceError where
+    its step cannot be used."""
+    keyframe, surface = session.model_keyframe, session.surface
+    if keyframe is None or surface is None:
+        return None
+    from tracker.surface.fit.model import SurfaceModel  # loads when surfaces are looked at
+
+    mesh = steps.shape(keyframe.frame)
+    pose, smooth = keyframe.pose(Skeleton.of(session.body)), surface.binding == "smooth"
+    return SurfaceModel.of(mesh, session.body, pose, MODEL_POINTS, smooth)

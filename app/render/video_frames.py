@@ -1,0 +1,94 @@
+"""The video's frames as JPEG, for the page: without the lens's distortion, each made once."""
+
+from __future__ import annotations
+
+import asyncio
+import textwrap
+from collections import OrderedDict
+from concurrent.futures import ThreadPoolExecutor
+
+import cv2
+import numpy as np
+
+from app.render.lettering import plate
+from app.render.palette import Picture
+from tracker.errors import VideoError
+from tracker.geometry.camera import Camera
+from tracker.surface.picture import CONTAINER
+from tracker.video import MissingFrame, Video
+
+CACHE_BYTES = 192 * 2**20
+QUALITY = 88
+
+
+class Frames:
+    """JPEGs by frame number; the decoder works in one thread, so that frames come in turn."""
+
+    def __init__(self, video: Video) -> None:
+        self._video = video
+        self._pool = ThreadPoolExecutor(1, thread_name_prefix="frames")
+        self._made: OrderedDict[tuple[int, str], bytes] = OrderedDict()
+        self._bytes = 0
+        self._closed = False
+
+    async def jpeg(self, index: int, camera: Camera, version: str) -> bytes:
+        """Frame `index` as this camera would have taken it with an ideal lens.
+
+        VideoError where the video has no such frame.
+        """
+        known = self._made.get((index, version))
+        if known is not None:
+            self._made.move_to_end((index, version))
+            return known
+        loop = asyncio.get_running_loop()
+        try:
+            made = await loop.run_in_executor(self._pool, self._make, index, camera)
+        except asyncio.CancelledError:
+            if self._closed:
+                raise VideoError("The video has been closed.") from None
+            raise
+        self._keep((index, version), made)
+        return made
+
+    def close(self) -> None:
+        """End the thread; the video stays open."""
+        self._closed = True
+        self._pool.shutdown(wait=False, cancel_futures=True)
+
+    def _make(self, index: int, camera: Camera) -> bytes:
+        picture = camera.rectify(frame_or_grey(self._video, index))
+        swapped = cv2.cvtColor(picture, cv2.COLOR_RGB2BGR)
+        good, content = cv2.imencode(".jpg", swapped, [cv2.IMWRITE_JPEG_QUALITY, QUALITY])
+        assert good
+        return content.tobytes()
+
+    def _keep(self, key: tuple[int, str], made: bytes) -> None:
+        if key in self._made:
+            return
+        self._made[key] = made
+        self._bytes += len(made)
+        while self._bytes > CACHE_BYTES:
+            _, gone = self._made.popitem(last=False)
+            self._bytes -= len(gone)
+
+
+def frame_or_grey(video: Video, index: int) -> Picture:
+    """A frame, or a grey picture that says that it is missing; of a mesh, what is wrong with it."""
+    try:
+        return video.frame(index)
+    except MissingFrame as missing:
+        info = video.info
+        grey = np.full((info.height, info.width, 3), 96, dtype=np.uint8)
+        letter_px = max(10.0, info.height / 24)
+        if info.container == CONTAINER:
+            _plates(grey, str(missing), 0.7 * letter_px)
+        else:
+            plate(grey, f"Frame {index} is damaged", *(round(letter_px),) * 2, letter_px)
+        return grey
+
+
+def _plates(picture: Picture, sentence: str, letter_px: float) -> None:
+    """A sentence on as many plates, one below the other, as it takes."""
+    columns = int(picture.shape[1] / letter_px)  # a letter is narrower than it is high
+    for row, line in enumerate(textwrap.wrap(sentence, columns)):
+        plate(picture, line, round(letter_px), round((1 + 2.4 * row) * letter_px), letter_px)

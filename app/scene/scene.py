@@ -1,0 +1,306 @@
+"""What the page's four views show of the body, drawn by viser.
+
+The scene holds one frame per part; a new pose is their transforms and the outlines. Everything
+hangs below one node whose frame is the camera's, turned so that on the page three.js has the
+camera's x to the right, y up and z toward the viewer: the page drives its cameras itself.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass, field
+
+import numpy as np
+from starlette.websockets import WebSocket
+from viser import ClientHandle, LineSegmentsHandle
+
+from app.render.palette import SIDE_COLOURS, WHITE, Colour, part_sides
+from app.scene.figure import Outline, Segments, rim_lines, trail_lines
+from app.scene.nodes import (
+    GHOST_PX,
+    HELD_LINE_PX,
+    LINE_PX,
+    OVERLAY_ONLY,
+    ROOT,
+    SOLID_ONLY,
+    Mode,
+    PartNodes,
+    SkinNodes,
+    add_lights,
+    add_lines,
+    dark,
+    light,
+)
+from app.scene.viser_compat import ROLES, Portless, Role, hide_from
+from tracker.body.body import Body
+from tracker.geometry.rotations import Array, apply_transform, quaternion_wxyz
+
+__all__ = ["Mode", "Role", "Scenery", "Stage", "Trail"]
+
+GHOST_COLOURS: tuple[Colour, Colour] = ((134, 217, 147), (217, 213, 199))
+"""Of the keyframe before, and of the one after."""
+
+_SMALL: tuple[Role, ...] = ("top", "side", "front")
+_CAMERA_WXYZ = (0.0, 0.0, 0.0, 1.0)
+"""viser's +y-up world stands half a turn about y from three.js's; with half a turn about z the
+camera's y down becomes y up and its z away becomes z toward the viewer."""
+
+_TO_LIGHT = np.array([-0.50, -0.70, -0.75])
+"""From the upper left, behind the viewer, in the eye's frame."""
+
+_R_EYE_CAMERA: dict[Role, Array] = {
+    "main": np.eye(3),
+    "top": np.array([[1.0, 0, 0], [0, 0, -1.0], [0, 1.0, 0]]),
+    "side": np.array([[0, 0, 1.0], [0, 1.0, 0], [-1.0, 0, 0]]),
+    "front": np.eye(3),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Trail:
+    """The way of one point.
+
+    p_camera: (N, 3) metres, frame after frame.
+    present:  the index of the frame shown; what comes after it is dashed.
+    """
+
+    p_camera: Array
+    present: int
+
+
+@dataclass(frozen=True, eq=False)
+class Scenery:
+    """All there is to see at one moment.
+
+    Ts_camera_part: (P, 4, 4) of the body's parts.
+    selected:  names of parts.
+    opacity:   of the body over the picture, 0 to 1.
+    ghosts:    up to two other poses (frame, Ts_camera_part): the one before and the one after.
+    Rs_view_camera: (3, 3) of the small views; of those not named the usual ones.
+    telephoto: rays to the camera are parallel.
+    """
+
+    body: Body
+    Ts_camera_part: Array
+    selected: frozenset[str] = frozenset()
+    mode: Mode = "both"
+    opacity: float = 0.5
+    ghosts: tuple[tuple[int, Array], ...] = ()
+    trail: Trail | None = None
+    Rs_view_camera: dict[Role, Array] = field(default_factory=dict)
+    telephoto: bool = False
+
+    def R_eye_camera(self, role: Role) -> Array:
+        return self.Rs_view_camera.get(role, _R_EYE_CAMERA[role])
+
+    def rays(self, role: Role) -> Array | None:
+        """The direction (3,) of parallel rays in the camera frame; None: from the camera."""
+        if role == "main" and not self.telephoto:
+            return None
+        return np.asarray(self.R_eye_camera(role)[2])
+
+    def looks_like(self, other: Scenery) -> bool:
+        """The same body in the same colours, wherever it is."""
+        return (
+            self.body is other.body
+            and self.selected == other.selected
+            and self.mode == other.mode
+            and self.opacity == other.opacity
+        )
+
+    def is_seen_as(self, other: Scenery) -> bool:
+        """From the same sides."""
+        same = (np.array_equal(self.R_eye_camera(r), other.R_eye_camera(r)) for r in ROLES)
+        return self.telephoto == other.telephoto and all(same)
+
+    def is_posed_as(self, other: Scenery) -> bool:
+        return self.Ts_camera_part is other.Ts_camera_part or np.array_equal(
+            self.Ts_camera_part, other.Ts_camera_part
+        )
+
+
+class Stage:
+    """Owns viser's scene. `show` and `attach` belong to its loop's thread, the rest to any."""
+
+    def __init__(self) -> None:
+        self._viser = Portless()
+        self._scene = self._viser.server.scene
+        self._drawn: Scenery | None = None
+        self._outline: Outline | None = None
+        self._parts: list[PartNodes] = []
+        self._lines: dict[str, LineSegmentsHandle] = {}
+        self._skins = SkinNodes(self._scene)
+        self._only_for: dict[str, tuple[Role, ...]] = {}
+        """Nodes that some views must not show, with the views that do."""
+        self._prepare()
+        self._viser.server.on_client_connect(self._welcome)
+
+    @property
+    def loop(self) -> asyncio.AbstractEventLoop:
+        """The loop the program's server must run on."""
+        return self._viser.loop
+
+    async def attach(self, websocket: WebSocket, role: Role) -> None:
+        """Serve the websocket of one view until it closes."""
+        await self._viser.attach(websocket, role)
+
+    def stop(self) -> None:
+        """End viser's loop, and with it every view's connection."""
+        self._viser.stop()
+
+    def show(self, scenery: Scenery) -> None:
+        """Draw what differs from what is drawn."""
+        was, self._drawn = self._drawn, scenery
+        new_body = was is None or was.body is not scenery.body
+        new_looks = was is None or not was.looks_like(scenery)
+        new_sides = was is None or not was.is_seen_as(scenery)
+        new_pose = was is None or not was.is_posed_as(scenery)
+        with self._viser.server.atomic():
+            if new_body:
+                self._draw_shapes(scenery.body)
+            if new_looks:
+                self._draw_looks(scenery)
+            if new_sides:
+                self._draw_lights(scenery)
+            if new_pose:
+                self._draw_pose(scenery.Ts_camera_part)
+            if new_pose or new_looks or new_sides:
+                self._draw_outlines(scenery)
+            if was is None or new_body or new_sides or was.ghosts is not scenery.ghosts:
+                self._draw_ghosts(scenery)
+            if was is None or was.trail is not scenery.trail:
+                self._draw_trail(scenery.trail)
+        self._viser.server.flush()
+
+    def show_skin(self, glb: bytes | None) -> None:
+        """Draw this observed surface in the small views; `settle_skin` some pictures later."""
+        with self._viser.server.atomic():
+            self._skins.put(glb)
+        self._viser.server.flush()
+
+    def settle_skin(self) -> None:
+        """The page has drawn the newest surface: take the one before away."""
+        self._skins.settle()
+        self._viser.server.flush()
+
+    def _prepare(self) -> None:
+        self._scene.set_up_direction("+y")
+        self._scene.configure_default_lights(enabled=False)
+        self._scene.configure_environment_map(None)
+        self._scene.add_frame(ROOT, show_axes=False, wxyz=_CAMERA_WXYZ)
+        for name in SkinNodes.NAMES:
+            self._reserve(name, _SMALL)
+        for role in ROLES:
+            add_lights(self._scene, f"{ROOT}/light/{role}")
+            for kind in ("sky", "sun"):
+                self._reserve(f"{ROOT}/light/{role}/{kind}", (role,))
+            for lines in ("outline", "held"):
+                self._reserve(f"{ROOT}/{lines}/{role}", (role,))
+            for number in range(2):
+                self._reserve(f"{ROOT}/ghost/{number}/{role}", (role,))
+
+    async def _welcome(self, client: ClientHandle) -> None:
+        role = self._viser.role_of(client)
+        for name, roles in self._only_for.items():
+            if role not in roles:
+                hide_from(client, name)
+
+    def _reserve(self, name: str, roles: tuple[Role, ...]) -> None:
+        """Keep a node, whenever it is there, out of all views but these."""
+        if name in self._only_for:
+            return
+        self._only_for[name] = roles
+        for client in self._viser.server.get_clients().values():
+            if self._viser.role_of(client) not in roles:
+                hide_from(client, name)
+
+    def _draw_shapes(self, body: Body) -> None:
+        """New shapes in the nodes there are; new nodes where there is another number of parts."""
+        self._outline = Outline.of(body)
+        if len(self._parts) == len(body.parts):
+            for nodes, part in zip(self._parts, body.parts, strict=True):
+                nodes.set_shape(part.shape)
+            return
+        for nodes in self._parts:
+            nodes.frame.remove()
+        self._parts = []
+        for number, part in enumerate(body.parts):
+            name = f"{ROOT}/body/{number}"
+            for child in OVERLAY_ONLY:
+                self._reserve(f"{name}/{child}", ("main",))
+            for child in SOLID_ONLY:
+                self._reserve(f"{name}/{child}", _SMALL)
+            self._parts.append(PartNodes.add(self._scene, name, part.shape))
+        if self._drawn is not None:
+            self._draw_pose(self._drawn.Ts_camera_part)
+
+    def _draw_looks(self, scenery: Scenery) -> None:
+        sides = part_sides(scenery.body)
+        for nodes, name, side in zip(self._parts, scenery.body.names, sides, strict=True):
+            held = name in scenery.selected
+            nodes.set_look(SIDE_COLOURS[side], held, scenery.mode, scenery.opacity)
+
+    def _draw_lights(self, scenery: Scenery) -> None:
+        for role in ROLES:
+            for kind in ("sky", "sun"):
+                node = self._scene.get_handle_by_name(f"{ROOT}/light/{role}/{kind}")
+                assert node is not None
+                node.position = scenery.R_eye_camera(role).T @ _TO_LIGHT
+
+    def _draw_pose(self, Ts_camera_part: Array) -> None:
+        turns = quaternion_wxyz(Ts_camera_part[:, :3, :3])
+        for nodes, wxyz, T in zip(self._parts, turns, Ts_camera_part, strict=True):
+            nodes.set_pose(wxyz, T[:3, 3])
+
+    def _draw_outlines(self, scenery: Scenery) -> None:
+        assert self._outline is not None
+        parts = [scenery.body.names[i] for i in self._outline.part]
+        held = np.array([name in scenery.selected for name in parts], dtype=bool)
+        sides = np.array(part_sides(scenery.body))[self._outline.part]
+        colours = np.array([SIDE_COLOURS[side] for side in sides]).reshape(-1, 3)
+        for role in ROLES:
+            lines = self._outline.lines(scenery.Ts_camera_part, scenery.rays(role))
+            tints = light(colours) if role == "main" else dark(colours)
+            ends = np.broadcast_to(tints[:, None, None], lines.shape)
+            self._put(f"{ROOT}/outline/{role}", lines[~held], ends[~held], LINE_PX)
+            self._put(f"{ROOT}/held/{role}", lines[held], WHITE, HELD_LINE_PX)
+
+    def _draw_ghosts(self, scenery: Scenery) -> None:
+        for number, colour in enumerate(GHOST_COLOURS):
+            for role in ROLES:
+                lines = np.zeros((0, 2, 3), dtype=np.float32)
+                if number < len(scenery.ghosts):
+                    lines = self._ghost(scenery, scenery.ghosts[number][1], role)
+                self._put(f"{ROOT}/ghost/{number}/{role}", lines, colour, GHOST_PX)
+
+    def _ghost(self, scenery: Scenery, Ts_camera_part: Array, role: Role) -> Segments:
+        """All lines (N, 2, 3) of another pose as one view sees it, camera frame."""
+        assert self._outline is not None
+        parts = [rim_lines(part.shape).astype(np.float64) for part in scenery.body.parts]
+        rims = [
+            apply_transform(T, lines.reshape(-1, 3)).reshape(-1, 2, 3)
+            for T, lines in zip(Ts_camera_part, parts, strict=True)
+        ]
+        sides = self._outline.lines(Ts_camera_part, scenery.rays(role))
+        return np.concatenate([sides.reshape(-1, 2, 3), *rims]).astype(np.float32)
+
+    def _draw_trail(self, trail: Trail | None) -> None:
+        if trail is None:
+            lines = np.zeros((0, 2, 3), dtype=np.float32)
+        else:
+            lines = trail_lines(trail.p_camera, trail.present)
+        self._put(f"{ROOT}/trail", lines, WHITE, LINE_PX)
+
+    def _put(self, name: str, lines: Segments, colours: Array | Colour, width_px: float) -> None:
+        """Lines (..., 2, 3) in the camera frame; where there are none, no node."""
+        points = lines.reshape(-1, 2, 3)
+        ends = np.asarray(colours).reshape(-1, 2, 3) if np.ndim(colours) > 1 else colours
+        node = self._lines.get(name)
+        if node is not None and len(points) == len(node.points):
+            node.points = points
+            node.colors = np.rint(np.asarray(ends)).astype(np.uint8)
+            return
+        if node is not None:
+            self._lines.pop(name).remove()
+        if len(points):
+            self._lines[name] = add_lines(self._scene, name, points, ends, width_px)

@@ -1,0 +1,85 @@
+"""From the state to what the four views show of it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from app.editor.shown import find, shown
+from app.editor.sights import up_of
+from app.editor.state import EditorState
+from app.posing import view_rotations
+from app.scene.scene import Scenery, Trail
+from app.scene.viser_compat import Role
+from app.store.identity import same
+from tracker.body.pose import pose_transforms
+from tracker.geometry.rotations import Array
+
+Ghosts = tuple[tuple[int, Array], ...]
+
+
+class SceneryMaker:
+    """What did not change keeps its identity, which is how the stage knows not to draw it again."""
+
+    def __init__(self) -> None:
+        self._made: dict[str, tuple[tuple[Any, ...], Any]] = {}
+
+    def of(self, edit: EditorState, trail: Any = None) -> Scenery:
+        """What is to be seen at the present frame; `trail` is the section of that name."""
+        looks, settled = edit.display, edit.settled
+        around = (settled.body, settled.keyframes, edit.frame, looks)
+        pose = shown(edit).pose
+        return Scenery(
+            body=edit.doc.body,
+            Ts_camera_part=self._once(
+                "pose", (edit.doc, edit.frame, edit.results), lambda: _transforms(edit, pose)
+            ),
+            selected=frozenset({edit.selected} if edit.selected else ()),
+            mode=looks.mode,
+            opacity=looks.opacity,
+            ghosts=self._once("ghosts", around, lambda: _ghosts(edit)),
+            trail=self._once("trail", (trail, edit.frame), lambda: _trail(trail, edit.frame)),
+            Rs_view_camera=self._once("views", (edit.doc.up_camera,), lambda: _views(edit)),
+            telephoto=edit.doc.camera.telephoto_distance_m is not None,
+        )
+
+    def _once(self, name: str, made_of: tuple[Any, ...], make: Any) -> Any:
+        known = self._made.get(name)
+        if known is not None and same(known[0], made_of):
+            return known[1]
+        made = make()
+        self._made[name] = (made_of, made)
+        return made
+
+
+def _transforms(edit: EditorState, pose: Any) -> Array:
+    return pose_transforms(edit.skeleton, pose)
+
+
+def _views(edit: EditorState) -> dict[Role, Array]:
+    return {name: R for name, R in view_rotations(up_of(edit.doc)).items()}
+
+
+def _ghosts(edit: EditorState) -> Ghosts:
+    """The keyframes before and after the present frame."""
+    if not edit.display.ghosts:
+        return ()
+    before = [k for k in edit.keys if k < edit.frame][-1:]
+    after = [k for k in edit.keys if k > edit.frame][:1]
+    ghosts = []
+    for frame in (*before, *after):
+        keyframe = find(edit.settled.keyframes, frame)
+        if keyframe is not None:
+            pose = keyframe.pose(edit.skeleton)
+            ghosts.append((frame, pose_transforms(edit.skeleton, pose)))
+    return tuple(ghosts)
+
+
+def _trail(told: Any, frame: int) -> Trail | None:
+    """From the section the page is told: it has been worked out already."""
+    if told is None:
+        return None
+    frames = [point[0] for point in told["points"]]
+    present = min(range(len(frames)), key=lambda k: abs(frames[k] - frame))
+    return Trail(np.array([point[1:] for point in told["points"]]), present)

@@ -1,8 +1,0 @@
-"""What the page is told: the state cut into sections, each sent anew only when it changed."""
-
-from __future__ import annotations
-
-from app.sections.changes import Sections
-from app.sections.scene_values import image_version
-
-__all__ = ["Sections", "image_version"]

@@ -1,0 +1,164 @@
+"""What a tab may ask for: the part under the pointer, pictures, the motion."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+from typing import Annotated, Any, Literal
+from urllib.parse import quote
+
+from pydantic import Field, FiniteFloat, TypeAdapter, ValidationError
+from starlette.requests import Request
+from starlette.responses import PlainTextResponse, Response
+from starlette.routing import Route
+
+from app.editor.actions import Message, Spot
+from app.editor.shown import shown
+from app.editor.sights import sights
+from app.editor.state import EditorState
+from app.export.motion_files import MotionFormat, motion_archive
+from app.posing import outline, parts_at
+from app.render.snapshots import Look, View, png, snapshot
+from app.render.tints import Tint
+from app.server.guard import headers_for
+from app.server.surfaces import Surfaces
+from app.store.store import Store
+from tracker.errors import KeyposeError, one_sentence
+from tracker.session.settings import FrameIndex
+from tracker.storage.files import load_session
+from tracker.video import Video
+
+
+class Pick(Message):
+    """Which parts lie under a point of a view."""
+
+    ask: Literal["pick"]
+    id: Annotated[int, Field(ge=0, lt=2**53)]
+    view: Literal["main", "top", "side", "front"]
+    at: Spot
+
+
+class Shot(Message):
+    """A picture of the body at a frame; what is left out is as the page shows it."""
+
+    view: View = "main"
+    frame: FrameIndex | None = None
+    mode: Literal["wire", "solid", "both"] | None = None
+    opacity: Annotated[FiniteFloat, Field(ge=0, le=1)] | None = None
+    tint: Tint | None = None
+
+
+class Motion(Message):
+    """The tracked motion as a file."""
+
+    format: MotionFormat
+
+
+PICK: TypeAdapter[Pick] = TypeAdapter(Pick)
+SHOT: TypeAdapter[Shot] = TypeAdapter(Shot)
+MOTION: TypeAdapter[Motion] = TypeAdapter(Motion)
+
+
+class Outputs:
+    """Answers made of the store's present state; nothing here changes it."""
+
+    def __init__(self, store: Store, surfaces: Surfaces) -> None:
+        self._store, self._surfaces = store, surfaces
+
+    def routes(self) -> list[Route]:
+        """Where pictures and motion are to be had."""
+        return [
+            Route("/picture.png", self._picture),
+            Route("/motion", self._motion),
+            Route("/report.html", self._report),
+        ]
+
+    def answer(self, message: dict[str, Any]) -> dict[str, Any]:
+        """The reply to a question of a tab."""
+        reply = {"t": "reply", "id": message.get("id")}
+        edit = self._store.outlook.edit
+        try:
+            question = PICK.validate_python(message)
+        except ValidationError as error:
+            return {**reply, "parts": [], "outline": [], "words": one_sentence(error)}
+        if edit is None:
+            return {**reply, "parts": [], "outline": []}
+        return {**reply, **_picked(edit, question)}
+
+    async def _picture(self, request: Request) -> Response:
+        try:
+            shot = SHOT.validate_strings(dict(request.query_params))
+            (edit, video), name = await self._opened(), self._name()
+            frame = edit.frame if shot.frame is None else min(shot.frame, edit.frame_count - 1)
+            content = await asyncio.to_thread(_png, edit, video, frame, shot)
+        except (ValidationError, KeyposeError) as error:
+            return _refused(error)
+        return _download(content, "image/png", f"{name}-{frame}-{shot.view}.png")
+
+    async def _motion(self, request: Request) -> Response:
+        try:
+            wanted = MOTION.validate_strings(dict(request.query_params))
+            edit, name = self._edit(), self._name()
+            file = await asyncio.to_thread(motion_archive, wanted.format, edit)
+        except (ValidationError, KeyposeError) as error:
+            return _refused(error)
+        return _download(file.content, file.media_type, f"{name}{file.suffix}")
+
+    async def _report(self, _: Request) -> Response:
+        try:
+            (_edit, video), name = await self._opened(), self._name()
+            path = await self._store.saved_path()
+            content = await asyncio.to_thread(_report_of, path, video)
+        except KeyposeError as error:
+            return _refused(error)
+        return _download(content, "text/html", f"{name}-report.html")
+
+    def _edit(self) -> EditorState:
+        edit = self._store.outlook.edit
+        if edit is None:
+            raise KeyposeError("Open a video first.")
+        return edit
+
+    async def _opened(self) -> tuple[EditorState, Video]:
+        edit, piece = self._edit(), self._store.piece
+        if piece is None:
+            raise KeyposeError("Open a video first.")
+        return edit, await self._surfaces.video(edit) or piece.video
+
+    def _name(self) -> str:
+        return self._store.piece.name if self._store.piece else "keypose"
+
+
+def _picked(edit: EditorState, question: Pick) -> dict[str, Any]:
+    sight = sights(edit.doc)[question.view]
+    pose = shown(edit).pose
+    parts = parts_at(edit.skeleton, pose, sight, question.at)
+    edge = outline(edit.skeleton, pose, sight, parts[0]).round(4).tolist() if parts else []
+    return {"parts": list(parts), "outline": edge}
+
+
+def _png(edit: EditorState, video: Video, frame: int, shot: Shot) -> bytes:
+    looks = edit.display
+    opacity = looks.opacity if shot.opacity is None else shot.opacity
+    look = Look(shot.view, shot.mode or looks.mode, opacity, shot.tint or looks.tint)
+    return png(snapshot(edit.doc, video, frame, shown(edit, frame).pose, look))
+
+
+def _report_of(path: Path, video: Video) -> bytes:
+    from app.export.report.report import report_html  # its charts and letters load when wanted
+
+    return report_html(load_session(path), path, video)
+
+
+def _refused(error: ValidationError | KeyposeError) -> Response:
+    words = one_sentence(error) if isinstance(error, ValidationError) else str(error)
+    return PlainTextResponse(f"{words}\n", 400, headers_for("data"))
+
+
+def _download(content: bytes, media_type: str, name: str) -> Response:
+    """Shown in the page or saved under this name, as the page asks; never kept by the browser."""
+    headers = {
+        "Content-Disposition": f"inline; filename*=UTF-8''{quote(name, errors='replace')}",
+        "Cache-Control": "no-store",
+    }
+    return Response(content, media_type=media_type, headers={**headers_for("data"), **headers})

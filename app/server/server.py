@@ -1,0 +1,208 @@
+"""The page's server: Starlette on one port, with viser's views inside and the guard in front."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import socket
+import traceback
+from concurrent.futures import Future
+from pathlib import Path
+from typing import Any
+
+import uvicorn
+from pydantic_core import to_json
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.routing import Mount, Route, WebSocketRoute
+from starlette.staticfiles import StaticFiles
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+import static
+from app.document.library import Library
+from app.editor.state import EditorState
+from app.scene.scene import Stage
+from app.scene.scenery import SceneryMaker
+from app.scene.viser_compat import PAGE, ROLES
+from app.server.guard import PROTOCOL, Guard, headers_for
+from app.server.outputs import Outputs
+from app.server.shelf import Shelf
+from app.server.surfaces import Surfaces
+from app.serving.browsers import NAME as BROWSERS
+from app.serving.browsers import Browsers
+from app.store.sections import image_version
+from app.store.store import Store
+from app.store.tabs import Tab
+from tracker.errors import KeyposeError
+
+STATIC = Path(static.__file__).parent
+LARGEST_MESSAGE = 1 << 20
+SECONDS_TO_CLOSE = 2
+
+
+class Server:
+    """Everything behind one port. `serve` runs until `ask_to_stop`."""
+
+    def __init__(
+        self, library: Library, hosts: tuple[str, ...] = (), public_hosts: tuple[str, ...] = ()
+    ) -> None:
+        self.stage = Stage()
+        self._maker = SceneryMaker()
+        self.store = Store(self.stage.loop, self._show, library)
+        self._surfaces = Surfaces(
+            self.stage.loop,
+            self.stage.show_skin,
+            self.stage.settle_skin,
+            self.store.surface_seen,
+            self.store.surfaces_unusable,
+        )
+        self._shelf = Shelf(library)
+        self._outputs = Outputs(self.store, self._surfaces)
+        self.guard = Guard(
+            self._application(),
+            browsers=Browsers(library.workspace / BROWSERS),
+            extra_hosts=hosts,
+            public_hosts=public_hosts,
+        )
+        self._uvicorn = _uvicorn(self.guard)
+        self._serving: Future[None] | None = None
+
+    def _application(self) -> Starlette:
+        return Starlette(
+            routes=[
+                Route("/", self._page),
+                WebSocketRoute("/events", self._events),
+                WebSocketRoute("/view/{role}", self._view_socket),
+                Route("/view/{role}", self._view),
+                Route("/frame/{index:int}.jpg", self._frame),
+                *self._outputs.routes(),
+                *self._shelf.routes(),
+                Mount("/static", StaticFiles(directory=STATIC)),
+            ],
+        )
+
+    def _show(self, edit: EditorState, trail: Any) -> None:
+        self.stage.show(self._maker.of(edit, trail))
+        self._surfaces.follow(self.store.piece, edit)
+
+    # --- running
+
+    def listen(self, listener: socket.socket) -> None:
+        """Serve on a bound socket from now on."""
+        self.guard.port = listener.getsockname()[1]
+        self._serving = asyncio.run_coroutine_threadsafe(self._serve(listener), self.stage.loop)
+
+    def wait(self) -> None:
+        """Until the server has ended; short waits, so that signals are heard in between."""
+        while self._serving is not None:
+            with contextlib.suppress(TimeoutError):
+                self._serving.result(timeout=0.2)
+                return
+
+    def ask_to_stop(self) -> None:
+        """End soon; may be called from a signal handler."""
+        self._uvicorn.should_exit = True
+
+    async def _serve(self, listener: socket.socket) -> None:
+        try:
+            await self._uvicorn.serve(sockets=[listener])
+        finally:
+            await self.store.stop()
+
+    # --- pages
+
+    async def _page(self, request: Request) -> Response:
+        return FileResponse(STATIC / "index.html", headers=_fresh(request, "page"))
+
+    async def _view(self, request: Request) -> Response:
+        if request.path_params["role"] not in ROLES:
+            return PlainTextResponse("There is no such view.\n", 404)
+        return FileResponse(PAGE, headers=_fresh(request, "view"))
+
+    async def _frame(self, request: Request) -> Response:
+        store, index = self.store, request.path_params["index"]
+        edit, frames = store.outlook.edit, store.frames
+        if edit is None or frames is None or index >= edit.frame_count:
+            return PlainTextResponse("There is no such frame.\n", 404, headers_for("data"))
+        version = image_version(store.outlook)
+        try:
+            content = await self._surfaces.jpeg(index, store.outlook)
+            if content is None:
+                content = await frames.jpeg(index, edit.doc.camera, version)
+        except KeyposeError as error:
+            return PlainTextResponse(f"{error}\n", 404, headers_for("data"))
+        kept = "private, max-age=31536000, immutable"
+        if request.query_params.get("v") != version:  # asked for before lens or video changed
+            kept = "no-store"
+        headers = {**headers_for("data"), "Cache-Control": kept}
+        return Response(content, media_type="image/jpeg", headers=headers)
+
+    # --- sockets
+
+    async def _view_socket(self, websocket: WebSocket) -> None:
+        role = websocket.path_params["role"]
+        if role not in ROLES:
+            await websocket.close(4404)
+            return
+        await self.stage.attach(websocket, role)
+
+    async def _events(self, websocket: WebSocket) -> None:
+        await websocket.accept(PROTOCOL)
+        tab = self.store.join()
+        sender = asyncio.ensure_future(_send(websocket, tab))
+        try:
+            with contextlib.suppress(WebSocketDisconnect):  # this line is over
+                while True:
+                    self._receive(tab, await _heard(websocket))
+        finally:
+            sender.cancel()
+            self.store.leave(tab)
+
+    def _receive(self, tab: Tab, message: Any) -> None:
+        if isinstance(message, dict) and "ask" in message:
+            try:
+                tab.say(self._outputs.answer(message))
+            except Exception:  # noqa: BLE001 — a fault of ours; the line must not break with it
+                traceback.print_exc()
+        else:
+            self.store.receive(tab, message)
+
+
+def _uvicorn(guard: Guard) -> uvicorn.Server:
+    config = uvicorn.Config(
+        guard,
+        ws="websockets-sansio",
+        ws_per_message_deflate=False,
+        ws_max_size=LARGEST_MESSAGE,
+        lifespan="off",
+        proxy_headers=False,
+        server_header=False,
+        access_log=False,
+        log_level="warning",
+        timeout_graceful_shutdown=SECONDS_TO_CLOSE,
+    )
+    return uvicorn.Server(config)
+
+
+async def _heard(websocket: WebSocket) -> Any:
+    """The next message; WebSocketDisconnect where it is no JSON, or the tab is gone."""
+    try:
+        return await websocket.receive_json()
+    except (ValueError, KeyError, RuntimeError) as error:  # numbers too long, nesting too deep
+        raise WebSocketDisconnect(1003) from error
+
+
+async def _send(websocket: WebSocket, tab: Tab) -> None:
+    number = 0
+    with contextlib.suppress(WebSocketDisconnect, RuntimeError):
+        while True:
+            for message in await tab.next():
+                number += 1
+                # JSON has no word for what is no number: null, which the page shows as nothing.
+                text = to_json({**message, "seq": number}, inf_nan_mode="null").decode()
+                await websocket.send_text(text)
+
+
+def _fresh(request: Request, kind: Any) -> dict[str, str]:
+    return {**headers_for(kind, request.headers["host"]), "Cache-Control": "no-cache"}

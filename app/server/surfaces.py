@@ -1,0 +1,241 @@
+"""Observed surfaces on the page: when they are looked at, and their pictures.
+
+The playhead goes from frame to frame faster than meshes can be read and sent. So a surface is
+looked at once the playhead rests, and now and then while it does not; what was wished meanwhile is
+forgotten but for the newest.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import traceback
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
+
+from app.document.open import Workpiece
+from app.editor.shown import shown
+from app.editor.state import EditorState
+from app.render.video_frames import Frames
+from app.scene.observed import Observed, Outdated, TintedSource, reading
+from app.scene.skin import skin
+from app.store.sections import image_version
+from app.store.state import Outlook, SurfaceSeen
+from tracker.errors import KeyposeError, SurfaceError
+from tracker.surface.picture import SurfaceVideo
+from tracker.video import Video
+
+REST_S = 0.06
+"""The playhead rests when it has stood for so long."""
+SELDOM_S = 0.25
+"""Between two looks while it does not."""
+STALE_S = 0.8
+"""The surface of another step stands no longer than this beside a body that has gone on."""
+SETTLE_S = 0.15
+"""Until a page has drawn a surface it was told: then the one before goes."""
+
+
+Found: TypeAlias = tuple[bytes | None, SurfaceSeen]
+"""The skin of a surface, None where there is none to show, and what was seen."""
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """What was wished: a step as a document has it.  key: equal where it would look the same.
+
+    at_s: when it was wished, by the loop's clock.
+    """
+
+    observed: Observed
+    edit: EditorState
+    key: tuple[Any, ...]
+    at_s: float
+
+
+class Surfaces:
+    """All methods are for the loop's thread; what takes a while is done in one of its own.
+
+    show:   draws a surface in the small views, None: nothing; `settle` some moments later.
+    seen:   is told what was seen.  unusable: which steps cannot be, once, where there are any.
+    """
+
+    def __init__(
+        self,
+        loop: asyncio.AbstractEventLoop,
+        show: Callable[[bytes | None], None],
+        settle: Callable[[], None],
+        seen: Callable[[SurfaceSeen], None],
+        unusable: Callable[[str], None],
+    ) -> None:
+        self._loop, self._show, self._settle, self._seen = loop, show, settle, seen
+        self._unusable = unusable
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="surfaces")
+        self._piece: Workpiece | None = None
+        self._observed: Observed | None = None
+        self._wish: Look | None = None
+        self._done: Look | None = None
+        self._stale: asyncio.TimerHandle | None = None
+        self._later: asyncio.TimerHandle | None = None
+        self._looked_at = 0.0
+        self._busy = False
+        self._known = SurfaceSeen()
+        self._has_glanced = False
+        self._frames: tuple[tuple[Any, ...], Frames] | None = None
+
+    def follow(self, piece: Workpiece | None, edit: EditorState | None) -> None:
+        """The state may have changed."""
+        if piece is not self._piece:
+            self._turn_to(piece)
+        if self._observed is None or edit is None:
+            return
+        self._observed.follow(edit.settled)
+        key = _key(edit)
+        if self._wish is not None and self._wish.key == key:
+            return
+        self._wish = Look(self._observed, edit, key, self._loop.time())
+        self._plan()
+        if self._stale is None:
+            self._stale = self._loop.call_later(STALE_S, self._drop_stale)
+
+    async def jpeg(self, index: int, outlook: Outlook) -> bytes | None:
+        """The picture of a step in the colours chosen; None where the session is of a video.
+
+        VideoError where there is no such step, or the surfaces lie elsewhere meanwhile.
+        """
+        edit = outlook.edit
+        if self._observed is None or edit is None:
+            return None
+        version = image_version(outlook)
+        self._observed.follow(edit.settled)
+        of = (version, *reading(edit.settled))
+        if self._frames is None or self._frames[0] != of:
+            self._leave_frames()
+            self._frames = of, Frames(Video(TintedSource(self._observed, edit)))
+        return await self._frames[1].jpeg(index, edit.doc.camera, version)
+
+    async def video(self, edit: EditorState) -> SurfaceVideo | None:
+        """The surfaces as the document has them read; None where the session is of a video."""
+        if self._observed is None:
+            return None
+        self._observed.follow(edit.settled)
+        return await asyncio.to_thread(self._observed.video, edit.settled)
+
+    # --- looking
+
+    def _turn_to(self, piece: Workpiece | None) -> None:
+        if self._observed is not None:
+            self._thread.submit(self._observed.close)
+            self._show(None)
+        self._leave_frames()
+        is_surface = piece is not None and isinstance(piece.video, SurfaceVideo)
+        self._piece, self._observed = piece, Observed(piece) if is_surface and piece else None
+        self._wish, self._done, self._known = None, None, SurfaceSeen()
+        self._has_glanced = False
+
+    def _plan(self) -> None:
+        """Look once the playhead rests, or when it is long ago."""
+        known = None if self._done is None else self._done.key
+        if self._busy or self._wish is None or self._wish.key == known:
+            return
+        if self._later is not None:
+            self._later.cancel()
+        now = self._loop.time()
+        wait = min(REST_S, max(0.0, self._looked_at + SELDOM_S - now))
+        self._later = self._loop.call_later(wait, self._look)
+
+    def _look(self) -> None:
+        self._later = None
+        wish = self._wish
+        if wish is None or self._busy:
+            return
+        self._busy, self._looked_at = True, self._loop.time()
+        looking = self._loop.run_in_executor(self._thread, _looked, wish, self._known)
+        looking.add_done_callback(lambda done: self._looked(wish, done))
+
+    def _looked(self, wish: Look, done: asyncio.Future[Found | None]) -> None:
+        self._busy = False
+        if wish.observed is self._observed and not done.cancelled():
+            fault = done.exception()
+            if fault is not None:  # of ours: what is wished next is looked at all the same
+                traceback.print_exception(fault)
+                self._done = wish
+                self._show(None)
+            elif (found := done.result()) is not None:
+                glb, self._known = found
+                self._done = wish
+                self._show(glb)
+                self._loop.call_later(SETTLE_S, self._settle)
+                self._seen(self._known)
+                self._glance(wish.observed)
+        self._plan()
+
+    def _glance(self, observed: Observed) -> None:
+        """Once, after something is to be seen: which other steps there will be nothing of."""
+        if self._has_glanced:
+            return
+        self._has_glanced = True
+        glancing = self._loop.run_in_executor(None, observed.unusable)
+        glancing.add_done_callback(lambda done: self._glanced(observed, done))
+
+    def _glanced(self, observed: Observed, done: asyncio.Future[str]) -> None:
+        if observed is not self._observed or done.cancelled():
+            return
+        fault = done.exception()
+        if fault is None:
+            if words := done.result():
+                self._unusable(words)
+        elif not isinstance(fault, KeyposeError):  # of ours; those are told when a step is met
+            traceback.print_exception(fault)
+
+    def _drop_stale(self) -> None:
+        """Meshes that are slow to read come late: rather none than that of another step."""
+        self._stale = None
+        wish, done = self._wish, self._done
+        if wish is None or done is None or done.edit.frame == wish.edit.frame:
+            return
+        left = done.at_s + STALE_S - self._loop.time()
+        if left > 0:
+            self._stale = self._loop.call_later(left, self._drop_stale)
+        else:
+            self._done = None
+            self._show(None)
+
+    # --- pictures
+
+    def _leave_frames(self) -> None:
+        if self._frames is not None:
+            self._frames[1].close()
+            self._frames = None
+
+
+def _key(edit: EditorState) -> tuple[Any, ...]:
+    """What a surface's looks depend on."""
+    tint, doc = edit.display.tint, edit.settled
+    key: tuple[Any, ...] = (*reading(doc), edit.frame, tint, doc.model_keyframe is None)
+    if tint not in ("contact", "distance"):
+        return key
+    pose = shown(edit).pose
+    bent = (pose.Rs_parent_part.tobytes(), pose.p_camera_root.tobytes())
+    return (*key, doc.body, doc.model_keyframe, doc.surface, *bent)
+
+
+def _looked(wish: Look, known: SurfaceSeen) -> Found | None:
+    """The surface as the small views are told it, and what was seen of it; None where it lies
+    elsewhere by now."""
+    observed, edit, frame = wish.observed, wish.edit, wish.edit.frame
+    rims = None
+    try:
+        with suppress(SurfaceError):  # of the step whose surface moves
+            rims = observed.rims(edit)
+        sight = observed.sight(edit, frame)
+        rated = observed.is_rated(edit, frame)
+    except Outdated:
+        return None
+    except KeyposeError as error:
+        return None, replace(known, frame=frame, problem=str(error), faces=0, rims=rims)
+    low, high = sight.mesh.vertices.min(axis=0), sight.mesh.vertices.max(axis=0)
+    x, y, z = (float(v) for v in (low + high) / 2)
+    seen = SurfaceSeen(frame, "", len(sight.mesh.faces), (x, y, z), rims, rated)
+    return skin(sight.mesh, sight.colours), seen

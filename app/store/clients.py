@@ -1,0 +1,73 @@
+"""Which messages of which tabs the open session has had, so that each is dealt with once.
+
+A tab gives itself a name and numbers its messages. What was not acknowledged when the line or the
+server broke off it sends again, in order, also to the next server: what is in the journal by then
+must not be done twice.
+"""
+
+from __future__ import annotations
+
+import secrets
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from tracker.storage.chronicle import Received
+
+MOST = 200
+"""Tabs that are remembered: of those that were heard last."""
+
+
+@dataclass(frozen=True)
+class _Gesture:
+    """name: of the gesture under way.  client: whose.  before: the number before its first move."""
+
+    name: str
+    client: str
+    before: int
+
+
+class Clients:
+    """Of the open session. A client without a name is not remembered."""
+
+    def __init__(self, received: Mapping[str, int] | None = None) -> None:
+        self._last = dict(received or {})
+        self._client, self._before = "", 0
+        self._gesture: _Gesture | None = None
+
+    def begin(self, client: str, number: int) -> bool:
+        """A message is to be dealt with, until `end`; False where it was already."""
+        before = self._last.get(client, 0)
+        if client and number <= before:
+            return False
+        self._client, self._before = client, before
+        if client:
+            self._last.pop(client, None)  # the last heard stands last
+            self._last[client] = number
+            while len(self._last) > MOST:
+                self._last.pop(next(iter(self._last)))
+        return True
+
+    def end(self) -> None:
+        """What comes now comes of itself."""
+        self._client = ""
+
+    def resume_gesture(self) -> None:
+        """What comes now comes of the one whose gesture is under way."""
+        self._client = self._gesture.client if self._gesture is not None else ""
+
+    def received(self, gesture: str | None) -> Received:
+        """Whose messages are in the document, without the gesture under way, as it is now."""
+        settled = dict(self._last)
+        if gesture is None:
+            self._gesture = None
+        elif self._gesture is None or self._gesture.name != gesture:
+            self._gesture = _Gesture(gesture, self._client, self._before)
+        if self._gesture is not None and self._gesture.client in settled:
+            settled[self._gesture.client] = self._gesture.before
+        return Received(settled, self._revision())
+
+    def _revision(self) -> str:
+        """Of a tab's own edits it tells whose they are: they do not surprise it."""
+        if self._client:
+            return f"{self._client}:{self._last[self._client]}"
+        return secrets.token_hex(8)

@@ -1,0 +1,187 @@
+"""Fits to the picture that a person asked for: what they begin from, and what comes of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+from app.document.open import Workpiece
+from app.editor import actions as do
+from app.editor.fitted import (
+    demand_sizes_to_fit,
+    pose_to_fit,
+    with_pose_fitted,
+    with_sizes_fitted,
+)
+from app.editor.shown import find
+from app.editor.state import EditorState
+from app.jobs import FitOrder, Fitted, JobFailed, PoseFitted, PoseOrder, SizesOrder
+from app.store.identity import same
+from app.store.runner import Runner
+from app.store.state import FitTold, Outlook
+from tracker.body.pose import Pose
+from tracker.errors import KeyposeError
+from tracker.session.schema import Session
+from tracker.storage.results import pose_at
+
+NEAR_FRAMES = 8
+"""So many frames to both sides the tracked poses are handed over."""
+
+
+@dataclass(frozen=True, eq=False)
+class Asked:
+    """A fit that is under way.
+
+    frame: whose pose is fitted; None for the sizes.  began: the state when it was asked for.
+    """
+
+    order: FitOrder
+    frame: int | None
+    began: EditorState
+
+    @classmethod
+    def of(cls, piece: Workpiece, edit: EditorState, action: do.FitHere | do.FitSizes) -> Asked:
+        """What is asked for; Refused with the reason where it cannot be had."""
+        path = str(piece.video.info.path)
+        if isinstance(action, do.FitSizes):
+            demand_sizes_to_fit(edit)
+            return cls(SizesOrder(_content(edit.doc), path, action.focal), None, edit)
+        pose, frame = pose_to_fit(edit), edit.frame
+        near, folder = _near(edit), str(piece.session_path.absolute().parent)
+        return cls(PoseOrder(_content(edit.doc), path, frame, pose, near, folder), frame, edit)
+
+    @property
+    def title(self) -> str:
+        return "Fitting the sizes" if self.frame is None else f"Fitting frame {self.frame}"
+
+    def holds(self, edit: EditorState) -> bool:
+        """Whether what it began from still stands."""
+        return same(self._made_of(edit.doc), self._made_of(self.began.doc))
+
+    def is_like(self, other: Asked) -> bool:
+        """Whether the other asks for the same of what still stands."""
+        focal = (getattr(asked.order, "focal", None) for asked in (self, other))
+        return self.frame == other.frame and next(focal) == next(focal) and self.holds(other.began)
+
+    def _made_of(self, doc: Session) -> tuple[Any, ...]:
+        what = (doc.body, doc.camera, doc.ignore_masks, doc.surface)
+        if self.frame is None:
+            return *what, doc.keyframes, doc.drafts
+        return *what, *(find(known, self.frame) for known in (doc.keyframes, doc.drafts))
+
+
+class Host(Protocol):
+    """Who owns the state."""
+
+    @property
+    def outlook(self) -> Outlook: ...
+
+    @property
+    def piece(self) -> Workpiece | None: ...
+
+    def take_fit(self, edit: EditorState, told: FitTold) -> None: ...
+
+    def note(self, kind: str, words: str) -> None: ...
+
+
+class Fitter:
+    """One fit at a time. What it finds is taken over once, and only where it began from still
+    stands; while a hand drags something else, it waits until that is let go."""
+
+    def __init__(self, runner: Runner, host: Host) -> None:
+        self._runner = runner
+        self._host = host
+        self._asked: Asked | None = None
+        self._found: Fitted | None = None
+
+    def ask(self, action: do.FitHere | do.FitSizes) -> None:
+        """Begin; a fit that is asked for twice is done once."""
+        piece, edit = self._present()
+        asked = Asked.of(piece, edit, action)
+        if self._asked is None or not self._asked.is_like(asked):
+            self._asked, self._found = asked, None
+            self._runner.fit(asked.order, asked.title, self._ended)
+
+    def changed(self) -> None:
+        """The state is another one."""
+        if self._asked is None:
+            return
+        _, edit = self._present()
+        if not self._asked.holds(edit):
+            what = "sizes were" if self._asked.frame is None else "pose was"
+            self._host.note("info", f"The {what} changed meanwhile: the fit is dropped.")
+            self.cancel()
+        elif self._found is not None and edit.stroke is None:
+            self._take(self._asked, self._found)
+
+    def cancel(self) -> bool:
+        """Leave the fit that is under way; whether there was one."""
+        if self._asked is None:
+            return False
+        self._runner.leave_fit()
+        self._go_on()
+        return True
+
+    def closed(self) -> None:
+        """No session is open any more."""
+        self._asked = self._found = None
+
+    def _ended(self, report: Fitted | JobFailed) -> None:
+        if self._asked is None:
+            return
+        if isinstance(report, JobFailed):
+            self._host.note("lost", report.words)
+            self._go_on()
+            return
+        self._found = report
+        self.changed()
+
+    def _take(self, asked: Asked, found: Fitted) -> None:
+        _, edit = self._present()
+        self._asked = self._found = None
+        try:
+            after, told = taken(asked, found, edit)
+            if after is edit:
+                self._host.note("info", told.words)
+            else:
+                self._host.take_fit(after, told)
+        except KeyposeError as error:
+            self._host.note("check", str(error))
+        finally:
+            self._go_on()
+
+    def _go_on(self) -> None:
+        self._asked = self._found = None
+        self._runner.go_on(*self._present())
+
+    def _present(self) -> tuple[Workpiece, EditorState]:
+        piece, edit = self._host.piece, self._host.outlook.edit
+        assert piece is not None
+        assert edit is not None
+        return piece, edit
+
+
+def taken(asked: Asked, fitted: Fitted, edit: EditorState) -> tuple[EditorState, FitTold]:
+    """The state with what was found, and what is told of it; KeyposeError where it cannot stand."""
+    if isinstance(fitted, PoseFitted):
+        assert asked.frame is not None
+        after = with_pose_fitted(edit, asked.frame, fitted.pose) if fitted.found else edit
+        return after, FitTold(asked.frame, fitted.words, edit.doc, after.doc)
+    if fitted.body == edit.doc.body and fitted.camera == edit.doc.camera:
+        return edit, FitTold(None, fitted.words, edit.doc, edit.doc)
+    after = with_sizes_fitted(edit, fitted.body, fitted.camera, fitted.keyposes)
+    return after, FitTold(None, fitted.words, edit.doc, after.doc, fitted.changes)
+
+
+def _content(doc: Session) -> bytes:
+    """The session without what no fit needs: it is read anew for every order."""
+    return doc.model_copy(update={"drafts": (), "results": None}).model_dump_json().encode()
+
+
+def _near(edit: EditorState) -> dict[int, Pose]:
+    """The tracked poses of frames near, this one too: it tells whether they were led through the
+    pose to be fitted, and so hold its error. What tracking is on its way to does not count."""
+    finished = {span: track for span, track in edit.fitting.items() if track.finished}
+    around = range(edit.frame - NEAR_FRAMES, edit.frame + NEAR_FRAMES + 1)
+    found = {frame: pose_at(finished, frame) for frame in around}
+    return {frame: pose for frame, pose in found.items() if pose is not None}

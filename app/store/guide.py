@@ -1,0 +1,101 @@
+"""The guide through the first pose: which of its steps an action does, in whatever way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from app.editor import actions as do
+from app.posing import handles
+from app.posing.gesture import End, Ring, Surface
+from app.store.state import Guide
+from tracker.body.body import Body
+
+ENOUGH_ENDS = 4
+"""Hands and feet."""
+
+
+@dataclass(frozen=True)
+class _UnderHand(Guide):
+    """The guide as before a gesture that is under way, and as it is `then`, once that ends."""
+
+    stroke: str = ""
+    then: Guide = field(default_factory=Guide)
+
+
+def guide_after(guide: Guide, action: do.Editing, body: Body) -> Guide:
+    """The guide with the steps this action does ticked off; those of a gesture once it ends."""
+    if isinstance(action, do.BeginGuide):
+        return Guide(guide.first)
+    if isinstance(guide, _UnderHand):
+        if _goes_on(guide.stroke, action):
+            return guide
+        before = Guide(guide.first, guide.done, guide.pulled)
+        if _stroke_of(action) != guide.stroke:
+            guide = guide.then
+        elif isinstance(action, do.EndStroke | do.CancelStroke):
+            return guide.then if isinstance(action, do.EndStroke) else before
+        else:
+            guide = before
+    then = _ticked(guide, action, body)
+    stroke = _stroke_of(action)
+    if stroke is None or then is guide:
+        return then
+    return _UnderHand(guide.first, guide.done, guide.pulled, stroke, then)
+
+
+def _goes_on(stroke: str, action: do.Editing) -> bool:
+    """Whether this gesture is still under way after the action."""
+    if isinstance(action, do.EndStroke | do.CancelStroke):
+        return action.stroke != stroke
+    return isinstance(action, do.Looking) and not isinstance(action, do.Go)
+
+
+def _stroke_of(action: do.Editing) -> str | None:
+    return getattr(action, "stroke", None)
+
+
+def _ticked(guide: Guide, action: do.Editing, body: Body) -> Guide:
+    if isinstance(action, do.Drag) and action.at == action.from_:
+        return guide  # back where it began
+    pulled = guide.pulled | _pulled(action)
+    done = guide.done | _steps(action, body.parts[0].name)
+    if len(pulled) >= min(ENOUGH_ENDS, _ends_of(body)):
+        done |= {"limbs"}
+    same = done == guide.done and pulled == guide.pulled
+    return guide if same else replace(guide, done=done, pulled=pulled)
+
+
+def _ends_of(body: Body) -> int:
+    return max(1, sum(handle.kind == "end" for handle in handles(body)))
+
+
+def _pulled(action: do.Editing) -> frozenset[str]:
+    if isinstance(action, do.Drag) and isinstance(action.handle, End):
+        return frozenset({action.handle.name})
+    return frozenset()
+
+
+def _steps(action: do.Editing, root: str) -> frozenset[str]:
+    if isinstance(action, do.Drag):
+        return _dragged(action, root)
+    if isinstance(action, do.Root):
+        return frozenset({"hips"} if action.z is None else {"height"})
+    if isinstance(action, do.Face) or (isinstance(action, do.Angles) and action.part == root):
+        return frozenset({"facing"})
+    if isinstance(action, do.PastePose | do.TakeTracked):
+        return frozenset({"limbs"})
+    if isinstance(action, do.AddKey):
+        return frozenset({"key"})
+    return frozenset()
+
+
+def _dragged(action: do.Drag, root: str) -> frozenset[str]:
+    """The whole body's distance is its size in the picture; of the limbs, depth is depth."""
+    handle, aside = action.handle, action.view in ("top", "side")
+    if handle.kind == "root" or (isinstance(handle, Surface) and handle.tool == "move"):
+        return frozenset({"height"} if action.depth or aside else {"hips"})
+    if isinstance(handle, Ring) and handle.part == root:
+        return frozenset({"facing"})
+    if isinstance(handle, End) and (action.depth or aside):
+        return frozenset({"depth"})
+    return frozenset()

@@ -1,0 +1,296 @@
+"""The worker as the page sees it: what is asked of it, how far it is, what tracking found."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import Literal, TypeAlias
+
+from app.document.open import Workpiece
+from app.editor.refusal import Refused
+from app.editor.state import EditorState
+from app.jobs import (
+    FitOrder,
+    Fitted,
+    JobFailed,
+    JobFinished,
+    PassFinished,
+    PoseFitted,
+    Progress,
+    Ready,
+    Report,
+    SegmentFinished,
+    SizesFitted,
+    Started,
+    Tracking,
+    Wanted,
+    Warming,
+)
+from app.store.state import Job, Running
+from tracker.session.schema import Session
+from tracker.session.settings import Quality
+from tracker.storage.results import Results, SegmentTrack, Span, segment_keys
+
+What: TypeAlias = Literal["this", "changed", "all"]
+Ending: TypeAlias = Literal["done", "cancelled", "failed"]
+FitEnded: TypeAlias = Callable[[Fitted | JobFailed], None]
+
+
+SECONDS_TO_LEAVE = 3.0
+"""A pass, or a step of time, takes less."""
+
+
+class Runner:
+    """One job at a time. `tell` is called after each news; its flag: a segment is done.
+
+    A fit goes before tracking: what is at work, and what is asked for meanwhile, waits for it and
+    is gone on with, as it is posed then, by `go_on`.
+    """
+
+    def __init__(
+        self, loop: asyncio.AbstractEventLoop, tell: Callable[[Runner, bool], None]
+    ) -> None:
+        self._tell = tell
+        self._tracking = Tracking(self._on_report, loop)
+        self._number = self._newest = 0
+        self._past = 0
+        self._wanted: dict[Span, str] = {}
+        self._keep: tuple[str, ...] = ()
+        self._stages: tuple[Quality, ...] = ()
+        self._verbs = _VERBS[False]
+        self._fit_ended: FitEnded | None = None
+        self._waiting: frozenset[Span] = frozenset()
+        self._progress: Progress | None = None
+        self.results: Results | None = None
+        self.running: dict[Span, Running] = {}
+        self.job = Job()
+
+    # --- what the store says
+
+    def opened(self, edit: EditorState) -> None:
+        """Another session is open."""
+        self.results = edit.results
+
+    def closed(self) -> None:
+        """No session is open any more; what a job still tells does not count."""
+        self._tracking.cancel()
+        self._past = self._newest
+        self._number, self._fit_ended, self._waiting = 0, None, frozenset()
+        self.running, self.results, self.job = {}, None, Job()
+
+    def stop(self) -> None:
+        """End the worker."""
+        self._tracking.close()
+
+    def changed(self, piece: Workpiece | None, edit: EditorState) -> None:
+        """The document changed: with live on, what it made outdated is tracked at once."""
+        if not edit.display.live or piece is None or not edit.doc.spans:
+            return
+        wanted = _touching(edit, edit.results.wanted(edit.doc))
+        if wanted and not self._is_at(wanted):
+            self._start(piece, edit.doc, wanted, ("preview", edit.doc.settings.quality))
+
+    def track(self, piece: Workpiece, edit: EditorState, what: What) -> None:
+        """Track; Refused with the reason when there is nothing to do."""
+        if not edit.doc.spans:
+            raise Refused(_nothing(edit.doc))
+        wanted = _wanted(edit, what)
+        if not wanted:
+            done = "tracked" if edit.doc.surface is None else "fitted"
+            raise Refused(f"Nothing has changed: every segment is {done} already.")
+        self._start(piece, edit.doc, wanted, (edit.doc.settings.quality,))
+
+    def fit(self, order: FitOrder, title: str, ended: FitEnded) -> None:
+        """Fit; `ended` is told once what came of it, unless it is left or replaced before."""
+        if self._fit_ended is None:
+            self._waiting = frozenset(self.running)
+        self._fit_ended = ended
+        self._number = self._newest = self._tracking.fit(order)
+        self._progress = None
+        self.running = dict.fromkeys(self._waiting, Running())
+        words = "tracking goes on after it" if self._waiting else ""
+        self.job = Job("running", title, words, kind="fit")
+        self._tell(self, False)
+
+    def leave_fit(self) -> None:
+        """Have no use for the fit at work any more."""
+        self._tracking.cancel()
+        self._number = 0
+
+    def go_on(self, piece: Workpiece, edit: EditorState) -> None:
+        """The fit is over: track what waited for it."""
+        waiting, self._waiting, self._fit_ended = self._waiting, frozenset(), None
+        self.job, self.running = Job(), {}
+        keys = segment_keys(edit.settled)
+        wanted = [(*span, key) for span, key in keys.items() if span in waiting]
+        if wanted:
+            self._start(piece, edit.settled, wanted, self._stages)
+        else:
+            self._tell(self, False)
+
+    def hold(self, on: bool) -> None:
+        """Stand back while a hand drags."""
+        self._tracking.hold(on)
+
+    def cancel(self) -> None:
+        """Stop within a pass; what is finished stays."""
+        self._tracking.cancel()
+
+    async def leave(self) -> None:
+        """Stop what is being tracked, and wait a moment for what was done until then."""
+        is_at_work = self.job.state == "running" and self._progress is not None
+        if not is_at_work or self._fit_ended is not None:
+            return
+        self.cancel()
+        clock = asyncio.get_running_loop().time
+        end = clock() + SECONDS_TO_LEAVE
+        while self.job.state == "running" and clock() < end:
+            await asyncio.sleep(0.02)
+
+    # --- what the worker says
+
+    def _start(
+        self, piece: Workpiece, doc: Session, wanted: Sequence[Wanted], stages: Sequence[Quality]
+    ) -> None:
+        self._stages = tuple(stages)
+        if self._fit_ended is not None:
+            self._waiting |= {(first, last) for first, last, _ in wanted}
+            self.running = dict.fromkeys(self._waiting, Running())
+            self._tell(self, False)
+            return
+        self._wanted = {(first, last): key for first, last, key in wanted}
+        self._keep = tuple(segment_keys(doc).values())
+        self.running = dict.fromkeys(self._wanted, Running())
+        self._verbs = _VERBS[doc.surface is not None]
+        self.job = Job("running", f"{self._verbs[0]} {_what(list(self._wanted))}", "starting")
+        self._progress = None
+        folder = piece.session_path.parent
+        self._number = self._newest = self._tracking.start(
+            doc, piece.video.info.path, wanted, stages, folder
+        )
+        self._tell(self, False)
+
+    def _is_at(self, wanted: Sequence[Wanted]) -> bool:
+        """Whether this is what is being tracked already."""
+        at_work = self.job.state == "running" and self._fit_ended is None
+        return at_work and set(self._wanted.values()) == {key for *_, key in wanted}
+
+    def _on_report(self, report: Report) -> None:
+        """Results count whichever job of this session they are of, for their keys; the rest for
+        the newest job."""
+        if self.results is None or (report.job is not None and report.job <= self._past):
+            return
+        finished = isinstance(report, SegmentFinished)
+        if isinstance(report, PassFinished | SegmentFinished):
+            self.results = self.results.with_track(report.track, self._keep)
+        if report.job == self._number:
+            self._on_own(report)
+        self._tell(self, finished)
+
+    def _on_own(self, report: Report) -> None:
+        if self._progress is not None:
+            self._progress = self._progress.after(report)
+        match report:
+            case Warming():
+                self.job = replace(self.job, words=report.words)
+            case Ready() if self.job.kind == "fit":
+                self.job = replace(self.job, words="")
+            case Started():
+                self._progress = Progress.of(report, time.monotonic())
+            case PassFinished():
+                self._on_pass(report)
+            case SegmentFinished():
+                self._on_segment(report.track)
+            case PoseFitted() | SizesFitted():
+                self._on_fit_end(report)
+            case JobFailed() if self._fit_ended is not None:
+                self._on_fit_end(report)
+            case JobFinished():
+                self._on_end("cancelled" if report.cancelled else "done")
+            case JobFailed():
+                self._on_end("failed", report.words)
+
+    def _on_fit_end(self, report: Fitted | JobFailed) -> None:
+        self._number = 0
+        if self._fit_ended is not None:
+            self._fit_ended(report)
+
+    def _on_pass(self, report: PassFinished) -> None:
+        known = self.running.get(report.span, Running())
+        scores = (*(known.scores if report.number else ()), report.score)
+        number, of = report.number + 1, max(report.of, report.number + 1)
+        percent = self._progress.percent_of(report.span) if self._progress else 0
+        at_work = Running("tracking", number, of, percent, scores)
+        self.running = {**self.running, report.span: at_work}
+        self._say(report.words)
+
+    def _on_segment(self, track: SegmentTrack) -> None:
+        if self._progress is not None and self._progress.percent_of(track.span) >= 100:
+            self.running = {span: r for span, r in self.running.items() if span != track.span}
+        self._say(self.job.words)
+
+    def _say(self, words: str) -> None:
+        share = self._progress
+        percent = share.percent if share else 0
+        left = share.seconds_left(time.monotonic()) if share else None
+        self.job = replace(self.job, words=words, percent=percent, seconds_left=left)
+
+    def _on_end(self, state: Ending, words: str = "") -> None:
+        doing, done = self._verbs
+        title = {"done": done, "cancelled": "Cancelled", "failed": f"{doing} failed"}[state]
+        if state == "done":
+            title = self.job.title.replace(doing, done)
+        self.job = Job(state, title, words or self._closing_words(state), 100)
+        self.running = {}
+
+    def _closing_words(self, state: Ending) -> str:
+        found = (
+            [self.results.tracks.get(key) for key in self._wanted.values()] if self.results else []
+        )
+        kinds = [track.kind for track in found if track is not None]
+        if state == "cancelled" and any(track is not None and track.missing for track in found):
+            return "what was done is kept; Fit goes on from there"
+        if state == "cancelled":
+            return "what was finished is kept" if any(kinds) else "no segment was finished"
+        counts = ((kind, kinds.count(kind)) for kind in ("good", "check", "lost"))
+        said = {"check": "to check"}
+        return ", ".join(f"{count} {said.get(kind, kind)}" for kind, count in counts if count)
+
+
+def _wanted(edit: EditorState, what: What) -> list[Wanted]:
+    if what == "changed":
+        return edit.results.wanted(edit.doc)
+    every = [(*span, key) for span, key in segment_keys(edit.doc).items()]
+    return every if what == "all" else _touching(edit, every)
+
+
+def _touching(edit: EditorState, wanted: Sequence[Wanted]) -> list[Wanted]:
+    """Those that touch the present frame; all of them where none does."""
+    near = [w for w in wanted if w[0] <= edit.frame <= w[1]]
+    return near or list(wanted)
+
+
+_VERBS: Mapping[bool, tuple[str, str]] = {
+    False: ("Tracking", "Tracked"),
+    True: ("Fitting", "Fitted"),
+}
+"""What is done with a film, and with surfaces."""
+
+
+def _nothing(doc: Session) -> str:
+    """Why there is no segment."""
+    if doc.surface is None:
+        return "Nothing to track: pose a second keyframe first."
+    if doc.video.frame_count < 2:
+        return "Nothing to fit: there is one mesh alone, and nothing moves."
+    return "Nothing to fit: pose the body in one of the meshes first, and make it a keyframe."
+
+
+def _what(spans: list[Span]) -> str:
+    """ "39–61" when the segments follow one another, else how many there are."""
+    if all(one[1] == other[0] for one, other in pairwise(spans)):
+        return f"{spans[0][0]}–{spans[-1][1]}"
+    return f"{len(spans)} segments"

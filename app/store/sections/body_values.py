@@ -1,0 +1,76 @@
+"""The body with all that can be changed about it, as JSON."""
+
+from __future__ import annotations
+
+from app.posing import handles, part_label, part_sizes, part_words
+from app.posing import lanes as lane_groups
+from app.posing.size_places import size_place
+from app.store.sections.json_value import Json, doc_of
+from app.store.state import Outlook
+from tracker.body.body import PRESETS, Body, Part, preset
+from tracker.body.scaling import height
+
+
+def body(outlook: Outlook) -> Json:
+    """The body's parts with all that can be changed about them."""
+    doc = doc_of(outlook)
+    if doc is None:
+        return None
+    given = doc.body
+    return {
+        "name": given.name,
+        "preset": given.name if given.name in PRESETS else None,
+        "edited": given.name in PRESETS and given.parts != preset(given.name).parts,
+        "height_cm": round(100 * height(given), 2),
+        "dof_count": sum(len(part.tracked) for part in given.parts),
+        "dof_total": 3 + 3 * len(given.parts),
+        "presets": [{"name": name, "label": part_label(name)} for name in PRESETS],
+        "lanes": [{"label": label, "parts": list(parts)} for label, parts in lane_groups(given)],
+        "parts": [_part(given, part) for part in given.parts],
+        "handles": [
+            {
+                "name": handle.name,
+                "kind": handle.kind,
+                "part": handle.part,
+                "anchor": handle.anchor,
+                "label": handle.label,
+                "limb": list(handle.limb),
+            }
+            for handle in handles(given)
+        ],
+    }
+
+
+def _part(given: Body, part: Part) -> Json:
+    mirror = given.mirror_of(part.name)
+    return {
+        "name": part.name,
+        "label": part_label(part.name),
+        "parent": part.parent,
+        "side": _side(given, part.name),
+        "mirror": None if mirror == part.name else mirror,
+        "tracked": list(part.tracked),
+        "words": part_words(given, part.name),
+        "limits": {axis: part.limits_deg.get(axis) for axis in ("x", "y", "z")},
+        "joint_cm": [round(100 * value, 2) for value in part.joint_m],
+        "landmarks": list(part.landmarks),
+        "sizes": [
+            {
+                "key": size.key,
+                "label": size.label,
+                "cm": round(size.cm, 2),
+                "min": size.min,
+                "max": size.max,
+                "at_cm": [round(100 * v, 2) for v in size_place(part.shape, size.key)],
+            }
+            for size in part_sizes(given, part.name)
+        ],
+    }
+
+
+def _side(given: Body, name: str) -> str:
+    """L, R or C, as the colours go: the first of a mirror pair is the left one."""
+    for left, right in given.mirror_pairs:
+        if name in (left, right):
+            return "L" if name == left else "R"
+    return "C"

@@ -1,0 +1,156 @@
+"""What the page is told: the state cut into sections, each made anew only when it changed.
+
+A section is a JSON value under a name. `Sections.changed` compares what each one is made of with
+what it was made of last, so that a drag sends the pose and nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from app.store.identity import same
+from app.store.sections import (
+    body_values,
+    motion_values,
+    pose_values,
+    scene_values,
+    surface_values,
+    work_values,
+)
+from app.store.sections.json_value import Json
+from app.store.state import Outlook
+
+
+@dataclass(frozen=True)
+class _Section:
+    """How a section is made, and what of the outlook it is made of."""
+
+    made_of: Callable[[Outlook], tuple[Any, ...]]
+    make: Callable[[Outlook], Json]
+
+
+def _doc(*names: str) -> Callable[[Outlook], tuple[Any, ...]]:
+    def parts(outlook: Outlook) -> tuple[Any, ...]:
+        doc = outlook.edit.doc if outlook.edit else None
+        return (doc is None, *(getattr(doc, name, None) for name in names))
+
+    return parts
+
+
+def _settled(*names: str) -> Callable[[Outlook], tuple[Any, ...]]:
+    """As _doc, but a gesture under way does not count: these are made anew when it ends."""
+
+    def parts(outlook: Outlook) -> tuple[Any, ...]:
+        doc = outlook.edit.settled if outlook.edit else None
+        return (doc is None, *(getattr(doc, name, None) for name in names))
+
+    return parts
+
+
+def _edit(*names: str) -> Callable[[Outlook], tuple[Any, ...]]:
+    def parts(outlook: Outlook) -> tuple[Any, ...]:
+        edit = outlook.edit
+        return (edit is None, *(getattr(edit, name, None) for name in names))
+
+    return parts
+
+
+def _both(*makers: Callable[[Outlook], tuple[Any, ...]]) -> Callable[[Outlook], tuple[Any, ...]]:
+    return lambda outlook: tuple(part for maker in makers for part in maker(outlook))
+
+
+_POSES = _doc("body", "keyframes", "drafts")
+
+
+def _curve_poses(outlook: Outlook) -> tuple[Any, ...]:
+    """A drag moves its point of the curve at once, but not where the curve is long to draw."""
+    long = outlook.edit is not None and outlook.edit.frame_count > LONG_CURVE
+    names = ("body", "keyframes", "drafts")
+    return (_settled if long else _doc)(*names)(outlook)
+
+
+LONG_CURVE = 1500
+"""Frames of a curve that is not made anew with every move of the pointer."""
+
+_TRACKED = _both(
+    _settled("body", "camera", "keyframes", "ignore_masks", "settings", "surface"),
+    _edit("results"),
+)
+
+
+def _tinted(outlook: Outlook) -> tuple[Any, ...]:
+    """What the pictures of observed surfaces are coloured by."""
+    edit = outlook.edit
+    if edit is None or edit.doc.surface is None:
+        return ()
+    if edit.display.tint not in ("contact", "distance"):
+        return (edit.settled.surface, edit.display.tint)
+    doc = edit.settled
+    poses = (doc.body, doc.keyframes, doc.drafts, edit.results)
+    return (doc.surface, edit.display.tint, *poses)
+
+
+SECTIONS: dict[str, _Section] = {
+    "file": _Section(_both(_doc("surface"), lambda o: (o.opened,)), scene_values.file),
+    "damage": _Section(lambda o: (o.opened,), scene_values.damage),
+    "camera": _Section(
+        _both(_doc("camera", "up_camera"), lambda o: (o.opened,), _tinted), scene_values.camera
+    ),
+    "surface": _Section(
+        _both(_doc("surface", "keyframes"), _edit("frame"), lambda o: (o.surface, o.unusable)),
+        surface_values.surface,
+    ),
+    "views": _Section(_doc("up_camera"), scene_values.views),
+    "body": _Section(_doc("body"), body_values.body),
+    "view": _Section(_edit("frame", "selected", "display"), scene_values.view),
+    "pose": _Section(_both(_POSES, _TRACKED, _edit("frame", "stroke")), pose_values.pose),
+    "keys": _Section(_doc("keyframes", "drafts"), pose_values.keys),
+    "segments": _Section(_both(_TRACKED, lambda o: (o.running,)), motion_values.segments),
+    "suggest": _Section(_both(_TRACKED, _edit("frame")), motion_values.suggest),
+    "need": _Section(_TRACKED, motion_values.need),
+    "lanes": _Section(_TRACKED, motion_values.lanes),
+    "curve": _Section(_both(_TRACKED, _curve_poses, _edit("selected")), pose_values.curve),
+    "trail": _Section(
+        _both(_TRACKED, _settled("drafts"), _edit("selected", "frame", "display")),
+        pose_values.trail,
+    ),
+    "masks": _Section(_doc("ignore_masks"), work_values.masks),
+    "settings": _Section(_doc("settings", "first_motion"), work_values.settings),
+    "fit": _Section(lambda o: (o.fit,), work_values.fit),
+    "job": _Section(lambda o: (o.job,), motion_values.job),
+    "saved": _Section(lambda o: (o.saved,), work_values.saved),
+    "undo": _Section(_edit("history", "stroke"), work_values.undo),
+    "clipboard": _Section(_edit("clipboard"), work_values.clipboard),
+    "guide": _Section(lambda o: (o.guide,), work_values.guide),
+    "tabs": _Section(lambda o: (o.tabs,), lambda o: o.tabs),
+    "server": _Section(lambda o: (o.server,), lambda o: o.server),
+    "revision": _Section(lambda o: (o.revision,), lambda o: o.revision),
+}
+
+
+class Sections:
+    """Remembers what was made, and of what."""
+
+    def __init__(self) -> None:
+        self._made_of: dict[str, tuple[Any, ...]] = {}
+        self._made: dict[str, Json] = {}
+
+    def changed(self, outlook: Outlook) -> dict[str, Json]:
+        """The sections that differ from those of the last call."""
+        fresh: dict[str, Json] = {}
+        for name, section in SECTIONS.items():
+            parts = section.made_of(outlook)
+            if same(self._made_of.get(name), parts):
+                continue
+            self._made_of[name] = parts
+            made = section.make(outlook)
+            if name not in self._made or made != self._made[name]:
+                self._made[name] = fresh[name] = made
+        return fresh
+
+    @property
+    def all(self) -> Mapping[str, Json]:
+        """Every section as made last: what a tab that has just joined is told."""
+        return self._made

@@ -1,0 +1,112 @@
+"""The pose at the present frame and the keyframes, as JSON. Points are metres, camera frame."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.editor.posing_edits import angles_at
+from app.editor.shown import shown
+from app.editor.state import EditorState
+from app.editor.trail import way
+from app.posing import at_limit, part_angles_deg
+from app.store.sections.json_value import Json, doc_of
+from app.store.state import Outlook
+from tracker.body.pose import joint_names, joint_positions, pose_transforms
+from tracker.geometry.rotations import Array, rotation_from_quaternion
+from tracker.storage.results import listed, residual, rotations
+
+AT_REST = (1.0, 0.0, 0.0, 0.0)
+
+
+def pose(outlook: Outlook) -> Json:
+    """Where every part stands at the present frame."""
+    edit = outlook.edit
+    if edit is None:
+        return None
+    standing = shown(edit)
+    Ts = pose_transforms(edit.skeleton, standing.pose)
+    points = joint_positions(edit.skeleton, Ts).round(6).tolist()
+    return {
+        "frame": edit.frame,
+        "source": standing.source,
+        "stroke": edit.stroke.name if edit.stroke else None,
+        "T": dict(
+            zip(edit.doc.body.names, Ts[:, :3].reshape(-1, 12).round(6).tolist(), strict=True)
+        ),
+        "points": dict(zip(joint_names(edit.skeleton), points, strict=True)),
+        "angles": angles_at(edit, standing.pose),
+        "root": standing.pose.p_camera_root.round(5).tolist(),
+        "at_limit": at_limit(edit.skeleton, standing.pose) if edit.display.limits else {},
+        "gesture": _gesture(edit),
+    }
+
+
+def _gesture(edit: EditorState) -> Json:
+    readout = edit.stroke.readout if edit.stroke else None
+    if readout is None:
+        return None
+    reach = readout.reach
+    return {
+        "label": readout.label,
+        "value": readout.value,
+        "change": readout.change,
+        "part": readout.part,
+        "axis": readout.axis,
+        "angle_rad": readout.angle_rad,
+        "reach": None
+        if reach is None
+        else {"centre": [float(v) for v in reach.centre], "radius_m": float(reach.radius_m)},
+        "out_of_reach": readout.out_of_reach,
+        "depth_m": readout.depth_m,
+    }
+
+
+def keys(outlook: Outlook) -> Json:
+    """Frames of keyframes and drafts."""
+    doc = doc_of(outlook)
+    if doc is None:
+        return {"frames": [], "drafts": []}
+    return {
+        "frames": [keyframe.frame for keyframe in doc.keyframes],
+        "drafts": [draft.frame for draft in doc.drafts],
+    }
+
+
+def curve(outlook: Outlook) -> Json:
+    """The selected part's angles and error, by frame."""
+    edit = outlook.edit
+    if edit is None or edit.selected is None:
+        return None
+    index, frames = edit.doc.body.index(edit.selected), edit.frame_count
+    angles = _angles(edit, index)
+    error = residual(edit.fitting, frames, len(edit.doc.body.parts))[:, index]
+    if edit.doc.surface is not None:
+        error = error * 1000  # millimetres
+    rows = {axis: listed(angles[:, k], 2) for k, axis in enumerate("xyz")}
+    return {"part": edit.selected, **rows, "error": listed(error, 2)}
+
+
+def _angles(edit: EditorState, index: int) -> Array:
+    """(F, 3) degrees of a part by frame, NaN where nothing is known; no jumps of a full turn."""
+    Rs = rotations(edit.fitting, edit.frame_count, index)
+    name, poses = edit.doc.body.names[index], (*edit.doc.keyframes, *edit.doc.drafts)
+    if poses:
+        wxyz = [posed.rotations_wxyz.get(name, AT_REST) for posed in poses]
+        Rs[[posed.frame for posed in poses]] = rotation_from_quaternion(wxyz)
+    known = np.flatnonzero(np.isfinite(Rs[:, 0, 0]))
+    angles = np.full((edit.frame_count, 3), np.nan)
+    if len(known):
+        found = part_angles_deg(edit.doc.body.parts[index], Rs[known])
+        angles[known] = np.unwrap(found, period=360.0, axis=0)
+    return angles
+
+
+def trail(outlook: Outlook) -> Json:
+    """The way of the selected part's far end around the present frame."""
+    edit = outlook.edit
+    found = way(edit) if edit is not None and edit.display.trail else None
+    if found is None or len(found.frames) < 2:
+        return None
+    places = found.p_camera.round(5).tolist()
+    points = [[frame, *p] for frame, p in zip(found.frames, places, strict=True)]
+    return {"part": found.part, "points": points, "keys": list(found.keys)}

@@ -1,0 +1,111 @@
+"""What is open and how it is looked at, as JSON: file, camera, views, the switches."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+
+import numpy as np
+
+from app.editor.sights import up_of
+from app.posing import tilt_and_roll, view_rotations
+from app.store.sections.json_value import Json, doc_of
+from app.store.sections.surface_values import surface_version
+from app.store.state import Outlook
+from tracker.surface.picture import CONTAINER
+from tracker.tracking.diagnostics.verdict import runs
+
+
+def file(outlook: Outlook) -> Json:
+    """What is open."""
+    opened = outlook.opened
+    if opened is None:
+        return None
+    info, doc = opened.info, doc_of(outlook)
+    fps = info.fps if doc is None or doc.surface is None else doc.surface.fps
+    return {
+        "name": opened.name,
+        "video": info.path.name,
+        "path": opened.session_path,
+        "id": opened.id,
+        "frames": info.frame_count,
+        "fps": fps,
+        "width": info.width,
+        "height": info.height,
+        "duration_s": float(info.times_s[-1]) * info.fps / fps + 1 / fps,
+        "missing": list(info.missing),
+        "times": [round(float(t), 4) for t in info.times_s] if info.variable_rate else None,
+    }
+
+
+def damage(outlook: Outlook) -> Json:
+    """First and last of every run of frames that tracking leaves out: damaged or missing ones."""
+    opened = outlook.opened
+    if opened is None or opened.info.container == CONTAINER:
+        return []
+    flags = np.zeros(opened.info.frame_count, dtype=np.bool_)
+    flags[[*opened.info.damaged, *opened.info.missing]] = True
+    return [list(run) for run in runs(flags)]
+
+
+def camera(outlook: Outlook) -> Json:
+    """The calibrated camera, and what is up in its frame."""
+    doc = doc_of(outlook)
+    if doc is None:
+        return None
+    given, up = doc.camera, up_of(doc)
+    longer = max(given.width / given.fx, given.height / given.fy)
+    tilt, roll = tilt_and_roll(up)
+    return {
+        **given.model_dump(),
+        "fov_deg": math.degrees(2 * math.atan(longer / 2)),
+        "up": list(up),
+        "up_origin": "camera" if doc.up_camera is None else "drawn",
+        "tilt_deg": tilt,
+        "roll_deg": roll,
+        "image_version": image_version(outlook),
+    }
+
+
+def image_version(outlook: Outlook) -> str:
+    """What pictures are named by: they depend on the video and on the lens's distortion; those of
+    observed surfaces on more.
+
+    Browsers keep them by that name, also for the next video on the same port.
+    """
+    edit, film = outlook.edit, outlook.opened.film if outlook.opened else ""
+    if edit is None:
+        return ""
+    camera = edit.doc.camera
+    lens = (camera.fx, camera.fy, camera.cx, camera.cy, *camera.distortion)
+    made_of = (film, lens if camera.is_distorted else ())
+    return hashlib.sha256(repr(made_of).encode()).hexdigest()[:16] + surface_version(edit)
+
+
+def views(outlook: Outlook) -> Json:
+    """R_view_camera of the three small views."""
+    doc = doc_of(outlook)
+    if doc is None:
+        return None
+    return {name: R.tolist() for name, R in view_rotations(up_of(doc)).items()}
+
+
+def view(outlook: Outlook) -> Json:
+    """Where one looks, and the switches."""
+    edit = outlook.edit
+    if edit is None:
+        return None
+    looks = edit.display
+    return {
+        "frame": edit.frame,
+        "selected": edit.selected,
+        "mode": looks.mode,
+        "opacity": looks.opacity,
+        "ghosts": looks.ghosts,
+        "trail": looks.trail,
+        "live": looks.live,
+        "limits": looks.limits,
+        "axes": looks.axes,
+        "link": looks.link,
+        "tint": looks.tint,
+    }

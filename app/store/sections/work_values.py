@@ -1,0 +1,78 @@
+"""Masks, settings, saving, undo and the guide, as JSON."""
+
+from __future__ import annotations
+
+from app.posing import part_label
+from app.store.sections.json_value import Json, doc_of
+from app.store.state import Outlook
+from tracker.session.settings import TrackSettings
+from tracker.tracking.method import method_of
+
+
+def masks(outlook: Outlook) -> Json:
+    """The ignored regions."""
+    doc = doc_of(outlook)
+    return [
+        {
+            "polygon": [list(spot) for spot in mask.polygon],
+            "first": mask.first_frame,
+            "last": mask.last_frame,
+            "note": mask.note,
+        }
+        for mask in (doc.ignore_masks if doc else ())
+    ]
+
+
+def settings(outlook: Outlook) -> Json:
+    """How to track."""
+    doc = doc_of(outlook)
+    given = doc.settings if doc else TrackSettings()
+    usual = method_of(given.model_copy(update={"passes": None})).passes
+    source = doc.first_motion.source if doc and doc.first_motion else None
+    return {**given.model_dump(), "default_passes": usual, "imported": source}
+
+
+def saved(outlook: Outlook) -> Json:
+    """Whether the session is on disk."""
+    given = outlook.saved
+    return {"state": given.state, "at": given.at_s, "words": given.words}
+
+
+def undo(outlook: Outlook) -> Json:
+    """What undo and redo would do."""
+    edit = outlook.edit
+    past, future = (edit.history.past, edit.history.future) if edit else ((), ())
+    under_way = edit.stroke.label if edit and edit.stroke else None
+    return {
+        "undo": under_way or (past[-1].label if past else None),
+        "redo": future[-1].label if future and not under_way else None,
+    }
+
+
+def clipboard(outlook: Outlook) -> Json:
+    """Whether a pose can be pasted."""
+    return outlook.edit is not None and outlook.edit.clipboard is not None
+
+
+def fit(outlook: Outlook) -> Json:
+    """What the last fit did, until something else is edited."""
+    given = outlook.fit
+    if given is None:
+        return None
+    return {
+        "frame": given.frame,
+        "words": given.words,
+        "looking_back": given.looking_back,
+        "changes": [
+            {"part": part_label(part), "what": what, "before": before, "after": after}
+            for part, what, before, after in given.changes
+        ],
+    }
+
+
+def guide(outlook: Outlook) -> Json:
+    """The first pose's steps."""
+    given = outlook.guide
+    steps = ("hips", "height", "facing", "limbs", "depth", "key")
+    first = given.first and "key" not in given.done
+    return {"first": first, "done": {step: step in given.done for step in steps}}

@@ -1,0 +1,79 @@
+// Buttons, boxes to tick and choices. A control that cannot be used now says why in its
+// tooltip and stays reachable, so that the reason can be read (hence aria-disabled, not disabled).
+
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { icon } from './icons.js';
+
+/** A tooltip: what it does and its key. */
+export function tip(words, key = '') {
+  return key ? `${words}   ${key}` : words;
+}
+
+/**
+ * A square button with an icon. off: why it cannot be used, or ''.
+ * @param {{ name: string, label: string, key?: string, act: () => unknown, off?: string,
+ *   pressed?: boolean }} spec
+ */
+export function iconButton({ name, label, key = '', act, off = '', pressed }) {
+  return html`<button
+    type="button"
+    class="ib s ${off ? 'off' : ''}"
+    title=${off || tip(label, key)}
+    aria-label=${label}
+    aria-disabled=${off ? 'true' : nothing}
+    aria-pressed=${pressed ?? nothing}
+    @click=${() => off || act()}
+  >
+    ${icon(name)}
+  </button>`;
+}
+
+/**
+ * A button with words. flip: its icon looks the other way.
+ * @param {{ name?: string, flip?: boolean, label: string, key?: string, title?: string,
+ *   act: () => unknown, off?: string, kind?: string }} spec
+ */
+export function button({ name, flip = false, label, key = '', title = label, act, off = '', kind = '' }) {
+  return html`<button
+    type="button"
+    class="btn sm ${kind} ${off ? 'off' : ''}"
+    title=${off || tip(title, key)}
+    aria-disabled=${off ? 'true' : nothing}
+    @click=${() => off || act()}
+  >
+    ${name ? icon(name, flip ? 'transform:scaleX(-1)' : '') : nothing}<span class="cut">${label}</span>
+  </button>`;
+}
+
+/** A box to tick. */
+export function checkbox({ label, on, act, title = label, key = '', off = '' }) {
+  return html`<button
+    type="button"
+    role="checkbox"
+    class="cb ${on ? 'on' : ''} ${off ? 'off' : ''}"
+    aria-checked=${on}
+    aria-disabled=${off ? 'true' : nothing}
+    title=${off || tip(title, key)}
+    @click=${() => off || act(!on)}
+  >
+    <i>${on ? icon('check') : nothing}</i>${label}
+  </button>`;
+}
+
+/** One of a few: options are {id, label, title?, off?}. */
+export function segmented({ label, value, options, act, off = '' }) {
+  const one = (option) => {
+    const reason = off || option.off || '';
+    return html`<button
+      type="button"
+      class=${reason ? 'off' : ''}
+      aria-pressed=${option.id === value}
+      aria-disabled=${reason ? 'true' : nothing}
+      title=${reason || option.title || nothing}
+      @click=${() => reason || option.id === value || act(option.id)}
+    >
+      ${option.label}
+    </button>`;
+  };
+  return html`<div class="seg" role="group" aria-label=${label}>${options.map(one)}</div>`;
+}

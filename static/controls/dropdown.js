@@ -1,0 +1,184 @@
+// A choice from a list that opens below its button, with a search line where the list is long.
+//
+// spec: { label, value, text (what the button says), kind: 'field' or 'ghost', search: true,
+//         options: [{id, label, group?, dot?, note?, off?}], act(id), title, off }
+
+import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { icon } from './icons.js';
+
+class DropDown extends HTMLElement {
+  static count = 0;
+  popId = '';
+
+  connectedCallback() {
+    this.popId ||= `drop-${++DropDown.count}`;
+    this.addEventListener('toggle', (event) => this.toggled(event), { capture: true });
+    this.draw();
+  }
+
+  set spec(spec) {
+    this.known = spec;
+    if (this.popId) this.draw();
+  }
+
+  get options() {
+    const words = (this.filter ?? '').toLowerCase().split(/\s+/).filter(Boolean);
+    const fits = (option) => words.every((word) => option.label.toLowerCase().includes(word));
+    return this.known.options.filter(fits);
+  }
+
+  /** @returns {HTMLElement} */
+  get list() {
+    return this.querySelector('.drop-list');
+  }
+
+  draw() {
+    const { kind = 'field', text, label, title = label, off = '', value } = this.known;
+    const said = text ?? this.known.options.find((option) => option.id === value)?.label ?? '';
+    render(
+      html`<button
+          type="button"
+          class="${kind === 'field' ? 'drop' : 'btn ghost sm'} ${off ? 'off' : ''}"
+          title=${off || title}
+          aria-label=${`${label}: ${said}`}
+          aria-haspopup="listbox"
+          aria-expanded=${this.isOpen === true}
+          aria-disabled=${off ? 'true' : nothing}
+          @click=${() => off || this.open()}
+          @keydown=${(event) => this.opener(event)}
+        >
+          <span class="cut">${said}</span>${icon('chev')}
+        </button>
+        <div class="menu drop-list" id=${this.popId} popover="auto" @keydown=${(e) => this.key(e)}>
+          ${this.isOpen ? this.choices() : nothing}
+        </div>`,
+      this,
+    );
+  }
+
+  choices() {
+    const options = this.options;
+    return html`${this.known.search ? this.search() : nothing}
+      <div class="opts" role="listbox" aria-label=${this.known.label} tabindex="-1">
+        ${options.map((option, i) => this.choice(option, options[i - 1], i))}
+        ${options.length ? nothing : html`<div class="mh">No part has that name.</div>`}
+      </div>`;
+  }
+
+  search() {
+    return html`<input
+      class="n text find"
+      placeholder="Search"
+      aria-label="Search"
+      .value=${this.filter ?? ''}
+      @input=${(event) => this.look(event.target.value)}
+    />`;
+  }
+
+  choice(option, before, i) {
+    const heading = option.group && option.group !== before?.group;
+    return html`${heading ? html`<div class="mh">${option.group}</div>` : nothing}
+      <div
+        class="mi ${i === this.at ? 'hov' : ''} ${option.off ? 'off' : ''}"
+        role="option"
+        aria-selected=${option.id === this.known.value}
+        title=${option.off || nothing}
+        @pointermove=${() => this.point(i)}
+        @click=${() => this.choose(option)}
+      >
+        ${option.dot ? html`<span class="dot" style="background:var(--${option.dot})"></span>` : nothing}
+        <span>${option.label}</span>
+        <span class="r">${option.id === this.known.value ? icon('check') : (option.note ?? '')}</span>
+      </div>`;
+  }
+
+  open() {
+    if (this.isOpen) return;
+    this.isOpen = true;
+    this.filter = '';
+    this.at = Math.max(0, this.options.findIndex((option) => option.id === this.known.value));
+    this.draw();
+    this.list.showPopover();
+    this.place();
+    (this.list.querySelector('.find') ?? this.list.querySelector('.opts')).focus();
+    this.list.querySelector('.hov')?.scrollIntoView({ block: 'nearest' });
+  }
+
+  place() {
+    const at = this.querySelector('button').getBoundingClientRect();
+    const style = this.list.style;
+    style.minWidth = `${Math.max(at.width, this.known.search ? 200 : 120)}px`;
+    style.maxHeight = '';
+    const own = this.list.getBoundingClientRect();
+    const below = innerHeight - at.bottom - 12;
+    const up = own.height > below && at.top > below;
+    style.maxHeight = `${Math.min(420, up ? at.top - 12 : below)}px`;
+    const tall = Math.min(own.height, parseFloat(style.maxHeight));
+    style.top = `${up ? at.top - tall - 4 : at.bottom + 4}px`;
+    style.left = `${Math.max(8, Math.min(at.left, innerWidth - own.width - 8))}px`;
+  }
+
+  toggled(event) {
+    if (event.newState !== 'closed') return;
+    const inside = this.list.contains(document.activeElement);
+    this.isOpen = false;
+    // With the keyboard the focus goes back to the button; the mouse leaves it with the views.
+    if (inside) document.activeElement.blur();
+    if (inside && this.byKeyboard) this.querySelector('button').focus();
+    this.byKeyboard = false;
+    this.draw();
+  }
+
+  choose(option) {
+    if (option.off) return;
+    this.list.hidePopover();
+    if (option.id !== this.known.value) this.known.act(option.id);
+  }
+
+  point(i) {
+    if (this.at === i) return;
+    this.at = i;
+    this.draw();
+  }
+
+  look(text) {
+    this.filter = text;
+    this.at = 0;
+    this.draw();
+  }
+
+  opener(event) {
+    if (!['Enter', ' ', 'ArrowDown', 'ArrowUp'].includes(event.key)) return;
+    event.preventDefault();
+    event.stopPropagation();
+    this.byKeyboard = true;
+    if (!this.known.off) this.open();
+  }
+
+  key(event) {
+    event.stopPropagation();
+    const move = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+    const options = this.options;
+    if (move !== undefined && options.length) {
+      event.preventDefault();
+      this.at = (this.at + move + options.length) % options.length;
+      this.draw();
+      this.list.querySelector('.hov')?.scrollIntoView({ block: 'nearest' });
+    }
+    if (event.key === 'Tab' || event.key === 'Escape') {
+      event.preventDefault();
+      this.list.hidePopover();
+    }
+    if (event.key === 'Enter' && options[this.at]) {
+      event.preventDefault();
+      this.choose(options[this.at]);
+    }
+  }
+}
+
+customElements.define('drop-down', DropDown);
+
+/** A choice from a list; see above for what `spec` holds. */
+export function dropdown(spec) {
+  return html`<drop-down .spec=${spec}></drop-down>`;
+}

@@ -1,0 +1,67 @@
+// What a control is called and its key, shown a moment after the pointer rests on it. It is taken
+// from the title, whose last part after three spaces is the key: "Undo   Ctrl Z".
+
+import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { U } from '../store/state.js';
+
+const REST_MS = 450;
+const AGAIN_MS = 300; // from one control to the next the words come at once
+
+let place = null;
+let owner = null; // the element under the pointer, and the title it lends us
+let title = '';
+let timer = 0;
+let hiddenAt = 0;
+
+export function mountTips() {
+  place = document.createElement('div');
+  place.id = 'tip';
+  document.getElementById('screens').append(place);
+  addEventListener('pointerover', (event) => enter(event.target));
+  addEventListener('pointerout', (event) => event.relatedTarget === null && leave());
+  for (const kind of ['pointerdown', 'keydown', 'wheel', 'blur']) {
+    addEventListener(kind, leave, { capture: true, passive: true });
+  }
+}
+
+function enter(target) {
+  const found = target.closest?.('[title]') ?? null;
+  if (owner !== null && owner.contains(target) && (found === null || found === owner)) return;
+  leave();
+  if (!found || U.dragging || !found.title) return;
+  owner = found;
+  title = found.title;
+  // While it is lent the browser shows none of its own.
+  found.removeAttribute('title');
+  const wait = performance.now() - hiddenAt < AGAIN_MS ? 0 : REST_MS;
+  timer = setTimeout(show, wait);
+}
+
+function leave() {
+  clearTimeout(timer);
+  if (owner === null) return;
+  // A title that was set anew in between is the newer one.
+  if (!owner.hasAttribute('title')) owner.setAttribute('title', title);
+  owner = null;
+  if (place.firstElementChild) hiddenAt = performance.now();
+  render(nothing, place);
+}
+
+function show() {
+  if (!owner?.isConnected) return;
+  const [words, key] = title.split(/ {3,}/);
+  render(html`<div class="tip" role="tooltip">${words}${key ? keys(key) : nothing}</div>`, place);
+  put(place.firstElementChild, owner.getBoundingClientRect());
+}
+
+const keys = (key) => html` <kbd>${key}</kbd>`;
+
+/** Below its control, above it where there is no room; never out of the window. */
+function put(tip, at) {
+  const { offsetWidth: width, offsetHeight: height } = tip;
+  const left = Math.min(innerWidth - width - 8, Math.max(8, (at.left + at.right - width) / 2));
+  const below = at.bottom + 6;
+  const top = below + height > innerHeight - 4 ? at.top - height - 6 : below;
+  tip.style.left = `${left}px`;
+  tip.style.top = `${top}px`;
+}

@@ -1,0 +1,90 @@
+// Messages: what the server notes or refuses, and what the page itself has to tell.
+
+import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { icon } from './icons.js';
+import { listen, send } from '../store/link.js';
+import { S, U, put, watch } from '../store/state.js';
+import { firstSentence } from './words.js';
+
+const MOST = 4;
+const OPENING_MS = 1500; // what is told while a file opens may come before the file
+const STAYS_MS = { good: 4000, info: 6000, check: 9000, lost: 12000 };
+const ICONS = { good: 'check', check: 'warn', lost: 'lost', info: 'help' };
+
+let count = 0;
+
+/**
+ * Show a message: {kind, words, button?: {label, send?: action, run?: fn}, brief?}. One with a button
+ * waits for an answer, unless it is brief.
+ */
+export function toast(message) {
+  const shown = U.toasts ?? [];
+  const same = shown.find(({ words }) => words === message.words);
+  const until = performance.now() + (STAYS_MS[message.kind] ?? STAYS_MS.info);
+  if (same) same.until = until;
+  else put('toasts', [...shown, { ...message, until, ...stamp() }].slice(-MOST));
+}
+
+const stamp = () => ({ id: ++count, path: S.file?.path ?? null, at: performance.now() });
+
+export function mountToasts() {
+  const place = document.createElement('div');
+  place.id = 'toasts';
+  place.setAttribute('aria-live', 'polite');
+  document.getElementById('screens').append(place);
+  listen('note', toast);
+  listen('refused', ({ words }) => toast({ kind: 'check', words }));
+  watch(['file'], forgetOthers);
+  watch(['u:toasts'], () => render((U.toasts ?? []).map(card), place));
+  setInterval(sweep, 500);
+}
+
+/** Another file is open: what was said of the one before goes. */
+function forgetOthers() {
+  if (!S.file) return;
+  const now = performance.now();
+  const isOurs = ({ path, at }) => path === S.file.path || now - at < OPENING_MS;
+  const shown = U.toasts ?? [];
+  const left = shown.filter(isOurs);
+  if (left.length < shown.length) put('toasts', left);
+}
+
+/** What is old goes; what is being read stays, and so does what waits for an answer. */
+function sweep() {
+  const isRead = ({ id }) =>
+    document.querySelector(`[data-toast="${id}"]`)?.matches(':hover, :focus-within');
+  const shown = U.toasts ?? [];
+  const left = shown.filter((one) => (one.button && !one.brief) || one.until > performance.now() || isRead(one));
+  if (left.length < shown.length) put('toasts', left);
+}
+
+function dismiss(id) {
+  put('toasts', (U.toasts ?? []).filter((one) => one.id !== id));
+}
+
+function card(message) {
+  const [first, rest] = firstSentence(message.words ?? '');
+  const { kind = 'info', id, button } = message;
+  return html`<div
+    class="toast ${kind}"
+    data-toast=${id}
+    role=${kind === 'lost' ? 'alert' : 'status'}
+  >
+    <span class="sign">${icon(ICONS[kind] ?? 'help')}</span>
+    <span class="words"
+      ><b>${first}</b>${rest ? html`<br /><span class="mut">${rest}</span>` : nothing}</span
+    >
+    ${button
+      ? html`<button class="btn sm" @click=${() => answer(id, button)}>${button.label}</button>`
+      : nothing}
+    <button class="ib s" aria-label="Dismiss" title="Dismiss" @click=${() => dismiss(id)}>
+      ${icon('x')}
+    </button>
+  </div>`;
+}
+
+function answer(id, button) {
+  dismiss(id);
+  if (button.run) button.run();
+  else send(button.send);
+}

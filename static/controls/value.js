@@ -1,0 +1,171 @@
+// What number fields and sliders have in common: a value that is dragged, nudged or set, within
+// its limits, as one stroke per gesture.
+//
+// spec: { key         what is edited: controls of one key show one value
+//         label, value, unit, decimals, edit(value) → action
+//         step        one nudge; coarse: one step while Ctrl is held in a drag
+//         min, max    what makes sense at all
+//         limit       [low, high] that hold, or null
+//         off         why it cannot be changed now, or '' }
+
+import { hold, letGo, letGoAfter, onHeld, shown } from './held.js';
+import { Stroke } from './stroke.js';
+import { send } from '../store/link.js';
+import { put } from '../store/state.js';
+
+const NUDGES_END_MS = 300;
+
+export class ValueElement extends HTMLElement {
+  connectedCallback() {
+    if (!this.built) this.build();
+    this.built = true;
+    this.forget = onHeld((key) => key === this.spec.key && this.draw());
+    this.draw();
+  }
+
+  disconnectedCallback() {
+    this.finish();
+    this.forget?.();
+  }
+
+  set spec(next) {
+    if (this.known && this.known.key !== next.key) {
+      this.finish();
+      this.leave();
+    }
+    this.known = next;
+    if (this.built) this.draw();
+  }
+
+  get spec() {
+    return this.known;
+  }
+
+  /** The value as shown: the hand's while it is held, else the server's. */
+  get value() {
+    return shown(this.spec.key, this.spec.value);
+  }
+
+  get steps() {
+    return this.spec.step ?? 1;
+  }
+
+  /** Between which values anything makes sense. */
+  get ends() {
+    return [this.spec.min ?? -Infinity, this.spec.max ?? Infinity];
+  }
+
+  /** The value brought within what makes sense and what limits allow. */
+  within(value) {
+    const [min, max] = this.ends;
+    const [low, high] = this.spec.limit ?? [-Infinity, Infinity];
+    // Where the pose already lies beyond a limit it may come back but not go further.
+    const now = this.spec.value ?? 0;
+    const down = Math.max(min, Math.min(low, now));
+    const up = Math.min(max, Math.max(high, now));
+    return Math.min(Math.max(value, down), up);
+  }
+
+  get isAtLimit() {
+    const { limit, decimals = 1 } = this.spec;
+    if (!limit) return false;
+    const margin = 0.5 * 10 ** -decimals;
+    // An elbow at rest stands at its limit: that is worth a word only while it is in the hand.
+    if (Math.abs(this.value) < margin && !this.isInHand) return false;
+    return this.value <= limit[0] + margin || this.value >= limit[1] - margin;
+  }
+
+  get isInHand() {
+    return this.stroke != null;
+  }
+
+  moveTo(value) {
+    this.stroke ??= new Stroke('field', this.spec.edit);
+    this.wanted = this.within(value);
+    hold(this.spec.key, this.wanted);
+    this.stroke.move(this.wanted);
+  }
+
+  /** One nudge; those that follow within 300 ms belong to the same undo step. */
+  nudge(amount) {
+    if (this.spec.off) return;
+    clearTimeout(this.pause);
+    this.moveTo(this.value + amount);
+    this.pause = setTimeout(() => this.finish(), NUDGES_END_MS);
+  }
+
+  /** A value all at once: one undo step. */
+  setTo(value) {
+    this.finish();
+    hold(this.spec.key, this.within(value));
+    letGoAfter(this.spec.key, send(this.spec.edit(this.within(value))));
+  }
+
+  finish() {
+    clearTimeout(this.pause);
+    if (!this.stroke) return;
+    const last = this.stroke.end();
+    this.stroke = null;
+    if (last === null) letGo(this.spec.key);
+    else letGoAfter(this.spec.key, last);
+  }
+
+  takeBack() {
+    clearTimeout(this.pause);
+    if (!this.stroke) return false;
+    this.stroke.cancel();
+    this.stroke = null;
+    letGo(this.spec.key);
+    return true;
+  }
+
+  /** How far one arrow key goes. */
+  stride(event) {
+    return this.steps * (event.shiftKey ? 10 : 1) * (event.ctrlKey || event.metaKey ? 0.1 : 1);
+  }
+
+  /** Wheel notches since the last one; the small deltas of a touch pad add up to one. */
+  notches(event) {
+    const delta = event.deltaY || event.deltaX;
+    if (Math.abs(delta) >= 40 || event.deltaMode !== 0) return -Math.sign(delta);
+    this.rolled = (this.rolled ?? 0) + delta;
+    if (Math.abs(this.rolled) < 40) return 0;
+    const way = -Math.sign(this.rolled);
+    this.rolled = 0;
+    return way;
+  }
+
+  /** What a control drops when it comes to stand for something else. */
+  leave() {}
+
+  /** What it is made of, once. */
+  build() {}
+
+  /** The present value, shown. */
+  draw() {}
+}
+
+/** Follow a pointer until it is let go: Esc and the right button take back. */
+export function follow(element, down, { move, end, cancel }) {
+  element.setPointerCapture(down.pointerId);
+  put('dragging', true);
+  const abort = new AbortController();
+  const on = (target, kind, fn, more) =>
+    target.addEventListener(kind, fn, { signal: abort.signal, ...more });
+  const stop = (fn) => (event) => {
+    abort.abort();
+    put('dragging', false);
+    fn(event);
+  };
+  on(element, 'pointermove', (event) => (event.buttons & 2 ? stop(cancel)(event) : move(event)));
+  on(element, 'pointerup', stop(end));
+  on(element, 'pointercancel', stop(cancel));
+  on(window, 'contextmenu', (event) => event.preventDefault());
+  const escape = (event) => {
+    if (event.key !== 'Escape') return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    stop(cancel)(event);
+  };
+  on(window, 'keydown', escape, { capture: true });
+}

@@ -1,0 +1,208 @@
+// The guide to a first pose: a card that ticks its steps off as they are done in any way, and
+// gives way to the handles, to what is dragged and to what is told of it. Once the pose is a
+// keyframe it is at its end, whichever step was shown.
+
+import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { icon } from '../controls/icons.js';
+import { send } from '../store/link.js';
+import { S, U, put, watch } from '../store/state.js';
+import { onViews } from '../views/views.js';
+import { onHold } from '../handles/hold.js';
+import { isDrawingTool } from '../handles/sketch.js';
+import { isUnderHand } from '../handles/underhand.js';
+import { drawMarks } from './guide_marks.js';
+import { carry, cornerFor, covers, coversWords } from './guide_place.js';
+import { forgetPulled, mountPulled } from './guide_pulled.js';
+import { ending, isDone, isKept, steps, takeWaist } from './guide_steps.js';
+
+const KEY = 'keypose.guide';
+const PAUSE_MS = 900; // long enough to see the tick
+/** @type {import('../store/shapes.js').Watched[]} */
+const SECTIONS = ['guide', 'file', 'pose', 'body', 'keys', 'suggest', 'segments', 'job'];
+
+let wasDone = false; // what was done before its step was shown does not move it on
+let wasKept = false; // nor does a pose that was kept before
+let offered = null; // the file the guide was offered for
+let timer = 0;
+let corner = null; // where the card stands
+let isPutAside = false; // by hand: then it stays there
+
+/** The guide from its first step, for the present frame, whatever was done before. */
+export function openGuide() {
+  isPutAside = false;
+  send({ do: 'begin_guide' });
+  show(0);
+}
+
+/** The guide at the first step that is not done yet; at its end when all are. */
+function offerGuide() {
+  isPutAside = false;
+  const first = steps().findIndex((step) => !isDone(step));
+  show(first < 0 ? steps().length : first);
+}
+
+/** Close the guide for good; tells whether it was open. */
+export function closeGuide() {
+  if (!isOpen()) return false;
+  put('guideStep', null);
+  try {
+    localStorage.setItem(KEY, 'closed');
+  } catch {
+    // Then it is offered once more next time.
+  }
+  return true;
+}
+
+export function mountGuide() {
+  const card = document.createElement('div');
+  card.id = 'guide';
+  const marks = document.createElement('div');
+  marks.id = 'guide-marks';
+  document.getElementById('screens').append(marks, card);
+  const draw = () => {
+    render(isOpen() ? coach() : nothing, card);
+    if (isOpen()) place(card.firstElementChild);
+    drawMarks(marks, isOpen() && !U.dragging ? shown() : null);
+  };
+  mountPulled();
+  watch(['guide', 'file', 'u:dragging'], notice);
+  watch([...SECTIONS, 'u:guideStep', 'u:layout', 'u:tool', 'u:dragging', 'u:pulled'], draw);
+  onViews(draw);
+  onHold(() => isOpen() && fade(card.firstElementChild));
+  addEventListener('resize', () => requestAnimationFrame(draw));
+}
+
+function show(number) {
+  const step = steps()[number] ?? {};
+  if (step.tool) put('tool', step.tool);
+  if (step.rings) takeWaist();
+  if (number !== U.guideStep) forgetPulled();
+  wasDone = isDone(step);
+  wasKept = isKept();
+  put('guideStep', number);
+}
+
+const isOpen = () => Boolean(S.file) && Number.isInteger(U.guideStep);
+const shown = () => steps()[U.guideStep];
+
+function notice() {
+  if (!S.file || !S.guide) return;
+  if (offered !== S.file.path) {
+    if (S.guide.first && !wasClosed()) offerGuide();
+    else put('guideStep', null); // it was of the session before
+  }
+  offered = S.file.path;
+  const step = shown();
+  if (!step) return;
+  if (!isDone(step)) wasDone = false;
+  if (!isKept()) wasKept = false;
+  if (U.dragging) return;
+  if (isKept() && !wasKept) soonOn(step, finish);
+  else if (isDone(step) && !wasDone && !step.again) soonOn(step);
+}
+
+/** On to the next step, or to the end, once the tick was seen. */
+function soonOn(step, go = advance) {
+  clearTimeout(timer);
+  timer = setTimeout(() => shown() === step && !U.dragging && go(), PAUSE_MS);
+}
+
+function advance() {
+  let next = U.guideStep + 1;
+  while (next < steps().length && isDone(steps()[next])) next += 1;
+  show(next);
+}
+
+const finish = () => show(steps().length);
+
+function wasClosed() {
+  try {
+    return localStorage.getItem(KEY) === 'closed';
+  } catch {
+    return false;
+  }
+}
+
+function coach() {
+  const step = shown();
+  const { title, text, choices } = step ?? ending();
+  return html`<div class="coach" role="dialog" aria-label="First pose" @pointerdown=${lift}>
+    <div class="steps">${steps().map(bar)}</div>
+    <h3>${title}</h3>
+    <p>${text}</p>
+    ${choices
+      ? html`<div class="choices">${choices.map((choice) => choiceButton(step, choice))}</div>`
+      : nothing}
+    <div class="row foot">
+      ${step ? stepFoot(step) : html`<span class="sp"></span>
+            <button class="btn sm" @click=${closeGuide}>Close guide</button>`}
+    </div>
+  </div>`;
+}
+
+/**
+ * @param {import('./guide_steps.js').Step} step
+ * @param {import('./guide_steps.js').Choice} choice
+ */
+function choiceButton(step, { label, title, act, ends }) {
+  const choose = () => {
+    act();
+    if (ends) soonOn(step);
+  };
+  return html`<button class="btn sm" title=${title} @click=${choose}>${label}</button>`;
+}
+
+function stepFoot(step) {
+  const done = isDone(step);
+  return html`<span class="dim num">Step ${U.guideStep + 1} of ${steps().length}</span><span class="sp"></span>
+    <button class="btn ghost sm" title="Close for good   Esc" @click=${closeGuide}>
+      Close guide
+    </button>
+    <button
+      class="btn sm ${done ? 'pri' : ''}"
+      title=${done ? 'On to the next step' : 'Leave it as it is'}
+      @click=${advance}
+    >
+      Next
+    </button>`;
+}
+
+function bar(step, i) {
+  const done = isDone(step);
+  const kind = i === U.guideStep ? 'c' : '';
+  return html`<button
+    class="${kind} ${done ? 'd' : ''}"
+    aria-current=${i === U.guideStep ? 'step' : nothing}
+    @click=${() => show(i)}
+  >
+    <i></i><span>${done ? icon('check') : nothing}${step.word}</span>
+  </button>`;
+}
+
+function lift(event) {
+  if (event.button !== 0 || event.target.closest('button')) return;
+  isPutAside = true;
+  carry(event);
+}
+
+/**
+ * The card keeps its corner while it covers nothing that is needed, and never moves under a drag.
+ * Put somewhere by hand it stays there, unless it covers what is to be dragged.
+ */
+function place(card) {
+  fade(card);
+  if (U.dragging) return;
+  const step = shown();
+  if (isPutAside && !covers(card, step)) return;
+  isPutAside = false;
+  const { name, x, y } = cornerFor(card, step, corner);
+  corner = name;
+  card.style.left = `${x}px`;
+  card.style.top = `${y}px`;
+}
+
+/** What is dragged or drawn behind the card, and what is told of it, can be seen through it. */
+function fade(card) {
+  const gives = isDrawingTool(U.tool) || (card && (isUnderHand(card) || coversWords(card)));
+  card?.classList.toggle('behind', Boolean(gives));
+}

@@ -1,0 +1,204 @@
+// The steps to a first pose, in the order the guide goes through them: six of a film, four of
+// observed surfaces. A step takes its tool in hand; any other way of doing it counts as well.
+// `name` is the server's key.
+
+import { send } from '../store/link.js';
+import { S, put } from '../store/state.js';
+import { fewestKeys, isSurface, words as subject } from '../store/subject.js';
+
+const SIZE = `Hold D and drag the point between the arrows until head and feet match: up
+  makes the body smaller and farther. If you know the height, set it in the Body tab first.`;
+
+/**
+ * @typedef {object} Choice  A button on the card; one that `ends` the step leads on.
+ * @property {string} label
+ * @property {string} [title]
+ * @property {() => unknown} act
+ * @property {boolean} [ends]
+ */
+
+/**
+ * @typedef {object} Step
+ * @property {string} [name]
+ * @property {string} [tool]
+ * @property {string} [word]
+ * @property {string} [title]
+ * @property {string} [text]
+ * @property {{ view: string, kinds: string[] }} [takes]  Which handles are to be dragged, and where.
+ * @property {boolean} [again]  It is rarely done with one drag, so the card waits for Next instead of
+ *   moving on by itself.
+ * @property {boolean} [rings]  It needs those of the waist.
+ * @property {Choice[]} [choices]
+ * @property {string} [also]  Another of the server's keys that does it as well.
+ */
+
+/** @type {Step[]} */
+const IN_FILM = [
+  {
+    name: 'hips',
+    tool: 'move',
+    takes: { view: 'main', kinds: ['root'] },
+    word: 'Hips',
+    title: 'Drag the waist onto the hips',
+    text: `Drag the point between the four arrows onto the person’s hips. The slider above makes the
+      body fainter where it hides the person.`,
+  },
+  {
+    name: 'height',
+    tool: 'move',
+    again: true,
+    takes: { view: 'main', kinds: ['root'] },
+    word: 'Size',
+    title: 'As large as the person',
+    text: SIZE,
+  },
+  {
+    name: 'facing',
+    tool: 'move',
+    again: true,
+    rings: true,
+    word: 'Turn',
+    title: 'Which way the person faces',
+    text: `Left limbs are blue, right ones orange. For a turn in between, drag the green ring at the
+      waist.`,
+    choices: [
+      faces('camera', 'Faces the camera'),
+      faces('away', 'Turned away'),
+      faces('left', 'Faces left', 'Toward the left edge of the picture'),
+      faces('right', 'Faces right', 'Toward the right edge of the picture'),
+    ],
+  },
+  {
+    name: 'limbs',
+    tool: 'ends',
+    again: true,
+    takes: { view: 'main', kinds: ['end', 'middle'] },
+    word: 'Limbs',
+    title: 'Pull the limbs into place',
+    text: `Drag the ringed points onto hands and feet, then onto elbows and knees. A click on a foot
+      or the head shows rings that turn it.`,
+  },
+  {
+    name: 'depth',
+    tool: 'ends',
+    again: true,
+    takes: { view: 'side', kinds: ['end'] },
+    word: 'Depth',
+    title: 'Look from the side',
+    text: `In Side, pull hands and feet that lie too near or too far. Does the whole body lean the
+      wrong way there? Turn it at the waist first (red ring).`,
+    choices: [{ label: 'Turn the waist', title: 'Show the rings of the waist', act: turnWaist }],
+  },
+  {
+    name: 'key',
+    word: 'Key',
+    title: 'Press K',
+    text: 'This frame becomes a keyframe: the motion will pass exactly through this pose.',
+  },
+];
+
+/** @type {Step[]} */
+const IN_SURFACE = [
+  {
+    name: 'hips',
+    also: 'height',
+    tool: 'move',
+    again: true,
+    takes: { view: 'main', kinds: ['root'] },
+    word: 'Place',
+    title: 'Put the body into the surface',
+    text: `Drag the point between the four arrows, here and in another view, until the body stands in
+      the surface. The Body tab has its sizes.`,
+  },
+  {
+    name: 'facing',
+    tool: 'rotate',
+    again: true,
+    rings: true,
+    word: 'Turn',
+    title: 'Turn it like the surface',
+    text: 'Drag the rings until the body points the same way as the surface.',
+  },
+  {
+    name: 'limbs',
+    tool: 'ends',
+    again: true,
+    takes: { view: 'main', kinds: ['end', 'middle'] },
+    word: 'Limbs',
+    title: 'Pull the limbs near',
+    text: 'Drag the ringed points near to where they belong, in any view.',
+  },
+  {
+    name: 'key',
+    word: 'Key',
+    title: 'Press F, then K',
+    text: `F lays the body into the surface; where it is wrong, pull it and press F again. K makes it a
+      keyframe.`,
+  },
+];
+
+/** The steps of the guide for what the session is about. */
+export const steps = () => (isSurface() ? IN_SURFACE : IN_FILM);
+
+/**
+ * Whether this step has been done.
+ * @param {Step} step
+ */
+export function isDone({ name, also }) {
+  return Boolean(S.guide?.done[name] || S.guide?.done[also]);
+}
+
+/** Whether the pose has been kept: then there is nothing left to lead to. */
+export const isKept = () => Boolean(S.guide?.done.key);
+
+function faces(way, label, title = label) {
+  return { label, title, act: () => send({ do: 'face', way }), ends: true };
+}
+
+/** Select the waist: its rings turn the whole body. */
+export function takeWaist() {
+  const root = S.body?.parts.find(({ parent }) => !parent)?.name;
+  if (root && S.view?.selected !== root) send({ do: 'select', part: root });
+}
+
+function turnWaist() {
+  put('tool', 'rotate');
+  takeWaist();
+}
+
+/**
+ * What stands on the card after the last step: where to go on is the server's to say.
+ * @returns {Step}
+ */
+export function ending() {
+  const keys = S.keys?.frames.length ?? 0;
+  if (keys >= fewestKeys()) return standing();
+  const { words = '' } = S.suggest ?? {};
+  const title = keys === 1 ? 'The first keyframe stands' : 'That is how to pose';
+  return { title, text: isSurface() ? words : `${words} Then T tracks the frames between.` };
+}
+
+const ORDER = ['lost', 'check', 'good'];
+
+/** With two keyframes and more: track them, and then what tracking found. */
+function standing() {
+  if (S.job?.state === 'running') {
+    return { title: subject().doing, text: 'It may go on while you pose.' };
+  }
+  const { kind, words = '', reason = '' } = S.suggest ?? {};
+  if (kind === 'track') {
+    const where = isSurface() ? 'on both sides of the keyframes' : 'between the keyframes';
+    return { title: `Press ${subject().verb} (T)`, text: `It finds the motion ${where}.` };
+  }
+  const found = ORDER.map((state) => (S.segments ?? []).find((s) => s.state === state)).find(Boolean);
+  if (!found) return { title: 'That is how to pose', text: words };
+  const isSaid = found.words.toLowerCase().includes(reason.toLowerCase());
+  const title = `${found.first}–${found.last}. ${found.words}`;
+  return { title, text: isSaid ? words : `${words} ${sentence(reason)}` };
+}
+
+/** A reason as a sentence of its own. */
+function sentence(reason) {
+  if (!reason) return '';
+  return `${reason[0].toUpperCase()}${reason.slice(1)}${reason.endsWith('.') ? '' : '.'}`;
+}

@@ -1,0 +1,98 @@
+// A banner over the large view for what concerns everything one does: the server is gone, edits were
+// not sent, nothing can be saved, or the browser draws no bodies.
+
+import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { icon } from '../controls/icons.js';
+import { backlog, discard, release } from '../store/edits.js';
+import { send, sendDue } from '../store/link.js';
+import { S, U, put, watch } from '../store/state.js';
+import { count } from '../controls/words.js';
+
+U.readOnlyRead = null; // the file whose banner was put away
+U.flatRead = false;
+
+export function mountBanner() {
+  const place = document.createElement('div');
+  place.id = 'banner';
+  document.getElementById('screens').append(place);
+  const draw = () => render(banner(), place);
+  /** @type {import('../store/shapes.js').Watched[]} */
+  const news = ['u:line', 'u:connected', 'u:dragging', 'u:readOnlyRead', 'u:flat', 'u:flatRead', 'u:held'];
+  watch(['file', 'saved', ...news], draw);
+  // How many edits wait is known to the link alone.
+  setInterval(() => U.line && draw(), 500);
+}
+
+function banner() {
+  if (U.line || (!U.connected && U.dragging && S.file)) return noLine();
+  if (U.held.length) return held(U.held[0]);
+  const isNews = S.saved?.state === 'readonly' && S.file && U.readOnlyRead !== S.file.path;
+  if (isNews) return readOnly(S.saved.words);
+  return U.flat && S.file && !U.flatRead ? flat() : nothing;
+}
+
+/** It stirs while one drags: what is done shows only when the line is back. */
+function noLine() {
+  const pulse = U.dragging ? 'pulse' : '';
+  return html`<div class="banner lost ${pulse}" role="alert">
+    ${icon('warn')}<span>${U.line === 'ended' ? hasEnded() : isAway()}</span>
+  </div>`;
+}
+
+function hasEnded() {
+  const waiting = backlog();
+  const edits = waiting ? ` ${count(waiting, 'edit')} will then be sent from this tab.` : '';
+  return html`<b>Keypose was restarted.</b> Open the new link.${edits}`;
+}
+
+function isAway() {
+  const advice = U.line === 'long' ? ' If Keypose has ended, start it again.' : '';
+  return html`<b>Connection lost.</b> ${waitingEdits()} will be sent when it is back.${advice}`;
+}
+
+/** "3 edits", or "Edits" where there is none yet. */
+function waitingEdits() {
+  const waiting = backlog();
+  return waiting ? count(waiting, 'edit') : 'Edits';
+}
+
+/** Edits from before the connection was lost, which cannot simply be sent to this server. */
+function held({ client, why, file, count: many }) {
+  const edits = `${count(many, 'edit')} ${many === 1 ? 'was' : 'were'} not sent.`;
+  return html`<div class="banner check" role="alert">
+    ${icon('warn')}<span><b>${edits}</b> ${WHY_HELD[why](file)}</span>
+    ${HELD_BUTTON[why]?.(client, file) ?? nothing}
+    <button class="btn sm" @click=${() => discard(client)}>Discard</button>
+  </div>`;
+}
+
+const WHY_HELD = {
+  changed: () => 'This session has been changed since.',
+  elsewhere: ({ name }) => `Open ${name} to apply them.`,
+  readonly: () => 'This session is read only here.',
+};
+
+const HELD_BUTTON = {
+  changed: (client) => button('Apply', () => (release(client), sendDue())),
+  elsewhere: (_, { id, name }) => button(`Open ${name}`, () => send({ do: 'open', kind: 'recent', id })),
+};
+
+const button = (label, act) => html`<button class="btn sm" @click=${act}>${label}</button>`;
+
+function readOnly(words) {
+  const what = words || 'Read only: nothing is saved.';
+  return dismissible('lock', what, () => put('readOnlyRead', S.file.path));
+}
+
+function flat() {
+  const words = html`<b>This browser draws no 3D, so no body is seen.</b>
+    Turn on graphics acceleration in its settings, or open this address in another browser.`;
+  return dismissible('warn', words, () => put('flatRead', true));
+}
+
+function dismissible(sign, words, dismiss) {
+  return html`<div class="banner check" role="alert">
+    ${icon(sign)}<span>${words}</span>
+    <button class="ib s" aria-label="Dismiss" title="Dismiss" @click=${dismiss}>${icon('x')}</button>
+  </div>`;
+}

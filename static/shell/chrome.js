@@ -1,0 +1,37 @@
+// Everything around the work: top bar, menus, keys, guide, start screen, messages, status.
+
+import { mountBanner } from './banner.js';
+import { mountFitCard } from './fit_card.js';
+import { mountFocus } from '../controls/focus.js';
+import { mountGuide } from '../guide/guide.js';
+import { mountKeys } from './keys.js';
+import { mountSheet } from './keys_sheet.js';
+import { mountLine } from './line.js';
+import { mountMenus } from '../controls/menus.js';
+import { mountStatus } from './status.js';
+import { mountTheme } from './theme.js';
+import { mountTips } from '../controls/tips.js';
+import { mountToasts } from '../controls/toasts.js';
+import { mountTopbar } from './topbar.js';
+import { mountChooser } from '../start/chooser.js';
+import { mountDropping } from '../start/dropping.js';
+import { mountStart } from '../start/screen.js';
+
+export function mount() {
+  mountTheme();
+  mountTopbar();
+  mountStatus();
+  mountStart();
+  mountGuide();
+  mountFitCard();
+  mountSheet();
+  mountChooser();
+  mountToasts();
+  mountLine();
+  mountBanner();
+  mountTips();
+  mountDropping();
+  mountMenus();
+  mountFocus();
+  mountKeys();
+}

@@ -1,0 +1,92 @@
+// Pictures and motion out of the page: saved as files, or copied to the clipboard.
+
+import { fetchOwn } from '../store/key.js';
+import { S, U } from '../store/state.js';
+import { frame } from '../timeline/edit/head.js';
+import { toast } from '../controls/toasts.js';
+
+const PICTURED = ['main', 'top', 'side', 'front'];
+
+/** The view in the large place, which "this view" means; all four side by side: the camera. */
+export const viewShown = () => (PICTURED.includes(U.layout) ? U.layout : 'main');
+
+/** Save a picture of one view, or of all, as a PNG file. */
+export async function savePicture(view = viewShown()) {
+  const kind = view === 'main' ? '' : `-${view === 'all' ? 'views' : view}`;
+  await saveFrom(pictureAddress(view), `${S.file.name}-frame${frame()}${kind}.png`);
+}
+
+/** Put a picture of this view on the clipboard. */
+export async function copyPicture() {
+  if (!navigator.clipboard?.write || !window.ClipboardItem) {
+    toast({ kind: 'check', words: 'This browser copies no pictures. Save it with Shift E.' });
+    return;
+  }
+  try {
+    // The promise is handed over, not awaited: the permission lasts as long as the key press.
+    const picture = fetchBlob(pictureAddress(viewShown()));
+    await navigator.clipboard.write([new ClipboardItem({ 'image/png': picture })]);
+    toast({ kind: 'good', words: `Picture of frame ${frame()} copied.` });
+  } catch (error) {
+    toast({ kind: 'check', words: `The picture was not copied. ${sentence(error.message)}` });
+  }
+}
+
+/** Save the motion in a format: "bvh", "glb", "trc", "c3d", "csv" or "npz". */
+export const saveMotion = (format) =>
+  saveFrom(`/motion?format=${format}`, `${S.file.name}.${format}`);
+
+/** Save the report: verdicts, charts and pictures in one page that needs no other. */
+export const saveReport = () => saveFrom('/report.html', `${S.file.name}-report.html`);
+
+function pictureAddress(view) {
+  const { mode, opacity, tint } = S.view;
+  const query = new URLSearchParams({ view, frame: frame() });
+  if (mode !== undefined) query.set('mode', mode);
+  if (opacity !== undefined) query.set('opacity', String(opacity));
+  if (S.surface && tint !== undefined) query.set('tint', tint);
+  return `/picture.png?${query}`;
+}
+
+async function saveFrom(address, name) {
+  try {
+    const response = await answered(address);
+    const saved = nameIn(response) ?? name;
+    saveBlob(await response.blob(), saved);
+    toast({ kind: 'good', words: `Saved as ${saved}.` });
+  } catch (error) {
+    toast({ kind: 'check', words: `Nothing was saved. ${sentence(error.message)}` });
+  }
+}
+
+const fetchBlob = async (address) => (await answered(address)).blob();
+
+async function answered(address) {
+  const response = await fetchOwn(address);
+  if (response.ok) return response;
+  const words = (await response.text()).slice(0, 300);
+  let told;
+  try {
+    told = JSON.parse(words).words;
+  } catch {
+    told = words.startsWith('<') ? '' : words;
+  }
+  throw new Error(told || `The server answered ${response.status}`);
+}
+
+function saveBlob(blob, name) {
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  // The browser reads the address after the click has returned.
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+function nameIn(response) {
+  const header = response.headers.get('content-disposition') ?? '';
+  const exact = header.match(/filename\*=UTF-8''([^;]+)/i)?.[1];
+  return exact ? decodeURIComponent(exact) : header.match(/filename="([^"]+)"/i)?.[1];
+}
+
+const sentence = (words) => (/[.?!]$/.test(words) ? words : `${words}.`);

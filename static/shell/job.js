@@ -1,0 +1,97 @@
+// The job in the top bar: what runs, how far it is, Cancel; after its end a short message.
+
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { icon } from '../controls/icons.js';
+import { send } from '../store/link.js';
+import { S, U, put } from '../store/state.js';
+
+const STAYS_MS = 8000;
+const ENDED = { done: 'good', cancelled: 'old', failed: 'lost' };
+const ICONS = { good: 'check', check: 'warn', lost: 'lost', old: 'old' };
+
+let ran = new Set(); // the segments this job has worked on, as "39–50"
+let timer = 0;
+let wasRunning = false;
+
+/** The job of the top bar, or nothing. */
+export function jobState() {
+  if (S.job?.state === 'running') return running(S.job);
+  if (U.ended) return ended(U.ended);
+  return nothing;
+}
+
+/** Stop the running job; tells whether there was one. */
+export function cancelJob() {
+  if (S.job?.state !== 'running') return false;
+  send({ do: 'cancel' });
+  return true;
+}
+
+/** Called after every change of the job or the segments. */
+export function noticeJob() {
+  const { state } = S.job ?? {};
+  if (state === 'running') {
+    for (const s of S.segments ?? []) if (isWorkedOn(s)) ran.add(nameOf(s));
+    wasRunning = true;
+    put('ended', null);
+    return;
+  }
+  // An end that lies before this page was opened is no news.
+  if (!wasRunning) return;
+  wasRunning = false;
+  if (state in ENDED) announce(S.job);
+  ran = new Set();
+}
+
+function announce(job) {
+  const kind = job.state === 'done' ? worst() : ENDED[job.state];
+  put('ended', { ...job, kind });
+  clearTimeout(timer);
+  timer = setTimeout(() => put('ended', null), STAYS_MS);
+}
+
+/** The colour of a finished job is that of its worst segment. */
+function worst() {
+  /** @type {string[]} */
+  const states = (S.segments ?? []).filter((s) => ran.has(nameOf(s))).map((s) => s.state);
+  return ['lost', 'check'].find((state) => states.includes(state)) ?? 'good';
+}
+
+const isWorkedOn = (s) => s.state === 'tracking' || s.state === 'waiting';
+const nameOf = (s) => `${s.first}–${s.last}`;
+
+function running(job) {
+  const isFit = job.kind === 'fit'; // which does not know how far it is
+  const percent = Math.round(job.percent ?? 0);
+  const left = timeLeft(job.seconds_left);
+  const [now, ...later] = (job.words ?? '').split(' · ');
+  return html`<div
+    class="job"
+    role="progressbar"
+    aria-label=${job.title}
+    aria-valuenow=${isFit ? nothing : percent}
+    aria-valuetext="${job.words} ${left}"
+  >
+    <span class="spin">${icon('run')}</span><b class="num">${job.title}</b>
+    <span class="mut num cut"
+      >${now}${later.length ? html`<span class="wide"> · ${later.join(' · ')}</span>` : nothing}${left
+        ? `${now ? ' · ' : ''}${left}`
+        : nothing}</span
+    >
+    <button class="btn ghost sm" title="Cancel   Esc" @click=${cancelJob}>Cancel</button>
+    <span class="bar ${isFit ? 'sweep' : ''}" style="width:${isFit ? 30 : percent}%"></span>
+  </div>`;
+}
+
+function ended({ kind, title, words }) {
+  return html`<div class="job end ${kind}" role="status">
+    ${icon(ICONS[kind])}<b class="num">${title}</b>
+    ${words ? html`<span class="mut num cut" title=${words}>${words}</span>` : nothing}
+  </div>`;
+}
+
+function timeLeft(seconds) {
+  if (seconds === null || seconds === undefined) return '';
+  const whole = Math.max(1, Math.ceil(seconds));
+  return whole < 90 ? `${whole} s left` : `${Math.ceil(whole / 60)} min left`;
+}

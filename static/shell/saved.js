@@ -1,0 +1,54 @@
+// Whether the work is safe: "Saved 2 s ago", "Saving…", "Not saved: …", "Read only: …".
+
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { icon } from '../controls/icons.js';
+import { send } from '../store/link.js';
+import { S, U } from '../store/state.js';
+import { shortAgo } from '../controls/words.js';
+
+/** The saved state of the top bar. */
+export function savedState() {
+  const saved = S.saved;
+  if (!saved) return nothing;
+  /** @type {Record<string, (saved: import('../store/shapes.js').Saved) => unknown>} */
+  const shown = { saved: isSaved, saving: isSaving, failed: hasFailed, readonly: isReadOnly };
+  return html`<span class="savedbox" role="status">${shown[saved.state]?.(saved) ?? nothing}</span>`;
+}
+
+/** Whether the words change with the clock. */
+export const savedTicks = () => S.saved?.state === 'saved' && Boolean(S.saved.at);
+
+function isSaved({ at }) {
+  if (!U.connected) return nothing; // the status bar says that edits wait
+  const words = `Saved${at ? ` ${shortAgo(at)}` : ''}`;
+  return html`<span class="row saved" title=${words}>${icon('check')}<span class="say">${words}</span></span>`;
+}
+
+function isSaving() {
+  return html`<span class="row saved saving" title="Saving…">${icon('run')}<span class="say">Saving…</span></span>`;
+}
+
+function hasFailed({ words }) {
+  const [what, rest] = split(words, 'Not saved');
+  return html`<span class="chip lost notsaved" title=${words || nothing}>
+    ${icon('lost')}<span class="cut">Not saved${what && `: ${what}`}</span>
+    ${rest ? html`<em class="wide">${rest}</em>` : nothing}
+    <button class="btn sm" @click=${() => send({ do: 'save_again' })}>Try again</button>
+  </span>`;
+}
+
+function isReadOnly({ words }) {
+  const [what] = split(words, 'Read only');
+  return html`<span class="row saved readonly" title=${words || nothing}>
+    ${icon('lock')}<span class="cut say">Read only${what && `: ${what}`}</span>
+  </span>`;
+}
+
+/** The words without the prefix that stands there already, and without what the button says. */
+function split(words, prefix) {
+  let text = (words ?? '').trim();
+  if (text.startsWith(prefix)) text = text.slice(prefix.length).replace(/^[:.\s]+/, '');
+  const [what, ...rest] = text.split(/\.\s+/);
+  const more = rest.join('. ').replace(/ ?[Tt]ry again\.?$/, '');
+  return [what.replace(/\.$/, ''), more];
+}

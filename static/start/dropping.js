@@ -1,0 +1,48 @@
+// The whole window accepts a video, at any time.
+
+import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { S, U, put, watch } from '../store/state.js';
+import { toast } from '../controls/toasts.js';
+import { takeFiles, uploadCard } from './uploading.js';
+
+export function mountDropping() {
+  const place = document.createElement('div');
+  place.id = 'drop';
+  document.getElementById('screens').append(place);
+  watch(['file', 'u:dropping', 'u:upload'], () => render(overlay(), place));
+  addEventListener('dragenter', over);
+  addEventListener('dragover', over);
+  addEventListener('dragleave', (event) => event.relatedTarget === null && put('dropping', false));
+  addEventListener('drop', dropped);
+}
+
+/** On the start screen the drop zone itself answers. */
+function overlay() {
+  if (!S.file) return nothing;
+  if (U.upload) return html`<div class="copying">${uploadCard()}</div>`;
+  if (!U.dropping) return nothing;
+  return html`<div class="veil"><div>Drop the video to open it. ${S.file.name} is saved.</div></div>`;
+}
+
+function over(event) {
+  if (!hasFiles(event)) return;
+  event.preventDefault();
+  event.dataTransfer.dropEffect = 'copy';
+  put('dropping', true);
+}
+
+function dropped(event) {
+  if (!hasFiles(event)) return;
+  event.preventDefault();
+  put('dropping', false);
+  const items = [...event.dataTransfer.items].filter((item) => item.kind === 'file');
+  const folder = items.map((item) => item.webkitGetAsEntry?.()).find((entry) => entry?.isDirectory);
+  if (folder) {
+    const words = `${folder.name} is a folder. A folder of images or meshes is opened where it lies: choose it in the list.`;
+    toast({ kind: 'check', words });
+    return;
+  }
+  takeFiles([...event.dataTransfer.files]);
+}
+
+const hasFiles = (event) => event.dataTransfer?.types.includes('Files') ?? false;

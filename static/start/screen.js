@@ -1,0 +1,113 @@
+// The start screen: what to see while nothing is open.
+
+import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { icon } from '../controls/icons.js';
+import { send } from '../store/link.js';
+import { S, U, put, watch } from '../store/state.js';
+import { openChooser } from './chooser.js';
+import { loadLibrary } from './library.js';
+import { recentSessions, thumbnail } from './recents.js';
+import { uploadCard } from './uploading.js';
+
+const STEPS = [
+  ['Pose', 'Turn and pull the body over the person in two or more frames.'],
+  ['Track', 'Press T. The frames between are filled in while you watch.'],
+  ['Correct', 'Go where the timeline says Check or Lost, fix it, press K.'],
+];
+
+let wasShown = false;
+
+export function mountStart() {
+  const place = document.createElement('main');
+  place.id = 'empty';
+  document.getElementById('screens').append(place);
+  /** @type {import('../store/shapes.js').Watched[]} */
+  const own = ['u:library', 'u:upload', 'u:dropping', 'u:find', 'u:connected'];
+  watch(['file', ...own], () => {
+    const isShown = !S.file;
+    if (isShown && !wasShown) arrive();
+    wasShown = isShown;
+    place.hidden = !isShown;
+    // What lies below can be neither seen nor reached.
+    for (const id of ['stage', 'time']) document.getElementById(id).inert = isShown;
+    render(isShown ? content() : nothing, place);
+  });
+}
+
+function arrive() {
+  document.activeElement?.blur?.();
+  put('find', '');
+  put('playing', false);
+  loadLibrary();
+}
+
+function content() {
+  // Before the server's first word it is not known whether anything is open.
+  if (S.file === undefined) return html`<p class="dim waiting">Connecting…</p>`;
+  const recents = recentSessions();
+  return html`<div class="card ${recents === nothing ? 'alone' : ''}">
+    <div>${dropZone()}${samples()}${promise()}</div>
+    ${recents === nothing ? nothing : html`<div class="recents">${recents}</div>`}
+    <div class="how">
+      ${STEPS.map(([title, text], i) => html`<div><i>${i + 1}</i><b>${title}</b><span class="mut">${text}</span></div>`)}
+    </div>
+  </div>`;
+}
+
+function dropZone() {
+  return html`<div class="dz ${U.dropping ? 'over' : ''}">
+    ${PICTURE}
+    <h1>Drop a video here</h1>
+    <p class="mut">
+      Pose a few keyframes over one moving person.<br />Keypose tracks the frames between them.
+    </p>
+    ${U.upload ? uploadCard() : buttons()}
+    <p class="dim kinds">
+      MP4, MOV, MKV, WebM, AVI and others · one steady camera<br />or observed surfaces, one mesh a step:
+      <button class="textlink" @click=${() => openChooser('meshes')}>Choose surfaces…</button>
+    </p>
+  </div>`;
+}
+
+function buttons() {
+  return html`<div class="row choices">
+    <button class="btn pri" @click=${() => openChooser('video')}>${icon('folder')}Choose a video…</button>
+    <button class="btn" @click=${() => openChooser('session')}>${icon('up')}Open a session…</button>
+  </div>`;
+}
+
+/** A film to try, and surfaces. */
+function samples() {
+  const [first, ...others] = U.library?.samples ?? [];
+  const surfaces = others.find(({ id }) => id === 'arms');
+  if (!first) return nothing;
+  return html`<div class="samples">
+    ${sample(first, 'Try the sample')}${surfaces ? sample(surfaces, 'Try surfaces') : nothing}
+  </div>`;
+}
+
+function sample({ id, thumb, words }, title) {
+  return html`<button class="rec sample" @click=${() => send({ do: 'open', kind: 'sample', id })}>
+    ${thumbnail(thumb)}
+    <span><span class="b">${title}</span><br /><span class="mut">${words}</span></span>
+    <span class="btn sm">Open</span>
+  </button>`;
+}
+
+const promise = () => html`<div class="dim row promise">
+  ${icon('lock')}Runs on this computer only. No video leaves it.
+</div>`;
+
+const PICTURE = html`<svg width="88" height="88" viewBox="0 0 88 88" fill="none" aria-hidden="true">
+  <rect x="8" y="18" width="72" height="52" rx="6" stroke="var(--line2)" stroke-width="1.5" />
+  <path
+    d="M22 56c9-1 10-22 22-22s13 17 22 14"
+    stroke="var(--acc)"
+    stroke-width="2.4"
+    stroke-linecap="round"
+  />
+  <path
+    d="M22 49.5l6.5 6.5-6.5 6.5-6.5-6.5zM44 27.5l6.5 6.5-6.5 6.5-6.5-6.5zM66 41.5l6.5 6.5-6.5 6.5-6.5-6.5z"
+    fill="var(--t1)"
+  />
+</svg>`;

@@ -1,0 +1,103 @@
+// Bringing a video from elsewhere on the computer into Keypose's folder, with progress and Cancel.
+
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { icon } from '../controls/icons.js';
+import { keyHeader } from '../store/key.js';
+import { send } from '../store/link.js';
+import { U, put } from '../store/state.js';
+import { toast } from '../controls/toasts.js';
+import { bytes } from '../controls/words.js';
+import { isVideoName } from './library.js';
+
+const KINDS = 'MP4, MOV, MKV, WebM, AVI, TS, MPG and the like, and GLB';
+
+let request = null;
+
+/** Take what was dropped or chosen: one video. */
+export function takeFiles(files) {
+  const video = files.find(({ name }) => isVideoName(name));
+  if (!video) {
+    refuse(files[0]);
+    return;
+  }
+  if (request) {
+    toast({ kind: 'check', words: `${U.upload.name} is still being copied. Cancel it first.` });
+    return;
+  }
+  if (files.length > 1) toast({ kind: 'info', words: `One video at a time. Opening ${video.name}.` });
+  const most = U.library?.largest_upload;
+  if (most && video.size > most) tooLarge(video, most);
+  else upload(video);
+}
+
+/** Stop the copying; tells whether there was any. */
+function cancelUpload() {
+  if (!request) return false;
+  request.abort();
+  return true;
+}
+
+/** "Copying jump.mp4 · 12 of 48 MB" with a line and Cancel, or nothing. */
+export function uploadCard() {
+  if (!U.upload) return nothing;
+  const { name, loaded, total } = U.upload;
+  const percent = total ? (100 * loaded) / total : 0;
+  const isOver = loaded >= total;
+  return html`<div
+    class="job upload"
+    role="progressbar"
+    aria-label="Copying ${name}"
+    aria-valuenow=${Math.round(percent)}
+  >
+    <span class="spin">${icon('run')}</span><b class="cut">${isOver ? 'Opening' : 'Copying'} ${name}</b>
+    <span class="mut num">${isOver ? '' : `${bytes(loaded)} of ${bytes(total)}`}</span>
+    <button class="btn ghost sm" @click=${cancelUpload}>Cancel</button>
+    <span class="bar" style="width:${percent.toFixed(1)}%"></span>
+  </div>`;
+}
+
+function upload(file) {
+  request = new XMLHttpRequest();
+  const ended = (words) => {
+    request = null;
+    put('upload', null);
+    if (words) toast({ kind: 'lost', words });
+  };
+  request.upload.onprogress = ({ loaded, total }) => put('upload', { name: file.name, loaded, total });
+  request.onload = () => ended(answered(request, file));
+  request.onerror = () => ended(`${file.name} was not copied. The connection was lost on the way.`);
+  request.onabort = () => ended('');
+  request.open('POST', `/upload?name=${encodeURIComponent(file.name)}`);
+  for (const [name, value] of Object.entries(keyHeader())) request.setRequestHeader(name, value);
+  request.send(file);
+  put('upload', { name: file.name, loaded: 0, total: file.size });
+}
+
+/** Open what has arrived; otherwise the words of the refusal. */
+function answered({ status, response }, file) {
+  let told = {};
+  try {
+    told = JSON.parse(response);
+  } catch {
+    // An answer of the door, not of the library.
+  }
+  if (status < 300 && told.id) {
+    send({ do: 'open', kind: 'upload', id: told.id });
+    return '';
+  }
+  return told.words || `${file.name} was not copied. The server answered ${status}.`;
+}
+
+function refuse(file) {
+  if (!file) return;
+  const isSession = file.name.toLowerCase().endsWith('.json');
+  const words = isSession
+    ? `${file.name} is opened where it lies. Its video and its motion lie beside it: Open a session…`
+    : `${file.name} is no video. Keypose opens ${KINDS}.`;
+  toast({ kind: 'check', words });
+}
+
+function tooLarge({ name, size }, most) {
+  const words = `${name} is too large to copy. It has ${bytes(size)}, ${bytes(most)} are allowed: put it into a folder that Keypose sees, then Choose a video…`;
+  toast({ kind: 'check', words });
+}

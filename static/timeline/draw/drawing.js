@@ -1,0 +1,104 @@
+// The layers of the drawing from back to front, and what each is drawn from.
+
+import { S, U, put } from '../../store/state.js';
+import { isSurface } from '../../store/subject.js';
+import { send } from '../../store/link.js';
+import { layer } from './layers.js';
+import { frame } from '../edit/head.js';
+import { held, hovered } from '../edit/held.js';
+import { segmentAt, suggestedFrame } from '../edit/moves.js';
+import { drawClip, drawRuler } from './ruler.js';
+import { drawDamage } from './damage.js';
+import { drawNeed } from './need.js';
+import { drawSegments } from './segments.js';
+import { drawCurrent, drawKeys, drawSuggestion } from './keymarks.js';
+import { drawLaneLabels, drawLanes } from './lanes.js';
+import { drawCurrentCurveKey, drawCurve } from './curve.js';
+import { drawCurveLabels } from './curvelabels.js';
+import { drawScoreLabels, drawScores } from './scores.js';
+import { drawBand, drawPlayhead } from './playhead.js';
+import { drawOverview } from './overview.js';
+import { drawHeld } from './overlay.js';
+import { drawGround, drawKeyLabels, drawNothingYet } from './backdrop.js';
+import { partMeant } from './lanevalues.js';
+
+const isScore = () => U.chart === 'score' && !isSurface() && (S.segments ?? []).length > 0;
+
+/** Where frames end: the chart of scores under them has passes across, not frames. */
+const bottomOf = (rows) => (isScore() && rows.curve !== null ? rows.curve.y - 3 : rows.height);
+
+const keyHeld = () => (held()?.kind === 'key' && !held().copy ? held().from : null);
+const angleHeld = () => (held()?.kind === 'angle' ? held().frame : null);
+
+/** [where, name, what it is drawn from, how]; all are drawn from the ground as well. */
+/** @type {[string, string, () => unknown[], (ground: any) => unknown][]} */
+const LAYERS = [
+  ['back', 'ground', () => [], ({ rows }) => drawGround(rows)],
+  ['frames', 'ruler', () => [isScore()], ({ rows }) => drawRuler(bottomOf(rows))],
+  ['frames', 'damage', () => [S.damage, isScore()], ({ rows }) => drawDamage(bottomOf(rows))],
+  ['frames', 'bands', () => [frame(), S.keys, isScore()], ({ rows }) => drawBand(rows, bottomOf(rows))],
+  ['frames', 'lanes', () => [S.view?.selected],
+    ({ rows, lanes, scroll }) => drawLanes(rows, lanes, scroll)],
+  ['frames', 'need', () => [S.need, S.suggest], ({ rows }) => drawNeed(rows)],
+  ['frames', 'segments', () => [S.segments, S.suggest, S.keys], ({ rows }) => drawSegments(rows)],
+  ['frames', 'chart', () => [isScore(), ...chartInputs()],
+    ({ rows }) => (isScore() ? drawScores(rows.curve) : drawCurve(rows.curve, angleHeld()))],
+  ['frames', 'suggestion', () => [suggestedFrame(), S.keys, isScore()],
+    ({ rows }) => drawSuggestion(rows, bottomOf(rows))],
+  ['frames', 'keys', () => [S.keys, keyHeld()], ({ rows }) => drawKeys(rows, keyHeld())],
+  ['frames', 'current', () => [frame(), keyHeld(), angleHeld(), isScore(), ...curveInputs()],
+    ({ rows }) => [
+      keyHeld() === frame() ? null : drawCurrent(rows),
+      isScore() || angleHeld() !== null ? null : drawCurrentCurveKey(rows.curve),
+    ]],
+  ['frames', 'nothing', () => [S.curve, isScore()],
+    ({ rows, empty }) => drawNothingYet(rows, empty, isScore())],
+  ['above', 'labels', () => [S.keys], ({ rows }) => [drawClip(), drawKeyLabels(rows)]],
+  ['above', 'lane-labels', () => [S.view?.selected],
+    ({ rows, lanes, scroll }) => drawLaneLabels(rows, lanes, scroll, toggleGroup, select)],
+  ['above', 'chart-labels', () => [isScore(), ...chartInputs()],
+    ({ rows }) => (isScore() ? drawScoreLabels(rows.curve) : drawCurveLabels(rows.curve))],
+  ['above', 'overview', () => [S.segments, S.keys, frame()], () => drawOverview()],
+  ['top', 'head', () => [frame(), S.keys, S.segments, isScore()],
+    ({ rows }) => drawPlayhead(bottomOf(rows))],
+  ['top', 'held', () => [held(), hovered(), S.segments, S.curve, U.curveAxis],
+    ({ rows }) => drawHeld(rows)],
+];
+
+function curveInputs() {
+  return [S.curve, S.segments, S.keys, S.body, U.curveAxis, angleHeld()];
+}
+
+const chartInputs = () => (isScore() ? [segmentAt(frame())] : curveInputs());
+
+/** Build the groups, and return each layer as a function that draws it where it changed. */
+export function layersOf(drawing, ground) {
+  const places = {};
+  for (const place of ['back', 'frames', 'above', 'top']) places[place] = group(drawing, place);
+  places.frames.setAttribute('clip-path', 'url(#tl-frames)');
+  return LAYERS.map(([place, name, inputs, draw]) => {
+    const stand = () => {
+      const { rows, lanes, scroll, empty } = ground();
+      return [rows, lanes, scroll, empty, U.timeWindow, U.timeSize, S.file];
+    };
+    return layer(group(places[place], name), () => [...stand(), ...inputs()], () => draw(ground()));
+  });
+}
+
+function group(parent, name) {
+  const element = document.createElementNS('http://www.w3.org/2000/svg', 'g');
+  element.setAttribute('class', name);
+  return parent.appendChild(element);
+}
+
+function toggleGroup(lane) {
+  const open = new Set(U.timeOpen);
+  if (!open.delete(lane.label)) open.add(lane.label);
+  put('timeOpen', open);
+}
+
+/** A lane's name selects its part and leaves the playhead where it is. */
+function select(lane) {
+  const part = partMeant(lane, frame());
+  if (part) send({ do: 'select', part });
+}

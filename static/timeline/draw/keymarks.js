@@ -1,0 +1,108 @@
+// The keyframes: diamonds, drafts hollow, the suggested one dashed with a plus.
+
+import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
+import { S } from '../../store/state.js';
+import { GUTTER, right, visible, x } from './scale.js';
+import { diamond } from './patterns.js';
+import { frame } from '../edit/head.js';
+import { isKey, keyFrames, suggestedFrame } from '../edit/moves.js';
+
+const RADIUS = 6.5;
+const CURRENT = 8;
+const CLOSE_PX = 10;
+
+export function draftFrames() {
+  return S.keys?.drafts ?? [];
+}
+
+/** How much room each of some frames has to its nearest neighbour, in pixels. */
+function rooms(frames) {
+  const at = frames.map(x);
+  return at.map((here, i) => Math.min(here - (at[i - 1] ?? -1e9), (at[i + 1] ?? 1e9) - here));
+}
+
+/** Keys as diamonds, and as ticks where they stand closer than 10 px: [{frame, room}, ...]. */
+function marksOf(frames) {
+  const room = rooms(frames);
+  const marks = frames.map((at, i) => ({ frame: at, room: room[i] }));
+  return {
+    diamonds: marks.filter((mark) => mark.room >= CLOSE_PX),
+    ticks: marks.filter((mark) => mark.room < CLOSE_PX),
+  };
+}
+
+/** The frames of those keys that have room for a diamond. */
+export function roomy(frames) {
+  return marksOf(frames).diamonds.map((mark) => mark.frame);
+}
+
+/** Diamonds shrink, and ticks get thinner, so that the bars between them are still seen. */
+function radiusFor(room) {
+  return Math.min(RADIUS, Math.max(3.5, room * 0.27));
+}
+
+function tickWidth(room) {
+  return Math.min(3, Math.max(0.5, room / 3));
+}
+
+function seen(frames) {
+  const { first, last } = visible();
+  return frames.filter((at) => at >= first - 1 && at <= last + 1);
+}
+
+export function drawKeys(rows, without = null) {
+  const middle = rows.keys.middle;
+  const { diamonds, ticks } = marksOf(seen(keyFrames()));
+  const here = (mark) => mark.frame !== without;
+  const large = ({ frame: at, room }) => diamond(x(at), middle, radiusFor(room));
+  const small = ({ frame: at, room }) => {
+    const wide = tickWidth(room);
+    return `M${(x(at) - wide / 2).toFixed(1)} ${middle - 8}h${wide}v16h${-wide}z`;
+  };
+  const drafts = seen(draftFrames()).map((at) => diamond(x(at), middle, RADIUS));
+  return svg`<path class="keymark" d=${diamonds.filter(here).map(large).join('')} />
+    <path class="keymark tick" d=${ticks.filter(here).map(small).join('')} />
+    <path class="draft" d=${drafts.join('')} />`;
+}
+
+/** The suggested key: a dashed diamond with a plus, and a dashed line through all rows. */
+export function drawSuggestion(rows, height) {
+  const at = suggestedFrame();
+  if (at === null || isKey(at) || draftFrames().includes(at)) return nothing;
+  const there = x(at);
+  const middle = rows.keys.middle;
+  // Before the first key the line would say no more than the playhead does.
+  const through = keyFrames().length > 0 ? `M${there} ${rows.top}V${height}` : '';
+  const plus = `M${there - 3.5} ${middle}h7M${there} ${middle - 3.5}v7`;
+  return svg`<path class="s-acc through" d=${through} />
+    <path class="suggested" d=${diamond(there, middle, 9)} /><path class="s-acc plus" d=${plus} />`;
+}
+
+/** The key under the playhead, in the accent; hollow while it is a draft. */
+export function drawCurrent(rows) {
+  const at = frame();
+  if (isKey(at)) {
+    return svg`<path class="keymark current" d=${diamond(x(at), rows.keys.middle, CURRENT)} />`;
+  }
+  if (!draftFrames().includes(at)) return nothing;
+  return svg`<path class="draft current" d=${diamond(x(at), rows.keys.middle, CURRENT - 1)} />`;
+}
+
+/** The key at a pixel, or null. Ticks stand close: they are caught within 3 px only. */
+export function keyNear(px) {
+  if (px < GUTTER || px > right() + CURRENT) return null;
+  const { diamonds, ticks } = marksOf(seen(keyFrames()));
+  const frames = (marks) => marks.map((mark) => mark.frame);
+  return nearest(frames(diamonds), px, 11) ?? nearest(frames(ticks), px, 3);
+}
+
+/** The nearest of some frames within so many pixels, or null. */
+export function nearest(frames, px, reach) {
+  let best = null;
+  let least = reach;
+  for (const at of frames) {
+    const apart = Math.abs(x(at) - px);
+    if (apart <= least) [best, least] = [at, apart];
+  }
+  return best;
+}

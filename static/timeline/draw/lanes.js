@@ -1,0 +1,116 @@
+// The lanes: height says how much the image tells about a part; hatched where it tells too little.
+
+import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
+import { S } from '../../store/state.js';
+import { GUTTER, right } from './scale.js';
+import { runsOf } from './samples.js';
+import { HIDDEN_BELOW } from './lanevalues.js';
+
+const WORD_PX = 52;
+
+/** Where lane `i` stands: {y, h, base}; `scroll` pixels of lanes are above the first one shown. */
+function laneBox(rows, i, scroll) {
+  const y = rows.lanes.y + i * rows.lanes.each - scroll;
+  const h = rows.lanes.each - 3;
+  return { y, h, base: y + h };
+}
+
+export function laneAt(rows, lanes, y, scroll) {
+  const within = y - rows.lanes.y;
+  if (lanes.length === 0 || within < 0 || within >= rows.lanes.room) return null;
+  return lanes[Math.floor((within + scroll) / rows.lanes.each)] ?? null;
+}
+
+function isSelected(lane) {
+  return lane.kind !== 'weakest' && lane.parts.includes(S.view?.selected);
+}
+
+export function drawLanes(rows, lanes, scroll) {
+  return svg`${clip(rows)}<g clip-path="url(#tl-lanes)">
+    ${lanes.map((lane, i) => drawLane(lane, laneBox(rows, i, scroll)))}</g>`;
+}
+
+/** Scrolled lanes end where their room ends. */
+function clip(rows) {
+  return svg`<clipPath id="tl-lanes"><rect x="0" y=${rows.lanes.y - 1} width="100000"
+    height=${rows.lanes.room + 1} /></clipPath>`;
+}
+
+function drawLane(lane, { y, h, base }) {
+  const runs = runsOf(lane.values);
+  const area = runs.map((run) => areaOf(run, base, h)).join('');
+  const hatched = runs.flatMap(hiddenRuns);
+  const kind = `lane ${lane.kind}${isSelected(lane) ? ' selected' : ''}`;
+  return svg`<path class=${kind} d=${area} />
+    ${hatched.map(([from, to]) => svg`<rect x=${from} y=${y} width=${to - from} height=${h}
+      fill="url(#tl-hidden)" />${drawHidden(from, to, base)}`)}`;
+}
+
+function drawHidden(from, to, base) {
+  if (to - from < WORD_PX) return nothing;
+  const at = (Math.max(from, GUTTER) + Math.min(to, right())) / 2;
+  return svg`<text class="hidden" x=${at} y=${base - 1} text-anchor="middle">hidden</text>`;
+}
+
+function areaOf(run, base, h) {
+  // The first and the last column reach to their outer edges, so that one frame alone is seen.
+  const from = run[0].x - 1;
+  const to = run.at(-1).x + 1;
+  const top = (value) => (base - Math.min(1, Math.max(0, value)) * h).toFixed(1);
+  const point = (at, value) => `L${at.toFixed(1)} ${top(value)}`;
+  const points = run.map((column) => point(column.x, column.low)).join('');
+  const ends = [point(from, run[0].low), point(to, run.at(-1).low)];
+  return `M${from.toFixed(1)} ${base}${ends[0]}${points}${ends[1]}V${base}Z`;
+}
+
+/** Stretches below the limit as [from, to] in pixels, a little wider than they are. */
+function hiddenRuns(run) {
+  const stretches = [];
+  let open = null;
+  for (const column of run) {
+    if (column.low >= HIDDEN_BELOW) {
+      open = null;
+    } else if (open === null) {
+      stretches.push((open = [column.x - 4, column.x + 4]));
+    } else {
+      open[1] = column.x + 4;
+    }
+  }
+  return stretches;
+}
+
+/** Names of the lanes; a group's arrow opens its parts. */
+export function drawLaneLabels(rows, lanes, scroll, toggle, select) {
+  const label = (lane, i) => {
+    const { h, base, y } = laneBox(rows, i, scroll);
+    const indent = { weakest: 12, group: 26, part: 38 }[lane.kind];
+    const ink = `lanename${isSelected(lane) ? ' lbl' : ''}${lane.kind === 'part' ? ' single' : ''}`;
+    const baseline = base - Math.max(0, (h - 11) / 2);
+    const name = svg`<text class=${ink} x=${indent} y=${baseline}
+      @click=${() => select(lane)}>${lane.label}</text>`;
+    return lane.kind === 'group' ? svg`${arrow(lane, y, h, toggle)}${name}` : name;
+  };
+  return svg`<g clip-path="url(#tl-lanes)">${lanes.map(label)}</g>${drawThumb(rows, scroll)}`;
+}
+
+function arrow(lane, y, h, toggle) {
+  const middle = y + h / 2 + 1.2;
+  const shape = lane.open ? `M12.5 ${middle - 1.5}l3 3 3-3` : `M14 ${middle - 3}l3 3-3 3`;
+  const pressed = (event) => {
+    if (event.key !== 'Enter' && event.key !== ' ') return;
+    event.preventDefault();
+    event.stopPropagation();
+    toggle(lane);
+  };
+  return svg`<g class="arrow" role="button" tabindex="0" aria-expanded=${String(lane.open)}
+      aria-label=${`Parts of ${lane.label}`} @click=${() => toggle(lane)} @keydown=${pressed}>
+    <rect x="4" y=${y - 1} width="20" height=${h + 3} rx="3" /><path d=${shape} /></g>`;
+}
+
+/** How far the lanes are scrolled, where they do not all fit. */
+function drawThumb(rows, scroll) {
+  const { full, room, y } = rows.lanes;
+  if (full <= room + 0.5) return nothing;
+  return svg`<rect class="thumb" x=${GUTTER - 5} y=${y + (scroll / full) * room} width="3" rx="1.5"
+    height=${(room / full) * room} />`;
+}

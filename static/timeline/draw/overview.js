@@ -1,0 +1,47 @@
+// While zoomed: the whole clip on six pixels, the shown window on it, to be dragged.
+
+import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
+import { S } from '../../store/state.js';
+import { isZoomed, lastFrame, left, right, scrollBy, showFrames, shown } from './scale.js';
+import { OVERVIEW, RULER } from './rows.js';
+import { frame } from '../edit/head.js';
+import { keyFrames } from '../edit/moves.js';
+
+function place(at) {
+  return left() + (at * (right() - left())) / Math.max(1, lastFrame());
+}
+
+function frameUnder(px) {
+  return ((px - left()) * lastFrame()) / (right() - left());
+}
+
+export function drawOverview() {
+  if (!isZoomed()) return nothing;
+  const { first, last } = shown();
+  const y = RULER;
+  const bars = (S.segments ?? []).filter((segment) => segment.state !== 'none');
+  const keys = keyFrames().map((key) => `M${place(key).toFixed(1)} ${y}v${OVERVIEW}`).join('');
+  return svg`<rect class="f-ground" x=${left()} y=${y} width=${right() - left()} height=${OVERVIEW} />
+    ${bars.map((s) => svg`<rect class=${`f-${s.state} faint`} x=${place(s.first)} y=${y + 1}
+      width=${Math.max(1, place(s.last) - place(s.first) - 1)} height=${OVERVIEW - 2} />`)}
+    <path class="s-ink" d=${keys} />
+    <rect class="pane" x=${place(first)} y=${y + 0.5} height=${OVERVIEW - 1} rx="2"
+      width=${Math.max(6, place(last) - place(first))} />
+    <path class="s-acc" d=${`M${place(frame())} ${y}v${OVERVIEW}`} />`;
+}
+
+/** Take hold of the window: beside it, it first jumps under the pointer. */
+export function grabOverview(px) {
+  const { first, last } = shown();
+  const at = frameUnder(px);
+  if (at < first || at > last) showFrames(at - (last - first) / 2, at + (last - first) / 2);
+  let before = px;
+  return {
+    move(event) {
+      scrollBy(frameUnder(event.x) - frameUnder(before));
+      before = event.x;
+    },
+    end() {},
+    cancel() {},
+  };
+}

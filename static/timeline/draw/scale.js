@@ -1,0 +1,124 @@
+// Frames across, pixels along: which frames the timeline shows and where each of them stands.
+
+import { S, U, put } from '../../store/state.js';
+
+export const GUTTER = 128;
+const LEFT = GUTTER + 10;
+const MARGIN_RIGHT = 26;
+/** No frame gets wider than this: beyond it nothing new is seen. */
+const WIDEST_FRAME_PX = 48;
+
+let width = 0;
+
+/** The window is replaced as a whole whenever it changes, so that layers see it by identity. */
+const ALL = { first: 0, last: Infinity };
+U.timeWindow = ALL;
+
+export function frameCount() {
+  return S.file?.frames ?? 0;
+}
+
+export function lastFrame() {
+  return Math.max(0, frameCount() - 1);
+}
+
+export function setWidth(px) {
+  width = px;
+}
+
+/** The shown frames, {first, last}: fractions of frames while zoomed. */
+export function shown() {
+  const last = Math.min(U.timeWindow.last, lastFrame());
+  return { first: Math.min(U.timeWindow.first, last), last };
+}
+
+export function isZoomed() {
+  return U.timeWindow !== ALL;
+}
+
+export function right() {
+  return Math.max(LEFT + 1, width - MARGIN_RIGHT);
+}
+
+/** The frames with any pixel on the drawing: the margins beside the window show some more. */
+export function visible() {
+  return { first: frameAt(GUTTER), last: frameAt(right() + MARGIN_RIGHT) };
+}
+
+export function left() {
+  return LEFT;
+}
+
+export function pxPerFrame() {
+  const { first, last } = shown();
+  return (right() - LEFT) / Math.max(last - first, 1e-9);
+}
+
+/** Where a frame stands, in pixels; a clip of one frame stands at the left end. */
+export function x(frame) {
+  const { first, last } = shown();
+  return last > first ? LEFT + ((frame - first) * (right() - LEFT)) / (last - first) : LEFT;
+}
+
+/** The frame at a pixel, not rounded and not kept within the clip. */
+export function frameAt(px) {
+  const { first, last } = shown();
+  return first + ((px - LEFT) * (last - first)) / (right() - LEFT);
+}
+
+export function clampFrame(frame) {
+  return Math.min(lastFrame(), Math.max(0, Math.round(frame)));
+}
+
+export function showAll() {
+  put('timeWindow', ALL);
+}
+
+/** Show these frames; a window as wide as the clip is no zoom at all. */
+export function showFrames(first, last) {
+  const end = lastFrame();
+  const narrowest = Math.min(end, (right() - LEFT) / WIDEST_FRAME_PX);
+  const span = Math.max(last - first, narrowest);
+  if (span >= end * 0.999) return showAll();
+  const middle = (first + last) / 2;
+  const from = Math.min(end - span, Math.max(0, middle - span / 2));
+  put('timeWindow', { first: from, last: from + span });
+}
+
+/** Zoom by a factor; the frame under this pixel stays where it is. */
+export function zoomAt(px, factor) {
+  const { first, last } = shown();
+  const share = Math.min(1, Math.max(0, (px - LEFT) / (right() - LEFT)));
+  const fixed = first + share * (last - first);
+  const narrowest = Math.min(lastFrame(), (right() - LEFT) / WIDEST_FRAME_PX);
+  const span = Math.max(narrowest, (last - first) / factor);
+  showFrames(fixed - share * span, fixed + (1 - share) * span);
+}
+
+/** Scroll by so many frames; stops at both ends. */
+export function scrollBy(frames) {
+  if (!isZoomed()) return;
+  const { first, last } = shown();
+  const room = Math.min(lastFrame() - last, Math.max(-first, frames));
+  if (room !== 0) put('timeWindow', { first: first + room, last: last + room });
+}
+
+/** Scroll so far that this frame is seen, and by this share of the window further. */
+export function reveal(frame, further) {
+  if (!isZoomed()) return;
+  const { first, last } = shown();
+  const more = further * (last - first);
+  if (frame > last) scrollBy(frame - last + more);
+  else if (frame < first) scrollBy(frame - first - more);
+}
+
+/** Of all steps 1, 2, 5, 10, ... frames the smallest whose marks stand at least so far apart. */
+export function rulerStep(leastPx) {
+  const least = leastPx / pxPerFrame();
+  let step = 1;
+  while (step < least) {
+    const digit = Number(String(step)[0]);
+    step *= digit === 2 ? 2.5 : 2;
+  }
+  return step;
+}

@@ -1,0 +1,55 @@
+// Dragging a diamond of the curve up or down changes that key's angle.
+
+import { S } from '../../store/state.js';
+import { newStroke, send } from '../../store/link.js';
+import { axis, freezeRange, scale, valueAt } from '../draw/curve.js';
+import { goTo, hold as stopPlaying } from './head.js';
+import { hold } from './held.js';
+import { paced } from './pace.js';
+
+const FINE = 0.1;
+const STEP_DEG = 5;
+
+/** Take hold of a key on the curve; the whole drag is one stroke, so one step of undo. */
+export function grabAngle(at, row, start) {
+  const part = S.curve.part;
+  const about = axis();
+  const from = valueAt(at);
+  const degPerPx = scale(row).value(0) - scale(row).value(1);
+  const stroke = newStroke('angle');
+  let y = start.y;
+  let deg = from;
+  let begun = false;
+  const tell = paced((value) =>
+    send({ do: 'key_angle', frame: at, part, axis: about, deg: value, stroke }),
+  );
+  const begin = () => {
+    begun = true;
+    freezeRange(true);
+    goTo(at);
+  };
+  const finish = (action) => {
+    hold(null);
+    freezeRange(false);
+    if (begun) send({ do: action, stroke });
+  };
+  stopPlaying();
+  return {
+    edits: true,
+    move(place) {
+      if (!begun) begin();
+      // Step by step, so that Shift may be pressed midway without a jump.
+      deg += (y - place.y) * degPerPx * (place.shift ? FINE : 1);
+      y = place.y;
+      const value = place.ctrl ? Math.round(deg / STEP_DEG) * STEP_DEG : Math.round(deg * 10) / 10;
+      hold({ kind: 'angle', frame: at, axis: about, part, from, deg: value });
+      tell(value);
+    },
+    click: () => goTo(at),
+    end() {
+      tell.flush();
+      finish('end_stroke');
+    },
+    cancel: () => finish('cancel_stroke'),
+  };
+}

@@ -1,0 +1,29 @@
+// Lanes folded into one, "Weakest part", or all of them: folded in small windows unless asked for.
+
+import { U, put } from '../../store/state.js';
+
+const KEPT = 'keypose.timeline.lanes';
+const small = matchMedia('(max-width: 1359px), (max-height: 819px)');
+
+export function mountFold() {
+  small.addEventListener('change', apply);
+  apply();
+}
+
+export function areFolded() {
+  return !U.lanes;
+}
+
+/** Fold the lanes or open them; what was asked for is kept in this browser. */
+export function foldLanes() {
+  localStorage.setItem(KEPT, U.lanes ? 'folded' : 'open');
+  apply();
+}
+
+function apply() {
+  const asked = localStorage.getItem(KEPT);
+  const open = asked === null ? !small.matches : asked === 'open';
+  // The sheet gives opened lanes their height in windows that would not have it.
+  document.documentElement.dataset.lanes = open ? 'open' : 'folded';
+  put('lanes', open);
+}

@@ -1,0 +1,219 @@
+// What the pointer does on the drawing: what is under it, and the gesture that begins there.
+
+import { S, U } from '../../store/state.js';
+import { isSurface } from '../../store/subject.js';
+import { GUTTER, isZoomed, pxPerFrame, scrollBy, zoomAt } from '../draw/scale.js';
+import { OVERVIEW, RULER } from '../draw/rows.js';
+import { BAR, barOf } from '../draw/segments.js';
+import { keyNear } from '../draw/keymarks.js';
+import { curveKeyNear } from '../draw/curve.js';
+import { laneAt } from '../draw/lanes.js';
+import { grabOverview } from '../draw/overview.js';
+import { grabKey } from './keydrag.js';
+import { grabAngle } from './angledrag.js';
+import { grabHead, selectFrom } from './scrub.js';
+import { openKeyMenu, openSegmentMenu } from './menus.js';
+import { frame } from './head.js';
+import { hover } from './held.js';
+import { isKey, segmentAt } from './moves.js';
+
+const CLICK_PX = 3;
+const LONG_PRESS_MS = 500;
+const RIGHT_BUTTON = 2;
+
+let element = null;
+let ground = null;
+let gesture = null;
+let start = null;
+let moved = false;
+let pressTimer = 0;
+let takenBack = false;
+
+/** Listen on the drawing; `ground()` tells its rows, lanes and scroll. */
+export function listenOn(drawing, groundOf, scrollLanes) {
+  element = drawing;
+  ground = groundOf;
+  drawing.addEventListener('pointerdown', down);
+  drawing.addEventListener('pointermove', move);
+  drawing.addEventListener('pointerup', up);
+  drawing.addEventListener('pointercancel', cancel);
+  drawing.addEventListener('pointerleave', () => gesture === null && hover(null));
+  drawing.addEventListener('contextmenu', menu);
+  drawing.addEventListener('wheel', (event) => wheel(event, scrollLanes), { passive: false });
+  // A click takes the focus away from no view and gives it to nothing here.
+  drawing.addEventListener('mousedown', (event) => event.preventDefault());
+  window.addEventListener('keydown', keyDown, { capture: true });
+}
+
+function placeOf(event) {
+  const box = element.getBoundingClientRect();
+  return {
+    x: event.clientX - box.left,
+    y: event.clientY - box.top,
+    ctrl: event.ctrlKey || event.metaKey,
+    shift: event.shiftKey,
+    page: [event.clientX, event.clientY],
+  };
+}
+
+/** What is under a place: {kind, ...}; the kind "frames" is everywhere else. */
+export function under(place) {
+  const { rows, lanes, scroll } = ground();
+  if (place.x < GUTTER) return { kind: 'gutter' };
+  const strip = isZoomed() && place.y > RULER - 2 && place.y < RULER + OVERVIEW + 2;
+  if (strip) return { kind: 'overview' };
+  if (place.y >= rows.keys.y && place.y < rows.keys.y + rows.keys.h) return inKeys(place, rows);
+  const lane = laneAt(rows, lanes, place.y, scroll);
+  if (lane !== null) return { kind: 'lane', lane };
+  const inCurve = rows.curve !== null && place.y >= rows.curve.y;
+  if (inCurve && U.chart === 'score' && !isSurface()) return { kind: 'chart' };
+  const key = inCurve ? curveKeyNear(rows.curve, place.x, place.y) : null;
+  return key === null ? { kind: 'frames' } : { kind: 'curvekey', frame: key };
+}
+
+function inKeys(place, rows) {
+  const key = keyNear(place.x);
+  if (key !== null) return { kind: 'key', frame: key };
+  if (Math.abs(place.y - rows.keys.middle) > BAR.half + 3) return { kind: 'frames' };
+  const segment = (S.segments ?? []).find((s) => {
+    const { from, to } = barOf(s);
+    return place.x >= from - 1 && place.x <= to + 1;
+  });
+  return segment ? { kind: 'segment', segment } : { kind: 'frames' };
+}
+
+function begin(what, place) {
+  switch (what.kind) {
+    case 'overview':
+      return grabOverview(place.x);
+    case 'key':
+      return grabKey(what.frame, place);
+    case 'curvekey':
+      return grabAngle(what.frame, ground().rows.curve, place);
+    case 'segment':
+      return grabHead(place, () => openSegmentMenu(what.segment, place.page));
+    case 'lane':
+      return grabHead(place, () => selectFrom(what.lane, frame()));
+    case 'frames':
+      return grabHead(place);
+    default:
+      return null;
+  }
+}
+
+function down(event) {
+  takenBack = false;
+  if (event.button !== 0) return;
+  document.activeElement?.blur?.();
+  const place = placeOf(event);
+  const what = under(place);
+  gesture = begin(what, place);
+  if (gesture === null) return;
+  start = place;
+  moved = false;
+  element.setPointerCapture(event.pointerId);
+  if (event.pointerType === 'touch') pressTimer = setTimeout(() => press(what, place), LONG_PRESS_MS);
+}
+
+/** A long press is the right button of those who have none. */
+function press(what, place) {
+  if (gesture === null || moved) return;
+  cancel();
+  openMenuOn(what, place);
+}
+
+function move(event) {
+  const place = placeOf(event);
+  if (gesture !== null && event.buttons & RIGHT_BUTTON) {
+    cancel();
+    takenBack = true;
+    return;
+  }
+  if (gesture === null) {
+    pointAt(under(place));
+    return;
+  }
+  if (!moved && Math.hypot(place.x - start.x, place.y - start.y) < CLICK_PX) return;
+  if (!moved) clearTimeout(pressTimer);
+  moved = true;
+  gesture.move(place);
+}
+
+function up(event) {
+  if (gesture === null) return;
+  const ended = gesture;
+  drop();
+  if (moved) ended.end();
+  else (ended.click ?? ended.end)();
+  pointAt(under(placeOf(event)));
+}
+
+function cancel() {
+  const ended = gesture;
+  drop();
+  ended?.cancel();
+}
+
+function drop() {
+  clearTimeout(pressTimer);
+  gesture = null;
+}
+
+/** Esc takes a gesture back; while one edits, no other key may edit as well. */
+function keyDown(event) {
+  if (gesture === null) return;
+  if (event.key === 'Escape') cancel();
+  else if (!gesture.edits) return;
+  event.preventDefault();
+  event.stopImmediatePropagation();
+}
+
+const CURSORS = { key: 'grab', curvekey: 'ns-resize', segment: 'pointer', overview: 'grab' };
+
+function pointAt(what) {
+  element.style.cursor = CURSORS[what.kind] ?? '';
+  if (what.kind === 'segment') hover({ kind: 'segment', first: what.segment.first });
+  else if (what.kind === 'key' || what.kind === 'curvekey') hover(what);
+  else hover(null);
+}
+
+function menu(event) {
+  event.preventDefault();
+  // The right button pressed during a drag took it back, and asks for no menu.
+  if (gesture !== null || takenBack) return;
+  // From the keyboard the menu belongs to what the playhead stands on.
+  const fromKeys = event.target.closest?.('.playhead') && event.button !== 2;
+  if (!fromKeys) return openMenuOn(under(placeOf(event)), placeOf(event));
+  const box = element.querySelector('.playhead .flag').getBoundingClientRect();
+  openMenuAtHead([box.left, box.bottom]);
+}
+
+/** The menu of the key or the segment the playhead stands on. */
+export function openMenuAtHead(page) {
+  if (isKey(frame())) openKeyMenu(frame(), page);
+  else if (segmentAt(frame())) openSegmentMenu(segmentAt(frame()), page);
+}
+
+function openMenuOn(what, place) {
+  hover(null);
+  if (what.kind === 'key' || what.kind === 'curvekey') openKeyMenu(what.frame, place.page);
+  if (what.kind === 'segment') openSegmentMenu(what.segment, place.page);
+}
+
+function wheel(event, scrollLanes) {
+  event.preventDefault();
+  const place = placeOf(event);
+  const unit = event.deltaMode === 1 ? 16 : 1;
+  if (place.ctrl) {
+    zoomAt(place.x, Math.exp(-event.deltaY * unit * 0.003));
+    return;
+  }
+  const sideways = event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY);
+  const { rows } = ground();
+  const overLanes = place.y >= rows.lanes.y && place.y < rows.lanes.y + rows.lanes.room;
+  if (!sideways && overLanes && rows.lanes.full > rows.lanes.room + 1) {
+    scrollLanes(event.deltaY * unit);
+    return;
+  }
+  scrollBy(((event.deltaX || event.deltaY) * unit) / pxPerFrame());
+}

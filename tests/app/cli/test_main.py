@@ -1,0 +1,315 @@
+"""The command line: what its commands write and print."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pytest
+
+from app.cli import follow
+from app.cli.main import main
+from app.render.palette import Picture
+from app.render.snapshots import _with_plate
+from tests.tracker import session_cases as cases
+from tests.tracker.damage_cases import FilmKind, write_film
+from tests.tracker.video_cases import flip_bit
+from tracker.storage.files import load_session, save_session
+from tracker.storage.tracks import load_trajectory, save_result
+from tracker.video import MissingFrame, Video
+
+
+def test_evaluation_prints_the_tracker_beside_interpolation(
+    tracked_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    truth = load_trajectory(load_session(tracked_path), tracked_path)
+    np.savez(
+        tmp_path / "truth.npz",
+        Rs_parent_part=truth.Rs_parent_part,
+        ps_camera_root=truth.ps_camera_root,
+        first_frame=0,
+    )
+    command = ["evaluate", str(tracked_path), "--reference", str(tmp_path / "truth.npz")]
+    assert main(command) == 0
+    text = capsys.readouterr().out
+    assert text.startswith("truth.npz: 6 frames between keyframes")
+    assert all(word in text for word in ("interpolated", "in space, cm", "joint angles, °", "tip"))
+    assert main([*command, "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["frames"] == [1, 2, 3, 5, 6, 7]
+    assert data["estimate"]["pixels"]["overall"]["mean"] == pytest.approx(0, abs=1e-9)
+    assert data["interpolation"]["pixels"]["overall"]["mean"] > 0
+
+
+def test_marked_joints_evaluate_in_pixels(
+    tracked_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    marks = tmp_path / "marks.json"
+    marks.write_text(json.dumps({"frames": {"0": {"tip": [1, 2]}, "2": {"tip": [30, 20]}}}))
+    assert main(["evaluate", str(tracked_path), "--reference", str(marks), "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["frames"] == [2]
+    assert data["estimate"]["distance_m"] is None
+
+
+@pytest.mark.parametrize("view", ["main", "top", "side", "front", "all"])
+def test_a_shot_is_a_picture_of_the_height_of_the_video(
+    tracked_path: Path, tmp_path: Path, view: str
+) -> None:
+    out = tmp_path / f"{view}.png"
+    command = ["shot", str(tracked_path), "--frame", "3", "--view", view, "--out", str(out)]
+    assert main(command) == 0
+    picture = cv2.imread(str(out))
+    assert picture is not None
+    assert picture.shape[0] == cases.HEIGHT
+    assert view == "all" or picture.shape[1] == cases.WIDTH
+
+
+def test_a_keyframe_can_be_drawn_before_tracking(session_path: Path, tmp_path: Path) -> None:
+    command = ["shot", str(session_path), "--frame", "4", "--style", "wire"]
+    assert main([*command, "--out", str(tmp_path / "a.png")]) == 0
+
+
+def test_a_distorted_camera_draws_over_the_rectified_frame(
+    tracked_path: Path, tmp_path: Path
+) -> None:
+    plain, bent = tmp_path / "plain.png", tmp_path / "bent.png"
+    command = ["shot", str(tracked_path), "--frame", "3", "--out"]
+    assert main([*command, str(plain)]) == 0
+    distortion = [-0.3, 0.1, 0, 0, 0]
+    cases.altered(tracked_path, lambda data: data["camera"].update(distortion=distortion))
+    assert main([*command, str(bent)]) == 0
+    assert plain.read_bytes() != bent.read_bytes()
+
+
+def test_tables_are_exported(tracked_path: Path, tmp_path: Path) -> None:
+    out = tmp_path / "tables"
+    assert main(["export", str(tracked_path), "--format", "csv", "--out", str(out)]) == 0
+    names = ["angles.csv", "frames.csv", "joints.csv"]
+    assert sorted(path.name for path in out.iterdir()) == names
+    assert len((out / "joints.csv").read_text().splitlines()) == 10
+
+
+def test_bvh_is_exported_without_the_video(
+    tracked_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tracked_path.parent / "frames").rename(tmp_path / "elsewhere")
+    command = ["export", str(tracked_path), "--format", "bvh", "--out", str(tmp_path)]
+    assert main(command) == 0
+    assert "the video is missing" in capsys.readouterr().err
+    assert "Frame Time: 0.040000000" in (tmp_path / "motion.bvh").read_text()
+
+
+def test_an_export_tells_which_keyframes_it_does_not_know(
+    tracked_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cases.altered(tracked_path, lambda data: data["keyframes"][1].update(root_m=[0, 0, 4]))
+    main(["export", str(tracked_path), "--format", "bvh", "--out", str(tmp_path)])
+    assert "keyframes were set, changed or removed at frame 4)." in capsys.readouterr().err
+
+
+COMMANDS_WITH_RESULTS: dict[str, list[str]] = {
+    "shot": ["--frame", "3", "--out", "a.png"],
+    "export": ["--format", "csv", "--out", "tables"],
+    "evaluate": ["--reference", "marks.json"],
+}
+
+
+@pytest.mark.parametrize("command", COMMANDS_WITH_RESULTS)
+def test_results_out_of_date_are_used_with_a_note(
+    tracked_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    command: str,
+) -> None:
+    monkeypatch.chdir(tracked_path.parent)
+    Path("marks.json").write_text(json.dumps({"frames": {"2": {"tip": [30, 20]}}}))
+    arguments = [command, "session.json", *COMMANDS_WITH_RESULTS[command]]
+    assert main(arguments) == 0
+    assert capsys.readouterr().err == ""
+    cases.altered(tracked_path, lambda data: data["camera"].update(fx=61.0))
+    assert main(arguments + (["--overwrite"] if command != "evaluate" else [])) == 0
+    note = "Note: the tracked motion is out of date (body, camera or ignore masks have changed).\n"
+    assert capsys.readouterr().err == note
+
+
+def test_evaluation_keeps_to_the_keyframes_of_the_tracking(
+    tracked_path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    marks = {str(frame): {"tip": [30, 20]} for frame in range(9)}
+    (tmp_path / "marks.json").write_text(json.dumps({"frames": marks}))
+    command = ["evaluate", str(tracked_path), "--reference", str(tmp_path / "marks.json")]
+    assert main([*command, "--json"]) == 0
+    before, _ = capsys.readouterr()
+    cases.altered(tracked_path, lambda data: data["keyframes"].pop(1))
+    assert main([*command, "--json"]) == 0
+    after, note = capsys.readouterr()
+    assert after == before
+    assert json.loads(after)["frames"] == [1, 2, 3, 5, 6, 7]
+    assert "removed at frame 4)." in note
+
+
+@pytest.mark.parametrize("command", ["shot", "export"])
+def test_json_lists_the_files_that_were_written(
+    tracked_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    command: str,
+) -> None:
+    monkeypatch.chdir(tracked_path.parent)
+    assert main([command, "session.json", *COMMANDS_WITH_RESULTS[command], "--json"]) == 0
+    written = json.loads(capsys.readouterr().out)["written"]
+    assert len(written) == {"shot": 1, "export": 3}[command]
+    assert all(Path(name).is_file() for name in written)
+
+
+@pytest.mark.parametrize("view", ["main", "all"])
+def test_a_missing_frame_is_drawn_grey_with_the_body_and_says_so(
+    tracked_path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, view: str
+) -> None:
+    def lost(_: Video, index: int) -> None:
+        raise MissingFrame(f"Frame {index} is damaged.")
+
+    said: list[str] = []
+
+    def plate(_: Picture, words: str, *__: object) -> None:
+        said.append(words)
+
+    monkeypatch.setattr(Video, "frame", lost)
+    monkeypatch.setattr("app.render.lettering.plate", plate)
+    monkeypatch.setattr("app.render.pictures.plate", plate)
+    monkeypatch.setattr("app.render.snapshots.plate", plate)
+    out = tmp_path / "a.png"
+    command = ["shot", str(tracked_path), "--frame", "3", "--view", view, "--out", str(out)]
+    assert main(command) == 0
+    assert said == ["Frame 3 is missing"]
+    picture = cv2.imread(str(out))
+    assert picture is not None
+    assert picture[-1, 0].tolist() == [128, 128, 128]
+    assert np.ptp(picture[:, : cases.WIDTH]) > 50
+
+
+@pytest.mark.parametrize("width", [160, 640, 1920])
+def test_the_plate_of_a_missing_frame_fits_into_the_picture(width: int) -> None:
+    picture = np.full((width * 3 // 4, width, 3), 128, dtype=np.uint8)
+    _with_plate(picture, "Frame 12345 is missing")
+    columns = np.flatnonzero((picture != 128).any(axis=(0, 2)))
+    assert len(columns)
+    assert columns[0] > 0
+    assert columns[-1] < width - 1
+
+
+def test_a_tracked_frame_beside_a_gap_is_drawn(session_path: Path, tmp_path: Path) -> None:
+    session = load_session(session_path)
+    parts = cases.result(cases.segment(6, 8), cases.segment(0, 3))
+    save_session(save_result(session, session_path, parts), session_path)
+    command = ["shot", str(session_path), "--frame", "7", "--out", str(tmp_path / "a.png")]
+    assert main(command) == 0
+
+
+def test_info_tells_the_facts_of_a_video(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    frames = cases.write_frames(tmp_path / "frames")
+    assert main(["info", str(frames)]) == 0
+    assert "64×48 pixels" in capsys.readouterr().out
+    assert main(["info", str(frames), "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert facts["frame_count"] == cases.FRAMES
+    assert facts["fingerprint"].startswith("sha256:")
+
+
+def test_info_check_decodes_every_frame_and_names_the_damaged_ones(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    kind = FilmKind("clip.mp4", options={"x264-params": "keyint=8:min-keyint=8:bframes=0"})
+    film = write_film(tmp_path, kind)
+    assert main(["info", str(film), "--check"]) == 0
+    assert "every frame was decoded, and none is damaged" in capsys.readouterr().out
+    flip_bit(film, packet=9, byte=60)
+    assert main(["info", str(film)]) == 0
+    assert "damaged" not in capsys.readouterr().out
+    assert main(["info", str(film), "--check"]) == 0
+    assert "7 frames are damaged and not used for tracking: 9–15" in capsys.readouterr().out
+    assert main(["info", str(film), "--check", "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert (facts["checked"], facts["damaged_frames"]) == (True, [*range(9, 16)])
+
+
+@pytest.mark.parametrize("kind", ["body", "session"])
+def test_the_schema_is_json(kind: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["schema", kind]) == 0
+    assert json.loads(capsys.readouterr().out)["type"] == "object"
+
+
+def test_a_fault_of_the_program_is_told_in_full_with_an_exit_code_of_its_own(
+    session_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def broken(*_: object, **__: object) -> Iterator[Any]:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(follow, "rerun", broken)
+    assert main(["track", str(session_path)]) == 70
+    err = capsys.readouterr().err
+    assert err.startswith("Traceback")
+    assert "ZeroDivisionError" in err
+    assert err.endswith("\nThis is a fault of Keypose, not of your input.\n")
+
+
+COMMANDS = ("track", "batch", "evaluate", "shot", "film", "sheet", "report", "export", "info")
+COMMANDS += ("schema",)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_helps_with_examples(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main([command, "--help"])
+    assert stop.value.code == 0
+    assert f"examples:\n  keypose {command}" in capsys.readouterr().out
+
+
+def test_help_loads_no_heavy_library() -> None:
+    code = "import sys, app.cli.main; app.cli.main.parser(); print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert not {"numpy", "cv2", "av", "numba", "pydantic", "scipy"} & set(done.stdout.split())
+
+
+@pytest.mark.parametrize("module", ["app.server.server", "app.store.store"])
+def test_the_page_loads_no_compiled_loops_before_they_are_wanted(module: str) -> None:
+    code = f"import sys, {module}; print(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert "numba" not in done.stdout.split()
+
+
+def test_the_package_runs_as_a_program(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "app", "track", str(tmp_path / "none.json")],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr == f"There is no session file '{tmp_path / 'none.json'}'.\n"
+
+
+def test_a_reader_that_goes_away_is_no_error() -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    with os.fdopen(writing, "wb") as out:
+        done = subprocess.run(
+            [sys.executable, "-m", "app", "schema", "session"],
+            stdout=out,
+            stderr=subprocess.PIPE,
+            check=False,
+        )
+    assert (done.returncode, done.stderr) == (141, b"")

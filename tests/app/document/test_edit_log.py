@@ -1,0 +1,465 @@
+"""An edit that was acknowledged is never lost, and can be undone after a restart."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import json
+import os
+import shutil
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.document.folder_lock import HeldElsewhere, SessionLock
+from app.document.library import Library
+from app.document.open import Workpiece, copied_session, edit_state
+from app.store import runner
+from app.store.store import Store
+from app.store.tabs import Tab
+from tests.app.killing import kill_once
+from tests.app.serving import ROOT
+from tracker.errors import SessionError
+from tracker.storage.files import journal_path, load_session, open_session
+from tracker.storage.journal import Journal, read_journal
+
+KILLS = 5
+"""The benchmark kills two hundred times."""
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    shutil.copytree(ROOT / "sample_videos" / "person", tmp_path / "person")
+    return tmp_path / "person" / "session.json"
+
+
+class NoWorker:
+    """Tracks nothing."""
+
+    def __init__(self, *_: object) -> None: ...
+
+    def cancel(self) -> None: ...
+
+    def hold(self, on: bool) -> None: ...
+
+    def close(self) -> None: ...
+
+
+@pytest.fixture(autouse=True)
+def _without_worker(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(runner, "Tracking", NoWorker)
+
+
+def with_store(path: Path, work: Callable[[Store], Awaitable[None]], *, ends: bool = True) -> None:
+    """Open, work, and end well or, so to speak, not at all."""
+
+    async def whole() -> None:
+        folder = path.parent.parent
+        library = Library(folder / "work", [folder])
+        store = Store(asyncio.get_running_loop(), lambda *_: None, library)
+        await store.open(path)
+        await work(store)
+        if ends:
+            await store.stop()
+
+    asyncio.run(whole())
+
+
+async def done(store: Store, *actions: dict[str, Any]) -> None:
+    """Each is acknowledged before the next is sent."""
+    tab = store.join()
+    for number, action in enumerate(actions, start=1):
+        store.receive(tab, {**action, "n": number})
+        await told(tab, "ack", number)
+    store.leave(tab)
+
+
+async def tried(store: Store, *actions: dict[str, Any]) -> Tab:
+    """Each is done, and written as far as the disk takes it, before the next is sent. The tab."""
+    tab = store.join()
+    for number, action in enumerate(actions, start=1):
+        store.receive(tab, {**action, "n": number})
+        await told(tab, "done", number)
+        await store._saver.settled()
+    return tab
+
+
+async def told(tab: Tab, what: str, number: int) -> None:
+    """The tab has been told that this action is done, or acknowledged."""
+    while max(m.get(what, 0) for m in await tab.next()) < number:
+        pass
+
+
+def turn(x: float, **more: Any) -> dict[str, Any]:
+    return {"do": "angles", "part": "left_forearm", "x": x, **more}
+
+
+def labels(path: Path) -> list[str]:
+    return [step.label for step in open_session(path).recovered.moment.history.past]
+
+
+def test_undo_and_redo_survive_a_restart(path: Path) -> None:
+    first = load_session(path).keyframes
+
+    async def edit(store: Store) -> None:
+        await done(store, turn(-10), turn(-20), {"do": "delete_key", "frame": 24}, {"do": "undo"})
+
+    async def go_on(store: Store) -> None:
+        edit = store.outlook.edit
+        assert edit is not None
+        assert len(edit.history.past) == 2
+        assert len(edit.history.future) == 1
+        await done(store, {"do": "redo"})
+        assert [k.frame for k in load_session(path).keyframes] == [0, 48, 72]
+        await done(store, {"do": "undo"}, {"do": "undo"}, {"do": "undo"})
+
+    with_store(path, edit)
+    with_store(path, go_on)
+    assert load_session(path).keyframes == first
+    assert len(open_session(path).recovered.moment.history.future) == 3
+
+
+def test_an_edit_is_in_the_journal_when_it_is_acknowledged(path: Path) -> None:
+    async def edit(store: Store) -> None:
+        for number in range(1, 6):
+            await done(store, turn(-10 * number))
+            records = read_journal(journal_path(path)).records
+            assert sum("kept" in record for record in records) == number
+
+    with_store(path, edit, ends=False)
+
+
+def test_a_drag_is_one_line_of_the_journal(path: Path) -> None:
+    async def edit(store: Store) -> None:
+        drag = [turn(-x, stroke="d") for x in range(30)]
+        await done(store, *drag, {"do": "end_stroke", "stroke": "d"})
+
+    with_store(path, edit)
+    assert sum("kept" in r for r in read_journal(journal_path(path)).records) == 1
+    assert len(labels(path)) == 1
+
+
+def test_what_the_journal_alone_has_comes_back_with_a_word(path: Path) -> None:
+    before = path.read_bytes()
+
+    async def edit(store: Store) -> None:
+        await done(store, turn(-10), turn(-20))
+
+    with_store(path, edit)
+    after = load_session(path).keyframes
+    path.write_bytes(before)  # as if the power had gone before the session file was written
+    drop_saved(journal_path(path))
+    assert load_session(path).keyframes == after
+
+    async def look(store: Store) -> None:
+        said = (await store.join().next())[0]
+        assert said["words"] == "2 edits made before Keypose ended unexpectedly came back."
+
+    with_store(path, look)
+
+
+def drop_saved(path: Path) -> None:
+    """As if the session file had never been written."""
+    records = [record for record in read_journal(path).records if "saved" not in record]
+    Journal(path, 0).begin_anew(records)
+
+
+def test_a_session_changed_outside_is_taken_as_it_is_and_told(path: Path) -> None:
+    async def edit(store: Store) -> None:
+        await done(store, turn(-10))
+
+    with_store(path, edit)
+    edited = load_session(path).keyframes
+    shutil.copy(ROOT / "sample_videos" / "person" / "session.json", path)
+
+    async def look(store: Store) -> None:
+        said = (await store.join().next())[0]
+        assert "changed outside" in said["words"]
+        await done(store, {"do": "undo"})
+
+    with_store(path, look)
+    assert load_session(path).keyframes == edited
+
+
+def test_what_another_program_writes_meanwhile_is_kept_beside(path: Path) -> None:
+    theirs = path.read_bytes().replace(b'"note"', b'"words"') + b"\n"
+
+    async def edit(store: Store) -> None:
+        await done(store, turn(-10))
+        await saved(store)
+        path.write_bytes(theirs)
+        tab = store.join()
+        await done(store, turn(-20))
+        await saved(store)
+        words = [m["words"] for m in await tab.next() if m["t"] == "note"]
+        assert len(words) == 1
+        assert "Another program changed session.json" in words[0]
+
+    with_store(path, edit)
+    kept = [file.read_bytes() for file in path.parent.glob("session.theirs-*.json")]
+    assert kept == [theirs]
+    assert len(labels(path)) == 2
+
+
+async def saved(store: Store) -> None:
+    while store.outlook.saved.state != "saved":
+        await asyncio.sleep(0.01)
+
+
+def test_a_newer_session_is_shown_and_nothing_is_written(path: Path) -> None:
+    content = path.read_bytes().replace(b'"schema_version": 2', b'"schema_version": 3', 1)
+    path.write_bytes(content)
+
+    async def edit(store: Store) -> None:
+        tab = store.join()
+        store.receive(tab, turn(-10, n=1))
+        refused = [m for m in await tab.next() if m["t"] == "refused"]
+        assert "a newer Keypose" in refused[0]["words"]
+        assert store.outlook.saved.state == "readonly"
+
+    with_store(path, edit)
+    assert path.read_bytes() == content
+    assert not journal_path(path).exists()
+
+
+def test_a_disk_that_is_full_is_told_and_what_was_done_is_written_once_there_is_room(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def edit(store: Store) -> None:
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "write", _full)
+            await tried(store, turn(-10), turn(-20))
+            assert store.outlook.saved.state == "failed"
+            assert "No space left" in store.outlook.saved.words
+        await done(store, turn(-30))
+
+    with_store(path, edit)
+    assert len(labels(path)) == 3
+
+
+def test_edits_on_a_full_disk_are_acknowledged_by_themselves_once_they_are_written(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.store.autosave.SECONDS_BETWEEN_TRIES", 0.01)
+
+    async def edit(store: Store) -> None:
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "fsync", _full)
+            tab = await tried(store, turn(-10), {"do": "go", "frame": 3})
+            assert tab._ack == 0
+            assert store.outlook.saved.state == "failed"
+        await told(tab, "ack", 2)
+        assert len(labels(path)) == 1
+        await store._saver.settled()
+        assert store.outlook.saved.state == "saved"
+
+    with_store(path, edit)
+
+
+def test_a_folder_that_was_renamed_is_not_made_anew_and_gets_the_edits_once_it_is_back(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.store.autosave.SECONDS_BETWEEN_TRIES", 0.01)
+    elsewhere = path.parent.with_name("renamed")
+
+    async def edit(store: Store) -> None:
+        await tried(store, turn(-10))
+        path.parent.rename(elsewhere)
+        tab = await tried(store, turn(-20))
+        assert not path.parent.exists()
+        assert store.outlook.saved.state == "failed"
+        assert "is gone or was renamed" in store.outlook.saved.words
+        assert tab._ack == 0
+        elsewhere.rename(path.parent)
+        await told(tab, "ack", 1)
+
+    with_store(path, edit)
+    assert len(labels(path)) == 2
+
+
+def test_another_folder_in_its_place_is_left_alone(path: Path) -> None:
+    async def edit(store: Store) -> None:
+        await tried(store, turn(-10))
+        path.parent.rename(path.parent.with_name("renamed"))
+        path.parent.mkdir()
+        await tried(store, turn(-20))
+        assert list(path.parent.iterdir()) == []
+        assert "is gone or was renamed" in store.outlook.saved.words
+
+    with pytest.raises(SessionError, match="The last changes are lost"):
+        with_store(path, edit)
+    assert list(path.parent.iterdir()) == []
+
+
+def test_a_session_put_back_from_a_copy_is_gone_on_with(path: Path) -> None:
+    async def edit(store: Store) -> None:
+        await tried(store, turn(-10))
+        shutil.copytree(path.parent, path.parent.with_name("copy"))
+        shutil.rmtree(path.parent)
+        await tried(store, turn(-20))
+        assert store.outlook.saved.state == "failed"
+        path.parent.with_name("copy").rename(path.parent)
+        await done(store, turn(-30))
+        with pytest.raises(HeldElsewhere):
+            SessionLock.take(path.parent)
+
+    with_store(path, edit)
+    assert len(labels(path)) == 3
+
+
+def test_what_a_person_gives_up_by_closing_is_waited_for_no_more(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def edit(store: Store) -> None:
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "fsync", _full)
+            tab = await tried(store, turn(-10))
+            with pytest.raises(SessionError, match="Ask once more"):
+                await store.close_session()
+            assert tab._ack == 0
+            await store.close_session()
+        assert tab._ack == 1
+
+    with_store(path, edit)
+
+
+def _full(*_: object) -> int:
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def test_a_long_journal_is_begun_anew_without_losing_a_step(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.document.edit_log.MOST_BYTES", 100_000)
+
+    async def edit(store: Store) -> None:
+        await done(store, *(turn(-x / 4) for x in range(1, 60)))
+
+    with_store(path, edit)
+    assert len(labels(path)) == 59
+    records = read_journal(journal_path(path)).records
+    assert sum("base" in record for record in records) == 1
+
+
+def test_one_that_opens_while_another_still_writes_reads_what_that_one_wrote_last(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def both(first: Store) -> None:
+        await done(first, turn(-10))
+        await saved(first)
+        loop = asyncio.get_running_loop()
+
+        def slowly(piece: Workpiece) -> Any:
+            state = edit_state(piece)
+            monkeypatch.setattr("app.store.store.edit_state", edit_state)
+            asyncio.run_coroutine_threadsafe(done(first, turn(-20), turn(-30)), loop).result()
+            asyncio.run_coroutine_threadsafe(first.stop(), loop).result()
+            return state
+
+        monkeypatch.setattr("app.store.store.edit_state", slowly)
+        second = Store(loop, lambda *_: None, Library(path.parent / "work", [path.parent]))
+        await second.open(path)
+        await done(second, turn(-40))
+        await second.stop()
+
+    with_store(path, both, ends=False)
+    assert len(labels(path)) == 4
+
+
+def test_times_that_are_not_the_videos_do_not_spoil_the_file(path: Path) -> None:
+    data = json.loads(path.read_text())
+    for keyframe in data["keyframes"]:
+        keyframe["time_s"] *= 3
+    path.write_text(json.dumps(data))
+
+    async def edit(store: Store) -> None:
+        await done(store, {"do": "add_key", "frame": 30}, turn(-20))
+
+    with_store(path, edit)
+    assert [keyframe.frame for keyframe in load_session(path).keyframes] == [0, 24, 30, 48, 72]
+    assert len(labels(path)) == 2
+
+
+def test_a_journal_that_is_removed_or_cut_while_open_is_begun_anew(path: Path) -> None:
+    async def edit(store: Store) -> None:
+        await done(store, turn(-10))
+        await saved(store)
+        journal_path(path).unlink()
+        await done(store, turn(-20))
+        await saved(store)
+        journal_path(path).write_bytes(b"")
+        await done(store, turn(-30))
+
+    with_store(path, edit)
+    assert len(labels(path)) == 3
+
+
+def test_of_a_damaged_journal_a_copy_is_kept_and_it_is_told(path: Path) -> None:
+    async def edit(store: Store) -> None:
+        await done(store, turn(-10), turn(-20), turn(-30))
+
+    async def go_on(store: Store) -> None:
+        said = (await store.join().next())[0]
+        assert "damaged" in said["words"]
+        await done(store, turn(-40))
+
+    with_store(path, edit)
+    content = bytearray(journal_path(path).read_bytes())
+    content[len(content) // 2] ^= 1
+    journal_path(path).write_bytes(content)
+    with_store(path, go_on)
+    assert path.with_name("journal.jsonl.previous").read_bytes() == content
+    assert load_session(path).keyframes[0].rotations_wxyz["left_forearm"] == pytest.approx(
+        (np.cos(np.radians(20)), -np.sin(np.radians(20)), 0, 0), abs=1e-6
+    )
+
+
+def test_a_journal_that_cannot_be_read_is_told(path: Path) -> None:
+    with journal_path(path).open("wb") as file:
+        file.truncate(10**9)
+
+    async def look(store: Store) -> None:
+        said = (await store.join().next())[0]
+        assert "too large to be a session's journal" in said["words"]
+
+    with_store(path, look)
+    assert journal_path(path).stat().st_size == 10**9
+
+
+def test_fields_that_are_not_known_survive_undo(path: Path) -> None:
+    async def edit(store: Store) -> None:
+        await done(store, turn(-10))
+
+    with_store(path, edit)
+    path.write_text(json.dumps({**json.loads(path.read_text()), "lab": 7}))
+    with_store(path, edit_twice)
+    with_store(path, undo)
+    assert json.loads(path.read_text())["lab"] == 7
+
+
+async def edit_twice(store: Store) -> None:
+    await done(store, turn(-20), turn(-30))
+
+
+async def undo(store: Store) -> None:
+    await done(store, {"do": "undo"})
+
+
+def test_a_copy_of_another_session_is_not_taken_for_this_one(path: Path, tmp_path: Path) -> None:
+    box = ROOT / "sample_videos" / "box" / "session.json"
+    copied_session(box, tmp_path / "copy")
+    assert copied_session(box, tmp_path / "copy") == tmp_path / "copy" / "session.json"
+    with pytest.raises(SessionError, match="another video"):
+        copied_session(path, tmp_path / "copy")
+
+
+def test_a_killed_keypose_loses_no_edit_it_has_acknowledged(path: Path) -> None:
+    acknowledged = 0
+    for seed in range(KILLS):
+        death = kill_once(path, seed)
+        assert death.lost == 0
+        acknowledged += death.acknowledged
+    assert acknowledged > KILLS

@@ -1,0 +1,291 @@
+"""What to do next, in the page's words."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from app.editor.suggest import middle, suggestion
+from tests.app.results_cases import passing, session, told
+from tracker.body.trajectory import Trajectory
+from tracker.geometry.rotations import rotation_from_euler
+from tracker.storage.results import SegmentTrack, Span
+
+KEYS = (0, 24, 48, 72)
+PARTS = ("chest", "left_hand")
+
+
+def good(first: int, last: int) -> SegmentTrack:
+    return told(first, last, "good", "good")
+
+
+def fitting(*others: SegmentTrack, keys: tuple[int, ...] = KEYS) -> dict[Span, SegmentTrack]:
+    """All good but for these."""
+    return {span: good(*span) for span in pairwise(keys)} | {t.span: t for t in others}
+
+
+def test_without_keyframes_the_first_pose_is_asked_for() -> None:
+    found = suggestion((), 73, {})
+    assert found.words == "Pose this frame, then press K. Two keyframes make the first segment."
+    assert (found.kind, found.frame) == ("pose", None)
+
+
+def test_with_one_keyframe_another_about_a_second_away_is_asked_for() -> None:
+    assert suggestion((0,), 73, {}).frame == 24
+    assert suggestion((0,), 73, {}).words == "Pose frame 24 next, then press K."
+    assert suggestion((60,), 73, {}).frame == 72
+    assert suggestion((70,), 73, {}).frame == 46
+    assert suggestion((0,), 6, {}).frame == 5
+    assert suggestion((0,), 1, {}).frame is None
+
+
+def test_what_is_not_tracked_is_to_be_tracked() -> None:
+    found = suggestion(KEYS, 73, {(0, 24): good(0, 24)})
+    assert (found.kind, found.words, found.frame) == ("track", "Track next.", None)
+    assert found.reason == "24–48 and 48–72 not tracked as posed now"
+    assert suggestion(KEYS, 73, {}).reason == "0–24, 24–48 and 1 more not tracked as posed now"
+
+
+def test_a_trajectory_on_the_way_does_not_count_as_tracked() -> None:
+    way = passing(session(), 0, 4, 0.1)
+    assert suggestion((0, 4), 9, {(0, 4): way}).kind == "track"
+
+
+def test_what_is_lost_comes_first_with_the_frame_where_a_key_helps() -> None:
+    lost = told(48, 72, "lost", "lost: add a keyframe near 57")
+    check = told(0, 24, "check", "check frames 3–9: left hand not seen")
+    found = suggestion(KEYS, 73, fitting(lost, check))
+    assert (found.kind, found.frame, found.words) == ("key", 57, "Key frame 57 next.")
+    assert found.reason == "Forward and backward differ in 48–72"
+    del (some := fitting(lost, check))[24, 48]
+    assert suggestion(KEYS, 73, some).frame == 57
+
+
+def test_frames_that_are_damaged_in_the_video_are_the_reason_for_a_key_among_them() -> None:
+    check = told(24, 48, "check", "check frames 31–40: damaged in the video")
+    found = suggestion(KEYS, 73, fitting(check))
+    assert (found.kind, found.frame) == ("key", 36)
+    assert found.reason == "Frames 31–40 are damaged in the video"
+
+
+def test_what_is_hidden_where_tracking_was_lost_is_named() -> None:
+    seen = np.full((24, 2), 0.9)
+    seen[4:14, 1] = 0.05
+    lost = told(48, 72, "lost", "lost: add a keyframe near 57", seen)
+    assert suggestion(KEYS, 73, fitting(lost), PARTS).reason == "Left hand hidden 53–62"
+
+
+def test_of_what_is_to_be_checked_the_longest_stretch_comes_first() -> None:
+    short = told(0, 24, "check", "check frames 3–9: chest not seen")
+    long = told(24, 48, "check", "check frames 26–41: left hand not seen")
+    found = suggestion(KEYS, 73, fitting(short, long))
+    assert (found.frame, found.words) == (34, "Key frame 34 next.")
+    assert found.reason == "Left hand hidden 26–41"
+    assert found.kind == "key"
+
+
+def test_everything_is_tracked_before_a_check_is_mended() -> None:
+    check = told(0, 24, "check", "check frames 3–9: chest not seen")
+    assert suggestion(KEYS, 73, {(0, 24): check}).kind == "track"
+
+
+def test_a_key_is_never_asked_for_where_there_is_one() -> None:
+    edge = told(0, 24, "check", "check frame 24: chest uncertain")
+    assert suggestion(KEYS, 73, fitting(edge)).frame == 23
+
+
+def test_keyframes_that_are_wrong_themselves_are_to_be_looked_at() -> None:
+    lost = told(3, 4, "lost", "lost: the keyframes at 3 and 4 contradict each other")
+    found = suggestion((3, 4), 9, {(3, 4): lost})
+    assert (found.kind, found.frame) == ("look", 3)
+    assert found.words == "Look at key 3 again."
+    assert found.reason == "Keys 3 and 4 contradict each other"
+    nowhere = "lost: nothing of the body is seen; check keyframes, camera and masks"
+    found = suggestion((0, 24), 73, {(0, 24): told(0, 24, "lost", nowhere)})
+    assert (found.frame, found.kind) == (0, "look")
+    assert found.reason == "Nothing of the body is seen: check keys, camera and masks"
+
+
+def one(first: int, last: int, words: str, kind: str = "check") -> SegmentTrack:
+    return told(first, last, kind, words)  # type: ignore[arg-type]
+
+
+def test_in_a_short_interval_there_is_nothing_to_do_but_look() -> None:
+    for words in ("left forearm uncertain", "left forearm not seen", "a pass diverged"):
+        keys = (0, 10, 14, 24)
+        check = one(10, 14, f"check frames 11–13: {words}")
+        found = suggestion(keys, 25, fitting(check, keys=keys))
+        assert (found.kind, found.frame) == ("look", 12)
+        assert found.words == "Look at frame 12 and go on."
+    keys = (0, 10, 15, 24)
+    check = one(10, 15, "check frames 11–14: left forearm uncertain")
+    assert suggestion(keys, 25, fitting(check, keys=keys)).kind == "key"
+
+
+def test_where_a_part_is_hidden_no_keyframe_is_asked_for_in_a_short_interval() -> None:
+    for length, kind in ((6, "look"), (7, "key")):
+        keys = (0, 10, 10 + length)
+        check = one(10, 10 + length, f"check frames 12–{8 + length}: left shin not seen")
+        found = suggestion(keys, 30, fitting(check, keys=keys))
+        assert found.kind == kind
+        assert found.reason == f"Left shin hidden 12–{8 + length}"
+
+
+def test_halving_where_a_keyframe_was_asked_for_comes_to_an_end() -> None:
+    keys, asked = [0, 24], 0
+    while True:
+        spans = list(pairwise(keys))
+        bad = {s: one(*s, f"check frames {s[0] + 1}–{s[1] - 1}: chest uncertain") for s in spans}
+        found = suggestion(keys, 25, bad)
+        if found.kind != "key":
+            break
+        assert found.frame is not None
+        keys, asked = sorted({*keys, found.frame}), asked + 1
+    assert found.kind == "look"
+    assert asked < 8
+
+
+def test_what_a_keyframe_can_mend_comes_before_what_is_only_to_be_looked_at() -> None:
+    keys = (0, 4, 28)
+    short = one(0, 4, "lost: add a keyframe near 2", "lost")
+    long = one(4, 28, "check frames 9–12: chest uncertain")
+    found = suggestion(keys, 29, fitting(short, long, keys=keys))
+    assert (found.kind, found.frame) == ("key", 11)
+    assert suggestion(keys, 29, {(0, 4): short}).kind == "track"
+    assert suggestion(keys, 29, fitting(short, keys=keys)).words == "Look at frame 2 and go on."
+
+
+def test_good_but_long_intervals_are_divided() -> None:
+    keys = (0, 48, 60)
+    found = suggestion(keys, 61, fitting(keys=keys))
+    assert (found.frame, found.reason) == (24, "Longest interval, 48 frames")
+
+
+def test_when_all_is_good_nothing_is_asked_for() -> None:
+    found = suggestion(KEYS, 73, fitting())
+    assert found.words == "All Good. Add a key only where you disagree."
+    assert (found.kind, found.frame, found.reason) == ("good", None, "")
+    assert suggestion(KEYS, 100, fitting()).reason == "73–99 outside the keyframes"
+
+
+def needing(first: int, last: int, per_frame_px: float, at: int, words: str = "good") -> Any:
+    """A segment where the keyframe `at` is expected to mend so much in the mean."""
+    gains = np.zeros(last - first + 1)
+    gains[at - first] = per_frame_px * (last - first)
+    kind: Any = words.partition(" ")[0].removesuffix(":")
+    return replace(told(first, last, kind, words), need=gains)
+
+
+def test_the_keyframe_that_is_expected_to_mend_most_is_asked_for() -> None:
+    found = suggestion(
+        KEYS, 73, fitting(needing(0, 24, 2, 9), needing(24, 48, 5, 37), needing(48, 72, 1, 50))
+    )
+    assert (found.kind, found.frame, found.words) == ("key", 37, "Key frame 37 next.")
+    assert found.reason == "Most drift in 24–48"
+
+
+def test_what_seems_wrong_right_beside_a_keyframe_is_the_keyframes_own_error() -> None:
+    """However much it is: one more keyframe there would have such an error, too."""
+    some = fitting(needing(0, 24, 40, 22), needing(24, 48, 2, 36), needing(48, 72, 0, 60))
+    assert suggestion(KEYS, 73, some).frame == 36
+
+
+def test_more_is_mended_in_a_longer_segment() -> None:
+    keys = (0, 12, 60)
+    some = fitting(needing(0, 12, 4, 6), needing(12, 60, 3, 33), keys=keys)
+    assert suggestion(keys, 61, some).frame == 33
+
+
+def test_a_long_segment_that_is_expected_to_be_right_is_left_alone() -> None:
+    keys = (0, 180)
+    found = suggestion(keys, 181, fitting(needing(0, 180, 0.2, 90), keys=keys))
+    assert found.words == "All Good. Add a key only where you disagree."
+
+
+def test_where_a_verdict_says_why_the_reason_is_the_verdicts() -> None:
+    words = "check frames 26–41: left hand not seen"
+    found = suggestion(
+        KEYS, 73,
+        fitting(needing(0, 24, 0.1, 9), needing(24, 48, 5, 37, words), needing(48, 72, 1, 50)),
+    )  # fmt: skip
+    assert (found.frame, found.reason) == (37, "Left hand hidden 26–41")
+
+
+def test_a_verdict_about_other_frames_is_no_reason() -> None:
+    words = "check frames 26–31: left hand not seen"
+    some = fitting(needing(24, 48, 5, 40, words), needing(0, 24, 0, 9), needing(48, 72, 0, 60))
+    assert suggestion(KEYS, 73, some).reason == "Most drift in 24–48"
+    keys = (0, 24, 60)
+    some = fitting(needing(0, 24, 5, 20, "check frames 2–9: chest uncertain"),
+                   needing(24, 60, 0, 40), keys=keys)  # fmt: skip
+    assert suggestion(keys, 61, some).reason == "Most drift in 0–24"
+
+
+def test_what_is_hidden_is_only_to_be_looked_at_where_a_keyframe_would_mend_little() -> None:
+    words = "check frames 26–41: left hand not seen"
+    quiet = [needing(0, 24, 0.1, 9), needing(48, 72, 0.1, 60)]
+    found = suggestion(KEYS, 73, fitting(*quiet, needing(24, 48, 0.2, 37, words)))
+    assert (found.kind, found.frame) == ("look", 34)
+
+
+def test_where_tracking_was_lost_a_keyframe_is_asked_for_however_little_is_expected() -> None:
+    lost = needing(24, 48, 0.1, 37, "lost: add a keyframe near 30")
+    found = suggestion(KEYS, 73, fitting(needing(0, 24, 0, 9), lost, needing(48, 72, 0, 60)))
+    assert (found.kind, found.frame) == ("key", 37)
+
+
+def test_what_even_short_intervals_show_is_the_keyframes_own_error() -> None:
+    keys = (0, 6, 30)
+    long = needing(6, 30, 2, 15)
+    sharp, rough = (fitting(needing(0, 6, px, 3), long, keys=keys) for px in (0.1, 1.8))
+    assert suggestion(keys, 31, sharp).frame == 15
+    assert suggestion(keys, 31, rough).kind == "good"
+
+
+def test_keyframes_that_contradict_each_other_come_before_what_could_be_mended() -> None:
+    wrong = needing(3, 4, 0, 3, "lost: the keyframes at 3 and 4 contradict each other")
+    found = suggestion((3, 4, 28), 29, fitting(wrong, needing(4, 28, 5, 12), keys=(3, 4, 28)))
+    assert (found.kind, found.frame) == ("look", 3)
+
+
+def test_fast_motion_is_named_where_it_stands_out() -> None:
+    quick = needing(24, 48, 5, 37)
+    angles = np.cumsum(np.where((np.arange(25) > 10) & (np.arange(25) < 16), 0.15, 0.01))
+    Rs = np.tile(rotation_from_euler(0.0, 0.0, 0.0), (25, 2, 1, 1))
+    Rs[:, 1] = [rotation_from_euler(0.0, 0.0, angle) for angle in angles]
+    quick = replace(quick, trajectory=Trajectory(24, Rs, np.ones((25, 3))))
+    found = suggestion(KEYS, 73, fitting(needing(0, 24, 0, 9), quick, needing(48, 72, 0, 60)))
+    assert found.reason == "Fast motion 34–39"
+
+
+def test_asking_for_what_is_expected_to_be_mended_comes_to_an_end() -> None:
+    for floor_px in (0.0, 2.0):
+        keys, asked = [0, 48], 0
+        while True:
+            spans = list(pairwise(keys))
+            some = {(a, b): needing(a, b, floor_px + 0.1 * (b - a), (a + b) // 2) for a, b in spans}
+            found = suggestion(keys, 49, some)
+            if found.kind != "key":
+                break
+            assert found.frame is not None
+            keys, asked = sorted({*keys, found.frame}), asked + 1
+        assert found.kind == "good"
+        assert asked < 9
+
+
+def test_results_that_do_not_tell_what_could_be_mended_are_judged_as_before() -> None:
+    some = fitting(needing(0, 24, 5, 9), one(24, 48, "check frames 26–41: left hand not seen"))
+    assert suggestion(KEYS, 73, some).frame == 34
+
+
+def test_the_middle_is_that_of_the_interval_one_stands_in() -> None:
+    assert middle(KEYS, 5) == 12
+    assert middle(KEYS, 24) == 36
+    assert middle(KEYS, 72) == 60
+    assert middle(KEYS, 80) is None
+    assert middle((3, 4), 3) is None
+    assert middle((), 3) is None
+    assert middle((3,), 3) is None

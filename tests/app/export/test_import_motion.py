@@ -1,0 +1,422 @@
+"""Recorded motion and keypoints brought into a session: what a person posed stays as it was."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from app.cli.main import main
+from app.document.folder_lock import SessionLock
+from app.document.open import copied_session
+from app.export.import_motion import drafts_of, fit_to_session
+from tests.app.cli_cases import everything_in, refused
+from tests.tracker.formats import recordings
+from tracker.body.pose import joint_names, pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
+from tracker.errors import FormatError, SessionError
+from tracker.evaluate import evaluate
+from tracker.formats.bvh import bvh
+from tracker.formats.csv import joints_csv
+from tracker.formats.joint_motion import JointMotion
+from tracker.formats.joint_names import matched
+from tracker.formats.reading_keypoints import LAYOUTS, Keypoints
+from tracker.geometry.rotations import exp_rotation, log_rotation
+from tracker.session import Session
+from tracker.solver.body_points import Places
+from tracker.storage.files import load_session, open_video_of, save_session
+from tracker.storage.first_motion import of_session
+from tracker.storage.results import segment_keys
+from tracker.storage.tracking import track_session
+from tracker.storage.tracks import load_trajectory
+from tracker.tracking.pool import TrackFinished, TrackResult
+
+Floats = NDArray[np.float64]
+
+TRUTH = recordings.trajectory("person")
+SESSION = recordings.session("person")
+SKELETON = Skeleton.of(SESSION.body)
+NAMES = joint_names(SKELETON)
+TIMES_S = np.arange(len(TRUTH)) / 30
+R, P = exp_rotation([0.4, -1.1, 2.0]), np.array([4.0, -7.0, 2.5])
+"""Another world."""
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """The sample's session beside its video."""
+    folder = tmp_path / "person"
+    folder.mkdir()
+    for name in ("session.json", "person.mp4"):
+        shutil.copy(recordings.SAMPLES / "person" / name, folder)
+    return folder / "session.json"
+
+
+def _wide(ps: Floats, names: Sequence[str] = NAMES, scale: float = 1.0) -> str:
+    """A table of positions (N, J, 3), y up by its own word, in another world."""
+    text = io.StringIO(newline="")
+    writer = csv.writer(text)
+    writer.writerow(["time", *(f"{name}_{axis}" for name in names for axis in "xyz")])
+    for time_s, row in zip(TIMES_S, scale * (ps @ R.T + P), strict=False):
+        writer.writerow([time_s, *row.ravel()])
+    return text.getvalue()
+
+
+def _imported(path: Path) -> Trajectory:
+    session = load_session(path)
+    motion = of_session(session, path.parent)
+    assert motion is not None
+    return motion
+
+
+def _away(motion: Trajectory) -> Floats:
+    ours, truth = motion.joints(SKELETON), TRUTH.joints(SKELETON)
+    here = slice(motion.first_frame, motion.last_frame + 1)
+    return np.asarray(np.linalg.norm(ours - truth[here], axis=-1))
+
+
+def _run(*arguments: object) -> int:
+    return main([str(a) for a in arguments])
+
+
+@pytest.mark.parametrize("kind", ["bvh", "csv", "wide", "wide in feet"])
+def test_our_own_motion_comes_back_to_a_millimetre(path: Path, kind: str) -> None:
+    texts = {
+        "bvh": bvh(SKELETON, TRUTH, 1 / 30),
+        "csv": joints_csv(SKELETON, TRUTH, TIMES_S),
+        "wide": _wide(TRUTH.joints(SKELETON)),
+        "wide in feet": _wide(TRUTH.joints(SKELETON), scale=3.281),
+    }
+    file = path.parent / f"motion.{'bvh' if kind == 'bvh' else 'csv'}"
+    file.write_text(texts[kind], newline="")
+    before = load_session(path)
+    assert _run("import", path, file) == 0
+    after = load_session(path)
+    assert after.keyframes == before.keyframes
+    assert after.model_copy(update={"first_motion": None}) == before
+    away = _away(_imported(path))
+    parts = SKELETON.part_count  # BVH says nothing of heels
+    assert len(away) == len(TRUTH)
+    assert (away[:, :parts] if kind == "bvh" else away).max() < 1e-3
+
+
+def test_the_offset_says_where_the_files_time_begins(path: Path) -> None:
+    file = path.parent / "late.bvh"
+    late = Trajectory(0, TRUTH.Rs_parent_part[20:], TRUTH.ps_camera_root[20:])
+    file.write_text(bvh(SKELETON, late, 1 / 30))
+    for option in (["--offset-frames", "20"], ["--offset-s", str(20 / 30)]):
+        assert _run("import", path, file, *option) == 0
+        motion = _imported(path)
+        assert (motion.first_frame, motion.last_frame) == (20, 72)
+        assert _away(motion)[:, : SKELETON.part_count].max() < 1e-3
+
+
+def test_what_was_matched_left_out_and_met_is_told(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    noise = np.random.default_rng(1).normal(0, 0.01, (len(TRUTH), 13, 3))
+    file = path.parent / "wide.csv"
+    file.write_text(_wide(TRUTH.joints(SKELETON)[:, :13] + noise, [*NAMES[:12], "Banana"]))
+    assert _run("import", path, file, "--json") == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["left_out"] == ["Banana"]
+    assert told["matched"]["left_forearm"] == "left_forearm"
+    assert told["keyframes"] == [0, 24, 48, 72]
+    assert 0.3 < told["rms_cm"] < 2.0
+    assert 0.3 < told["from_keyframes_cm"] < 3.0
+    assert Path(told["written"]).is_file()
+    assert _run("import", path, file) == 0
+    words = capsys.readouterr().out
+    assert "Banana" in words
+    assert "keyframes 0, 24, 48, 72" in words
+
+
+def test_without_keyframes_the_body_stands_upright_in_the_picture(path: Path) -> None:
+    session = load_session(path).model_copy(update={"keyframes": ()})
+    to_y_up = np.array([1.0, -1.0, -1.0])
+    motion = JointMotion(NAMES, TRUTH.joints(SKELETON) * to_y_up + [9, 5, 3], TIMES_S, "y up", "m")
+    found = fit_to_session(session, motion, "a.bvh", TIMES_S).fit.trajectory
+    p = found.transforms(SKELETON)[..., :3, 3]
+    assert (p[:, SKELETON.body.index("head"), 1] < p[:, SKELETON.body.index("left_foot"), 1]).all()
+    uv = session.camera.project(found.joints(SKELETON))
+    assert uv.min() > 0
+    assert (uv.max(axis=(0, 1)) < (session.camera.width, session.camera.height)).all()
+    z_up = motion.ps_world_joint @ np.array([[1.0, 0, 0], [0, 0, 1.0], [0, -1.0, 0]])
+    same = JointMotion(NAMES, z_up, TIMES_S, "z up", "m")
+    again = fit_to_session(session, same, "a.c3d", TIMES_S).fit.trajectory
+    assert np.allclose(again.joints(SKELETON), found.joints(SKELETON), atol=2e-3)
+
+
+def test_a_session_that_is_open_elsewhere_is_left_alone(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = path.parent / "motion.bvh"
+    file.write_text(bvh(SKELETON, TRUTH, 1 / 30))
+    lock = SessionLock.take(path.parent)
+    try:
+        assert "open in another Keypose" in refused(capsys, path.parent, ["import", path, file])
+    finally:
+        lock.release()
+
+
+def test_what_does_not_suit_the_session_is_refused_in_one_sentence(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    SessionLock.take(path.parent).release()  # its file stays, and is no change later
+    folder = path.parent
+    (folder / "good.bvh").write_text(bvh(SKELETON, TRUTH, 1 / 30))
+    (folder / "two.csv").write_text("time,waist_x,waist_y,waist_z\n0,0,0,0\n1,0,0,0\n")
+    (folder / "bad.bvh").write_text("HIERARCHY")
+    (folder / "names.json").write_text('{"waist": "wing"}')
+    (folder / "points.json").write_text("[]")
+    cases: list[tuple[list[str | Path], str]] = [
+        ([folder / "two.csv"], "--names"),
+        ([folder / "bad.bvh"], "MOTION"),
+        ([folder / "none.bvh"], "no motion file"),
+        ([folder / "good.bvh", "--offset-frames", "500"], "--offset-frames"),
+        ([folder / "good.bvh", "--names", folder / "names.json"], "wing"),
+        ([folder / "good.bvh", "--fps", "0"], "not a number"),
+        ([folder / "good.bvh", "--unit", "inch"], "inch"),
+        ([folder / "good.bvh", "--unit", "m"], "100 times the size"),
+        ([folder / "good.bvh", "--frames", "0,1"], "--frames is for --keypoints"),
+        ([folder / "good.bvh", "--offset-s", "1", "--offset-frames", "3"], "one of them"),
+        ([folder / "points.json", "--keypoints"], "anybody"),
+        ([folder / "points.json", "--keypoints", "--fps", "30"], "not for --keypoints"),
+    ]
+    for arguments, words in cases:
+        assert words in refused(capsys, folder, ["import", path, *arguments])
+
+
+# --- as a start for tracking
+
+
+def test_the_keys_of_segments_know_what_they_start_from(path: Path) -> None:
+    session = load_session(path)
+    linear = session.settings.model_copy(update={"initial": "linear"})
+    (path.parent / "motion.bvh").write_text(bvh(SKELETON, TRUTH, 1 / 30))
+    _run("import", path, path.parent / "motion.bvh")
+    imported = load_session(path)
+    keys = [
+        segment_keys(s)[0, 24]
+        for s in (
+            session,
+            session.model_copy(update={"settings": linear}),
+            imported,
+            imported.model_copy(update={"settings": linear}),
+        )
+    ]
+    assert keys[1] == keys[3]  # what is not used does not count
+    assert len(set(keys)) == 3
+
+
+def _tracked(session: Session, path: Path, motion: Trajectory | None = None) -> TrackResult:
+    with open_video_of(session, path) as video:
+        for event in track_session(session, video, segments=[0], first_motion=motion):
+            if isinstance(event, TrackFinished):
+                return event.result
+    raise AssertionError
+
+
+@pytest.mark.parametrize(("method", "quality"), [("keypose", "preview"), ("paper", "full")])
+def test_a_noisy_import_is_a_better_start_than_interpolation(
+    path: Path, method: str, quality: str
+) -> None:
+    noise = np.random.default_rng(7).normal(0, 0.01, (len(TRUTH), SKELETON.part_count, 3))
+    file = path.parent / "noisy.csv"
+    names = NAMES[: SKELETON.part_count]
+    file.write_text(_wide(TRUTH.joints(SKELETON)[:, : SKELETON.part_count] + noise, names))
+    _run("import", path, file)
+    session = load_session(path)
+    motion = _imported(path)
+
+    def error(initial: str) -> float:
+        settings = {"method": method, "quality": quality, "initial": initial}
+        chosen = session.settings.model_copy(update=settings)
+        result = _tracked(session.model_copy(update={"settings": chosen}), path, motion)
+        assert result.segments[0].closing_error < 1e-9
+        found = evaluate(SKELETON, session.camera, result.trajectory, TRUTH, (0, 24))
+        assert found.estimate.pixels is not None
+        return found.estimate.pixels.overall.mean
+
+    linear, imported, auto = error("linear"), error("import"), error("auto")
+    assert imported < linear
+    assert auto < linear
+
+
+def test_the_choice_that_is_left_to_the_tracker_is_the_start_that_scores_better(path: Path) -> None:
+    """A motion far from the pictures changes nothing."""
+    session = load_session(path)
+    settings = session.settings.model_copy(update={"quality": "fast"})
+    session = session.model_copy(update={"settings": settings})
+    shaken = exp_rotation(np.random.default_rng(1).normal(0, 0.5, (73, 16, 3)))
+    wrong = Trajectory(0, TRUTH.Rs_parent_part @ shaken, TRUTH.ps_camera_root + 0.3)
+    usual, with_wrong = _tracked(session, path), _tracked(session, path, wrong)
+    assert np.array_equal(
+        usual.segments[0].trajectory.Rs_parent_part,
+        with_wrong.segments[0].trajectory.Rs_parent_part,
+    )
+    with_truth = _tracked(session, path, TRUTH)
+    assert min(with_truth.segments[0].scores) <= min(usual.segments[0].scores)
+
+
+def test_the_command_tracks_from_the_motion_beside_the_session(path: Path) -> None:
+    file = path.parent / "motion.bvh"
+    file.write_text(bvh(SKELETON, TRUTH, 1 / 30))
+    _run("import", path, file)
+    session = load_session(path)
+    settings = session.settings.model_copy(update={"initial": "import", "quality": "preview"})
+    changes = {"settings": settings, "keyframes": session.keyframes[:2]}
+    session = session.model_copy(update=changes)
+    save_session(session, path)
+    _run("track", path)
+    tracked = load_trajectory(load_session(path), path)
+    expected = _tracked(session, path, _imported(path)).segments[0].trajectory
+    assert np.array_equal(tracked.Rs_parent_part, expected.Rs_parent_part)
+    out = path.parent / "out"
+    assert _run("track", path, "--out", out) in (0, 1)
+    assert np.array_equal(
+        _imported(out / "session.json").Rs_parent_part, _imported(path).Rs_parent_part
+    )
+
+
+def test_import_is_asked_for_but_there_is_none(path: Path) -> None:
+    session = load_session(path)
+    settings = session.settings.model_copy(update={"initial": "import"})
+    with pytest.raises(SessionError, match="no imported motion"):
+        _tracked(session.model_copy(update={"settings": settings}), path)
+
+
+def test_a_damaged_or_missing_motion_is_told(path: Path) -> None:
+    file = path.parent / "motion.bvh"
+    file.write_text(bvh(SKELETON, TRUTH, 1 / 30))
+    _run("import", path, file)
+    session = load_session(path)
+    assert session.first_motion is not None
+    place = path.parent / session.first_motion.file
+    content = place.read_bytes()
+    place.write_bytes(content[:-40])
+    with pytest.raises(SessionError, match="damaged"):
+        of_session(session, path.parent)
+    place.unlink()
+    with pytest.raises(SessionError, match="cannot be read"):
+        of_session(session, path.parent)
+
+
+def test_a_copied_session_takes_its_imported_motion_along(path: Path, tmp_path: Path) -> None:
+    file = path.parent / "motion.bvh"
+    file.write_text(bvh(SKELETON, TRUTH, 1 / 30))
+    _run("import", path, file)
+    copied = copied_session(path, tmp_path / "copy")
+    assert np.array_equal(_imported(copied).Rs_parent_part, _imported(path).Rs_parent_part)
+
+
+# --- keypoints
+
+
+def _keypoints(layout: int, noise: float = 0.0) -> Keypoints:
+    """What a perfect detector sees of the true motion."""
+    names = LAYOUTS[layout]
+    known = matched(SKELETON, names, "a.json")
+    laid, rng = Places(SKELETON, tuple(known.places)), np.random.default_rng(3)
+    frames = {}
+    for frame in range(len(TRUTH)):
+        uv, sure = np.full((layout, 2), np.nan), np.zeros(layout)
+        ps = laid.at(pose_transforms(SKELETON, TRUTH.pose(frame)))
+        uv[known.indices] = SESSION.camera.project(ps) + rng.normal(0, noise, (len(ps), 2))
+        sure[known.indices] = 1.0
+        frames[frame] = uv, sure
+    return Keypoints(names, frames)
+
+
+def _judged(draft: Any) -> tuple[float, float]:
+    """Mean distance of all joints in pixels, and how the root is turned, degrees."""
+    pose, truth = draft.keyframe.pose(SKELETON), TRUTH.pose(draft.keyframe.frame)
+    uv, uv_true = (
+        SESSION.camera.project(pose_transforms(SKELETON, p)[:, :3, 3]) for p in (pose, truth)
+    )
+    turn = log_rotation(pose.Rs_parent_part[0].T @ truth.Rs_parent_part[0])
+    away = np.linalg.norm(uv - uv_true, axis=-1).mean()
+    return float(away), float(np.degrees(np.linalg.norm(turn)))
+
+
+@pytest.mark.parametrize("layout", [17, 25])
+@pytest.mark.parametrize("keyed", [False, True])
+def test_exact_keypoints_give_the_right_pose_facing_the_right_way(layout: int, keyed: bool) -> None:
+    session = SESSION if keyed else SESSION.model_copy(update={"keyframes": ()})
+    drafts = drafts_of(session, _keypoints(layout), "a.json", [6, 36, 66], TIMES_S)
+    assert [draft.keyframe.frame for draft in drafts] == [6, 36, 66]
+    for draft in drafts:
+        away, turn = _judged(draft)
+        assert away < 1.0
+        assert turn < 15.0
+        assert draft.converged
+        assert not draft.doubtful
+
+
+def test_keypoints_as_a_detector_sees_them_still_give_the_right_side() -> None:
+    session = SESSION.model_copy(update={"keyframes": SESSION.keyframes[:1]})
+    for draft in drafts_of(session, _keypoints(17, noise=2.0), "a.json", [12, 36], TIMES_S):
+        away, turn = _judged(draft)
+        assert away < 6.0
+        assert turn < 30.0
+
+
+def test_drafts_never_stand_over_a_keyframe_or_another_draft(path: Path) -> None:
+    before = load_session(path)
+    places = _keypoints(17)
+    people = [
+        {"image_id": frame, "keypoints": np.nan_to_num(np.c_[uv, sure]).ravel().tolist()}
+        for frame, (uv, sure) in places.frames.items()
+    ]
+    file = path.parent / "points.json"
+    file.write_text(json.dumps(people))
+    assert _run("import", path, file, "--keypoints", "--frames", "24,30,48") == 0
+    once = load_session(path)
+    assert once.keyframes == before.keyframes
+    assert [draft.frame for draft in once.drafts] == [30]
+    assert once.drafts[0].time_s == pytest.approx(1.0)
+    assert _run("import", path, file, "--keypoints", "--frames", "30,36", "--exchange") == 0
+    twice = load_session(path)
+    assert twice.drafts[0] == once.drafts[0]
+    assert [draft.frame for draft in twice.drafts] == [30, 36]
+    content = everything_in(path.parent)
+    assert _run("import", path, file, "--keypoints", "--frames", "30,36,48") == 0
+    assert everything_in(path.parent) == content
+
+
+def test_exchanged_keypoints_give_the_body_its_sides_back() -> None:
+    session = SESSION.model_copy(update={"keyframes": ()})
+    wrong = _keypoints(25).exchanged()
+    for draft in drafts_of(session, wrong.exchanged(), "a.json", [36], TIMES_S):
+        assert _judged(draft)[0] < 1.0
+    for draft in drafts_of(session, wrong, "a.json", [36], TIMES_S):
+        assert _judged(draft)[0] > 3.0
+
+
+def test_a_body_without_such_joints_is_told(tmp_path: Path) -> None:
+    box = recordings.session("box")
+    with pytest.raises(FormatError, match="too few places"):
+        drafts_of(box, _keypoints(17), "a.json", [3], TIMES_S)
+    motion = JointMotion(("a", "b", "c"), np.zeros((5, 3, 3)), np.arange(5.0), "y up", "m")
+    with pytest.raises(FormatError, match="--names"):
+        fit_to_session(box, motion, "a.bvh", TIMES_S)
+
+
+def test_a_session_saved_before_imports_existed_is_read(path: Path) -> None:
+    data = json.loads(path.read_text("utf-8"))
+    data.pop("first_motion", None)
+    path.write_text(json.dumps(data))
+    session = load_session(path)
+    assert session.first_motion is None
+    assert session.settings.initial == "auto"
+    save_session(session, path)
+    assert load_session(path) == session

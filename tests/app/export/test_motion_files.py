@@ -1,0 +1,224 @@
+"""The motion by both doors, the page's and the command line's: same bytes, same refusals."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.cli.main import main
+from app.editor.state import EditorState
+from app.export.motion_files import FORMATS, MotionFormat, motion_archive
+from app.posing import opening_pose
+from app.server.outputs import MOTION
+from tests.app import results_cases
+from tests.app.cli_cases import refused
+from tests.tracker import session_cases as cases
+from tests.tracker.formats.glb_reading import Player
+from tests.tracker.video_cases import write_numbered
+from tracker.errors import FormatError
+from tracker.storage.files import load_session, open_video_of, save_session
+from tracker.storage.results import Results, save_results
+from tracker.storage.tracks import save_result
+from tracker.video.fingerprint import fingerprint_of_file
+
+LAST = 8
+EVERY = ",".join(FORMATS)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """A session on disk, not yet tracked, with keyframes at 0, 4 and 8."""
+    folder = tmp_path / "job"
+    folder.mkdir()
+    return cases.write_session(folder)
+
+
+def opened(path: Path, results: Results) -> EditorState:
+    """The page's state of a session, with these results, which are saved, too."""
+    session = load_session(path)
+    save_session(save_results(session, path, results), path)
+    with open_video_of(session, path) as video:
+        times_s = video.info.times_s
+    opening = opening_pose(session.body, session.camera, (0.0, -1.0, 0.0))
+    return EditorState(session, cases.SKELETON, times_s, opening, results)
+
+
+def exported(path: Path, formats: str) -> dict[str, bytes]:
+    """What the command line writes, by file name."""
+    out = path.parent / "out"
+    assert main(["export", str(path), "--format", formats, "--out", str(out), "--overwrite"]) == 0
+    return {file.name: file.read_bytes() for file in out.iterdir()}
+
+
+def from_page(format_name: MotionFormat, edit: EditorState) -> dict[str, bytes]:
+    """What the page saves, unpacked, by the names of the command line."""
+    file = motion_archive(format_name, edit)
+    if file.media_type != "application/zip":
+        return {f"motion{file.suffix}": file.content}
+    with zipfile.ZipFile(io.BytesIO(file.content)) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+@pytest.mark.parametrize("format_name", FORMATS)
+def test_the_page_saves_what_the_command_line_writes(format_name: MotionFormat, path: Path) -> None:
+    edit = opened(path, results_cases.both(load_session(path)))
+    assert from_page(format_name, edit) == exported(path, format_name)
+    assert MOTION.validate_strings({"format": format_name}).format == format_name
+
+
+def test_all_formats_are_written_at_once_under_their_names(path: Path) -> None:
+    opened(path, results_cases.both(load_session(path)))
+    assert sorted(exported(path, EVERY)) == [
+        *("angles.csv", "frames.csv", "joints.csv"),
+        *("motion.bvh", "motion.c3d", "motion.glb", "motion.npz", "motion.trc"),
+    ]
+
+
+def test_times_are_those_of_a_video_with_an_uneven_rate(path: Path) -> None:
+    opened(path, results_cases.both(load_session(path)))
+    pts = [0, 30, 70, 90, 200, 233, 240, 300, 420]
+    clip = path.parent / "uneven.mkv"
+    write_numbered(clip, LAST + 1, pts=pts, time_base=Fraction(1, 1000))
+    cases.altered(path, lambda data: data["video"].update(path=clip.name, fingerprint=""))
+    files = exported(path, "glb,npz,trc,csv")
+    times_s = np.array(pts) / 1000
+    np.testing.assert_allclose(Player.of(files["motion.glb"]).times_s, times_s, atol=1e-7)
+    with np.load(io.BytesIO(files["motion.npz"])) as arrays:
+        np.testing.assert_allclose(arrays["time_s"], times_s, atol=1e-12)
+    rows = files["motion.trc"].decode().splitlines()[6:]
+    np.testing.assert_allclose([float(row.split("\t")[1]) for row in rows], times_s, atol=1e-6)
+    rows = files["frames.csv"].decode().splitlines()[1:]
+    np.testing.assert_allclose([float(row.split(",")[1]) for row in rows], times_s, atol=1e-6)
+
+
+def test_times_are_those_of_a_video_that_was_renamed(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    opened(path, results_cases.both(load_session(path)))
+    pts = [0, 30, 70, 90, 200, 233, 240, 300, 420]
+    clip = path.parent / "renamed.mkv"
+    write_numbered(clip, LAST + 1, pts=pts, time_base=Fraction(1, 1000))
+    fingerprint = fingerprint_of_file(clip, LAST + 1)
+    film = {"path": "uneven.mkv", "fingerprint": fingerprint}
+    cases.altered(path, lambda data: data["video"].update(film))
+    with np.load(io.BytesIO(exported(path, "npz")["motion.npz"])) as arrays:
+        np.testing.assert_allclose(arrays["time_s"], np.array(pts) / 1000, atol=1e-12)
+    assert "missing" not in capsys.readouterr().err
+
+
+def with_a_gap(path: Path) -> EditorState:
+    """Keyframes at 0, 2, 6 and 8, nothing tracked from 2 to 6."""
+    keyframes = cases.session(None, (0, 2, 6, LAST)).keyframes
+    session = load_session(path).model_copy(update={"keyframes": keyframes})
+    save_session(session, path)
+    ends = [results_cases.track(session, 0, 2), results_cases.track(session, 6, LAST, kind="lost")]
+    return opened(path, Results().with_track(ends[0]).with_track(ends[1]))
+
+
+@pytest.mark.parametrize("format_name", ["trc", "c3d", "csv", "npz"])
+def test_formats_with_room_for_gaps_keep_them_by_both_doors(
+    format_name: MotionFormat, path: Path
+) -> None:
+    edit = with_a_gap(path)
+    files = exported(path, format_name)
+    assert from_page(format_name, edit) == files
+    if format_name == "npz":
+        with np.load(io.BytesIO(files["motion.npz"])) as arrays:
+            assert arrays["verdict"].tolist() == ["good"] * 3 + [""] * 3 + ["lost"] * 3
+            assert np.isnan(arrays["ps_camera_root"]).any(axis=1).tolist() == (
+                [False] * 3 + [True] * 3 + [False] * 3
+            )
+
+
+@pytest.mark.parametrize("format_name", ["bvh", "glb"])
+def test_formats_without_room_for_gaps_name_the_frames_by_both_doors(
+    format_name: MotionFormat, path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    edit = with_a_gap(path)
+    words = (
+        f"Frames 3 to 5 are not tracked, and {format_name.upper()} holds no gaps: track them "
+        "first, or choose CSV, NPZ, TRC or C3D."
+    )
+    with pytest.raises(FormatError) as told:
+        motion_archive(format_name, edit)
+    assert str(told.value) == words
+    out = path.parent / "out"
+    command = ["export", path, "--format", f"csv,{format_name}", "--out", out]
+    assert refused(capsys, path.parent, command) == f"{words}\n"
+
+
+def test_what_is_tracked_at_one_end_is_exported_without_the_rest(path: Path) -> None:
+    session = load_session(path)
+    edit = opened(path, Results().with_track(results_cases.track(session, 4, LAST)))
+    assert from_page("bvh", edit) == exported(path, "bvh")
+    assert b"Frames: 5\n" in from_page("bvh", edit)["motion.bvh"]
+    table = exported(path, "csv")["frames.csv"].decode().splitlines()[1:]
+    assert [row.split(",")[2] for row in table] == [
+        *["missing"] * 4, "keyframe", *["tracked"] * 3, "keyframe",
+    ]  # fmt: skip
+
+
+def test_without_a_motion_the_page_says_what_to_do(path: Path) -> None:
+    edit = opened(path, Results())
+    with pytest.raises(FormatError, match="There is no motion yet: pose two keyframes and track"):
+        motion_archive("npz", edit)
+
+
+def test_the_words_are_in_the_tables_by_both_doors(path: Path) -> None:
+    session = load_session(path)
+    lost = results_cases.track(session, 4, LAST, kind="lost")
+    edit = opened(path, results_cases.both(session).with_track(lost))
+    table = from_page("csv", edit)["frames.csv"].decode()
+    assert "lost: add a keyframe near 2" in table
+    assert table.encode() == exported(path, "csv")["frames.csv"]
+
+
+def test_an_archive_is_a_reference_with_no_error_against_its_own_motion(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    session = load_session(path)
+    save_session(save_result(session, path, cases.result()), path)
+    reference = path.parent / "out" / "motion.npz"
+    exported(path, "npz")
+    capsys.readouterr()
+    assert main(["evaluate", str(path), "--reference", str(reference), "--json"]) == 0
+    errors = json.loads(capsys.readouterr().out)["estimate"]["pixels"]["overall"]
+    assert errors["count"] > 0
+    assert errors["mean"] == 0.0
+
+
+@pytest.mark.parametrize("formats", ["fbx", "bvh,fbx", "", "bvh,", "bvh glb"])
+def test_a_format_that_is_none_is_refused(
+    formats: str, path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = ["export", path, "--format", formats, "--out", path.parent / "out"]
+    words = refused(capsys, path.parent, command)
+    assert "invalid choice" in words
+    assert "choose from bvh, glb, trc, c3d, csv, npz" in words
+
+
+def test_json_lists_every_file(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    opened(path, results_cases.both(load_session(path)))
+    out = path.parent / "out"
+    command = ["export", str(path), "--format", "CSV, glb,csv", "--out", str(out), "--json"]
+    assert main(command) == 0
+    written = json.loads(capsys.readouterr().out)["written"]
+    names = ["motion.glb", "joints.csv", "angles.csv", "frames.csv"]
+    assert written == [str(out / name) for name in names]
+
+
+def test_nothing_is_written_where_one_of_several_is_there_already(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    opened(path, results_cases.both(load_session(path)))
+    out = path.parent / "out"
+    out.mkdir()
+    (out / "motion.trc").write_text("mine")
+    command = ["export", path, "--format", EVERY, "--out", out]
+    assert "motion.trc" in refused(capsys, path.parent, command)

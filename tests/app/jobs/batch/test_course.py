@@ -1,0 +1,101 @@
+"""Handing out a batch: what befalls one session stays with that session."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from threading import Event
+
+from app.jobs.batch.course import Begun, Ended, Stepped, Told, run
+from app.jobs.batch.crew import Died, News
+from app.jobs.batch.task import Step, Summary, Task
+
+
+class Script:
+    """A crew whose every task meets what the script says, one thing after the other."""
+
+    def __init__(self, processes: int, script: dict[int, list[Step | Summary | Died]]) -> None:
+        self._processes = processes
+        self._script = script
+        self.at_work: list[int] = []
+        self.most_together: set[frozenset[int]] = set()
+        self.stopped = False
+
+    def room(self) -> int:
+        return self._processes - len(self.at_work)
+
+    def give(self, number: int, task: Task) -> None:
+        self.at_work.append(number)
+        self.most_together.add(frozenset(self.at_work))
+
+    def wait(self, seconds: float) -> Sequence[News]:
+        number = self.at_work[0]
+        what = self._script[number].pop(0)
+        if not isinstance(what, Step):
+            self.at_work.remove(number)
+        return [(number, what)]
+
+    def stop(self) -> None:
+        self.stopped = True
+
+    def close(self) -> None:
+        pass
+
+
+def tasks(*folders: str) -> list[Task]:
+    return [Task(Path(f"/{folder}/{i}.json")) for i, folder in enumerate(folders)]
+
+
+def done(number: int) -> Summary:
+    return Summary(f"{number}", "tracked")
+
+
+def ended(told: list[Told]) -> dict[int, Summary]:
+    return {event.number: event.summary for event in told if isinstance(event, Ended)}
+
+
+def test_a_session_whose_worker_dies_is_tried_once_more() -> None:
+    script = Script(2, {0: [Step(50), Died("Gone"), done(0)], 1: [done(1)]})
+    told = list(run(tasks("a", "b"), script, Event()))
+    assert [e.again for e in told if isinstance(e, Begun) and e.number == 0] == [False, True]
+    assert [e.step.percent for e in told if isinstance(e, Stepped)] == [50]
+    assert ended(told) == {0: done(0), 1: done(1)}
+
+
+def test_a_session_that_takes_two_workers_with_it_fails_and_the_others_are_done() -> None:
+    script = Script(1, {0: [Died("Gone"), Died("Gone")], 1: [done(1)]})
+    found = ended(list(run(tasks("a", "b"), script, Event())))
+    assert (found[0].state, found[0].words) == ("failed", "Gone, twice.")
+    assert found[1].state == "tracked"
+
+
+def test_two_sessions_of_one_folder_are_never_at_work_together() -> None:
+    script = Script(3, {i: [done(i)] for i in range(5)})
+    told = list(run(tasks("a", "a", "b", "a", "c"), script, Event()))
+    assert len(ended(told)) == 5
+    assert max(len(together) for together in script.most_together) == 3
+    assert not any(len(together & {0, 1, 3}) > 1 for together in script.most_together)
+
+
+def test_once_stopped_nothing_is_begun_and_what_is_at_work_may_end() -> None:
+    stop = Event()
+    halfway = Summary("0", "interrupted")
+    script = Script(1, {0: [Step(10), halfway], 1: [done(1)]})
+    told = []
+    for event in run(tasks("a", "b"), script, stop):
+        told.append(event)
+        if isinstance(event, Stepped):
+            stop.set()
+    assert script.stopped
+    assert ended(told) == {0: halfway}
+
+
+def test_a_worker_that_dies_while_all_is_stopped_is_not_replaced() -> None:
+    stop = Event()
+    script = Script(1, {0: [Step(10), Died("Gone")]})
+    told = []
+    for event in run(tasks("a"), script, stop):
+        told.append(event)
+        if isinstance(event, Stepped):
+            stop.set()
+    assert ended(told)[0].state == "failed"

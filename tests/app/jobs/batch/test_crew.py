@@ -1,0 +1,70 @@
+"""Processes of this computer: one that is killed costs its session's time, and nothing else."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+from threading import Event
+
+import pytest
+
+from app.jobs.batch.course import Begun, Ended, Stepped, Told, run
+from app.jobs.batch.crew import LocalCrew
+from app.jobs.batch.doing import do
+from app.jobs.batch.task import Summary, Task
+from tests.app.jobs.batch.batch_cases import bytes_of, write_sessions
+
+
+@pytest.fixture
+def crew() -> Iterator[LocalCrew]:
+    hired = LocalCrew(2)
+    yield hired
+    hired.close()
+
+
+def kill(crew: LocalCrew, number: int) -> None:
+    os.kill(crew.pids[number], signal.SIGKILL)
+
+
+def test_of_several_processes_one_is_killed_and_all_is_as_one_alone_would_do_it(
+    tmp_path: Path, crew: LocalCrew
+) -> None:
+    names = ("a", "b", "c", "d")
+    paths, alone = (write_sessions(tmp_path / where, *names) for where in ("many", "alone"))
+    told: list[Told] = []
+    for event in run([Task(path) for path in paths], crew, Event()):
+        told.append(event)
+        if event == Begun(1, again=False):
+            kill(crew, 1)
+    again = [event.number for event in told if isinstance(event, Begun) and event.again]
+    assert again == [1]
+    states = {event.number: event.summary.state for event in told if isinstance(event, Ended)}
+    assert states == dict.fromkeys(range(4), "tracked")
+    assert any(isinstance(event, Stepped) for event in told)
+    for path in alone:
+        do(Task(path), lambda step: None, Event())
+    assert bytes_of(paths) == bytes_of(alone)
+
+
+def test_a_session_that_is_killed_every_time_fails_by_itself(
+    tmp_path: Path, crew: LocalCrew
+) -> None:
+    paths = write_sessions(tmp_path, "a", "b")
+    ended: dict[int, Summary] = {}
+    for event in run([Task(path) for path in paths], crew, Event()):
+        if isinstance(event, Begun) and event.number == 0:
+            kill(crew, 0)
+        if isinstance(event, Ended):
+            ended[event.number] = event.summary
+    assert ended[0].words == "Its worker process was killed by signal 9, twice."
+    assert ended[1].state == "tracked"
+
+
+def test_closed_it_leaves_no_process_behind(tmp_path: Path, crew: LocalCrew) -> None:
+    crew.give(0, Task(write_sessions(tmp_path, "a")[0]))
+    pid = crew.pids[0]
+    crew.close()
+    with pytest.raises(ProcessLookupError):
+        os.kill(pid, 0)

@@ -1,0 +1,178 @@
+"""Tracked in the page, by `keypose track` or in a batch: the same bytes in the same files."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import time
+from collections.abc import Callable
+from pathlib import Path
+from threading import Event
+from typing import Any
+
+import pytest
+
+import app.jobs.rerun
+import sample_videos
+from app.cli.main import main
+from app.jobs import JobFailed, SegmentFinished
+from app.jobs.batch.doing import do
+from app.jobs.batch.task import Task
+from app.jobs.rerun import all_segments, keep, rerun, with_settings
+from tests.app.serving import Keypose, Visitor
+from tests.tracker import session_cases as cases
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import interpolate
+from tracker.errors import SessionError
+from tracker.session import Keyframe
+from tracker.storage.files import load_session, open_video_of, save_session
+from tracker.tracking.tracker import Tracker
+
+SAMPLE = Path(sample_videos.__file__).parent / "box"
+BETWEEN = 25
+
+
+def copied(folder: Path, **settings: Any) -> Path:
+    """The box, with two segments of different length."""
+    folder.mkdir(parents=True)
+    shutil.copy(SAMPLE / "box.mp4", folder)
+    told = json.loads((SAMPLE / "session.json").read_text("utf-8"))
+    told["results"] = None
+    told["settings"].update(settings)
+    path = folder / "session.json"
+    path.write_text(json.dumps(told), encoding="utf-8")
+    session = load_session(path)
+    start, end = session.keyframes
+    skeleton = Skeleton.of(session.body)
+    poses = (start.pose(skeleton), end.pose(skeleton))
+    between = interpolate(*poses, start.frame, end.frame).pose(BETWEEN)
+    middle = Keyframe.of(skeleton, between, BETWEEN, BETWEEN / 30)
+    save_session(session.model_copy(update={"keyframes": (start, middle, end)}), path)
+    return path
+
+
+def by_the_page(path: Path) -> None:
+    keypose = Keypose(str(path), "--workspace", str(path.parent / "workspace"))
+    try:
+        visitor = Visitor(keypose)
+        visitor.do(do="track", what="all")
+        visitor.until(lambda: visitor.seen["job"]["state"] == "done")
+        visitor.leave()
+    finally:
+        code, words = keypose.end()
+    assert code == 0, words
+
+
+def by_the_command(path: Path) -> None:
+    assert main(["track", str(path)]) in (0, 1)
+
+
+def by_a_batch(path: Path) -> None:
+    assert do(Task(path), lambda step: None, Event()).is_done
+
+
+WAYS: dict[str, Callable[[Path], None]] = {
+    "page": by_the_page,
+    "track": by_the_command,
+    "batch": by_a_batch,
+}
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [{"quality": "full"}, {"quality": "preview", "passes": 3}],
+    ids=str,
+)
+def test_page_command_and_batch_write_the_same_bytes(
+    tmp_path: Path, settings: dict[str, Any]
+) -> None:
+    written = {}
+    for way, by in WAYS.items():
+        path = copied(tmp_path / way, **settings)
+        by(path)
+        results = load_session(path).results
+        assert results is not None
+        assert all(s.key and s.quality == settings["quality"] for s in results.segments)
+        written[way] = (path.read_bytes(), path.with_name(results.tracks).read_bytes())
+    assert written["track"] == written["page"]
+    assert written["batch"] == written["page"]
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize(
+    ("error", "raised"),
+    [
+        (SessionError("Too long."), SessionError),
+        (ZeroDivisionError(), ZeroDivisionError),
+        (MemoryError(), SessionError),
+    ],
+)
+def test_an_error_in_one_segment_is_raised_after_the_others_are_told(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    error: Exception,
+    raised: type[Exception],
+    workers: int,
+) -> None:
+    whole = Tracker.run_segment
+
+    def run_segment(tracker: Tracker, *given: Any) -> Any:
+        if tracker.spans[0][0] == 0:
+            raise error
+        return whole(tracker, *given)
+
+    monkeypatch.setattr(Tracker, "run_segment", run_segment)
+    path = cases.write_session(tmp_path)
+    told: list[Any] = []
+    with pytest.raises(raised):
+        _hear(told, path, workers)
+    assert [r.track.first for r in told if isinstance(r, SegmentFinished)] == [4]
+    assert isinstance(told[-1], JobFailed)
+
+
+def _hear(told: list[Any], path: Path, workers: int) -> None:
+    """Track, and keep what is told before an error."""
+    session = load_session(path)
+    with open_video_of(session, path) as video:
+        wanted = all_segments(session)
+        for report in rerun(session, path, video, wanted, workers=workers, stop=Event()):
+            told.append(report)
+
+
+def test_nobody_listening_any_more_ends_the_work(tmp_path: Path) -> None:
+    path = cases.write_session(tmp_path)
+    session, stop = load_session(path), Event()
+    with open_video_of(session, path) as video:
+        reports = rerun(session, path, video, all_segments(session), workers=1, stop=stop)
+        next(reports)
+        reports.close()  # type: ignore[attr-defined]
+
+
+def test_a_run_that_ends_stops_no_other_of_its_batch(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = copied(tmp_path / "job", quality="preview")
+    session, stop, run = load_session(path), Event(), app.rerun._run
+
+    def ends_late(*given: Any) -> None:
+        run(*given)
+        time.sleep(0.3)
+
+    monkeypatch.setattr(app.rerun, "_run", ends_late)
+    with open_video_of(session, path) as video:
+        list(rerun(session, path, video, all_segments(session), workers=1, stop=stop))
+    assert not stop.is_set()
+
+
+def test_with_nothing_found_nothing_is_written(tmp_path: Path) -> None:
+    path = cases.write_session(tmp_path)
+    before = path.read_bytes()
+    assert keep(load_session(path), path, ()) is None
+    assert path.read_bytes() == before
+
+
+def test_settings_that_are_not_asked_for_stay_the_session_s_own(tmp_path: Path) -> None:
+    session = load_session(cases.write_session(tmp_path))
+    assert with_settings(session, None, None) == session
+    assert with_settings(session, "paper", None).settings.method == "paper"
+    assert with_settings(session, "paper", None).settings.quality == session.settings.quality

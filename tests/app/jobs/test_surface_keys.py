@@ -1,0 +1,177 @@
+"""Results of surfaces go by what decides them; those of films by what always did."""
+
+from __future__ import annotations
+
+import hashlib
+from typing import Any
+
+import pytest
+
+from app.document.library.recents import Recent, spans_of
+from tests.app import surface_cases as cases
+from tests.tracker import session_cases
+from tracker.body.skeleton import Skeleton
+from tracker.session import Keyframe, SegmentSummary, Session
+from tracker.session import schema as saved
+from tracker.storage.chronicle import Moment, base_record, mark_of
+from tracker.storage.files import session_json
+from tracker.storage.fingerprints import setup_hash
+from tracker.storage.outdated import outdated_words
+from tracker.storage.results import segment_key, segment_keys
+
+TWO = cases.session(keyframes=(1, 3))
+
+
+def surface(of: Session, **changes: Any) -> Session:
+    assert of.surface is not None
+    return of.model_copy(update={"surface": of.surface.model_copy(update=changes)})
+
+
+def nudged(of: Session, frame: int) -> Session:
+    """With another pose at a keyframe."""
+    keyframes = tuple(
+        k.model_copy(update={"root_m": (*k.root_m[:2], k.root_m[2] + 0.1)})
+        if k.frame == frame
+        else k
+        for k in of.keyframes
+    )
+    return of.model_copy(update={"keyframes": keyframes})
+
+
+def changed(before: Session, after: Session) -> list[tuple[int, int]]:
+    """The segments whose keys differ."""
+    old, new = segment_keys(before), segment_keys(after)
+    return [span for span in new if old.get(span) != new[span]]
+
+
+def test_keys_and_marks_of_films_are_what_they_were_before_there_were_surfaces() -> None:
+    of = session_cases.session()
+    assert segment_key(of, 0, 4) == (
+        "ffec13b18f97e7556c7e9b1a8e1a4888542c07d5694a6a692f27008d12543551"
+    )
+    assert mark_of(of) == "9e1ddcfc7acf9efd"
+
+
+def test_segments_of_surfaces_reach_to_the_first_and_last_mesh() -> None:
+    assert list(segment_keys(cases.session())) == [(0, 4)]
+    assert list(segment_keys(TWO)) == [(0, 1), (1, 3), (3, 4)]
+    assert spans_of(TWO) == [(0, 1, "none"), (1, 3, "none"), (3, 4, "none")]
+
+
+def test_a_segment_that_is_none_has_no_key() -> None:
+    with pytest.raises(KeyError):
+        segment_key(TWO, 0, 4)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"weights": "none"}, {"distance": "point"}, {"binding": "smooth"}, {"units": "mm"},
+        {"up": "+y"}, {"p_camera_surface": (0.0, 0.0, 3.0)}, {"model_frame": 3},
+        {"cameras_fingerprint": "sha256:ab"},
+    ],
+    ids=lambda change: next(iter(change)),
+)  # fmt: skip
+def test_how_surfaces_are_read_and_fitted_decides_every_segment(change: dict[str, Any]) -> None:
+    assert changed(TWO, surface(TWO, **change)) == list(TWO.spans)
+    assert setup_hash(surface(TWO, **change)) != setup_hash(TWO)
+
+
+def test_meshes_that_were_exported_again_decide_every_segment() -> None:
+    video = TWO.video.model_copy(update={"fingerprint": "sha256:cd"})
+    other = TWO.model_copy(update={"video": video})
+    assert changed(TWO, other) == list(TWO.spans)
+    assert setup_hash(other) != setup_hash(TWO)
+    assert mark_of(other) == mark_of(TWO)  # it is no edit of a person's
+
+
+def test_the_camera_that_looks_and_the_clock_decide_nothing() -> None:
+    nearer = TWO.camera.model_copy(update={"fx": 1000.0, "fy": 1000.0})
+    settings = TWO.settings.model_copy(update={"static_camera": True, "initial": "linear"})
+    other = TWO.model_copy(update={"camera": nearer, "settings": settings})
+    assert changed(TWO, surface(other, fps=50.0)) == []
+    assert setup_hash(surface(other, fps=50.0)) == setup_hash(TWO)
+
+
+def test_a_folder_may_move_with_its_cameras() -> None:
+    one, other = (surface(TWO, cameras=path) for path in ("a/rig.json", "../rig.json"))
+    assert changed(one, other) == []
+    assert setup_hash(one) == setup_hash(other)
+
+
+def test_the_pose_in_the_mesh_that_moves_decides_every_segment_and_others_only_theirs() -> None:
+    assert changed(TWO, nudged(TWO, 1)) == list(TWO.spans)
+    assert changed(TWO, nudged(TWO, 3)) == [(1, 3), (3, 4)]
+
+
+def test_which_end_is_keyed_decides() -> None:
+    one, other = cases.session(keyframes=(0,)), cases.session(keyframes=(4,))
+    same_pose = one.keyframes[0].model_copy(update={"frame": 4, "time_s": 1.0})
+    assert changed(one, other.model_copy(update={"keyframes": (same_pose,)})) == [(0, 4)]
+
+
+def test_other_meshes_are_not_taken_for_another_film(tmp_path: Any) -> None:
+    """Their fingerprint is of another kind, so the start screen does not compare it."""
+    path = cases.write_session(tmp_path / "job")
+    from tracker.storage.files import load_session
+
+    assert Recent.of(path, load_session(path), [], 0.0).fingerprint == ""
+
+
+def test_a_motion_without_keyframes_at_its_ends_is_not_out_of_date(tmp_path: Any) -> None:
+    from app.cli.main import main
+    from tracker.storage.files import load_session
+    from tracker.storage.tracks import load_tracks
+
+    path = cases.write_session(tmp_path / "job", keyframes=(2,))
+    assert main(["fit", "--session", str(path), "--quality", "preview"]) in (0, 1)
+    session = load_session(path)
+    tracks = load_tracks(session, path)
+    assert outdated_words(session, tracks) is None
+    words = outdated_words(surface(session, weights="none"), tracks)
+    assert words is not None
+    assert "body or surfaces have changed" in words
+
+
+@pytest.mark.parametrize("frame", [0, 4])
+def test_a_keyframe_taken_away_or_set_at_an_end_puts_the_motion_out_of_date(
+    tmp_path: Any, frame: int
+) -> None:
+    from app.cli.main import main
+    from tracker.storage.files import load_session
+    from tracker.storage.tracks import load_tracks
+
+    path = cases.write_session(tmp_path / "job", keyframes=(2, 4))
+    assert main(["fit", "--session", str(path), "--quality", "preview"]) in (0, 1)
+    session = load_session(path)
+    tracks = load_tracks(session, path)
+    assert outdated_words(session, tracks) is None
+    assert session.results is not None
+    assert [segment.open_ends for segment in session.results.segments] == [(0,), ()]
+    if frame == 4:
+        keyframes = session.keyframes[:1]
+    else:  # where the motion goes through it already
+        found = tracks.pose(0)
+        assert found is not None
+        fresh = Keyframe.of(Skeleton.of(session.body), found, 0, 0.0)
+        keyframes = (fresh, *session.keyframes)
+    words = outdated_words(session.model_copy(update={"keyframes": keyframes}), tracks)
+    assert words is not None
+    assert f"set, changed or removed at frame {frame})" in words
+
+
+def test_a_session_about_a_film_is_written_as_ever() -> None:
+    """Byte for byte, results too."""
+    of = session_cases.session()
+    segment = SegmentSummary(
+        first_frame=0, last_frame=4, verdict="good", words="good", scores=(1.5, None), best_pass=1,
+        closing_error=1e-17,
+    )  # fmt: skip
+    results = saved.Results(
+        tracks="tracks-000000000000.npz", method="keypose", quality="full", segments=(segment,)
+    )
+    told = session_json(of.model_copy(update={"results": results}))
+    digest = "b2b00305b12857b233ddecfd1979f5f78e4441d22e041d44cb7852d567715596"
+    assert hashlib.sha256(told).hexdigest() == digest
+    assert b'"surface"' not in told
+    assert "surface" not in base_record(Moment(of))["base"]

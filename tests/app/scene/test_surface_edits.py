@@ -1,0 +1,299 @@
+"""Edits of observed surfaces, and what the page is told of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.editor.refusal import Refused
+from app.editor.state import EditorState
+from app.editor.suggest_surfaces import surface_suggestion
+from app.editor.trail import way
+from app.posing import opening_pose
+from app.store.sections import Sections, image_version
+from app.store.state import Outlook, Running, SurfaceSeen
+from tests.app.editor.desk import after
+from tests.app.editor.desk import desk as film
+from tracker.body.pose import pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import interpolate
+from tracker.geometry.rotations import Array
+from tracker.session.schema import Surface
+from tracker.storage.files import load_session
+from tracker.storage.results import Results, SegmentTrack, segment_keys
+from tracker.storage.results.words import Kind
+from tracker.surface.placing import Placement
+
+SAMPLE = Path(__file__).resolve().parents[3] / "sample_videos" / "arms" / "session.json"
+CORNERS = np.array([[x, y, z] for x in (-60, 90) for y in (-40, 50) for z in (0, 130)], float)
+"""Points of a mesh's file, centimetres."""
+
+
+def desk() -> EditorState:
+    """The arms, posed at frame 0 alone."""
+    session = load_session(SAMPLE)
+    return EditorState(
+        doc=session.model_copy(update={"results": None}),
+        skeleton=Skeleton.of(session.body),
+        times_s=np.arange(session.video.frame_count) / 25,
+        opening=opening_pose(session.body, session.camera, (0.0, -1.0, 0.0)),
+    )
+
+
+def surface(state: EditorState) -> Surface:
+    assert state.doc.surface is not None
+    return state.doc.surface
+
+
+def p_camera(state: EditorState) -> Array:
+    """Where the corners lie."""
+    given = surface(state)
+    return Placement(given.units, given.up, np.array(given.p_camera_surface)).points(CORNERS)
+
+
+def observed_from(state: EditorState, index: int) -> Array:
+    """(P·3) where a corner of the mesh is in every part's frame, at a keyframe."""
+    pose = state.doc.keyframes[index].pose(state.skeleton)
+    Ts = pose_transforms(state.skeleton, pose)
+    return np.ravel(
+        Ts[:, :3, :3].transpose(0, 2, 1) @ (p_camera(state)[0] - Ts[:, :3, 3])[..., None]
+    )
+
+
+def observe(state: EditorState, **fields: Any) -> EditorState:
+    return after(state, {"do": "observe", **fields})
+
+
+def test_what_is_left_out_stays() -> None:
+    changed = observe(desk(), weights="contact")
+    assert surface(changed) == surface(desk()).model_copy(update={"weights": "contact"})
+    assert after(changed, {"do": "undo"}).doc == desk().doc
+
+
+def test_other_units_leave_the_picture_as_it_was() -> None:
+    before, changed = desk(), observe(desk(), units="mm")
+    camera = before.doc.camera
+    np.testing.assert_allclose(p_camera(changed), p_camera(before) / 10)
+    np.testing.assert_allclose(
+        camera.project(p_camera(changed)), camera.project(p_camera(before)), atol=1e-6
+    )
+
+
+def test_poses_go_along_with_the_surface_when_its_units_change() -> None:
+    before, changed = desk(), observe(desk(), units="m")
+    old, new = (np.array(state.doc.keyframes[0].root_m) for state in (before, changed))
+    np.testing.assert_allclose(new, 100 * old)
+
+
+def test_units_that_put_the_body_behind_the_camera_are_refused() -> None:
+    near = after(desk(), {"do": "root", "z": 0.5})
+    with pytest.raises(Refused, match="would stand at the camera"):
+        observe(near, units="mm")
+
+
+def test_another_axis_turns_the_surface_about_its_middle() -> None:
+    before = desk()
+    middle = p_camera(before).mean(axis=0)
+    changed = observe(before, up="+y", about=middle.tolist())
+    np.testing.assert_allclose(p_camera(changed).mean(axis=0), middle, atol=1e-9)
+    up = p_camera(changed)[CORNERS[:, 1] > 0].mean(axis=0)
+    assert up[1] < middle[1] - 0.1  # the file's y is up now, and the camera's y is down
+
+
+def test_poses_turn_with_the_surface_when_its_axes_change() -> None:
+    posed = after(desk(), {"do": "root", "x": 0.2})
+    before = after(posed, {"do": "go", "frame": 5}, {"do": "root", "x": 0.3})
+    middle = p_camera(before).mean(axis=0)
+    changed = observe(before, up="-y", about=middle.tolist())
+    assert observed_from(changed, 0) == pytest.approx(observed_from(before, 0), abs=1e-6)
+    for poses in ("keyframes", "drafts"):
+        (old,), (new,) = (getattr(state.doc, poses) for state in (before, changed))
+        assert new.frame == old.frame
+        assert np.abs(np.array(new.root_m) - old.root_m).max() > 0.01
+    assert after(changed, {"do": "undo"}).doc == before.doc
+
+
+def test_axes_that_put_the_body_behind_the_camera_are_refused() -> None:
+    with pytest.raises(Refused, match="behind the camera"):
+        observe(desk(), up="-z")  # turned about the camera itself
+
+
+def test_with_another_rate_everything_is_at_other_times() -> None:
+    state = after(desk(), {"do": "duplicate_key", "frame": 0, "to": 10})
+    changed = observe(state, fps=50)
+    assert [key.time_s for key in changed.doc.keyframes] == [0.0, 0.2]
+    assert changed.times_s[10] == 0.2
+    later = after(changed, {"do": "duplicate_key", "frame": 0, "to": 5})
+    assert later.doc.keyframes[1].time_s == 0.1
+    undone = after(later, {"do": "undo"}, {"do": "undo"})
+    assert undone.times_s[10] == 0.4
+    assert undone.doc == state.doc
+
+
+def test_only_a_keyframe_s_surface_can_move_with_the_body() -> None:
+    with pytest.raises(Refused, match="Frame 4 has no keyframe"):
+        observe(desk(), model_frame=4)
+    keyed = after(desk(), {"do": "duplicate_key", "frame": 0, "to": 4})
+    model = observe(keyed, model_frame=4).doc.model_keyframe
+    assert model is not None
+    assert model.frame == 4
+
+
+def test_the_moving_surface_stays_with_its_keyframe_when_that_is_moved() -> None:
+    keyed = after(desk(), {"do": "duplicate_key", "frame": 0, "to": 4})
+    moved = after(observe(keyed, model_frame=4), {"do": "move_key", "frame": 4, "to": 7})
+    assert surface(moved).model_frame == 7
+    assert surface(after(moved, {"do": "undo"})).model_frame == 4
+
+
+def test_a_film_has_no_surfaces_to_edit() -> None:
+    with pytest.raises(Refused, match="no surfaces"):
+        observe(film(), weights="none")
+
+
+def test_the_trail_reaches_to_where_nobody_has_posed() -> None:
+    found = way(replace(desk(), frame=6))
+    assert found is not None
+    assert (found.frames[0], found.frames[-1], found.keys) == (0, 18, (0,))
+
+
+# --- what the page is told
+
+
+def told(state: EditorState, name: str, **more: Any) -> Any:
+    return Sections().changed(Outlook(edit=state, **more))[name]
+
+
+def fitted(
+    state: EditorState, kind: Kind = "good", words: str = "good", missing: int = 0
+) -> EditorState:
+    """The arms fitted from 0 to 18."""
+    pose = state.doc.keyframes[0].pose(state.skeleton)
+    path, key = interpolate(pose, pose, 0, 18), segment_keys(state.doc)[0, 18]
+    track = SegmentTrack.on_the_way(key, "full", path, 0.004, words)
+    return replace(state, results=Results({key: replace(track, kind=kind, missing=missing)}))
+
+
+def test_of_a_film_no_surface_is_told() -> None:
+    assert Sections().changed(Outlook(edit=film()))["surface"] is None
+
+
+def test_one_keyframe_makes_a_segment_to_both_ends() -> None:
+    (segment,) = told(desk(), "segments")
+    assert (segment["first"], segment["last"], segment["words"]) == (0, 18, "Not fitted")
+    moved = after(desk(), {"do": "move_key", "frame": 0, "to": 6})
+    assert [(s["first"], s["last"]) for s in told(moved, "segments")] == [(0, 6), (6, 18)]
+
+
+def test_of_a_segment_at_work_its_steps_are_told() -> None:
+    (segment,) = told(desk(), "segments", running={(0, 18): Running("tracking", 7, 18, 39)})
+    assert segment["words"] == "step 7 of 18"
+
+
+def test_a_problem_is_told_at_its_own_frame_alone() -> None:
+    seen = SurfaceSeen(frame=3, problem="Step 3 is missing.")
+    assert told(replace(desk(), frame=3), "surface", surface=seen)["problem"] == seen.problem
+    assert told(replace(desk(), frame=4), "surface", surface=seen)["problem"] == ""
+
+
+def test_a_colour_that_cannot_be_had_says_why() -> None:
+    bare = after(desk(), {"do": "delete_key", "frame": 0})
+    off = {tint["id"]: tint["off"] for tint in told(bare, "surface")["tints"]}
+    assert off["clay"] == ""
+    assert "first keyframe" in off["contact"]
+    assert "cameras" in off["photo"]
+    rated = told(desk(), "surface", surface=SurfaceSeen(photo=True))["tints"]
+    assert not any(tint["off"] for tint in rated)
+
+
+def version(state: EditorState) -> str:
+    return image_version(Outlook(edit=state))
+
+
+def test_pictures_in_other_colours_have_other_names() -> None:
+    names = {
+        version(after(desk(), {"do": "display", "tint": tint}))
+        for tint in ("clay", "contact", "photo", "distance")
+    }
+    assert len(names) == 4
+
+
+def test_a_pose_renames_only_pictures_that_it_colours() -> None:
+    for tint, renames in (("clay", False), ("photo", False), ("contact", True)):
+        state = after(desk(), {"do": "display", "tint": tint})
+        posed = after(state, {"do": "root", "x": 0.3})
+        assert (version(posed) != version(state)) is renames
+        assert (version(fitted(state)) != version(state)) is renames
+
+
+def test_a_gesture_under_way_renames_no_picture() -> None:
+    state = after(desk(), {"do": "display", "tint": "distance"})
+    dragged = after(state, {"do": "root", "x": 0.3, "stroke": "a"})
+    assert version(dragged) == version(state)
+    assert version(after(dragged, {"do": "end_stroke", "stroke": "a"})) != version(state)
+
+
+def test_surfaces_taken_by_other_cameras_have_other_pictures() -> None:
+    read = surface(desk()).model_copy(update={"cameras_fingerprint": "sha256:0"})
+    state = replace(desk(), doc=desk().doc.model_copy(update={"surface": read}))
+    assert version(state) != version(desk())
+
+
+def test_surfaces_that_lie_elsewhere_have_other_pictures() -> None:
+    assert version(observe(desk(), units="m")) != version(desk())
+
+
+# --- what to do next
+
+
+def suggested(state: EditorState) -> tuple[str, int | None, str]:
+    doc = state.doc
+    found = surface_suggestion(state.keys, doc.spans, state.results.fitting(doc))
+    return found.kind, found.frame, f"{found.words} {found.reason}"
+
+
+def test_without_a_keyframe_one_is_asked_for() -> None:
+    kind, _, words = suggested(after(desk(), {"do": "delete_key", "frame": 0}))
+    assert kind == "pose"
+    assert "One keyframe is enough" in words
+
+
+def test_with_one_keyframe_it_can_be_fitted() -> None:
+    kind, _, words = suggested(desk())
+    assert (kind, words) == ("track", "Fit next. 0–18 not fitted as posed now")
+
+
+def test_where_it_was_lost_a_keyframe_is_asked_for() -> None:
+    state = fitted(desk(), "lost", "lost: add a keyframe near 9")
+    assert suggested(state)[:2] == ("key", 9)
+
+
+def test_what_is_in_doubt_is_to_be_looked_at() -> None:
+    kind, frame, words = suggested(fitted(desk(), "check", "check frames 8–10: arm a not seen"))
+    assert (kind, frame) == ("look", 9)
+    assert "Arm a hidden 8–10" in words
+
+
+def test_a_fit_that_was_stopped_goes_on_first() -> None:
+    state = fitted(desk(), "check", "check frames 8–18: not fitted yet", missing=11)
+    assert suggested(state) == ("track", None, "Fit next. 8–18 not fitted yet")
+    assert state.results.wanted(state.doc)
+    assert told(state, "segments")[0]["unfinished"]
+    lost = fitted(desk(), "lost", "lost: add a keyframe near 3", missing=11)
+    assert suggested(lost)[:2] == ("key", 3)
+
+
+def test_a_body_that_lies_off_its_surface_is_to_be_looked_at_before_anything_else() -> None:
+    words = "check frame 0: the body lies off the surface that moves with it"
+    state = fitted(desk(), "check", words, missing=11)
+    reason = "Look at key 0 again. The body lies off its surface there"
+    assert suggested(state) == ("look", 0, reason)
+    assert told(state, "segments")[0]["words"] == "Check: at key 0 the body lies off its surface"
+
+
+def test_what_is_good_needs_nothing() -> None:
+    assert suggested(fitted(desk()))[0] == "good"

@@ -1,0 +1,103 @@
+"""Saving writes the newest state, one write at a time, and says so when it cannot."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+
+import pytest
+
+from app.store.autosave import Saver
+from app.store.state import Saved
+from tracker.errors import SessionError
+
+
+def test_while_a_write_is_at_work_only_the_newest_of_the_others_waits() -> None:
+    written: list[int] = []
+    gate = threading.Event()
+
+    def write(number: int) -> None:
+        gate.wait(10)
+        written.append(number)
+
+    async def many() -> None:
+        saver = Saver(lambda _: None)
+        for number in range(50):
+            saver.save(lambda number=number: write(number))  # type: ignore[misc]
+            await asyncio.sleep(0)
+        gate.set()
+        await saver.settled()
+
+    asyncio.run(many())
+    assert written[-1] == 49
+    assert len(written) <= 2
+
+
+def test_a_failed_write_is_told_in_its_own_words_and_can_be_tried_again() -> None:
+    told: list[Saved] = []
+    full = True
+
+    def write() -> None:
+        if full:
+            raise SessionError("The disk is full.")
+
+    async def twice() -> None:
+        nonlocal full
+        saver = Saver(told.append)
+        saver.save(write)
+        await saver.settled()
+        full = False
+        saver.again()
+        await saver.settled()
+
+    asyncio.run(twice())
+    assert [(saved.state, saved.words) for saved in told] == [
+        ("saving", ""),
+        ("failed", "The disk is full."),
+        ("saving", ""),
+        ("saved", ""),
+    ]
+
+
+def test_what_is_unsaved_is_told_so_until_it_is_written_and_is_tried_again_by_itself(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("app.store.autosave.SECONDS_BETWEEN_TRIES", 0.01)
+    told: list[Saved] = []
+    tries: list[int] = []
+
+    def write(number: int) -> None:
+        tries.append(number)
+        if len(tries) < 5:
+            raise SessionError("The disk is full.")
+
+    async def both() -> None:
+        saver = Saver(told.append)
+        saver.save(lambda: write(1))
+        await saver.settled()
+        saver.save(lambda: write(2))
+        while told[-1].state != "saved":
+            await asyncio.sleep(0.005)
+        assert saver.problem is None
+
+    asyncio.run(both())
+    assert [saved.state for saved in told] == ["saving", *4 * ["failed"], "saved"]
+    assert tries == [1, 2, 2, 2, 2]
+
+
+def test_the_time_of_the_last_save_survives_a_failure() -> None:
+    told: list[Saved] = []
+
+    def fail() -> None:
+        raise SessionError("The disk is full.")
+
+    async def both() -> None:
+        saver = Saver(told.append)
+        saver.save(lambda: None)
+        await saver.settled()
+        saver.save(fail)
+        await saver.settled()
+
+    asyncio.run(both())
+    assert told[-1].state == "failed"
+    assert told[-1].at_s == told[1].at_s > 0

@@ -1,0 +1,448 @@
+"""Tracking as the page sees it: what is refused and why, what is ordered, what is told of it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from app.editor.refusal import Refused
+from app.editor.state import EditorState
+from app.jobs import (
+    JobFailed,
+    JobFinished,
+    PassFinished,
+    PoseFitted,
+    Ready,
+    Report,
+    SegmentFinished,
+    Started,
+    Wanted,
+    Warming,
+)
+from app.store import runner as running
+from app.store.runner import Runner
+from tests.app import surface_cases
+from tests.app.editor.desk import after, desk
+from tests.app.results_cases import told
+from tracker.body.skeleton import Skeleton
+from tracker.session import Session
+
+PIECE: Any = SimpleNamespace(
+    session_path=Path("job/session.json"),
+    video=SimpleNamespace(info=SimpleNamespace(path=Path("job/clip.mp4"))),
+)
+
+
+class Orders:
+    """Stands for the worker: takes orders, and says what a test makes it say."""
+
+    def __init__(self, report: Callable[[Report], None], _: object) -> None:
+        self.say = report
+        self.wanted: list[list[tuple[int, int]]] = []
+        self.stages: list[tuple[str, ...]] = []
+        self.keys: list[list[str]] = []
+        self.calls: list[Any] = []
+
+    def start(
+        self, doc: Session, path: Path, wanted: Sequence[Wanted], stages: Any, folder: Path
+    ) -> int:
+        assert (path, folder) == (Path("job/clip.mp4"), Path("job"))
+        self.wanted.append([(first, last) for first, last, _ in wanted])
+        self.keys.append([key for *_, key in wanted])
+        self.stages.append(tuple(stages))
+        return len(self.wanted)
+
+    def fit(self, _: object) -> int:
+        self.wanted.append([])
+        self.keys.append([])
+        self.stages.append(())
+        return len(self.wanted)
+
+    def cancel(self) -> None:
+        self.calls.append("cancel")
+
+    def hold(self, on: bool) -> None:
+        self.calls.append(("hold", on))
+
+    def close(self) -> None:
+        self.calls.append("close")
+
+
+@pytest.fixture
+def runner(monkeypatch: pytest.MonkeyPatch) -> Runner:
+    monkeypatch.setattr(running, "Tracking", Orders)
+    news: list[bool] = []
+    made = Runner(None, lambda _, finished: news.append(finished))  # type: ignore[arg-type]
+    made.news = news  # type: ignore[attr-defined]
+    made.opened(desk())
+    return made
+
+
+def orders(runner: Runner) -> Orders:
+    return runner._tracking  # type: ignore[return-value]
+
+
+def finished(runner: Runner, number: int, kind: Any = "good", job: int = 1) -> SegmentFinished:
+    """The worker's report of a segment of an order."""
+    (first, last), key = (
+        orders(runner).wanted[job - 1][number],
+        orders(runner).keys[job - 1][number],
+    )
+    track = replace(told(first, last, kind, kind), key=key)
+    return SegmentFinished(job, track)
+
+
+def started(runner: Runner, job: int = 1) -> Started:
+    order = orders(runner)
+    wanted = tuple(
+        (*span, key) for span, key in zip(order.wanted[job - 1], order.keys[job - 1], strict=True)
+    )
+    return Started(job, wanted, order.stages[job - 1])  # type: ignore[arg-type]
+
+
+def surfaces(frames: int, keyframes: tuple[int, ...]) -> EditorState:
+    session = surface_cases.session(frames, keyframes)
+    return replace(desk(), doc=session, skeleton=Skeleton.of(session.body))
+
+
+def few(count: int) -> EditorState:
+    doc = desk().doc
+    return replace(desk(), doc=doc.model_copy(update={"keyframes": doc.keyframes[:count]}))
+
+
+# --- what is refused
+
+
+@pytest.mark.parametrize("what", ["this", "changed", "all"])
+@pytest.mark.parametrize(
+    ("edit", "words"),
+    [
+        (few(0), "Nothing to track: pose a second keyframe first."),
+        (few(1), "Nothing to track: pose a second keyframe first."),
+        (surfaces(1, (0,)), "Nothing to fit: there is one mesh alone, and nothing moves."),
+        (
+            surfaces(5, ()),
+            "Nothing to fit: pose the body in one of the meshes first, and make it a keyframe.",
+        ),
+    ],
+    ids=["none", "one", "one mesh", "no pose"],
+)
+def test_where_there_is_no_segment_yet_tracking_says_what_to_do_first(
+    runner: Runner, edit: EditorState, words: str, what: Any
+) -> None:
+    with pytest.raises(Refused) as refusal:
+        runner.track(PIECE, edit, what)
+    assert str(refusal.value) == words
+    assert orders(runner).wanted == []
+    assert runner.job.state == "idle"
+
+
+@pytest.mark.parametrize(("of_surfaces", "done"), [(False, "tracked"), (True, "fitted")])
+def test_where_nothing_has_changed_since_there_is_nothing_to_do(
+    runner: Runner, of_surfaces: bool, done: str
+) -> None:
+    edit = surfaces(5, (0, 2)) if of_surfaces else desk()
+    runner.opened(edit)
+    runner.track(PIECE, edit, "changed")
+    for number in range(len(orders(runner).wanted[0])):
+        orders(runner).say(finished(runner, number))
+    assert runner.results is not None
+    edit = replace(edit, results=runner.results)
+    with pytest.raises(Refused, match=f"^Nothing has changed: every segment is {done} already"):
+        runner.track(PIECE, edit, "changed")
+    runner.track(PIECE, edit, "all")
+    assert len(orders(runner).wanted) == 2
+
+
+# --- what is ordered
+
+
+@pytest.mark.parametrize(
+    ("frame", "what", "spans", "title"),
+    [
+        (30, "changed", [(0, 24), (24, 48), (48, 72)], "Tracking 0–72"),
+        (30, "all", [(0, 24), (24, 48), (48, 72)], "Tracking 0–72"),
+        (30, "this", [(24, 48)], "Tracking 24–48"),
+        (48, "this", [(24, 48), (48, 72)], "Tracking 24–72"),
+        (0, "this", [(0, 24)], "Tracking 0–24"),
+        (72, "this", [(48, 72)], "Tracking 48–72"),
+    ],
+)
+def test_this_means_the_segments_at_the_present_frame(
+    runner: Runner, frame: int, what: Any, spans: Any, title: str
+) -> None:
+    runner.track(PIECE, after(desk(), {"do": "go", "frame": frame}), what)
+    assert orders(runner).wanted == [spans]
+    assert orders(runner).stages == [("full",)]
+    assert (runner.job.state, runner.job.title, runner.job.words) == ("running", title, "starting")
+    assert list(runner.running) == spans
+    assert runner.news == [False]  # type: ignore[attr-defined]
+
+
+def test_outside_the_keyframes_this_means_every_segment(runner: Runner) -> None:
+    edit = after(desk(), {"do": "delete_key", "frame": 0}, {"do": "go", "frame": 3})
+    runner.track(PIECE, edit, "this")
+    assert orders(runner).wanted == [[(24, 48), (48, 72)]]
+
+
+def test_segments_that_do_not_follow_one_another_are_counted_in_the_title(runner: Runner) -> None:
+    runner.track(PIECE, desk(), "all")
+    for number in range(3):
+        orders(runner).say(finished(runner, number))
+    turn = {"do": "key_angle", "part": "head", "axis": "x", "deg": 12}
+    edit = replace(desk(), results=runner.results)
+    runner.track(PIECE, after(edit, {**turn, "frame": 0}, {**turn, "frame": 72}), "changed")
+    assert orders(runner).wanted[1] == [(0, 24), (48, 72)]
+    assert runner.job.title == "Tracking 2 segments"
+
+
+LIVE = {"do": "live", "on": True}
+
+
+def test_with_live_on_what_an_edit_made_outdated_is_tracked_at_once(runner: Runner) -> None:
+    edit = after(desk(), LIVE, {"do": "go", "frame": 30})
+    runner.changed(PIECE, edit)
+    assert orders(runner).wanted == [[(24, 48)]]
+    assert orders(runner).stages == [("preview", "full")]
+    runner.changed(PIECE, edit)
+    assert len(orders(runner).wanted) == 1  # it is at that already
+    turned = after(edit, {"do": "key_angle", "frame": 24, "part": "head", "axis": "x", "deg": 12})
+    runner.changed(PIECE, turned)
+    assert len(orders(runner).wanted) == 2
+
+
+def test_live_waits_for_a_switch_a_session_and_a_segment(runner: Runner) -> None:
+    runner.changed(PIECE, desk())
+    runner.changed(None, after(desk(), LIVE))
+    runner.changed(PIECE, after(few(1), LIVE))
+    assert orders(runner).wanted == []
+
+
+def test_live_orders_nothing_where_all_is_tracked(runner: Runner) -> None:
+    runner.track(PIECE, desk(), "all")
+    for number in range(3):
+        orders(runner).say(finished(runner, number))
+    runner.changed(PIECE, after(replace(desk(), results=runner.results), LIVE))
+    assert len(orders(runner).wanted) == 1
+
+
+# --- what is told
+
+
+def passed(runner: Runner, number: int, of: int = 4, score: float = 2.0) -> PassFinished:
+    track = finished(runner, 0).track
+    return PassFinished(
+        1, track.first, track.last, track.key, "full", number, of, score, track.trajectory
+    )
+
+
+def test_a_job_tells_its_passes_and_then_what_was_found(runner: Runner) -> None:
+    runner.track(PIECE, desk(), "all")
+    say = orders(runner).say
+    say(Warming("compiling", 1))
+    assert runner.job.words == "compiling"
+    say(started(runner))
+    say(passed(runner, 0))
+    at_work = runner.running[0, 24]
+    assert (at_work.state, at_work.number, at_work.of, at_work.scores) == ("tracking", 1, 4, (2.0,))
+    say(passed(runner, 1, score=1.5))
+    at_work = runner.running[0, 24]
+    assert (at_work.number, at_work.percent, at_work.scores) == (2, 40, (2.0, 1.5))
+    assert (runner.job.words, runner.job.percent) == ("pass 2 of 4", 13)
+    say(passed(runner, 0))
+    assert runner.running[0, 24].scores == (2.0,)  # another quality begins anew
+    say(passed(runner, 5))
+    assert runner.running[0, 24].of == 6
+    for number, kind in enumerate(("good", "check", "good")):
+        say(finished(runner, number, kind))
+        assert len(runner.running) == 2 - number
+    assert runner.job.percent == 100
+    say(JobFinished(1, cancelled=False))
+    assert (runner.job.state, runner.job.title) == ("done", "Tracked 0–72")
+    assert runner.job.words == "2 good, 1 to check"
+    assert runner.news.count(True) == 3  # type: ignore[attr-defined]
+
+
+def test_a_job_that_is_cancelled_or_fails_says_what_is_kept(runner: Runner) -> None:
+    def ended(*reports: Any) -> tuple[str, str, str]:
+        runner.track(PIECE, desk(), "all")
+        job = len(orders(runner).wanted)
+        for report in reports:
+            orders(runner).say(report(job))
+        assert runner.running == {}
+        return runner.job.state, runner.job.title, runner.job.words
+
+    def cancelled(job: int) -> JobFinished:
+        return JobFinished(job, cancelled=True)
+
+    assert ended(cancelled) == ("cancelled", "Cancelled", "no segment was finished")
+    done = ended(lambda job: finished(runner, 1, job=job), cancelled)
+    assert done == ("cancelled", "Cancelled", "what was finished is kept")
+    failed = ended(lambda job: JobFailed(job, "The disk is full."))
+    assert failed == ("failed", "Tracking failed", "The disk is full.")
+
+
+def test_a_job_that_was_replaced_says_nothing_any_more_but_what_it_found_counts(
+    runner: Runner,
+) -> None:
+    runner.track(PIECE, desk(), "all")
+    runner.track(PIECE, desk(), "all")
+    orders(runner).say(JobFinished(1, cancelled=True))
+    assert runner.job.state == "running"
+    orders(runner).say(finished(runner, 0, job=1))
+    assert runner.results is not None
+    assert runner.results.states(desk().doc)[0, 24] == "good"
+
+
+def test_what_a_job_tells_after_its_session_was_closed_is_not_heard(runner: Runner) -> None:
+    runner.track(PIECE, desk(), "all")
+    report = finished(runner, 0)
+    runner.closed()
+    assert orders(runner).calls == ["cancel"]
+    runner.opened(desk())
+    heard = len(runner.news)  # type: ignore[attr-defined]
+    orders(runner).say(report)
+    assert runner.results is not None
+    assert runner.results.states(desk().doc)[0, 24] == "none"
+    assert len(runner.news) == heard  # type: ignore[attr-defined]
+    assert (runner.job.state, runner.running) == ("idle", {})
+
+
+def test_the_worker_is_held_cancelled_and_ended(runner: Runner) -> None:
+    runner.hold(True)
+    runner.cancel()
+    runner.stop()
+    assert orders(runner).calls == [("hold", True), "cancel", "close"]
+
+
+def test_leaving_waits_for_the_end_of_what_is_being_tracked(runner: Runner) -> None:
+    async def work() -> None:
+        await runner.leave()
+        assert orders(runner).calls == []  # nothing is at work
+        runner.track(PIECE, desk(), "all")
+        await runner.leave()
+        assert orders(runner).calls == []  # the worker has not begun: there is nothing to keep
+        orders(runner).say(started(runner))
+        loop = asyncio.get_running_loop()
+        loop.call_soon(orders(runner).say, JobFinished(1, cancelled=True))
+        await runner.leave()
+        assert orders(runner).calls == ["cancel"]
+        assert runner.job.state == "cancelled"
+
+    asyncio.run(work())
+
+
+# --- a fit goes before tracking
+
+ORDER: Any = SimpleNamespace()
+
+
+def fitted(job: int) -> PoseFitted:
+    return PoseFitted(job, desk().opening, True, "")
+
+
+def test_what_is_being_tracked_waits_for_a_fit_and_goes_on_after_it(runner: Runner) -> None:
+    heard: list[Any] = []
+    runner.track(PIECE, desk(), "all")
+    orders(runner).say(started(runner))
+    orders(runner).say(passed(runner, 0))
+    runner.news.clear()  # type: ignore[attr-defined]
+    runner.fit(ORDER, "Fitting frame 3", heard.append)
+    assert runner.news == [False]  # type: ignore[attr-defined]
+    assert (runner.job.title, runner.job.kind) == ("Fitting frame 3", "fit")
+    assert runner.job.words == "tracking goes on after it"
+    assert {one.state for one in runner.running.values()} == {"waiting"}
+    assert len(runner.running) == 3
+    orders(runner).say(JobFinished(1, cancelled=True))
+    assert runner.job.state == "running"
+    orders(runner).say(fitted(2))
+    (report,) = heard
+    assert isinstance(report, PoseFitted)
+    edit = after(desk(), {"do": "delete_key", "frame": 72})
+    runner.go_on(PIECE, edit)
+    assert orders(runner).wanted[2] == [(0, 24), (24, 48)]  # as it is posed by then
+    assert orders(runner).stages[2] == ("full",)
+    assert (runner.job.title, runner.job.kind) == ("Tracking 0–48", "track")
+    orders(runner).say(fitted(2))
+    assert len(heard) == 1
+
+
+def test_what_is_asked_for_during_a_fit_waits_for_it_as_well(runner: Runner) -> None:
+    runner.fit(ORDER, "Fitting frame 3", lambda _: None)
+    assert (runner.job.words, runner.running) == ("", {})
+    live = after(desk(), LIVE, {"do": "go", "frame": 30})
+    heard = len(runner.news)  # type: ignore[attr-defined]
+    runner.changed(PIECE, live)
+    assert len(orders(runner).wanted) == 1
+    assert list(runner.running) == [(24, 48)]
+    assert len(runner.news) == heard + 1  # type: ignore[attr-defined]
+    runner.fit(ORDER, "Fitting frame 4", lambda _: None)  # in place of the first one
+    assert list(runner.running) == [(24, 48)]
+    runner.go_on(PIECE, live)
+    assert orders(runner).wanted[2:] == [[(24, 48)]]
+    assert orders(runner).stages[2] == ("preview", "full")
+
+
+def test_after_a_fit_for_which_nothing_waited_all_is_quiet(runner: Runner) -> None:
+    runner.fit(ORDER, "Fitting frame 3", lambda _: None)
+    orders(runner).say(fitted(1))
+    runner.news.clear()  # type: ignore[attr-defined]
+    runner.go_on(PIECE, desk())
+    assert (runner.job.state, runner.running) == ("idle", {})
+    assert len(orders(runner).wanted) == 1
+    assert runner.news == [False]  # type: ignore[attr-defined]
+
+
+def test_a_fit_that_fails_is_told_to_whoever_asked_for_it(runner: Runner) -> None:
+    heard: list[Any] = []
+    runner.fit(ORDER, "Fitting frame 3", heard.append)
+    orders(runner).say(Warming("compiling", 1))
+    orders(runner).say(Ready(1))
+    assert runner.job.words == ""
+    orders(runner).say(JobFailed(1, "There is no picture."))
+    assert [report.words for report in heard] == ["There is no picture."]
+
+
+def test_a_fit_that_was_left_tells_nobody(runner: Runner) -> None:
+    heard: list[Any] = []
+    runner.fit(ORDER, "Fitting frame 3", heard.append)
+    runner.leave_fit()
+    assert orders(runner).calls == ["cancel"]
+    orders(runner).say(fitted(1))
+    assert heard == []
+
+
+def test_leaving_does_not_wait_for_a_fit(runner: Runner) -> None:
+    runner.track(PIECE, desk(), "all")
+    orders(runner).say(started(runner))
+    runner.fit(ORDER, "Fitting frame 3", lambda _: None)
+    asyncio.run(runner.leave())
+    assert orders(runner).calls == []
+
+
+def test_a_trajectory_on_the_way_is_shown_before_its_segment_is_done(runner: Runner) -> None:
+    runner.track(PIECE, desk(), "all")
+    orders(runner).say(started(runner))
+    orders(runner).say(passed(runner, 0))
+    assert runner.results is not None
+    assert orders(runner).keys[0][0] in runner.results.tracks
+
+
+def test_a_fit_to_surfaces_is_called_so_and_says_what_was_kept_of_it(runner: Runner) -> None:
+    edit = surfaces(5, (0, 2))
+    runner.opened(edit)
+    runner.track(PIECE, edit, "all")
+    assert runner.job.title == "Fitting 0–4"
+    first = finished(runner, 0).track
+    orders(runner).say(SegmentFinished(1, replace(first, missing=1)))
+    orders(runner).say(JobFinished(1, cancelled=True))
+    assert runner.job.words == "what was done is kept; Fit goes on from there"
+    runner.track(PIECE, edit, "all")
+    orders(runner).say(JobFinished(2, cancelled=False))
+    assert runner.job.title == "Fitted 0–4"

@@ -1,0 +1,357 @@
+"""The store loses nothing: opening, closing, saving and tracking may come in any order."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import shutil
+from collections.abc import Awaitable, Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.document.library import Library
+from app.jobs import JobFinished, Report, SegmentFinished, Started, Wanted
+from app.store import runner, store
+from app.store.autosave import Saver
+from app.store.state import Saved
+from app.store.store import Store
+from tests.app import surface_cases
+from tests.app.serving import ROOT
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import interpolate
+from tracker.errors import SessionError
+from tracker.session import Session
+from tracker.storage.files import load_session
+from tracker.storage.results import SegmentTrack
+
+DRAG = {"do": "angles", "part": "left_forearm", "x": -30, "stroke": "drag"}
+EDIT = {"do": "angles", "part": "left_forearm", "x": -30}
+
+
+class _Tracking:
+    """Takes orders and says nothing by itself."""
+
+    newest: _Tracking
+
+    def __init__(self, report: Callable[[Report], None], _: object) -> None:
+        self.report = report
+        self.orders: list[tuple[Session, Sequence[Wanted]]] = []
+        _Tracking.newest = self
+
+    def start(self, doc: Session, _: Path, wanted: Sequence[Wanted], *__: object) -> int:
+        self.orders.append((doc, wanted))
+        return len(self.orders)
+
+    def finish(self, number: int) -> None:
+        """Report a segment of the first order."""
+        doc, wanted = self.orders[0]
+        self.report(SegmentFinished(1, _track(doc, *wanted[number])))
+
+    def cancel(self) -> None: ...
+
+    def hold(self, on: bool) -> None: ...
+
+    def close(self) -> None: ...
+
+
+def _track(doc: Session, first: int, last: int, key: str) -> SegmentTrack:
+    skeleton, at = Skeleton.of(doc.body), {k.frame: k for k in doc.keyframes}
+    path = interpolate(at[first].pose(skeleton), at[last].pose(skeleton), first, last)
+    n, parts, dofs = last - first, skeleton.part_count, skeleton.dof_count
+    return SegmentTrack(
+        first, last, key, "full", path, "good", "good", (1.0,), ("pass",), 0, 0.0,
+        np.full(n, dofs), np.ones((n, dofs)), np.ones((n, parts)), np.ones((n, parts)),
+    )  # fmt: skip
+
+
+def _stopped(doc: Session, first: int, last: int, key: str) -> SegmentTrack:
+    """The steps up to the middle; the pose there holds on."""
+    skeleton = Skeleton.of(doc.body)
+    held, n, parts, dofs = last - 2, last - first, skeleton.part_count, skeleton.dof_count
+    pose = doc.keyframes[0].pose(skeleton)
+    return SegmentTrack(
+        first, last, key, "full", interpolate(pose, pose, first, last), "check",
+        f"check frames {held + 1}–{last}: not fitted yet", (1.0,), ("fit",), 0, 0.0,
+        np.full(n, dofs), np.ones((n, dofs)), np.ones((n, parts)), np.ones((n, parts)), missing=2,
+    )  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(runner, "Tracking", _Tracking)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return _copy("person", tmp_path)
+
+
+def _copy(name: str, folder: Path) -> Path:
+    shutil.copytree(ROOT / "sample_videos" / name, folder / name)
+    return folder / name / "session.json"
+
+
+def _with_store(path: Path, work: Callable[[Store], Awaitable[None]]) -> None:
+    async def whole() -> None:
+        folder = path.parent.parent
+        desk = Store(
+            asyncio.get_running_loop(), lambda *_: None, Library(folder / "work", [folder])
+        )
+        await desk.open(path)
+        await work(desk)
+        await desk.stop()
+
+    asyncio.run(whole())
+
+
+def _forearm(session: Session) -> float:
+    return session.keyframes[0].rotations_wxyz["left_forearm"][0]
+
+
+def test_a_session_that_is_opened_again_in_the_middle_of_a_drag_keeps_the_drag(path: Path) -> None:
+    async def work(desk: Store) -> None:
+        tab = desk.join()
+        desk.receive(tab, DRAG)
+        await desk.open(path)
+        await desk.open(path.parent)
+        desk.receive(tab, {"do": "go", "frame": 3})
+
+    _with_store(path, work)
+    assert _forearm(load_session(path)) == pytest.approx(np.cos(np.radians(15)))
+
+
+def test_a_drag_that_is_taken_back_is_not_on_disk_though_tracking_saved_meanwhile(
+    path: Path,
+) -> None:
+    before = _forearm(load_session(path))
+
+    async def work(desk: Store) -> None:
+        tab = desk.join()
+        desk.receive(tab, {"do": "track", "what": "all"})
+        desk.receive(tab, DRAG)
+        _Tracking.newest.finish(0)
+        _Tracking.newest.report(JobFinished(1, cancelled=False))
+        desk.receive(tab, {"do": "cancel_stroke", "stroke": "drag"})
+
+    _with_store(path, work)
+    assert load_session(path).results is not None
+    assert _forearm(load_session(path)) == before
+
+
+def test_a_segment_that_was_finished_just_before_the_end_is_saved(path: Path) -> None:
+    async def work(desk: Store) -> None:
+        desk.receive(desk.join(), {"do": "track", "what": "all"})
+        _Tracking.newest.finish(0)
+
+    _with_store(path, work)
+    assert load_session(path).results is not None
+
+
+def test_what_a_stopped_fit_of_surfaces_has_done_is_kept_saved_and_gone_on_with(
+    tmp_path: Path,
+) -> None:
+    path = surface_cases.write_session(tmp_path / "job")
+
+    async def work(desk: Store) -> None:
+        tab = desk.join()
+        desk.receive(tab, {"do": "track", "what": "changed"})
+        doc, wanted = _Tracking.newest.orders[0]
+        _Tracking.newest.report(SegmentFinished(1, _stopped(doc, *wanted[0])))
+        _Tracking.newest.report(JobFinished(1, cancelled=True))
+        assert desk.outlook.job.title == "Cancelled"
+        assert desk.outlook.job.words == "what was done is kept; Fit goes on from there"
+        desk.receive(tab, {"do": "track", "what": "changed"})
+        assert len(_Tracking.newest.orders) == 2
+
+    _with_store(path, work)
+    session = load_session(path)
+    assert session.results is not None
+    assert [(s.words, s.missing) for s in session.results.segments] == [
+        ("check frames 3–4: not fitted yet", 2)
+    ]
+
+
+def test_a_fit_that_is_under_way_when_the_server_ends_is_kept_as_far_as_it_came(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = surface_cases.write_session(tmp_path / "job")
+
+    def cancel(tracking: _Tracking) -> None:
+        if not tracking.orders:
+            return
+        doc, wanted = tracking.orders.pop()
+        tracking.report(SegmentFinished(1, _stopped(doc, *wanted[0])))
+        tracking.report(JobFinished(1, cancelled=True))
+
+    monkeypatch.setattr(_Tracking, "cancel", cancel)
+
+    async def work(desk: Store) -> None:
+        desk.receive(desk.join(), {"do": "track", "what": "changed"})
+        _, wanted = _Tracking.newest.orders[0]
+        _Tracking.newest.report(Started(1, tuple(wanted), ("full",)))
+
+    _with_store(path, work)
+    session = load_session(path)
+    assert session.results is not None
+    assert session.results.segments[0].missing == 2
+
+
+def test_segments_that_come_in_quickly_do_not_put_off_saving_for_ever(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(store, "SECONDS_BETWEEN_SAVES", 0.2)
+
+    async def work(desk: Store) -> None:
+        desk.receive(desk.join(), {"do": "track", "what": "all"})
+        for number in range(60):
+            _Tracking.newest.finish(number % 3)
+            await asyncio.sleep(0.05)
+            if load_session(path).results is not None:
+                return
+        raise AssertionError("nothing was saved")
+
+    _with_store(path, work)
+
+
+def test_what_a_job_tells_after_its_session_was_closed_does_not_reach_the_next_one(
+    path: Path, tmp_path: Path
+) -> None:
+    box = _copy("box", tmp_path)
+
+    async def work(desk: Store) -> None:
+        desk.receive(desk.join(), {"do": "track", "what": "all"})
+        await desk.open(box)
+        assert desk.outlook.job.state == "idle"
+        _Tracking.newest.finish(0)
+        _Tracking.newest.report(JobFinished(1, cancelled=True))
+        assert desk.outlook.edit is not None
+        assert len(desk.outlook.edit.results) == 0
+        assert desk.outlook.job.state == "idle"
+
+    _with_store(path, work)
+
+
+def test_a_tab_that_joins_takes_no_news_away_from_the_others(path: Path) -> None:
+    async def work(desk: Store) -> None:
+        tab = desk.join()
+        await tab.next()
+        desk.receive(tab, {"do": "go", "frame": 7})
+        other = desk.join()
+        for one in (tab, other):
+            told = (await one.next())[-1]["set"]
+            assert told["view"]["frame"] == 7
+            assert told["tabs"] == 2
+
+    _with_store(path, work)
+
+
+def test_what_cannot_be_saved_is_not_closed_before_a_person_knows(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: Any) -> None:
+        raise SessionError("The disk is full.")
+
+    async def work(desk: Store) -> None:
+        desk.receive(desk.join(), EDIT)
+        with pytest.raises(SessionError, match=r"The disk is full\. Ask once more"):
+            await desk.close_session()
+        assert desk.outlook.edit is not None
+        await desk.close_session()
+        assert desk.outlook.edit is None
+        await desk.open(path)
+        desk.receive(desk.join(), EDIT)
+
+    monkeypatch.setattr("app.document.edit_log.save_session", full)
+    with pytest.raises(SessionError, match="The last changes are in its journal"):
+        _with_store(path, work)
+
+
+def test_what_could_not_be_saved_is_tried_once_more_at_the_end(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def odd(*_: Any) -> None:
+        raise ValueError("odd")
+
+    async def work(desk: Store) -> None:
+        with monkeypatch.context() as patch:
+            patch.setattr("app.document.edit_log.save_session", odd)
+            desk.receive(desk.join(), EDIT)
+            await asyncio.sleep(0)
+            while desk.outlook.saved.state == "saving":
+                await asyncio.sleep(0.01)
+        assert desk.outlook.saved.state == "failed"
+        assert "ValueError" in desk.outlook.saved.words
+
+    _with_store(path, work)
+    assert _forearm(load_session(path)) == pytest.approx(np.cos(np.radians(15)))
+
+
+def test_trying_again_never_puts_an_older_state_over_a_newer_one() -> None:
+    written: list[int] = []
+    told: list[Saved] = []
+
+    def write(number: int) -> None:
+        if not told or told[-1].state != "failed":
+            raise SessionError("The disk is full.")
+        written.append(number)
+
+    async def work() -> None:
+        saver = Saver(told.append)
+        saver.save(lambda: write(1))
+        await saver.settled()
+        told.append(Saved("failed"))
+        saver.save(lambda: written.append(2))
+        saver.again()
+        await saver.settled()
+
+    asyncio.run(work())
+    assert written == [2]
+
+
+def test_pictures_of_two_videos_have_different_names(path: Path, tmp_path: Path) -> None:
+    box = _copy("box", tmp_path)
+    names = []
+
+    async def work(desk: Store) -> None:
+        for one in (path, box):
+            await desk.open(one)
+            told = (await desk.join().next())[-1]["set"]
+            names.append(told["camera"]["image_version"])
+
+    _with_store(path, work)
+    assert names[0] != names[1]
+
+
+def test_an_upload_is_thrown_away_only_when_it_is_no_video(path: Path, tmp_path: Path) -> None:
+    uploads = tmp_path / "work" / "videos"
+
+    async def work(desk: Store) -> None:
+        uploads.mkdir(parents=True)
+        (uploads / "none.mp4").write_bytes(b"no video")
+        shutil.copy(path.with_name("person.mp4"), uploads / "walk.mp4")
+        (uploads / "walk.keypose").mkdir()
+        (uploads / "walk.keypose" / "session.json").write_text("damaged")
+        tab = desk.join()
+        for name in ("none.mp4", "walk.mp4"):
+            desk.receive(tab, {"do": "open", "kind": "upload", "id": name})
+            notes: list[Any] = []
+            while not notes:
+                notes = [m for m in await tab.next() if m["t"] == "note"]
+
+    _with_store(path, work)
+    assert [file.name for file in uploads.glob("*.mp4")] == ["walk.mp4"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="names are text there")
+def test_a_video_whose_name_is_no_text_is_refused_in_words(path: Path, tmp_path: Path) -> None:
+    odd = tmp_path / os.fsdecode(b"caf\xe9.mp4")
+    shutil.copy(path.with_name("person.mp4"), odd)
+
+    async def work(desk: Store) -> None:
+        with pytest.raises(SessionError, match="rename"):
+            await desk.open(odd)
+
+    _with_store(path, work)

@@ -1,0 +1,293 @@
+"""A body of wrong proportions, posed on pictures of a person, comes out as the person is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from tests.benchmarks.sequences import video_of
+from tests.rendering.motions import stride, throw
+from tests.rendering.render import render
+from tests.rendering.scenes import camera
+from tracker.body.body import Body, preset
+from tracker.body.pose import Pose, joint_positions, pose_transforms
+from tracker.body.raster import BodyMesh
+from tracker.body.scaling import resized
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
+from tracker.errors import SessionError
+from tracker.fitting.sizes import SizesFitted, fit_sizes
+from tracker.fitting.sizes.contours import contour_of, offsets
+from tracker.fitting.sizes.grounds import learnt
+from tracker.fitting.sizes.proportions import Proportions
+from tracker.fitting.sizes.rows import Pictures
+from tracker.geometry.camera import Camera
+from tracker.session.settings import IgnoreMask
+from tracker.solver.body_points import Place
+from tracker.solver.fit_joints import fit_picture
+from tracker.video import Video
+from tracker.video.clip_loader import WorkingSize
+
+GIVEN = preset("adult_male")
+CAMERA = camera()
+KEYS, OTHERS = (8, 30, 55, 85), (0, 70, 118)
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """Pictures of a person, and the given body posed on some of them by the person's joints."""
+
+    person: Body
+    truth: Trajectory
+    pictures: NDArray[np.uint8]
+    keyposes: dict[int, Pose]
+
+    @property
+    def video(self) -> Video:
+        return video_of(len(self.pictures), lambda number: self.pictures[number])
+
+    def joints(self, frame: int) -> NDArray[np.float64]:
+        """Pixels of the person's joints and landmarks."""
+        return _joints(self.person, self.truth.pose(frame))
+
+
+def _joints(body: Body, pose: Pose) -> NDArray[np.float64]:
+    skeleton = Skeleton.of(body)
+    return CAMERA.project(joint_positions(skeleton, pose_transforms(skeleton, pose)))
+
+
+def _places(body: Body) -> list[Place]:
+    own: list[Place] = [((i, (0.0, 0.0, 0.0)),) for i in range(len(body.parts))]
+    marks: list[Place] = [
+        ((i, p),) for i, part in enumerate(body.parts) for p in part.landmarks.values()
+    ]
+    return own + marks
+
+
+def _person(kind: str) -> Body:
+    changes = {
+        "as given": {},
+        "long": {name: {"length_factor": 1.08} for name in ("left_forearm", "left_shin")},
+        "thick": {name: {"thickness_factor": 1.15} for name in ("left_shin", "left_thigh")},
+        "boots": {"left_shin": {"thickness_factor": 1.6}, "left_thigh": {"thickness_factor": 1.15}},
+    }
+    body = GIVEN
+    for name, factors in changes[kind].items():
+        body = resized(body, name, **factors)
+    return body
+
+
+@cache
+def _case(kind: str) -> Case:
+    person = _person(kind)
+    skeleton = Skeleton.of(person)
+    whole, frames = stride(skeleton), sorted((*KEYS, *OTHERS))
+    truth = Trajectory(0, whole.Rs_parent_part[frames], whole.ps_camera_root[frames])
+    keyposes = {}
+    for key in KEYS:
+        pose = truth.pose(frames.index(key))
+        uv = _joints(person, pose)
+        keyposes[frames.index(key)] = fit_picture(
+            GIVEN, CAMERA, _places(GIVEN), uv, np.ones(len(uv)), [pose], pose
+        ).pose
+    return Case(person, truth, render(skeleton, truth, CAMERA), keyposes)
+
+
+@cache
+def _fitted(kind: str) -> SizesFitted:
+    case = _case(kind)
+    return fit_sizes(case.video, CAMERA, GIVEN, case.keyposes)
+
+
+def _ratios(body: Body) -> dict[str, tuple[float, float]]:
+    """How much longer and thicker than the given body, by kind of part."""
+    ours, given = Proportions.of(body), Proportions.of(GIVEN)
+    ratios = (ours.metres() / given.metres()).reshape(-1, 2).tolist()
+    return {name: tuple(pair) for name, pair in zip(given.names, ratios, strict=True)}
+
+
+def _unchanged(case: Case, found: SizesFitted) -> None:
+    assert found.body == GIVEN
+    assert found.camera == CAMERA
+    assert found.changes == ()
+    assert found.keyposes == case.keyposes
+
+
+def test_thicker_legs_are_found_to_a_quarter_and_nothing_else_changes() -> None:
+    ratios = _ratios(_fitted("thick").body)
+    for name, (length, thickness) in ratios.items():
+        assert length == pytest.approx(1.0)
+        expected = 1.15 if name in ("thigh", "shin") else 1.0
+        assert thickness == pytest.approx(expected, abs=0.035 if expected > 1 else 1e-9)
+
+
+def test_longer_forearms_and_shins_are_found_by_half_or_more() -> None:
+    found = _fitted("long")
+    ratios = _ratios(found.body)
+    for name in ("forearm", "shin"):
+        assert 1.04 < ratios[name][0] < 1.10
+    others = [pair for name, pair in ratios.items() if name not in ("forearm", "shin")]
+    assert np.abs(np.array(others) - 1).max() < 0.02
+
+
+def test_a_size_that_differs_by_more_than_can_be_believed_is_named_and_left() -> None:
+    found, given = _fitted("boots"), dict.fromkeys(Proportions.of(GIVEN).names, (1.0, 1.0))
+    assert _ratios(found.body)["shin"] == pytest.approx(given["shin"])
+    assert "shin's thickness would have to change by more than is likely" in found.words
+    assert 1.05 < _ratios(found.body)["thigh"][1] < 1.25
+
+
+@pytest.mark.parametrize("kind", ["long", "thick"])
+def test_joints_stay_where_the_pictures_show_them(kind: str) -> None:
+    case, found = _case(kind), _fitted(kind)
+    away = [_joints(found.body, found.keyposes[k]) - case.joints(k) for k in case.keyposes]
+    assert np.linalg.norm(away, axis=-1).mean() < 2.0
+
+
+def test_keyframes_that_are_not_looked_at_are_posed_anew_as_well(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    case = _case("thick")
+    monkeypatch.setattr("tracker.fitting.sizes.sizes.MOST_LOOKED", 3)
+    found = fit_sizes(case.video, CAMERA, GIVEN, case.keyposes)
+    assert _ratios(found.body)["thigh"][1] > 1.1
+    away = [_joints(found.body, found.keyposes[k]) - case.joints(k) for k in case.keyposes]
+    assert np.linalg.norm(away, axis=-1).mean(axis=1).max() < 3.0
+
+
+def test_both_sides_change_together() -> None:
+    parts = {part.name: part for part in _fitted("thick").body.parts}
+    for name in ("thigh", "shin"):
+        assert parts[f"left_{name}"].shape == parts[f"right_{name}"].shape
+
+
+def test_right_sizes_stay_and_so_do_the_poses() -> None:
+    found = _fitted("as given")
+    _unchanged(_case("as given"), found)
+    assert found.words.startswith("The sizes agree with the pictures as they are.")
+
+
+def test_what_was_found_is_told_in_words_and_centimetres() -> None:
+    found = _fitted("thick")
+    assert "thicker" in found.words
+    changes = {(part, what): (before, after) for part, what, before, after in found.changes}
+    before, after = changes["thigh", "thickness"]
+    shape: Any = GIVEN.parts[GIVEN.index("left_thigh")].shape
+    assert before == pytest.approx(50 * sum((*shape.start_radii_m, *shape.end_radii_m)))
+    assert 1.1 < after / before < 1.2
+
+
+def test_the_same_pictures_give_the_same_sizes() -> None:
+    case = _case("thick")
+    again = fit_sizes(case.video, CAMERA, GIVEN, case.keyposes)
+    assert again.body == _fitted("thick").body
+
+
+@pytest.mark.parametrize("count", [0, 1])
+def test_fewer_than_two_keyframes_are_refused(count: int) -> None:
+    case = _case("as given")
+    with pytest.raises(SessionError, match="two keyframes or more"):
+        fit_sizes(case.video, CAMERA, GIVEN, dict(list(case.keyposes.items())[:count]))
+
+
+def test_featureless_pictures_change_nothing_and_say_so() -> None:
+    case = _case("thick")
+    grey = replace(case, pictures=np.full_like(case.pictures, 120))
+    found = fit_sizes(grey.video, CAMERA, GIVEN, case.keyposes)
+    _unchanged(case, found)
+    assert "nothing was changed" in found.words
+
+
+def test_what_is_masked_decides_nothing() -> None:
+    case = _case("thick")
+    corners = ((-1.0, -1.0), (640.0, -1.0), (640.0, 360.0), (-1.0, 360.0))
+    mask = IgnoreMask(polygon=corners, first_frame=0, last_frame=len(case.pictures) - 1)
+    _unchanged(case, fit_sizes(case.video, CAMERA, GIVEN, case.keyposes, masks=[mask]))
+
+
+def test_a_fit_that_is_cancelled_changes_nothing() -> None:
+    case, asked = _case("thick"), []
+
+    def cancelled() -> bool:
+        asked.append(True)
+        return len(asked) > 2
+
+    _unchanged(case, fit_sizes(case.video, CAMERA, GIVEN, case.keyposes, cancelled=cancelled))
+    assert len(asked) == 3
+
+
+def test_a_telephoto_camera_keeps_its_focal_length() -> None:
+    case = _case("as given")
+    update = {"projection": "telephoto", "telephoto_distance_m": 5.0}
+    lens: Camera = CAMERA.model_copy(update=update)
+    found = fit_sizes(case.video, lens, GIVEN, case.keyposes, focal=True)
+    assert found.camera == lens
+    assert "telephoto" in found.words
+
+
+def test_a_lens_taken_too_long_is_mended_where_the_person_stands_near() -> None:
+    skeleton, frames = Skeleton.of(GIVEN), [5, 35, 60, 80, 110]
+    whole = throw(skeleton)
+    near = whole.ps_camera_root[frames] - np.array([0.0, 0.0, 3.2])
+    truth = Trajectory(0, whole.Rs_parent_part[frames], near)
+    lens = CAMERA.model_copy(update={"fx": 330.0, "fy": 330.0})
+    pictures = render(skeleton, truth, lens)
+    longer = lens.model_copy(update={"fx": 380.0, "fy": 380.0})
+    keyposes = {}
+    for k in range(len(frames)):
+        pose = truth.pose(k)
+        uv = lens.project(joint_positions(skeleton, pose_transforms(skeleton, pose)))
+        start = Pose(pose.Rs_parent_part, pose.p_camera_root * (1.0, 1.0, 380 / 330))
+        keyposes[k] = fit_picture(
+            GIVEN, longer, _places(GIVEN), uv, np.ones(len(uv)), [start], start
+        ).pose
+    video = video_of(len(pictures), lambda number: pictures[number])
+    found = fit_sizes(video, longer, GIVEN, keyposes, focal=True)
+    assert 320 < found.camera.fx == found.camera.fy < 360
+    assert "focal length is" in found.words
+    ratio = found.keyposes[0].p_camera_root[2] / keyposes[0].p_camera_root[2]
+    assert ratio == pytest.approx(found.camera.fx / 380, abs=0.06)  # the person stands nearer
+
+
+def test_a_contour_is_seen_to_a_share_of_a_pixel() -> None:
+    case = _case("thick")
+    skeleton = Skeleton.of(GIVEN)
+    Ts = [pose_transforms(skeleton, case.truth.pose(k)) for k in case.keyposes]
+    pictures = Pictures.of(case.video, CAMERA, WorkingSize(0), sorted(case.keyposes), ())
+    seen = [contour_of(BodyMesh.of(skeleton), T, CAMERA) for T in Ts]
+    grounds = learnt(
+        pictures.rgb, pictures.usable, pictures.cells, [contour.shown for contour in seen],
+        np.arange(skeleton.part_count), pictures.plates,
+    )  # fmt: skip
+    for name, wider in (("thigh", 0.15), ("chest", 0.0)):
+        shape: Any = GIVEN.parts[next(i for i, n in enumerate(GIVEN.names) if name in n)].shape
+        radius = np.mean([*shape.start_radii_m, *shape.end_radii_m])
+        parts = [i for i, n in enumerate(GIVEN.names) if name in n]
+        away, expected = [], []
+        for k, contour in enumerate(seen):
+            own = np.isin(contour.parts, parts)
+            away.append(offsets(contour, grounds, k, 6.0)[own])
+            expected.append(wider * radius * CAMERA.fx / Ts[k][0, 2, 3])
+        found = np.concatenate(away)
+        assert np.isfinite(found).mean() > 0.3
+        assert np.nanmedian(found) == pytest.approx(np.mean(expected), abs=0.25)
+
+
+def test_solved_sizes_and_the_body_made_of_them_agree() -> None:
+    proportions = Proportions.of(GIVEN)
+    sizes = np.random.default_rng(2).normal(0, 0.1, proportions.count)
+    body = proportions.body_at(sizes)
+    np.testing.assert_allclose(Skeleton.of(body).joints, proportions.skeleton_at(sizes).joints)
+    ratios = Proportions.of(body).metres() / proportions.metres()
+    np.testing.assert_allclose(np.log(ratios), sizes)
+
+
+def test_sides_are_known_by_their_names_where_no_pairs_are_given() -> None:
+    plain = GIVEN.model_copy(update={"mirror_pairs": ()})
+    assert Proportions.of(plain).names == Proportions.of(GIVEN).names
+    assert "forearm" in Proportions.of(plain).names

@@ -1,0 +1,75 @@
+"""Sessions of every version open, and none is lost by it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.tracker import session_cases as cases
+from tracker.errors import SessionError
+from tracker.session.versions import PRESENT, STEPS
+from tracker.storage.files import load_session, save_session
+
+
+def _write(path: Path, **changes: Any) -> bytes:
+    save_session(cases.session(), path)
+    data = {**json.loads(path.read_bytes()), **changes}
+    path.write_text(json.dumps(data, indent=2))
+    return path.read_bytes()
+
+
+def test_there_is_a_step_from_every_older_version() -> None:
+    assert sorted(STEPS) == list(range(1, PRESENT))
+
+
+def test_an_older_session_opens_and_stays_as_it_is_until_it_is_saved(tmp_path: Path) -> None:
+    path = tmp_path / "session.json"
+    content = _write(path, schema_version=1)
+    session = load_session(path)
+    assert session == cases.session()
+    assert path.read_bytes() == content
+    assert [file.name for file in tmp_path.iterdir()] == ["session.json"]
+
+
+def test_before_an_older_session_is_saved_it_is_kept_for_good(tmp_path: Path) -> None:
+    path = tmp_path / "session.json"
+    content = _write(path, schema_version=1)
+    session = load_session(path)
+    for frames in ((0, 8), (0, 4)):
+        save_session(cases.session(keyframes=frames), path)
+    assert (tmp_path / "session.json.v1").read_bytes() == content
+    assert load_session(tmp_path / "session.json.v1") == session
+    assert json.loads(path.read_bytes())["schema_version"] == PRESENT
+
+
+def test_a_newer_session_can_be_looked_at_and_is_never_changed(tmp_path: Path) -> None:
+    path = tmp_path / "session.json"
+    content = _write(path, schema_version=PRESENT + 1, colour="red")
+    session = load_session(path)
+    assert session.is_newer
+    assert len(session.keyframes) == len(cases.KEYFRAMES)
+    with pytest.raises(SessionError, match=r"of a newer Keypose \(version 3\) and is not changed"):
+        save_session(session, path)
+    with pytest.raises(SessionError, match="newer Keypose"):
+        save_session(cases.session(keyframes=(0, 8)), path)
+    assert path.read_bytes() == content
+
+
+def test_fields_that_are_not_known_survive_wherever_they_stand(tmp_path: Path) -> None:
+    path = tmp_path / "session.json"
+    save_session(cases.session(), path)
+    data = json.loads(path.read_bytes())
+    data["lab"] = {"subject": 7, "notes": ["ä", None]}
+    data["camera"]["serial"] = "A-1"
+    data["keyframes"][1]["sure"] = 0.5
+    data["body"]["parts"][2]["mass_kg"] = 2.1
+    data["body"]["parts"][2]["shape"]["colour"] = "red"
+    data["settings"]["gpu"] = False
+    path.write_text(json.dumps(data))
+    session = load_session(path)
+    save_session(session.model_copy(update={"up_camera": (0.0, -1.0, 0.0)}), path)
+    data["up_camera"] = [0.0, -1.0, 0.0]
+    assert json.loads(path.read_bytes()) == data

@@ -1,0 +1,228 @@
+"""The verdict's words for evidence made up to be clear."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from tests.tracker.tracking_cases import scene_of
+from tracker.body.body import preset
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Pass, Trajectory, interpolate
+from tracker.tracking.cycle import Outcome
+from tracker.tracking.diagnostics.judge import judge
+from tracker.tracking.diagnostics.observability import Observation, unobserved
+from tracker.tracking.diagnostics.verdict import Verdict
+from tracker.tracking.scene import Scene
+from tracker.tracking.segment import Segment
+from tracker.video.pyramid import Clip
+
+FIRST, LAST = 100, 120
+N = LAST - FIRST
+SKELETON = Skeleton.of(preset("adult_male"))
+START = Pose.rest(SKELETON, (0.0, 0.0, 6.0))
+END = Pose.rest(SKELETON, (0.2, 0.0, 6.0))
+SEGMENT = Segment(FIRST, LAST, START, END, Clip(FIRST, ()))
+SCENE: Scene = scene_of(SKELETON, poses=[START])
+MARKS = len(SCENE.marks[1])
+PATH: Trajectory = interpolate(START, END, FIRST, LAST)
+FAR = 1000.0
+
+
+def outcome(
+    apart: NDArray[np.float64] | None = None,
+    drift: NDArray[np.float64] | None = None,
+    diverged: bool = False,
+    what: str = "pass",
+    followed: bool = True,
+) -> Outcome:
+    still = np.zeros((N + 1, MARKS))
+    return Outcome(
+        (Pass(what, PATH, 3.0),), 0, still if apart is None else apart,
+        still[1:] if drift is None else drift, followed, diverged, 0.0,
+    )  # fmt: skip
+
+
+def clear() -> Observation:
+    """Everything is seen well."""
+    parts = SKELETON.part_count
+    observability = np.where(np.isin(np.arange(parts), SKELETON.dof_part), 0.9, np.nan) * np.ones(
+        (N, 1)
+    )
+    return Observation(
+        np.full(N, 23), np.ones((N, 23)), observability, np.full((N, parts), 2.0),
+        np.full((N, parts), 100),
+    )  # fmt: skip
+
+
+def hidden(part: str, first: int, last: int) -> Observation:
+    """A part is not seen from the pair `first` to the pair `last`, counted from 0."""
+    seen = clear()
+    observability = seen.observability.copy()
+    observability[first : last + 1, SKELETON.body.index(part)] = 0.01
+    return replace(seen, observability=observability)
+
+
+def verdict(found: Outcome, seen: Observation | None = None) -> Verdict:
+    return judge(SCENE, SEGMENT, found, seen or clear())
+
+
+def test_where_all_evidence_agrees_it_is_good() -> None:
+    found = verdict(outcome())
+    assert (found.kind, found.words, found.frames) == ("good", "good", None)
+
+
+def test_without_having_looked_nothing_is_called_unseen() -> None:
+    assert verdict(outcome(), unobserved(SCENE, SEGMENT.clip, PATH)).kind == "good"
+
+
+def test_a_diverged_segment_asks_for_a_keyframe_in_its_middle() -> None:
+    found = verdict(outcome(diverged=True, what="interpolation"))
+    assert found.kind == "lost"
+    assert found.words == "lost: add a keyframe near 110"
+    assert found.frames == (110, 110)
+
+
+def test_where_both_evidences_are_strong_a_keyframe_is_asked_for_where_they_are_strongest() -> None:
+    apart, drift = np.zeros((N + 1, MARKS)), np.zeros((N, MARKS))
+    apart[5:9], drift[5:9] = FAR, FAR
+    found = verdict(outcome(apart, drift))
+    assert found.kind == "lost"
+    near = re.fullmatch(r"lost: add a keyframe near (\d+)", found.words)
+    assert near is not None
+    assert FIRST + 4 <= int(near[1]) <= FIRST + 10
+    assert found.frames == (int(near[1]), int(near[1]))
+
+
+@pytest.mark.parametrize("strong", ["apart", "drift"])
+def test_one_evidence_alone_names_the_part_and_the_frames_to_look_at(strong: str) -> None:
+    joint = int(np.flatnonzero(SCENE.marks[1] == SKELETON.body.index("left_forearm"))[0])
+    apart, drift = np.zeros((N + 1, MARKS)), np.zeros((N, MARKS))
+    (apart if strong == "apart" else drift)[8:12, joint] = FAR
+    found = verdict(outcome(apart, drift))
+    assert found.kind == "check"
+    assert "left forearm" in found.words
+    assert found.frames is not None
+    assert FIRST + 6 <= found.frames[0] <= found.frames[1] <= FIRST + 13
+    assert found.words.startswith(f"check frames {found.frames[0]}–{found.frames[1]}: ")
+
+
+def drifting(part: str, first: int = 0, last: int = N) -> NDArray[np.float64]:
+    """Drift of one mark of a part alone, strong enough for a word."""
+    joint = int(np.flatnonzero(SCENE.marks[1] == SKELETON.body.index(part))[-1])
+    drift = np.zeros((N, MARKS))
+    drift[first:last, joint] = FAR
+    return drift
+
+
+@pytest.mark.parametrize(
+    ("marked", "named"),
+    [
+        ("left_forearm", "left forearm"),
+        ("left_hand", "left forearm"),
+        ("right_foot", "right shin"),
+        ("neck", "chest"),
+        ("head", "head"),
+        ("waist", "waist"),
+    ],
+)
+def test_a_part_that_is_not_tracked_is_told_by_the_one_that_carries_it(
+    marked: str, named: str
+) -> None:
+    found = verdict(outcome(drift=drifting(marked)))
+    assert found.words == f"check frames {FIRST + 1}–{LAST - 1}: {named} uncertain"
+
+
+def test_an_uncertain_part_that_was_hidden_meanwhile_is_told_as_not_seen() -> None:
+    drift = drifting("right_hand", 6, 8)
+    words = f"check frames {FIRST + 7}–{FIRST + 8}: right forearm"
+    assert verdict(outcome(drift=drift)).words == f"{words} uncertain"
+    assert verdict(outcome(drift=drift), hidden("right_forearm", 6, 7)).words == f"{words} not seen"
+    covered = clear()
+    covered.shown[6:8, SKELETON.body.index("right_forearm")] = 0
+    assert verdict(outcome(drift=drift), covered).words == f"{words} not seen"
+    assert (
+        verdict(outcome(drift=drift), hidden("right_forearm", 0, 1)).words == f"{words} uncertain"
+    )
+
+
+def test_without_having_looked_an_uncertain_part_is_not_called_unseen() -> None:
+    blind = unobserved(SCENE, SEGMENT.clip, PATH)
+    assert verdict(outcome(drift=drifting("left_shin")), blind).words.endswith("uncertain")
+
+
+def test_at_the_keyframes_themselves_the_chains_may_differ() -> None:
+    apart = np.zeros((N + 1, MARKS))
+    apart[[0, N]] = FAR
+    assert verdict(outcome(apart)).kind == "good"
+
+
+def test_small_evidence_does_not_matter() -> None:
+    assert verdict(outcome(np.full((N + 1, MARKS), 0.02), np.full((N, MARKS), 1e-4))).kind == "good"
+
+
+def test_a_part_that_goes_unseen_is_named_with_its_frames() -> None:
+    found = verdict(outcome(), hidden("right_upper_arm", 4, 11))
+    assert found.kind == "check"
+    assert found.words == f"check frames {FIRST + 5}–{FIRST + 12}: right upper arm not seen"
+    assert found.frames == (FIRST + 5, FIRST + 12)
+
+
+def test_the_part_unseen_for_longest_is_the_one_that_is_named() -> None:
+    both = hidden("head", 2, 5).observability
+    longer = hidden("left_shin", 1, 15)
+    seen = replace(longer, observability=np.fmin(longer.observability, both))
+    assert "left shin" in verdict(outcome(), seen).words
+
+
+def test_a_part_unseen_for_a_moment_is_not_worth_a_word() -> None:
+    assert verdict(outcome(), hidden("head", 4, 4)).kind == "good"
+
+
+def test_lost_comes_before_unseen() -> None:
+    strong = np.full((N + 1, MARKS), FAR)
+    found = verdict(outcome(strong, strong[1:]), hidden("head", 0, N - 1))
+    assert found.kind == "lost"
+
+
+@pytest.mark.parametrize("what", ["both ways", "pass", "refinement"])
+def test_a_segment_of_which_a_pass_diverged_is_not_good(what: str) -> None:
+    assert verdict(outcome(diverged=True, what=what)).kind != "good"
+
+
+@pytest.mark.parametrize("nothing", ["apart", "drift"])
+def test_evidence_that_is_no_number_is_not_good(nothing: str) -> None:
+    none = np.full((N + 1, MARKS), np.nan)
+    found = outcome(none) if nothing == "apart" else outcome(drift=none[1:])
+    assert verdict(found).kind != "good"
+
+
+def test_chains_that_could_not_be_followed_are_lost_whatever_was_kept() -> None:
+    assert verdict(outcome(followed=False, what="refinement")).kind == "lost"
+
+
+def test_neighbouring_keyframes_that_contradict_each_other_are_told_as_such() -> None:
+    segment = Segment(FIRST, FIRST + 1, START, END, Clip(FIRST, ()))
+    wild = np.full((2, MARKS), FAR)
+    path = interpolate(START, END, FIRST, FIRST + 1)
+    found = Outcome((Pass("pass", path, 3.0),), 0, wild, wild[1:], False, False, 0.0)
+    told = judge(SCENE, segment, found, unobserved(SCENE, segment.clip, path))
+    assert told.kind == "lost"
+    assert told.words == f"lost: the keyframes at {FIRST} and {FIRST + 1} contradict each other"
+    uncertain = judge(
+        SCENE, segment, replace(found, followed=True), unobserved(SCENE, segment.clip, path)
+    )
+    assert uncertain.frames is None or uncertain.frames[0] <= uncertain.frames[1]
+
+
+def test_a_body_that_is_nowhere_to_be_seen_is_lost() -> None:
+    seen = clear()
+    none = replace(seen, shown=np.zeros_like(seen.shown), rank=np.zeros_like(seen.rank))
+    found = verdict(outcome(), none)
+    assert found.kind == "lost"
+    assert "nothing of the body is seen" in found.words

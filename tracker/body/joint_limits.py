@@ -1,0 +1,76 @@
+"""How far the parts of a pose turn beyond their joint limits, and how that changes as they turn.
+
+Limits are ranges of the Euler angles x, y, z of R = Qz·Qy·Qx. Each rotation has two such triples;
+the one less far outside counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tracker.body.body import Body
+from tracker.geometry.rotations import Array, euler_from_rotation
+
+LEAST_COS = 0.1
+"""Near a right angle of y, where x and z turn about one axis, angles change no faster than this."""
+
+
+@dataclass(frozen=True, eq=False)
+class Limits:
+    """The boxes of a body: lowest and highest angles (P, 3) in radians, infinite where free."""
+
+    low: Array
+    high: Array
+
+    @classmethod
+    def of(cls, body: Body) -> Limits:
+        """The limits of a body's parts."""
+        free = (-np.inf, np.inf)
+        boxes = [
+            [part.limits_deg.get(axis, free) for axis in ("x", "y", "z")] for part in body.parts
+        ]
+        box = np.radians(np.array(boxes, dtype=np.float64))
+        return cls(box[..., 0], box[..., 1])
+
+    def excess(self, Rs_parent_part: Array) -> tuple[Array, Array]:
+        """Radians (P, 3) by which x, y, z lie outside, signed, and their slopes (P, 3, 3).
+
+        A slope is the change of an angle with a small turn about each of the part's own axes.
+        """
+        angles = self._nearer(Rs_parent_part)
+        outside = np.maximum(angles - self.high, 0.0) + np.minimum(angles - self.low, 0.0)
+        return outside, _slopes(angles)
+
+    def widened(self, posed: Sequence[Array]) -> Limits:
+        """Wide enough for rotations (P, 3, 3) that were posed: whoever did so saw the joint."""
+        outside = np.stack([self.excess(Rs)[0] for Rs in posed])
+        return Limits(
+            self.low + np.minimum(outside, 0.0).min(0), self.high + np.maximum(outside, 0.0).max(0)
+        )
+
+    def _nearer(self, Rs: Array) -> Array:
+        """(P, 3) the triple [x, y, z] that lies less far outside."""
+        one = euler_from_rotation(Rs)[:, ::-1]
+        other = np.stack([one[:, 0] + np.pi, np.pi - one[:, 1], one[:, 2] + np.pi], axis=-1)
+        both = np.stack([one, other])
+        bounded = np.isfinite(self.low) & np.isfinite(self.high)
+        middle = np.where(bounded, (np.nan_to_num(self.low) + np.nan_to_num(self.high)) / 2, 0.0)
+        both -= 2 * np.pi * np.round((both - middle) / (2 * np.pi))
+        out = np.maximum(np.maximum(both - self.high, self.low - both), 0.0).sum(axis=-1)
+        return np.asarray(np.where((out[1] < out[0] - 1e-9)[:, None], both[1], both[0]))
+
+
+def _slopes(angles: Array) -> Array:
+    """∂(x, y, z)/∂w for R · exp(w): the inverse of how Euler rates make an angular velocity."""
+    x, y, _ = angles.T
+    cos_y = np.cos(y)
+    cos_y = np.where(np.abs(cos_y) < LEAST_COS, np.copysign(LEAST_COS, cos_y), cos_y)
+    slopes = np.zeros((len(angles), 3, 3))
+    slopes[:, 2, 1], slopes[:, 2, 2] = np.sin(x) / cos_y, np.cos(x) / cos_y
+    slopes[:, 1, 1], slopes[:, 1, 2] = np.cos(x), -np.sin(x)
+    slopes[:, 0] = slopes[:, 2] * np.sin(y)[:, None]
+    slopes[:, 0, 0] = 1.0
+    return slopes

@@ -1,0 +1,104 @@
+"""A body as arrays: what the numerics need of it, laid out once.
+
+Degrees of freedom are the tracked motions of all parts in the order of the parts, translations
+before rotations: the columns of DRIFT's A.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.body.body import ALL_DOFS, Body, Dof
+from tracker.geometry.rotations import Array, frozen
+
+TRANSLATION_SCALE_M = 0.3
+"""Column scale of translations before singular values are compared with those of rotations:
+the lever at which one radian moves a point as far as one unit of translation."""
+
+
+@dataclass(frozen=True, eq=False)
+class Skeleton:
+    """Arrays of one body: P parts, D tracked degrees of freedom.
+
+    parents:  (P,) index of the parent, −1 for the root (always part 0).
+    joints:   (P, 3) joint in the parent's frame, metres.
+    dof_part: (D,) part each degree of freedom turns or moves.
+    dof_turns: (D,) 1 for a rotation, 0 for a translation.
+    dof_axis: (D,) axis 0, 1, 2 in the part's own frame.
+    below:    (P, P) True where part [i] is part [k] or hangs below it.
+    """
+
+    body: Body
+    parents: NDArray[np.int64]
+    joints: Array
+    dof_part: NDArray[np.int64]
+    dof_turns: NDArray[np.int64]
+    dof_axis: NDArray[np.int64]
+    below: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, body: Body) -> Skeleton:
+        """Lay out a validated body."""
+        parents = [-1 if p.parent is None else body.index(p.parent) for p in body.parts]
+        dofs = [(i, dof) for i, part in enumerate(body.parts) for dof in _ordered(part.tracked)]
+        return cls(
+            body=body,
+            parents=_integers(parents),
+            joints=frozen([part.joint_m for part in body.parts]).reshape(-1, 3),
+            dof_part=_integers([i for i, _ in dofs]),
+            dof_turns=_integers([dof[0] == "r" for _, dof in dofs]),
+            dof_axis=_integers(["xyz".index(dof[1]) for _, dof in dofs]),
+            below=_below(parents),
+        )
+
+    @property
+    def part_count(self) -> int:
+        return len(self.parents)
+
+    @property
+    def dof_count(self) -> int:
+        return len(self.dof_part)
+
+    @property
+    def dof_names(self) -> tuple[str, ...]:
+        """Such as "chest rx"."""
+        kinds = zip(self.dof_part, self.dof_turns, self.dof_axis, strict=True)
+        return tuple(f"{self.body.names[i]} {'tr'[turns]}{'xyz'[a]}" for i, turns, a in kinds)
+
+    @cached_property
+    def limbs(self) -> NDArray[np.int64]:
+        """(P,) the limb each part belongs to: parts that follow one another without branching."""
+        limb = np.arange(self.part_count)
+        for i, parent in enumerate(self.parents):
+            if parent > 0 and (self.parents == parent).sum() == 1:
+                limb[i] = limb[parent]
+        limb.setflags(write=False)
+        return limb
+
+    @property
+    def column_scale(self) -> Array:
+        """(D,) what one unit of each degree of freedom is worth when A's columns are compared."""
+        return np.where(self.dof_turns == 1, 1.0, TRANSLATION_SCALE_M)
+
+
+def _ordered(tracked: tuple[Dof, ...]) -> list[Dof]:
+    return sorted(tracked, key=ALL_DOFS.index)
+
+
+def _integers(values: list[int] | list[bool]) -> NDArray[np.int64]:
+    array = np.array(values, dtype=np.int64)
+    array.setflags(write=False)
+    return array
+
+
+def _below(parents: list[int]) -> NDArray[np.bool_]:
+    below = np.eye(len(parents), dtype=bool)
+    for i, parent in enumerate(parents):
+        if parent >= 0:
+            below[i] |= below[parent]
+    below.setflags(write=False)
+    return below

@@ -1,0 +1,97 @@
+"""A pose for every frame of a stretch of video, and the plainest way to make one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from tracker.body.pose import Pose, joint_positions, part_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import Array, frozen, rotation_between
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """Poses of N consecutive frames.
+
+    first_frame:     index of the first pose's video frame.
+    Rs_parent_part:  (N, P, 3, 3) rotations in the parents' frames.
+    ps_camera_root:  (N, 3) root positions in the camera frame, metres.
+    """
+
+    first_frame: int
+    Rs_parent_part: Array
+    ps_camera_root: Array
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "Rs_parent_part", frozen(self.Rs_parent_part))
+        object.__setattr__(self, "ps_camera_root", frozen(self.ps_camera_root))
+
+    def __len__(self) -> int:
+        return len(self.ps_camera_root)
+
+    def loose(self) -> tuple[Array, Array]:
+        """Writable copies of both arrays: the loops are compiled for that kind only."""
+        return self.Rs_parent_part.copy(), self.ps_camera_root.copy()
+
+    @property
+    def last_frame(self) -> int:
+        return self.first_frame + len(self) - 1
+
+    def pose(self, frame: int) -> Pose:
+        """The pose at a video frame inside the trajectory."""
+        i = frame - self.first_frame
+        if not 0 <= i < len(self):
+            raise IndexError(f"frame {frame} is not in {self.first_frame}..{self.last_frame}")
+        return Pose(self.Rs_parent_part[i], self.ps_camera_root[i])
+
+    def transforms(self, skeleton: Skeleton) -> Array:
+        """Ts_camera_part (N, P, 4, 4)."""
+        return part_transforms(skeleton, self.Rs_parent_part, self.ps_camera_root)
+
+    def joints(self, skeleton: Skeleton) -> Array:
+        """Joints and landmarks (N, J, 3) in the camera frame, metres."""
+        return joint_positions(skeleton, self.transforms(skeleton))
+
+
+@dataclass(frozen=True, eq=False)
+class Pass:
+    """A trajectory on the way, and its score (the lower the better within one segment).
+
+    what: "interpolation", "both ways", "templates", "import", "pass" or "refinement"; of observed
+        surfaces "fit".
+    score: None where not judged.
+    """
+
+    what: str
+    trajectory: Trajectory
+    score: float | None
+
+    @property
+    def told_score(self) -> float:
+        """The score as a number; NaN where not judged."""
+        return np.nan if self.score is None else self.score
+
+
+def interpolate(start: Pose, end: Pose, first_frame: int, last_frame: int) -> Trajectory:
+    """Each part's one-axis rotation and the root's straight line, divided evenly.  DRIFT §2.2"""
+    shares = np.arange(last_frame - first_frame + 1) / (last_frame - first_frame)
+    Rs = rotation_between(start.Rs_parent_part, end.Rs_parent_part, shares)
+    Rs[0], Rs[-1] = start.Rs_parent_part, end.Rs_parent_part
+    step = end.p_camera_root - start.p_camera_root
+    ps = start.p_camera_root + shares[:, None] * step
+    ps[-1] = end.p_camera_root
+    return Trajectory(first_frame, Rs, ps)
+
+
+def joined(pieces: list[Trajectory]) -> Trajectory:
+    """One trajectory of consecutive ones that share their border frames."""
+    for before, after in pairwise(pieces):
+        if before.last_frame != after.first_frame:
+            raise ValueError("trajectories must meet at a shared frame")
+    heads = [(p.Rs_parent_part[:-1], p.ps_camera_root[:-1]) for p in pieces[:-1]]
+    heads.append((pieces[-1].Rs_parent_part, pieces[-1].ps_camera_root))
+    Rs, ps = (np.concatenate([head[k] for head in heads]) for k in range(2))
+    return Trajectory(pieces[0].first_frame, Rs, ps)

@@ -1,5 +1,0 @@
-"""A roughly posed keyframe improved from the picture: a suggestion, which may be taken back."""
-
-from tracker.fit_here.keyframe import Fitted, fit_here
-
-__all__ = ["Fitted", "fit_here"]

@@ -1,5 +1,0 @@
-"""A body's sizes from several keyframes: a suggestion, which may be taken back."""
-
-from tracker.fit_sizes.sizes import SizesFitted, fit_sizes
-
-__all__ = ["SizesFitted", "fit_sizes"]

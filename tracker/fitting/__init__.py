@@ -1,0 +1,1 @@
+"""A pose, or the body's sizes, fitted to what the pictures show."""

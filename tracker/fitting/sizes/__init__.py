@@ -1,0 +1,5 @@
+"""A body's sizes from several keyframes: a suggestion, which may be taken back."""
+
+from tracker.fitting.sizes.sizes import SizesFitted, fit_sizes
+
+__all__ = ["SizesFitted", "fit_sizes"]

@@ -1,0 +1,120 @@
+"""What pictures say about sizes and poses, as rows to fit to: contours, and joints as posed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.raster import BodyMesh
+from tracker.fitting.sizes.contours import Contour, contour_of, offsets
+from tracker.fitting.sizes.grounds import Grounds, cells_of, learnt, plates_of
+from tracker.fitting.sizes.shared import Rows, Shared, SharedFit
+from tracker.geometry.camera import Camera
+from tracker.session.settings import IgnoreMask
+from tracker.video.clip_loader import ClipLoader, WorkingSize
+
+if TYPE_CHECKING:
+    from tracker.video import Video
+
+CONTOUR_PX, JOINT_PX = 1.0, 3.0
+"""How far off a contour is seen, and a joint is posed."""
+ALONE = 24
+"""So many points of one part in one picture count; more of them share the same error, for no person
+is made of cylinders."""
+PLATE_FRAMES = 12
+"""Frames over the video from which the empty scene is known, where the camera stands still."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pictures:
+    """Some pictures (h, w, 3) at the working size, what may be used of them, their colours' cells,
+    and what the empty scene tells."""
+
+    rgb: list[NDArray[np.uint8]]
+    usable: list[NDArray[np.bool_]]
+    cells: list[NDArray[np.int32]]
+    plates: list[NDArray[np.float32]]
+
+    @classmethod
+    def of(
+        cls,
+        video: Video,
+        camera: Camera,
+        size: WorkingSize,
+        frames: Sequence[int],
+        masks: Sequence[IgnoreMask],
+    ) -> Pictures:
+        """The pictures of these frames."""
+        loader = ClipLoader(video, camera, size, masks)
+        spread = np.linspace(0, video.info.frame_count - 1, PLATE_FRAMES).round().astype(int)
+        others = sorted({int(frame) for frame in spread} - set(frames))
+        rgb = [_colours(video, camera, size, frame) for frame in frames]
+        usable = [loader.load(frame, frame).levels[0][0, ..., 3] >= 1 for frame in frames]
+        plates = plates_of(rgb, [_colours(video, camera, size, frame) for frame in others])
+        return cls(rgb, usable, [cells_of(picture) for picture in rgb], plates)
+
+    def grounds(self, seen: Sequence[Contour], fit: SharedFit) -> Grounds:
+        """What the pictures tell of parts that show where the contours say."""
+        shown = [contour.shown for contour in seen]
+        groups = fit.proportions.group_of
+        return learnt(self.rgb, self.usable, self.cells, shown, groups, self.plates)
+
+
+def _colours(video: Video, camera: Camera, size: WorkingSize, frame: int) -> NDArray[np.uint8]:
+    for _, rgb in video.frames(frame, frame + 1):
+        if rgb is not None:
+            return size.picture(camera.rectify(rgb))
+    small = size.camera(camera)
+    return np.zeros((small.height, small.width, 3), np.uint8)
+
+
+def contours(fit: SharedFit, shared: Shared, looked: Sequence[int]) -> list[Contour]:
+    """The contours of the poses of these indices."""
+    mesh, ratios = BodyMesh.of(fit.proportions.skeleton), fit.proportions.ratios(shared.sizes)
+    sized = replace(mesh, vertices=mesh.vertices * ratios[mesh.vertex_part])
+    camera = fit.camera_at(shared)
+    return [contour_of(sized, fit.transforms(shared, k), camera) for k in looked]
+
+
+def contour_rows(
+    fit: SharedFit, shared: Shared, k: int, contour: Contour, away: NDArray[np.float64]
+) -> Rows:
+    """Pose k's contour points, to be moved outward by these pixels (M,), not where that is NaN."""
+    known = np.isfinite(away)
+    parts, normals = contour.parts[known], contour.normals[known]
+    points = contour.points[known] / fit.proportions.ratios(shared.sizes)[parts]
+    sigma = CONTOUR_PX * np.sqrt(np.maximum(1.0, np.bincount(parts)[parts] / ALONE))
+    rows = Rows(parts, points, normals, np.zeros(len(parts)), sigma)
+    return replace(rows, target=rows.along(fit.pixels(shared, k, rows)) + away[known])
+
+
+def joint_rows(fit: SharedFit, posed: Pose) -> Rows:
+    """Joints and landmarks stay about where they were posed in the picture."""
+    places = [
+        (i, point)
+        for i, part in enumerate(fit.proportions.body.parts)
+        for point in ((0.0, 0.0, 0.0), *part.landmarks.values())
+    ]
+    parts = np.array([i for i, _ in places])
+    points = np.array([point for _, point in places])
+    T = pose_transforms(fit.proportions.skeleton, posed)[parts]
+    uv = fit.camera.project((T[:, :3, :3] @ points[..., None])[..., 0] + T[:, :3, 3])
+    normals = np.repeat(np.eye(2), len(parts), axis=0)
+    sigma = np.full(2 * len(parts), JOINT_PX)
+    return Rows(np.tile(parts, 2), np.tile(points, (2, 1)), normals, uv.T.ravel(), sigma)
+
+
+def looked_up(
+    fit: SharedFit, shared: Shared, looked: Sequence[int], seen: Sequence[Contour],
+    grounds: Grounds, reach_px: float,
+) -> dict[int, Rows]:  # fmt: skip
+    """The contour rows of the poses that are looked at."""
+    return {
+        k: contour_rows(fit, shared, k, contour, offsets(contour, grounds, j, reach_px))
+        for j, (k, contour) in enumerate(zip(looked, seen, strict=True))
+    }

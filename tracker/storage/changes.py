@@ -1,0 +1,110 @@
+"""What one edit changed in a session: small plain data, with which the edit can be made again.
+
+Of keyframes and drafts only those that differ are told. Results are no edit: a person did
+not make them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeAlias, get_type_hints
+
+from pydantic import TypeAdapter, ValidationError
+
+from tracker.errors import one_sentence
+from tracker.session.schema import Keyframe, Session, demand_few, demand_fit
+
+Changes: TypeAlias = dict[str, Any]
+"""New values by the session's fields; of keyframes and drafts: {"set": [...], "drop": [frames]}."""
+
+LISTED = ("keyframes", "drafts")
+FIELDS = tuple(name for name in Session.model_fields if name not in ("schema_version", "results"))
+
+_KEYFRAMES = TypeAdapter(tuple[Keyframe, ...])
+_VALUES: dict[str, TypeAdapter[Any]] = {
+    name: TypeAdapter(get_type_hints(Session, include_extras=True)[name])
+    for name in FIELDS
+    if name not in LISTED
+}
+
+
+def changes(before: Session, after: Session) -> Changes:
+    """What makes `after` of `before`."""
+    found: Changes = {}
+    for name in FIELDS:
+        was, now = getattr(before, name), getattr(after, name)
+        if now is was or now == was:
+            continue
+        found[name] = _listed(was, now) if name in LISTED else _plain(name, now)
+    return found
+
+
+def changed(before: Session, told: Mapping[str, Any]) -> Session:
+    """The session after these changes; ValueError when they are none.
+
+    Every value is validated by itself; that all fit together, the caller has to see to.
+    """
+    unknown = sorted(set(told) - set(FIELDS))
+    if unknown:
+        raise ValueError(f"a change of {unknown[0]!r}, which a session does not have")
+    new = {
+        name: _merged(getattr(before, name), value)
+        if name in LISTED
+        else _VALUES[name].validate_python(value)
+        for name, value in told.items()
+    }
+    return before.model_copy(update=new) if new else before
+
+
+def demand_sound(before: Session, after: Session) -> None:
+    """ValueError, in words that name the field, when `after` would not read back.
+
+    before: a session that is sound; only what differs from it is looked at.
+    """
+    told = changes(before, after)
+    for name, value in told.items():
+        _demand_valid(name, value)
+    if not told:
+        return
+    posed = (*after.keyframes, *after.drafts)
+    if not told.keys() & {"video", "camera", "body"}:  # what every pose is held against
+        known = {id(pose) for pose in (*before.keyframes, *before.drafts)}
+        posed = tuple(pose for pose in posed if id(pose) not in known)
+    demand_fit(after, posed)
+
+
+def _demand_valid(name: str, value: Any) -> None:
+    try:
+        if name in LISTED:
+            _KEYFRAMES.validate_python(value["set"])
+        else:
+            _VALUES[name].validate_python(value)
+    except ValidationError as error:
+        words = one_sentence(error).rstrip(".")
+        raise ValueError(f"{name}: {words[:1].lower()}{words[1:]}") from None
+
+
+def _plain(name: str, value: Any) -> Any:
+    return _VALUES[name].dump_python(value, mode="json")
+
+
+def _listed(was: Sequence[Keyframe], now: Sequence[Keyframe]) -> dict[str, Any]:
+    known = {keyframe.frame: keyframe for keyframe in was}
+    frames = {keyframe.frame for keyframe in now}
+    fresh = [one for one in now if known.get(one.frame) is not one and known.get(one.frame) != one]
+    return {
+        "set": [keyframe.model_dump(mode="json") for keyframe in fresh],
+        "drop": sorted(known.keys() - frames),
+    }
+
+
+def _merged(was: Sequence[Keyframe], told: Any) -> tuple[Keyframe, ...]:
+    if not isinstance(told, dict) or not told.keys() <= {"set", "drop"}:
+        raise ValueError("keyframes that are neither set nor dropped")
+    demand_few({"keyframes": told.get("set", ())})
+    left = {keyframe.frame: keyframe for keyframe in was}
+    for frame in told.get("drop", ()):
+        left.pop(frame, None)
+    for keyframe in _KEYFRAMES.validate_python(told.get("set", ())):
+        left[keyframe.frame] = keyframe
+    return tuple(left[frame] for frame in sorted(left))

@@ -1,0 +1,262 @@
+"""Reading and writing the session file, and finding the video it is about."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Collection
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pydantic import ValidationError
+from pydantic_core import from_json
+
+from tracker.errors import SessionError, one_sentence
+from tracker.files import TooLarge, read_own, read_regular
+from tracker.session.schema import Session
+from tracker.session.versions import PRESENT, brought_up, version_in
+from tracker.storage.atomic import write_file
+from tracker.storage.chronicle import Recovered, recovered
+from tracker.storage.finding import found_again
+from tracker.storage.journal import NAME as JOURNAL
+from tracker.storage.journal import Read, read_journal
+
+if TYPE_CHECKING:
+    from tracker.video import Video
+
+LARGEST_SESSION_BYTES = 64 * 2**20
+"""Far above any session: what is larger is a video or an archive chosen by mistake."""
+
+
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """A session as it was left, wherever the last edit is kept.
+
+    session:   the newest document, with the results of the session file.
+    recovered: the same with its history, and whether the journal can be gone on with.
+    journal:   what was read of it.
+    problem:   why that cannot be read, in a sentence.
+    """
+
+    session: Session
+    recovered: Recovered
+    journal: Read
+    problem: str = ""
+
+
+def load_session(path: Path) -> Session:
+    """The session in a file, with the edits that only its journal has.
+
+    SessionError in one sentence that names the file and the field.
+    """
+    return open_session(path).session
+
+
+def open_session(path: Path) -> Opened:
+    """The same with its history."""
+    session = read_session(path)
+    try:
+        journal, problem = read_journal(journal_path(path)), ""
+    except SessionError as error:  # the session file is whole by itself
+        journal, problem = Read(), str(error)
+    found = recovered(session, journal.records)
+    newest = found.moment.doc.model_copy(update={"results": session.results})
+    return Opened(newest if found.ahead else session, found, journal, problem)
+
+
+def read_session(path: Path) -> Session:
+    """What the session file alone says; as `load_session` but for edits on their way to it."""
+    try:
+        data = brought_up(from_json(_read(path)), path.name)
+    except ValueError as error:
+        raise SessionError(f"{path.name} is not JSON: {error}.") from None
+    try:
+        return Session.model_validate(data)
+    except ValidationError as error:
+        text = one_sentence(error)
+        version = data["schema_version"]
+        newer = f"written by a newer Keypose (version {version}), and here " * (version > PRESENT)
+        raise SessionError(f"{path.name}: {newer}{text[:1].lower()}{text[1:]}") from None
+
+
+def journal_path(session_path: Path) -> Path:
+    """Where the journal of a session file lies: journal.jsonl for session.json."""
+    stem = "" if session_path.name == "session.json" else f"{session_path.stem}."
+    return session_path.with_name(f"{stem}{JOURNAL}")
+
+
+def save_session(session: Session, path: Path) -> None:
+    """Write the session file in one step that either happens or does not.
+
+    The file that was there is kept as `<name>.previous`, and one of an older version as
+    `<name>.v1` for good, unless it says the same already; then nothing is written. SessionError
+    when the disk refuses, and for a file of a newer Keypose, which stays as it is.
+    """
+    content = session_json(session)
+    try:
+        there = read_own(path, LARGEST_SESSION_BYTES)
+    except OSError:  # it cannot be compared, so it is written, which tells what is wrong
+        there = b""
+    if there == content:
+        return
+    _demand_not_newer(session, path, there)
+    _back_up(path, there)
+    write_file(path, content, overwrite=True, keep_previous=True, error=SessionError)
+
+
+def _demand_not_newer(session: Session, path: Path, there: bytes) -> None:
+    version = max(version_in(there) or 0, session.schema_version)
+    if version > PRESENT:
+        raise SessionError(
+            f"{path.name} is of a newer Keypose (version {version}) and is not changed by this one."
+        )
+
+
+def _back_up(path: Path, there: bytes) -> None:
+    """Keep a file of an older version for whoever goes back to that Keypose."""
+    version = version_in(there)
+    if version is None or version >= PRESENT:
+        return
+    kept = path.with_name(f"{path.name}.v{version}")
+    if not os.path.lexists(kept):
+        write_file(kept, there, error=SessionError)
+
+
+def set_aside(path: Path, known: Collection[bytes]) -> Path | None:
+    """Keep what another program wrote into a session file, before it is saved over.
+
+    known: contents that this program has read or written itself.  Returns the copy, None where
+    nothing else was written. SessionError when it cannot be kept.
+    """
+    try:
+        there = read_regular(path, LARGEST_SESSION_BYTES)
+    except TooLarge as error:
+        raise SessionError(
+            f"{path.name} was replaced by a file that is too large for a session: move it away."
+        ) from error
+    except OSError:  # nothing there that could be lost
+        return None
+    if there in known:
+        return None
+    copy = path.with_name(f"{path.stem}.theirs-{hashlib.sha256(there).hexdigest()[:8]}.json")
+    if not os.path.lexists(copy):
+        write_file(copy, there, error=SessionError)
+    return copy
+
+
+def session_json(session: Session) -> bytes:
+    """The bytes of the session's file; the same session has the same bytes.
+
+    SessionError for a session that could not be read back: it must never replace one that can.
+    """
+    try:
+        content = session.model_dump_json(indent=2).encode() + b"\n"
+        Session.model_validate_json(content)
+    except ValidationError as error:
+        words = one_sentence(error)
+        raise SessionError(
+            f"This session could not be opened again, so it is not saved ({words.rstrip('.')}). "
+            "Undo the last edit."
+        ) from None
+    return content
+
+
+def video_path(session: Session, session_path: Path) -> Path:
+    """Where the session's video should be: its path is relative to the session file's folder."""
+    return Path(session_path).absolute().parent / session.video.path
+
+
+def open_video_of(session: Session, session_path: Path) -> Video:
+    """The session's video, opened; where it was moved or renamed nearby, it is found again.
+
+    Of observed surfaces it is what the session's camera sees of them (tracker.surface.picture).
+    SessionError when it is missing or is not the one the keyframes were set on: frames are never
+    shifted to fit. Meshes may have been exported again, as many as they were. VideoError or
+    SurfaceError when it cannot be read.
+    """
+    path = video_path(session, session_path)
+    try:
+        return _opened_as(session, session_path, path)
+    except SessionError:
+        found = found_again(session, session_path, path)
+        if found is None:
+            raise
+        return _opened_as(session, session_path, found)
+
+
+def _opened_as(session: Session, session_path: Path, path: Path) -> Video:
+    if not _exists(path):
+        raise SessionError(
+            f"{_what(session)} {str(path)!r} is missing; put it there or change video.path in "
+            f"{session_path.name}."
+        )
+    return open_same_at(session, path, Path(session_path).absolute().parent)
+
+
+def open_same_at(session: Session, path: Path, folder: Path) -> Video:
+    """As `open_video_at`; SessionError where it is not what the session was made for."""
+    video = open_video_at(session, path, folder)
+    try:
+        _demand_same(session, path, video)
+    except BaseException:
+        video.close()
+        raise
+    return video
+
+
+def open_video_at(session: Session, path: Path, folder: Path) -> Video:
+    """What lies at a path, opened as this session's video, whether it is that or not.
+
+    folder: of the session's file.
+    """
+    if session.surface is not None:
+        from tracker.surface.picture import open_surfaces  # loads when surfaces are wanted
+
+        return open_surfaces(session, path, folder)
+    from tracker.video import Video  # the decoder's libraries load when a video is wanted
+
+    return Video.open(path)
+
+
+def _what(session: Session) -> str:
+    return "The video" if session.surface is None else "The folder or file of meshes"
+
+
+def _exists(path: Path) -> bool:
+    try:
+        return path.exists()
+    except OSError:  # such as a name too long for any file
+        return False
+
+
+def _demand_same(session: Session, path: Path, video: Video) -> None:
+    wanted, found = session.video, video.info
+    if (found.width, found.height) != (wanted.width, wanted.height):
+        difference = (
+            f"it has {found.width}×{found.height} pixels instead of {wanted.width}×{wanted.height}"
+        )
+    elif found.frame_count != wanted.frame_count:
+        difference = f"it has {found.frame_count} frames instead of {wanted.frame_count}"
+    elif session.surface is None and wanted.fingerprint not in ("", video.fingerprint()):
+        difference = "fingerprint differs"
+    else:
+        return
+    raise SessionError(
+        f"{_what(session)} {str(path)!r} is not the one this session was made for ({difference}); "
+        "change video.path, or set the keyframes anew."
+    )
+
+
+def _read(path: Path) -> bytes:
+    try:
+        if path.is_dir():
+            raise SessionError(f"{str(path)!r} is a folder; name the session file in it.")
+        return read_regular(path, LARGEST_SESSION_BYTES)
+    except TooLarge:
+        raise SessionError(f"{str(path)!r} is too large to be a session file.") from None
+    except FileNotFoundError:
+        raise SessionError(f"There is no session file {str(path)!r}.") from None
+    except (OSError, ValueError) as error:  # ValueError: a NUL character in the name
+        why = getattr(error, "strerror", None) or error
+        raise SessionError(f"The session file {str(path)!r} cannot be read: {why}.") from None

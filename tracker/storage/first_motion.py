@@ -1,0 +1,117 @@
+"""An imported motion on disk: `first-<hash>.npz` beside the session, written once, never changed.
+
+The file is a plain NumPy archive, as a tracks file is:
+
+    first_frame     ()             index of the first pose's video frame
+    part_names      (P,)           text
+    Rs_parent_part  (N, P, 3, 3)   rotations in the parents' frames
+    ps_camera_root  (N, 3)         metres
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.body.body import Body
+from tracker.body.trajectory import Trajectory
+from tracker.errors import SessionError
+from tracker.files import read_regular
+from tracker.geometry.rotations import transpose
+from tracker.session.schema import FirstMotion, Session
+from tracker.storage.archive import LARGEST_PACKED_BYTES, archive_arrays, archive_bytes
+from tracker.storage.atomic import write_file
+
+
+def save_first_motion(
+    session: Session,
+    session_path: Path,
+    motion: Trajectory,
+    source: str,
+    matched: Mapping[str, str],
+) -> Session:
+    """Write the motion beside the session file; the session that refers to it, not yet saved."""
+    content = archive_bytes(
+        {
+            "first_frame": np.array(motion.first_frame, dtype="<i8"),
+            "part_names": np.array(session.body.names, dtype=np.str_),
+            "Rs_parent_part": motion.Rs_parent_part.astype("<f8"),
+            "ps_camera_root": motion.ps_camera_root.astype("<f8"),
+        }
+    )
+    name = _name(content)
+    write_file(session_path.parent / name, content, overwrite=True, error=SessionError)
+    told = FirstMotion(file=name, source=source, matched=dict(matched))
+    return session.model_copy(update={"first_motion": told})
+
+
+def of_session(session: Session, folder: Path) -> Trajectory | None:
+    """The motion a session's segments may start from; None where it has none or uses none.
+
+    folder: of the session's file.
+    SessionError in one sentence when its file is missing, damaged, or of another body.
+    """
+    if session.first_motion is None or session.settings.initial == "linear":
+        return None
+    return load_first_motion(folder / session.first_motion.file, session.body)
+
+
+def carry_first_motion(session: Session, folder: Path, other: Path) -> None:
+    """Copy the session's imported motion to another folder; SessionError when that cannot be."""
+    if session.first_motion is None:
+        return
+    source, place = (where / session.first_motion.file for where in (folder, other))
+    if place.exists():  # named by its content
+        return
+    try:
+        content = read_regular(source, LARGEST_PACKED_BYTES)
+    except OSError:  # tracking will tell that it is missing
+        return
+    write_file(place, content, overwrite=True, error=SessionError)
+
+
+def load_first_motion(path: Path, body: Body) -> Trajectory:
+    """The motion in a file; SessionError in one sentence when there is none for this body."""
+    try:
+        content = read_regular(path, LARGEST_PACKED_BYTES)
+    except OSError as error:
+        raise SessionError(
+            f"The imported motion {str(path)!r} cannot be read: {error.strerror or error}; import "
+            "it again, or set settings.initial to linear."
+        ) from None
+    try:
+        if path.name != _name(content):
+            raise ValueError("its content does not fit its name")
+        names, motion = _motion(archive_arrays(content))
+    except ValueError as error:
+        raise SessionError(f"The imported motion {str(path)!r} is damaged: {error}.") from None
+    if names != body.names:
+        raise SessionError(
+            f"{path.name} was imported for other parts than the session's body has: import it "
+            "again."
+        )
+    return motion
+
+
+def _motion(arrays: dict[str, NDArray[Any]]) -> tuple[tuple[str, ...], Trajectory]:
+    try:
+        names = tuple(str(name) for name in arrays["part_names"])
+        R, t = arrays["Rs_parent_part"], arrays["ps_camera_root"]
+        first = int(arrays["first_frame"])
+    except (KeyError, TypeError):
+        raise ValueError("its entries are not those of a motion") from None
+    frames = len(t)
+    if t.shape != (frames, 3) or R.shape != (frames, len(names), 3, 3) or frames < 1 or first < 0:
+        raise ValueError("its entries do not fit together")
+    if not (np.isfinite(t).all() and np.allclose(R @ transpose(R), np.eye(3), atol=1e-6)):
+        raise ValueError("it holds poses that are none")
+    return names, Trajectory(first, R, t)
+
+
+def _name(content: bytes) -> str:
+    return f"first-{hashlib.sha256(content).hexdigest()[:12]}.npz"

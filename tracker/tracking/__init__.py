@@ -1,0 +1,1 @@
+"""The method: from keyframes and pictures to the motion between them."""

@@ -1,0 +1,172 @@
+"""One segment between two keyframes: the cycle of passes, and what comes of it (DRIFT §2.2)."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import dataclass
+
+import numpy as np
+
+from tracker.body.trajectory import Pass, Trajectory
+from tracker.geometry.rotations import Array
+from tracker.tracking.bundle import refine
+from tracker.tracking.drift import Closed, Motions, correct_drift
+from tracker.tracking.frame_pair import least_squares_pass, printed_score, robust_pass
+from tracker.tracking.initial.choose import printed_start, starts
+from tracker.tracking.method import Keypose, Method, Paper
+from tracker.tracking.scene import Scene
+from tracker.tracking.score import best_of, capped_score, keyframe_difference
+from tracker.tracking.segment import Segment, distance_px, is_sound
+
+EXACT_KEYFRAMES = 100.0
+"""Mean capped square, grey levels², below which two keyframes show the same texture."""
+EXACT_ALLOWANCE, PLAIN_ALLOWANCE, NOISE = 1.15, 1.05, 2.0
+"""How much worse than the passes the refinement may score: a share, and the noise of the pictures,
+grey levels², near which shares say nothing."""
+NOWHERE_PX = 1e6
+"""Stands for the distance to a place that is behind the camera or no place at all."""
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """All trajectories tried, the best of them, and how the evidence agrees.
+
+    apart_px: (N, M) how far the chains from the two keyframes lie apart at every mark of the
+        scene; zero for a method that does not follow from both.
+    drift_px: (N - 1, M) how far each frame's own motion, in the last pass, led from the pose that
+        the trajectory has next: what drift correction had to take away.
+    followed: neither chain left the space before the camera.
+    diverged: a pass left it; the pass was dropped.
+    gap: how far the last correction missed the keyframe before it was set exactly: radians.
+    notes: what could not be done as wished, for a person.
+    """
+
+    passes: tuple[Pass, ...]
+    best: int
+    apart_px: Array
+    drift_px: Array
+    followed: bool
+    diverged: bool
+    gap: float
+    notes: tuple[str, ...] = ()
+
+    @property
+    def trajectory(self) -> Trajectory:
+        return self.passes[self.best].trajectory
+
+
+Work = Generator[Pass, None, Outcome]
+
+
+def track_segment(scene: Scene, segment: Segment, method: Method) -> Work:
+    """Track one segment; yields every trajectory as it is found and returns the outcome."""
+    if isinstance(method, Paper):
+        return _paper(scene, segment, method)
+    return _keypose(scene, segment, method)
+
+
+def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
+    begun = printed_start(scene, segment, method)
+    present, start = begun.ways[0].trajectory, begun.ways[0].what
+    tried: list[Pass] = []
+    diverged, drift, gap = False, _nothing_px(scene, present)[1:], 0.0
+    for number in range(method.passes + 1):
+        what = "pass" if number else start
+        if number == method.passes:
+            tried.append(Pass(what, present, printed_score(scene, segment.clip, present)))
+            yield tried[-1]
+            break
+        motions, score = least_squares_pass(scene, segment.clip, present, method.inner)
+        drift = _drift_px(scene, present, motions)
+        tried.append(Pass(what, present, score))
+        yield tried[-1]
+        if number - best_of(tried) >= method.patience:
+            break
+        following = _closed(scene, segment, present, motions)
+        if following is None:
+            diverged = True
+            break
+        present, gap = following.trajectory, following.gap
+    apart = _nothing_px(scene, present)
+    return Outcome(
+        tuple(tried), best_of(tried), apart, drift, True, diverged, gap, begun.notes
+    )  # fmt: skip
+
+
+def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
+    begun = starts(scene, segment, method)
+    (first, *others), clip = begun.ways, segment.clip
+    tried = others[::-1]  # the better, the later
+    yield from tried
+    present, what = first.trajectory, first.what
+    drift, gap, diverged = _nothing_px(scene, present)[1:], 0.0, False
+    for _ in range(method.passes):
+        motions, score = robust_pass(scene, clip, present, method.of, method.inner, method.stop)
+        drift = _drift_px(scene, present, motions)
+        tried.append(Pass(what, present, score))
+        yield tried[-1]
+        following = _closed(scene, segment, present, motions)
+        if following is None:
+            diverged = True
+            break
+        present, what, gap = following.trajectory, "pass", following.gap
+    if present is not tried[-1].trajectory:
+        last_score = capped_score(scene, clip, present, method.of) if method.judged else None
+        tried.append(Pass(what, present, last_score))
+        yield tried[-1]
+    best = best_of(tried)
+    refined = _refined(scene, segment, method, tried[best])
+    if refined is not None:
+        tried.append(refined)
+        yield refined
+        best = len(tried) - 1 if _is_better(scene, segment, method, refined, tried[best]) else best
+    chains = begun.chains
+    apart = _nothing_px(scene, present) if chains is None else distance_px(scene, *chains)
+    return Outcome(
+        tuple(tried), best, apart, drift, chains is not None, diverged, gap, begun.notes
+    )  # fmt: skip
+
+
+def _refined(scene: Scene, segment: Segment, method: Keypose, start: Pass) -> Pass | None:
+    trajectory = refine(scene, segment.clip, start.trajectory, method.refinement)
+    if trajectory is start.trajectory or not is_sound(scene, segment, trajectory):
+        return None
+    judged = method.judged
+    score = capped_score(scene, segment.clip, trajectory, method.of) if judged else None
+    return Pass("refinement", trajectory, score)
+
+
+def _is_better(
+    scene: Scene, segment: Segment, method: Keypose, refined: Pass, unrefined: Pass
+) -> bool:
+    """Whether the refinement is to be kept.
+
+    The score compares neighbouring frames and so prefers the passes, which do just that; the
+    refinement compares with the keyframes and is nearer to the truth if those are posed exactly.
+    Unjudged, that alone decides.
+    """
+    exact = 0.0 < keyframe_difference(scene, segment, method.of) < EXACT_KEYFRAMES
+    if refined.score is None or unrefined.score is None:
+        return exact
+    allowance = EXACT_ALLOWANCE if exact else PLAIN_ALLOWANCE
+    return refined.score < allowance * unrefined.score + NOISE
+
+
+def _closed(scene: Scene, segment: Segment, present: Trajectory, motions: Motions) -> Closed | None:
+    """The drift-corrected trajectory, or None where the motions led out of sight."""
+    if not np.isfinite(motions.ps_camera_root).all():
+        return None
+    closed = correct_drift(present, motions, segment.end)
+    return closed if is_sound(scene, segment, closed.trajectory) else None
+
+
+def _drift_px(scene: Scene, present: Trajectory, motions: Motions) -> Array:
+    """(N - 1, M) distance in the picture of where motions lead and where the trajectory goes."""
+    led = Trajectory(present.first_frame + 1, motions.Rs_parent_part, motions.ps_camera_root)
+    rest = Trajectory(led.first_frame, present.Rs_parent_part[1:], present.ps_camera_root[1:])
+    return np.nan_to_num(distance_px(scene, led, rest), nan=NOWHERE_PX, posinf=NOWHERE_PX)
+
+
+def _nothing_px(scene: Scene, trajectory: Trajectory) -> Array:
+    """(N, M) zeros."""
+    return np.zeros((len(trajectory), len(scene.marks[1])))

@@ -1,0 +1,99 @@
+"""What one keyframe more would mend in a segment, frame by frame.
+
+How far a tracked motion is off is not seen, but what goes with it is: the drift that had to be
+taken away, how far the chains from the two keyframes lie apart, how much of the motion the picture
+leaves open, and how far the other trajectories that were tried lie from the one that was kept. On
+rendered motions with known truth these tell a segment's mean error to within a factor of 1.8, from
+a third of a pixel to fifty.
+
+A keyframe mends the more the more is wrong in the whole segment, and is best set where most is: at
+the frames where a motion turns or is fast, not simply in the middle. Set there, fewer are needed
+than where the sum of all errors would fall most at once, as was tried on the same motions.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tracker.geometry.rotations import Array
+from tracker.tracking.segment import extent_px
+
+if TYPE_CHECKING:
+    from tracker.tracking.cycle import Outcome
+    from tracker.tracking.diagnostics.observability import Observation
+    from tracker.tracking.scene import Scene
+
+ERROR, DRIFT_POWER = 0.22, 2 / 3
+"""Mean error in pixels = ERROR · drift^DRIFT_POWER · apart^(1 − DRIFT_POWER) · (1 + unseen)."""
+LEAST_PX = 0.05
+"""Two chains are never trusted to lie nearer to each other than this."""
+MOST_PX = 200.0
+"""What leads further away than this is lost; how far does not matter."""
+EVEN = 0.6
+"""Share of a segment's frames, beside that of its drift, in the clock by which errors grow."""
+MENDED = 0.6
+"""Share of a segment's error that one keyframe takes away."""
+LOST_EXTENT = 0.15
+"""Mean error, as a share of the body's extent in the picture, where both chains were lost."""
+
+
+def expected_gain(scene: Scene, outcome: Outcome, seen: Observation) -> Array:
+    """(N,) pixels that a keyframe at each frame would be expected to mend.
+
+    Pixels of the pictures worked on: the mean over the body, summed over the segment's frames. Zero
+    at the keyframes that are there.
+    """
+    clock = _clock(outcome)
+    error = _error_px(scene, outcome, seen) * 6 * clock * (1 - clock)
+    others = _others_px(scene, outcome)
+    if others is not None:
+        error = np.sqrt(error * others)
+    error[[0, -1]] = 0.0  # by rounding it may be a little beside
+    return np.asarray(MENDED * error.sum() * error / max(float(error.max()), 1e-12))
+
+
+def _error_px(scene: Scene, outcome: Outcome, seen: Observation) -> Array:
+    """(N,) the segment's expected mean error, more where the picture decides less."""
+    gave_up = outcome.diverged and outcome.passes[outcome.best].what == "interpolation"
+    if gave_up or not outcome.followed:
+        return np.full(len(outcome.trajectory), LOST_EXTENT * extent_px(scene, outcome.trajectory))
+    drift = _capped(outcome.drift_px).mean(axis=1).sum()
+    share = np.linspace(0.0, 1.0, len(outcome.apart_px))
+    apart = (_capped(outcome.apart_px).mean(axis=1) * 4 * share * (1 - share)).mean()
+    if not outcome.apart_px.any():  # a method that does not follow from both: drift alone tells
+        apart = drift
+    evidence = drift**DRIFT_POWER * (apart + LEAST_PX) ** (1 - DRIFT_POWER)
+    return np.asarray(ERROR * evidence * (1 + _unseen(seen)))
+
+
+def _others_px(scene: Scene, outcome: Outcome) -> Array | None:
+    """(N,) how far the other trajectories lie from the one kept; None where there are no others."""
+    kept = scene.mark_pixels(outcome.trajectory)
+    others = [p.trajectory for i, p in enumerate(outcome.passes) if i != outcome.best]
+    if not others:
+        return None
+    apart = [np.linalg.norm(scene.mark_pixels(path) - kept, axis=-1) for path in others]
+    return np.asarray(_capped(np.stack(apart)).mean(axis=(0, 2)))
+
+
+def _clock(outcome: Outcome) -> Array:
+    """(N,) from 0 to 1: how much of the segment's drift, and of its frames, has gone by."""
+    drift = np.concatenate([[0.0], np.cumsum(_capped(outcome.drift_px).mean(axis=1))])
+    even = np.linspace(0.0, 1.0, len(drift))
+    if drift[-1] <= 0:
+        return even
+    return np.asarray(EVEN * even + (1 - EVEN) * drift / drift[-1])
+
+
+def _unseen(seen: Observation) -> Array:
+    """(N,) mean share of the motion that the picture leaves open; 0 where nobody looked."""
+    known = np.isfinite(seen.observability)
+    unseen = np.where(known, 1 - np.nan_to_num(seen.observability), 0.0).sum(axis=1)
+    share = unseen / np.maximum(known.sum(axis=1), 1)
+    return np.concatenate([share[:1], share])
+
+
+def _capped(distances_px: Array) -> Array:
+    return np.nan_to_num(distances_px, nan=MOST_PX).clip(0, MOST_PX)

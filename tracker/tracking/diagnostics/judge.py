@@ -1,0 +1,163 @@
+"""A plain word on every segment: good, check these frames, or lost: add a keyframe there.
+
+The evidence is what tracking saw, never the truth: how far the chains from the two keyframes lie
+apart, how much drift had to be corrected, which parts the picture did not decide, whether a pass
+diverged. The thresholds were set where, on rendered sequences with known truth, they part segments
+that are right from segments that are not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+import numpy as np
+
+from tracker.geometry.rotations import Array
+from tracker.tracking.cycle import NOWHERE_PX, Outcome
+from tracker.tracking.diagnostics.observability import Observation
+from tracker.tracking.diagnostics.verdict import DAMAGED, Verdict, frames_in_words, runs, spoken
+from tracker.tracking.scene import Scene
+from tracker.tracking.segment import Segment, extent_px
+
+LOST_APART, LOST_DRIFT = 0.28, 0.23
+CHECK_APART, CHECK_DRIFT = 0.18, 0.044
+"""Shares of the body's extent in the picture. A segment is lost where both evidences say so."""
+UNSEEN = 0.15
+"""Observability below which a part's motion is a guess."""
+SHORTEST_RUN = 3
+"""Frames for which a part must stay unseen before it is worth a word."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Evidence:
+    """Shares of the body's extent: apart (N, M) by mark, drift (N - 1, M) of every frame pair.
+
+    At a keyframe itself the chain from the other side has no say, so `apart` is weighed by how far
+    a frame lies from the nearer keyframe.
+    """
+
+    apart: Array
+    drift: Array
+
+    @property
+    def whole_drift(self) -> Array:
+        """(M,) over the segment."""
+        return np.asarray(self.drift.sum(axis=0))
+
+
+def judge(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -> Verdict:
+    """The verdict on a tracked segment."""
+    evidence = _evidence(scene, outcome)
+    apart = evidence.apart.max(initial=0.0)
+    drift = evidence.whole_drift.max(initial=0.0)
+    gave_up = outcome.diverged and outcome.passes[outcome.best].what == "interpolation"
+    if gave_up or not outcome.followed or (apart > LOST_APART and drift > LOST_DRIFT):
+        return _lost(segment, evidence)
+    if not seen.shown.any() and (seen.rank >= 0).any():
+        words = "lost: nothing of the body is seen; check keyframes, camera and masks"
+        return Verdict("lost", words, (segment.first_frame, segment.last_frame))
+    if outcome.diverged:
+        first, last = segment.first_frame, segment.last_frame
+        return Verdict(
+            "check", f"check {frames_in_words(first, last)}: a pass diverged", (first, last)
+        )
+    if segment.damaged:
+        first, last = _longest_run(segment.damaged)
+        return Verdict("check", f"check {frames_in_words(first, last)}: {DAMAGED}", (first, last))
+    unseen = _longest_unseen(scene, segment, seen)
+    if unseen is not None:
+        part, first, last = unseen
+        return Verdict(
+            "check", f"check {frames_in_words(first, last)}: {part} not seen", (first, last)
+        )
+    if apart > CHECK_APART or drift > CHECK_DRIFT:
+        index, first, last = _most_uncertain(scene, segment, evidence)
+        why = "not seen" if _is_hidden(segment, seen, index, first, last) else "uncertain"
+        name = spoken(scene.skeleton.body.names[index])
+        return Verdict(
+            "check", f"check {frames_in_words(first, last)}: {name} {why}", (first, last)
+        )
+    return Verdict("good", "good")
+
+
+def _longest_run(frames: Collection[int]) -> tuple[int, int]:
+    """First and last of the longest run of consecutive frames."""
+    start = min(frames)
+    flags = np.isin(np.arange(start, max(frames) + 1), list(frames))
+    first, last = max(runs(flags), key=lambda run: run[1] - run[0])
+    return start + first, start + last
+
+
+def _lost(segment: Segment, evidence: _Evidence) -> Verdict:
+    first, last = segment.first_frame, segment.last_frame
+    if last - first < 2:
+        words = f"lost: the keyframes at {first} and {last} contradict each other"
+        return Verdict("lost", words, (first, last))
+    near = min(max(first + _neediest(evidence), first + 1), last - 1)
+    return Verdict("lost", f"lost: add a keyframe near {near}", (near, near))
+
+
+def _evidence(scene: Scene, outcome: Outcome) -> _Evidence:
+    extent = extent_px(scene, outcome.trajectory)
+    share = np.linspace(0.0, 1.0, len(outcome.apart_px))
+    weight = 4 * share * (1 - share)
+    apart = np.nan_to_num(outcome.apart_px, nan=NOWHERE_PX) * weight[:, None]
+    return _Evidence(apart / extent, np.nan_to_num(outcome.drift_px, nan=NOWHERE_PX) / extent)
+
+
+def _neediest(evidence: _Evidence) -> int:
+    """The frame, from the segment's first, where a keyframe would help most."""
+    n = len(evidence.apart) - 1
+    share = np.linspace(0.0, 1.0, n + 1)
+    drift = np.concatenate([evidence.drift, evidence.drift[-1:]]).mean(axis=1)
+    need = evidence.apart.mean(axis=1) + n * drift * share * (1 - share)
+    return int(np.argmax(need)) if need.max() > 0 else n // 2
+
+
+def _most_uncertain(scene: Scene, segment: Segment, evidence: _Evidence) -> tuple[int, int, int]:
+    """The part with the strongest evidence against it: its index, first and last frame."""
+    drift = evidence.drift * len(evidence.drift)
+    strength = np.maximum(evidence.apart[1:] / CHECK_APART, drift / CHECK_DRIFT)
+    mark = int(strength.max(axis=0).argmax())
+    doubtful = np.flatnonzero(strength[:, mark] >= 0.5 * strength[:, mark].max())
+    first, last = int(doubtful[0]), int(doubtful[-1])
+    part = _carrier(scene, int(scene.marks[1][mark]))
+    start = segment.first_frame + 1
+    last = max(first, min(last, segment.last_frame - 1 - start))
+    return part, start + first, start + last
+
+
+def _carrier(scene: Scene, part: int) -> int:
+    """The part itself where it is tracked, else what carries it: a hand goes with its forearm."""
+    skeleton = scene.skeleton
+    tracked = set(skeleton.dof_part.tolist())
+    at = part
+    while at >= 0 and at not in tracked:
+        at = int(skeleton.parents[at])
+    return part if at < 0 else at
+
+
+def _is_hidden(segment: Segment, seen: Observation, part: int, first: int, last: int) -> bool:
+    """Whether the part was looked for and not seen in most of these frames."""
+    start = segment.first_frame + 1
+    within = slice(first - start, last - start + 1)
+    looked = seen.rank[within] >= 0
+    unseen = (seen.observability[within, part] < UNSEEN) | (seen.shown[within, part] == 0)
+    return bool(2 * (unseen & looked).sum() > looked.sum())
+
+
+def _longest_unseen(
+    scene: Scene, segment: Segment, seen: Observation
+) -> tuple[str, int, int] | None:
+    """The part that goes unseen for the longest run of frames: name, first and last frame."""
+    found = []
+    for i, name in enumerate(scene.skeleton.body.names):
+        hidden = seen.observability[:, i] < UNSEEN  # NaN, not tracked, is never below
+        found += [(last - first, name, first, last) for first, last in runs(hidden)]
+    found = [run for run in found if run[0] + 1 >= SHORTEST_RUN]
+    if not found:
+        return None
+    _, name, first, last = max(found)
+    start = segment.first_frame + 1
+    return spoken(name), start + first, start + last

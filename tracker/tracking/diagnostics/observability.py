@@ -1,0 +1,72 @@
+"""What the pictures tell about a motion: rank, observability, residual (DRIFT §5.3, Fig. 10)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.body.trajectory import Trajectory
+from tracker.geometry.rotations import Array
+from tracker.kernels.pairs import observe_pairs
+from tracker.tracking.frame_pair import SINGULAR_CUT
+from tracker.tracking.scene import Scene
+from tracker.video.pyramid import Clip
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """Facts about every frame pair (n of them) of a trajectory.
+
+    rank: (n,) singular values above the cut.
+    singular_values: (n, D) of A with its columns scaled, largest first.
+    observability: (n, P) share of a part's motion that the picture decides, 0 (all prediction) to
+        1; NaN for parts that are not tracked.
+    residual: (n, P) root mean square difference of brightness, grey levels; NaN where unseen.
+    shown: (n, P) number of surface points seen.
+    """
+
+    rank: NDArray[np.int64]
+    singular_values: Array
+    observability: Array
+    residual: Array
+    shown: NDArray[np.int64]
+
+
+def observe(scene: Scene, clip: Clip, trajectory: Trajectory) -> Observation:
+    """Look at a trajectory where it is; nothing moves."""
+    n, parts = len(trajectory) - 1, scene.skeleton.part_count
+    dofs = scene.skeleton.dof_count
+    A, sigma = np.empty((n, dofs, dofs)), np.empty(n)
+    residual, shown = np.empty((n, parts)), np.empty((n, parts), np.int64)
+    observe_pairs(
+        scene.arrays, scene.lens, scene.sight, clip.levels[0],
+        clip.slots(trajectory.first_frame, trajectory.last_frame),
+        *trajectory.loose(), A, residual, shown, sigma,
+    )  # fmt: skip
+    scale = scene.skeleton.column_scale
+    values = np.linalg.eigvalsh(A * scale * scale[:, None])[:, ::-1]
+    singular = np.sqrt(np.maximum(values, 0.0))
+    rank = (singular > SINGULAR_CUT * singular[:, :1]).sum(axis=1)
+    q = scene.information(1) / sigma**2
+    return Observation(rank, singular, _observability(scene, A * q[:, None, None]), residual, shown)
+
+
+def unobserved(scene: Scene, clip: Clip, trajectory: Trajectory) -> Observation:
+    """The observation of one who did not look: rank −1, NaN elsewhere."""
+    n, parts, dofs = len(trajectory) - 1, scene.skeleton.part_count, scene.skeleton.dof_count
+    nothing = np.full((n, parts), np.nan)
+    rank, shown = np.full(n, -1, np.int64), np.zeros((n, parts), np.int64)
+    return Observation(rank, np.full((n, dofs), np.nan), nothing, nothing, shown)
+
+
+def _observability(scene: Scene, data: Array) -> Array:
+    """(n, P) mean over a part's degrees of freedom of diag((data + Λ)⁻¹ data), data (n, D, D)."""
+    precision = np.diag(scene.prior(1).precision)
+    resolution = np.linalg.solve(data + precision, data)
+    by_dof = np.diagonal(resolution, axis1=-2, axis2=-1)
+    out = np.full((len(data), scene.skeleton.part_count), np.nan)
+    for i in np.unique(scene.skeleton.dof_part):
+        out[:, i] = by_dof[:, scene.skeleton.dof_part == i].mean(axis=1)
+    return out

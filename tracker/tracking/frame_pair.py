@@ -1,0 +1,145 @@
+"""The motion of one frame pair as DRIFT §2.3 prints it, and one pass over a segment's pairs.
+
+`least_squares_pass` is the paper's: every seen point, squared residuals, a hard cut of small
+singular values (6), and what lies below the cut taken from the prediction (10). `robust_pass` is
+ours: the same rows under a soft prior and Huber weights, with the strongest gradients only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.body.trajectory import Trajectory
+from tracker.geometry.rotations import Array
+from tracker.kernels.chain import move
+from tracker.kernels.noise import BINS, LOST
+from tracker.kernels.pairs import LONGEST_STEP, follow_pairs, linearise, shortened, view
+from tracker.kernels.sums import LEAST_SQUARES
+from tracker.tracking.drift import Doubt, Motions
+from tracker.tracking.scene import Scene
+from tracker.video.pyramid import Clip, Picture
+
+SINGULAR_CUT = 0.02
+"""Singular values below this share of the largest count as zero (the paper leaves it open)."""
+SETTLED = 1e-5
+OUTSIDE = 64.0
+"""Grey levels charged for a point that leaves the picture, of which the paper says nothing: were
+it free, the path with the lowest score would lead out of the picture."""
+
+
+@dataclass(frozen=True, eq=False)
+class MotionStep:
+    """The motion found for one frame pair by least squares.
+
+    Rs_parent_part (P, 3, 3), p_camera_root (3,): where it leads. rank: singular values above the
+    cut. singular_values (D,): of A with its columns scaled, largest first. squares: Σ r² at the
+    prediction, where the trajectory's own score is read, over the points followed.
+    """
+
+    Rs_parent_part: Array
+    p_camera_root: Array
+    rank: int
+    singular_values: Array
+    squares: float
+    followed: int
+
+
+def solve_with_cut(A: Array, b: Array, scale: Array) -> tuple[Array, Array]:
+    """x = −A⁺b without the directions below the cut, and the singular values.  DRIFT (6), (10)
+
+    A (D, D) is AᵀA and b (D,) Aᵀr, both already at the prediction; so the prediction's share W Wᵀ y
+    of a cut direction is to add nothing. scale (D,) makes metres and radians comparable.
+    """
+    if not len(b):
+        return b.copy(), b.copy()
+    values, V = np.linalg.eigh(A * scale * scale[:, None])
+    singular = np.sqrt(np.maximum(values[::-1], 0.0))
+    kept = np.sqrt(np.maximum(values, 0.0)) > SINGULAR_CUT * max(singular[0], 1e-300)
+    inverse = np.where(kept, 1.0 / np.where(kept, values, 1.0), 0.0)
+    return -scale * (V @ (inverse * (V.T @ (scale * b)))), singular
+
+
+def least_squares_step(
+    scene: Scene, source: Picture, target: Picture, before: Trajectory, j: int, inner: int
+) -> MotionStep:
+    """The motion from pose j of a trajectory to the next frame, started at pose j + 1."""
+    size, dofs = len(scene.points.points), scene.skeleton.dof_count
+    chosen, grey = np.empty(size + 1, np.int32), np.empty(size + 1, np.float32)
+    starts = np.empty(scene.skeleton.part_count + 1, np.int64)
+    height, width = source.shape[:2]
+    view(
+        scene.arrays, scene.lens, scene.sight, width, height, source, 1,
+        *before.pose(before.first_frame + j).loose(), chosen, grey, starts,
+    )  # fmt: skip
+    R, t = before.pose(before.first_frame + j + 1).loose()
+    N, histogram = np.empty((scene.skeleton.part_count, 7, 7)), np.empty(BINS, np.int32)
+    A, b, singular = np.empty((dofs, dofs)), np.empty(dofs), np.zeros(dofs)
+    squares = 0.0
+    for k in range(inner):
+        linearise(
+            scene.arrays, chosen, grey, starts, R, t, target, scene.lens, LEAST_SQUARES, 1.0,
+            N, histogram, A, b,
+        )  # fmt: skip
+        if k == 0:
+            squares = float(N[0, 6, 6]) + OUTSIDE**2 * int(histogram[LOST])
+        step, singular = solve_with_cut(A, b, scene.skeleton.column_scale)
+        largest = shortened(step, LONGEST_STEP)
+        if largest < 0:
+            break
+        move(scene.arrays, R, t, step)
+        if largest < SETTLED:
+            break
+    rank = int((singular > SINGULAR_CUT * singular.max(initial=0.0)).sum())
+    return MotionStep(R, t, rank, singular, squares, int(starts[-1]))
+
+
+def least_squares_pass(
+    scene: Scene, clip: Clip, trajectory: Trajectory, inner: int
+) -> tuple[Motions, float]:
+    """DRIFT's pass: motions from every pose, and the trajectory's printed score Σ r² (4)."""
+    slots = clip.slots(trajectory.first_frame, trajectory.last_frame)
+    pictures = clip.levels[0]
+    steps = [
+        least_squares_step(scene, pictures[slots[j]], pictures[slots[j + 1]], trajectory, j, inner)
+        for j in range(len(trajectory) - 1)
+    ]
+    motions = Motions(
+        np.stack([s.Rs_parent_part for s in steps]), np.stack([s.p_camera_root for s in steps])
+    )
+    return motions, _printed_sum(steps)
+
+
+def printed_score(scene: Scene, clip: Clip, trajectory: Trajectory) -> float:
+    """Σ over frames and points of the squared difference of brightness.  DRIFT (4)"""
+    slots = clip.slots(trajectory.first_frame, trajectory.last_frame)
+    pictures = clip.levels[0]
+    return _printed_sum(
+        [
+            least_squares_step(scene, pictures[slots[j]], pictures[slots[j + 1]], trajectory, j, 1)
+            for j in range(len(trajectory) - 1)
+        ]
+    )
+
+
+def _printed_sum(steps: list[MotionStep]) -> float:
+    """Σ r², and a charge for poses that show less than half of what either end does."""
+    least = min(steps[0].followed, steps[-1].followed) // 2
+    return sum(s.squares + OUTSIDE**2 * max(0, least - s.followed) for s in steps)
+
+
+def robust_pass(
+    scene: Scene, clip: Clip, trajectory: Trajectory, of: int, inner: int, stop: float
+) -> tuple[Motions, float]:
+    """Our pass: motions from every pose, and the trajectory's capped score (grey levels²)."""
+    n, parts = len(trajectory) - 1, scene.skeleton.part_count
+    R, t, doubt = np.empty((n, parts, 3, 3)), np.empty((n, 3)), Doubt.none(n, parts)
+    slots: NDArray[np.int64] = clip.slots(trajectory.first_frame, trajectory.last_frame)
+    score = follow_pairs(
+        scene.arrays, scene.lens, scene.sight, scene.prior(of), clip.levels[0], slots,
+        *trajectory.loose(), of, inner, stop, R, t,
+        doubt.turned, doubt.shifted,
+    )  # fmt: skip
+    return Motions(R, t, doubt), float(score)

@@ -1,0 +1,1 @@
+"""Where tracking of a segment starts from."""

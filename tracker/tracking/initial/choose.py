@@ -1,0 +1,176 @@
+"""Where a segment starts from: the ways to a first trajectory, the most promising one first."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tracker.body.trajectory import Pass, Trajectory, interpolate
+from tracker.tracking.frame_pair import printed_score
+from tracker.tracking.initial.chains import Chain, blended, follow
+from tracker.tracking.initial.lifting import lifted
+from tracker.tracking.initial.planar import planar_start
+from tracker.tracking.initial.templates import limb_tracks
+from tracker.tracking.method import FULL, Keypose, Paper
+from tracker.tracking.scene import Scene
+from tracker.tracking.score import capped_score
+from tracker.tracking.segment import Segment, distance_px, extent_px, is_sound
+
+Chains = tuple[Chain, Chain]
+
+DOUBT = 0.5
+"""Distance between the two chains, as a share of that between them and plain interpolation, above
+which interpolation may still be the better one and is scored as well."""
+UNSURE = 0.25
+"""Distance between a mark's two chains, as a share of the body's extent in the picture, above which
+limbs are looked for by templates as well, which takes longer than all the rest."""
+CHAIN_LOST = "the body was lost on the way from a keyframe: interpolated instead"
+NO_TEMPLATES = "no limb could be followed by templates: the whole body was followed instead"
+TEMPLATES_LOST = "templates led out of sight"
+NOT_REACHED = "the imported motion does not reach over this stretch"
+
+
+@dataclass(frozen=True, eq=False)
+class Starts:
+    """First trajectories of a segment.
+
+    ways: the one to begin with first; the others stay choices, so that what comes of it is worse
+        than none of them. Scored where there are several and the method judges.
+    chains: the body followed from both keyframes; None where it was not, or left the scene.
+    notes: what could not be done as wished, for a person.
+    """
+
+    ways: tuple[Pass, ...]
+    chains: Chains | None = None
+    notes: tuple[str, ...] = ()
+
+
+def starts(scene: Scene, segment: Segment, method: Keypose) -> Starts:
+    """The ways that the method's `initial` allows; auto takes the one that scores best."""
+    chains = _chains(scene, segment, method)
+    plain, initial = Pass("interpolation", _plain(segment), None), method.initial
+    if initial == "linear":
+        return Starts((plain,), chains)
+    ways, notes = [plain], [CHAIN_LOST]
+    if chains is not None:
+        both = Pass("both ways", blended(scene, *chains), None)
+        in_doubt = _is_doubtful(scene, chains, plain.trajectory, both.trajectory)
+        ways, notes = [both, plain] if in_doubt and method.judged else [both], []
+    found = [_by_templates(scene, segment, method, chains, ways[0].trajectory)]
+    found += [_imported(scene, segment, method)]
+    for start in found:
+        notes += start.notes
+        ways += start.ways
+    return _ranked(scene, segment, method, ways, chains, notes)
+
+
+def printed_start(scene: Scene, segment: Segment, method: Paper) -> Starts:
+    """The printed method's one start: interpolation, unless something else is asked for.
+
+    An imported motion is taken where it scores better as printed.
+    """
+    plain = Pass("interpolation", _plain(segment), None)
+    match method.initial:
+        case "templates":
+            start = planar_start(scene, segment, method.left_out)
+            if is_sound(scene, segment, start.trajectory):
+                return Starts((Pass("templates", start.trajectory, None),), None, start.notes)
+            return Starts((plain,), None, (f"{TEMPLATES_LOST}: interpolated instead",))
+        case "both-ways":
+            chains = _chains(scene, segment, FULL)
+            if chains is None:
+                return Starts((plain,), None, (CHAIN_LOST,))
+            return Starts((Pass("both ways", blended(scene, *chains), None),))
+        case "import":
+            found = _imported(scene, segment, method)
+            return Starts((*found.ways, plain)[:1], None, found.notes)
+        case "auto":
+            found = _imported(scene, segment, method)
+            tried = [*found.ways, plain]
+            scores = [printed_score(scene, segment.clip, way.trajectory) for way in tried]
+            return Starts((tried[int(np.argmin(scores))],))
+    return Starts((plain,))
+
+
+def _ranked(
+    scene: Scene,
+    segment: Segment,
+    method: Keypose,
+    ways: list[Pass],
+    chains: Chains | None,
+    notes: list[str],
+) -> Starts:
+    """The ways by their scores, what was asked for by name before all others."""
+    if len(ways) > 1:
+        ways = [
+            replace(way, score=capped_score(scene, segment.clip, way.trajectory, method.of))
+            for way in ways
+        ]
+    asked = {"templates": "templates", "import": "import", "both-ways": "both ways"}.get(
+        method.initial
+    )
+    ways = sorted(ways, key=lambda way: (way.what != asked, way.score))
+    if not method.judged:
+        ways = [replace(ways[0], score=None)]
+    return Starts(tuple(ways), chains, tuple(notes))
+
+
+def _by_templates(
+    scene: Scene, segment: Segment, method: Keypose, chains: Chains | None, base: Trajectory
+) -> Starts:
+    """The base with its limbs laid onto their tracks, where that is wanted or may be worth it."""
+    asked = method.initial == "templates"
+    allowed = method.initial == "auto" and method.templates
+    if not asked and not (allowed and _is_unsure(scene, chains, base)):
+        return Starts(())
+    tracks = limb_tracks(scene, segment, method.left_out, chains)
+    notes = tracks.notes if asked else ()
+    if not np.isfinite(tracks.uv).any():
+        return Starts((), None, (*notes, NO_TEMPLATES) if asked else ())
+    found = lifted(scene, segment, base, tracks)
+    if not is_sound(scene, segment, found):
+        return Starts((), None, (f"{TEMPLATES_LOST}: followed from both keyframes instead",))
+    return Starts((Pass("templates", found, None),), None, notes)
+
+
+def _imported(scene: Scene, segment: Segment, method: Keypose | Paper) -> Starts:
+    """The imported motion, where it may be started from and lies before the camera."""
+    imported = segment.imported
+    if method.initial not in ("auto", "import"):
+        return Starts(())
+    if imported is None or not is_sound(scene, segment, imported):
+        return Starts((), None, (NOT_REACHED,) if method.initial == "import" else ())
+    return Starts((Pass("import", imported, None),))
+
+
+def _chains(scene: Scene, segment: Segment, method: Keypose) -> Chains | None:
+    """The chains from both keyframes, or None where one of them leaves the scene."""
+    how = (method.of, method.chain_inner, method.stop, method.finest)
+    first, last = segment.first_frame, segment.last_frame
+    forward = follow(scene, segment.clip, segment.start, first, last, *how)
+    backward = follow(scene, segment.clip, segment.end, last, first, *how)
+    if is_sound(scene, segment, forward) and is_sound(scene, segment, backward):
+        return forward, backward
+    return None
+
+
+def _is_doubtful(scene: Scene, chains: Chains, plain: Trajectory, both: Trajectory) -> bool:
+    """Whether interpolation may be better than what the chains say."""
+    apart = distance_px(scene, *chains).mean()
+    return bool(apart > DOUBT * distance_px(scene, plain, both).mean())
+
+
+def _is_unsure(scene: Scene, chains: Chains | None, base: Trajectory) -> bool:
+    """Whether the chains lie so far apart somewhere that templates may know better."""
+    if chains is None:
+        return True
+    if len(base) < 3:
+        return False
+    share = np.linspace(0.0, 1.0, len(base))[1:-1]
+    apart = np.nan_to_num(distance_px(scene, *chains)[1:-1], nan=np.inf)
+    return bool((apart.T * 4 * share * (1 - share)).max() > UNSURE * extent_px(scene, base))
+
+
+def _plain(segment: Segment) -> Trajectory:
+    return interpolate(segment.start, segment.end, segment.first_frame, segment.last_frame)

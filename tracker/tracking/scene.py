@@ -1,0 +1,155 @@
+"""What stays the same while a session is tracked: body, camera, surface points, tuning."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.body.surface_points import SurfacePoints, lay_points, surface_area
+from tracker.body.trajectory import Trajectory
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array, frozen
+from tracker.kernels.layout import BodyArrays, Lens, Prior, Sight
+
+POINT_SPACING_PX = 2.3
+MOST_POINTS, FEWEST_POINTS = 14000, 5000
+"""On all sides of the body together, at density 1."""
+FACING = 0.1
+COVER_TOLERANCE = 0.018
+"""Of the body's size: how far a point may lie behind another part and still count as seen."""
+INFORMATION_PER_PIXEL = 0.0125
+"""Independent observations per pixel: neighbouring pixels share texture and noise."""
+TURN_PRIOR_RAD = np.radians(1.0)
+SHIFT_PRIOR_PX = 0.7
+"""Standard deviations of a motion about its prediction, in one frame."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """A body before a camera, laid out for the loops at the size of the pictures it works on.
+
+    pixel_m: length that one pixel spans at the body's usual distance.
+    marks: points (M, 3) in their parts' frames by which poses are compared, and their parts (M,).
+    """
+
+    skeleton: Skeleton
+    camera: Camera
+    points: SurfacePoints
+    arrays: BodyArrays
+    lens: Lens
+    sight: Sight
+    pixel_m: float
+    marks: tuple[Array, NDArray[np.int64]]
+
+    @classmethod
+    def of(
+        cls,
+        skeleton: Skeleton,
+        camera: Camera,
+        keyposes: Sequence[Pose],
+        density: float = 1.0,
+        lay: Callable[[Skeleton, float], SurfacePoints] = lay_points,
+    ) -> Scene:
+        """Lay out for pictures of an undistorted `camera`, the body about where it is keyed.
+
+        density: number of surface points as a share of the usual one. lay: lays them; the spacings
+        asked for are few, so that it may keep what it has laid.
+        """
+        depths = np.concatenate([_depths(skeleton, camera, pose) for pose in keyposes])
+        focal = np.sqrt(camera.fx * camera.fy)
+        pixel_m = _stepped(float(np.median(depths) / focal))
+        spacing = _spacing(surface_area(skeleton), pixel_m) / np.sqrt(density)
+        cell = int(np.ceil(1.6 * spacing * focal / depths.min()))
+        points = lay(skeleton, spacing)
+        sight = Sight(max(2, cell), FACING, COVER_TOLERANCE * _size(skeleton))
+        lens = lens_of(camera)
+        return cls(
+            skeleton, camera, points, _arrays(skeleton, points), lens, sight, pixel_m,
+            _marks(skeleton),
+        )  # fmt: skip
+
+    def mark_pixels(self, trajectory: Trajectory) -> Array:
+        """Where the marks of every pose are seen: (N, M, 2) pixels."""
+        points, parts = self.marks
+        T = trajectory.transforms(self.skeleton)[:, parts]
+        p_camera = np.einsum("nmab,mb->nma", T[..., :3, :3], points) + T[..., :3, 3]
+        return self.camera.project(p_camera)
+
+    def prior(self, of: int, turn_rad: float = TURN_PRIOR_RAD) -> Prior:
+        """Prior on a motion when one point of every `of` is followed."""
+        shift = SHIFT_PRIOR_PX * self.pixel_m * (turn_rad / TURN_PRIOR_RAD)
+        return Prior(self.precision(turn_rad, shift), self.information(of))
+
+    def precision(self, turn_rad: float, shift_m: float) -> Array:
+        """(D,) 1/σ² of every degree of freedom."""
+        return np.where(self.skeleton.dof_turns == 1, turn_rad, shift_m) ** -2.0
+
+    def information(self, of: int) -> float:
+        """Independent observations that one followed point stands for."""
+        return INFORMATION_PER_PIXEL * (self.points.spacing_m / self.pixel_m) ** 2 * of
+
+
+def lens_of(camera: Camera) -> Lens:
+    """The camera for the loops; its distortion must have been taken out of the pictures."""
+    distance = camera.telephoto_distance_m or 1.0
+    flat = int(camera.projection == "perspective")
+    return Lens(camera.fx, camera.fy, camera.cx, camera.cy, flat, distance)
+
+
+def _depths(skeleton: Skeleton, camera: Camera, pose: Pose) -> Array:
+    return np.maximum(camera.depth(pose_transforms(skeleton, pose)[:, :3, 3]), 0.05)
+
+
+def _stepped(length: float) -> float:
+    """The nearest of a geometric series of lengths, a fifth apart."""
+    return float(2.0 ** (np.round(4 * np.log2(length)) / 4))
+
+
+def _spacing(area_m2: float, pixel_m: float) -> float:
+    """A little over two pixels, unless that makes too many points or, on a small body, too few."""
+    least, most = np.sqrt(area_m2 / MOST_POINTS), np.sqrt(area_m2 / FEWEST_POINTS)
+    return float(np.clip(POINT_SPACING_PX * pixel_m, least, max(most, 0.7 * pixel_m)))
+
+
+@lru_cache(maxsize=8)
+def _marks(skeleton: Skeleton) -> tuple[Array, NDArray[np.int64]]:
+    """Every part's joint, landmarks and shape's marks."""
+    points, parts = [], []
+    for i, part in enumerate(skeleton.body.parts):
+        own = [(0.0, 0.0, 0.0), *part.landmarks.values(), *part.shape.marks()]
+        points += own
+        parts += [i] * len(own)
+    return frozen(points), np.array(parts, dtype=np.int64)
+
+
+@lru_cache(maxsize=8)
+def _size(skeleton: Skeleton) -> float:
+    """Diagonal of the body's bounding box at rest, metres."""
+    T = pose_transforms(skeleton, Pose.rest(skeleton, (0.0, 0.0, 0.0)))
+    corners = [
+        part.shape.mesh().vertices + T[i, :3, 3] for i, part in enumerate(skeleton.body.parts)
+    ]
+    return float(np.linalg.norm(np.ptp(np.concatenate(corners), axis=0)))
+
+
+def _arrays(skeleton: Skeleton, points: SurfacePoints) -> BodyArrays:
+    part, below = skeleton.dof_part, skeleton.below
+    first, second = part[:, None], part[None, :]
+    deeper = np.where(below[first, second], first, np.where(below[second, first], second, -1))
+    return BodyArrays(
+        skeleton.parents,
+        skeleton.joints,
+        part,
+        skeleton.dof_turns,
+        skeleton.dof_axis,
+        deeper.astype(np.int64),
+        points.points,
+        points.normals,
+        points.starts,
+    )

@@ -1,0 +1,59 @@
+"""A stretch between two keyframes, and what may be asked of a trajectory over it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tracker.geometry.rotations import Array
+
+if TYPE_CHECKING:
+    from tracker.body.pose import Pose
+    from tracker.body.trajectory import Trajectory
+    from tracker.tracking.scene import Scene
+    from tracker.video.pyramid import Clip
+
+NEAREST_M, FURTHEST = 0.05, 50.0
+"""A body nearer than this, or this many times further than it was keyed, has been lost."""
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """A stretch between two keyframes, with its pictures.
+
+    imported: a motion from elsewhere that meets both keyframes, to start from; None without one.
+    """
+
+    first_frame: int
+    last_frame: int
+    start: Pose
+    end: Pose
+    clip: Clip
+    imported: Trajectory | None = None
+
+    @property
+    def damaged(self) -> frozenset[int]:
+        """The frames between the keyframes whose pictures are missing or damaged."""
+        inside = range(self.first_frame + 1, self.last_frame)
+        return frozenset(n for n in self.clip.damaged if n in inside)
+
+
+def is_sound(scene: Scene, segment: Segment, trajectory: Trajectory) -> bool:
+    """Whether every joint of a trajectory lies before the camera, and not absurdly far away."""
+    z = trajectory.transforms(scene.skeleton)[..., 2, 3]
+    far = FURTHEST * max(segment.start.p_camera_root[2], segment.end.p_camera_root[2])
+    return bool(np.isfinite(z).all() and z.min() > NEAREST_M and z.max() < far)
+
+
+def extent_px(scene: Scene, trajectory: Trajectory) -> float:
+    """How large the body is in the picture, as a rule; at least a pixel."""
+    uv = scene.mark_pixels(trajectory)
+    extent = np.median((uv.max(axis=1) - uv.min(axis=1)).max(axis=-1))
+    return max(float(np.nan_to_num(extent)), 1.0)
+
+
+def distance_px(scene: Scene, a: Trajectory, b: Trajectory) -> Array:
+    """(N, M) distance of two trajectories' marks in the picture."""
+    return np.asarray(np.linalg.norm(scene.mark_pixels(a) - scene.mark_pixels(b), axis=-1))

@@ -1,0 +1,184 @@
+"""Tracking between keyframes: a film made ready, and its segments tracked one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from copy import copy
+from itertools import pairwise
+
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.body.surface_points import SurfacePoints, lay_points
+from tracker.body.trajectory import Pass, Trajectory
+from tracker.errors import SessionError
+from tracker.geometry.camera import Camera
+from tracker.session.settings import IgnoreMask, TrackSettings
+from tracker.tracking.cycle import Outcome, track_segment
+from tracker.tracking.diagnostics.expected_gain import expected_gain
+from tracker.tracking.diagnostics.judge import judge
+from tracker.tracking.diagnostics.observability import observe, unobserved
+from tracker.tracking.drift import closing_error
+from tracker.tracking.initial.chains import brought
+from tracker.tracking.method import Method, Paper, method_of
+from tracker.tracking.pool import SegmentResult
+from tracker.tracking.scene import Scene
+from tracker.tracking.segment import Segment
+from tracker.video import Video
+from tracker.video.clip_loader import MEMORY_BYTES, ClipLoader, WorkingSize, demand_short
+
+
+class _Prepared:
+    """The pictures of one video at every size they are worked on."""
+
+    def __init__(
+        self, video: Video, camera: Camera, masks: Sequence[IgnoreMask], static: bool, memory: int
+    ) -> None:
+        self._given = (masks, static, memory)
+        self._video, self._camera, self._memory = video, camera, memory
+        self._loaders: dict[WorkingSize, ClipLoader] = {}
+
+    def loader(self, longest: int) -> ClipLoader:
+        """The loader for segments of up to this many frames."""
+        size = WorkingSize.for_camera(self._camera, longest, self._memory)
+        if size not in self._loaders:
+            self._loaders[size] = ClipLoader(self._video, self._camera, size, *self._given)
+        return self._loaders[size]
+
+
+class Tracker:
+    """A video, a camera, a body and its keyposes, made ready to be tracked.
+
+    Keep it to track again after a keyframe has changed: pictures stay prepared. Raises SessionError
+    with fewer than two keyposes. `first_motion` is one to start from, wherever it reaches.
+    """
+
+    def __init__(
+        self,
+        video: Video,
+        camera: Camera,
+        skeleton: Skeleton,
+        keyposes: Mapping[int, Pose],
+        masks: Sequence[IgnoreMask] = (),
+        static_camera: bool = False,
+        memory: int = MEMORY_BYTES,
+        first_motion: Trajectory | None = None,
+    ) -> None:
+        self._first_motion = first_motion
+        self._prepared = _Prepared(video, camera, masks, static_camera, memory)
+        self._laid: dict[float, SurfacePoints] = {}
+        self._pose(skeleton, keyposes)
+
+    def _pose(self, skeleton: Skeleton, keyposes: Mapping[int, Pose]) -> None:
+        """Take keyposes of a body; the size worked at is what their longest segment allows."""
+        _demand_two(keyposes)
+        frames = sorted(keyposes)
+        for first, last in pairwise(frames):
+            demand_short(first, last)
+        longest = max(b - a for a, b in pairwise(frames)) + 1
+        self.skeleton = skeleton
+        self.keyposes = {frame: keyposes[frame] for frame in frames}
+        self.loader = self._prepared.loader(longest)
+        self.size = self.loader.size
+        self.camera = self.size.camera(self.loader.camera)
+
+    def renewed(
+        self,
+        skeleton: Skeleton,
+        keyposes: Mapping[int, Pose],
+        first_motion: Trajectory | None = None,
+    ) -> Tracker:
+        """A tracker of other keyposes, or of another body, before the same video.
+
+        Prepared pictures are shared between the two, and what was laid out for the body where it is
+        the same object. Both may be in use at the same time.
+        """
+        other = copy(self)
+        other._first_motion = first_motion
+        if skeleton is not self.skeleton:
+            other._laid = {}
+        other._pose(skeleton, keyposes)
+        return other
+
+    def scene(self, span: tuple[int, int], density: float) -> Scene:
+        """The scene of one segment, laid out for its own two keyposes."""
+        poses = [self.keyposes[frame] for frame in span]
+        return Scene.of(self.skeleton, self.camera, poses, density, self._lay)
+
+    def _lay(self, skeleton: Skeleton, spacing_m: float) -> SurfacePoints:
+        """Surface points, laid once for a spacing."""
+        if spacing_m not in self._laid:
+            self._laid[spacing_m] = lay_points(skeleton, spacing_m)
+        return self._laid[spacing_m]
+
+    @property
+    def spans(self) -> list[tuple[int, int]]:
+        """First and last frame of every segment."""
+        return list(pairwise(self.keyposes))
+
+    def expected_steps(self, index: int, settings: TrackSettings) -> int:
+        """Trajectories that `run_segment` is to be expected to tell."""
+        return expected_steps(settings)
+
+    def move_keyframe(self, frame: int, pose: Pose) -> None:
+        """Give an existing keyframe another pose."""
+        if frame not in self.keyposes:
+            raise SessionError(f"Frame {frame} has no keyframe; add it to the session first.")
+        self.keyposes[frame] = pose
+
+    def run_segment(
+        self, index: int, settings: TrackSettings, emit: Callable[[Pass, int], None]
+    ) -> SegmentResult:
+        """Track one segment; `emit` is told every trajectory and may raise Left to stop it."""
+        first, last = self.spans[index]
+        start, end = self.keyposes[first], self.keyposes[last]
+        imported = None
+        if self._first_motion is not None:
+            imported = brought(self._first_motion, start, end, first, last)
+        segment = Segment(first, last, start, end, self.loader.load(first, last), imported)
+        method = method_of(settings)
+        scene = self.scene((first, last), method.density)
+        work, number = track_segment(scene, segment, method), 0
+        while True:
+            try:
+                step = next(work)
+            except StopIteration as done:
+                return _result(scene, segment, done.value, method)
+            emit(step, number)
+            number += 1
+
+
+def _result(scene: Scene, segment: Segment, outcome: Outcome, method: Method) -> SegmentResult:
+    judged = isinstance(method, Paper) or method.judged
+    seen = (observe if judged else unobserved)(scene, segment.clip, outcome.trajectory)
+    return SegmentResult(
+        trajectory=outcome.trajectory,
+        scores=tuple(step.told_score for step in outcome.passes),
+        steps=tuple(step.what for step in outcome.passes),
+        best_pass=outcome.best,
+        closing_error=max(
+            outcome.gap, closing_error(outcome.trajectory, segment.start, segment.end)
+        ),
+        verdict=judge(scene, segment, outcome, seen),
+        rank=seen.rank,
+        singular_values=seen.singular_values,
+        observability=seen.observability,
+        residual=seen.residual,
+        notes=outcome.notes,
+        need=expected_gain(scene, outcome, seen),
+    )
+
+
+def expected_steps(settings: TrackSettings) -> int:
+    """Trajectories a segment is expected to yield: starts, passes, refinement."""
+    method = method_of(settings)
+    if isinstance(method, Paper):
+        return method.passes + 1
+    return method.passes + 3 + method.templates
+
+
+def _demand_two(keyposes: Mapping[int, Pose]) -> None:
+    if len(keyposes) < 2:
+        have = f"one, at frame {next(iter(keyposes))}" if keyposes else "none"
+        raise SessionError(
+            f"keyframes: at least two are needed to track between, and the session has {have}."
+        )

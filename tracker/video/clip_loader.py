@@ -1,0 +1,244 @@
+"""From a video to prepared clips: decoded, rectified, masked, at the size the tracker works on."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, field
+from threading import Lock
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.errors import SessionError, VideoError
+from tracker.geometry.camera import Camera
+from tracker.session.settings import IgnoreMask
+from tracker.video import Video
+from tracker.video.pyramid import (
+    IGNORED,
+    LEVELS,
+    TARGET_ONLY,
+    USABLE,
+    Clip,
+    Picture,
+    level_sizes,
+    prepare,
+)
+
+MEMORY_BYTES = 1_500_000_000
+"""What the clip of one segment may take."""
+KEPT_SHARE = 0.3
+"""Of that, how much earlier clips may go on holding beside a new one; one clip always may."""
+WORKING_PIXELS = 640 * 960
+"""Larger pictures are worked on at half size: nothing is gained above it."""
+LONGEST_SEGMENT = 2000
+"""Frames between two keyframes, beyond which no tracking can be hoped for."""
+FAR_OUT = 1e6
+"""Pixels beyond which a polygon's corner lies anyway outside every picture."""
+PLATE_FRAMES = 41
+PLATE_DIFFERENCE = 8.0
+"""Grey levels by which a pixel must differ from the plate to count as the body's."""
+
+
+def demand_short(first: int, last: int) -> None:
+    """SessionError where a segment is longer than can be tracked."""
+    if last - first > LONGEST_SEGMENT:
+        raise SessionError(
+            f"Keyframes {first} and {last} lie {last - first} frames apart; "
+            f"at most {LONGEST_SEGMENT} can be tracked: add a keyframe between them."
+        )
+
+
+@dataclass(frozen=True)
+class WorkingSize:
+    """Pictures halved `halvings` times; pixel centres stay at integers as in cv2.pyrDown."""
+
+    halvings: int
+
+    @classmethod
+    def for_camera(cls, camera: Camera, longest: int, memory: int = MEMORY_BYTES) -> WorkingSize:
+        """The size at which the longest segment (frames) fits the memory."""
+        halvings, pixels = 0, float(camera.width * camera.height)
+        while pixels > WORKING_PIXELS or pixels * 22 * longest > memory:
+            halvings, pixels = halvings + 1, pixels / 4
+        return cls(halvings)
+
+    def camera(self, camera: Camera) -> Camera:
+        """The undistorted camera of the working pictures."""
+        s = 0.5**self.halvings
+        (height, width) = level_sizes(camera.width, camera.height, self.halvings + 1)[-1]
+        scaled = {
+            "fx": camera.fx * s,
+            "fy": camera.fy * s,
+            "cx": camera.cx * s,
+            "cy": camera.cy * s,
+        }
+        return camera.without_distortion().model_copy(
+            update={**scaled, "width": width, "height": height}
+        )
+
+    def picture(self, image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        """A picture at the working size."""
+        for _ in range(self.halvings):
+            image = np.asarray(cv2.pyrDown(image), dtype=np.uint8)
+        return image
+
+
+@dataclass(eq=False)
+class ClipLoader:
+    """Prepares clips of one video; the most recent stay ready, within a share of the memory.
+
+    A frame that is missing or damaged is shown as ignored everywhere: it decides nothing.
+    """
+
+    video: Video
+    camera: Camera
+    size: WorkingSize
+    masks: Sequence[IgnoreMask] = ()
+    static_camera: bool = False
+    memory: int = MEMORY_BYTES
+    _ready: OrderedDict[tuple[int, int], Clip] = field(default_factory=OrderedDict)
+    _damaged: set[int] = field(default_factory=set)
+    _plate: Picture | None = None
+    _beyond: NDArray[np.bool_] | None = None
+    _lock: Lock = field(default_factory=Lock)
+
+    def load(self, first: int, last: int) -> Clip:
+        """A clip that holds the frames first … last, both included, and maybe others."""
+        demand_short(first, last)
+        with self._lock:
+            span = self._covering(first, last)
+            if span is None:
+                self._make_room()
+                clip = self._prepared(first, last)
+                self._forget_within(first, last)
+                span = (first, last)
+                self._ready[span] = clip
+            self._ready.move_to_end(span)
+            return self._ready[span]
+
+    def _covering(self, first: int, last: int) -> tuple[int, int] | None:
+        """The frames of a ready clip that holds these."""
+        if (first, last) in self._ready:
+            return first, last
+        return next((s for s in self._ready if s[0] <= first and last <= s[1]), None)
+
+    def _forget_within(self, first: int, last: int) -> None:
+        """Let go of clips all of whose frames a new one holds."""
+        for span in [s for s in self._ready if first <= s[0] and s[1] <= last]:
+            del self._ready[span]
+
+    def _pictures_of(self, frame: int) -> list[Picture] | None:
+        """A frame's pictures, every level, where a ready clip holds it."""
+        for clip in self._ready.values():
+            if 0 <= frame - clip.first_frame < len(clip):
+                return [level[frame - clip.first_frame] for level in clip.levels]
+        return None
+
+    def _make_room(self) -> None:
+        """Forget the clips used longest ago; the last one stays, whatever it takes."""
+
+        def held() -> int:
+            return sum(level.nbytes for clip in self._ready.values() for level in clip.levels)
+
+        while len(self._ready) > 1 and held() > KEPT_SHARE * self.memory:
+            self._ready.popitem(last=False)
+
+    def _prepared(self, first: int, last: int) -> Clip:
+        working = self.size.camera(self.camera)
+        sizes = level_sizes(working.width, working.height, LEVELS)
+        levels = tuple(np.empty((last - first + 1, h, w, 4), np.float32) for h, w in sizes)
+        for index, pictures in self._each(first, last):
+            for level, picture in zip(levels, pictures, strict=True):
+                level[index - first] = picture
+        damaged = frozenset(n for n in self._damaged if first <= n <= last)
+        return Clip(first, levels, damaged)
+
+    def _each(self, first: int, last: int) -> Iterator[tuple[int, list[Picture]]]:
+        """Every frame's pictures; those that are ready are not prepared again."""
+        ready = {f: p for f in range(first, last + 1) if (p := self._pictures_of(f)) is not None}
+        yield from ready.items()
+        for start, stop in _gaps(first, last + 1, ready):
+            reached = start
+            for index, rgb in self.video.sound_frames(start, stop):
+                if rgb is None:
+                    self._damaged.add(index)
+                yield index, self._prepare(index, rgb)
+                reached = index + 1
+            if reached != stop:
+                raise VideoError(
+                    f"The video has no frame {last}: it holds fewer frames than it says; "
+                    "convert it, and make the session anew."
+                )
+
+    def _prepare(self, index: int, rgb: NDArray[np.uint8] | None) -> list[Picture]:
+        if rgb is None:
+            working = self.size.camera(self.camera)
+            grey = np.zeros((working.height, working.width), np.uint8)
+            return prepare(grey, np.full(grey.shape, IGNORED, np.float32), LEVELS)
+        grey = self._grey(rgb)
+        return prepare(grey, self._usable(index, grey), LEVELS)
+
+    def _grey(self, rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        grey = np.asarray(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY), dtype=np.uint8)
+        return self.size.picture(self.camera.rectify(grey))
+
+    def _usable(self, index: int, grey: NDArray[np.uint8]) -> Picture | None:
+        """What each pixel may be used for, or None where everything may."""
+        masks = [m for m in self.masks if m.first_frame <= index <= m.last_frame]
+        if not masks and not self.static_camera and not self.camera.is_distorted:
+            return None
+        usable = np.full(grey.shape, USABLE, np.float32)
+        if self.static_camera:
+            usable[self._is_background(grey)] = TARGET_ONLY
+        if masks:
+            usable[self._covered(masks)] = IGNORED
+        if self.camera.is_distorted:
+            usable[self._beyond_lens()] = IGNORED
+        return usable
+
+    def _beyond_lens(self) -> NDArray[np.bool_]:
+        """Pixels of the rectified picture that the lens never showed."""
+        if self._beyond is None:
+            white = np.full((self.camera.height, self.camera.width), 255, np.uint8)
+            self._beyond = self.size.picture(self.camera.rectify(white)) < 250
+        return self._beyond
+
+    def _covered(self, masks: Sequence[IgnoreMask]) -> NDArray[np.bool_]:
+        drawn = np.zeros((self.camera.height, self.camera.width), np.uint8)
+        for mask in masks:
+            corners = np.clip(np.array(mask.polygon), -FAR_OUT, FAR_OUT)
+            cv2.fillPoly(drawn, [np.round(corners).astype(np.int32)], 255)
+        return self.size.picture(self.camera.rectify(drawn)) > 0
+
+    def _is_background(self, grey: NDArray[np.uint8]) -> NDArray[np.bool_]:
+        """Pixels that look as the empty scene does: no part of a moving body."""
+        if self._plate is None:
+            self._plate = self._median_picture()
+        change = np.abs(_smooth(grey) - self._plate)
+        return np.asarray(change < PLATE_DIFFERENCE)
+
+    def _median_picture(self) -> Picture:
+        """The static background: every pixel's median over frames spread over the video."""
+        count = self.video.info.frame_count
+        frames = np.unique(np.linspace(0, count - 1, PLATE_FRAMES).round().astype(int))
+        pictures = [
+            self._grey(rgb)
+            for frame in frames
+            for _, rgb in self.video.frames(int(frame), int(frame) + 1)  # a median bears damage
+            if rgb is not None
+        ]
+        return _smooth(np.median(np.stack(pictures), axis=0).astype(np.float32))
+
+
+def _gaps(start: int, stop: int, ready: Collection[int]) -> list[tuple[int, int]]:
+    """The runs of frames, start to before stop, that are not ready."""
+    wanted = {frame for frame in range(start, stop) if frame not in ready}
+    starts = [frame for frame in sorted(wanted) if frame - 1 not in wanted]
+    stops = [frame + 1 for frame in sorted(wanted) if frame + 1 not in wanted]
+    return list(zip(starts, stops, strict=True))
+
+
+def _smooth(grey: NDArray[np.uint8] | Picture) -> Picture:
+    return np.asarray(cv2.GaussianBlur(grey.astype(np.float32), (0, 0), 1.2), dtype=np.float32)
