@@ -27,8 +27,8 @@ from tracker.errors import KeyposeError
 
 if TYPE_CHECKING:
     from app.document.library import Library
+    from app.server.links import Links
     from app.server.server import Server
-    from app.serving.links import Links
 
 PORT = 8090
 PORTS_TRIED = 10
@@ -147,8 +147,8 @@ def _serve(
     hang_up = getattr(signal, "SIGHUP", signal.SIGTERM)  # the terminal was closed
     for number in (signal.SIGINT, signal.SIGTERM, hang_up):
         signal.signal(number, lambda *_: server.ask_to_stop())
-    from app.serving.addresses import reachable
-    from app.serving.links import Links
+    from app.server.addresses import reachable
+    from app.server.links import Links
 
     loop = server.stage.loop
     if path is not None:
@@ -216,7 +216,7 @@ def _is_own(host: str) -> bool:
 
 def _names(host: str) -> tuple[str, ...]:
     """What a request may call this server besides the address at which it arrives."""
-    from app.serving.addresses import is_wildcard, shown
+    from app.server.addresses import is_wildcard, shown
 
     return (socket.gethostname(),) if is_wildcard(host) else (shown(host),)
 

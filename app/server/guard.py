@@ -20,9 +20,9 @@ from urllib.parse import parse_qsl
 from starlette.responses import HTMLResponse, PlainTextResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from app.serving.addresses import parsed
-from app.serving.browsers import Browsers
-from app.serving.tokens import OneTimeTokens
+from app.server.addresses import parsed
+from app.server.browsers import Browsers
+from app.server.tokens import OneTimeTokens
 
 Kind: TypeAlias = Literal["page", "view", "data"]
 

@@ -25,12 +25,12 @@ from app.editor.state import EditorState
 from app.scene.scene import Stage
 from app.scene.scenery import SceneryMaker
 from app.scene.viser_compat import PAGE, ROLES
+from app.server.browsers import NAME as BROWSERS
+from app.server.browsers import Browsers
 from app.server.guard import PROTOCOL, Guard, headers_for
 from app.server.outputs import Outputs
 from app.server.shelf import Shelf
 from app.server.surfaces import Surfaces
-from app.serving.browsers import NAME as BROWSERS
-from app.serving.browsers import Browsers
 from app.store.sections import image_version
 from app.store.store import Store
 from app.store.tabs import Tab

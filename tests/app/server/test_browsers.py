@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from app.serving.browsers import LONGEST_S, MOST, NAME, Browsers
+from app.server.browsers import LONGEST_S, MOST, NAME, Browsers
 
 
 @pytest.fixture

@@ -18,9 +18,9 @@ from urllib.request import ProxyHandler, Request, build_opener
 import pytest
 
 from app.cli import open as open_command
+from app.server.addresses import reachable
 from app.server.listening import bound
-from app.serving.addresses import reachable
-from tests.app.serving import ROOT, Entered, Keypose, Visitor, enter
+from tests.app.server import ROOT, Entered, Keypose, Visitor, enter
 from tracker.errors import KeyposeError
 
 

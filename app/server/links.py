@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
+from app.server.addresses import shown
 from app.server.guard import TOKEN, Guard
-from app.serving.addresses import shown
-from app.serving.redirect_file import RedirectFile
+from app.server.redirect_file import RedirectFile
 
 
 class Links:
