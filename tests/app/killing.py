@@ -9,7 +9,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from tests.app.server import ROOT
+from tests.app.serving import ROOT
 from tracker.storage.chronicle import mark_of, without_results
 from tracker.storage.files import journal_path, open_session
 from tracker.storage.journal import read_journal

@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
-from tests.app.server import Keypose, Visitor
+from tests.app.serving import Keypose, Visitor
 from tests.benchmarks.keeping import Absent
 from tests.benchmarks.probe import Probe
 from tests.benchmarks.stand import FPS, cpu_s, family, film, sample, serving

@@ -13,7 +13,7 @@ from pathlib import Path
 import av
 import cv2
 
-from tests.app.server import Keypose
+from tests.app.serving import Keypose
 from tests.benchmarks.keeping import ROOT
 from tracker.geometry.rotations import Array
 from tracker.video import Video

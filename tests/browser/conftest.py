@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from tests.app.server import ROOT, Keypose
+from tests.app.serving import ROOT, Keypose
 from tests.browser.chromium import ARGUMENTS, find
 
 SCREENS = ROOT / "out" / "screens"

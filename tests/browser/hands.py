@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 from playwright.sync_api import Page
 
-from tests.app.server import ROOT
+from tests.app.serving import ROOT
 
 SCREENS = ROOT / "out" / "screens"
 """Where the pictures of every step are kept, to be looked at."""

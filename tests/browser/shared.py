@@ -11,7 +11,7 @@ from typing import Any
 
 from playwright.sync_api import Browser, BrowserContext, Page
 
-from tests.app.server import ROOT, Keypose, Visitor
+from tests.app.serving import ROOT, Keypose, Visitor
 from tests.browser.hands import section, settled, until
 
 SECONDS_TO_START = 60

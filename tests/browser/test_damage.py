@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Page
 
-from tests.app.server import Keypose, Visitor
+from tests.app.serving import Keypose, Visitor
 from tests.browser.hands import screen, until, until_told
 from tests.tracker.video_cases import flip_bit
 

@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page
 
-from tests.app.server import ROOT, Keypose, Visitor
+from tests.app.serving import ROOT, Keypose, Visitor
 from tests.browser.cable import Cable, cable
 from tests.browser.foreigner import Foreigner, foreigner
 from tests.browser.hands import section

@@ -11,8 +11,8 @@ from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 from app.server.addresses import reachable
-from tests.app.server import Keypose, Visitor
 from tests.app.server.test_links import started_with, status
+from tests.app.serving import Keypose, Visitor
 from tests.browser.foreigner import foreigner
 from tests.browser.hands import section, until
 from tests.browser.shared import let_in, opened

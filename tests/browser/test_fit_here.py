@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
-from tests.app.server import ROOT
+from tests.app.serving import ROOT
 from tests.browser.hands import (
     drag,
     screen,

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Page
 
-from tests.app.server import Keypose, Visitor
+from tests.app.serving import Keypose, Visitor
 from tests.browser.hands import section, until, until_told
 from tests.browser.shared import let_in, opened, served
 

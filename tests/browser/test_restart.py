@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page
 
-from tests.app.server import ROOT, Keypose, Visitor
+from tests.app.serving import ROOT, Keypose, Visitor
 from tests.browser.cable import Cable, cable
 from tests.browser.hands import section, until
 from tests.browser.shared import let_in, opened

@@ -13,7 +13,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from app.cli.main import main
-from tests.app.server import ROOT, Keypose, Visitor
+from tests.app.serving import ROOT, Keypose, Visitor
 from tests.browser.hands import drag, screen, section, settled, until, until_told
 from tests.browser.shared import Desk, let_in, opened
 from tracker.geometry.rotations import Array

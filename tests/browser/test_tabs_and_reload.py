@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page
 
-from tests.app.server import Visitor
+from tests.app.serving import Visitor
 from tests.browser.cable import Cable, cable
 from tests.browser.hands import drag, section, spot, until, until_told
 from tests.browser.shared import Desk, let_in, opened, served

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from playwright.sync_api import Browser
 
-from tests.app.server import Keypose
+from tests.app.serving import Keypose
 from tests.browser.hands import at_rest, drag, screen, section, spot, until
 from tests.browser.shared import let_in, opened
 

@@ -20,7 +20,7 @@ from app.jobs.batch.task import Step, Stretch, Summary, Task
 from tests.app.cli_cases import refused
 from tests.app.full_disks import fill
 from tests.app.jobs.batch.batch_cases import Befalls, Here, write_sessions
-from tests.app.server import ROOT
+from tests.app.serving import ROOT
 from tests.tracker import session_cases as cases
 from tracker import warm
 from tracker.errors import FormatError

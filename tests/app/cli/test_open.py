@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.app.server import ROOT, Keypose, Visitor
+from tests.app.serving import ROOT, Keypose, Visitor
 from tracker.storage.files import load_session
 
 

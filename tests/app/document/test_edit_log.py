@@ -21,7 +21,7 @@ from app.store import runner
 from app.store.store import Store
 from app.store.tabs import Tab
 from tests.app.killing import kill_once
-from tests.app.server import ROOT
+from tests.app.serving import ROOT
 from tracker.errors import SessionError
 from tracker.storage.files import journal_path, load_session, open_session
 from tracker.storage.journal import Journal, read_journal

@@ -14,7 +14,7 @@ import pytest
 from app.store import runner
 from tests.app.document.test_edit_log import NoWorker, done, tried, turn, with_store
 from tests.app.full_disks import fill
-from tests.app.server import ROOT
+from tests.app.serving import ROOT
 from tracker.storage.chronicle import mark_of, without_results
 from tracker.storage.files import load_session, open_session
 

@@ -17,7 +17,7 @@ from app.store import runner
 from tests.app.cli_cases import refused
 from tests.app.document.test_edit_log import NoWorker, done, with_store
 from tests.app.document.test_edit_log import turn as turned
-from tests.app.server import ROOT
+from tests.app.serving import ROOT
 from tracker.storage.files import load_session
 
 PRECIOUS = b"precious\n"

@@ -19,7 +19,7 @@ from app.jobs import JobFailed, SegmentFinished
 from app.jobs.batch.doing import do
 from app.jobs.batch.task import Task
 from app.jobs.rerun import all_segments, keep, rerun, with_settings
-from tests.app.server import Keypose, Visitor
+from tests.app.serving import Keypose, Visitor
 from tests.tracker import session_cases as cases
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import interpolate

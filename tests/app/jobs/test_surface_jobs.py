@@ -29,7 +29,7 @@ from app.jobs.rerun import keep
 from app.jobs.tracking import _needed
 from app.jobs.work import Job
 from tests.app import surface_cases as cases
-from tests.app.server import Keypose, Visitor
+from tests.app.serving import Keypose, Visitor
 from tests.tracker import session_cases
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton

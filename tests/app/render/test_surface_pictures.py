@@ -28,7 +28,7 @@ from app.render.veil import Sight, veiled
 from app.render.viewpoints import Viewpoint, eye_at, least_distance
 from tests.app import surface_cases as cases
 from tests.app.cli_cases import refused
-from tests.app.server import Keypose, Visitor
+from tests.app.serving import Keypose, Visitor
 from tests.tracker import session_cases
 from tracker.body.pose import Pose, pose_transforms
 from tracker.body.raster import raster

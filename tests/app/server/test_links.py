@@ -20,7 +20,7 @@ import pytest
 from app.cli import open as open_command
 from app.server.addresses import reachable
 from app.server.listening import bound
-from tests.app.server import ROOT, Entered, Keypose, Visitor, enter
+from tests.app.serving import ROOT, Entered, Keypose, Visitor, enter
 from tracker.errors import KeyposeError
 
 

@@ -29,7 +29,7 @@ from app.store import runner
 from app.store.sections import Sections
 from app.store.store import Store
 from app.store.tabs import Tab
-from tests.app.server import ROOT
+from tests.app.serving import ROOT
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import interpolate

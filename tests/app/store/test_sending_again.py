@@ -17,7 +17,7 @@ from app.store.clients import MOST, Clients
 from app.store.store import Store
 from app.store.tabs import Tab
 from tests.app.document.test_edit_log import NoWorker
-from tests.app.server import ROOT, Keypose, Visitor
+from tests.app.serving import ROOT, Keypose, Visitor
 from tracker.session import Session
 from tracker.storage.chronicle import mark_of, without_results
 from tracker.storage.files import load_session

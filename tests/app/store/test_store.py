@@ -19,7 +19,7 @@ from app.store.autosave import Saver
 from app.store.state import Saved
 from app.store.store import Store
 from tests.app import surface_cases
-from tests.app.server import ROOT
+from tests.app.serving import ROOT
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import interpolate
 from tracker.errors import SessionError

@@ -13,7 +13,7 @@ from pathlib import Path
 from threading import Thread
 
 from app.document.folder_lock import NAME
-from tests.app.server import ROOT
+from tests.app.serving import ROOT
 
 HERE = ("--host", "127.0.0.1", "--no-dashboard", "--dashboard-address", "127.0.0.1:0")
 ALONE = ("--no-nanny", "--nthreads", "1", "--memory-limit", "0")
