@@ -41,7 +41,9 @@ def add_command(
 
 
 def add_session(command: argparse.ArgumentParser) -> None:
-    command.add_argument("session", metavar="SESSION", type=session_file, help="the session file")
+    command.add_argument(
+        "session", metavar="SESSION", type=session_file, help="the session's file or folder"
+    )
 
 
 def add_json(command: argparse.ArgumentParser) -> None:
@@ -76,9 +78,11 @@ def file_name(text: str) -> Path:
 
 
 def session_file(text: str) -> Path:
-    """A parser of names of session files. A link is followed here, once: what belongs to a session
-    lies beside its file, and is never written through a link."""
+    """A parser of names of session files, or of the folders they lie in. A link is followed here,
+    once: what belongs to a session lies beside its file, and is never written through a link."""
     path = file_name(text)
+    if path.is_dir() and (path / "session.json").is_file():
+        path = path / "session.json"
     return Path(os.path.realpath(path)) if path.is_symlink() else path
 
 

@@ -49,7 +49,11 @@ def add(commands: Subcommands) -> None:
         "when left out",
     )
     command.add_argument(
-        "--session", metavar="SESSION", type=session_file, required=True, help="the session file"
+        "--session",
+        metavar="SESSION",
+        type=session_file,
+        required=True,
+        help="the session's file or folder",
     )
     of_session = "; the session's own when left out"
     command.add_argument(

@@ -15,6 +15,7 @@ import sys
 import traceback
 from collections.abc import Sequence
 from contextlib import suppress
+from importlib.metadata import version
 from typing import NoReturn
 
 from app.cli import (
@@ -108,7 +109,11 @@ def parser() -> argparse.ArgumentParser:
         epilog=_EXAMPLES,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    commands = top.add_subparsers(metavar="COMMAND", required=True)
+    top.add_argument(
+        "--version", action="version", version=f"keypose {version('keypose')}", help="print it"
+    )
+    top.set_defaults(run=lambda _: _introduce(top))
+    commands = top.add_subparsers(metavar="COMMAND")
     for command in (
         open,
         track,
@@ -127,6 +132,12 @@ def parser() -> argparse.ArgumentParser:
     ):
         command.add(commands)
     return top
+
+
+def _introduce(top: argparse.ArgumentParser) -> int:
+    """Without a command, what there is."""
+    top.print_help()
+    return 0
 
 
 def _sentence(text: str) -> str:

@@ -20,15 +20,20 @@ def write(
     picture: Picture, words: str, left: int, baseline: int, height_px: float, colour: Colour = TEXT
 ) -> None:
     """Words from (left, baseline) on, capitals height_px tall."""
-    weight = max(1, round(height_px / 11))
     scale = height_px / LETTER_PX
+    weight = _weight(height_px)
     cv2.putText(picture, words, (left, baseline), FONT, scale, colour, weight, cv2.LINE_AA)
 
 
 def written_width(words: str, height_px: float) -> int:
     """How many pixels the words take."""
-    (width, _), _ = cv2.getTextSize(words, FONT, height_px / LETTER_PX, 1)
+    (width, _), _ = cv2.getTextSize(words, FONT, height_px / LETTER_PX, _weight(height_px))
     return int(width)
+
+
+def _weight(height_px: float) -> int:
+    """The width of a letter's lines, pixels."""
+    return max(1, round(height_px / 11))
 
 
 def write_name(picture: Picture, words: str, letter_px: float) -> None:

@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from collections.abc import Iterator
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -313,3 +314,21 @@ def test_a_reader_that_goes_away_is_no_error() -> None:
             check=False,
         )
     assert (done.returncode, done.stderr) == (141, b"")
+
+
+def test_without_a_command_one_reads_what_there_is(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([]) == 0
+    assert "examples:" in capsys.readouterr().out
+
+
+def test_it_tells_its_version(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(["--version"])
+    assert ended.value.code == 0
+    assert capsys.readouterr().out == f"keypose {version('keypose')}\n"
+
+
+def test_a_sessions_folder_stands_for_its_file(tracked_path: Path, tmp_path: Path) -> None:
+    out = tmp_path / "a.png"
+    assert main(["shot", str(tracked_path.parent), "--frame", "2", "--out", str(out)]) == 0
+    assert out.exists()

@@ -101,11 +101,10 @@ def test_a_wrong_session_is_one_sentence_and_nothing_is_written(
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        ([], "COMMAND"),
         (["fly"], "invalid choice"),
         (["track"], "SESSION"),
         (["track", "none.json"], "no session file"),
-        (["track", "."], "is a folder"),
+        (["track", "frames"], "is a folder"),
         (["track", "session.json", "--workers", "0"], "not a whole number from 1 on"),
         (["track", "session.json", "--method", "guess"], "invalid choice"),
         (["track", "session.json", "--out", "session.json/sub"], "cannot be written to"),
