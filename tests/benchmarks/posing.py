@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -169,10 +169,20 @@ def fit(
     problem = _Problem(body, camera, marked, fit_sizes=True, habits=habits)
     problem.Rs_camera_root = np.tile(best[2], (len(marked), 1, 1))
     x = np.concatenate([np.zeros(len(SIZES)), np.tile(best[1][len(SIZES) :], len(marked))])
-    solved = least_squares(problem.residuals, x, max_nfev=40, x_scale="jac")
-    skeleton, Rs, ps, _ = problem.unpack(solved.x)
+    skeleton, Rs, ps, _ = problem.unpack(_solved(problem, x))
     poses = {m.frame: Pose(R, p) for m, R, p in zip(marked, Rs, ps, strict=True)}
     return Posed(skeleton, poses, _miss(skeleton, camera, marked, poses))
+
+
+def _solved(problem: _Problem, x: Array) -> Array:
+    """The best sizes and poses from a start."""
+    try:
+        return np.asarray(least_squares(problem.residuals, x, max_nfev=40, x_scale="jac").x)
+    except np.linalg.LinAlgError:
+        # LAPACK's divide and conquer gives up on a few sound Jacobians, which ones goes by the
+        # number of its threads; the iterative solver has no such case and takes longer.
+        how: dict[str, Any] = {"max_nfev": 40, "x_scale": "jac", "tr_solver": "lsmr"}
+        return np.asarray(least_squares(problem.residuals, x, **how).x)
 
 
 def _start(problem: _Problem, depth_m: float) -> Array:
