@@ -39,6 +39,7 @@ export class Picture {
   #ready;
   #pace;
   #role;
+  #isReady = false;
   #leaveLine = () => {};
 
   constructor(role, { aim, ready, pace }) {
@@ -110,13 +111,16 @@ export class Picture {
   /** The camera is ours: whatever viser did to it, before each picture it is set again. */
   #takeCamera(inside) {
     let rendered = 0;
+    this.#isReady = false;
     inside.scene.onBeforeRender = (renderer, _scene, camera) => {
       renderer.toneMapping = 0; // colours as they are named
       dress(this.#role, inside.nodeRefFromName);
       this.#aim(camera);
       if (!inside.nodeRefFromName[NODE] || ++rendered > RENDERED_FRAMES) return;
-      if (rendered === RENDERED_FRAMES) this.#ready();
-      else inside.requestRender(); // a slow screen may have drawn all wishes before it was told all
+      if (rendered === RENDERED_FRAMES) {
+        this.#isReady = true;
+        this.#ready();
+      } else inside.requestRender(); // a slow screen may have drawn all wishes before it was told all
     };
     inside.camera.updateProjectionMatrix = () => this.#aim(inside.camera);
   }
@@ -137,8 +141,9 @@ export class Picture {
     const render = gl.render.bind(gl);
     gl.render = (...what) => {
       const now = performance.now();
-      // A tab in the background may draw a wish much later.
-      if (drawn >= wished && now - wished > AWAKE_MS) return;
+      // A tab in the background may draw a wish much later; and until there is something to see,
+      // what viser is told may come later than any wish.
+      if (this.#isReady && drawn >= wished && now - wished > AWAKE_MS) return;
       const pace = this.#pace();
       const wait = Math.max(drawn + pace.rest, wished + pace.behind) - now;
       if (wait > 0) return later(wait);

@@ -66,7 +66,7 @@ def wired(
     ):
         visitor = Visitor(keypose)
         page = opened(context, keypose)
-        until(lambda: page.locator(".view.drawn").count() == 4, "the four views", 120)
+        until(lambda: page.locator(".view.drawn").count() == 4, "the four views", 300)
         yield Desk(page, visitor, keypose, session), laid
         visitor.leave()
 
@@ -163,7 +163,7 @@ def test_a_reload_comes_back_to_the_same(at: Desk) -> None:
     at.page.wait_for_selector("#main canvas.vid[data-frame='1']")
     assert _all(at.page) == before
     np.testing.assert_allclose(spot(at.page, "waist"), place, atol=0.5)
-    until(lambda: at.page.locator(".view.drawn").count() == 4, "the four views", 120)
+    until(lambda: at.page.locator(".view.drawn").count() == 4, "the four views", 300)
     until(lambda: _is_drawn(at.page), "viser's pictures")
 
 
@@ -239,7 +239,7 @@ def test_views_that_could_not_be_fetched_are_drawn_once_they_can_be(at: Desk) ->
     assert not page.locator(".view.drawn").count()
     context.unroute("**/view/*")
     page.evaluate("() => document.querySelectorAll('iframe.viser').forEach((f) => (f.src = f.src))")
-    until(lambda: page.locator(".view.drawn").count() == 4, "the four views", 60)
+    until(lambda: page.locator(".view.drawn").count() == 4, "the four views", 300)
 
 
 def test_on_a_very_slow_screen_all_four_views_are_drawn_nevertheless(
@@ -248,4 +248,4 @@ def test_on_a_very_slow_screen_all_four_views_are_drawn_nevertheless(
     with let_in(browser, drawn=True) as context:
         context.add_init_script(SLOW)
         page = opened(context, at.keypose)
-        until(lambda: page.locator(".view.drawn").count() == 4, "the four views", 60)
+        until(lambda: page.locator(".view.drawn").count() == 4, "the four views", 300)
