@@ -2,7 +2,7 @@
 
 import { connect } from './store/link.js';
 import { mount as mountMemory } from './store/remember.js';
-import { S, U, watch } from './store/state.js';
+import { server, ui, watch } from './store/state.js';
 import { mount as mountViews, view } from './views/views.js';
 import { mount as mountHandles } from './handles/handles.js';
 import { mount as mountInspector } from './inspector/inspector.js';
@@ -18,7 +18,7 @@ mountChrome();
 connect();
 
 // For the console, and for whoever tests the page from outside.
-window.keypose = { S, U, view };
+window.keypose = { server, ui, view };
 watch(['file'], () => {
-  if ('file' in S) document.documentElement.dataset.ready = 'yes';
+  if ('file' in server) document.documentElement.dataset.ready = 'yes';
 });

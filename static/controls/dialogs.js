@@ -1,15 +1,15 @@
 // Sheets over the page. The browser's own dialog keeps the focus inside and closes on Esc.
 
-import { U, put } from '../store/state.js';
+import { ui, setUi } from '../store/state.js';
 
 /** Open or close the sheet of keys. */
-export const toggleSheet = () => put('sheet', !U.sheet);
+export const toggleSheet = () => setUi('sheet', !ui.sheet);
 
 /** Close the sheets; tells whether one was open, or about to open with the next frame. */
 export function closeSheets() {
-  if (!U.sheet && !U.chooser) return false;
-  put('sheet', false);
-  put('chooser', null);
+  if (!ui.sheet && !ui.chooser) return false;
+  setUi('sheet', false);
+  setUi('chooser', null);
   return true;
 }
 

@@ -1,7 +1,7 @@
 // Values a person's hand is on. A value that is held is shown as it was set, in every control of
 // the same key, until the server has answered its last edit: the echo never jumps into a drag.
 
-import { S, U } from '../store/state.js';
+import { server, ui } from '../store/state.js';
 import { listen } from '../store/link.js';
 
 const values = new Map();
@@ -41,7 +41,7 @@ export function letGo(key) {
 /** An answer that got lost must not leave a wrong number standing; offline edits keep waiting. */
 function giveUp(key, n) {
   if (awaited.get(key) !== n) return;
-  if (U.connected) letGo(key);
+  if (ui.connected) letGo(key);
   else setTimeout(() => giveUp(key, n), PATIENCE_MS);
 }
 
@@ -53,5 +53,5 @@ function tell(key) {
   for (const fn of shownBy) fn(key);
 }
 
-listen('state', () => answered(S.done ?? 0));
+listen('state', () => answered(server.done ?? 0));
 listen('refused', (message) => answered(message.n));

@@ -2,7 +2,7 @@
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from './icons.js';
-import { U, put } from '../store/state.js';
+import { ui, setUi } from '../store/state.js';
 import { reachedByKey } from './focus.js';
 
 /** The entries of a menu: rows, headings, lines and notes. */
@@ -15,7 +15,7 @@ export const note = (content) => ({ note: content });
  * button: (attributes of an open or shut menu) → template; items: () → entries
  */
 export function menuHolder(name, button, items, side = 'left') {
-  const open = U.menu === name;
+  const open = ui.menu === name;
   return html`<span class="holder" data-menu=${name}>
     ${button(open)}${open ? menu(name, items(), side) : nothing}
   </span>`;
@@ -23,20 +23,20 @@ export function menuHolder(name, button, items, side = 'left') {
 
 /** Open this menu, or close it when it is the open one. */
 export function toggleMenu(name) {
-  if (U.menu === name) {
+  if (ui.menu === name) {
     closeMenu();
     return;
   }
-  put('menu', name);
+  setUi('menu', name);
   // The menu is drawn with the next frame; only then can it take the keys.
   requestAnimationFrame(() => requestAnimationFrame(focusMenu));
 }
 
 /** Close what is open; tells whether anything was. */
 export function closeMenu() {
-  if (!U.menu) return false;
-  const opener = holder(U.menu)?.querySelector('button');
-  put('menu', null);
+  if (!ui.menu) return false;
+  const opener = holder(ui.menu)?.querySelector('button');
+  setUi('menu', null);
   if (reachedByKey()) opener?.focus();
   return true;
 }
@@ -94,7 +94,7 @@ function onKey(event) {
 }
 
 function focusMenu() {
-  const list = U.menu && holder(U.menu)?.querySelector('.menu');
+  const list = ui.menu && holder(ui.menu)?.querySelector('.menu');
   if (!list) return;
   const target = reachedByKey() ? list.querySelector('.mi') : list;
   target?.focus();
@@ -105,5 +105,5 @@ function holder(name) {
 }
 
 function closeFromOutside(event) {
-  if (U.menu && !holder(U.menu)?.contains(event.target)) closeMenu();
+  if (ui.menu && !holder(ui.menu)?.contains(event.target)) closeMenu();
 }

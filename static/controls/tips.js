@@ -2,7 +2,7 @@
 // from the title, whose last part after three spaces is the key: "Undo   Ctrl Z".
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
-import { U } from '../store/state.js';
+import { ui } from '../store/state.js';
 
 const REST_MS = 450;
 const AGAIN_MS = 300; // from one control to the next the words come at once
@@ -28,7 +28,7 @@ function enter(target) {
   const found = target.closest?.('[title]') ?? null;
   if (owner !== null && owner.contains(target) && (found === null || found === owner)) return;
   leave();
-  if (!found || U.dragging || !found.title) return;
+  if (!found || ui.dragging || !found.title) return;
   owner = found;
   title = found.title;
   // While it is lent the browser shows none of its own.

@@ -3,7 +3,7 @@
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from './icons.js';
 import { listen, send } from '../store/link.js';
-import { S, U, put, watch } from '../store/state.js';
+import { server, ui, setUi, watch } from '../store/state.js';
 import { firstSentence } from './words.js';
 
 const MOST = 4;
@@ -18,14 +18,14 @@ let count = 0;
  * waits for an answer, unless it is brief.
  */
 export function toast(message) {
-  const shown = U.toasts ?? [];
+  const shown = ui.toasts ?? [];
   const same = shown.find(({ words }) => words === message.words);
   const until = performance.now() + (STAYS_MS[message.kind] ?? STAYS_MS.info);
   if (same) same.until = until;
-  else put('toasts', [...shown, { ...message, until, ...stamp() }].slice(-MOST));
+  else setUi('toasts', [...shown, { ...message, until, ...stamp() }].slice(-MOST));
 }
 
-const stamp = () => ({ id: ++count, path: S.file?.path ?? null, at: performance.now() });
+const stamp = () => ({ id: ++count, path: server.file?.path ?? null, at: performance.now() });
 
 export function mountToasts() {
   const place = document.createElement('div');
@@ -35,31 +35,31 @@ export function mountToasts() {
   listen('note', toast);
   listen('refused', ({ words }) => toast({ kind: 'check', words }));
   watch(['file'], forgetOthers);
-  watch(['u:toasts'], () => render((U.toasts ?? []).map(card), place));
+  watch(['u:toasts'], () => render((ui.toasts ?? []).map(card), place));
   setInterval(sweep, 500);
 }
 
 /** Another file is open: what was said of the one before goes. */
 function forgetOthers() {
-  if (!S.file) return;
+  if (!server.file) return;
   const now = performance.now();
-  const isOurs = ({ path, at }) => path === S.file.path || now - at < OPENING_MS;
-  const shown = U.toasts ?? [];
+  const isOurs = ({ path, at }) => path === server.file.path || now - at < OPENING_MS;
+  const shown = ui.toasts ?? [];
   const left = shown.filter(isOurs);
-  if (left.length < shown.length) put('toasts', left);
+  if (left.length < shown.length) setUi('toasts', left);
 }
 
 /** What is old goes; what is being read stays, and so does what waits for an answer. */
 function sweep() {
   const isRead = ({ id }) =>
     document.querySelector(`[data-toast="${id}"]`)?.matches(':hover, :focus-within');
-  const shown = U.toasts ?? [];
+  const shown = ui.toasts ?? [];
   const left = shown.filter((one) => (one.button && !one.brief) || one.until > performance.now() || isRead(one));
-  if (left.length < shown.length) put('toasts', left);
+  if (left.length < shown.length) setUi('toasts', left);
 }
 
 function dismiss(id) {
-  put('toasts', (U.toasts ?? []).filter((one) => one.id !== id));
+  setUi('toasts', (ui.toasts ?? []).filter((one) => one.id !== id));
 }
 
 function card(message) {

@@ -11,7 +11,7 @@
 import { hold, letGo, letGoAfter, onHeld, shown } from './held.js';
 import { Stroke } from './stroke.js';
 import { send } from '../store/link.js';
-import { put } from '../store/state.js';
+import { setUi } from '../store/state.js';
 
 const NUDGES_END_MS = 300;
 
@@ -148,13 +148,13 @@ export class ValueElement extends HTMLElement {
 /** Follow a pointer until it is let go: Esc and the right button take back. */
 export function follow(element, down, { move, end, cancel }) {
   element.setPointerCapture(down.pointerId);
-  put('dragging', true);
+  setUi('dragging', true);
   const abort = new AbortController();
   const on = (target, kind, fn, more) =>
     target.addEventListener(kind, fn, { signal: abort.signal, ...more });
   const stop = (fn) => (event) => {
     abort.abort();
-    put('dragging', false);
+    setUi('dragging', false);
     fn(event);
   };
   on(element, 'pointermove', (event) => (event.buttons & 2 ? stop(cancel)(event) : move(event)));

@@ -5,11 +5,11 @@
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
-import { S, U, put, watch } from '../store/state.js';
+import { server, ui, setUi, watch } from '../store/state.js';
 import { onViews } from '../views/views.js';
 import { onHold } from '../handles/hold.js';
 import { isDrawingTool } from '../handles/sketch.js';
-import { isUnderHand } from '../handles/underhand.js';
+import { isDragCoveredBy } from '../handles/covered_by.js';
 import { drawMarks } from './guide_marks.js';
 import { carry, cornerFor, covers, coversWords } from './guide_place.js';
 import { forgetPulled, mountPulled } from './guide_pulled.js';
@@ -44,7 +44,7 @@ function offerGuide() {
 /** Close the guide for good; tells whether it was open. */
 export function closeGuide() {
   if (!isOpen()) return false;
-  put('guideStep', null);
+  setUi('guideStep', null);
   try {
     localStorage.setItem(KEY, 'closed');
   } catch {
@@ -62,7 +62,7 @@ export function mountGuide() {
   const draw = () => {
     render(isOpen() ? coach() : nothing, card);
     if (isOpen()) place(card.firstElementChild);
-    drawMarks(marks, isOpen() && !U.dragging ? shown() : null);
+    drawMarks(marks, isOpen() && !ui.dragging ? shown() : null);
   };
   mountPulled();
   watch(['guide', 'file', 'u:dragging'], notice);
@@ -74,29 +74,29 @@ export function mountGuide() {
 
 function show(number) {
   const step = steps()[number] ?? {};
-  if (step.tool) put('tool', step.tool);
+  if (step.tool) setUi('tool', step.tool);
   if (step.rings) takeWaist();
-  if (number !== U.guideStep) forgetPulled();
+  if (number !== ui.guideStep) forgetPulled();
   wasDone = isDone(step);
   wasKept = isKept();
-  put('guideStep', number);
+  setUi('guideStep', number);
 }
 
-const isOpen = () => Boolean(S.file) && Number.isInteger(U.guideStep);
-const shown = () => steps()[U.guideStep];
+const isOpen = () => Boolean(server.file) && Number.isInteger(ui.guideStep);
+const shown = () => steps()[ui.guideStep];
 
 function notice() {
-  if (!S.file || !S.guide) return;
-  if (offered !== S.file.path) {
-    if (S.guide.first && !wasClosed()) offerGuide();
-    else put('guideStep', null); // it was of the session before
+  if (!server.file || !server.guide) return;
+  if (offered !== server.file.path) {
+    if (server.guide.first && !wasClosed()) offerGuide();
+    else setUi('guideStep', null); // it was of the session before
   }
-  offered = S.file.path;
+  offered = server.file.path;
   const step = shown();
   if (!step) return;
   if (!isDone(step)) wasDone = false;
   if (!isKept()) wasKept = false;
-  if (U.dragging) return;
+  if (ui.dragging) return;
   if (isKept() && !wasKept) soonOn(step, finish);
   else if (isDone(step) && !wasDone && !step.again) soonOn(step);
 }
@@ -104,11 +104,11 @@ function notice() {
 /** On to the next step, or to the end, once the tick was seen. */
 function soonOn(step, go = advance) {
   clearTimeout(timer);
-  timer = setTimeout(() => shown() === step && !U.dragging && go(), PAUSE_MS);
+  timer = setTimeout(() => shown() === step && !ui.dragging && go(), PAUSE_MS);
 }
 
 function advance() {
-  let next = U.guideStep + 1;
+  let next = ui.guideStep + 1;
   while (next < steps().length && isDone(steps()[next])) next += 1;
   show(next);
 }
@@ -154,7 +154,7 @@ function choiceButton(step, { label, title, act, ends }) {
 
 function stepFoot(step) {
   const done = isDone(step);
-  return html`<span class="dim num">Step ${U.guideStep + 1} of ${steps().length}</span><span class="sp"></span>
+  return html`<span class="dim num">Step ${ui.guideStep + 1} of ${steps().length}</span><span class="sp"></span>
     <button class="btn ghost sm" title="Close for good   Esc" @click=${closeGuide}>
       Close guide
     </button>
@@ -169,10 +169,10 @@ function stepFoot(step) {
 
 function bar(step, i) {
   const done = isDone(step);
-  const kind = i === U.guideStep ? 'c' : '';
+  const kind = i === ui.guideStep ? 'c' : '';
   return html`<button
     class="${kind} ${done ? 'd' : ''}"
-    aria-current=${i === U.guideStep ? 'step' : nothing}
+    aria-current=${i === ui.guideStep ? 'step' : nothing}
     @click=${() => show(i)}
   >
     <i></i><span>${done ? icon('check') : nothing}${step.word}</span>
@@ -191,7 +191,7 @@ function lift(event) {
  */
 function place(card) {
   fade(card);
-  if (U.dragging) return;
+  if (ui.dragging) return;
   const step = shown();
   if (isPutAside && !covers(card, step)) return;
   isPutAside = false;
@@ -203,6 +203,6 @@ function place(card) {
 
 /** What is dragged or drawn behind the card, and what is told of it, can be seen through it. */
 function fade(card) {
-  const gives = isDrawingTool(U.tool) || (card && (isUnderHand(card) || coversWords(card)));
+  const gives = isDrawingTool(ui.tool) || (card && (isDragCoveredBy(card) || coversWords(card)));
   card?.classList.toggle('behind', Boolean(gives));
 }

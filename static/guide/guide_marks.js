@@ -2,7 +2,7 @@
 // belongs to a view ends at its edge.
 
 import { nothing, render, svg, html } from '../vendor/lit-html/lit-html.js';
-import { S } from '../store/state.js';
+import { server } from '../store/state.js';
 import { view } from '../views/views.js';
 import { spotsOf } from './guide_spots.js';
 
@@ -12,7 +12,7 @@ const MARKS = {
 
 /** Draw the marks of this step, or none. */
 export function drawMarks(place, step) {
-  const shapes = step && S.pose ? MARKS[step.name](step) : null;
+  const shapes = step && server.pose ? MARKS[step.name](step) : null;
   render(shapes ? html`<svg aria-hidden="true">${shapes}</svg>` : nothing, place);
 }
 

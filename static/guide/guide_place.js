@@ -2,7 +2,7 @@
 // handles to be dragged in this step, and otherwise farthest from the body. It stays there as long
 // as it covers neither of them.
 
-import { S } from '../store/state.js';
+import { server } from '../store/state.js';
 import { view } from '../views/views.js';
 import { largeView } from '../handles/scale.js';
 import { bodyInWindow, spotsOf } from './guide_spots.js';
@@ -61,11 +61,11 @@ const goodness = ({ away, clear, bare }) => (FAR / GRASP) * 4 * clear + 2 * FAR 
 
 /** Whether the card would cover any of the film: the person may be there. */
 function overPicture({ x, y }, { width, height }) {
-  if (largeView() !== 'main' || !S.camera) return false;
+  if (largeView() !== 'main' || !server.camera) return false;
   const camera = view('main');
   const { left, top } = camera.el.getBoundingClientRect();
   const [x0, y0] = camera.fromView([-0.5, -0.5]);
-  const [x1, y1] = camera.fromView([S.camera.width - 0.5, S.camera.height - 0.5]);
+  const [x1, y1] = camera.fromView([server.camera.width - 0.5, server.camera.height - 0.5]);
   return x < left + x1 && x + width > left + x0 && y < top + y1 && y + height > top + y0;
 }
 

@@ -1,16 +1,16 @@
 // Which handles were pulled in this step of the guide: their marks go.
 
-import { U, put, watch } from '../store/state.js';
+import { ui, setUi, watch } from '../store/state.js';
 import { hold } from '../handles/hold.js';
 
 let drag = null; // the drag under way, or the last one
-U.pulled = new Set();
+ui.pulled = new Set();
 
 /** Whether this handle was pulled already. */
-export const isPulled = ({ name }) => U.pulled.has(name);
+export const isPulled = ({ name }) => ui.pulled.has(name);
 
 /** All marks come back. */
-export const forgetPulled = () => put('pulled', new Set());
+export const forgetPulled = () => setUi('pulled', new Set());
 
 export function mountPulled() {
   watch(['u:dragging', 'pose'], () => {
@@ -23,5 +23,5 @@ export function mountPulled() {
 function notice() {
   const { target, told, kept } = drag;
   drag = null;
-  if (told && kept && target?.handle?.name) put('pulled', new Set(U.pulled).add(target.handle.name));
+  if (told && kept && target?.handle?.name) setUi('pulled', new Set(ui.pulled).add(target.handle.name));
 }

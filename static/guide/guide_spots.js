@@ -1,6 +1,6 @@
 // Where the handles stand that a step of the guide is about, in pixels of the window.
 
-import { S } from '../store/state.js';
+import { server } from '../store/state.js';
 import { view } from '../views/views.js';
 import { isPulled } from './guide_pulled.js';
 
@@ -11,13 +11,13 @@ import { isPulled } from './guide_pulled.js';
 export function spotsOf({ takes } = {}) {
   if (!takes) return [];
   return stillToPull(takes.kinds)
-    .map((handle) => ({ handle, at: inWindow(takes.view, S.pose?.points?.[handle.anchor]) }))
+    .map((handle) => ({ handle, at: inWindow(takes.view, server.pose?.points?.[handle.anchor]) }))
     .filter(({ at }) => at && isIn(takes.view, at));
 }
 
 /** The first of the kinds of which any is left: hands and feet before elbows and knees. */
 function stillToPull(kinds) {
-  const all = S.body?.handles ?? [];
+  const all = server.body?.handles ?? [];
   for (const wanted of kinds) {
     const found = all.filter(({ kind }) => kind === wanted);
     const left = wanted === 'root' ? found : found.filter((handle) => !isPulled(handle));
@@ -28,7 +28,7 @@ function stillToPull(kinds) {
 
 /** Every joint of the body, in the view of this name. */
 export function bodyInWindow(name) {
-  const points = Object.values(S.pose?.points ?? {});
+  const points = Object.values(server.pose?.points ?? {});
   return points.map((point) => inWindow(name, point)).filter(Boolean);
 }
 

@@ -3,7 +3,7 @@
 // `name` is the server's key.
 
 import { send } from '../store/link.js';
-import { S, put } from '../store/state.js';
+import { server, setUi } from '../store/state.js';
 import { fewestKeys, isSurface, words as subject } from '../store/subject.js';
 
 const SIZE = `Hold D and drag the point between the arrows until head and feet match: up
@@ -145,11 +145,11 @@ export const steps = () => (isSurface() ? IN_SURFACE : IN_FILM);
  * @param {Step} step
  */
 export function isDone({ name, also }) {
-  return Boolean(S.guide?.done[name] || S.guide?.done[also]);
+  return Boolean(server.guide?.done[name] || server.guide?.done[also]);
 }
 
 /** Whether the pose has been kept: then there is nothing left to lead to. */
-export const isKept = () => Boolean(S.guide?.done.key);
+export const isKept = () => Boolean(server.guide?.done.key);
 
 function faces(way, label, title = label) {
   return { label, title, act: () => send({ do: 'face', way }), ends: true };
@@ -157,12 +157,12 @@ function faces(way, label, title = label) {
 
 /** Select the waist: its rings turn the whole body. */
 export function takeWaist() {
-  const root = S.body?.parts.find(({ parent }) => !parent)?.name;
-  if (root && S.view?.selected !== root) send({ do: 'select', part: root });
+  const root = server.body?.parts.find(({ parent }) => !parent)?.name;
+  if (root && server.view?.selected !== root) send({ do: 'select', part: root });
 }
 
 function turnWaist() {
-  put('tool', 'rotate');
+  setUi('tool', 'rotate');
   takeWaist();
 }
 
@@ -171,9 +171,9 @@ function turnWaist() {
  * @returns {Step}
  */
 export function ending() {
-  const keys = S.keys?.frames.length ?? 0;
+  const keys = server.keys?.frames.length ?? 0;
   if (keys >= fewestKeys()) return standing();
-  const { words = '' } = S.suggest ?? {};
+  const { words = '' } = server.suggest ?? {};
   const title = keys === 1 ? 'The first keyframe stands' : 'That is how to pose';
   return { title, text: isSurface() ? words : `${words} Then T tracks the frames between.` };
 }
@@ -182,15 +182,15 @@ const ORDER = ['lost', 'check', 'good'];
 
 /** With two keyframes and more: track them, and then what tracking found. */
 function standing() {
-  if (S.job?.state === 'running') {
+  if (server.job?.state === 'running') {
     return { title: subject().doing, text: 'It may go on while you pose.' };
   }
-  const { kind, words = '', reason = '' } = S.suggest ?? {};
+  const { kind, words = '', reason = '' } = server.suggest ?? {};
   if (kind === 'track') {
     const where = isSurface() ? 'on both sides of the keyframes' : 'between the keyframes';
     return { title: `Press ${subject().verb} (T)`, text: `It finds the motion ${where}.` };
   }
-  const found = ORDER.map((state) => (S.segments ?? []).find((s) => s.state === state)).find(Boolean);
+  const found = ORDER.map((state) => (server.segments ?? []).find((s) => s.state === state)).find(Boolean);
   if (!found) return { title: 'That is how to pose', text: words };
   const isSaid = found.words.toLowerCase().includes(reason.toLowerCase());
   const title = `${found.first}–${found.last}. ${found.words}`;

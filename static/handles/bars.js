@@ -1,7 +1,7 @@
 // The glass bars over the large view. They move with it when another view is enlarged.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
-import { S, U, watch } from '../store/state.js';
+import { server, ui, watch } from '../store/state.js';
 import { onViews, view as viewNamed } from '../views/views.js';
 import { displaybar, onSlide } from './displaybar.js';
 import { footbars } from './footbars.js';
@@ -11,7 +11,7 @@ import { largeView } from './scale.js';
 import { damagebar } from './damagebar.js';
 import { tintbar } from './tintbar.js';
 import { toolbar } from './toolbar.js';
-import { hidesHandle } from './underhand.js';
+import { isHandleCoveredBy } from './covered_by.js';
 
 const host = document.createElement('div');
 
@@ -28,10 +28,10 @@ export function mountBars() {
 function draw() {
   const place = viewNamed(largeView())?.el;
   if (place && host.parentElement !== place) place.append(host);
-  host.classList.toggle('quad', U.layout === 'quad');
-  render(S.file && S.view ? bars() : nothing, host);
+  host.classList.toggle('quad', ui.layout === 'quad');
+  render(server.file && server.view ? bars() : nothing, host);
   for (const bar of host.querySelectorAll('.glass')) {
-    bar.classList.toggle('faded', hold.drag !== null || hidesHandle(bar));
+    bar.classList.toggle('faded', hold.drag !== null || isHandleCoveredBy(bar));
   }
 }
 

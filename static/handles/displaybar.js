@@ -1,7 +1,7 @@
 // How the body is drawn: wire, solid or both, how opaque; ghosts and trail.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U } from '../store/state.js';
+import { server, ui } from '../store/state.js';
 import { send } from '../store/link.js';
 import { icon } from '../controls/icons.js';
 
@@ -24,7 +24,7 @@ export function onSlide(fn) {
 }
 
 export function displaybar() {
-  const quad = U.layout === 'quad';
+  const quad = ui.layout === 'quad';
   return html`<div class="glass" id="mdisp" role="group" aria-label="Display">
     ${MODES.map(modeButton)}
     ${quad ? nothing : [slider(), html`<span class="num mut wide percent">${percent()} %</span>`]}
@@ -34,18 +34,18 @@ export function displaybar() {
   </div>`;
 }
 
-const opacity = () => sliding ?? S.view.opacity;
+const opacity = () => sliding ?? server.view.opacity;
 const percent = () => Math.round(100 * opacity());
 
 function modeButton({ mode, label }) {
-  return html`<button class="ib s" data-mode=${mode} aria-label=${label} aria-pressed=${S.view.mode === mode}
+  return html`<button class="ib s" data-mode=${mode} aria-label=${label} aria-pressed=${server.view.mode === mode}
     @click=${() => send({ do: 'display', mode })}>
     ${icon(mode)}<span class="tip" aria-hidden="true">${label} <kbd>W</kbd></span>
   </button>`;
 }
 
 function toggle(name, sign, label, key) {
-  const on = Boolean(S.view[name]);
+  const on = Boolean(server.view[name]);
   return html`<button class="ib s" data-toggle=${name} aria-label=${label} aria-pressed=${on}
     @click=${() => send({ do: 'display', [name]: !on })}>
     ${icon(sign)}<span class="tip" aria-hidden="true">${label} <kbd>${key}</kbd></span>
@@ -98,7 +98,7 @@ function tell(value) {
   told = performance.now();
   const kept = Math.min(1, Math.max(0, Math.round(value * 100) / 100));
   // Shown at once: the answer is only a confirmation.
-  S.view = { ...S.view, opacity: kept };
+  server.view = { ...server.view, opacity: kept };
   send({ do: 'display', opacity: kept });
   redraw();
 }

@@ -1,10 +1,10 @@
 // A drag under way. What it does is always told from where it began, so that only the newest
 // word counts and a lost one does no harm.
 
-import { put } from '../store/state.js';
+import { setUi } from '../store/state.js';
 import { newStroke, send } from '../store/link.js';
 import { hold, touch } from './hold.js';
-import { isFine, noteModifiers, wishes } from './keysheld.js';
+import { isFine, modifiers, noteModifiers } from './keysheld.js';
 
 const PAUSE_MS = 16;
 const FINE = 0.1;
@@ -14,7 +14,7 @@ let told = 0;
 let fresh = false;
 
 /**
- * Begin a drag. `tell(at, wishes)` gives the action for a pointer at `at` in view coordinates.
+ * Begin a drag. `tell(at, held)` gives the action for a pointer at `at` in view coordinates.
  * `extra` is what the drawing wants to know about it.
  */
 export function beginDrag(view, press, tell, extra) {
@@ -23,8 +23,8 @@ export function beginDrag(view, press, tell, extra) {
     virtual: [press.x, press.y], seen: [press.x, press.y],
     toView: (at) => view.toView(at),
   };
-  put('playing', false);
-  put('dragging', true);
+  setUi('playing', false);
+  setUi('dragging', true);
   touch();
 }
 
@@ -53,7 +53,7 @@ function tellNow() {
   if (!drag || !fresh) return;
   fresh = false;
   told = performance.now();
-  send({ ...drag.tell(drag.toView(drag.virtual), wishes()), stroke: drag.stroke });
+  send({ ...drag.tell(drag.toView(drag.virtual), modifiers()), stroke: drag.stroke });
   drag.told = true;
 }
 
@@ -76,7 +76,7 @@ function finish(word) {
   drag.kept = word === 'end_stroke';
   if (drag.told) send({ do: word, stroke: drag.stroke });
   hold.drag = null;
-  if ('limb' in drag) put('limb', drag.limb ?? null);
-  put('dragging', false);
+  if ('limb' in drag) setUi('limb', drag.limb ?? null);
+  setUi('dragging', false);
   touch();
 }

@@ -1,7 +1,7 @@
 // The feet of the large view: which frame, and how near.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U } from '../store/state.js';
+import { server, ui } from '../store/state.js';
 import { icon } from '../controls/icons.js';
 import { view as viewNamed } from '../views/views.js';
 import { largeView } from './scale.js';
@@ -10,19 +10,19 @@ import { sketchHint } from './sketch.js';
 const ZOOM_STEP = 1.25;
 
 export function footbars() {
-  if (U.layout === 'quad') return sketchLine();
+  if (ui.layout === 'quad') return sketchLine();
   return [frameBox(), zoomBox(), sketchLine()];
 }
 
 function frameBox() {
-  const { frame } = S.view;
+  const { frame } = server.view;
   return html`<div class="glass" id="mfoot">
     <span class="fr num">${frame}</span>
-    <span class="num dim of">of ${S.file.frames - 1}<br />${clock(secondsAt(frame))}</span>
+    <span class="num dim of">of ${server.file.frames - 1}<br />${clock(secondsAt(frame))}</span>
   </div>`;
 }
 
-const secondsAt = (frame) => S.file.times?.[frame] ?? frame / S.file.fps;
+const secondsAt = (frame) => server.file.times?.[frame] ?? frame / server.file.fps;
 
 /** 0:00.83 */
 function clock(seconds) {
@@ -49,5 +49,5 @@ function zoomBox() {
 function sketchLine() {
   const hint = sketchHint();
   if (!hint) return nothing;
-  return html`<div class="glass" id="mhint" role="status">${icon(U.tool === 'vertical' ? 'mid' : 'loop')}${hint}</div>`;
+  return html`<div class="glass" id="mhint" role="status">${icon(ui.tool === 'vertical' ? 'mid' : 'loop')}${hint}</div>`;
 }

@@ -1,7 +1,7 @@
 // The grab handles: hands, feet, head, the joints between, and the diamond that carries the body.
 
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U } from '../store/state.js';
+import { server, ui } from '../store/state.js';
 import { hold, isHeld, isHot } from './hold.js';
 import { gripScale, isLarge } from './scale.js';
 import { add, pathOf, unit } from './space.js';
@@ -11,12 +11,12 @@ const DEPTH_GUIDE = 44;
 
 /** The grab handles in a view: [{key, handle, at, radius, label, part, …}]. */
 export function gripsIn(view) {
-  if (U.tool === 'size') return [];
-  return S.body.handles.map((given) => gripOf(view, given)).filter(Boolean);
+  if (ui.tool === 'size') return [];
+  return server.body.handles.map((given) => gripOf(view, given)).filter(Boolean);
 }
 
 function gripOf(view, given) {
-  const point = S.pose.points[given.anchor];
+  const point = server.pose.points[given.anchor];
   if (!point) return null;
   const [x, y] = view.project(point);
   if (!Number.isFinite(x + y)) return null;
@@ -32,7 +32,7 @@ export function drawGrips(view, grips) {
 
 function drawGrip(view, grip) {
   const held = isHeld(grip);
-  const far = held && S.pose.gesture?.out_of_reach;
+  const far = held && server.pose.gesture?.out_of_reach;
   const state = [held ? 'held' : '', far ? 'far' : '', isHot(view, grip) ? 'hot' : ''].join(' ');
   const classes = `grip ${grip.kind} ${state}`;
   const grown = held ? 1.5 : isHot(view, grip) ? 1.33 : 1;
@@ -47,7 +47,7 @@ function drawGrip(view, grip) {
 
 /** While an end is dragged: how far it can go, where it came from, and which way depth lies. */
 export function drawReach(view, grips) {
-  const gesture = S.pose.gesture;
+  const gesture = server.pose.gesture;
   const grip = grips.find(isHeld);
   return svg`${gesture?.reach ? drawCircle(view, gesture.reach) : nothing}
     ${grip ? drawOrigin(view, grip) : nothing}
@@ -83,11 +83,11 @@ function drawDepth(view, grip) {
 
 /** The limb that was chosen by a double click, as a line along its joints. */
 export function drawLimb(view) {
-  const limb = U.limb ?? [];
+  const limb = ui.limb ?? [];
   if (limb.length < 2) return nothing;
-  const joints = limb.map((part) => S.pose.points[part]).filter(Boolean);
-  const last = S.body.parts.find(({ name }) => name === limb.at(-1));
-  const tip = last?.landmarks.map((name) => S.pose.points[name]).find(Boolean);
+  const joints = limb.map((part) => server.pose.points[part]).filter(Boolean);
+  const last = server.body.parts.find(({ name }) => name === limb.at(-1));
+  const tip = last?.landmarks.map((name) => server.pose.points[name]).find(Boolean);
   const points = [...joints, ...(tip ? [tip] : [])].map((p) => view.project(p));
   return svg`<path class="limb" d=${pathOf(points)} />`;
 }

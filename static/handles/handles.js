@@ -1,6 +1,6 @@
 // Everything a pointer does on the four views: handles, rings, selection, drawing, the bars.
 
-import { U, put, watch } from '../store/state.js';
+import { ui, setUi, watch } from '../store/state.js';
 import { VIEWS, onViews, view as viewNamed } from '../views/views.js';
 import { mountBars } from './bars.js';
 import { tellSoon } from './drag.js';
@@ -24,7 +24,7 @@ export function mount() {
   watch([...SECTIONS, 'u:limb', 'u:mask', 'u:layout', 'u:dragging'], paint);
   watch(['pose'], refresh);
   watch(['u:tool'], changeTool);
-  watch(['u:playing', 'file'], () => U.playing && leave());
+  watch(['u:playing', 'file'], () => ui.playing && leave());
   mountBars();
 }
 
@@ -50,9 +50,9 @@ function key(event) {
 }
 
 function maskKey(name) {
-  if (U.mask == null) return false;
+  if (ui.mask == null) return false;
   if (name === 'delete' || name === 'backspace') deleteMask();
-  else if (name === 'escape') put('mask', null);
+  else if (name === 'escape') setUi('mask', null);
   else return false;
   return true;
 }

@@ -2,7 +2,7 @@
 // segments are.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U } from '../store/state.js';
+import { server, ui } from '../store/state.js';
 import { send } from '../store/link.js';
 import { icon } from '../controls/icons.js';
 import { words as subject } from '../store/subject.js';
@@ -26,14 +26,14 @@ export function headbar() {
     <span class="row b what name"><kbd>${VIEWS.indexOf(name) + 1}</kbd>${LABELS[name]}</span>
     <span class="vsep"></span>
     ${standing()}
-    ${U.layout === 'quad' ? nothing : chips()}
+    ${ui.layout === 'quad' ? nothing : chips()}
   </div>`;
 }
 
 /** What the pose at this frame is: set, begun, tracked, or not yet anything. */
 function standing() {
-  const { frame } = S.view;
-  const source = S.pose?.source;
+  const { frame } = server.view;
+  const source = server.pose?.source;
   if (source === 'keyframe') {
     return html`<span class="row b what key">${icon('key')}<span class="word">Keyframe</span> ${frame}</span>`;
   }
@@ -47,20 +47,20 @@ function standing() {
 function words(source) {
   if (source === 'tracked') return subject().done;
   if (source === 'between') return 'between keyframes';
-  if (source === 'held' && S.keys?.frames.length) return `as at keyframe ${nearestKey()}`;
+  if (source === 'held' && server.keys?.frames.length) return `as at keyframe ${nearestKey()}`;
   return 'No keyframe yet';
 }
 
 function nearestKey() {
-  const { frame } = S.view;
+  const { frame } = server.view;
   const away = (key) => Math.abs(key - frame);
-  return S.keys.frames.reduce((best, key) => (away(key) < away(best) ? key : best));
+  return server.keys.frames.reduce((best, key) => (away(key) < away(best) ? key : best));
 }
 
 /** The segments on both sides of a keyframe, or the one that one stands in. */
 function neighbours() {
-  const { frame } = S.view;
-  return (S.segments ?? []).filter(
+  const { frame } = server.view;
+  return (server.segments ?? []).filter(
     ({ first, last, state }) => first <= frame && frame <= last && CHIPS[state],
   );
 }
@@ -90,7 +90,7 @@ function verdict({ state, words: said = '', go, pass }) {
   if (state === 'waiting') return { say: 'Waiting' };
   const say = said.replace(/[.:,;]? *(Go to|Key frame) \d+\.?/, '');
   // Where the trouble is a keyframe itself, one only looks at it.
-  const isKeyed = S.keys?.frames.includes(go);
+  const isKeyed = server.keys?.frames.includes(go);
   const word = { check: 'Go to', lost: isKeyed ? 'Go to' : 'Key frame' }[state];
   return { say, where: go != null && word ? `${word} ${go}` : '' };
 }
@@ -100,5 +100,5 @@ const upper = (said) => said.charAt(0).toUpperCase() + said.slice(1);
 /** Where a click on a chip goes: to the trouble, or to the segment's other end. */
 function target({ first, last, go }) {
   if (go != null) return go;
-  return S.view.frame === last ? first : last;
+  return server.view.frame === last ? first : last;
 }

@@ -10,7 +10,7 @@ export const hold = {
   drag: null,
   /** Where the pointer was last seen: {view, x, y}. */
   pointer: null,
-  /** The view whose picture is being pushed around. */
+  /** The view that is being panned. */
   panning: null,
   /** A drawing begun with the mask or the vertical tool. */
   sketch: null,

@@ -1,7 +1,7 @@
 // What lies under the resting pointer: a handle at once, a part by asking the server, its name
 // after a moment.
 
-import { S, U, put } from '../store/state.js';
+import { server, ui, setUi } from '../store/state.js';
 import { ask } from '../store/link.js';
 import { hold, touch } from './hold.js';
 import { targetAt } from './targets.js';
@@ -32,24 +32,24 @@ export function hover(view, x, y, touchy) {
 export function leave() {
   hold.hot = hold.over = hold.pointer = wanted = null;
   clearTimeout(naming);
-  put('hover', null);
+  setUi('hover', null);
   touch();
 }
 
 /** The body moved under the pointer: the outline is stale until asked for again. */
 export function refresh() {
-  if (U.dragging || !hold.pointer) return;
+  if (ui.dragging || !hold.pointer) return;
   if (hold.over) {
     hold.over = null;
     touch();
   }
   const { view, x, y } = hold.pointer;
-  if (!U.playing && !hold.hot) wantPart(view, x, y);
+  if (!ui.playing && !hold.hot) wantPart(view, x, y);
 }
 
 function nameTarget(view, target, x, y) {
   wanted = null;
-  put('hover', null);
+  setUi('hover', null);
   const label = target.kind === 'ring' ? ringLabel(target) : target.label;
   name({ view: view.name, part: target.key, outline: [], label, at: { x, y } });
 }
@@ -57,7 +57,7 @@ function nameTarget(view, target, x, y) {
 /** "Bend", "Twist": what the ring's axis means for this part. */
 function ringLabel(ring) {
   const word = ring.part.words?.[ring.axis];
-  return word && S.view.axes === 'part' ? `${word}, ${ring.axis.toUpperCase()}` : ring.axis.toUpperCase();
+  return word && server.view.axes === 'part' ? `${word}, ${ring.axis.toUpperCase()}` : ring.axis.toUpperCase();
 }
 
 function name(over) {
@@ -74,7 +74,7 @@ function name(over) {
 }
 
 function showName() {
-  if (!hold.over || U.dragging) return;
+  if (!hold.over || ui.dragging) return;
   const { pointer } = hold;
   hold.over = { ...hold.over, named: true, at: pointer ? { x: pointer.x, y: pointer.y } : hold.over.at };
   touch();
@@ -82,7 +82,7 @@ function showName() {
 
 /** Ask which part is there: not before the last answer, and not too often; only the newest counts. */
 function wantPart(view, x, y) {
-  if (U.playing || !S.file || U.tool === 'pan' || U.tool === 'mask' || U.tool === 'vertical') return;
+  if (ui.playing || !server.file || ui.tool === 'pan' || ui.tool === 'mask' || ui.tool === 'vertical') return;
   wanted = { view, x, y };
   pump();
 }
@@ -104,7 +104,7 @@ function pump() {
   asked = performance.now();
   pick(question.view, question.x, question.y).then((answer) => {
     asking = false;
-    if (!wanted && hold.pointer && !hold.hot && !U.dragging) show(question, answer);
+    if (!wanted && hold.pointer && !hold.hot && !ui.dragging) show(question, answer);
     pump();
   });
 }
@@ -119,8 +119,8 @@ export async function pick(view, x, y) {
 }
 
 function show({ view, x, y }, { parts, outline }) {
-  const part = S.body.parts.find(({ name: known }) => known === parts[0]);
-  put('hover', part?.name ?? null);
+  const part = server.body.parts.find(({ name: known }) => known === parts[0]);
+  setUi('hover', part?.name ?? null);
   view.over.style.cursor = cursorFor(part);
   if (part) {
     name({ view: view.name, part: part.name, outline, label: part.label, side: part.side, at: { x, y } });
@@ -132,6 +132,6 @@ function show({ view, x, y }, { parts, outline }) {
 }
 
 function cursorFor(part) {
-  if (U.tool === 'size') return 'crosshair';
+  if (ui.tool === 'size') return 'crosshair';
   return part ? 'pointer' : '';
 }

@@ -38,7 +38,7 @@ export function noteModifiers(event) {
 }
 
 /** What the held keys ask of a drag. */
-export function wishes() {
+export function modifiers() {
   const axis = ['x', 'y', 'z'].find((letter) => held.has(letter)) ?? null;
   return { snap: control, free: held.has('u'), axis, depth: held.has('d') };
 }

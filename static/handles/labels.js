@@ -2,7 +2,7 @@
 // under a resting pointer.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
-import { S, U } from '../store/state.js';
+import { server, ui } from '../store/state.js';
 import { hold } from './hold.js';
 import { isLarge, largeView, ringRadius } from './scale.js';
 import { isReady } from './targets.js';
@@ -29,7 +29,7 @@ function hostOf(view) {
 
 /** What the gesture does, beside what it moves; where it happens and in the large view. */
 function drawValue(view) {
-  const gesture = S.pose?.gesture;
+  const gesture = server.pose?.gesture;
   const where = hold.drag?.view ?? largeView();
   if (!gesture || !isReady(view) || view.name !== where || !isLarge(view)) return nothing;
   const place = gesture.axis ? besideRing(view, gesture) : besideGrip(view, gesture);
@@ -47,7 +47,7 @@ function words(gesture) {
 }
 
 function besideRing(view, gesture) {
-  const centre = S.pose.points[gesture.part];
+  const centre = server.pose.points[gesture.part];
   if (!centre) return null;
   const [x, y] = view.project(centre);
   return beside(view, x, y, ringRadius(view) + AWAY, false);
@@ -55,8 +55,8 @@ function besideRing(view, gesture) {
 
 function besideGrip(view, gesture) {
   const target = hold.drag?.target;
-  const anchor = S.body.handles.find(({ name }) => target?.key === `grip:${name}`)?.anchor;
-  const point = S.pose.points[anchor ?? gesture.part];
+  const anchor = server.body.handles.find(({ name }) => target?.key === `grip:${name}`)?.anchor;
+  const point = server.pose.points[anchor ?? gesture.part];
   if (!point) return null;
   const [x, y] = view.project(point);
   const middle = gesture.reach ? view.project(gesture.reach.centre)[0] : x - 1;
@@ -75,7 +75,7 @@ function beside(view, x, y, away, left) {
 
 function drawName(view) {
   const over = hold.over;
-  if (!over?.named || over.view !== view.name || U.dragging) return nothing;
+  if (!over?.named || over.view !== view.name || ui.dragging) return nothing;
   const { x, y } = over.at;
   const left = x + 150 > view.el.clientWidth;
   return html`<div class="flt name ${left ? 'left' : ''}" style="left:${x + (left ? -10 : 14)}px;top:${y + 16}px">

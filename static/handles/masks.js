@@ -2,7 +2,7 @@
 // new corner is pulled out of the middle of an edge.
 
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../store/state.js';
+import { server, ui, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
 import { isHeld, isHot } from './hold.js';
 import { inside, pathOf } from './space.js';
@@ -11,19 +11,19 @@ const HATCH_PX = 10;
 
 /** The masks that cover the present frame, with their place in the list. */
 function present() {
-  const frame = S.view.frame;
-  return (S.masks ?? [])
+  const frame = server.view.frame;
+  return (server.masks ?? [])
     .map((mask, index) => ({ ...mask, index }))
     .filter(({ first, last }) => first <= frame && frame <= last);
 }
 
 /** What can be grabbed of the masks: borders, and the corners of the chosen one. */
 export function masksIn(view) {
-  if (view.name !== 'main' || U.tool === 'mask') return [];
+  if (view.name !== 'main' || ui.tool === 'mask') return [];
   return present().flatMap((mask) => {
     const corners = mask.polygon.map((p) => view.fromView(p));
     const whole = wholeOf(mask, corners);
-    return mask.index === U.mask ? [...cornersOf(mask, corners), whole] : [whole];
+    return mask.index === ui.mask ? [...cornersOf(mask, corners), whole] : [whole];
   });
 }
 
@@ -63,12 +63,12 @@ export function maskAt(view, x, y) {
 }
 
 export function chooseMask(index) {
-  put('mask', index);
+  setUi('mask', index);
 }
 
 export function deleteMask() {
-  send({ do: 'delete_mask', index: U.mask });
-  put('mask', null);
+  send({ do: 'delete_mask', index: ui.mask });
+  setUi('mask', null);
 }
 
 /** A double click on a corner takes it away, as long as an area remains. */
@@ -88,7 +88,7 @@ export function drawMasks(view, targets) {
 }
 
 function drawMask(view, mask, targets) {
-  const chosen = mask.index === U.mask ? 'chosen' : '';
+  const chosen = mask.index === ui.mask ? 'chosen' : '';
   const target = targets.find(({ key }) => key === `mask:${mask.index}`);
   const hot = target && isHot(view, target) ? 'hot' : '';
   const corners = mask.polygon.map((p) => view.fromView(p));

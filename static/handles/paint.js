@@ -1,7 +1,7 @@
 // The SVG over each view, drawn anew whenever what it shows has changed.
 
 import { render, svg, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U } from '../store/state.js';
+import { server, ui } from '../store/state.js';
 import { VIEWS, view as viewNamed } from '../views/views.js';
 import { drawGrips, drawLimb, drawReach } from './grips.js';
 import { hold } from './hold.js';
@@ -45,8 +45,8 @@ function overlay(view) {
 /** The outline of the part under the pointer, in its own colour. */
 function drawHover(view) {
   const over = hold.over;
-  if (over?.view !== view.name || !over.outline.length || U.dragging) return nothing;
-  const side = S.body.parts.find(({ name }) => name === over.part)?.side ?? 'C';
+  if (over?.view !== view.name || !over.outline.length || ui.dragging) return nothing;
+  const side = server.body.parts.find(({ name }) => name === over.part)?.side ?? 'C';
   const d = pathOf(over.outline.map((p) => view.fromView(p)), true);
   return svg`<path class="outline-edge" d=${d} /><path class="outline ${side}" d=${d} />`;
 }

@@ -1,16 +1,16 @@
 // From pointer events to gestures: one press at a time, captured by its view.
 
 import { isFree } from '../store/limits.js';
-import { S, U, put } from '../store/state.js';
+import { server, ui, setUi } from '../store/state.js';
 import { beginDrag, cancelDrag, endDrag, moveDrag } from './drag.js';
 import { hold } from './hold.js';
 import { hover, leave, pick } from './hover.js';
 import { isHeldKey, noteModifiers } from './keysheld.js';
-import { beginPush, endPush, movePush, pinch, wheel } from './push.js';
+import { beginPan, endPan, movePan, pinch, wheel } from './pan.js';
 import { wedgeOf } from './rings.js';
 import { click, select } from './select.js';
 import { isDrawingTool, sketchDown, sketches, sketchMove, sketchUp } from './sketch.js';
-import { apart } from './space.js';
+import { distance } from './space.js';
 import { targetAt } from './targets.js';
 import { surfaceTool } from './tools.js';
 
@@ -40,7 +40,7 @@ export const isPressed = () => press !== null;
 /** Take everything back: Esc, or the right button. */
 export function takeBack() {
   if (hold.drag) cancelDrag();
-  if (hold.panning) endPush();
+  if (hold.panning) endPan();
   press = press && { ...press, mode: 'spent' };
 }
 
@@ -50,7 +50,7 @@ function place(view, event) {
 }
 
 function down(view, event) {
-  if (!S.file || !S.pose) return;
+  if (!server.file || !server.pose) return;
   noteModifiers(event);
   const [x, y] = place(view, event);
   if (event.pointerType === 'touch') fingers.set(event.pointerId, [x, y]);
@@ -65,9 +65,9 @@ function down(view, event) {
 }
 
 function begin(view, event, x, y) {
-  if (event.button === MIDDLE || isHeldKey(' ') || U.tool === 'pan') {
+  if (event.button === MIDDLE || isHeldKey(' ') || ui.tool === 'pan') {
     press.mode = 'push';
-    beginPush(view, x, y);
+    beginPan(view, x, y);
   } else if (sketches(view)) {
     press.mode = 'sketch';
     sketchDown(view, x, y);
@@ -79,16 +79,16 @@ function begin(view, event, x, y) {
 }
 
 function move(view, event) {
-  if (!S.file || !S.pose) return;
+  if (!server.file || !server.pose) return;
   const [x, y] = place(view, event);
   if (fingers.has(event.pointerId)) moveFinger(view, event.pointerId, [x, y]);
   if (!press) return rest(view, event, x, y);
   if (press.id !== event.pointerId || press.view !== view) return;
   if (event.buttons & RIGHT_HELD) return takeBack();
-  if (press.mode === 'push' && hold.panning) movePush(view, x, y);
+  if (press.mode === 'push' && hold.panning) movePan(view, x, y);
   else if (press.mode === 'sketch') sketchMove(view, x, y);
   else if (press.mode === 'drag' && hold.drag) moveDrag(event, x, y);
-  else if (press.mode === 'still' && apart([press.x, press.y], [x, y]) >= CLICK_PX) leaveStill(view, event, x, y);
+  else if (press.mode === 'still' && distance([press.x, press.y], [x, y]) >= CLICK_PX) leaveStill(view, event, x, y);
   else if (press.mode === 'asking') press.newest = [event, x, y];
 }
 
@@ -115,7 +115,7 @@ function leaveStill(view, event, x, y) {
     beginSurface(view, parts[0]);
     const [newest, newX, newY] = press.newest;
     if (press.mode === 'drag') moveDrag(newest, newX, newY);
-    else movePush(view, newX, newY);
+    else movePan(view, newX, newY);
     if (press.gone) finish(view, newX, newY);
   });
   return undefined;
@@ -128,14 +128,14 @@ function beginTarget(view, target) {
   const { handle = { kind: 'ring', part: target.part.name, axis: target.axis } } = target;
   const wedge = target.kind === 'ring' ? wedgeOf(target, press.x, press.y) : null;
   const open = handle.kind === 'ring' && isFree(handle.part, handle.axis);
-  const tell = (at, wishes) => ({
-    do: 'drag', view: view.name, handle, from, at, ...wishes, free: open || wishes.free,
+  const tell = (at, held) => ({
+    do: 'drag', view: view.name, handle, from, at, ...held, free: open || held.free,
   });
-  const extra = { target, wedge, point: target.point, limb: U.limb, hint: handle.kind, axis: handle.axis };
+  const extra = { target, wedge, point: target.point, limb: ui.limb, hint: handle.kind, axis: handle.axis };
   // The selected part stays so while its own limb is pulled.
-  if (target.kind !== 'ring' && !target.limb?.includes(S.view.selected)) select(target.part);
+  if (target.kind !== 'ring' && !target.limb?.includes(server.view.selected)) select(target.part);
   beginDrag(view, press, tell, extra);
-  if (handle.kind === 'end') put('limb', target.limb);
+  if (handle.kind === 'end') setUi('limb', target.limb);
   pointerLook(view, target);
   return undefined;
 }
@@ -147,16 +147,16 @@ function beginMask(view, target, from) {
   beginDrag(view, press, tell, { target, hint: 'mask', gentle: true });
 }
 
-/** On a part its tool decides; on nothing the view is pushed. */
+/** On a part its tool decides; on nothing the view is panned. */
 function beginSurface(view, part) {
-  if (!part || U.tool === 'size') return startPush(view);
+  if (!part || ui.tool === 'size') return startPush(view);
   press.mode = 'drag';
-  const root = S.body.parts.find(({ name }) => name === part)?.parent == null;
-  const tool = surfaceTool(U.tool, root);
+  const root = server.body.parts.find(({ name }) => name === part)?.parent == null;
+  const tool = surfaceTool(ui.tool, root);
   const handle = { kind: 'surface', part, tool };
   const from = view.toView([press.x, press.y]);
   select(part);
-  const tell = (at, wishes) => ({ do: 'drag', view: view.name, handle, from, at, ...wishes });
+  const tell = (at, held) => ({ do: 'drag', view: view.name, handle, from, at, ...held });
   const hint = { rotate: 'turn', move: 'root', ends: 'end' }[tool];
   beginDrag(view, press, tell, { target: { key: `part:${part}`, part }, hint });
   view.over.style.cursor = 'grabbing';
@@ -165,7 +165,7 @@ function beginSurface(view, part) {
 
 function startPush(view) {
   press.mode = 'push';
-  beginPush(view, press.x, press.y);
+  beginPan(view, press.x, press.y);
   view.over.style.cursor = 'grabbing';
 }
 
@@ -182,7 +182,7 @@ function finish(view, x, y) {
   const done = press;
   press = null;
   if (done.mode === 'drag' && hold.drag) endDrag();
-  else if (done.mode === 'push' && hold.panning) endPush();
+  else if (done.mode === 'push' && hold.panning) endPan();
   else if (done.mode === 'sketch') sketchUp(view, x, y);
   else if (done.mode === 'still') clicked(view, done);
   pointerLook(view, null);
@@ -205,7 +205,7 @@ function lost(view, event) {
 /** A second finger takes over from a press that has not grabbed anything. */
 function secondFinger() {
   if (fingers.size !== 2 || press.mode === 'drag') return;
-  if (hold.panning) endPush();
+  if (hold.panning) endPan();
   press.mode = 'pinch';
 }
 
@@ -222,10 +222,10 @@ function pointerLook(view, target) {
 
 function lookOf(view, target) {
   if (hold.drag || hold.panning) return 'grabbing';
-  if (isHeldKey(' ') || U.tool === 'pan') return 'grab';
-  if (isDrawingTool(U.tool)) return view.name === 'main' ? 'crosshair' : '';
+  if (isHeldKey(' ') || ui.tool === 'pan') return 'grab';
+  if (isDrawingTool(ui.tool)) return view.name === 'main' ? 'crosshair' : '';
   if (target?.kind === 'trail' || target?.kind === 'mask') return 'pointer';
-  if (target) return U.tool === 'size' ? 'crosshair' : 'grab';
-  if (U.tool === 'size') return 'crosshair';
+  if (target) return ui.tool === 'size' ? 'crosshair' : 'grab';
+  if (ui.tool === 'size') return 'crosshair';
   return hold.over ? 'pointer' : '';
 }

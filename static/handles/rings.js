@@ -1,11 +1,11 @@
 // The three rotation rings about the selected part's joint: where they run, how they look.
 
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U } from '../store/state.js';
+import { server, ui } from '../store/state.js';
 import { hold, isHot } from './hold.js';
 import { gripsIn } from './grips.js';
 import { isLarge, ringRadius } from './scale.js';
-import { add, apart, axesOf, axesOfView, nearestOnPath, pathOf } from './space.js';
+import { add, distance, axesOf, axesOfView, nearestOnPath, pathOf } from './space.js';
 
 const AXES = ['x', 'y', 'z'];
 const STEPS = 72;
@@ -17,18 +17,18 @@ const WAYS = [0, 0.1, -0.1, 0.2, -0.2, 0.3, -0.3, 0.4, -0.4, 0.5, -0.5];
 
 /** The axes a ring turns about, in the frame the person chose. */
 function frameOf(view, part) {
-  const own = S.pose.T[part.name];
-  if (S.view.axes === 'view') return axesOfView(S.views[view.name]);
-  if (S.view.axes === 'parent' && part.parent) return axesOf(S.pose.T[part.parent]);
-  if (S.view.axes === 'parent') return axesOfView();
+  const own = server.pose.T[part.name];
+  if (server.view.axes === 'view') return axesOfView(server.views[view.name]);
+  if (server.view.axes === 'parent' && part.parent) return axesOf(server.pose.T[part.parent]);
+  if (server.view.axes === 'parent') return axesOfView();
   return axesOf(own);
 }
 
 /** The rings of the selected part in a view: [{axis, centre, e1, e2, points, front, …}]. */
 export function ringsIn(view) {
-  const part = S.body.parts.find(({ name }) => name === S.view.selected);
-  const centre = part && S.pose.points[part.name];
-  if (!centre || U.tool === 'size') return [];
+  const part = server.body.parts.find(({ name }) => name === server.view.selected);
+  const centre = part && server.pose.points[part.name];
+  if (!centre || ui.tool === 'size') return [];
   const px = view.pxPerMetre(centre);
   if (!(px > 0)) return [];
   const axes = frameOf(view, part);
@@ -78,7 +78,7 @@ function placeLetters(view, rings) {
 
 /** The usual place, or the nearest along the ring that is free; where none is, the freest. */
 function freePlace({ axis, front }, taken) {
-  const room = (p) => Math.min(...taken.map((other) => apart(p, other)));
+  const room = (p) => Math.min(...taken.map((other) => distance(p, other)));
   const places = WAYS.map((way) => LETTER_AT[axis] + way)
     .filter((share) => share >= 0 && share <= 1)
     .map((share) => front[Math.floor((front.length - 1) * share)])
@@ -95,7 +95,7 @@ function angleAt(ring, x, y) {
 
 export function drawRings(view, rings) {
   if (!rings.length) return nothing;
-  const gesture = S.pose.gesture;
+  const gesture = server.pose.gesture;
   const turning = gesture?.axis && gesture.part === rings[0].part.name ? gesture.axis : null;
   const [x, y] = rings[0].middle;
   return svg`<g class="rings ${turning ? 'turning' : ''}">
@@ -106,7 +106,7 @@ export function drawRings(view, rings) {
 }
 
 /** Where a grab handle stands on the joint already, a dot more would only hide it. */
-const hasGrip = (part) => S.body.handles.some(({ anchor }) => anchor === part.name);
+const hasGrip = (part) => server.body.handles.some(({ anchor }) => anchor === part.name);
 
 function drawRing(view, ring, turning) {
   const active = turning === ring.axis;

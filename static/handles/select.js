@@ -1,9 +1,9 @@
 // Clicks: what they select, and what a second click at the same place means.
 
-import { S, U, put } from '../store/state.js';
+import { server, ui, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
 import { chooseMask, deleteCorner, maskAt } from './masks.js';
-import { apart } from './space.js';
+import { distance } from './space.js';
 
 const DOUBLE_MS = 350;
 const SAME_PX = 5;
@@ -12,19 +12,19 @@ let last = { time: -Infinity, view: null, at: [0, 0], part: null, frame: -1 };
 
 /** A click in a view at a time: on a target, on parts (front to back), or on nothing. */
 export function click(view, { x, y, time: now }, target, parts) {
-  const here = last.view === view.name && apart(last.at, [x, y]) < SAME_PX;
-  const same = here && last.frame === S.view.frame;
+  const here = last.view === view.name && distance(last.at, [x, y]) < SAME_PX;
+  const same = here && last.frame === server.view.frame;
   const twice = same && now - last.time < DOUBLE_MS;
   const part = target ? partOf(target) : partAt(parts, same && !twice);
   if (twice) clickTwice(view, x, y, target);
   else clickOnce(view, x, y, target, part);
-  last = { time: twice ? -Infinity : now, view: view.name, at: [x, y], frame: S.view.frame, part: twice ? last.part : part };
+  last = { time: twice ? -Infinity : now, view: view.name, at: [x, y], frame: server.view.frame, part: twice ? last.part : part };
 }
 
 /** The front part, or at a further click the one behind the selected. */
 function partAt(parts, again) {
   if (!parts.length) return null;
-  const at = parts.indexOf(S.view.selected);
+  const at = parts.indexOf(server.view.selected);
   return again && at >= 0 ? parts[(at + 1) % parts.length] : parts[0];
 }
 
@@ -46,20 +46,20 @@ function clickTwice(view, x, y, target) {
   if (target?.tell || target?.kind === 'ring' || maskChosen(view, x, y)) return undefined;
   const part = target?.part ?? last.part;
   if (!part) return view.fit();
-  put('limb', limbOf(part));
+  setUi('limb', limbOf(part));
   return undefined;
 }
 
-const maskChosen = (view, x, y) => U.mask != null && maskAt(view, x, y)?.index === U.mask;
+const maskChosen = (view, x, y) => ui.mask != null && maskAt(view, x, y)?.index === ui.mask;
 
 /** Select a part, or nothing. */
 export function select(part) {
-  put('limb', null);
-  if (part !== (S.view.selected ?? null)) send({ do: 'select', part });
+  setUi('limb', null);
+  if (part !== (server.view.selected ?? null)) send({ do: 'select', part });
 }
 
 /** The parts of the limb that a part belongs to; the part alone where it has none. */
 function limbOf(part) {
-  const handle = S.body.handles.find(({ limb }) => limb.includes(part));
+  const handle = server.body.handles.find(({ limb }) => limb.includes(part));
   return handle ? handle.limb : [part];
 }

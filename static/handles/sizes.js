@@ -2,18 +2,18 @@
 // is thick, a cross on its joint.
 
 import { svg } from '../vendor/lit-html/lit-html.js';
-import { S, U } from '../store/state.js';
+import { server, ui } from '../store/state.js';
 import { isHeld, isHot } from './hold.js';
 import { gripScale } from './scale.js';
-import { add, apart, axesOf, originOf, pathOf, times } from './space.js';
+import { add, distance, axesOf, originOf, pathOf, times } from './space.js';
 
 /** A width or a depth seen almost end on cannot be pulled; another view shows it better. */
 const FLATTEST_PX = 6;
 
 /** The size handles in a view. */
 export function sizesIn(view) {
-  const part = U.tool === 'size' && S.body.parts.find(({ name }) => name === S.view.selected);
-  const T = part && S.pose.T[part.name];
+  const part = ui.tool === 'size' && server.body.parts.find(({ name }) => name === server.view.selected);
+  const T = part && server.pose.T[part.name];
   if (!T) return [];
   const sizes = part.sizes.map((given) => sizeOf(view, part, given)).filter(Boolean);
   return part.parent ? [...sizes, crossOf(view, part)] : sizes;
@@ -27,7 +27,7 @@ function sizeOf(view, part, given) {
   if (given.key === 'length') return { ...common, kind: 'cap', at: surface, across: across(view, part) };
   const foot = placed(view, part, [0, y, 0]);
   const at = given.key.endsWith('radius') ? beside(view, part, given, foot) : surface;
-  return apart(at, foot) < FLATTEST_PX ? null : { ...common, kind: 'rim', at, foot };
+  return distance(at, foot) < FLATTEST_PX ? null : { ...common, kind: 'rim', at, foot };
 }
 
 /** A point of the part's frame, centimetres, on the screen. */
@@ -36,7 +36,7 @@ function placed(view, part, cm) {
 }
 
 function pointOf(part, cm) {
-  const T = S.pose.T[part.name];
+  const T = server.pose.T[part.name];
   const axes = axesOf(T);
   return axes.reduce((sum, axis, k) => add(sum, times(axis, cm[k] / 100)), originOf(T));
 }
@@ -51,7 +51,7 @@ function beside(view, part, given, foot) {
 /** The direction on the screen at right angles to the part. */
 function across(view, part) {
   const [near, far] = [placed(view, part, [0, 0, 0]), placed(view, part, [0, 10, 0])];
-  const length = apart(near, far);
+  const length = distance(near, far);
   return length < 1 ? [1, 0] : [(near[1] - far[1]) / length, (far[0] - near[0]) / length];
 }
 

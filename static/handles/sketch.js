@@ -1,11 +1,11 @@
 // Drawing on the picture: the outline of an ignore mask, or a line along something upright.
 
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../store/state.js';
+import { server, ui, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
 import { view as viewNamed } from '../views/views.js';
 import { hold, touch } from './hold.js';
-import { apart, pathOf } from './space.js';
+import { distance, pathOf } from './space.js';
 
 const CLOSE_PX = 10;
 const SAME_PX = 4;
@@ -18,20 +18,20 @@ export const isDrawingTool = (tool) => tool === 'mask' || tool === 'vertical';
 
 /** The tool changed: forget what was begun, and show the picture large. */
 export function toolChanged() {
-  if (!isDrawingTool(U.tool)) {
-    before = U.tool;
+  if (!isDrawingTool(ui.tool)) {
+    before = ui.tool;
     hold.sketch = null;
     return;
   }
-  if (hold.sketch?.tool === U.tool) return;
-  hold.sketch = { tool: U.tool, points: [], pointer: null };
-  put('mask', null);
-  if (U.layout !== 'main' && U.layout !== 'quad') put('layout', 'main');
+  if (hold.sketch?.tool === ui.tool) return;
+  hold.sketch = { tool: ui.tool, points: [], pointer: null };
+  setUi('mask', null);
+  if (ui.layout !== 'main' && ui.layout !== 'quad') setUi('layout', 'main');
 }
 
 /** Whether a pointer on this view draws. */
 export function sketches(view) {
-  if (!isDrawingTool(U.tool) || view.name !== 'main') return false;
+  if (!isDrawingTool(ui.tool) || view.name !== 'main') return false;
   // The tool may have been taken up since the last animation frame.
   toolChanged();
   return true;
@@ -55,8 +55,8 @@ export function sketchUp(view, x, y) {
   const { sketch } = hold;
   if (sketch.tool === 'vertical') return finishVertical(view, x, y);
   const corners = sketch.points.map((p) => view.fromView(p));
-  const again = corners.length && apart(corners.at(-1), [x, y]) < SAME_PX;
-  const home = corners.length > 2 && apart(corners[0], [x, y]) < CLOSE_PX;
+  const again = corners.length && distance(corners.at(-1), [x, y]) < SAME_PX;
+  const home = corners.length > 2 && distance(corners[0], [x, y]) < CLOSE_PX;
   if (again || home) closeMask();
   else sketch.points.push(view.toView([x, y]));
   touch();
@@ -64,7 +64,7 @@ export function sketchUp(view, x, y) {
 
 /** Keys of the drawing tools; true when the key was one. */
 export function sketchKey(key) {
-  if (!isDrawingTool(U.tool)) return false;
+  if (!isDrawingTool(ui.tool)) return false;
   toolChanged();
   const { sketch } = hold;
   if (key === 'escape') leaveSketch();
@@ -79,20 +79,20 @@ function closeMask() {
   const { points } = hold.sketch;
   if (points.length < 3) return;
   // The whole film: what covers something for a while only is given its frames in the Camera tab.
-  send({ do: 'add_mask', polygon: points, first: 0, last: S.file.frames - 1 });
-  put('mask', (S.masks ?? []).length);
+  send({ do: 'add_mask', polygon: points, first: 0, last: server.file.frames - 1 });
+  setUi('mask', (server.masks ?? []).length);
   leaveSketch();
 }
 
 /** Put the drawing tool away. */
 export function leaveSketch() {
-  put('tool', before);
+  setUi('tool', before);
 }
 
 function finishVertical(view, x, y) {
   const [a] = hold.sketch.points;
   hold.sketch.points = [];
-  if (!a || apart(view.fromView(a), [x, y]) < SHORTEST_PX) return touch();
+  if (!a || distance(view.fromView(a), [x, y]) < SHORTEST_PX) return touch();
   send({ do: 'vertical', a, b: view.toView([x, y]) });
   leaveSketch();
   touch();
@@ -114,7 +114,7 @@ export function drawSketch(view) {
   if (!sketch || view.name !== 'main') return nothing;
   const corners = sketch.points.map((p) => viewNamed('main').fromView(p));
   const line = sketch.pointer && corners.length ? [...corners, sketch.pointer] : corners;
-  const home = corners.length > 2 && sketch.pointer && apart(corners[0], sketch.pointer) < CLOSE_PX;
+  const home = corners.length > 2 && sketch.pointer && distance(corners[0], sketch.pointer) < CLOSE_PX;
   return svg`<g class="sketch">
     ${sketch.tool === 'mask' && line.length > 2
       ? svg`<path class="area" d=${pathOf(line, true)} />`

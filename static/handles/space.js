@@ -23,7 +23,7 @@ export function axesOfView(R) {
 }
 
 /** Distance of two points on the screen. */
-export const apart = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
+export const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
 
 /** Distance of a point from a polyline on the screen, and where on it, in segments. */
 export function nearestOnPath(path, x, y) {
@@ -33,8 +33,8 @@ export function nearestOnPath(path, x, y) {
     const [dx, dy] = [b[0] - a[0], b[1] - a[1]];
     const along = ((x - a[0]) * dx + (y - a[1]) * dy) / (dx * dx + dy * dy || 1);
     const t = Math.min(1, Math.max(0, along));
-    const distance = Math.hypot(a[0] + t * dx - x, a[1] + t * dy - y);
-    if (distance < best.distance) best = { distance, place: i + t };
+    const away = Math.hypot(a[0] + t * dx - x, a[1] + t * dy - y);
+    if (away < best.distance) best = { distance: away, place: i + t };
   }
   return best;
 }

@@ -1,12 +1,12 @@
 // Everything that can be grabbed in a view, and which of it a pointer means.
 
-import { S, U } from '../store/state.js';
+import { server, ui } from '../store/state.js';
 import { gripsIn } from './grips.js';
 import { masksIn } from './masks.js';
 import { ringsIn } from './rings.js';
 import { gripScale, isLarge } from './scale.js';
 import { sizesIn } from './sizes.js';
-import { apart, nearestOnPath } from './space.js';
+import { distance, nearestOnPath } from './space.js';
 import { trailKeysIn } from './trail.js';
 
 const REACH = 12;
@@ -17,7 +17,7 @@ const FINGER = 1.7;
 const SURE = 0.7;
 
 /** Whether there is a body to take hold of, and an eye that sees it. */
-export const isReady = (view) => Boolean(S.file && S.pose && S.body && S.view && S.views && view.eye);
+export const isReady = (view) => Boolean(server.file && server.pose && server.body && server.view && server.views && view.eye);
 
 /** All targets of a view by kind; empty before a file is open. */
 export function targetsIn(view) {
@@ -33,7 +33,7 @@ export function targetsIn(view) {
 
 /** The target a pointer at (x, y) means, or null. */
 export function targetAt(view, x, y, touch = false) {
-  if (U.tool === 'pan' || U.tool === 'mask' || U.tool === 'vertical') return null;
+  if (ui.tool === 'pan' || ui.tool === 'mask' || ui.tool === 'vertical') return null;
   const { grips, rings, sizes, masks, trail } = targetsIn(view);
   const finger = touch ? FINGER : 1;
   const found = [...grips, ...sizes, ...masks, ...trail, ...rings]
@@ -50,13 +50,13 @@ function missOf(view, target, x, y) {
   if (target.kind === 'ring') return ringMiss(view, target, x, y);
   if (target.path) return nearestOnPath(target.path, x, y).distance / BORDER_REACH;
   const reach = target.reach ?? REACH * (isLarge(view) ? 1 : gripScale(view));
-  return apart(target.at, [x, y]) / reach;
+  return distance(target.at, [x, y]) / reach;
 }
 
 function ringMiss(view, ring, x, y) {
   const reach = isLarge(view) ? RING_REACH : 5;
   const line = nearestOnPath(ring.front, x, y).distance / reach;
-  const letter = ring.letter ? apart(ring.letter, [x, y]) / LETTER_REACH : Infinity;
+  const letter = ring.letter ? distance(ring.letter, [x, y]) / LETTER_REACH : Infinity;
   // On the letter there is no doubt which ring is meant, whatever runs through it.
   return letter < SURE ? letter - 1 : Math.min(line, letter);
 }

@@ -1,14 +1,14 @@
 // By what an observed surface is coloured, with its legend; and why there is none at this frame.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S } from '../store/state.js';
+import { server } from '../store/state.js';
 import { send } from '../store/link.js';
 import { icon } from '../controls/icons.js';
 
 export function tintbar() {
-  if (!S.surface) return nothing;
+  if (!server.surface) return nothing;
   return html`<div class="glass" id="mtint" role="group" aria-label="Colours of the surface">
-      <div class="seg">${S.surface.tints.map(choice)}</div>
+      <div class="seg">${server.surface.tints.map(choice)}</div>
       ${legend()}
     </div>
     ${problem()}`;
@@ -18,7 +18,7 @@ function choice({ id, label, title, off }) {
   return html`<button
     class=${off ? 'off' : ''}
     data-tint=${id}
-    aria-pressed=${S.view.tint === id}
+    aria-pressed=${server.view.tint === id}
     aria-disabled=${off ? 'true' : nothing}
     title=${off || title}
     @click=${() => off || send({ do: 'display', tint: id })}
@@ -28,9 +28,9 @@ function choice({ id, label, title, off }) {
 }
 
 function legend() {
-  const chosen = S.surface.tints.find(({ id }) => id === S.view.tint);
+  const chosen = server.surface.tints.find(({ id }) => id === server.view.tint);
   if (!chosen?.high) return nothing;
-  const stops = S.surface.ramp.join(',');
+  const stops = server.surface.ramp.join(',');
   return html`<div class="ramp" role="img" aria-label=${`From ${chosen.low} to ${chosen.high}`}>
     <span>${chosen.low}</span>
     <i style="background:linear-gradient(90deg,${stops})"></i>
@@ -39,6 +39,6 @@ function legend() {
 }
 
 function problem() {
-  if (!S.surface.problem) return nothing;
-  return html`<div class="glass" id="mproblem" role="status">${icon('warn')}<span>${S.surface.problem}</span></div>`;
+  if (!server.surface.problem) return nothing;
+  return html`<div class="glass" id="mproblem" role="status">${icon('warn')}<span>${server.surface.problem}</span></div>`;
 }

@@ -1,7 +1,7 @@
 // The tools down the left side of the large view.
 
 import { html } from '../vendor/lit-html/lit-html.js';
-import { U, put } from '../store/state.js';
+import { ui, setUi } from '../store/state.js';
 import { icon } from '../controls/icons.js';
 import { PAN, TOOLS } from './tools.js';
 
@@ -14,8 +14,8 @@ export function toolbar() {
 }
 
 function toolButton({ name, icon: sign, label, key }, letter) {
-  return html`<button class="ib" data-tool=${name} aria-label=${label} aria-pressed=${U.tool === name}
-    @click=${() => put('tool', name)}>
+  return html`<button class="ib" data-tool=${name} aria-label=${label} aria-pressed=${ui.tool === name}
+    @click=${() => setUi('tool', name)}>
     ${icon(sign)}${letter}<span class="tip" aria-hidden="true">${label} <kbd>${key}</kbd></span>
   </button>`;
 }

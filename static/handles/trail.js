@@ -2,17 +2,17 @@
 // ghost stands. The line itself belongs to the scene.
 
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
-import { S } from '../store/state.js';
+import { server } from '../store/state.js';
 import { isHot } from './hold.js';
 import { isLarge } from './scale.js';
 
 /** The trail's keyframes in a view, the present one left out. */
 export function trailKeysIn(view) {
-  const trail = S.trail;
+  const trail = server.trail;
   if (!trail) return [];
   const keys = new Set(trail.keys);
   return trail.points
-    .filter(([frame]) => keys.has(frame) && frame !== S.view.frame)
+    .filter(([frame]) => keys.has(frame) && frame !== server.view.frame)
     .map(([frame, ...point]) => {
       const [x, y] = view.project(point);
       return { key: `trail:${frame}`, kind: 'trail', frame, at: [x, y], label: `Frame ${frame}` };
@@ -20,7 +20,7 @@ export function trailKeysIn(view) {
 }
 
 export function drawTrail(view, keys) {
-  if (!S.trail || !(S.view.trail || S.view.ghosts)) return nothing;
+  if (!server.trail || !(server.view.trail || server.view.ghosts)) return nothing;
   return svg`<g class="trail">
     ${isLarge(view) ? drawFrames(view) : nothing}
     ${keys.map((target) => drawKey(view, target))}
@@ -29,9 +29,9 @@ export function drawTrail(view, keys) {
 
 /** A dot for every second frame: close together where the motion is slow. */
 function drawFrames(view) {
-  if (!S.view.trail) return nothing;
-  return S.trail.points
-    .filter(([frame]) => frame % 2 && frame !== S.view.frame)
+  if (!server.view.trail) return nothing;
+  return server.trail.points
+    .filter(([frame]) => frame % 2 && frame !== server.view.frame)
     .map(([, ...point]) => {
       const [x, y] = view.project(point);
       return svg`<circle class="dot" cx=${x} cy=${y} r="1.5" />`;
@@ -42,7 +42,7 @@ function drawKey(view, target) {
   const large = isLarge(view);
   const r = (large ? 5 : 3.5) * (isHot(view, target) ? 1.3 : 1);
   const [x, y] = target.at;
-  const before = target.frame < S.view.frame;
+  const before = target.frame < server.view.frame;
   const left = leftOf(view, target, before);
   return svg`<path class="key" d="M${x} ${y - r}l${r} ${r}-${r} ${r}-${r}-${r}z" />
     ${large
@@ -52,7 +52,7 @@ function drawKey(view, target) {
 
 /** The number stands on the side away from where the motion goes on. */
 function leftOf(view, target, before) {
-  const points = S.trail.points;
+  const points = server.trail.points;
   const at = points.findIndex(([frame]) => frame === target.frame);
   const next = points[at + (before ? 1 : -1)];
   if (!next) return !before;

@@ -1,7 +1,7 @@
 // The Body tab: the whole body's preset and height, and every part's sizes at a glance.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S } from '../store/state.js';
+import { server } from '../store/state.js';
 import { send } from '../store/link.js';
 import { checkbox, dropdown, iconButton, numberField } from '../controls/fields.js';
 import { fitSizesRow } from './fitting.js';
@@ -16,7 +16,7 @@ export function bodyTab() {
 }
 
 function whole() {
-  const { body } = S;
+  const { body } = server;
   const preset = body.presets.find((one) => one.name === body.preset);
   const name = preset?.label ?? body.name.charAt(0).toUpperCase() + body.name.slice(1);
   const unedited = preset ? 'These are the preset’s own sizes' : 'This body comes from no preset';
@@ -37,10 +37,10 @@ function whole() {
 }
 
 function height() {
-  const person = S.body.height_cm > HEIGHTS_CM[0] && S.body.height_cm < HEIGHTS_CM[1];
+  const person = server.body.height_cm > HEIGHTS_CM[0] && server.body.height_cm < HEIGHTS_CM[1];
   return measure(
     {
-      key: 'height', label: 'Height', value: S.body.height_cm, unit: 'cm', step: 0.5, coarse: 5,
+      key: 'height', label: 'Height', value: server.body.height_cm, unit: 'cm', step: 0.5, coarse: 5,
       min: 1, max: 10000, edit: (cm) => ({ do: 'height', cm }),
       title: 'Sole to head top at rest; all sizes change with it',
     },
@@ -49,12 +49,12 @@ function height() {
 }
 
 function mirrored() {
-  return S.body.parts.some((part) => part.mirror);
+  return server.body.parts.some((part) => part.mirror);
 }
 
 function link() {
   return checkbox({
-    label: 'Same size left and right', on: S.view.link, act: (on) => send({ do: 'link', on }),
+    label: 'Same size left and right', on: server.view.link, act: (on) => send({ do: 'link', on }),
   });
 }
 
@@ -75,8 +75,8 @@ function leading(part) {
 
 /** The parts that have a row. A pair has one, at its first part's place, where both go together. */
 function rows() {
-  const { parts } = S.body;
-  if (!S.view.link) return parts;
+  const { parts } = server.body;
+  if (!server.view.link) return parts;
   const place = (part) => parts.findIndex((other) => other.name === part.name);
   const firsts = parts.filter((part) => !part.mirror || place(part) < place(partNamed(part.mirror)));
   return firsts.map((part) => (part.mirror ? standing(part, partNamed(part.mirror)) : part));
@@ -84,13 +84,13 @@ function rows() {
 
 /** Of a pair the selected side stands for both, else the right one. */
 function standing(one, other) {
-  const selected = [one, other].find((part) => part.name === S.view.selected);
+  const selected = [one, other].find((part) => part.name === server.view.selected);
   return selected ?? (one.side === 'R' ? one : other);
 }
 
 function row(part) {
-  const both = S.view.link && part.mirror;
-  return html`<div class="size ${part.name === S.view.selected ? 'sel' : ''}">
+  const both = server.view.link && part.mirror;
+  return html`<div class="size ${part.name === server.view.selected ? 'sel' : ''}">
     <button
       type="button"
       class="name"

@@ -1,7 +1,7 @@
 // Walking over the body with Q, [ and ].
 
 import { partNamed, ancestors, childrenOf, select, selectedPart } from './parts.js';
-import { S } from '../store/state.js';
+import { server } from '../store/state.js';
 
 /** Which child was last visited below a part: ] retraces the way [ came. */
 const lastChild = new Map();
@@ -16,7 +16,7 @@ export function otherSide() {
 export function alongChain(step) {
   const part = selectedPart();
   if (!part) {
-    if (S.body?.parts.length) select(S.body.parts[0].name);
+    if (server.body?.parts.length) select(server.body.parts[0].name);
     return;
   }
   const next = step < 0 ? partNamed(part.parent) : outward(part);

@@ -1,7 +1,7 @@
 // Which motions the tracker estimates; the others stay as the keyframes around have them.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../store/state.js';
+import { server, ui, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
 import { iconButton } from '../controls/fields.js';
 import { section } from './section.js';
@@ -13,22 +13,22 @@ const MOVE_WORDS = { tx: 'Across', ty: 'Down', tz: 'Depth' };
 
 export function freedom() {
   const part = selectedPart();
-  const all = U.allFreedoms === true;
-  const parts = all ? S.body.parts : part ? [part] : [];
+  const all = ui.allFreedoms === true;
+  const parts = all ? server.body.parts : part ? [part] : [];
   return section(
     'Free to move',
     html`${parts.map((one) => freedoms(one, !all))}
       ${parts.length ? nothing : html`<p class="note">Select a part to choose how it may move.</p>`}
-      <p class="note">Whole body: ${S.body.dof_count} of ${S.body.dof_total}</p>`,
+      <p class="note">Whole body: ${server.body.dof_count} of ${server.body.dof_total}</p>`,
     iconButton({
       name: 'more', label: all ? 'The selected part only' : 'All parts', pressed: all,
-      act: () => put('allFreedoms', !all),
+      act: () => setUi('allFreedoms', !all),
     }),
   );
 }
 
 function freedoms(part, wordy) {
-  return html`<div class="free ${part.name === S.view.selected && !wordy ? 'sel' : ''}">
+  return html`<div class="free ${part.name === server.view.selected && !wordy ? 'sel' : ''}">
       <button
         type="button"
         class="name"

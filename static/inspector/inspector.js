@@ -1,7 +1,7 @@
 // The inspector: the part picker on top, four tabs of numbers below.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
-import { S, U, put, watch } from '../store/state.js';
+import { server, ui, setUi, watch } from '../store/state.js';
 import { isSurface } from '../store/subject.js';
 import { bodyTab } from './body_tab.js';
 import { addDrawer } from './drawer.js';
@@ -55,9 +55,9 @@ export function mount() {
 }
 
 function draw(room) {
-  render(S.file && S.body && S.view ? contents() : nothing, room);
-  if (S.view?.selected === shownSelected) return;
-  shownSelected = S.view?.selected;
+  render(server.file && server.body && server.view ? contents() : nothing, room);
+  if (server.view?.selected === shownSelected) return;
+  shownSelected = server.view?.selected;
   // With the keyboard in the figure the focus goes along.
   if (document.activeElement?.closest('.fig')) room.querySelector('.fig [tabindex="0"]')?.focus();
   const rows = room.querySelectorAll('.tree .sel, .size.sel, .free.sel');
@@ -65,7 +65,7 @@ function draw(room) {
 }
 
 function contents() {
-  const tab = TABS[U.tab] ? U.tab : 'part';
+  const tab = TABS[ui.tab] ? ui.tab : 'part';
   return html`${picker()}
     <div class="tabs" role="tablist" aria-label="Inspector" @keydown=${turn}>
       ${Object.keys(TABS).map((id) => head(id, tab))}
@@ -83,7 +83,7 @@ function head(id, current) {
     aria-selected=${id === current}
     aria-controls="insp-body"
     tabindex=${id === current ? 0 : -1}
-    @click=${() => put('tab', id)}
+    @click=${() => setUi('tab', id)}
   >
     ${tabOf(id).label}
   </button>`;
@@ -98,25 +98,25 @@ function turn(event) {
   event.preventDefault();
   event.stopPropagation();
   const ids = Object.keys(TABS);
-  const next = (ids.indexOf(U.tab) + way + ids.length) % ids.length;
-  put('tab', ids[next]);
+  const next = (ids.indexOf(ui.tab) + way + ids.length) % ids.length;
+  setUi('tab', ids[next]);
   event.currentTarget.children[next].focus();
 }
 
 function cameraTab() {
-  return S.camera ? html`${lens()}${upright()}${masks()}` : nothing;
+  return server.camera ? html`${lens()}${upright()}${masks()}` : nothing;
 }
 
 function virtualTab() {
-  return S.camera ? virtualCamera() : nothing;
+  return server.camera ? virtualCamera() : nothing;
 }
 
 function fitTab() {
-  return S.settings ? html`${segment()}${surfaces()}` : nothing;
+  return server.settings ? html`${segment()}${surfaces()}` : nothing;
 }
 
 function trackTab() {
-  return S.settings ? html`${method()}${segment()}${freedom()}` : nothing;
+  return server.settings ? html`${method()}${segment()}${freedom()}` : nothing;
 }
 
 /** A control clicked with the mouse leaves the keys with the views; what was typed is taken over. */

@@ -1,7 +1,7 @@
 // The lens: by its field of view or by its intrinsics, and its distortion.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../store/state.js';
+import { server, ui, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
 import { iconButton, segmented, shortNumber } from '../controls/fields.js';
 import { fact, line, measure, section } from './section.js';
@@ -17,9 +17,9 @@ const INTRINSICS = [
 
 export function lens() {
   // Until a person chooses, the way in which the camera came to be known.
-  const known = U.lens ?? (S.camera.origin === 'intrinsics' ? 'intrinsics' : 'view');
+  const known = ui.lens ?? (server.camera.origin === 'intrinsics' ? 'intrinsics' : 'view');
   const choice = segmented({
-    label: 'Known by', value: known, act: (id) => put('lens', id),
+    label: 'Known by', value: known, act: (id) => setUi('lens', id),
     options: [
       { id: 'view', label: 'Field of view', title: 'How wide the camera sees: enough for most videos' },
       { id: 'intrinsics', label: 'Intrinsics', title: 'Focal lengths and centre from a calibration' },
@@ -31,7 +31,7 @@ export function lens() {
 }
 
 function fieldOfView() {
-  const { fov_deg: deg, fx, width, height, origin } = S.camera;
+  const { fov_deg: deg, fx, width, height, origin } = server.camera;
   const side = width >= height ? 'width' : 'height';
   const spec = {
     key: 'fov', label: 'Angle', text: 'Angle', value: deg, unit: '°', step: 0.5, coarse: 5, min: 1, max: 170,
@@ -45,23 +45,23 @@ function fieldOfView() {
 /** @param {{ key: string, label: string, min?: number }} one */
 function intrinsic({ key, label, min }) {
   return measure({
-    key: `camera.${key}`, label, value: S.camera[key], unit: 'px', step: 1, coarse: 10, min,
+    key: `camera.${key}`, label, value: server.camera[key], unit: 'px', step: 1, coarse: 10, min,
     edit: (value) => ({ do: 'camera', [key]: value }),
   });
 }
 
 function telephoto() {
-  if (S.camera.projection !== 'telephoto') return nothing;
-  const metres = shortNumber(S.camera.telephoto_distance_m, 1);
+  if (server.camera.projection !== 'telephoto') return nothing;
+  const metres = shortNumber(server.camera.telephoto_distance_m, 1);
   return html`<p class="note">Telephoto: depth leaves no trace in the picture. Scale holds at ${metres} m.</p>`;
 }
 
 function distortion() {
-  const ideal = S.camera.distortion.every((value) => value === 0);
+  const ideal = server.camera.distortion.every((value) => value === 0);
   const reset = () => send({ do: 'distortion', ...Object.fromEntries(COEFFICIENTS.map((k) => [k, 0])) });
   return section(
     'Distortion',
-    html`${COEFFICIENTS.map((key, i) => coefficient(key, S.camera.distortion[i]))}`,
+    html`${COEFFICIENTS.map((key, i) => coefficient(key, server.camera.distortion[i]))}`,
     iconButton({
       name: 'reset', label: 'No distortion', act: reset, off: ideal ? 'The lens is straight already' : '',
     }),

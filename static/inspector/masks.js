@@ -1,15 +1,15 @@
 // Regions of the picture that the tracker leaves out, each over a range of frames.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../store/state.js';
+import { server, ui, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
 import { button, iconButton, numberField, textField } from '../controls/fields.js';
 import { leaveSketch } from '../handles/sketch.js';
 import { section } from './section.js';
 
 export function masks() {
-  const drawing = U.tool === 'mask';
-  const list = S.masks ?? [];
+  const drawing = ui.tool === 'mask';
+  const list = server.masks ?? [];
   return section(
     'Ignore masks',
     html`${list.map(mask)}${list.length ? nothing : html`<p class="note">
@@ -20,23 +20,23 @@ export function masks() {
       kind: drawing ? 'full on' : 'full',
       title: drawing ? 'Stop drawing' : 'Cover what moves but is not the body: click around it',
       key: drawing ? 'Esc' : '',
-      act: () => (drawing ? leaveSketch() : put('tool', 'mask')),
+      act: () => (drawing ? leaveSketch() : setUi('tool', 'mask')),
     })}`,
   );
 }
 
 function mask(one, index) {
-  const here = one.first <= S.view.frame && S.view.frame <= one.last;
+  const here = one.first <= server.view.frame && server.view.frame <= one.last;
   const change = (fields) => ({ do: 'change_mask', index, ...fields });
   return html`<div
-    class="mask ${here ? 'here' : ''} ${index === U.mask ? 'sel' : ''}"
-    title=${here ? 'Holds at this frame' : `Does not hold at frame ${S.view.frame}`}
+    class="mask ${here ? 'here' : ''} ${index === ui.mask ? 'sel' : ''}"
+    title=${here ? 'Holds at this frame' : `Does not hold at frame ${server.view.frame}`}
   >
     <button
       type="button"
       class="lk num"
       aria-label=${`Choose mask ${index + 1}`}
-      aria-pressed=${index === U.mask}
+      aria-pressed=${index === ui.mask}
       title="Show its corners on the picture"
       @click=${() => choose(one, index, here)}
     >
@@ -47,7 +47,7 @@ function mask(one, index) {
       act: (note) => send(change({ note })),
     })}
     ${numberField(end(index, 'first', one.first, 0, one.last, change))}<span class="dim">–</span>
-    ${numberField(end(index, 'last', one.last, one.first, S.file.frames - 1, change))}
+    ${numberField(end(index, 'last', one.last, one.first, server.file.frames - 1, change))}
     ${iconButton({
       name: 'trash', label: `Delete mask ${index + 1}`, act: () => send({ do: 'delete_mask', index }),
     })}
@@ -56,7 +56,7 @@ function mask(one, index) {
 
 /** A chosen mask shows its corners, which it can only where it holds. */
 function choose(one, index, here) {
-  put('mask', index === U.mask ? null : index);
+  setUi('mask', index === ui.mask ? null : index);
   if (!here) send({ do: 'go', frame: one.first });
 }
 

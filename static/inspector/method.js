@@ -1,7 +1,7 @@
 // How to track.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S } from '../store/state.js';
+import { server } from '../store/state.js';
 import { send } from '../store/link.js';
 import { checkbox, dropdown, numberField, segmented, slider } from '../controls/fields.js';
 import { start } from './start.js';
@@ -21,7 +21,7 @@ const QUALITIES = [
 ];
 
 export function method() {
-  const { method: name, static_camera: still } = S.settings;
+  const { method: name, static_camera: still } = server.settings;
   return section(
     'Method',
     html`${line('Method', dropdown({
@@ -35,7 +35,7 @@ export function method() {
       act: (on) => send({ do: 'settings', static_camera: on }),
     })}
     ${checkbox({
-      label: 'Track live while I pose', on: S.view.live, key: 'L',
+      label: 'Track live while I pose', on: server.view.live, key: 'L',
       title: 'Track the neighbouring segments each time a keyframe changes',
       act: (on) => send({ do: 'live', on }),
     })}`,
@@ -45,13 +45,13 @@ export function method() {
 /** How much work is done; off: why it cannot be chosen. */
 export function qualityLine(off = '') {
   return line('Quality', segmented({
-    label: 'Quality', value: off ? null : S.settings.quality, options: QUALITIES, off,
+    label: 'Quality', value: off ? null : server.settings.quality, options: QUALITIES, off,
     act: (id) => send({ do: 'settings', quality: id }),
   }));
 }
 
 function passes() {
-  const { passes: chosen, default_passes: usual } = S.settings;
+  const { passes: chosen, default_passes: usual } = server.settings;
   const spec = {
     key: 'passes', label: 'Passes', value: chosen ?? usual, decimals: 0, step: 1, coarse: 5, perPixel: 0.2,
     min: 1, max: MOST_PASSES, zero: 1, tick: false,

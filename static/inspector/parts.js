@@ -1,19 +1,19 @@
 // Questions about the body's parts: which is selected, who hangs on whom, what it is called.
 
-import { S } from '../store/state.js';
+import { server } from '../store/state.js';
 import { send } from '../store/link.js';
 
 /** The part of this name, or undefined. */
 export function partNamed(name) {
-  return S.body?.parts.find((part) => part.name === name);
+  return server.body?.parts.find((part) => part.name === name);
 }
 
 export function selectedPart() {
-  return S.view?.selected ? partNamed(S.view.selected) : undefined;
+  return server.view?.selected ? partNamed(server.view.selected) : undefined;
 }
 
 export function select(name) {
-  if (name !== S.view?.selected) send({ do: 'select', part: name });
+  if (name !== server.view?.selected) send({ do: 'select', part: name });
 }
 
 /** Parents from the root down to, not including, the part. */
@@ -24,7 +24,7 @@ export function ancestors(part) {
 }
 
 export function childrenOf(part) {
-  return S.body.parts.filter((other) => other.parent === part.name);
+  return server.body.parts.filter((other) => other.parent === part.name);
 }
 
 /** The name without its side: the dot beside it tells that. */

@@ -1,7 +1,7 @@
 // The top of the inspector: the figure, and what is selected.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../store/state.js';
+import { server, ui, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
 import { icon } from '../controls/icons.js';
 import { dropdown, iconButton } from '../controls/fields.js';
@@ -16,9 +16,9 @@ const RUNS_SHOWN = 2;
 export function picker() {
   const part = selectedPart();
   if (part) remember(part);
-  const person = isPerson(S.body);
+  const person = isPerson(server.body);
   return html`<div class="pick ${person ? '' : 'listed'}">
-    <div class="fig" @keydown=${walk}>${person ? figure(S.body, face) : tree(S.body, face)}</div>
+    <div class="fig" @keydown=${walk}>${person ? figure(server.body, face) : tree(server.body, face)}</div>
     <div class="inf">${part ? about(part) : nobody()}
       <span class="sp"></span>
       <span class="row walk">${part ? steps(part) : nothing}<span class="sp"></span>${byName()}</span>
@@ -29,11 +29,11 @@ export function picker() {
 /** How one part of the figure looks and what it does. */
 function face(part) {
   return {
-    selected: part.name === S.view.selected,
-    first: part.name === (S.view.selected ?? S.body.parts[0].name), // where Tab arrives
-    hovered: part.name === U.figureHover || part.name === U.hover,
-    over: () => put('figureHover', part.name),
-    out: () => put('figureHover', null),
+    selected: part.name === server.view.selected,
+    first: part.name === (server.view.selected ?? server.body.parts[0].name), // where Tab arrives
+    hovered: part.name === ui.figureHover || part.name === ui.hover,
+    over: () => setUi('figureHover', part.name),
+    out: () => setUi('figureHover', null),
     act: () => select(part.name),
   };
 }
@@ -63,7 +63,7 @@ function about(part) {
 }
 
 function nobody() {
-  const over = partNamed(U.figureHover);
+  const over = partNamed(ui.figureHover);
   return html`<span class="dim crumbs">No part selected</span>
     <span class="mut">${over ? over.label : 'Click a part here or in a view.'}</span>`;
 }
@@ -115,18 +115,18 @@ function steps(part) {
 
 function byName() {
   return dropdown({
-    label: 'Part', text: isPerson(S.body) ? 'By name' : 'Find', kind: 'ghost', search: true,
+    label: 'Part', text: isPerson(server.body) ? 'By name' : 'Find', kind: 'ghost', search: true,
     title: 'Select a part by its name',
-    value: S.view.selected, options: named(), act: select,
+    value: server.view.selected, options: named(), act: select,
   });
 }
 
 /** All parts, in the groups the timeline's lanes have. */
 function named() {
-  const left = new Map(S.body.parts.map((part) => [part.name, part]));
+  const left = new Map(server.body.parts.map((part) => [part.name, part]));
   const options = [];
   const rest = { label: 'Other parts', parts: [...left.keys()] };
-  for (const group of [...(S.body.lanes ?? []), rest]) {
+  for (const group of [...(server.body.lanes ?? []), rest]) {
     for (const name of group.parts) {
       const part = left.get(name);
       if (!part) continue;

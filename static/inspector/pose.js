@@ -2,7 +2,7 @@
 // at rest; exchanged sides.
 
 import { html } from '../vendor/lit-html/lit-html.js';
-import { S } from '../store/state.js';
+import { server } from '../store/state.js';
 import { send } from '../store/link.js';
 import { words } from '../store/subject.js';
 import { button, iconButton } from '../controls/fields.js';
@@ -13,7 +13,7 @@ import { reaches } from './seen.js';
 const TRACKED = new Set(['good', 'check', 'lost']);
 
 export function pose() {
-  const empty = S.clipboard ? '' : 'No pose is copied yet. Copy one with Ctrl C';
+  const empty = server.clipboard ? '' : 'No pose is copied yet. Copy one with Ctrl C';
   const icons = html`${iconButton({
     name: 'copy', label: 'Copy pose', key: 'Ctrl C', act: () => send({ do: 'copy_pose' }),
   })}${iconButton({
@@ -48,13 +48,13 @@ export function pose() {
 
 /** Why left and right cannot be exchanged, or ''. */
 function sides() {
-  return S.body.parts.some((part) => part.mirror) ? '' : 'This body has no left and right';
+  return server.body.parts.some((part) => part.mirror) ? '' : 'This body has no left and right';
 }
 
 /** Why no tracked pose can be taken here, or ''. */
 function untracked() {
-  const here = S.view.frame;
-  const result = (S.segments ?? []).some(
+  const here = server.view.frame;
+  const result = (server.segments ?? []).some(
     (one) => reaches(one, here) && (TRACKED.has(one.state) || one.scores?.length),
   );
   return result ? '' : `Frame ${here} is not ${words().done} yet. ${words().verb} with T`;
@@ -62,13 +62,13 @@ function untracked() {
 
 /** The nearest keyframe before (−1) or after (+1) the present frame. */
 function neighbour(way) {
-  const frames = S.keys?.frames ?? [];
-  const here = S.view.frame;
+  const frames = server.keys?.frames ?? [];
+  const here = server.view.frame;
   return way < 0 ? frames.findLast((f) => f < here) : frames.find((f) => f > here);
 }
 
 function fromKey(frame, word, key) {
-  const none = `There is no keyframe ${word} frame ${S.view.frame}`;
+  const none = `There is no keyframe ${word} frame ${server.view.frame}`;
   return button({
     name: 'prev',
     flip: word === 'after',

@@ -1,7 +1,7 @@
 // Where the root stands before the camera, in metres: across and up in the picture, and depth.
 
 import { html } from '../vendor/lit-html/lit-html.js';
-import { S } from '../store/state.js';
+import { server } from '../store/state.js';
 import { send } from '../store/link.js';
 import { iconButton } from '../controls/fields.js';
 import { measure, section } from './section.js';
@@ -21,16 +21,16 @@ export function position() {
     iconButton({
       name: 'reset', label: 'Back to the middle of the picture',
       act: () => send({ do: 'root', x: 0, y: 0 }),
-      off: S.pose ? '' : 'There is no pose at this frame',
+      off: server.pose ? '' : 'There is no pose at this frame',
     }),
   );
 }
 
 /** @param {{ label: string, axis: string, sign: number, title: string, min?: number }} row */
 function place({ label, axis, sign, title, min }) {
-  const value = S.pose ? sign * S.pose.root['xyz'.indexOf(axis)] : null;
+  const value = server.pose ? sign * server.pose.root['xyz'.indexOf(axis)] : null;
   return measure({
-    key: `${S.view.frame}.root.${axis}`,
+    key: `${server.view.frame}.root.${axis}`,
     label,
     value,
     unit: 'm',
@@ -40,6 +40,6 @@ function place({ label, axis, sign, title, min }) {
     min,
     title: `${title}: drag sideways or type`,
     edit: (metres) => ({ do: 'root', [axis]: sign * metres }),
-    off: S.pose ? '' : 'There is no pose at this frame',
+    off: server.pose ? '' : 'There is no pose at this frame',
   });
 }

@@ -1,7 +1,7 @@
 // The three angles of the selected part, within their joint limits, and the frame of the rings.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../store/state.js';
+import { server, ui, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
 import { icon } from '../controls/icons.js';
 import { checkbox, iconButton, numberField, segmented, shortNumber, slider, tip } from '../controls/fields.js';
@@ -15,7 +15,7 @@ const ROOM = 0.12;
 export function rotation(part) {
   return section(
     'Rotation',
-    html`${AXES.map((axis, i) => angle(part, axis, S.pose?.angles[part.name]?.[i] ?? null))}${frames()}`,
+    html`${AXES.map((axis, i) => angle(part, axis, server.pose?.angles[part.name]?.[i] ?? null))}${frames()}`,
     iconButton({
       name: 'reset', label: 'Reset this part', key: '⌫',
       act: () => send({ do: 'reset_part', part: part.name }),
@@ -26,7 +26,7 @@ export function rotation(part) {
 function angle(part, axis, value) {
   const limits = part.limits?.[axis] ?? null;
   const spec = {
-    key: `${S.view.frame}.${part.name}.${axis}`,
+    key: `${server.view.frame}.${part.name}.${axis}`,
     label: part.words?.[axis] ?? axis.toUpperCase(),
     value,
     unit: '°',
@@ -81,14 +81,14 @@ function lock(part, axis, limits) {
 
 function reasonOff(limits) {
   if (!limits) return 'This axis has no limits';
-  return S.view.limits ? '' : 'Joint limits are off for the whole body';
+  return server.view.limits ? '' : 'Joint limits are off for the whole body';
 }
 
 function setFree(part, axis, free) {
-  const next = new Set(U.freeAxes ?? []);
+  const next = new Set(ui.freeAxes ?? []);
   if (free) next.add(`${part.name}.${axis}`);
   else next.delete(`${part.name}.${axis}`);
-  put('freeAxes', next);
+  setUi('freeAxes', next);
 }
 
 function frames() {
@@ -99,11 +99,11 @@ function frames() {
   ];
   return html`<div class="row frames">
     ${segmented({
-      label: 'Axes of the rings', value: S.view.axes, options,
+      label: 'Axes of the rings', value: server.view.axes, options,
       act: (frame) => send({ do: 'axes', frame }),
     })}<span class="sp"></span>
     ${checkbox({
-      label: 'Joint limits', on: S.view.limits, act: (on) => send({ do: 'limits', on }),
+      label: 'Joint limits', on: server.view.limits, act: (on) => send({ do: 'limits', on }),
       title: 'Hold every joint within what a body can do', key: 'hold U in a drag to lift',
     })}
   </div>`;

@@ -1,6 +1,6 @@
 // What the picture tells about a part, in words.
 
-import { S } from '../store/state.js';
+import { server } from '../store/state.js';
 import { isSurface, words } from '../store/subject.js';
 
 const HIDDEN = 0.35;
@@ -10,7 +10,7 @@ const JUDGED = new Set(['good', 'check', 'lost']);
 /** How well a part is seen at the present frame, as a sentence. */
 export function seenHere(part) {
   if (!part.parent && !lane(part)) return 'Moves the whole body';
-  const value = lane(part)?.[S.view.frame];
+  const value = lane(part)?.[server.view.frame];
   if (value === undefined || value === null) return restWord(part);
   const percent = `${Math.round(value * 100)} %`;
   if (value < HIDDEN) return `Hidden here: ${percent}`;
@@ -40,13 +40,13 @@ export function range([first, last]) {
 }
 
 function lane(part) {
-  return S.lanes?.[part.name];
+  return server.lanes?.[part.name];
 }
 
 function restWord(part) {
   if (part.tracked.length === 0 && !isSurface()) return 'Rides along, not tracked';
-  const here = S.view.frame;
-  const known = (S.segments ?? []).some((one) => reaches(one, here) && JUDGED.has(one.state));
+  const here = server.view.frame;
+  const known = (server.segments ?? []).some((one) => reaches(one, here) && JUDGED.has(one.state));
   if (!known) return `Not ${words().done} yet`;
   return isSurface() ? 'Fitted, not judged' : 'Tracked, not judged in a preview';
 }

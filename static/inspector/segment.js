@@ -1,7 +1,7 @@
 // The segment of the present frame: its verdict in words, and its error after every pass.
 
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../store/state.js';
+import { server, ui, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
 import { icon } from '../controls/icons.js';
 import { button, segmented, shortNumber } from '../controls/fields.js';
@@ -21,14 +21,14 @@ const CHIPS = {
 export function segment() {
   const here = segmentsHere();
   if (here.length === 0) return section('Segment', html`<p class="note">${why()}</p>`);
-  const one = here.find((each) => each.first === U.segmentFirst) ?? liveliest(here);
+  const one = here.find((each) => each.first === ui.segmentFirst) ?? liveliest(here);
   const choice = here.length > 1 ? sides(here, one) : nothing;
   return section(`Segment ${one.first}–${one.last}`, html`${verdict(one)}${notes(one)}${isSurface() ? distance(one) : chart(one)}`, choice);
 }
 
 function segmentsHere() {
-  const { frame } = S.view;
-  return (S.segments ?? []).filter((each) => each.first <= frame && frame <= each.last);
+  const { frame } = server.view;
+  return (server.segments ?? []).filter((each) => each.first <= frame && frame <= each.last);
 }
 
 /** At a keyframe two segments meet: the one at work is the one to look at. */
@@ -39,7 +39,7 @@ function liveliest(here) {
 
 function sides(here, one) {
   return segmented({
-    label: 'Segment', value: one.first, act: (first) => put('segmentFirst', first),
+    label: 'Segment', value: one.first, act: (first) => setUi('segmentFirst', first),
     options: here.map((each, i) => ({
       id: each.first, label: i ? 'After' : 'Before', title: `Segment ${each.first}–${each.last}`,
     })),
@@ -47,13 +47,13 @@ function sides(here, one) {
 }
 
 function why() {
-  const frames = S.keys?.frames ?? [];
+  const frames = server.keys?.frames ?? [];
   if (frames.length < fewestKeys()) {
     return isSurface()
       ? 'Nothing to fit: pose the body in one of the surfaces first.'
       : 'Nothing to track: pose a second keyframe first.';
   }
-  const { frame } = S.view;
+  const { frame } = server.view;
   const side = frame < frames[0] ? `before ${frames[0]}` : `after ${frames.at(-1)}`;
   return `Only one keyframe stands beside the frames ${side}: key one more to track them.`;
 }

@@ -1,7 +1,7 @@
 // Sizes of the selected part and where it hangs on its parent, in centimetres.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S } from '../store/state.js';
+import { server } from '../store/state.js';
 import { send } from '../store/link.js';
 import { icon } from '../controls/icons.js';
 import { numberField } from '../controls/fields.js';
@@ -41,13 +41,13 @@ function linked(part) {
   if (!part.mirror) return nothing;
   const side = otherSideWord(part);
   const other = partNamed(part.mirror)?.label.toLowerCase() ?? '';
-  const title = S.view.link ? `Sizes change on the ${other} too` : `Sizes change on this side only`;
+  const title = server.view.link ? `Sizes change on the ${other} too` : `Sizes change on this side only`;
   return html`<button
     type="button"
-    class="lk word ${S.view.link ? 'on' : ''}"
-    aria-pressed=${S.view.link}
+    class="lk word ${server.view.link ? 'on' : ''}"
+    aria-pressed=${server.view.link}
     title=${title}
-    @click=${() => send({ do: 'link', on: !S.view.link })}
+    @click=${() => send({ do: 'link', on: !server.view.link })}
   >
     ${icon('link')}${side} too
   </button>`;

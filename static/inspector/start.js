@@ -1,7 +1,7 @@
 // Where a segment starts from before the passes go over it, and what templates need not follow.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S } from '../store/state.js';
+import { server } from '../store/state.js';
 import { send } from '../store/link.js';
 import { checkbox, dropdown } from '../controls/fields.js';
 import { line } from './section.js';
@@ -16,7 +16,7 @@ const STARTS = [
 ];
 
 export function start() {
-  const { initial } = S.settings;
+  const { initial } = server.settings;
   const pick = dropdown({
     label: 'Start', value: initial, options: STARTS.map(within),
     title: 'Where each segment starts from, before the passes',
@@ -27,12 +27,12 @@ export function start() {
 
 /** Auto looks for templates with the default method at full quality alone. */
 const usesTemplates = (initial) => initial === 'templates'
-  || (initial === 'auto' && S.settings.method === 'keypose' && S.settings.quality === 'full');
+  || (initial === 'auto' && server.settings.method === 'keypose' && server.settings.quality === 'full');
 
 /** An imported motion can be chosen only where there is one. */
 function within(option) {
   if (option.id !== 'import') return option;
-  const { imported } = S.settings;
+  const { imported } = server.settings;
   if (imported) return { ...option, note: imported };
   return { ...option, off: 'No motion was imported: keypose import takes one in', note: 'none imported' };
 }
@@ -41,9 +41,9 @@ const plural = (word) => (word === 'Foot' ? 'Feet' : `${word}s`);
 
 /** The ends of the limbs, by name without their side: what templates follow. */
 function ends() {
-  const parents = new Set(S.body.parts.map((part) => part.parent));
+  const parents = new Set(server.body.parts.map((part) => part.parent));
   const found = new Map();
-  for (const part of S.body.parts.filter((one) => one.parent && !parents.has(one.name))) {
+  for (const part of server.body.parts.filter((one) => one.parent && !parents.has(one.name))) {
     const label = part.mirror ? plural(shortLabel(part)) : part.label;
     found.set(label, [...(found.get(label) ?? []), part.name]);
   }
@@ -59,7 +59,7 @@ function followed() {
 }
 
 function followedEnd(label, names) {
-  const out = S.settings.left_out;
+  const out = server.settings.left_out;
   const on = !names.some((name) => out.includes(name));
   const rest = out.filter((name) => !names.includes(name));
   return checkbox({

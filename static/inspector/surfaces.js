@@ -2,7 +2,7 @@
 // read: what the Track tab shows instead of what only films need.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S } from '../store/state.js';
+import { server } from '../store/state.js';
 import { send } from '../store/link.js';
 import { icon } from '../controls/icons.js';
 import { button, checkbox, dropdown, segmented, shortNumber } from '../controls/fields.js';
@@ -42,7 +42,7 @@ export function surfaces() {
 }
 
 function fitting() {
-  const { weights, distance, binding } = S.surface;
+  const { weights, distance, binding } = server.surface;
   return section(
     'Fit',
     html`${line('Doubt by', dropdown({
@@ -57,7 +57,7 @@ function fitting() {
     }))}
     ${qualityLine()}
     ${checkbox({
-      label: 'Fit live while I pose', on: S.view.live, key: 'L',
+      label: 'Fit live while I pose', on: server.view.live, key: 'L',
       title: 'Fit the neighbouring segments each time a keyframe changes',
       act: (on) => send({ do: 'live', on }),
     })}`,
@@ -66,9 +66,9 @@ function fitting() {
 
 /** The surface of one keyframe is what moves with the body. */
 function moving() {
-  const { model_frame: model, rims } = S.surface;
-  const { frame } = S.view;
-  const isKey = S.keys?.frames.includes(frame);
+  const { model_frame: model, rims } = server.surface;
+  const { frame } = server.view;
+  const isKey = server.keys?.frames.includes(frame);
   const off = frame === model ? 'It is this frame’s already' : isKey ? '' : 'Make this frame a keyframe first: press K';
   if (model === null) {
     return section('Moving surface', html`<p class="note">
@@ -93,7 +93,7 @@ function holes(model, rims) {
 const warning = (words) => html`<p class="note warned" role="status">${icon('warn')}<span>${words}</span></p>`;
 
 function files() {
-  const { units, up, fps, middle, cameras, faces, unusable } = S.surface;
+  const { units, up, fps, middle, cameras, faces, unusable } = server.surface;
   const rate = {
     key: 'surface.fps', label: 'Rate', value: fps, unit: '/s', step: 1, coarse: 5, min: 0.01, max: 10000,
     title: 'Surfaces a second', edit: (value) => ({ do: 'observe', fps: value }),

@@ -1,15 +1,15 @@
 // What is up: as the camera holds it, or along a line drawn on the picture.
 
 import { html } from '../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../store/state.js';
+import { server, ui, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
 import { button, dropdown, shortNumber } from '../controls/fields.js';
 import { leaveSketch } from '../handles/sketch.js';
 import { fact, line, section } from './section.js';
 
 export function upright() {
-  const { tilt_deg: tilt, roll_deg: roll, up_origin: origin } = S.camera;
-  const drawing = U.tool === 'vertical';
+  const { tilt_deg: tilt, roll_deg: roll, up_origin: origin } = server.camera;
+  const drawing = ui.tool === 'vertical';
   return section(
     'Up direction',
     html`${line('Set by', dropdown({
@@ -24,12 +24,12 @@ export function upright() {
       kind: drawing ? 'full on' : 'full',
       title: drawing ? 'Stop drawing' : 'Drag along a door frame, a wall’s edge, a lamp post',
       key: drawing ? 'Esc' : '',
-      act: () => (drawing ? leaveSketch() : put('tool', 'vertical')),
+      act: () => (drawing ? leaveSketch() : setUi('tool', 'vertical')),
     })}`,
   );
 }
 
 function setBy(id) {
   if (id === 'camera') send({ do: 'reset_up' });
-  else put('tool', 'vertical');
+  else setUi('tool', 'vertical');
 }

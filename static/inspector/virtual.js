@@ -1,12 +1,12 @@
 // The camera of a session about surfaces: nobody filmed with it.
 
 import { html } from '../vendor/lit-html/lit-html.js';
-import { S } from '../store/state.js';
+import { server } from '../store/state.js';
 import { shortNumber } from '../controls/fields.js';
 import { fact, section } from './section.js';
 
 export function virtualCamera() {
-  const { width, height, fov_deg: deg } = S.camera;
+  const { width, height, fov_deg: deg } = server.camera;
   return section(
     'Virtual camera',
     html`${fact('Picture', `${width} × ${height}`, 'Pixels')}

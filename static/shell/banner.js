@@ -5,11 +5,11 @@ import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { backlog, discard, release } from '../store/edits.js';
 import { send, sendDue } from '../store/link.js';
-import { S, U, put, watch } from '../store/state.js';
+import { server, ui, setUi, watch } from '../store/state.js';
 import { count } from '../controls/words.js';
 
-U.readOnlyRead = null; // the file whose banner was put away
-U.flatRead = false;
+ui.readOnlyRead = null; // the file whose banner was put away
+ui.flatRead = false;
 
 export function mountBanner() {
   const place = document.createElement('div');
@@ -20,22 +20,22 @@ export function mountBanner() {
   const news = ['u:line', 'u:connected', 'u:dragging', 'u:readOnlyRead', 'u:flat', 'u:flatRead', 'u:held'];
   watch(['file', 'saved', ...news], draw);
   // How many edits wait is known to the link alone.
-  setInterval(() => U.line && draw(), 500);
+  setInterval(() => ui.line && draw(), 500);
 }
 
 function banner() {
-  if (U.line || (!U.connected && U.dragging && S.file)) return noLine();
-  if (U.held.length) return held(U.held[0]);
-  const isNews = S.saved?.state === 'readonly' && S.file && U.readOnlyRead !== S.file.path;
-  if (isNews) return readOnly(S.saved.words);
-  return U.flat && S.file && !U.flatRead ? flat() : nothing;
+  if (ui.line || (!ui.connected && ui.dragging && server.file)) return noLine();
+  if (ui.held.length) return held(ui.held[0]);
+  const isNews = server.saved?.state === 'readonly' && server.file && ui.readOnlyRead !== server.file.path;
+  if (isNews) return readOnly(server.saved.words);
+  return ui.flat && server.file && !ui.flatRead ? flat() : nothing;
 }
 
 /** It stirs while one drags: what is done shows only when the line is back. */
 function noLine() {
-  const pulse = U.dragging ? 'pulse' : '';
+  const pulse = ui.dragging ? 'pulse' : '';
   return html`<div class="banner lost ${pulse}" role="alert">
-    ${icon('warn')}<span>${U.line === 'ended' ? hasEnded() : isAway()}</span>
+    ${icon('warn')}<span>${ui.line === 'ended' ? hasEnded() : isAway()}</span>
   </div>`;
 }
 
@@ -46,7 +46,7 @@ function hasEnded() {
 }
 
 function isAway() {
-  const advice = U.line === 'long' ? ' If Keypose has ended, start it again.' : '';
+  const advice = ui.line === 'long' ? ' If Keypose has ended, start it again.' : '';
   return html`<b>Connection lost.</b> ${waitingEdits()} will be sent when it is back.${advice}`;
 }
 
@@ -81,13 +81,13 @@ const button = (label, act) => html`<button class="btn sm" @click=${act}>${label
 
 function readOnly(words) {
   const what = words || 'Read only: nothing is saved.';
-  return dismissible('lock', what, () => put('readOnlyRead', S.file.path));
+  return dismissible('lock', what, () => setUi('readOnlyRead', server.file.path));
 }
 
 function flat() {
   const words = html`<b>This browser draws no 3D, so no body is seen.</b>
     Turn on graphics acceleration in its settings, or open this address in another browser.`;
-  return dismissible('warn', words, () => put('flatRead', true));
+  return dismissible('warn', words, () => setUi('flatRead', true));
 }
 
 function dismissible(sign, words, dismiss) {

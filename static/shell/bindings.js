@@ -2,7 +2,7 @@
 // sheet of keys are both made from it.
 
 import { send } from '../store/link.js';
-import { S, put } from '../store/state.js';
+import { server, setUi } from '../store/state.js';
 import { TOOLS } from '../handles/tools.js';
 import * as inspector from '../inspector/inspector.js';
 import { frame } from '../timeline/edit/head.js';
@@ -60,7 +60,7 @@ const TRACK = [
 ];
 
 const TOOL_KEYS = [
-  ...TOOLS.map(({ name, label, key }) => row(label, [key, () => put('tool', name)])),
+  ...TOOLS.map(({ name, label, key }) => row(label, [key, () => setUi('tool', name)])),
   row('Other side of the body', ['Q', () => inspector.otherSide()]),
   row('Along the limb', ['[', () => inspector.alongChain(-1)], [']', () => inspector.alongChain(1)]),
 ];
@@ -71,8 +71,8 @@ const VIEWS = [
   row('Wire, solid, both', ['W', nextMode]),
   row(
     'Ghosts, trail, lanes',
-    ['O', () => display({ ghosts: !S.view.ghosts })],
-    ['M', () => display({ trail: !S.view.trail })],
+    ['O', () => display({ ghosts: !server.view.ghosts })],
+    ['M', () => display({ trail: !server.view.trail })],
     ['I', () => timeline.foldLanes()],
   ),
   row('Fit the picture', ['0', fitLarge]),
@@ -108,7 +108,7 @@ export const BY_CHORD = new Map(
 );
 
 function nextMode() {
-  const at = MODES.indexOf(S.view.mode);
+  const at = MODES.indexOf(server.view.mode);
   display({ mode: MODES[(at + 1) % MODES.length] });
 }
 
@@ -117,10 +117,10 @@ function paste(mirrored) {
 }
 
 function copyPrevious() {
-  const before = (S.keys?.frames ?? []).filter((key) => key < frame());
+  const before = (server.keys?.frames ?? []).filter((key) => key < frame());
   if (before.length) send({ do: 'copy_key', from_frame: before.at(-1) });
 }
 
 function resetPart() {
-  if (S.view.selected) send({ do: 'reset_part', part: S.view.selected });
+  if (server.view.selected) send({ do: 'reset_part', part: server.view.selected });
 }

@@ -1,19 +1,19 @@
 // Pictures and motion out of the page: saved as files, or copied to the clipboard.
 
 import { fetchOwn } from '../store/key.js';
-import { S, U } from '../store/state.js';
+import { server, ui } from '../store/state.js';
 import { frame } from '../timeline/edit/head.js';
 import { toast } from '../controls/toasts.js';
 
 const PICTURED = ['main', 'top', 'side', 'front'];
 
 /** The view in the large place, which "this view" means; all four side by side: the camera. */
-export const viewShown = () => (PICTURED.includes(U.layout) ? U.layout : 'main');
+export const viewShown = () => (PICTURED.includes(ui.layout) ? ui.layout : 'main');
 
 /** Save a picture of one view, or of all, as a PNG file. */
 export async function savePicture(view = viewShown()) {
   const kind = view === 'main' ? '' : `-${view === 'all' ? 'views' : view}`;
-  await saveFrom(pictureAddress(view), `${S.file.name}-frame${frame()}${kind}.png`);
+  await saveFrom(pictureAddress(view), `${server.file.name}-frame${frame()}${kind}.png`);
 }
 
 /** Put a picture of this view on the clipboard. */
@@ -34,17 +34,17 @@ export async function copyPicture() {
 
 /** Save the motion in a format: "bvh", "glb", "trc", "c3d", "csv" or "npz". */
 export const saveMotion = (format) =>
-  saveFrom(`/motion?format=${format}`, `${S.file.name}.${format}`);
+  saveFrom(`/motion?format=${format}`, `${server.file.name}.${format}`);
 
 /** Save the report: verdicts, charts and pictures in one page that needs no other. */
-export const saveReport = () => saveFrom('/report.html', `${S.file.name}-report.html`);
+export const saveReport = () => saveFrom('/report.html', `${server.file.name}-report.html`);
 
 function pictureAddress(view) {
-  const { mode, opacity, tint } = S.view;
+  const { mode, opacity, tint } = server.view;
   const query = new URLSearchParams({ view, frame: frame() });
   if (mode !== undefined) query.set('mode', mode);
   if (opacity !== undefined) query.set('opacity', String(opacity));
-  if (S.surface && tint !== undefined) query.set('tint', tint);
+  if (server.surface && tint !== undefined) query.set('tint', tint);
   return `/picture.png?${query}`;
 }
 

@@ -2,7 +2,7 @@
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
-import { S } from '../store/state.js';
+import { server } from '../store/state.js';
 import { words } from '../store/subject.js';
 import { frame } from '../timeline/edit/head.js';
 import { copyPicture, saveMotion, savePicture, saveReport, viewShown } from './export.js';
@@ -34,8 +34,8 @@ export function exportButton() {
 
 function items() {
   const off = hasMotion() ? '' : `${words().verb} first: there is no motion yet`;
-  const keys = S.keys?.frames ?? [];
-  const all = S.segments ?? [];
+  const keys = server.keys?.frames ?? [];
+  const all = server.segments ?? [];
   const frames = all.length ? `, frames ${range(all[0].first, all.at(-1).last)}` : '';
   return [
     heading(`Picture of frame ${frame()}`),
@@ -61,16 +61,16 @@ function items() {
 
 /** Only the camera's picture has a size that is known here: the video's own. */
 function sizeAndKey() {
-  const { width, height } = S.file ?? {};
+  const { width, height } = server.file ?? {};
   return viewShown() === 'main' && width ? `${width} × ${height} · Shift E` : 'Shift E';
 }
 
-const hasMotion = () => (S.segments ?? []).some((s) => TRACKED.includes(s.state));
+const hasMotion = () => (server.segments ?? []).some((s) => TRACKED.includes(s.state));
 
 /** The frames of segments in a state, neighbours as one: [[50, 61], [75, 99]]. */
 function spans(state) {
   const found = [];
-  for (const { first, last } of (S.segments ?? []).filter((s) => s.state === state)) {
+  for (const { first, last } of (server.segments ?? []).filter((s) => s.state === state)) {
     if (found.at(-1)?.[1] === first) found.at(-1)[1] = last;
     else found.push([first, last]);
   }
@@ -79,8 +79,8 @@ function spans(state) {
 
 /** What BVH and GLB, which hold no gaps, make of segments that are not tracked. */
 function withoutGaps() {
-  const tracked = (S.segments ?? []).filter((s) => ['good', 'check', 'lost'].includes(s.state));
-  if (!tracked.length || tracked.length === S.segments.length) return nothing;
+  const tracked = (server.segments ?? []).filter((s) => ['good', 'check', 'lost'].includes(s.state));
+  if (!tracked.length || tracked.length === server.segments.length) return nothing;
   const gap = tracked.some((s, i) => i && tracked[i - 1].last !== s.first);
   const held = range(tracked[0].first, tracked.at(-1).last);
   return gap ? ' BVH and GLB need all of them.' : ` BVH and GLB hold ${held} alone.`;

@@ -3,7 +3,7 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
-import { S, U } from '../store/state.js';
+import { server, ui } from '../store/state.js';
 import { damagedFrames } from '../store/damage.js';
 import { isSurface } from '../store/subject.js';
 import { heading, line, menuHolder, note, toggleMenu } from '../controls/menus.js';
@@ -19,11 +19,11 @@ export function fileButton() {
     class="row file ${open ? 'hov' : ''}"
     aria-haspopup="menu"
     aria-expanded=${open}
-    title=${S.file.path ?? nothing}
+    title=${server.file.path ?? nothing}
     @click=${show}
   >
-    ${icon('film')}<span class="b cut">${S.file.name}</span>
-    <span class="mut wide cut">${S.file.video}</span>${icon('chev')}
+    ${icon('film')}<span class="b cut">${server.file.name}</span>
+    <span class="mut wide cut">${server.file.video}</span>${icon('chev')}
   </button>`;
   return menuHolder('file', button, items, 'left filemenu');
 }
@@ -34,7 +34,7 @@ function show() {
 }
 
 function items() {
-  const others = (U.library?.recents ?? []).filter((r) => r.path !== S.file.path && !r.missing);
+  const others = (ui.library?.recents ?? []).filter((r) => r.path !== server.file.path && !r.missing);
   return [
     { icon: 'folder', label: 'Open another…', run: () => openChooser('any') },
     ...(others.length ? [heading('Recent'), ...others.slice(0, RECENT).map(recent)] : []),
@@ -56,7 +56,7 @@ function recent({ id, name, keyframes, opened_at: at }) {
 }
 
 function facts() {
-  const { frames, fps, width, height, duration_s: seconds, path, missing } = S.file;
+  const { frames, fps, width, height, duration_s: seconds, path, missing } = server.file;
   const lost = isSurface() ? missing.length : damagedFrames();
   const rate = Number.isInteger(fps) ? fps : fps?.toFixed(2);
   return html`<span class="num">${count(frames, 'frame')} · ${rate} fps · ${width} × ${height}</span>
@@ -70,9 +70,9 @@ const damaged = (n) =>
 
 async function copyPath() {
   try {
-    await navigator.clipboard.writeText(S.file.path);
+    await navigator.clipboard.writeText(server.file.path);
     toast({ kind: 'good', words: 'Path copied.' });
   } catch {
-    toast({ kind: 'info', words: S.file.path });
+    toast({ kind: 'info', words: server.file.path });
   }
 }

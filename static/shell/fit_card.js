@@ -4,10 +4,10 @@
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
-import { S, U, watch } from '../store/state.js';
+import { server, ui, watch } from '../store/state.js';
 import { onViews } from '../views/views.js';
 import { onHold } from '../handles/hold.js';
-import { isUnderHand } from '../handles/underhand.js';
+import { isDragCoveredBy } from '../handles/covered_by.js';
 import { cornerFor } from '../guide/guide_place.js';
 import { count } from '../controls/words.js';
 
@@ -39,18 +39,18 @@ export function closeFit() {
 
 /** What a pose was fitted for is told at its own frame. */
 function isOpen() {
-  return Boolean(S.file && S.fit) && (S.fit.frame === null || S.fit.frame === S.view?.frame);
+  return Boolean(server.file && server.fit) && (server.fit.frame === null || server.fit.frame === server.view?.frame);
 }
 
 /** Told by what this tab holds, not by what the server has answered: a short press ends too. */
 function lookBack(on) {
   if (held === on) return;
   held = on;
-  if (on ? isOpen() : S.fit) send({ do: 'look_before', on });
+  if (on ? isOpen() : server.fit) send({ do: 'look_before', on });
 }
 
 function card() {
-  const { frame, words, looking_back: back, changes } = S.fit;
+  const { frame, words, looking_back: back, changes } = server.fit;
   const [first, rest] = said(words, changes);
   return html`<div class="coach fitcard" role="status" aria-label="Fitted">
     <div class="row head">
@@ -124,8 +124,8 @@ const signed = (cm) => `${cm < 0 ? '−' : '+'}${Math.abs(cm).toFixed(1)}`;
 /** It is placed once for what it tells, and does not wander while one looks. */
 function stand(element) {
   fade(element);
-  if (U.dragging || S.fit.looking_back) return;
-  const told = S.fit.words;
+  if (ui.dragging || server.fit.looking_back) return;
+  const told = server.fit.words;
   const { name, x, y } = cornerFor(element, undefined, told === placed ? corner : null);
   [corner, placed] = [name, told];
   element.style.left = `${x}px`;
@@ -133,5 +133,5 @@ function stand(element) {
 }
 
 function fade(element) {
-  element?.classList.toggle('behind', isUnderHand(element));
+  element?.classList.toggle('behind', isDragCoveredBy(element));
 }

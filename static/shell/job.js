@@ -3,7 +3,7 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
-import { S, U, put } from '../store/state.js';
+import { server, ui, setUi } from '../store/state.js';
 
 const STAYS_MS = 8000;
 const ENDED = { done: 'good', cancelled: 'old', failed: 'lost' };
@@ -15,45 +15,45 @@ let wasRunning = false;
 
 /** The job of the top bar, or nothing. */
 export function jobState() {
-  if (S.job?.state === 'running') return running(S.job);
-  if (U.ended) return ended(U.ended);
+  if (server.job?.state === 'running') return running(server.job);
+  if (ui.ended) return ended(ui.ended);
   return nothing;
 }
 
 /** Stop the running job; tells whether there was one. */
 export function cancelJob() {
-  if (S.job?.state !== 'running') return false;
+  if (server.job?.state !== 'running') return false;
   send({ do: 'cancel' });
   return true;
 }
 
 /** Called after every change of the job or the segments. */
 export function noticeJob() {
-  const { state } = S.job ?? {};
+  const { state } = server.job ?? {};
   if (state === 'running') {
-    for (const s of S.segments ?? []) if (isWorkedOn(s)) ran.add(nameOf(s));
+    for (const s of server.segments ?? []) if (isWorkedOn(s)) ran.add(nameOf(s));
     wasRunning = true;
-    put('ended', null);
+    setUi('ended', null);
     return;
   }
   // An end that lies before this page was opened is no news.
   if (!wasRunning) return;
   wasRunning = false;
-  if (state in ENDED) announce(S.job);
+  if (state in ENDED) announce(server.job);
   ran = new Set();
 }
 
 function announce(job) {
   const kind = job.state === 'done' ? worst() : ENDED[job.state];
-  put('ended', { ...job, kind });
+  setUi('ended', { ...job, kind });
   clearTimeout(timer);
-  timer = setTimeout(() => put('ended', null), STAYS_MS);
+  timer = setTimeout(() => setUi('ended', null), STAYS_MS);
 }
 
 /** The colour of a finished job is that of its worst segment. */
 function worst() {
   /** @type {string[]} */
-  const states = (S.segments ?? []).filter((s) => ran.has(nameOf(s))).map((s) => s.state);
+  const states = (server.segments ?? []).filter((s) => ran.has(nameOf(s))).map((s) => s.state);
   return ['lost', 'check'].find((state) => states.includes(state)) ?? 'good';
 }
 

@@ -1,6 +1,6 @@
 // The keyboard: what is pressed is looked up in the table, wherever the focus is.
 
-import { S, U, put } from '../store/state.js';
+import { server, ui, setUi } from '../store/state.js';
 import { togglePlaying } from '../timeline/timeline.js';
 import { BY_CHORD } from './bindings.js';
 import { keepsKey } from '../controls/focus.js';
@@ -12,7 +12,7 @@ export function mountKeys() {
   addEventListener('keydown', pressed);
   addEventListener('keyup', released);
   addEventListener('pointerdown', () => (held.used = true), true);
-  addEventListener('blur', () => put('space', false));
+  addEventListener('blur', () => setUi('space', false));
 }
 
 /** "Ctrl Shift Z": the key with those held beside it; empty when none of ours is meant. */
@@ -40,7 +40,7 @@ function nameOf({ key, code }) {
 }
 
 function pressed(event) {
-  if (event.defaultPrevented || event.isComposing || U.dragging) return;
+  if (event.defaultPrevented || event.isComposing || ui.dragging) return;
   const chord = chordOf(event);
   if (chord === 'Escape') {
     if (escape()) event.preventDefault();
@@ -52,7 +52,7 @@ function pressed(event) {
     return;
   }
   const binding = BY_CHORD.get(chord);
-  if (!binding || (!S.file && !binding.always)) return;
+  if (!binding || (!server.file && !binding.always)) return;
   event.preventDefault();
   if (!event.repeat || binding.repeats) binding.run();
 }
@@ -61,21 +61,21 @@ function pressed(event) {
 const hasText = (chord) => chord === 'Ctrl C' && !getSelection().isCollapsed;
 
 /** Under an open sheet the page does not change; the key that opened it closes it. */
-const isModal = (chord) => chord !== '?' && Boolean(U.sheet || U.chooser);
+const isModal = (chord) => chord !== '?' && Boolean(ui.sheet || ui.chooser);
 
 // Space plays when it is let go, unless a drag has used it to move the picture.
 const held = { used: false };
 
 function holdSpace(event) {
-  if (!S.file) return;
+  if (!server.file) return;
   event.preventDefault();
-  if (event.repeat || U.space) return;
+  if (event.repeat || ui.space) return;
   held.used = false;
-  put('space', true);
+  setUi('space', true);
 }
 
 function released(event) {
-  if (event.key !== ' ' || !U.space) return;
-  put('space', false);
+  if (event.key !== ' ' || !ui.space) return;
+  setUi('space', false);
   if (!held.used) togglePlaying();
 }

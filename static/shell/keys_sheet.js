@@ -2,7 +2,7 @@
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
-import { S, U, put, watch } from '../store/state.js';
+import { server, ui, setUi, watch } from '../store/state.js';
 import { words } from '../store/subject.js';
 import { GROUPS } from './bindings.js';
 import { openGuide } from '../guide/guide.js';
@@ -12,11 +12,11 @@ const SIGNS = { ArrowLeft: '←', ArrowRight: '→', Backspace: '⌫', Escape: '
 const ctrl = /Mac|iPhone|iPad/.test(navigator.platform) ? '⌘' : 'Ctrl';
 
 export function mountSheet() {
-  const dialog = dialogIn('keys-sheet', 'Keys', () => put('sheet', false));
+  const dialog = dialogIn('keys-sheet', 'Keys', () => setUi('sheet', false));
   watch(['u:sheet', 'file'], () => {
-    render(U.sheet ? sheet() : nothing, dialog);
-    if (U.sheet && !dialog.open) dialog.showModal();
-    if (!U.sheet && dialog.open) dialog.close();
+    render(ui.sheet ? sheet() : nothing, dialog);
+    if (ui.sheet && !dialog.open) dialog.showModal();
+    if (!ui.sheet && dialog.open) dialog.close();
   });
 }
 
@@ -24,7 +24,7 @@ function sheet() {
   return html`<div class="in">
     <div class="row sheethead">
       <span class="title">Keys</span><span class="sp"></span>
-      ${S.file
+      ${server.file
         ? html`<button class="btn sm ghost" @click=${showGuide}>Show the first-pose guide</button>`
         : nothing}
       <button class="ib" title="Close   Esc" aria-label="Close" autofocus @click=${toggleSheet}>
@@ -58,6 +58,6 @@ function spoken(chord) {
 }
 
 function showGuide() {
-  put('sheet', false);
+  setUi('sheet', false);
   openGuide();
 }

@@ -1,8 +1,8 @@
-// How the line to the server stands, for those who tell of it: U.line is null while it is up or only
+// How the line to the server stands, for those who tell of it: ui.line is null while it is up or only
 // just down, "lost", "long" when it may not come back by itself, "ended" when another Keypose answers.
 
 import { fetchOwn } from '../store/key.js';
-import { U, put, watch } from '../store/state.js';
+import { ui, setUi, watch } from '../store/state.js';
 
 const LOST_MS = 2000;
 const LONG_MS = 8000;
@@ -10,25 +10,25 @@ const LOOK_MS = 3000;
 
 let downSince = 0;
 let lookedAt = 0;
-U.line = null;
+ui.line = null;
 
 export function mountLine() {
   watch(['u:connected', 'u:line'], () => {
-    document.documentElement.classList.toggle('no-line', U.line !== null);
+    document.documentElement.classList.toggle('no-line', ui.line !== null);
     tick();
   });
   setInterval(tick, 500);
 }
 
 function tick() {
-  if (U.connected) {
+  if (ui.connected) {
     downSince = 0;
-    put('line', null);
+    setUi('line', null);
     return;
   }
   downSince ||= performance.now();
   const down = performance.now() - downSince;
-  if (down > LOST_MS && U.line !== 'ended') put('line', down > LONG_MS ? 'long' : 'lost');
+  if (down > LOST_MS && ui.line !== 'ended') setUi('line', down > LONG_MS ? 'long' : 'lost');
   if (down > LOST_MS) look();
 }
 
@@ -38,8 +38,8 @@ async function look() {
   lookedAt = performance.now();
   try {
     const { status } = await fetchOwn('/static/logo.svg', { cache: 'no-store' });
-    if (U.connected) return;
-    if (status === 403) put('line', 'ended');
+    if (ui.connected) return;
+    if (status === 403) setUi('line', 'ended');
   } catch {
     // Nobody answers.
   }

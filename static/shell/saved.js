@@ -3,12 +3,12 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
-import { S, U } from '../store/state.js';
+import { server, ui } from '../store/state.js';
 import { shortAgo } from '../controls/words.js';
 
 /** The saved state of the top bar. */
 export function savedState() {
-  const saved = S.saved;
+  const saved = server.saved;
   if (!saved) return nothing;
   /** @type {Record<string, (saved: import('../store/shapes.js').Saved) => unknown>} */
   const shown = { saved: isSaved, saving: isSaving, failed: hasFailed, readonly: isReadOnly };
@@ -16,10 +16,10 @@ export function savedState() {
 }
 
 /** Whether the words change with the clock. */
-export const savedTicks = () => S.saved?.state === 'saved' && Boolean(S.saved.at);
+export const savedTicks = () => server.saved?.state === 'saved' && Boolean(server.saved.at);
 
 function isSaved({ at }) {
-  if (!U.connected) return nothing; // the status bar says that edits wait
+  if (!ui.connected) return nothing; // the status bar says that edits wait
   const words = `Saved${at ? ` ${shortAgo(at)}` : ''}`;
   return html`<span class="row saved" title=${words}>${icon('check')}<span class="say">${words}</span></span>`;
 }

@@ -3,7 +3,7 @@
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { backlog } from '../store/edits.js';
-import { S, U, watch } from '../store/state.js';
+import { server, ui, watch } from '../store/state.js';
 import * as tools from '../handles/tools.js';
 import { count } from '../controls/words.js';
 
@@ -12,13 +12,13 @@ export function mountStatus() {
   const draw = () => render(bar(), element);
   watch(['file', 'tabs', 'view', 'u:tool', 'u:dragging', 'u:connected', 'u:line'], draw);
   // How many edits wait is known to the link alone.
-  setInterval(() => U.connected || draw(), 500);
+  setInterval(() => ui.connected || draw(), 500);
   addEventListener('beforeunload', keepWaiting);
 }
 
 /** Edits that wait would be lost with the tab: the browser asks first. */
 function keepWaiting(event) {
-  if ((!U.connected && backlog() > 0) || U.held.length) event.preventDefault();
+  if ((!ui.connected && backlog() > 0) || ui.held.length) event.preventDefault();
 }
 
 function bar() {
@@ -27,25 +27,25 @@ function bar() {
 }
 
 function hints() {
-  if (!S.file) return [['?', 'keys and help']];
-  return tools.hintsFor?.(U.tool, U.dragging) ?? [];
+  if (!server.file) return [['?', 'keys and help']];
+  return tools.hintsFor?.(ui.tool, ui.dragging) ?? [];
 }
 
 const hint = (keys, words) => html`<span class="h"><kbd>${keys}</kbd>${words}</span>`;
 
 function tabs() {
-  if (!S.tabs) return nothing;
-  return html`<span class="h">${icon('tabs')}${count(S.tabs, 'tab')} open</span>`;
+  if (!server.tabs) return nothing;
+  return html`<span class="h">${icon('tabs')}${count(server.tabs, 'tab')} open</span>`;
 }
 
 function connection() {
-  if (U.connected) {
+  if (ui.connected) {
     return html`<span class="h"
       ><i class="dot" style="background:var(--good)"></i>Connected
       <span class="dim num">${location.host}</span></span
     >`;
   }
   const waiting = backlog() ? ` ${count(backlog(), 'edit')} waiting` : '';
-  const words = `${U.line === 'ended' ? 'Not connected.' : 'Reconnecting…'}${waiting}`;
+  const words = `${ui.line === 'ended' ? 'Not connected.' : 'Reconnecting…'}${waiting}`;
   return html`<span class="h lostlink" role="status">${icon('warn')}${words}</span>`;
 }

@@ -2,7 +2,7 @@
 
 import { html } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
-import { put } from '../store/state.js';
+import { setUi } from '../store/state.js';
 import { menuHolder, toggleMenu } from '../controls/menus.js';
 
 const KEY = 'keypose.theme';
@@ -63,5 +63,5 @@ function apply() {
   const wanted = chosen();
   const theme = wanted === 'auto' ? (system.matches ? 'light' : 'dark') : wanted;
   document.documentElement.dataset.theme = theme;
-  put('theme', theme);
+  setUi('theme', theme);
 }

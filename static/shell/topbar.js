@@ -3,7 +3,7 @@
 import { html, render } from '../vendor/lit-html/lit-html.js';
 import { LOGO, icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
-import { S, U, watch } from '../store/state.js';
+import { server, ui, watch } from '../store/state.js';
 import { exportButton } from './export_menu.js';
 import { fileButton } from './file_menu.js';
 import { jobState, noticeJob } from './job.js';
@@ -30,9 +30,9 @@ export function mountTopbar() {
 
 function bar() {
   return html`<div class="row logo">${LOGO}<span class="wordmark">Keypose</span></div>
-    ${S.file ? session() : html`<span class="sp"></span>`}
+    ${server.file ? session() : html`<span class="sp"></span>`}
     <button
-      class="ib ${U.sheet ? 'hov' : ''}"
+      class="ib ${ui.sheet ? 'hov' : ''}"
       title="Keys and help   ?"
       aria-label="Keys and help"
       @click=${toggleSheet}
@@ -44,9 +44,9 @@ function bar() {
 
 /** The browser's tab tells how far the tracking is while one works elsewhere. */
 function title() {
-  if (!S.file) return 'Keypose';
-  const percent = S.job?.state === 'running' ? `${Math.round(S.job.percent ?? 0)} % ` : '';
-  return `${percent}${S.file.name} – Keypose`;
+  if (!server.file) return 'Keypose';
+  const percent = server.job?.state === 'running' ? `${Math.round(server.job.percent ?? 0)} % ` : '';
+  return `${percent}${server.file.name} – Keypose`;
 }
 
 function session() {
@@ -58,7 +58,7 @@ function session() {
 }
 
 function step(action, word, keys) {
-  const label = S.undo?.[action];
+  const label = server.undo?.[action];
   const hint = label ? `${word} “${label}”   ${keys}` : `Nothing to ${action}`;
   return html`<button
     class="ib"

@@ -3,7 +3,7 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
-import { S } from '../store/state.js';
+import { server } from '../store/state.js';
 import { fewestKeys, tooFewWords, words } from '../store/subject.js';
 import { frame } from '../timeline/edit/head.js';
 import { menuHolder, toggleMenu } from '../controls/menus.js';
@@ -11,7 +11,7 @@ import { count, range } from '../controls/words.js';
 
 const live = () => `${words().verb} the two neighbouring segments each time a keyframe changes   L`;
 
-export const toggleLive = () => send({ do: 'live', on: !S.view?.live });
+export const toggleLive = () => send({ do: 'live', on: !server.view?.live });
 
 /** Start tracking or fitting, unless there is nothing to begin from. */
 export function track(what) {
@@ -22,7 +22,7 @@ export function liveSwitch() {
   return html`<button
     class="switch"
     role="switch"
-    aria-checked=${Boolean(S.view?.live)}
+    aria-checked=${Boolean(server.view?.live)}
     title=${live()}
     @click=${toggleLive}
   >
@@ -64,7 +64,7 @@ function split(open) {
 
 function items() {
   const here = segmentHere();
-  const all = S.segments?.length ?? 0;
+  const all = server.segments?.length ?? 0;
   const { verb } = words();
   return [
     {
@@ -88,12 +88,12 @@ function items() {
 const tail = (said) => (said ? html` <span class="dim num">${said}</span>` : nothing);
 
 const nothingChanged = () =>
-  S.job?.state === 'running' ? `Being ${words().done}` : 'All segments are up to date';
-const tooFew = () => (S.keys?.frames.length ?? 0) < fewestKeys();
+  server.job?.state === 'running' ? `Being ${words().done}` : 'All segments are up to date';
+const tooFew = () => (server.keys?.frames.length ?? 0) < fewestKeys();
 const isDone = (s) => ['good', 'check', 'lost'].includes(s.state);
 const isChanged = ({ state, unfinished }) => state === 'outdated' || state === 'none' || unfinished;
-const changed = () => (S.segments ?? []).filter(isChanged);
-const isFirst = () => !(S.segments ?? []).some((s) => isDone(s) || s.state === 'outdated' || s.percent);
+const changed = () => (server.segments ?? []).filter(isChanged);
+const isFirst = () => !(server.segments ?? []).some((s) => isDone(s) || s.state === 'outdated' || s.percent);
 
 /** "39–50, 50–61", or how many there are when that would be long. */
 function namesOf(segments) {
@@ -104,6 +104,6 @@ function namesOf(segments) {
 /** The segment of the present frame; at a keyframe the one that begins there. */
 function segmentHere() {
   const at = frame();
-  const around = (S.segments ?? []).filter((s) => s.first <= at && at <= s.last);
+  const around = (server.segments ?? []).filter((s) => s.first <= at && at <= s.last);
   return around.at(-1);
 }

@@ -3,7 +3,7 @@
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
-import { U, put, watch } from '../store/state.js';
+import { ui, setUi, watch } from '../store/state.js';
 import { dialogIn } from '../controls/dialogs.js';
 import { bytes, listed, longAgo } from '../controls/words.js';
 import { loadLibrary, videoSuffixes } from './library.js';
@@ -17,21 +17,21 @@ const MOST = 300; // rows; more are found by name
 /** Show the files; `lost` is a recent session whose video is looked for. */
 export function openChooser(kind, lost = null) {
   loadLibrary();
-  put('fileFind', '');
-  put('chooser', { kind, lost });
+  setUi('fileFind', '');
+  setUi('chooser', { kind, lost });
 }
 
 export function mountChooser() {
-  const dialog = dialogIn('chooser', 'Choose a file', () => put('chooser', null));
+  const dialog = dialogIn('chooser', 'Choose a file', () => setUi('chooser', null));
   watch(['u:chooser', 'u:library', 'u:fileFind'], () => {
-    render(U.chooser ? sheet() : nothing, dialog);
-    if (U.chooser && !dialog.open) dialog.showModal();
-    if (!U.chooser && dialog.open) dialog.close();
+    render(ui.chooser ? sheet() : nothing, dialog);
+    if (ui.chooser && !dialog.open) dialog.showModal();
+    if (!ui.chooser && dialog.open) dialog.close();
   });
 }
 
 function sheet() {
-  const { kind, lost } = U.chooser;
+  const { kind, lost } = ui.chooser;
   const found = files(kind);
   return html`<div class="in" @keydown=${onKey}>
     <div class="row sheethead">
@@ -42,8 +42,8 @@ function sheet() {
         placeholder="Find"
         aria-label="Find a file"
         autofocus
-        .value=${U.fileFind ?? ''}
-        @input=${(event) => put('fileFind', event.target.value)}
+        .value=${ui.fileFind ?? ''}
+        @input=${(event) => setUi('fileFind', event.target.value)}
       />
       <button class="ib" title="Close   Esc" aria-label="Close" @click=${close}>${icon('x')}</button>
     </div>
@@ -55,11 +55,11 @@ function sheet() {
   </div>`;
 }
 
-const close = () => put('chooser', null);
+const close = () => setUi('chooser', null);
 
 function files(kind) {
-  const wanted = (U.fileFind ?? '').trim().toLowerCase();
-  return (U.library?.files ?? []).filter(
+  const wanted = (ui.fileFind ?? '').trim().toLowerCase();
+  return (ui.library?.files ?? []).filter(
     (file) =>
       (KINDS[kind]?.includes(file.kind) ?? true) &&
       `${file.folder}/${file.name}`.toLowerCase().includes(wanted),
@@ -86,30 +86,30 @@ function row(file) {
 }
 
 function choose({ id }) {
-  const { lost } = U.chooser;
+  const { lost } = ui.chooser;
   close();
   if (lost) send({ do: 'open', kind: 'recent', id: lost.id, video: id });
   else send({ do: 'open', kind: 'file', id });
 }
 
 function none() {
-  if (!U.library) return html`<p class="dim nothing">Looking…</p>`;
+  if (!ui.library) return html`<p class="dim nothing">Looking…</p>`;
   return html`<p class="dim nothing">
-    ${U.fileFind ? html`Nothing is called “${U.fileFind}”.` : nowhere()}
+    ${ui.fileFind ? html`Nothing is called “${ui.fileFind}”.` : nowhere()}
   </p>`;
 }
 
 function footnote(found) {
-  if (U.library?.more || found > MOST) return 'There are more files than shown: find them by name.';
-  const roots = U.library?.folders ?? [];
+  if (ui.library?.more || found > MOST) return 'There are more files than shown: find them by name.';
+  const roots = ui.library?.folders ?? [];
   if (!roots.length || !found) return '';
-  return U.chooser.lost ? nowhere() : `Looked in ${roots.join(', ')}`;
+  return ui.chooser.lost ? nowhere() : `Looked in ${roots.join(', ')}`;
 }
 
 /** Which folders were looked into, and what to do when it lies in another. */
 function nowhere() {
-  const { kind, lost } = U.chooser;
-  const roots = U.library?.folders ?? [];
+  const { kind, lost } = ui.chooser;
+  const roots = ui.library?.folders ?? [];
   const what = lost ? lost.video : { session: 'a session', meshes: 'surfaces' }[kind] ?? 'a video';
   // A copy of a video that was moved would not be the session's own.
   const drop = lost || kind === 'session' || kind === 'meshes' ? '' : ', or drop the video here';

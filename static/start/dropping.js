@@ -1,7 +1,7 @@
 // The whole window accepts a video, at any time.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
-import { S, U, put, watch } from '../store/state.js';
+import { server, ui, setUi, watch } from '../store/state.js';
 import { toast } from '../controls/toasts.js';
 import { takeFiles, uploadCard } from './uploading.js';
 
@@ -12,29 +12,29 @@ export function mountDropping() {
   watch(['file', 'u:dropping', 'u:upload'], () => render(overlay(), place));
   addEventListener('dragenter', over);
   addEventListener('dragover', over);
-  addEventListener('dragleave', (event) => event.relatedTarget === null && put('dropping', false));
+  addEventListener('dragleave', (event) => event.relatedTarget === null && setUi('dropping', false));
   addEventListener('drop', dropped);
 }
 
 /** On the start screen the drop zone itself answers. */
 function overlay() {
-  if (!S.file) return nothing;
-  if (U.upload) return html`<div class="copying">${uploadCard()}</div>`;
-  if (!U.dropping) return nothing;
-  return html`<div class="veil"><div>Drop the video to open it. ${S.file.name} is saved.</div></div>`;
+  if (!server.file) return nothing;
+  if (ui.upload) return html`<div class="copying">${uploadCard()}</div>`;
+  if (!ui.dropping) return nothing;
+  return html`<div class="veil"><div>Drop the video to open it. ${server.file.name} is saved.</div></div>`;
 }
 
 function over(event) {
   if (!hasFiles(event)) return;
   event.preventDefault();
   event.dataTransfer.dropEffect = 'copy';
-  put('dropping', true);
+  setUi('dropping', true);
 }
 
 function dropped(event) {
   if (!hasFiles(event)) return;
   event.preventDefault();
-  put('dropping', false);
+  setUi('dropping', false);
   const items = [...event.dataTransfer.items].filter((item) => item.kind === 'file');
   const folder = items.map((item) => item.webkitGetAsEntry?.()).find((entry) => entry?.isDirectory);
   if (folder) {

@@ -1,11 +1,11 @@
 // What can be opened: recent sessions, samples, the files of the server's folders.
 
 import { fetchOwn } from '../store/key.js';
-import { put, U } from '../store/state.js';
+import { setUi, ui } from '../store/state.js';
 
 let asked = null;
 
-/** Ask the server anew; the answer becomes U.library. */
+/** Ask the server anew; the answer becomes ui.library. */
 export function loadLibrary() {
   asked ??= fetchLibrary().finally(() => (asked = null));
   return asked;
@@ -18,13 +18,13 @@ export function isVideoName(name) {
 
 /** The endings of all that can be opened, undefined until the server has told them. */
 export function videoSuffixes() {
-  return U.library?.suffixes;
+  return ui.library?.suffixes;
 }
 
 async function fetchLibrary() {
   try {
     const response = await fetchOwn('/library');
-    if (response.ok) put('library', await response.json());
+    if (response.ok) setUi('library', await response.json());
   } catch {
     // The line is down; the status bar says so, and the next opening asks again.
   }

@@ -3,7 +3,7 @@
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
-import { U, put } from '../store/state.js';
+import { ui, setUi } from '../store/state.js';
 import { count, longAgo } from '../controls/words.js';
 import { openChooser } from './chooser.js';
 
@@ -12,9 +12,9 @@ const MOST_MOVED = 2; // told at once; Find shows the others
 
 /** The right half of the start screen. */
 export function recentSessions() {
-  const recents = U.library?.recents ?? [];
+  const recents = ui.library?.recents ?? [];
   if (!recents.length) return nothing;
-  const wanted = (U.find ?? '').trim().toLowerCase();
+  const wanted = (ui.find ?? '').trim().toLowerCase();
   const found = recents.filter(({ name, video }) => `${name} ${video}`.toLowerCase().includes(wanted));
   return html`<div class="row rechead">
       <span class="title">Recent sessions</span><span class="sp"></span>
@@ -23,14 +23,14 @@ export function recentSessions() {
         type="search"
         placeholder="Find"
         aria-label="Find a session"
-        .value=${U.find ?? ''}
-        @input=${(event) => put('find', event.target.value)}
+        .value=${ui.find ?? ''}
+        @input=${(event) => setUi('find', event.target.value)}
         @keydown=${(event) => onKey(event, found)}
       />
     </div>
     <div class="reclist">
       ${found.filter(({ missing }) => !missing).map(row)}
-      ${found.length ? nothing : html`<p class="dim nothing">No session is called “${U.find}”.</p>`}
+      ${found.length ? nothing : html`<p class="dim nothing">No session is called “${ui.find}”.</p>`}
     </div>
     ${found.filter(({ missing }) => missing).slice(0, MOST_MOVED).map(moved)}`;
 }
@@ -50,7 +50,7 @@ function onKey(event, found) {
   if (event.key === 'Enter' && first) open(first);
   if (event.key !== 'Escape') return;
   event.stopPropagation();
-  put('find', '');
+  setUi('find', '');
   event.target.blur();
 }
 

@@ -3,7 +3,7 @@
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
-import { S, U, put, watch } from '../store/state.js';
+import { server, ui, setUi, watch } from '../store/state.js';
 import { openChooser } from './chooser.js';
 import { loadLibrary } from './library.js';
 import { recentSessions, thumbnail } from './recents.js';
@@ -24,7 +24,7 @@ export function mountStart() {
   /** @type {import('../store/shapes.js').Watched[]} */
   const own = ['u:library', 'u:upload', 'u:dropping', 'u:find', 'u:connected'];
   watch(['file', ...own], () => {
-    const isShown = !S.file;
+    const isShown = !server.file;
     if (isShown && !wasShown) arrive();
     wasShown = isShown;
     place.hidden = !isShown;
@@ -36,14 +36,14 @@ export function mountStart() {
 
 function arrive() {
   document.activeElement?.blur?.();
-  put('find', '');
-  put('playing', false);
+  setUi('find', '');
+  setUi('playing', false);
   loadLibrary();
 }
 
 function content() {
   // Before the server's first word it is not known whether anything is open.
-  if (S.file === undefined) return html`<p class="dim waiting">Connecting…</p>`;
+  if (server.file === undefined) return html`<p class="dim waiting">Connecting…</p>`;
   const recents = recentSessions();
   return html`<div class="card ${recents === nothing ? 'alone' : ''}">
     <div>${dropZone()}${samples()}${promise()}</div>
@@ -55,13 +55,13 @@ function content() {
 }
 
 function dropZone() {
-  return html`<div class="dz ${U.dropping ? 'over' : ''}">
+  return html`<div class="dz ${ui.dropping ? 'over' : ''}">
     ${PICTURE}
     <h1>Drop a video here</h1>
     <p class="mut">
       Pose a few keyframes over one moving person.<br />Keypose tracks the frames between them.
     </p>
-    ${U.upload ? uploadCard() : buttons()}
+    ${ui.upload ? uploadCard() : buttons()}
     <p class="dim kinds">
       MP4, MOV, MKV, WebM, AVI and others · one steady camera<br />or observed surfaces, one mesh a step:
       <button class="textlink" @click=${() => openChooser('meshes')}>Choose surfaces…</button>
@@ -78,7 +78,7 @@ function buttons() {
 
 /** A film to try, and surfaces. */
 function samples() {
-  const [first, ...others] = U.library?.samples ?? [];
+  const [first, ...others] = ui.library?.samples ?? [];
   const surfaces = others.find(({ id }) => id === 'arms');
   if (!first) return nothing;
   return html`<div class="samples">

@@ -4,7 +4,7 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { keyHeader } from '../store/key.js';
 import { send } from '../store/link.js';
-import { U, put } from '../store/state.js';
+import { ui, setUi } from '../store/state.js';
 import { toast } from '../controls/toasts.js';
 import { bytes } from '../controls/words.js';
 import { isVideoName } from './library.js';
@@ -21,11 +21,11 @@ export function takeFiles(files) {
     return;
   }
   if (request) {
-    toast({ kind: 'check', words: `${U.upload.name} is still being copied. Cancel it first.` });
+    toast({ kind: 'check', words: `${ui.upload.name} is still being copied. Cancel it first.` });
     return;
   }
   if (files.length > 1) toast({ kind: 'info', words: `One video at a time. Opening ${video.name}.` });
-  const most = U.library?.largest_upload;
+  const most = ui.library?.largest_upload;
   if (most && video.size > most) tooLarge(video, most);
   else upload(video);
 }
@@ -39,8 +39,8 @@ function cancelUpload() {
 
 /** "Copying jump.mp4 · 12 of 48 MB" with a line and Cancel, or nothing. */
 export function uploadCard() {
-  if (!U.upload) return nothing;
-  const { name, loaded, total } = U.upload;
+  if (!ui.upload) return nothing;
+  const { name, loaded, total } = ui.upload;
   const percent = total ? (100 * loaded) / total : 0;
   const isOver = loaded >= total;
   return html`<div
@@ -60,17 +60,17 @@ function upload(file) {
   request = new XMLHttpRequest();
   const ended = (words) => {
     request = null;
-    put('upload', null);
+    setUi('upload', null);
     if (words) toast({ kind: 'lost', words });
   };
-  request.upload.onprogress = ({ loaded, total }) => put('upload', { name: file.name, loaded, total });
+  request.upload.onprogress = ({ loaded, total }) => setUi('upload', { name: file.name, loaded, total });
   request.onload = () => ended(answered(request, file));
   request.onerror = () => ended(`${file.name} was not copied. The connection was lost on the way.`);
   request.onabort = () => ended('');
   request.open('POST', `/upload?name=${encodeURIComponent(file.name)}`);
   for (const [name, value] of Object.entries(keyHeader())) request.setRequestHeader(name, value);
   request.send(file);
-  put('upload', { name: file.name, loaded: 0, total: file.size });
+  setUi('upload', { name: file.name, loaded: 0, total: file.size });
 }
 
 /** Open what has arrived; otherwise the words of the refusal. */

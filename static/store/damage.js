@@ -1,15 +1,15 @@
 // Frames that are damaged in the video's file, or cannot be decoded at all.
 
-import { S } from './state.js';
+import { server } from './state.js';
 
 /** [first, last] of the run of damaged frames that a frame lies in, or null. */
 export function damageAt(frame) {
-  return (S.damage ?? []).find(([first, last]) => first <= frame && frame <= last) ?? null;
+  return (server.damage ?? []).find(([first, last]) => first <= frame && frame <= last) ?? null;
 }
 
 /** How many frames are damaged. */
 export function damagedFrames() {
-  return (S.damage ?? []).reduce((sum, [first, last]) => sum + last - first + 1, 0);
+  return (server.damage ?? []).reduce((sum, [first, last]) => sum + last - first + 1, 0);
 }
 
 export function damageWords(first, last) {

@@ -3,7 +3,7 @@
 // they knew it; otherwise they are held until the person decides. None is made twice: the server
 // knows by client and number what it has.
 
-import { S, put, U } from './state.js';
+import { server, setUi, ui } from './state.js';
 
 const NAME = 'keypose.edits';
 const LOOKS = {
@@ -25,9 +25,9 @@ let count = 0;
 let entries = restored();
 const own = new Set([client]);
 const acked = new Map();
-U.held = []; // [{client, why, file, count}]: what waits for the person
-S.done = 0; // of this page's messages: done or refused
-S.ack = 0; // and on the disk
+ui.held = []; // [{client, why, file, count}]: what waits for the person
+server.done = 0; // of this page's messages: done or refused
+server.ack = 0; // and on the disk
 
 /** Keep a message until it is acknowledged; its number. */
 export function keep(message) {
@@ -38,21 +38,21 @@ export function keep(message) {
   for (const entry of entries) {
     if (isMove(entry.message) && !(isMove(message) && isOf(entry, message))) entry.over ??= n;
   }
-  entries.push({ client, n, message, server: S.server, file: fileNow(), revision: S.revision, look: lookNow() });
+  entries.push({ client, n, message, server: server.server, file: fileNow(), revision: server.revision, look: lookNow() });
   store();
   return n;
 }
 
 /** The server has done or refused these: the highest number of each client. */
 export function settle(dones) {
-  for (const [name, n] of Object.entries(dones)) if (own.has(name)) S.done = Math.max(S.done, n);
+  for (const [name, n] of Object.entries(dones)) if (own.has(name)) server.done = Math.max(server.done, n);
 }
 
 /** The server has these on its disk: the highest number of each client. */
 export function acknowledge(acks) {
   for (const [name, n] of Object.entries(acks)) {
     acked.set(name, Math.max(acked.get(name) ?? 0, n));
-    if (own.has(name)) S.ack = Math.max(S.ack, n);
+    if (own.has(name)) server.ack = Math.max(server.ack, n);
   }
   const left = entries.filter((entry) => !isSafe(entry));
   if (left.length === entries.length) return;
@@ -68,7 +68,7 @@ export function due(line) {
   for (const entry of unsent) entry.held = whyHeld(unsent.find((first) => isOneGroup(first, entry)));
   const free = unsent.filter((entry) => !entry.held);
   const messages = withLooks(free);
-  for (const entry of free) Object.assign(entry, { server: S.server, line });
+  for (const entry of free) Object.assign(entry, { server: server.server, line });
   entries = entries.filter((entry) => !entry.held || isWorthHolding(entry));
   if (entries.some((entry) => entry.held && entry.client === client)) beAnother();
   store();
@@ -101,12 +101,12 @@ export function discard(name) {
 const isOneGroup = (one, other) => one.client === other.client && one.file?.path === other.file?.path;
 
 /** Why a group cannot be sent, told by its first; null when it can. */
-function whyHeld({ file, server, agreed, revision, client: name }) {
+function whyHeld({ file, server: origin, agreed, revision, client: name }) {
   if (!file) return null; // there was no session yet
-  if (file.path !== S.file?.path) return 'elsewhere';
-  if (server === S.server) return null;
-  if (S.saved?.state === 'readonly') return 'readonly';
-  const isKnown = S.revision === revision || S.revision?.startsWith(`${name}:`);
+  if (file.path !== server.file?.path) return 'elsewhere';
+  if (origin === server.server) return null;
+  if (server.saved?.state === 'readonly') return 'readonly';
+  const isKnown = server.revision === revision || server.revision?.startsWith(`${name}:`);
   return isKnown || agreed ? null : 'changed';
 }
 
@@ -119,9 +119,9 @@ function beAnother() {
 /** Another server does not know at which frame one stood, and with which switches. */
 function withLooks(some) {
   const messages = [];
-  const at = { ...S.view };
-  for (const { server, look, message, client: name, n } of some) {
-    if (server !== S.server) messages.push(...steps(at, look));
+  const at = { ...server.view };
+  for (const { server: origin, look, message, client: name, n } of some) {
+    if (origin !== server.server) messages.push(...steps(at, look));
     messages.push({ ...message, client: name, n });
     Object.assign(at, LOOKS[message.do]?.(message));
     if (message.do === 'undo' || message.do === 'redo') at.frame = null; // they go where they belong
@@ -148,7 +148,7 @@ function tellHeld() {
     groups.get(key).count += 1;
   }
   const told = [...groups.values()];
-  if (JSON.stringify(told) !== JSON.stringify(U.held)) put('held', told);
+  if (JSON.stringify(told) !== JSON.stringify(ui.held)) setUi('held', told);
 }
 
 // --- one entry
@@ -161,18 +161,18 @@ const isOf = ({ message }, other) => message.stroke === other.stroke;
 function isSafe({ client: name, n, message, over }) {
   const upTo = acked.get(name) ?? 0;
   if (n > upTo) return false;
-  const end = own.has(name) ? S.ack : upTo; // this page may have ended it under its next name
-  return !isMove(message) || (over <= end && S.pose?.stroke !== message.stroke);
+  const end = own.has(name) ? server.ack : upTo; // this page may have ended it under its next name
+  return !isMove(message) || (over <= end && server.pose?.stroke !== message.stroke);
 }
 
 function fileNow() {
-  return S.file ? { path: S.file.path, id: S.file.id, name: S.file.name } : null;
+  return server.file ? { path: server.file.path, id: server.file.id, name: server.file.name } : null;
 }
 
 /** Where one stands, once all that is on its way is done. */
 function lookNow() {
-  if (!S.view) return {};
-  const { frame, limits, link, axes } = S.view;
+  if (!server.view) return {};
+  const { frame, limits, link, axes } = server.view;
   const look = { frame, limits, link, axes };
   for (const { message, held } of entries) if (!held) Object.assign(look, LOOKS[message.do]?.(message));
   return look;

@@ -3,7 +3,7 @@
 
 import { acknowledge, due, keep, settle } from './edits.js';
 import { keyProtocols } from './key.js';
-import { put, take } from './state.js';
+import { setUi, applySections } from './state.js';
 
 let socket = null;
 let line = 0;
@@ -62,11 +62,11 @@ function isOpen() {
 function opened() {
   line += 1;
   isGreeted = false;
-  put('connected', true);
+  setUi('connected', true);
 }
 
 function closed() {
-  put('connected', false);
+  setUi('connected', false);
   questions.clear();
   setTimeout(connect, 500);
 }
@@ -79,7 +79,7 @@ function receive(message) {
   }
   if (message.t === 'state') {
     settle(message.dones ?? {});
-    take(message.set);
+    applySections(message.set);
     acknowledge(message.acks ?? {});
     // Only now it is known which server this is, and what it has open.
     isGreeted = true;

@@ -1,6 +1,6 @@
 // What of this tab's own survives a reload: the tool in hand and the inspector's tab.
 
-import { U, watch } from './state.js';
+import { ui, watch } from './state.js';
 
 const KEPT = { tool: ['select', 'rotate', 'move', 'ends', 'size'], tab: ['part', 'body', 'camera', 'track'] };
 
@@ -8,8 +8,8 @@ export function mount() {
   for (const [name, known] of Object.entries(KEPT)) {
     const value = read(name);
     // A drawing that was begun is gone, so its tool is put down.
-    if (known.includes(value)) U[name] = value;
-    watch([/** @type {import('./shapes.js').Watched} */ ('u:' + name)], () => write(name, U[name]));
+    if (known.includes(value)) ui[name] = value;
+    watch([/** @type {import('./shapes.js').Watched} */ ('u:' + name)], () => write(name, ui[name]));
   }
 }
 

@@ -1,15 +1,15 @@
-// What the page knows. S holds the server's sections, the newest of each; U is this tab's own.
+// What the page knows. `server` holds the newest of the server's sections, `ui` this tab's own values.
 // A room watches the names it draws and is called once per animation frame after any of them
-// changed. Names of U carry the prefix "u:".
+// changed. Names of `ui` carry the prefix "u:".
 
 /** @typedef {import('./shapes.js').Sections} Sections */
 /** @typedef {import('./shapes.js').Ui} Ui */
 
 /** @type {Partial<Sections>} */
-export const S = {};
+export const server = {};
 
 /** @type {Ui} */
-export const U = {
+export const ui = {
   tool: 'select',
   layout: 'main',
   tab: 'part',
@@ -43,16 +43,16 @@ export function watch(names, fn) {
  * @param {K} name
  * @param {Ui[K]} value
  */
-export function put(name, value) {
-  if (U[name] === value) return;
-  U[name] = value;
+export function setUi(name, value) {
+  if (ui[name] === value) return;
+  ui[name] = value;
   mark('u:' + name);
 }
 
 /** Take over sections from the server. */
-export function take(sections) {
+export function applySections(sections) {
   for (const [name, value] of Object.entries(sections)) {
-    S[name] = value;
+    server[name] = value;
     mark(name);
   }
 }

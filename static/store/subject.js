@@ -1,12 +1,12 @@
 // What the session is about. Of a film motion is tracked; to observed surfaces it is fitted.
 
-import { S } from './state.js';
+import { server } from './state.js';
 
 const FILM = { verb: 'Track', doing: 'Tracking', done: 'tracked', what: 'picture', one: 'frame' };
 const SURFACES = { verb: 'Fit', doing: 'Fitting', done: 'fitted', what: 'surface', one: 'step' };
 
 /** Whether there are surfaces instead of a film. */
-export const isSurface = () => Boolean(S.surface);
+export const isSurface = () => Boolean(server.surface);
 
 /** The words that go with it. */
 export const words = () => (isSurface() ? SURFACES : FILM);

@@ -1,7 +1,7 @@
 // The bar over the timeline: going from frame to frame, what to key next, how the segments stand.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../store/state.js';
+import { server, ui, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
 import { icon } from '../controls/icons.js';
 import { isSurface, words as subject } from '../store/subject.js';
@@ -24,7 +24,7 @@ function button(name, words, key, act, { off = false, pressed = null } = {}) {
 }
 
 export function drawBar() {
-  if (!S.file) return nothing;
+  if (!server.file) return nothing;
   return html`${transport()}${drawSuggestion()}<span class="sp"></span>${counts()}${drawZoomHint()}${right()}`;
 }
 
@@ -32,7 +32,7 @@ function transport() {
   const at = frame();
   const key = isKey(at);
   const end = lastFrame();
-  const play = U.playing ? ['pause', 'Stop'] : ['play', 'Play'];
+  const play = ui.playing ? ['pause', 'Stop'] : ['play', 'Play'];
   return html`
     ${button('first', 'First frame', 'Home', toFirst, { off: at === 0 })}
     ${button('pk', 'Previous keyframe', ',', () => toKey(-1), { off: keyBeside(-1) === undefined })}
@@ -56,9 +56,9 @@ const SUGGESTION_ICONS = { good: 'check', track: 'track', look: 'warn' };
 /** What helps most now: bold what to do, then why, then a button that does it. While it is being
  * done, how far it is. */
 function drawSuggestion() {
-  const suggest = S.suggest;
+  const suggest = server.suggest;
   if (!suggest?.words) return nothing;
-  const { state, title, words } = S.job ?? {};
+  const { state, title, words } = server.job ?? {};
   const atWork = suggest.kind === 'track' && state === 'running';
   const [what, why] = atWork ? [`${title}.`, words] : whatAndWhy(suggest);
   return html`<div class=${`sug ${suggest.kind}`} role="status" title=${`${what} ${why}`}>
@@ -90,7 +90,7 @@ const SIGNS = [['good', 'check'], ['check', 'warn'], ['lost', 'lost']];
 
 /** How many segments are good, to check and lost; a press goes to the next of them. */
 function counts() {
-  const states = (S.segments ?? []).map((segment) => segment.state);
+  const states = (server.segments ?? []).map((segment) => segment.state);
   const told = SIGNS.map(([state, sign]) => [states.filter((s) => s === state).length, state, sign]);
   if (told.every(([count]) => count === 0)) return nothing;
   return html`<span class="counts">${told.map((each) => drawCount(...each))}</span>`;
@@ -108,14 +108,14 @@ function drawCount(count, state, sign) {
 }
 
 function right() {
-  if ((S.segments ?? []).length === 0 || frameCount() < 2) return nothing;
+  if ((server.segments ?? []).length === 0 || frameCount() < 2) return nothing;
   const choice = (name, label, title) => html`<button title=${title}
-    aria-pressed=${String(U.chart === name)} @click=${() => put('chart', name)}>${label}</button>`;
-  const fold = U.lanes ? 'Fold the lanes' : 'Show all lanes';
+    aria-pressed=${String(ui.chart === name)} @click=${() => setUi('chart', name)}>${label}</button>`;
+  const fold = ui.lanes ? 'Fold the lanes' : 'Show all lanes';
   const charts = html`<div class="seg" role="group" aria-label="Chart">
       ${choice('angle', 'Angle', 'Angle of the selected part')}
       ${choice('score', 'Score', 'Error per pass of this segment')}</div>`;
   return html`${isSurface() ? nothing : charts}
-    <span class=${`fold${U.lanes ? '' : ' folded'}`}>${button('chev', fold, 'I', foldLanes)}</span>
+    <span class=${`fold${ui.lanes ? '' : ' folded'}`}>${button('chev', fold, 'I', foldLanes)}</span>
     ${button('grow', 'Zoom to this interval', 'Z', zoomToInterval, { pressed: isZoomed() || null })}`;
 }

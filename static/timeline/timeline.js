@@ -1,7 +1,7 @@
 // The timeline: a bar, and one drawing in layers under it. See layers.js for what is drawn when.
 
 import { html, render } from '../vendor/lit-html/lit-html.js';
-import { S, U, put, watch } from '../store/state.js';
+import { server, ui, setUi, watch } from '../store/state.js';
 import { anyLane, lanesOf } from './draw/lanevalues.js';
 import { drawBar } from './bar.js';
 import { show } from './framebox.js';
@@ -33,10 +33,10 @@ const WATCHED = [
   'u:timeHeld', 'u:timeHover', 'u:timeOpen', 'u:timeScroll', 'u:zoomHint',
 ];
 
-U.timeSize = { width: 0, height: 0 };
+ui.timeSize = { width: 0, height: 0 };
 /** Groups of lanes whose parts are listed. */
-U.timeOpen = new Set();
-U.timeScroll = 0;
+ui.timeOpen = new Set();
+ui.timeScroll = 0;
 
 export function mount() {
   const time = document.getElementById('time');
@@ -72,27 +72,27 @@ function keepFocus(event) {
 
 function measure(drawing) {
   const { clientWidth: width, clientHeight: height } = drawing;
-  if (width === U.timeSize.width && height === U.timeSize.height) return;
+  if (width === ui.timeSize.width && height === ui.timeSize.height) return;
   setWidth(width);
-  put('timeSize', { width, height });
+  setUi('timeSize', { width, height });
 }
 
 const rows = remembered((height, zoomed, lanes, weakest) => rowsFor({ height, zoomed, lanes, weakest }));
 
 /** What the drawing stands on now: {rows, lanes, scroll}. */
 function ground() {
-  const folded = areFolded() || isCramped(U.timeSize.height);
-  const lanes = lanesOf(S.lanes, S.body, folded, U.timeOpen);
-  const box = rows(U.timeSize.height, isZoomed(), lanes.length, folded);
+  const folded = areFolded() || isCramped(ui.timeSize.height);
+  const lanes = lanesOf(server.lanes, server.body, folded, ui.timeOpen);
+  const box = rows(ui.timeSize.height, isZoomed(), lanes.length, folded);
   const most = Math.max(0, box.lanes.full - box.lanes.room);
   // Whole lanes: a wheel of fine steps adds up until the next one comes.
-  const scroll = Math.round(Math.min(U.timeScroll, most) / box.lanes.each) * box.lanes.each;
-  return { rows: box, lanes, scroll, empty: !anyLane(S.lanes) };
+  const scroll = Math.round(Math.min(ui.timeScroll, most) / box.lanes.each) * box.lanes.each;
+  return { rows: box, lanes, scroll, empty: !anyLane(server.lanes) };
 }
 
 function scrollLanes(by) {
   const { full, room } = ground().rows.lanes;
-  put('timeScroll', Math.min(Math.max(0, full - room), Math.max(0, U.timeScroll + by)));
+  setUi('timeScroll', Math.min(Math.max(0, full - room), Math.max(0, ui.timeScroll + by)));
 }
 
 let before = { clip: null, frame: null };
@@ -109,7 +109,7 @@ function redraw(bar, drawing, layers) {
 
 /** Another clip is shown whole; a playhead that leaves the window takes it along. */
 function follow() {
-  const clip = S.file ? `${S.file.path} ${S.file.frames}` : null;
+  const clip = server.file ? `${server.file.path} ${server.file.frames}` : null;
   if (clip !== before.clip) showOpened();
   else if (frame() !== before.frame) reveal(frame(), pageFor());
   before = { clip, frame: frame() };
@@ -117,6 +117,6 @@ function follow() {
 
 /** Playing turns whole pages; a hand on the playhead pulls the window along with it. */
 function pageFor() {
-  if (U.playing) return 0.9;
+  if (ui.playing) return 0.9;
   return held() === null ? 0.1 : 0;
 }

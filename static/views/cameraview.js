@@ -1,7 +1,7 @@
 // The camera's view: the film, and the body over it.
 
 import { svg } from '../vendor/lit-html/lit-html.js';
-import { S, U } from '../store/state.js';
+import { server, ui } from '../store/state.js';
 import { isSurface } from '../store/subject.js';
 import { cameraEye } from './cameras.js';
 import { View } from './view.js';
@@ -20,17 +20,17 @@ export class CameraView extends View {
   }
 
   newEye() {
-    this.eye = S.camera && cameraEye(S.camera);
+    this.eye = server.camera && cameraEye(server.camera);
     this.screen.ariaLabel = isSurface() ? 'Picture of the surface' : 'Picture of the video';
-    if (S.camera && !this.window.chosen && !U.dragging) this.showAll();
+    if (server.camera && !this.window.chosen && !ui.dragging) this.showAll();
     this.resized();
   }
 
   follow() {}
 
   showAll() {
-    if (!S.camera) return;
-    const { width, height } = S.camera;
+    if (!server.camera) return;
+    const { width, height } = server.camera;
     const room = { x: 0, top: this.topRoom(width, height), bottom: 0 };
     this.window.showBox([-0.5, -0.5, width - 0.5, height - 0.5], room);
     this.window.limit(Math.min(0.1, this.window.scale / 2), GREATEST_SCALE);
@@ -44,17 +44,17 @@ export class CameraView extends View {
 
   draw() {
     super.draw();
-    if (!S.camera) return;
+    if (!server.camera) return;
     const [x, y] = this.window.fromPlane([-0.5, -0.5]);
-    const across = (this.window.scale * S.camera.width) / this.screen.width;
-    const down = (this.window.scale * S.camera.height) / this.screen.height;
+    const across = (this.window.scale * server.camera.width) / this.screen.width;
+    const down = (this.window.scale * server.camera.height) / this.screen.height;
     this.screen.style.transform = `translate(${x}px,${y}px) scale(${across},${down})`;
     this.screen.style.imageRendering = across >= 6 ? 'pixelated' : 'auto';
   }
 
   paper() {
     const [x, y] = this.window.fromPlane([-0.5, -0.5]);
-    const [width, height] = [S.camera.width, S.camera.height].map((n) => n * this.window.scale);
+    const [width, height] = [server.camera.width, server.camera.height].map((n) => n * this.window.scale);
     return svg`<rect class="edge" x=${x} y=${y} width=${width} height=${height} />`;
   }
 

@@ -1,6 +1,6 @@
 // The pictures of the film: fetched and decoded ahead, shown when they are whole.
 
-import { S, U, put, watch } from '../store/state.js';
+import { server, ui, setUi, watch } from '../store/state.js';
 import { fetchOwn } from '../store/key.js';
 import { listen, send } from '../store/link.js';
 
@@ -32,10 +32,10 @@ export function mountFrames(canvas, onSize) {
   screen = canvas.getContext('2d', { alpha: false });
   changed = onSize;
   watch(['file', 'camera'], newFilm);
-  watch(['view'], () => S.view && (play ? followServer() : showTold()));
-  listen('state', () => left && S.done >= left.n && showTold());
+  watch(['view'], () => server.view && (play ? followServer() : showTold()));
+  listen('state', () => left && server.done >= left.n && showTold());
   watch(['u:connected'], () => (left = null));
-  watch(['u:playing'], () => (U.playing ? startPlaying() : stopPlaying()));
+  watch(['u:playing'], () => (ui.playing ? startPlaying() : stopPlaying()));
 }
 
 /** The frame whose picture is on the screen, −1 before the first. */
@@ -45,23 +45,23 @@ export function shownFrame() {
 
 /** What the server says counts once it has heard where playing ended. */
 function showTold() {
-  if (left && S.done < left.n && S.view.frame !== left.frame) return;
-  if (left && S.done >= left.n) left = null;
-  if (S.view) showFrame(S.view.frame);
+  if (left && server.done < left.n && server.view.frame !== left.frame) return;
+  if (left && server.done >= left.n) left = null;
+  if (server.view) showFrame(server.view.frame);
 }
 
 /** Show this frame as soon as its picture is there; a later wish replaces it. */
 export function showFrame(frame) {
-  if (!S.file) return;
-  wanted = Math.min(S.file.frames - 1, Math.max(0, Math.round(frame)));
+  if (!server.file) return;
+  wanted = Math.min(server.file.frames - 1, Math.max(0, Math.round(frame)));
   if (decoded.has(wanted)) draw(wanted);
   else urgent(wanted);
   loadAround(wanted);
 }
 
 function newFilm() {
-  const file = S.file && S.camera ? `${S.file.path}|${S.file.video}` : '';
-  const now = file && `${file}|${S.camera.image_version}`;
+  const file = server.file && server.camera ? `${server.file.path}|${server.file.video}` : '';
+  const now = file && `${file}|${server.camera.image_version}`;
   if (now === version) return;
   if (file !== film) blank(); // the same film through another lens may stay until it is there
   film = file;
@@ -73,7 +73,7 @@ function newFilm() {
   refused.clear();
   queue.length = 0;
   shown = -1;
-  if (now && S.view) showFrame(S.view.frame);
+  if (now && server.view) showFrame(server.view.frame);
 }
 
 /** Rather no picture than a wrong one. */
@@ -96,7 +96,7 @@ function draw(frame) {
   screen.drawImage(bitmap, 0, 0);
   shown = frame;
   canvas.dataset.frame = frame;
-  put('shown', frame);
+  setUi('shown', frame);
 }
 
 function urgent(frame) {
@@ -107,7 +107,7 @@ function urgent(frame) {
 }
 
 function loadAround(frame) {
-  const last = S.file.frames - 1;
+  const last = server.file.frames - 1;
   const steps = play ? AHEAD : 3;
   queue.length = 0;
   if (!decoded.has(frame) && !loading.has(frame)) queue.push(frame);
@@ -129,7 +129,7 @@ async function load(frame) {
   const wished = version;
   loading.set(frame, abort);
   try {
-    const url = `/frame/${frame}.jpg?v=${encodeURIComponent(S.camera.image_version)}`;
+    const url = `/frame/${frame}.jpg?v=${encodeURIComponent(server.camera.image_version)}`;
     const answer = await fetchOwn(url, { signal: abort.signal });
     if (!answer.ok) {
       refused.add(frame);
@@ -162,9 +162,9 @@ function forget() {
 }
 
 function startPlaying() {
-  if (!S.file || !S.view) return;
-  const last = S.file.frames - 1;
-  const first = S.view.frame >= last ? 0 : S.view.frame;
+  if (!server.file || !server.view) return;
+  const last = server.file.frames - 1;
+  const first = server.view.frame >= last ? 0 : server.view.frame;
   play = { first, began: performance.now(), sent: -1, sentAt: 0, drawn: -1, due: -1, askedAt: 0 };
   loadAround(first);
   requestAnimationFrame(tick);
@@ -181,7 +181,7 @@ function stopPlaying() {
 function tick(now) {
   if (!play) return;
   const due = dueFrame(Math.max(0, now - play.began) / 1000);
-  const last = S.file.frames - 1;
+  const last = server.file.frames - 1;
   const frame = newestReady(Math.min(due, last));
   if (frame !== null && frame !== play.sent) {
     play.sent = frame;
@@ -191,7 +191,7 @@ function tick(now) {
   if (now - play.sentAt > PATIENCE_MS) drawOnward(play.sent);
   if (due !== play.due || due > last) fetchDue(Math.min(due, last), now);
   play.due = due;
-  if (due > last && (play.drawn >= last || refused.has(last))) put('playing', false);
+  if (due > last && (play.drawn >= last || refused.has(last))) setUi('playing', false);
   else requestAnimationFrame(tick);
 }
 
@@ -205,7 +205,7 @@ function fetchDue(due, now) {
 
 /** The server moved the body: its picture now comes with it. */
 function followServer() {
-  if (S.view.frame <= play.sent) drawOnward(S.view.frame);
+  if (server.view.frame <= play.sent) drawOnward(server.view.frame);
 }
 
 /** Time does not run backward, though the server's word on an earlier frame may come late. */
@@ -224,7 +224,7 @@ function newestReady(due) {
 }
 
 function dueFrame(seconds) {
-  const { times, fps } = S.file;
+  const { times, fps } = server.file;
   if (!times) return play.first + Math.floor(seconds * fps);
   let frame = play.first;
   while (frame < times.length && times[frame] - times[play.first] <= seconds) frame++;

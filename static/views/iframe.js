@@ -120,7 +120,7 @@ export class Picture {
       if (rendered === RENDERED_FRAMES) {
         this.#isReady = true;
         this.#ready();
-      } else inside.requestRender(); // a slow screen may have drawn all wishes before it was told all
+      } else inside.requestRender(); // a slow screen may have drawn all it was asked before it was told all
     };
     inside.camera.updateProjectionMatrix = () => this.#aim(inside.camera);
   }

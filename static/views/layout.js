@@ -1,7 +1,7 @@
 // Which view stands where, and how large. Views change places by style alone: an iframe that is
 // moved in the document loads anew.
 
-import { U, watch } from '../store/state.js';
+import { ui, watch } from '../store/state.js';
 
 const SMALL_PLACES = ['one', 'two', 'three'];
 const SMALL_VIEWS = ['top', 'side', 'front'];
@@ -27,8 +27,8 @@ export function mountLayout() {
 
 function place() {
   const stage = document.getElementById('stage');
-  stage.dataset.layout = U.layout;
-  const large = SMALL_VIEWS.includes(U.layout) ? U.layout : 'main';
+  stage.dataset.layout = ui.layout;
+  const large = SMALL_VIEWS.includes(ui.layout) ? ui.layout : 'main';
   /** @type {NodeListOf<HTMLElement>} */
   const views = document.querySelectorAll('.view');
   for (const view of views) {

@@ -1,7 +1,7 @@
 // A browser without a graphics card draws four views too slowly to follow a hand. Where pictures
 // come late, the view that is looked at draws first, and the others less often.
 
-import { U, watch } from '../store/state.js';
+import { ui, watch } from '../store/state.js';
 
 const SLOW_MS = 24;
 const REST_MS = 250;
@@ -42,7 +42,7 @@ function begin() {
 }
 
 function isBusy() {
-  return U.playing || U.dragging || performance.now() - stepped < STEP_MS;
+  return ui.playing || ui.dragging || performance.now() - stepped < STEP_MS;
 }
 
 function measure(now) {

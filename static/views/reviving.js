@@ -3,7 +3,7 @@
 // failed, so that none would ever succeed. Hence the page lets them try: seldom, and only while its
 // own line is there.
 
-import { U, watch } from '../store/state.js';
+import { ui, watch } from '../store/state.js';
 
 /** Longer than an attempt can take: viser ends it after five seconds. */
 const AGAIN_MS = 7000;
@@ -18,7 +18,7 @@ export function keepLine(window) {
     return may;
   };
   const revive = () => {
-    if (!U.connected || performance.now() - tried < AGAIN_MS) return;
+    if (!ui.connected || performance.now() - tried < AGAIN_MS) return;
     may = true;
     window.dispatchEvent(new Event('focus')); // tries now, and would again each second
     may = false;

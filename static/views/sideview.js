@@ -1,7 +1,7 @@
 // The body from above, from the side or from the front, on squared paper.
 
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
-import { S, U } from '../store/state.js';
+import { server, ui } from '../store/state.js';
 import { parallelEye } from './cameras.js';
 import { gridLines, scaleBar } from './grid.js';
 import { View } from './view.js';
@@ -18,14 +18,14 @@ export class SideView extends View {
   }
 
   newEye() {
-    const points = S.pose ? Object.values(S.pose.points) : [];
-    this.eye = parallelEye(this.name, S.views, middleOf(points));
+    const points = server.pose ? Object.values(server.pose.points) : [];
+    this.eye = parallelEye(this.name, server.views, middleOf(points));
     this.resized();
   }
 
   /** Keep the body in sight, but never move under a hand. */
   follow() {
-    if (!S.pose || U.dragging) return;
+    if (!server.pose || ui.dragging) return;
     if (!this.eye) this.newEye();
     const box = this.bodyBox();
     if (this.window.chosen ? this.window.touches(box) : this.window.holds(box)) return;
@@ -40,8 +40,8 @@ export class SideView extends View {
 
   /** The stretch [left, top, right, bottom] of the plane that the body takes. */
   bodyBox() {
-    if (!S.pose || !this.eye) return null;
-    const points = Object.values(S.pose.points).map(this.eye.project);
+    if (!server.pose || !this.eye) return null;
+    const points = Object.values(server.pose.points).map(this.eye.project);
     const across = points.map((p) => p[0]);
     const down = points.map((p) => p[1]);
     return [

@@ -3,7 +3,7 @@
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
-import { U, put } from '../store/state.js';
+import { ui, setUi } from '../store/state.js';
 import { aim } from './cameras.js';
 import { Picture } from './iframe.js';
 import { pace } from './pace.js';
@@ -95,7 +95,7 @@ export class View {
     const { clientWidth: width, clientHeight: height } = this.el;
     if (!width || !height) return;
     this.window.resize(width, height);
-    if (!this.window.chosen && !U.dragging) this.showAll();
+    if (!this.window.chosen && !ui.dragging) this.showAll();
     if (this.eye) this.#picture.resize(width, height);
     this.changed();
   }
@@ -123,7 +123,7 @@ export class View {
   }
 
   get isInLargePlace() {
-    return this.name === (VIEWS.includes(U.layout) ? U.layout : 'main');
+    return this.name === (VIEWS.includes(ui.layout) ? ui.layout : 'main');
   }
 
   label(plate = '') {
@@ -134,7 +134,7 @@ export class View {
         class="ib s exp"
         title="Enlarge   ${key}"
         aria-label="Enlarge ${LABELS[this.name]}"
-        @click=${() => put('layout', this.name)}
+        @click=${() => setUi('layout', this.name)}
       >
         ${icon('grow')}
       </button>`;

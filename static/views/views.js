@@ -1,6 +1,6 @@
 // The four views: the rest of the page finds them here.
 
-import { S, put, watch } from '../store/state.js';
+import { server, setUi, watch } from '../store/state.js';
 import { CameraView } from './cameraview.js';
 import { mountFrames } from './frames.js';
 import { mountLayout } from './layout.js';
@@ -43,14 +43,14 @@ export function mount() {
 function begin() {
   if (begun) return;
   begun = true;
-  if (!draws3D()) return put('flat', true);
+  if (!draws3D()) return setUi('flat', true);
   for (const each of views.values()) each.begin();
 }
 
 /** Another film: every window shows all there is. */
 function newFile() {
-  document.documentElement.classList.toggle('no-file', !S.file);
-  const path = S.file?.path ?? null;
+  document.documentElement.classList.toggle('no-file', !server.file);
+  const path = server.file?.path ?? null;
   if (path === filePath) return;
   filePath = path;
   for (const each of views.values()) each.fit();

@@ -82,7 +82,7 @@ _PLAYED = """
   const observer = new MutationObserver(() => times.push(performance.now()));
   observer.observe(film, { attributeFilter: ['data-frame'] });
   const look = () => {
-    if (times.length && !window.keypose.U.playing) {
+    if (times.length && !window.keypose.ui.playing) {
       observer.disconnect();
       done(times);
     } else requestAnimationFrame(look);

@@ -19,7 +19,7 @@ Spot: TypeAlias = tuple[float, float]
 
 def section(page: Page, path: str) -> Any:
     """What the server has told the page: "view.frame"."""
-    return page.evaluate(f"() => window.keypose.S.{path}")
+    return page.evaluate(f"() => window.keypose.server.{path}")
 
 
 def until(there: Callable[[], Any], what: str = "it", seconds: float = 60.0) -> Any:
@@ -47,9 +47,9 @@ def until_counted(page: Page, selector: str, count: int) -> None:
 def at_rest(page: Page, path: str) -> Any:
     """A section's value once nothing that was sent is still on its way."""
     while True:
-        before = page.evaluate("() => window.keypose.S.ack"), section(page, path)
+        before = page.evaluate("() => window.keypose.server.ack"), section(page, path)
         page.wait_for_timeout(300)
-        if before == (page.evaluate("() => window.keypose.S.ack"), section(page, path)):
+        if before == (page.evaluate("() => window.keypose.server.ack"), section(page, path)):
             return before[1]
 
 
@@ -66,7 +66,7 @@ def spot(page: Page, point: str, view: str = "main") -> Spot:
     x, y = page.evaluate(
         """([point, name]) => {
           const view = window.keypose.view(name);
-          const [x, y] = view.project(window.keypose.S.pose.points[point]);
+          const [x, y] = view.project(window.keypose.server.pose.points[point]);
           const box = view.el.getBoundingClientRect();
           return [box.left + x, box.top + y];
         }""",

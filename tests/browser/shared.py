@@ -96,7 +96,7 @@ class Desk:
             visitor.do(do=switch, on=True)
         visitor.do(do="axes", frame="part")
         page.keyboard.press("v")
-        if page.evaluate("() => window.keypose.U.layout") != "main":
+        if page.evaluate("() => window.keypose.ui.layout") != "main":
             page.keyboard.press("1")
         page.evaluate(
             "() => ['main', 'top', 'side', 'front'].forEach((n) => window.keypose.view(n).fit())"

@@ -27,7 +27,7 @@ _SEEN = """
   const box = canvas.getBoundingClientRect();
   const film = view.el.querySelector('canvas.vid')?.getBoundingClientRect();
   const own = view.el.getBoundingClientRect();
-  const points = Object.values(window.keypose.S.pose.points);
+  const points = Object.values(window.keypose.server.pose.points);
   return {
     matrix: camera.projectionMatrix.clone().multiply(camera.matrixWorldInverse).elements.slice(),
     canvas: [outer.left + box.left, outer.top + box.top, box.width, box.height],

@@ -126,7 +126,7 @@ def untouched(doors: Doors) -> Iterator[None]:
     yield
     assert doors.known() == before
     assert section(doors.page, "view") == before["view"]
-    assert doors.page.evaluate("() => window.keypose.U.connected")
+    assert doors.page.evaluate("() => window.keypose.ui.connected")
     frame = before["view"]["frame"] + 1
     doors.visitor.do(do="go", frame=frame)
     doors.page.wait_for_selector(f"#main canvas.vid[data-frame='{frame}']")

@@ -204,7 +204,7 @@ def test_while_a_vertical_is_drawn_the_card_gives_way_and_the_tool_comes_back(
     middle = box["x"] + box["width"] / 2
     drag(guided, (middle, box["y"] + 40), (middle + 9, box["y"] + box["height"] - 60))
     until_told(guided, "camera.up_origin", lambda origin: origin == "drawn")
-    assert guided.evaluate("() => window.keypose.U.tool") == "rotate"
+    assert guided.evaluate("() => window.keypose.ui.tool") == "rotate"
     until(lambda: guided.locator("#guide .coach.behind").count() == 0, "the card")
 
 

@@ -42,8 +42,8 @@ def _played(page: Page) -> list[int]:
     """The pictures that were seen from here to the end."""
     page.evaluate(RECORD)
     page.keyboard.press("Space")
-    until(lambda: page.evaluate("() => window.keypose.U.playing"), "playing")
-    until(lambda: not page.evaluate("() => window.keypose.U.playing"), "the end")
+    until(lambda: page.evaluate("() => window.keypose.ui.playing"), "playing")
+    until(lambda: not page.evaluate("() => window.keypose.ui.playing"), "the end")
     return list(page.evaluate("() => window.seen"))
 
 

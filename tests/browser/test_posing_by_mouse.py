@@ -316,8 +316,8 @@ def _overlap(desk: Desk) -> tuple[str, str, Spot]:
 
 def test_a_double_click_selects_the_limb(at: Desk) -> None:
     at.page.mouse.dblclick(*between(at.page, "right_thigh", "right_shin"))
-    until(lambda: at.page.evaluate("() => window.keypose.U.limb"), "the limb")
-    assert at.page.evaluate("() => window.keypose.U.limb") == [
+    until(lambda: at.page.evaluate("() => window.keypose.ui.limb"), "the limb")
+    assert at.page.evaluate("() => window.keypose.ui.limb") == [
         "right_thigh", "right_shin", "right_foot",
     ]  # fmt: skip
 

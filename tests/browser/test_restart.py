@@ -32,7 +32,7 @@ async (numbers) => {
 WAITING = """
 async () => {
   const { backlog } = await import('/static/store/edits.js');
-  return backlog() + window.keypose.U.held.reduce((sum, { count }) => sum + count, 0);
+  return backlog() + window.keypose.ui.held.reduce((sum, { count }) => sum + count, 0);
 }
 """
 
@@ -120,7 +120,7 @@ def test_of_50_edits_made_while_it_is_killed_and_started_again_each_is_there_onc
 
 def test_a_tab_that_is_opened_again_after_the_restart_still_has_its_edits(work: Work) -> None:
     work.keypose.kill()
-    until(lambda: not work.page.evaluate("() => window.keypose.U.connected"), "the loss")
+    until(lambda: not work.page.evaluate("() => window.keypose.ui.connected"), "the loss")
     work.mark(1, 2, 3)
     work.start()
     work.page.goto(work.keypose.origin)
@@ -148,7 +148,7 @@ def test_an_edit_goes_to_the_frame_at_which_it_was_made(work: Work) -> None:
 def apart(work: Work) -> Work:
     """Edits of the tab wait, and the session has been changed by another since."""
     work.cable.cut()
-    until(lambda: not work.page.evaluate("() => window.keypose.U.connected"), "the loss")
+    until(lambda: not work.page.evaluate("() => window.keypose.ui.connected"), "the loss")
     work.mark(1, 2, 3)
     work.keypose.kill()
     work.start()

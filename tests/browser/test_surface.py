@@ -283,7 +283,7 @@ def test_a_hand_drag_moves_the_body_in_the_surface(at: Desk) -> None:
     x, y = page.evaluate(
         """() => {
           const view = window.keypose.view('main');
-          const [x, y] = view.project(window.keypose.S.pose.root);
+          const [x, y] = view.project(window.keypose.server.pose.root);
           const box = view.el.getBoundingClientRect();
           return [box.left + x, box.top + y];
         }"""
@@ -361,4 +361,4 @@ def test_surfaces_are_a_sample_of_the_start_screen(browser: Browser, tmp_path: P
 
 
 def _surface_of(page: Page) -> Any:
-    return page.evaluate("() => window.keypose?.S.surface")
+    return page.evaluate("() => window.keypose?.server.surface")

@@ -94,7 +94,7 @@ def line(wired: tuple[Desk, Cable]) -> Iterator[Cable]:
 
 
 def _connected(page: Page) -> bool:
-    return bool(page.evaluate("() => window.keypose.U.connected"))
+    return bool(page.evaluate("() => window.keypose.ui.connected"))
 
 
 def _all(page: Page) -> dict[str, Any]:
@@ -142,7 +142,7 @@ def test_what_one_tab_does_appears_in_the_other(at: Desk, other: Page) -> None:
 
 
 def test_tool_and_layout_are_each_tabs_own(at: Desk, other: Page) -> None:
-    own = "() => [window.keypose.U.tool, window.keypose.U.layout]"
+    own = "() => [window.keypose.ui.tool, window.keypose.ui.layout]"
     at.page.keyboard.press("r")
     at.page.keyboard.press("2")
     assert at.page.evaluate(own) == ["rotate", "top"]

@@ -17,9 +17,12 @@ def test_the_page_says_why_an_edit_is_unsaved_until_it_is_written(page: Page, sa
     told = page.locator(".notsaved")
     told.wait_for()
     assert "is gone or was renamed" in told.inner_text()
-    assert page.evaluate("() => window.keypose.S.done > window.keypose.S.ack")
+    assert page.evaluate("() => window.keypose.server.done > window.keypose.server.ack")
     elsewhere.rename(sample.parent)
     told.wait_for(state="detached")
     until(lambda: section(page, "saved.state") == "saved", "the save")
-    until(lambda: page.evaluate("() => window.keypose.S.done === window.keypose.S.ack"), "the ack")
+    until(
+        lambda: page.evaluate("() => window.keypose.server.done === window.keypose.server.ack"),
+        "the ack",
+    )
     assert len(open_session(sample).recovered.moment.history.past) == 1

@@ -3,24 +3,24 @@
 import './browser.js';
 import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
-import { S, U } from '../../static/store/state.js';
+import { server, ui } from '../../static/store/state.js';
 import * as curve from '../../static/timeline/draw/curve.js';
 import * as scale from '../../static/timeline/draw/scale.js';
 
 const ROW = { y: 0, h: 112 };
 
 beforeEach(() => {
-  S.file = { frames: 11 };
-  S.body = { parts: [{ name: 'shin', tracked: ['tx', 'rz'] }, { name: 'foot', tracked: [] }] };
-  S.curve = {
+  server.file = { frames: 11 };
+  server.body = { parts: [{ name: 'shin', tracked: ['tx', 'rz'] }, { name: 'foot', tracked: [] }] };
+  server.curve = {
     part: 'shin',
     x: Array(11).fill(null),
     y: [0, ...Array(9).fill(null), 40],
     z: [0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100],
     error: Array(11).fill(0),
   };
-  S.keys = { frames: [0, 10], drafts: [] };
-  U.curveAxis = undefined;
+  server.keys = { frames: [0, 10], drafts: [] };
+  ui.curveAxis = undefined;
   curve.freezeRange(false);
   scale.setWidth(scale.left() + 1000 + 26);
 });
@@ -29,17 +29,17 @@ test('the axis is the chosen one, else the first that is tracked, else x', () =>
   assert.equal(curve.axis(), 'z');
   curve.chooseAxis('y');
   assert.equal(curve.axis(), 'y');
-  U.curveAxis = undefined;
-  S.curve = { ...S.curve, part: 'foot' };
+  ui.curveAxis = undefined;
+  server.curve = { ...server.curve, part: 'foot' };
   assert.equal(curve.axis(), 'x');
 });
 
 test('one value alone is no curve, two are', () => {
   assert.ok(curve.hasCurve());
   const none = Array(11).fill(null);
-  S.curve = { ...S.curve, y: none, z: [5, ...none.slice(1)] };
+  server.curve = { ...server.curve, y: none, z: [5, ...none.slice(1)] };
   assert.ok(!curve.hasCurve());
-  S.curve = null;
+  server.curve = null;
   assert.ok(!curve.hasCurve());
 });
 
@@ -54,7 +54,7 @@ test('a frame without a value has none', () => {
 test('while a key is dragged the scale stands still, and moves again afterwards', () => {
   const before = curve.scale(ROW).y(100);
   curve.freezeRange(true);
-  S.curve = { ...S.curve, z: S.curve.z.map((value) => 3 * value) };
+  server.curve = { ...server.curve, z: server.curve.z.map((value) => 3 * value) };
   assert.equal(curve.scale(ROW).y(100), before);
   curve.freezeRange(false);
   assert.notEqual(curve.scale(ROW).y(100), before);
@@ -72,6 +72,6 @@ test('a key of the curve is found where its diamond is, and not beside it', () =
 
 test('there is an error to show where any is above nothing', () => {
   assert.ok(!curve.hasError());
-  S.curve = { ...S.curve, error: [...Array(10).fill(null), 0.5] };
+  server.curve = { ...server.curve, error: [...Array(10).fill(null), 0.5] };
   assert.ok(curve.hasError());
 });

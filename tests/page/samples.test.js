@@ -3,13 +3,13 @@
 import './browser.js';
 import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
-import { S } from '../../static/store/state.js';
+import { server } from '../../static/store/state.js';
 import { line, runsOf } from '../../static/timeline/draw/samples.js';
 import * as scale from '../../static/timeline/draw/scale.js';
 import { extent, numbers } from '../../static/timeline/draw/series.js';
 
 beforeEach(() => {
-  S.file = { frames: 6 };
+  server.file = { frames: 6 };
   scale.setWidth(scale.left() + 500 + 26);
   scale.showAll();
 });
@@ -40,7 +40,7 @@ test('only the frames that are asked for are drawn', () => {
 });
 
 test('of many thousand frames no more columns are drawn than pixels, and a single dip is seen', () => {
-  S.file = { frames: 200_000 };
+  server.file = { frames: 200_000 };
   const list = Array(200_000).fill(1);
   list[123_456] = 0;
   const [run] = runsOf(list);

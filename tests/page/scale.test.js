@@ -3,14 +3,14 @@
 import './browser.js';
 import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
-import { S } from '../../static/store/state.js';
+import { server } from '../../static/store/state.js';
 import * as scale from '../../static/timeline/draw/scale.js';
 
 const near = (actual, expected, within = 1e-9) =>
   assert.ok(Math.abs(actual - expected) <= within, `${actual} ≠ ${expected}`);
 
 beforeEach(() => {
-  S.file = { frames: 101 };
+  server.file = { frames: 101 };
   scale.setWidth(scale.left() + 1000 + 26);
   scale.showAll();
 });
@@ -89,7 +89,7 @@ test('a frame is kept within the clip and made whole', () => {
 
 test('a clip of one frame, and no clip, stand at the left end', () => {
   for (const file of [{ frames: 1 }, null]) {
-    S.file = file;
+    server.file = file;
     assert.equal(scale.lastFrame(), 0);
     assert.equal(scale.x(0), scale.left());
     assert.equal(scale.clampFrame(7), 0);

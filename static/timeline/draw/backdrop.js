@@ -1,7 +1,7 @@
 // What everything stands on: panel, field, lines between the rows, and words where nothing is yet.
 
 import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
-import { S, U } from '../../store/state.js';
+import { server, ui } from '../../store/state.js';
 import { isSurface } from '../../store/subject.js';
 import { GUTTER, frameCount, right } from './scale.js';
 import { hasCurve } from './curve.js';
@@ -12,7 +12,7 @@ const nothingYet = () =>
     : 'What the image tells about each part, and the joint angles, appear here after the first track.';
 
 export function drawGround(rows) {
-  const { width, height } = U.timeSize;
+  const { width, height } = ui.timeSize;
   const across = (y) => `M0 ${y - 0.5}H${width}`;
   const lines = [across(rows.top), across(rows.keys.y + rows.keys.h)];
   if (rows.curve !== null && rows.lanes.full > 0) lines.push(across(rows.curve.y - 2));
@@ -22,10 +22,10 @@ export function drawGround(rows) {
 }
 
 export function drawKeyLabels(rows) {
-  if (!S.file) return nothing;
+  if (!server.file) return nothing;
   const y = rows.keys.middle + 4;
   return svg`<text class="lbl" x="12" y=${y}>Keyframes</text>
-    <text class="d" x=${GUTTER - 10} y=${y} text-anchor="end">${S.keys?.frames.length ?? 0}</text>`;
+    <text class="d" x=${GUTTER - 10} y=${y} text-anchor="end">${server.keys?.frames.length ?? 0}</text>`;
 }
 
 /** Words in the place of lanes and curve before the first track. */

@@ -1,7 +1,7 @@
 // The curve of the selected part about one axis, with its keys, and the error thin below it.
 
 import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
-import { S, U, put } from '../../store/state.js';
+import { server, ui, setUi } from '../../store/state.js';
 import { GUTTER, frameCount, right, x } from './scale.js';
 import { line, runsOf } from './samples.js';
 import { rangeOf, scaleOf } from './curvescale.js';
@@ -26,11 +26,11 @@ export function freezeRange(on) {
 }
 
 function range() {
-  return rangeOf(S.curve?.[axis()]);
+  return rangeOf(server.curve?.[axis()]);
 }
 
 export function hasCurve() {
-  return anyAngle(S.curve);
+  return anyAngle(server.curve);
 }
 
 /** One value alone, of a single key, is no curve yet. */
@@ -40,17 +40,17 @@ const anyAngle = remembered((curve) =>
 
 /** The axis shown: the one chosen, else the first the tracker follows on this part. */
 export function axis() {
-  if (U.curveAxis) return U.curveAxis;
-  const tracked = partOf(S.curve?.part)?.tracked ?? [];
+  if (ui.curveAxis) return ui.curveAxis;
+  const tracked = partOf(server.curve?.part)?.tracked ?? [];
   return AXES.find((name) => tracked.includes(`r${name}`)) ?? 'x';
 }
 
 export function chooseAxis(name) {
-  put('curveAxis', name);
+  setUi('curveAxis', name);
 }
 
 export function partOf(name) {
-  return S.body?.parts.find((part) => part.name === name);
+  return server.body?.parts.find((part) => part.name === name);
 }
 
 export function scale(row) {
@@ -59,14 +59,14 @@ export function scale(row) {
 }
 
 export function valueAt(at) {
-  return S.curve?.[axis()]?.[at] ?? null;
+  return server.curve?.[axis()]?.[at] ?? null;
 }
 
 /** The whole chart; `without` is the key that is being dragged and drawn elsewhere. */
 export function drawCurve(row, without) {
   if (row === null || !hasCurve() || frameCount() === 0) return nothing;
   const at = scale(row);
-  const values = S.curve[axis()] ?? [];
+  const values = server.curve[axis()] ?? [];
   return svg`${drawGrid(row, at)}
     <path class="error" d=${errorLine(row)} />
     ${at === null ? nothing : pieces().map(({ first, last, stale }) => svg`
@@ -90,7 +90,7 @@ function pieces() {
     if (before && before.stale === stale) before.last = last;
     else if (last > first) result.push({ first, last, stale });
   };
-  const segments = S.segments ?? [];
+  const segments = server.segments ?? [];
   const end = frameCount() - 1;
   if (segments.length === 0) return [{ first: 0, last: end, stale: true }];
   add(0, segments[0].first, true);
@@ -102,14 +102,14 @@ function pieces() {
 const largest = remembered((list) => extent(numbers(list))?.high ?? 0);
 
 export function hasError() {
-  return largest(S.curve?.error) > 0;
+  return largest(server.curve?.error) > 0;
 }
 
 function errorLine(row) {
-  const most = largest(S.curve.error);
+  const most = largest(server.curve.error);
   if (most <= 0) return '';
   const y = (value) => row.y + row.h - (value / most) * (row.h - 14) * ERROR_SHARE;
-  return runsOf(S.curve.error).map((run) => line(run, y)).join('');
+  return runsOf(server.curve.error).map((run) => line(run, y)).join('');
 }
 
 /** Straight lines from key to key where nothing between them is known. */

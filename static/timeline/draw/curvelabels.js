@@ -1,7 +1,7 @@
 // Left of the curve: whose it is, about which axis, and the numbers of its scale.
 
 import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
-import { S } from '../../store/state.js';
+import { server } from '../../store/state.js';
 import { GUTTER } from './scale.js';
 import { axis, chooseAxis, hasCurve, hasError, partOf, scale } from './curve.js';
 
@@ -12,8 +12,8 @@ const LETTER_PX = 6.2;
 
 export function drawCurveLabels(row) {
   if (row === null || !hasCurve()) return nothing;
-  const part = partOf(S.curve.part);
-  const name = part?.label ?? S.curve.part;
+  const part = partOf(server.curve.part);
+  const name = part?.label ?? server.curve.part;
   const at = scale(row);
   const top = row.y + (row.h > 34 ? 14 : 12);
   const ticks = (at?.ticks ?? []).filter((value) => hasRoom(value, at.y(value), row, name));

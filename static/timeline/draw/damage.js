@@ -1,7 +1,7 @@
 // Damaged frames, hatched through all rows: there is nothing to be tracked by.
 
 import { svg } from '../../vendor/lit-html/lit-html.js';
-import { S } from '../../store/state.js';
+import { server } from '../../store/state.js';
 import { damageWords } from '../../store/damage.js';
 import { pxPerFrame, visible, x } from './scale.js';
 import { RULER } from './rows.js';
@@ -11,7 +11,7 @@ const STRIP = 4;
 
 export function drawDamage(height) {
   const { first, last } = visible();
-  const seen = (S.damage ?? []).filter(([from, to]) => to >= first - 1 && from <= last + 1);
+  const seen = (server.damage ?? []).filter(([from, to]) => to >= first - 1 && from <= last + 1);
   return seen.map((run) => hatched(run, height));
 }
 

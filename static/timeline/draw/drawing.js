@@ -1,6 +1,6 @@
 // The layers of the drawing from back to front, and what each is drawn from.
 
-import { S, U, put } from '../../store/state.js';
+import { server, ui, setUi } from '../../store/state.js';
 import { isSurface } from '../../store/subject.js';
 import { send } from '../../store/link.js';
 import { layer } from './layers.js';
@@ -22,7 +22,7 @@ import { drawHeld } from './overlay.js';
 import { drawGround, drawKeyLabels, drawNothingYet } from './backdrop.js';
 import { partMeant } from './lanevalues.js';
 
-const isScore = () => U.chart === 'score' && !isSurface() && (S.segments ?? []).length > 0;
+const isScore = () => ui.chart === 'score' && !isSurface() && (server.segments ?? []).length > 0;
 
 /** Where frames end: the chart of scores under them has passes across, not frames. */
 const bottomOf = (rows) => (isScore() && rows.curve !== null ? rows.curve.y - 3 : rows.height);
@@ -35,38 +35,38 @@ const angleHeld = () => (held()?.kind === 'angle' ? held().frame : null);
 const LAYERS = [
   ['back', 'ground', () => [], ({ rows }) => drawGround(rows)],
   ['frames', 'ruler', () => [isScore()], ({ rows }) => drawRuler(bottomOf(rows))],
-  ['frames', 'damage', () => [S.damage, isScore()], ({ rows }) => drawDamage(bottomOf(rows))],
-  ['frames', 'bands', () => [frame(), S.keys, isScore()], ({ rows }) => drawBand(rows, bottomOf(rows))],
-  ['frames', 'lanes', () => [S.view?.selected],
+  ['frames', 'damage', () => [server.damage, isScore()], ({ rows }) => drawDamage(bottomOf(rows))],
+  ['frames', 'bands', () => [frame(), server.keys, isScore()], ({ rows }) => drawBand(rows, bottomOf(rows))],
+  ['frames', 'lanes', () => [server.view?.selected],
     ({ rows, lanes, scroll }) => drawLanes(rows, lanes, scroll)],
-  ['frames', 'need', () => [S.need, S.suggest], ({ rows }) => drawNeed(rows)],
-  ['frames', 'segments', () => [S.segments, S.suggest, S.keys], ({ rows }) => drawSegments(rows)],
+  ['frames', 'need', () => [server.need, server.suggest], ({ rows }) => drawNeed(rows)],
+  ['frames', 'segments', () => [server.segments, server.suggest, server.keys], ({ rows }) => drawSegments(rows)],
   ['frames', 'chart', () => [isScore(), ...chartInputs()],
     ({ rows }) => (isScore() ? drawScores(rows.curve) : drawCurve(rows.curve, angleHeld()))],
-  ['frames', 'suggestion', () => [suggestedFrame(), S.keys, isScore()],
+  ['frames', 'suggestion', () => [suggestedFrame(), server.keys, isScore()],
     ({ rows }) => drawSuggestion(rows, bottomOf(rows))],
-  ['frames', 'keys', () => [S.keys, keyHeld()], ({ rows }) => drawKeys(rows, keyHeld())],
+  ['frames', 'keys', () => [server.keys, keyHeld()], ({ rows }) => drawKeys(rows, keyHeld())],
   ['frames', 'current', () => [frame(), keyHeld(), angleHeld(), isScore(), ...curveInputs()],
     ({ rows }) => [
       keyHeld() === frame() ? null : drawCurrent(rows),
       isScore() || angleHeld() !== null ? null : drawCurrentCurveKey(rows.curve),
     ]],
-  ['frames', 'nothing', () => [S.curve, isScore()],
+  ['frames', 'nothing', () => [server.curve, isScore()],
     ({ rows, empty }) => drawNothingYet(rows, empty, isScore())],
-  ['above', 'labels', () => [S.keys], ({ rows }) => [drawClip(), drawKeyLabels(rows)]],
-  ['above', 'lane-labels', () => [S.view?.selected],
+  ['above', 'labels', () => [server.keys], ({ rows }) => [drawClip(), drawKeyLabels(rows)]],
+  ['above', 'lane-labels', () => [server.view?.selected],
     ({ rows, lanes, scroll }) => drawLaneLabels(rows, lanes, scroll, toggleGroup, select)],
   ['above', 'chart-labels', () => [isScore(), ...chartInputs()],
     ({ rows }) => (isScore() ? drawScoreLabels(rows.curve) : drawCurveLabels(rows.curve))],
-  ['above', 'overview', () => [S.segments, S.keys, frame()], () => drawOverview()],
-  ['top', 'head', () => [frame(), S.keys, S.segments, isScore()],
+  ['above', 'overview', () => [server.segments, server.keys, frame()], () => drawOverview()],
+  ['top', 'head', () => [frame(), server.keys, server.segments, isScore()],
     ({ rows }) => drawPlayhead(bottomOf(rows))],
-  ['top', 'held', () => [held(), hovered(), S.segments, S.curve, U.curveAxis],
+  ['top', 'held', () => [held(), hovered(), server.segments, server.curve, ui.curveAxis],
     ({ rows }) => drawHeld(rows)],
 ];
 
 function curveInputs() {
-  return [S.curve, S.segments, S.keys, S.body, U.curveAxis, angleHeld()];
+  return [server.curve, server.segments, server.keys, server.body, ui.curveAxis, angleHeld()];
 }
 
 const chartInputs = () => (isScore() ? [segmentAt(frame())] : curveInputs());
@@ -79,7 +79,7 @@ export function layersOf(drawing, ground) {
   return LAYERS.map(([place, name, inputs, draw]) => {
     const stand = () => {
       const { rows, lanes, scroll, empty } = ground();
-      return [rows, lanes, scroll, empty, U.timeWindow, U.timeSize, S.file];
+      return [rows, lanes, scroll, empty, ui.timeWindow, ui.timeSize, server.file];
     };
     return layer(group(places[place], name), () => [...stand(), ...inputs()], () => draw(ground()));
   });
@@ -92,9 +92,9 @@ function group(parent, name) {
 }
 
 function toggleGroup(lane) {
-  const open = new Set(U.timeOpen);
+  const open = new Set(ui.timeOpen);
   if (!open.delete(lane.label)) open.add(lane.label);
-  put('timeOpen', open);
+  setUi('timeOpen', open);
 }
 
 /** A lane's name selects its part and leaves the playhead where it is. */

@@ -1,7 +1,7 @@
 // The keyframes: diamonds, drafts hollow, the suggested one dashed with a plus.
 
 import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
-import { S } from '../../store/state.js';
+import { server } from '../../store/state.js';
 import { GUTTER, right, visible, x } from './scale.js';
 import { diamond } from './patterns.js';
 import { frame } from '../edit/head.js';
@@ -12,7 +12,7 @@ const CURRENT = 8;
 const CLOSE_PX = 10;
 
 export function draftFrames() {
-  return S.keys?.drafts ?? [];
+  return server.keys?.drafts ?? [];
 }
 
 /** How much room each of some frames has to its nearest neighbour, in pixels. */

@@ -1,7 +1,7 @@
 // The lanes: height says how much the image tells about a part; hatched where it tells too little.
 
 import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
-import { S } from '../../store/state.js';
+import { server } from '../../store/state.js';
 import { GUTTER, right } from './scale.js';
 import { runsOf } from './samples.js';
 import { HIDDEN_BELOW } from './lanevalues.js';
@@ -22,7 +22,7 @@ export function laneAt(rows, lanes, y, scroll) {
 }
 
 function isSelected(lane) {
-  return lane.kind !== 'weakest' && lane.parts.includes(S.view?.selected);
+  return lane.kind !== 'weakest' && lane.parts.includes(server.view?.selected);
 }
 
 export function drawLanes(rows, lanes, scroll) {

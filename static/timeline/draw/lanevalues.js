@@ -1,6 +1,6 @@
 // How much the image tells about each part over the frames, gathered into lanes.
 
-import { S } from '../../store/state.js';
+import { server } from '../../store/state.js';
 import { remembered } from './layers.js';
 import { extent, numbers } from './series.js';
 
@@ -66,7 +66,7 @@ export const lanesOf = remembered((lanes, body, folded, open) => {
 
 /** The part a click on a lane means: the selected one if it is there, else the weakest here. */
 export function partMeant(lane, at) {
-  if (lane.kind !== 'weakest' && lane.parts.includes(S.view?.selected)) return S.view.selected;
-  const value = (part) => S.lanes?.[part]?.[at] ?? Infinity;
+  if (lane.kind !== 'weakest' && lane.parts.includes(server.view?.selected)) return server.view.selected;
+  const value = (part) => server.lanes?.[part]?.[at] ?? Infinity;
   return lane.parts.reduce((best, part) => (value(part) < value(best) ? part : best), lane.parts[0]);
 }

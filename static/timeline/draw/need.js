@@ -2,15 +2,15 @@
 // the suggested key stands at its top. Without a suggested key there is nothing to explain.
 
 import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
-import { S } from '../../store/state.js';
+import { server } from '../../store/state.js';
 import { visible, x } from './scale.js';
 import { extent, numbers } from './series.js';
 
 const HIGH = 8;
 
 export function drawNeed(rows) {
-  const need = numbers(S.need);
-  const most = S.suggest?.kind === 'key' ? extent(need)?.high : null;
+  const need = numbers(server.need);
+  const most = server.suggest?.kind === 'key' ? extent(need)?.high : null;
   if (!(most > 0)) return nothing;
   const foot = rows.keys.y + rows.keys.h - 1;
   // A lost stretch needs it a hundred times more than others, which still have their hill.

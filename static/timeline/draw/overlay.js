@@ -1,7 +1,7 @@
 // What is held or hovered: the key on its way, the angle being changed, the mark under the pointer.
 
 import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
-import { S } from '../../store/state.js';
+import { server } from '../../store/state.js';
 import { GUTTER, right, x } from './scale.js';
 import { barOf, BAR } from './segments.js';
 import { diamond } from './patterns.js';
@@ -64,7 +64,7 @@ function drawHover(rows) {
       ${label(`Keyframe ${what.frame}`, x(what.frame), middle + 23)}`;
   }
   if (what.kind === 'curvekey') return drawCurveHover(what.frame, rows);
-  const segment = (S.segments ?? []).find(({ first }) => first === what.first);
+  const segment = (server.segments ?? []).find(({ first }) => first === what.first);
   if (!segment) return nothing;
   const { from, to } = barOf(segment);
   return svg`<rect class="hover" x=${from - 1.5} y=${middle - BAR.half - 1.5} rx="4"

@@ -1,7 +1,7 @@
 // While zoomed: the whole clip on six pixels, the shown window on it, to be dragged.
 
 import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
-import { S } from '../../store/state.js';
+import { server } from '../../store/state.js';
 import { isZoomed, lastFrame, left, right, scrollBy, showFrames, shown } from './scale.js';
 import { OVERVIEW, RULER } from './rows.js';
 import { frame } from '../edit/head.js';
@@ -19,7 +19,7 @@ export function drawOverview() {
   if (!isZoomed()) return nothing;
   const { first, last } = shown();
   const y = RULER;
-  const bars = (S.segments ?? []).filter((segment) => segment.state !== 'none');
+  const bars = (server.segments ?? []).filter((segment) => segment.state !== 'none');
   const keys = keyFrames().map((key) => `M${place(key).toFixed(1)} ${y}v${OVERVIEW}`).join('');
   return svg`<rect class="f-ground" x=${left()} y=${y} width=${right() - left()} height=${OVERVIEW} />
     ${bars.map((s) => svg`<rect class=${`f-${s.state} faint`} x=${place(s.first)} y=${y + 1}

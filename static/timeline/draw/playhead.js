@@ -1,7 +1,7 @@
 // The playhead with its flag, and the band of the interval it stands in.
 
 import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
-import { S } from '../../store/state.js';
+import { server } from '../../store/state.js';
 import { GUTTER, frameCount, lastFrame, right, x } from './scale.js';
 import { RULER } from './rows.js';
 import { frame } from '../edit/head.js';
@@ -41,7 +41,7 @@ function spoken() {
 
 /** The interval around the playhead; on a key, both intervals it ends. */
 export function drawBand(rows, bottom) {
-  const interval = S.keys ? around(frame()) : null;
+  const interval = server.keys ? around(frame()) : null;
   if (interval === null || interval[0] === interval[1]) return nothing;
   const [from, to] = interval.map(x);
   return svg`<rect class="band" x=${from} y=${rows.top} width=${to - from}

@@ -1,7 +1,7 @@
 // The ruler: numbers at sensible steps for any number of frames.
 
 import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
-import { S } from '../../store/state.js';
+import { server } from '../../store/state.js';
 import { frameCount, lastFrame, pxPerFrame, rulerStep, visible, x } from './scale.js';
 import { RULER } from './rows.js';
 
@@ -53,9 +53,9 @@ export function clearNumbers(drawing, frame, flagWidth) {
 
 /** The clip's own figures at the left end of the ruler: "60 fps · 1.67 s". */
 export function drawClip() {
-  if (!S.file) return nothing;
-  const fps = Number(S.file.fps.toFixed(2));
-  return svg`<text class="d" x="12" y="15">${fps} fps · ${duration(S.file.duration_s)}</text>`;
+  if (!server.file) return nothing;
+  const fps = Number(server.file.fps.toFixed(2));
+  return svg`<text class="d" x="12" y="15">${fps} fps · ${duration(server.file.duration_s)}</text>`;
 }
 
 function duration(seconds) {

@@ -1,6 +1,6 @@
 // Frames across, pixels along: which frames the timeline shows and where each of them stands.
 
-import { S, U, put } from '../../store/state.js';
+import { server, ui, setUi } from '../../store/state.js';
 
 export const GUTTER = 128;
 const LEFT = GUTTER + 10;
@@ -12,10 +12,10 @@ let width = 0;
 
 /** The window is replaced as a whole whenever it changes, so that layers see it by identity. */
 const ALL = { first: 0, last: Infinity };
-U.timeWindow = ALL;
+ui.timeWindow = ALL;
 
 export function frameCount() {
-  return S.file?.frames ?? 0;
+  return server.file?.frames ?? 0;
 }
 
 export function lastFrame() {
@@ -28,12 +28,12 @@ export function setWidth(px) {
 
 /** The shown frames, {first, last}: fractions of frames while zoomed. */
 export function shown() {
-  const last = Math.min(U.timeWindow.last, lastFrame());
-  return { first: Math.min(U.timeWindow.first, last), last };
+  const last = Math.min(ui.timeWindow.last, lastFrame());
+  return { first: Math.min(ui.timeWindow.first, last), last };
 }
 
 export function isZoomed() {
-  return U.timeWindow !== ALL;
+  return ui.timeWindow !== ALL;
 }
 
 export function right() {
@@ -71,7 +71,7 @@ export function clampFrame(frame) {
 }
 
 export function showAll() {
-  put('timeWindow', ALL);
+  setUi('timeWindow', ALL);
 }
 
 /** Show these frames; a window as wide as the clip is no zoom at all. */
@@ -82,7 +82,7 @@ export function showFrames(first, last) {
   if (span >= end * 0.999) return showAll();
   const middle = (first + last) / 2;
   const from = Math.min(end - span, Math.max(0, middle - span / 2));
-  put('timeWindow', { first: from, last: from + span });
+  setUi('timeWindow', { first: from, last: from + span });
 }
 
 /** Zoom by a factor; the frame under this pixel stays where it is. */
@@ -100,7 +100,7 @@ export function scrollBy(frames) {
   if (!isZoomed()) return;
   const { first, last } = shown();
   const room = Math.min(lastFrame() - last, Math.max(-first, frames));
-  if (room !== 0) put('timeWindow', { first: first + room, last: last + room });
+  if (room !== 0) setUi('timeWindow', { first: first + room, last: last + room });
 }
 
 /** Scroll so far that this frame is seen, and by this share of the window further. */

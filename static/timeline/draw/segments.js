@@ -1,7 +1,7 @@
 // The bars between the keys: state as colour, pattern and word.
 
 import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
-import { S } from '../../store/state.js';
+import { server } from '../../store/state.js';
 import { suggestedFrame } from '../edit/moves.js';
 import { draftFrames } from './keymarks.js';
 import { GUTTER, lastFrame, right, visible, x } from './scale.js';
@@ -20,7 +20,7 @@ export function barOf(segment) {
 
 export function drawSegments(rows) {
   const { first, last } = visible();
-  const seen = (S.segments ?? []).filter((s) => s.last >= first && s.first <= last);
+  const seen = (server.segments ?? []).filter((s) => s.last >= first && s.first <= last);
   return svg`<path class="s-tick dotted" d=${untouched(rows)} />
     ${seen.map((segment) => drawSegment(segment, rows.keys.middle))}
     ${seen.map((segment) => drawWord(segment, rows.keys.middle))}`;
@@ -28,7 +28,7 @@ export function drawSegments(rows) {
 
 /** The dotted line where no segment is: before the first key, after the last, or everywhere. */
 function untouched(rows) {
-  const segments = S.segments ?? [];
+  const segments = server.segments ?? [];
   const line = (from, to) => (to - from > 4 ? `M${from} ${rows.keys.middle + 0.5}H${to}` : '');
   if (segments.length === 0) return line(x(0) + 8, x(lastFrame()));
   const before = line(x(0), x(segments[0].first) - 8);

@@ -1,6 +1,6 @@
 // Dragging a diamond of the curve up or down changes that key's angle.
 
-import { S } from '../../store/state.js';
+import { server } from '../../store/state.js';
 import { newStroke, send } from '../../store/link.js';
 import { axis, freezeRange, scale, valueAt } from '../draw/curve.js';
 import { goTo, hold as stopPlaying } from './head.js';
@@ -12,7 +12,7 @@ const STEP_DEG = 5;
 
 /** Take hold of a key on the curve; the whole drag is one stroke, so one step of undo. */
 export function grabAngle(at, row, start) {
-  const part = S.curve.part;
+  const part = server.curve.part;
   const about = axis();
   const from = valueAt(at);
   const degPerPx = scale(row).value(0) - scale(row).value(1);

@@ -1,6 +1,6 @@
 // Lanes folded into one, "Weakest part", or all of them: folded in small windows unless asked for.
 
-import { U, put } from '../../store/state.js';
+import { ui, setUi } from '../../store/state.js';
 
 const KEPT = 'keypose.timeline.lanes';
 const small = matchMedia('(max-width: 1359px), (max-height: 819px)');
@@ -11,12 +11,12 @@ export function mountFold() {
 }
 
 export function areFolded() {
-  return !U.lanes;
+  return !ui.lanes;
 }
 
 /** Fold the lanes or open them; what was asked for is kept in this browser. */
 export function foldLanes() {
-  localStorage.setItem(KEPT, U.lanes ? 'folded' : 'open');
+  localStorage.setItem(KEPT, ui.lanes ? 'folded' : 'open');
   apply();
 }
 
@@ -25,5 +25,5 @@ function apply() {
   const open = asked === null ? !small.matches : asked === 'open';
   // The sheet gives opened lanes their height in windows that would not have it.
   document.documentElement.dataset.lanes = open ? 'open' : 'folded';
-  put('lanes', open);
+  setUi('lanes', open);
 }

@@ -1,6 +1,6 @@
 // What the pointer does on the drawing: what is under it, and the gesture that begins there.
 
-import { S, U } from '../../store/state.js';
+import { server, ui } from '../../store/state.js';
 import { isSurface } from '../../store/subject.js';
 import { GUTTER, isZoomed, pxPerFrame, scrollBy, zoomAt } from '../draw/scale.js';
 import { OVERVIEW, RULER } from '../draw/rows.js';
@@ -66,7 +66,7 @@ export function under(place) {
   const lane = laneAt(rows, lanes, place.y, scroll);
   if (lane !== null) return { kind: 'lane', lane };
   const inCurve = rows.curve !== null && place.y >= rows.curve.y;
-  if (inCurve && U.chart === 'score' && !isSurface()) return { kind: 'chart' };
+  if (inCurve && ui.chart === 'score' && !isSurface()) return { kind: 'chart' };
   const key = inCurve ? curveKeyNear(rows.curve, place.x, place.y) : null;
   return key === null ? { kind: 'frames' } : { kind: 'curvekey', frame: key };
 }
@@ -75,7 +75,7 @@ function inKeys(place, rows) {
   const key = keyNear(place.x);
   if (key !== null) return { kind: 'key', frame: key };
   if (Math.abs(place.y - rows.keys.middle) > BAR.half + 3) return { kind: 'frames' };
-  const segment = (S.segments ?? []).find((s) => {
+  const segment = (server.segments ?? []).find((s) => {
     const { from, to } = barOf(s);
     return place.x >= from - 1 && place.x <= to + 1;
   });

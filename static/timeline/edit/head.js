@@ -1,7 +1,7 @@
 // The playhead: the frame all tabs look at, and moving it. It shows its own frame at once; the
 // server's answer takes over as soon as it has heard of the last move.
 
-import { S, U, put } from '../../store/state.js';
+import { server, ui, setUi } from '../../store/state.js';
 import { send } from '../../store/link.js';
 import { clampFrame } from '../draw/scale.js';
 import { paced } from './pace.js';
@@ -18,8 +18,8 @@ function tell(target) {
 
 /** The frame the playhead stands on. */
 export function frame() {
-  if (wanted !== null && wanted.n !== null && (S.done ?? 0) >= wanted.n) wanted = null;
-  return wanted === null ? clampFrame(S.view?.frame ?? 0) : wanted.frame;
+  if (wanted !== null && wanted.n !== null && (server.done ?? 0) >= wanted.n) wanted = null;
+  return wanted === null ? clampFrame(server.view?.frame ?? 0) : wanted.frame;
 }
 
 /** Move the playhead. The server hears of it before any edit that follows. */
@@ -33,7 +33,7 @@ export function glideTo(target) {
   const next = clampFrame(target);
   if (next === frame()) return;
   wanted = { frame: next, n: null };
-  put('timeHead', next);
+  setUi('timeHead', next);
   tellSoon(next);
 }
 
@@ -44,8 +44,8 @@ export function settle() {
 
 /** Stop playing: whoever takes the playhead in hand wants it to stay. */
 export function hold() {
-  if (!U.playing) return;
-  put('playing', false);
+  if (!ui.playing) return;
+  setUi('playing', false);
   // Playing ends with the next animation frame, and tells where it ended: a move comes after that.
   stopping = true;
   requestAnimationFrame(() => (stopping = false));

@@ -1,27 +1,27 @@
 // What the pointer holds or hovers on the timeline, so that the drawing can show it.
 
-import { U, put } from '../../store/state.js';
+import { ui, setUi } from '../../store/state.js';
 
-U.timeHeld = null;
-U.timeHover = null;
+ui.timeHeld = null;
+ui.timeHover = null;
 
 /**
  * null | {kind: "scrub"} | {kind: "pan"}
  * | {kind: "key", from, to, copy, taken, refused} | {kind: "angle", frame, axis, from, deg}
  */
 export function held() {
-  return U.timeHeld;
+  return ui.timeHeld;
 }
 
 export function hold(what) {
-  put('timeHeld', what);
+  setUi('timeHeld', what);
 }
 
 /** null | {kind: "key", frame} | {kind: "segment", first, last} | {kind: "curvekey", frame} */
 export function hovered() {
-  return U.timeHover;
+  return ui.timeHover;
 }
 
 export function hover(what) {
-  if (JSON.stringify(what) !== JSON.stringify(U.timeHover)) put('timeHover', what);
+  if (JSON.stringify(what) !== JSON.stringify(ui.timeHover)) setUi('timeHover', what);
 }

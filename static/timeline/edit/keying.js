@@ -1,6 +1,6 @@
 // Setting and deleting a keyframe. K only ever sets one; what is deleted can be had back at once.
 
-import { S } from '../../store/state.js';
+import { server } from '../../store/state.js';
 import { send } from '../../store/link.js';
 import { toast } from '../../controls/toasts.js';
 import { frame } from './head.js';
@@ -29,6 +29,6 @@ export function deleteKey(at = frame()) {
 }
 
 function bringBack(at) {
-  if (S.undo?.undo === `delete keyframe ${at}`) send({ do: 'undo' });
+  if (server.undo?.undo === `delete keyframe ${at}`) send({ do: 'undo' });
   else toast({ kind: 'info', words: 'Other steps came after it. Ctrl Z takes back one after another.' });
 }

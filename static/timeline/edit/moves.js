@@ -1,11 +1,11 @@
 // Where one wants to go next: keys, middles of intervals, the frame to key, the next problem.
 
-import { S, U, put } from '../../store/state.js';
+import { server, ui, setUi } from '../../store/state.js';
 import { lastFrame } from '../draw/scale.js';
 import { frame, goTo, hold } from './head.js';
 
 export function keyFrames() {
-  return S.keys?.frames ?? [];
+  return server.keys?.frames ?? [];
 }
 
 export function isKey(at) {
@@ -24,7 +24,7 @@ export function around(at) {
 
 /** The segment a frame lies in; on a key the one that begins there, on the last key the last. */
 export function segmentAt(at) {
-  const segments = S.segments ?? [];
+  const segments = server.segments ?? [];
   return segments.find((s) => s.first <= at && at < s.last) ?? segments.find((s) => s.last === at);
 }
 
@@ -68,7 +68,7 @@ export function middle() {
 
 /** The frame to key next, or null: with no key yet it is the one that is looked at. */
 export function suggestedFrame() {
-  const { frame: to = null, kind } = S.suggest ?? {};
+  const { frame: to = null, kind } = server.suggest ?? {};
   return to === null && kind === 'pose' && keyFrames().length === 0 ? frame() : to;
 }
 
@@ -84,7 +84,7 @@ const PROBLEMS = ['check', 'lost', 'outdated', 'none'];
 /** To the next segment that is not good, or of one state, after this frame; then from the start. */
 export function nextProblem(state = null) {
   const wanted = state === null ? PROBLEMS : [state];
-  const places = (S.segments ?? [])
+  const places = (server.segments ?? [])
     .filter((segment) => wanted.includes(segment.state))
     .map(({ go, first, last }) => go ?? Math.floor((first + last) / 2))
     .sort((a, b) => a - b);
@@ -94,5 +94,5 @@ export function nextProblem(state = null) {
 }
 
 export function togglePlaying() {
-  put('playing', !U.playing);
+  setUi('playing', !ui.playing);
 }

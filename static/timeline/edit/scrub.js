@@ -1,6 +1,6 @@
 // Clicking or dragging over the frames moves the playhead; it snaps to keys unless Ctrl is held.
 
-import { S } from '../../store/state.js';
+import { server } from '../../store/state.js';
 import { send } from '../../store/link.js';
 import { frameAt } from '../draw/scale.js';
 import { glideTo, hold as stopPlaying, settle } from './head.js';
@@ -39,7 +39,7 @@ export function grabHead(start, click = () => {}) {
 /** Select the part a lane stands for at this frame. */
 export function selectFrom(lane, at) {
   const part = partMeant(lane, at);
-  if (part && part !== S.view?.selected) send({ do: 'select', part });
+  if (part && part !== server.view?.selected) send({ do: 'select', part });
 }
 
 function letGo() {

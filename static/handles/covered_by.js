@@ -4,14 +4,14 @@
 import { view as viewNamed } from '../views/views.js';
 import { gripsIn } from './grips.js';
 import { hold } from './hold.js';
-import { apart } from './space.js';
+import { distance } from './space.js';
 import { isReady } from './targets.js';
 
 const MARGIN = 24;
 const NEAR = 90;
 
 /** Whether the drag under way, the pointer or the handle it pulls, is at this element. */
-export function isUnderHand(element) {
+export function isDragCoveredBy(element) {
   const { drag } = hold;
   if (!drag) return false;
   const view = viewNamed(drag.view);
@@ -21,12 +21,12 @@ export function isUnderHand(element) {
 }
 
 /** Whether the resting pointer is near a handle that lies under this element. */
-export function hidesHandle(element) {
+export function isHandleCoveredBy(element) {
   const { pointer } = hold;
   if (!pointer || !isReady(pointer.view)) return false;
   const box = boxIn(pointer.view, element);
   const near = [pointer.x, pointer.y];
-  return gripsIn(pointer.view).some(({ at, radius }) => holds(box, at, radius) && apart(at, near) < NEAR);
+  return gripsIn(pointer.view).some(({ at, radius }) => holds(box, at, radius) && distance(at, near) < NEAR);
 }
 
 /** An element's box in pixels of a view. */

@@ -1,8 +1,8 @@
-// Pushing and zooming a view: wheel, middle button, Space-drag, the pan tool, two fingers.
+// Panning and zooming a view: wheel, middle button, Space-drag, the pan tool, two fingers.
 
-import { put } from '../store/state.js';
+import { setUi } from '../store/state.js';
 import { hold, touch } from './hold.js';
-import { apart } from './space.js';
+import { distance } from './space.js';
 
 const PER_NOTCH = 0.0015;
 const PER_PINCH = 0.01;
@@ -18,22 +18,22 @@ export function wheel(view, event, x, y) {
   view.zoomAt(x, y, Math.exp(-Math.max(-240, Math.min(240, px)) * rate));
 }
 
-/** Begin to push the view around. */
-export function beginPush(view, x, y) {
+/** Begin to pan the view. */
+export function beginPan(view, x, y) {
   hold.panning = { view: view.name, x, y };
-  put('dragging', true);
+  setUi('dragging', true);
   touch();
 }
 
-export function movePush(view, x, y) {
+export function movePan(view, x, y) {
   const { panning } = hold;
   view.panBy(x - panning.x, y - panning.y);
   Object.assign(panning, { x, y, moved: true });
 }
 
-export function endPush() {
+export function endPan() {
   hold.panning = null;
-  put('dragging', false);
+  setUi('dragging', false);
   touch();
 }
 
@@ -42,6 +42,6 @@ export function pinch(view, before, after) {
   const middle = (pair) => [0, 1].map((i) => (pair[0][i] + pair[1][i]) / 2);
   const [was, is] = [middle(before), middle(after)];
   view.panBy(is[0] - was[0], is[1] - was[1]);
-  const spread = apart(...before);
-  if (spread > 10) view.zoomAt(is[0], is[1], apart(...after) / spread);
+  const spread = distance(...before);
+  if (spread > 10) view.zoomAt(is[0], is[1], distance(...after) / spread);
 }
