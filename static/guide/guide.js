@@ -6,6 +6,7 @@ import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
 import { server, ui, setUi, watch } from '../store/state.js';
+import { inBrowser } from '../store/storage.js';
 import { onViews } from '../views/views.js';
 import { onHold } from '../handles/hold.js';
 import { isDrawingTool } from '../handles/sketch.js';
@@ -45,11 +46,7 @@ function offerGuide() {
 export function closeGuide() {
   if (!isOpen()) return false;
   setUi('guideStep', null);
-  try {
-    localStorage.setItem(KEY, 'closed');
-  } catch {
-    // Then it is offered once more next time.
-  }
+  inBrowser.write(KEY, 'closed');
   return true;
 }
 
@@ -115,13 +112,7 @@ function advance() {
 
 const finish = () => show(steps().length);
 
-function wasClosed() {
-  try {
-    return localStorage.getItem(KEY) === 'closed';
-  } catch {
-    return false;
-  }
-}
+const wasClosed = () => inBrowser.read(KEY) === 'closed';
 
 function coach() {
   const step = shown();

@@ -1,5 +1,7 @@
 // The line between the views and the inspector: dragged, it makes one wider and the other narrower.
 
+import { inBrowser } from '../store/storage.js';
+
 const LEAST = 256;
 const MOST = 400;
 const STEP = 16;
@@ -55,19 +57,11 @@ function setWidth(bar, width) {
 }
 
 function kept() {
-  try {
-    const width = parseFloat(localStorage.getItem(KEY));
-    return Number.isFinite(width) ? width : null;
-  } catch {
-    return null; // a browser that keeps nothing has the usual width
-  }
+  const width = parseFloat(inBrowser.read(KEY));
+  return Number.isFinite(width) ? width : null;
 }
 
 function keep(width) {
-  try {
-    if (width === null) localStorage.removeItem(KEY);
-    else localStorage.setItem(KEY, width);
-  } catch {
-    // then it holds for this visit
-  }
+  if (width === null) inBrowser.remove(KEY);
+  else inBrowser.write(KEY, width);
 }

@@ -3,6 +3,7 @@
 import { html } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { setUi } from '../store/state.js';
+import { inBrowser } from '../store/storage.js';
 import { menuHolder, toggleMenu } from '../controls/menus.js';
 
 const KEY = 'keypose.theme';
@@ -40,23 +41,13 @@ function items() {
 }
 
 function choose(name) {
-  try {
-    localStorage.setItem(KEY, name);
-  } catch {
-    // A browser that keeps nothing still changes the page.
-    document.documentElement.dataset.chosen = name;
-  }
+  inBrowser.write(KEY, name);
   apply();
 }
 
 function chosen() {
-  try {
-    const name = localStorage.getItem(KEY);
-    if (name in NAMES) return name;
-  } catch {
-    return document.documentElement.dataset.chosen ?? 'dark';
-  }
-  return 'dark';
+  const name = inBrowser.read(KEY);
+  return name in NAMES ? name : 'dark';
 }
 
 function apply() {

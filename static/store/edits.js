@@ -4,6 +4,7 @@
 // knows by client and number what it has.
 
 import { server, setUi, ui } from './state.js';
+import { inTab } from './storage.js';
 
 const NAME = 'keypose.edits';
 const LOOKS = {
@@ -186,20 +187,16 @@ function newClient() {
 // --- over a reload
 
 function store() {
-  try {
-    if (entries.length) sessionStorage.setItem(NAME, JSON.stringify(entries));
-    else sessionStorage.removeItem(NAME);
-  } catch {
-    // Then they are kept as long as the page is.
-  }
+  if (entries.length) inTab.write(NAME, JSON.stringify(entries));
+  else inTab.remove(NAME);
 }
 
 /** What a page of this tab did not get to its server. Its gestures are over. */
 function restored() {
   try {
-    const kept = JSON.parse(sessionStorage.getItem(NAME) ?? '[]');
+    const kept = JSON.parse(inTab.read(NAME) ?? '[]');
     return kept.map((entry) => ({ ...entry, line: null, over: entry.over ?? entry.n }));
   } catch {
-    return [];
+    return []; // not as this page writes them
   }
 }

@@ -1,15 +1,13 @@
 // The key this browser was given for this page's origin. Cookies go to every server on this host,
 // whatever its port; what is stored for the origin stays here.
 
+import { inBrowser } from './storage.js';
+
 const NAME = 'keypose.key';
 
 /** The newest: another tab may have been let in anew. */
 export function key() {
-  try {
-    return localStorage.getItem(NAME) ?? '';
-  } catch {
-    return ''; // then this browser is not let in
-  }
+  return inBrowser.read(NAME) ?? ''; // without one this browser is not let in
 }
 
 /** Fetch from this page's own server. */

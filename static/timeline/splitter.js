@@ -2,6 +2,7 @@
 // gives the height of the house back. The height is kept in this browser.
 
 import { html } from '../vendor/lit-html/lit-html.js';
+import { inBrowser } from '../store/storage.js';
 
 const KEPT = 'keypose.timeline.height';
 const LEAST_PX = 120;
@@ -13,7 +14,7 @@ let section = null;
 
 export function mountSplitter(time) {
   section = time;
-  const kept = Number(localStorage.getItem(KEPT));
+  const kept = Number(inBrowser.read(KEPT));
   if (kept > 0) setHeight(kept);
   // In a lower window the kept height may be more than half of it.
   window.addEventListener('resize', () => isSet() && setHeight(section.offsetHeight));
@@ -33,12 +34,12 @@ function setHeight(px) {
 }
 
 function keep() {
-  localStorage.setItem(KEPT, String(section.offsetHeight));
+  inBrowser.write(KEPT, section.offsetHeight);
 }
 
 export function restore() {
   root.style.removeProperty('--h-time');
-  localStorage.removeItem(KEPT);
+  inBrowser.remove(KEPT);
 }
 
 export function splitter() {

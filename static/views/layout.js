@@ -2,6 +2,7 @@
 // moved in the document loads anew.
 
 import { ui, watch } from '../store/state.js';
+import { inBrowser } from '../store/storage.js';
 
 const SMALL_PLACES = ['one', 'two', 'three'];
 const SMALL_VIEWS = ['top', 'side', 'front'];
@@ -133,16 +134,12 @@ function keep() {
   const root = document.documentElement.style;
   const names = ['--w-views', '--w-insp', '--h-time', '--r-one', '--r-two', '--r-three'];
   const sizes = Object.fromEntries(names.map((name) => [name, root.getPropertyValue(name)]));
-  try {
-    localStorage.setItem(KEPT, JSON.stringify(sizes));
-  } catch {
-    // A browser that keeps nothing still shows everything.
-  }
+  inBrowser.write(KEPT, JSON.stringify(sizes));
 }
 
 function restore() {
   try {
-    const sizes = JSON.parse(localStorage.getItem(KEPT) ?? '{}');
+    const sizes = JSON.parse(inBrowser.read(KEPT) ?? '{}');
     for (const [name, size] of Object.entries(sizes)) {
       if (/^[\d.]+(px|fr)$/.test(size)) document.documentElement.style.setProperty(name, size);
     }

@@ -2,6 +2,7 @@
 
 import { html, nothing } from '../../vendor/lit-html/lit-html.js';
 import { server, ui, setUi } from '../../store/state.js';
+import { inBrowser } from '../../store/storage.js';
 import { isZoomed } from '../draw/scale.js';
 import { isKeyedLittle, zoomToInterval } from './zoom.js';
 
@@ -9,7 +10,7 @@ const KEPT = 'keypose.zoom-hint';
 const STAYS_MS = 30000;
 
 /** null: not yet due; "shown"; "over": it was read, or zooming is known already. */
-ui.zoomHint = isTold() ? 'over' : null;
+ui.zoomHint = inBrowser.read(KEPT) === 'told' ? 'over' : null;
 
 /** Called with every drawing: whether it is time, or over. */
 export function noticeZoom() {
@@ -29,17 +30,5 @@ export function drawZoomHint() {
 
 function over() {
   setUi('zoomHint', 'over');
-  try {
-    localStorage.setItem(KEPT, 'told');
-  } catch {
-    // Then it is told once more next time.
-  }
-}
-
-function isTold() {
-  try {
-    return localStorage.getItem(KEPT) === 'told';
-  } catch {
-    return false;
-  }
+  inBrowser.write(KEPT, 'told');
 }
