@@ -3,7 +3,7 @@
 import { html } from '../vendor/lit-html/lit-html.js';
 import { read, shortNumber } from './arithmetic.js';
 import { hush, say, shake } from './refuse.js';
-import { follow, ValueElement } from './value.js';
+import { followValue, ValueElement } from './value.js';
 
 const DRAG_STARTS_PX = 3;
 
@@ -83,7 +83,7 @@ class NumberField extends ValueElement {
   press(event) {
     if (this.isFocused || event.button !== 0 || this.spec.off || this.spec.value === null) return;
     const from = { x: event.clientX, start: this.value, travel: 0, moved: false };
-    follow(this, event, {
+    followValue(this, event, {
       move: (now) => this.drag(from, now),
       end: () => this.release(from),
       cancel: () => this.drop(),

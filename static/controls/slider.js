@@ -5,7 +5,7 @@
 
 import { html } from '../vendor/lit-html/lit-html.js';
 import { shortNumber } from './arithmetic.js';
-import { follow, ValueElement } from './value.js';
+import { followValue, ValueElement } from './value.js';
 
 const GRAB_PX = 9;
 
@@ -78,7 +78,7 @@ class SlideBar extends ValueElement {
     this.held = true;
     if (grabbed) this.draw();
     else this.moveTo(there);
-    follow(this, event, {
+    followValue(this, event, {
       move: (now) => this.drag(from, now),
       end: () => this.release(),
       cancel: () => this.drop(),

@@ -2,43 +2,29 @@
 // animation frame, the newest wins; the end tells the last value and closes the undo step.
 
 import { newStroke, send } from '../store/link.js';
+import { paced } from './gesture.js';
 
 export class Stroke {
   /** edit(value) → the action that sets the value. */
   constructor(kind, edit) {
     this.name = newStroke(kind);
-    this.edit = edit;
-    this.asked = 0;
-    this.waits = false;
     this.sent = false;
-  }
-
-  move(value) {
-    this.value = value;
-    this.waits = true;
-    if (!this.asked) this.asked = requestAnimationFrame(() => this.flush());
+    this.move = paced((value) => {
+      this.sent = true;
+      send({ ...edit(value), stroke: this.name });
+    });
   }
 
   /** Closes the undo step; gives the number of the last message. */
   end() {
-    this.flush();
+    this.move.flush();
     return this.close('end_stroke');
   }
 
   /** Takes everything back. */
   cancel() {
-    this.waits = false;
-    this.flush();
+    this.move.drop();
     return this.close('cancel_stroke');
-  }
-
-  flush() {
-    cancelAnimationFrame(this.asked);
-    this.asked = 0;
-    if (!this.waits) return;
-    this.waits = false;
-    this.sent = true;
-    send({ ...this.edit(this.value), stroke: this.name });
   }
 
   close(word) {

@@ -8,6 +8,7 @@
 //         limit       [low, high] that hold, or null
 //         off         why it cannot be changed now, or '' }
 
+import { follow } from './gesture.js';
 import { hold, letGo, letGoAfter, onHeld, shown } from './held.js';
 import { Stroke } from './stroke.js';
 import { send } from '../store/link.js';
@@ -145,27 +146,15 @@ export class ValueElement extends HTMLElement {
   draw() {}
 }
 
-/** Follow a pointer until it is let go: Esc and the right button take back. */
-export function follow(element, down, { move, end, cancel }) {
-  element.setPointerCapture(down.pointerId);
-  setUi('dragging', true);
-  const abort = new AbortController();
-  const on = (target, kind, fn, more) =>
-    target.addEventListener(kind, fn, { signal: abort.signal, ...more });
-  const stop = (fn) => (event) => {
-    abort.abort();
+/** Follow a pointer that holds a value: nothing else happens on the page meanwhile. */
+export function followValue(element, down, { move, end, cancel }) {
+  const noMenu = (event) => event.preventDefault();
+  const over = (fn) => () => {
+    removeEventListener('contextmenu', noMenu);
     setUi('dragging', false);
-    fn(event);
+    fn();
   };
-  on(element, 'pointermove', (event) => (event.buttons & 2 ? stop(cancel)(event) : move(event)));
-  on(element, 'pointerup', stop(end));
-  on(element, 'pointercancel', stop(cancel));
-  on(window, 'contextmenu', (event) => event.preventDefault());
-  const escape = (event) => {
-    if (event.key !== 'Escape') return;
-    event.preventDefault();
-    event.stopImmediatePropagation();
-    stop(cancel)(event);
-  };
-  on(window, 'keydown', escape, { capture: true });
+  setUi('dragging', true);
+  addEventListener('contextmenu', noMenu);
+  follow(element, down, { move, end: over(end), cancel: over(cancel) });
 }

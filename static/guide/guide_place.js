@@ -2,6 +2,7 @@
 // handles to be dragged in this step, and otherwise farthest from the body. It stays there as long
 // as it covers neither of them.
 
+import { pull } from '../controls/gesture.js';
 import { server } from '../store/state.js';
 import { view } from '../views/views.js';
 import { largeView } from '../handles/scale.js';
@@ -45,15 +46,15 @@ export function coversWords(card) {
 }
 
 /** Carry the card with the pointer that has taken it, within the window. */
-export function carry({ currentTarget: card, pointerId, clientX, clientY }) {
+export function carry(from) {
+  const card = from.currentTarget;
   const { left, top, width, height } = card.getBoundingClientRect();
   const within = (value, most) => Math.min(Math.max(value, 4), most - 4);
-  card.setPointerCapture(pointerId);
-  card.onpointermove = (event) => {
-    card.style.left = `${within(left + event.clientX - clientX, innerWidth - width)}px`;
-    card.style.top = `${within(top + event.clientY - clientY, innerHeight - height)}px`;
+  const move = (event) => {
+    card.style.left = `${within(left + event.clientX - from.clientX, innerWidth - width)}px`;
+    card.style.top = `${within(top + event.clientY - from.clientY, innerHeight - height)}px`;
   };
-  card.onlostpointercapture = () => (card.onpointermove = null);
+  pull(card, from, { move });
 }
 
 /** To keep clear of the handles counts more than all else, then to leave the picture free. */

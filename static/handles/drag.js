@@ -3,15 +3,12 @@
 
 import { setUi } from '../store/state.js';
 import { newStroke, send } from '../store/link.js';
+import { paced } from '../controls/gesture.js';
 import { hold, touch } from './hold.js';
 import { isFine, modifiers, noteModifiers } from './keysheld.js';
 
 const PAUSE_MS = 16;
 const FINE = 0.1;
-
-let late = null;
-let told = 0;
-let fresh = false;
 
 /**
  * Begin a drag. `tell(at, held)` gives the action for a pointer at `at` in view coordinates.
@@ -38,41 +35,28 @@ export function moveDrag(event, x, y) {
   tellSoon();
 }
 
-/** A key changed what the drag does. */
-export function tellSoon() {
-  fresh = true;
-  const wait = told + PAUSE_MS - performance.now();
-  if (wait <= 0) tellNow();
-  else late ??= setTimeout(tellNow, wait);
-}
-
-function tellNow() {
-  clearTimeout(late);
-  late = null;
+/** A key or the pointer changed what the drag does. */
+export const tellSoon = paced(() => {
   const { drag } = hold;
-  if (!drag || !fresh) return;
-  fresh = false;
-  told = performance.now();
+  if (!drag) return;
   send({ ...drag.tell(drag.toView(drag.virtual), modifiers()), stroke: drag.stroke });
   drag.told = true;
-}
+}, PAUSE_MS);
 
 export function endDrag() {
-  tellNow();
+  tellSoon.flush();
   finish('end_stroke');
 }
 
 /** Everything as it was before. */
 export function cancelDrag() {
-  fresh = false;
+  tellSoon.drop();
   finish('cancel_stroke');
 }
 
 function finish(word) {
   const { drag } = hold;
   if (!drag) return;
-  clearTimeout(late);
-  late = null;
   drag.kept = word === 'end_stroke';
   if (drag.told) send({ do: word, stroke: drag.stroke });
   hold.drag = null;

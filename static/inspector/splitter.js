@@ -1,5 +1,6 @@
 // The line between the views and the inspector: dragged, it makes one wider and the other narrower.
 
+import { pull } from '../controls/gesture.js';
 import { inBrowser } from '../store/storage.js';
 
 const LEAST = 256;
@@ -29,13 +30,11 @@ function grab(down, bar, inspector, resize) {
   if (down.button !== 0) return;
   down.preventDefault();
   const from = inspector.getBoundingClientRect().width;
-  bar.setPointerCapture(down.pointerId);
   bar.classList.add('held');
-  bar.onpointermove = (event) => resize(from + down.clientX - event.clientX);
-  bar.onlostpointercapture = () => {
-    bar.onpointermove = null;
-    bar.classList.remove('held');
-  };
+  pull(bar, down, {
+    move: (event) => resize(from + down.clientX - event.clientX),
+    end: () => bar.classList.remove('held'),
+  });
 }
 
 function nudge(event, inspector, resize) {

@@ -2,6 +2,7 @@
 // gives the height of the house back. The height is kept in this browser.
 
 import { html } from '../vendor/lit-html/lit-html.js';
+import { pull } from '../controls/gesture.js';
 import { inBrowser } from '../store/storage.js';
 
 const KEPT = 'keypose.timeline.height';
@@ -51,16 +52,9 @@ export function splitter() {
 
 function grab(event) {
   if (event.button !== 0) return;
-  const line = event.currentTarget;
   const offset = section.getBoundingClientRect().top - event.clientY;
   const move = (e) => setHeight(section.getBoundingClientRect().bottom - e.clientY - offset);
-  const end = () => {
-    line.removeEventListener('pointermove', move);
-    if (isSet()) keep();
-  };
-  line.setPointerCapture(event.pointerId);
-  line.addEventListener('pointermove', move);
-  line.addEventListener('lostpointercapture', end, { once: true });
+  pull(event.currentTarget, event, { move, end: () => isSet() && keep() });
 }
 
 function keys(event) {

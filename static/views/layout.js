@@ -2,6 +2,7 @@
 // moved in the document loads anew.
 
 import { ui, watch } from '../store/state.js';
+import { pull } from '../controls/gesture.js';
 import { inBrowser } from '../store/storage.js';
 
 const SMALL_PLACES = ['one', 'two', 'three'];
@@ -61,15 +62,11 @@ function drag(event, name) {
   const { along, grows } = SPLITTERS[name];
   const from = along === 'x' ? event.clientX : event.clientY;
   const size = sizeOf(name);
-  element.setPointerCapture(event.pointerId);
-  element.onpointermove = (move) => {
-    const to = along === 'x' ? move.clientX : move.clientY;
+  const move = ({ clientX, clientY }) => {
+    const to = along === 'x' ? clientX : clientY;
     set(name, size + grows * (to - from));
   };
-  element.onlostpointercapture = () => {
-    element.onpointermove = null;
-    keep();
-  };
+  pull(element, event, { move, end: keep });
 }
 
 function nudge(event, name) {

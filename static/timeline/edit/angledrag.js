@@ -1,11 +1,10 @@
 // Dragging a diamond of the curve up or down changes that key's angle.
 
 import { server } from '../../store/state.js';
-import { newStroke, send } from '../../store/link.js';
+import { Stroke } from '../../controls/stroke.js';
 import { axis, freezeRange, scale, valueAt } from '../draw/curve.js';
 import { goTo, hold as stopPlaying } from './head.js';
 import { hold } from './held.js';
-import { paced } from './pace.js';
 
 const FINE = 0.1;
 const STEP_DEG = 5;
@@ -16,22 +15,20 @@ export function grabAngle(at, row, start) {
   const about = axis();
   const from = valueAt(at);
   const degPerPx = scale(row).value(0) - scale(row).value(1);
-  const stroke = newStroke('angle');
+  const stroke = new Stroke('angle', (value) => (
+    { do: 'key_angle', frame: at, part, axis: about, deg: value }
+  ));
   let y = start.y;
   let deg = from;
   let begun = false;
-  const tell = paced((value) =>
-    send({ do: 'key_angle', frame: at, part, axis: about, deg: value, stroke }),
-  );
   const begin = () => {
     begun = true;
     freezeRange(true);
     goTo(at);
   };
-  const finish = (action) => {
+  const letGo = () => {
     hold(null);
     freezeRange(false);
-    if (begun) send({ do: action, stroke });
   };
   stopPlaying();
   return {
@@ -43,13 +40,16 @@ export function grabAngle(at, row, start) {
       y = place.y;
       const value = place.ctrl ? Math.round(deg / STEP_DEG) * STEP_DEG : Math.round(deg * 10) / 10;
       hold({ kind: 'angle', frame: at, axis: about, part, from, deg: value });
-      tell(value);
+      stroke.move(value);
     },
     click: () => goTo(at),
     end() {
-      tell.flush();
-      finish('end_stroke');
+      stroke.end();
+      letGo();
     },
-    cancel: () => finish('cancel_stroke'),
+    cancel() {
+      stroke.cancel();
+      letGo();
+    },
   };
 }

@@ -1,6 +1,7 @@
 // What the pointer does on the drawing: what is under it, and the gesture that begins there.
 
 import { server, ui } from '../../store/state.js';
+import { follow } from '../../controls/gesture.js';
 import { isSurface } from '../../store/subject.js';
 import { GUTTER, isZoomed, pxPerFrame, scrollBy, zoomAt } from '../draw/scale.js';
 import { OVERVIEW, RULER } from '../draw/rows.js';
@@ -19,7 +20,6 @@ import { isKey, segmentAt } from './moves.js';
 
 const CLICK_PX = 3;
 const LONG_PRESS_MS = 500;
-const RIGHT_BUTTON = 2;
 
 let element = null;
 let ground = null;
@@ -27,6 +27,7 @@ let gesture = null;
 let start = null;
 let moved = false;
 let pressTimer = 0;
+let letGo = () => {};
 let takenBack = false;
 
 /** Listen on the drawing; `ground()` tells its rows, lanes and scroll. */
@@ -34,15 +35,12 @@ export function listenOn(drawing, groundOf, scrollLanes) {
   element = drawing;
   ground = groundOf;
   drawing.addEventListener('pointerdown', down);
-  drawing.addEventListener('pointermove', move);
-  drawing.addEventListener('pointerup', up);
-  drawing.addEventListener('pointercancel', cancel);
+  drawing.addEventListener('pointermove', point);
   drawing.addEventListener('pointerleave', () => gesture === null && hover(null));
   drawing.addEventListener('contextmenu', menu);
   drawing.addEventListener('wheel', (event) => wheel(event, scrollLanes), { passive: false });
   // A click takes the focus away from no view and gives it to nothing here.
   drawing.addEventListener('mousedown', (event) => event.preventDefault());
-  window.addEventListener('keydown', keyDown, { capture: true });
 }
 
 function placeOf(event) {
@@ -107,32 +105,30 @@ function down(event) {
   document.activeElement?.blur?.();
   const place = placeOf(event);
   const what = under(place);
+  letGo();
   gesture = begin(what, place);
   if (gesture === null) return;
   start = place;
   moved = false;
-  element.setPointerCapture(event.pointerId);
+  letGo = follow(element, event, { move: drag, end: up, cancel, holdsKeys: () => Boolean(gesture.edits) });
   if (event.pointerType === 'touch') pressTimer = setTimeout(() => press(what, place), LONG_PRESS_MS);
 }
 
 /** A long press is the right button of those who have none. */
 function press(what, place) {
   if (gesture === null || moved) return;
+  letGo();
   cancel();
   openMenuOn(what, place);
 }
 
-function move(event) {
+/** With nothing held the cursor says what could be. */
+function point(event) {
+  if (gesture === null) pointAt(under(placeOf(event)));
+}
+
+function drag(event) {
   const place = placeOf(event);
-  if (gesture !== null && event.buttons & RIGHT_BUTTON) {
-    cancel();
-    takenBack = true;
-    return;
-  }
-  if (gesture === null) {
-    pointAt(under(place));
-    return;
-  }
   if (!moved && Math.hypot(place.x - start.x, place.y - start.y) < CLICK_PX) return;
   if (!moved) clearTimeout(pressTimer);
   moved = true;
@@ -140,7 +136,6 @@ function move(event) {
 }
 
 function up(event) {
-  if (gesture === null) return;
   const ended = gesture;
   drop();
   if (moved) ended.end();
@@ -148,24 +143,17 @@ function up(event) {
   pointAt(under(placeOf(event)));
 }
 
-function cancel() {
+/** Taken back; by the right button, when it comes with a move. */
+function cancel(event) {
   const ended = gesture;
   drop();
-  ended?.cancel();
+  ended.cancel();
+  takenBack = event?.type === 'pointermove';
 }
 
 function drop() {
   clearTimeout(pressTimer);
   gesture = null;
-}
-
-/** Esc takes a gesture back; while one edits, no other key may edit as well. */
-function keyDown(event) {
-  if (gesture === null) return;
-  if (event.key === 'Escape') cancel();
-  else if (!gesture.edits) return;
-  event.preventDefault();
-  event.stopImmediatePropagation();
 }
 
 const CURSORS = { key: 'grab', curvekey: 'ns-resize', segment: 'pointer', overview: 'grab' };

@@ -4,7 +4,7 @@
 import { server, ui, setUi } from '../../store/state.js';
 import { send } from '../../store/link.js';
 import { clampFrame } from '../draw/scale.js';
-import { paced } from './pace.js';
+import { paced } from '../../controls/gesture.js';
 
 /** Where this tab has sent the playhead: {frame, n}, n null until it is told. */
 let wanted = null;

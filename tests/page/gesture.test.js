@@ -1,9 +1,10 @@
-// The pace of a gesture: at most once per animation frame, the newest wins, the end is never lost.
+// The pace of a gesture: at most once per animation frame or so many milliseconds, the newest wins,
+// the end is never lost.
 
 import { animationFrame } from './browser.js';
 import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
-import { paced } from '../../static/timeline/edit/pace.js';
+import { paced } from '../../static/controls/gesture.js';
 
 let calls;
 let call;
@@ -62,4 +63,27 @@ test('a wish that arises while one happens waits for the next frame', () => {
   animationFrame();
   animationFrame();
   assert.deepEqual(calls, [1, 2, 3]);
+});
+
+test('what is dropped never happens', () => {
+  call(1);
+  call.drop();
+  animationFrame();
+  call.flush();
+  assert.deepEqual(calls, []);
+});
+
+test('told once in so many milliseconds, the first happens at once and the newest is not lost', (t) => {
+  t.mock.timers.enable({ apis: ['setTimeout'] });
+  let now = 1000;
+  t.mock.method(performance, 'now', () => now);
+  call = paced((n) => calls.push([now, n]), 16);
+  for (const n of [1, 2, 3]) call(n);
+  assert.deepEqual(calls, [[1000, 1]]);
+  now = 1016;
+  t.mock.timers.tick(16);
+  assert.deepEqual(calls, [[1000, 1], [1016, 3]]);
+  now = 1040;
+  call(4);
+  assert.deepEqual(calls.at(-1), [1040, 4]);
 });

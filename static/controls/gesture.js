@@ -1,0 +1,87 @@
+// One gesture of a pointer, from the press until it is let go; and the pace at which it is told.
+
+const RIGHT_HELD = 2;
+
+/**
+ * Follow a pointer until it is let go; for what stays where it was pulled, whatever ends it.
+ * @param {HTMLElement} element
+ * @param {PointerEvent} down
+ * @param {{ move: (event: PointerEvent) => void, end?: () => void }} gesture
+ */
+export function pull(element, down, { move, end = () => {} }) {
+  element.setPointerCapture(down.pointerId);
+  const abort = new AbortController();
+  const { signal } = abort;
+  element.addEventListener('pointermove', move, { signal });
+  element.addEventListener('lostpointercapture', () => {
+    abort.abort();
+    end();
+  }, { signal });
+}
+
+/**
+ * Follow a pointer until it is let go; Esc, the right button and a pointer that is lost take back.
+ * `holdsKeys` tells whether other keys wait until it is over. Returns how to stop without an end.
+ * @param {HTMLElement | SVGElement} element
+ * @param {PointerEvent} down
+ * @param {{ move: (event: PointerEvent) => void, end: (event: PointerEvent) => void,
+ *   cancel: (event: Event) => void, holdsKeys?: () => boolean }} gesture
+ */
+export function follow(element, down, { move, end, cancel, holdsKeys = () => false }) {
+  element.setPointerCapture(down.pointerId);
+  const abort = new AbortController();
+  const on = (target, kind, fn, more) =>
+    target.addEventListener(kind, fn, { signal: abort.signal, ...more });
+  const stop = (fn) => (event) => {
+    abort.abort();
+    fn(event);
+  };
+  on(element, 'pointermove', (event) => (event.buttons & RIGHT_HELD ? stop(cancel)(event) : move(event)));
+  on(element, 'pointerup', stop(end));
+  on(element, 'pointercancel', stop(cancel));
+  const key = (event) => {
+    const isEscape = event.key === 'Escape';
+    if (!isEscape && !holdsKeys()) return;
+    event.preventDefault();
+    event.stopImmediatePropagation();
+    if (isEscape) stop(cancel)(event);
+  };
+  on(window, 'keydown', key, { capture: true });
+  return () => abort.abort();
+}
+
+/**
+ * Many calls, of which the newest wins: one per animation frame, or one in so many milliseconds.
+ * `flush` makes what waits happen now, `drop` forgets it.
+ * @param {(...args: any[]) => void} act
+ * @param {number | null} [restMs]
+ */
+export function paced(act, restMs = null) {
+  let waiting = null;
+  let asked = false;
+  let last = -Infinity;
+  const flush = () => {
+    if (waiting === null) return;
+    const args = waiting;
+    waiting = null;
+    last = performance.now();
+    act(...args);
+  };
+  const later = (wait) => {
+    if (asked) return;
+    asked = true;
+    const due = () => {
+      asked = false;
+      flush();
+    };
+    if (restMs === null) requestAnimationFrame(due);
+    else setTimeout(due, wait);
+  };
+  const call = (...args) => {
+    waiting = args;
+    const wait = restMs === null ? Infinity : last + restMs - performance.now();
+    if (wait <= 0) flush();
+    else later(wait);
+  };
+  return Object.assign(call, { flush, drop: () => void (waiting = null) });
+}
