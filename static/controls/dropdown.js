@@ -5,6 +5,7 @@
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from './icons.js';
+import { standAt } from './popup.js';
 
 class DropDown extends HTMLElement {
   static count = 0;
@@ -112,10 +113,10 @@ class DropDown extends HTMLElement {
     const own = this.list.getBoundingClientRect();
     const below = innerHeight - at.bottom - 12;
     const up = own.height > below && at.top > below;
-    style.maxHeight = `${Math.min(420, up ? at.top - 12 : below)}px`;
-    const tall = Math.min(own.height, parseFloat(style.maxHeight));
-    style.top = `${up ? at.top - tall - 4 : at.bottom + 4}px`;
-    style.left = `${Math.max(8, Math.min(at.left, innerWidth - own.width - 8))}px`;
+    const room = Math.min(420, up ? at.top - 12 : below);
+    const tall = Math.min(own.height, room);
+    standAt(this.list, at.left, up ? at.top - tall - 4 : at.bottom + 4);
+    style.maxHeight = `${room}px`;
   }
 
   toggled(event) {

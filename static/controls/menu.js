@@ -1,112 +1,192 @@
-// A small menu at the pointer: opens upwards where there is no room below, closes on Esc, on a
-// press elsewhere, and when the page scrolls or loses the focus.
+// Menus: one hangs from a button, another stands at the pointer. One is open at a time; a choice, a
+// press elsewhere, Esc and a window that loses the focus close it.
+//
+// Entries: { icon, label, right, run, off: why not, title, checked }
+//          { icon, label, run(frame), ask: { value, last } }  asks for a frame: Enter or its button acts
+//          and `line`, `heading`, `note`, `content`
 
-import { html, render, nothing } from '../vendor/lit-html/lit-html.js';
+import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from './icons.js';
+import { ui, setUi } from '../store/state.js';
+import { reachedByKey } from './focus.js';
+import { belowOrAbove, standAt } from './popup.js';
 
-const MARGIN = 8;
-let host = null;
-let back = null;
+const LEAST_TOP = 8;
 
-export function mountMenu(element) {
-  host = element;
-  window.addEventListener('pointerdown', (event) => !host.contains(event.target) && close(), true);
-  window.addEventListener('keydown', keys, true);
-  window.addEventListener('blur', close);
-  window.addEventListener('resize', close);
+export const line = { line: true };
+export const heading = (words) => ({ heading: words });
+export const note = (content) => ({ note: content });
+export const content = (template) => ({ content: template });
+
+/** Where the menu at the pointer is drawn, and what had the focus before it. */
+let place = null;
+let before = null;
+
+export function mountMenus() {
+  addEventListener('pointerdown', closeFromOutside, true);
+  addEventListener('blur', () => closeMenu());
+  addEventListener('resize', () => closeAtPointer());
 }
 
-export function isOpen() {
-  return host !== null && host.firstElementChild !== null;
+/** Close what is open; tells whether anything was. */
+export function closeMenu() {
+  return closeAtPointer() || closeHanging();
 }
 
-export function close() {
-  if (!isOpen()) return;
-  render(nothing, host);
-  back?.focus?.({ preventScroll: true });
-  back = null;
+function closeFromOutside({ target }) {
+  if (ui.menu && !holder(ui.menu)?.contains(target)) closeHanging();
+  if (!place?.contains(target)) closeAtPointer();
 }
 
-/** Open a menu: `rows` are templates of `item`, `field` and `sentence`. */
-export function open(label, rows, [left, top]) {
+// --- hanging from a button
+
+/**
+ * A button with its menu below it.
+ * button: (attributes of an open or shut menu) → template; items: () → entries
+ */
+export function menuHolder(name, button, items, side = 'left') {
+  const open = ui.menu === name;
+  return html`<span class="holder" data-menu=${name}>
+    ${button(open)}${open
+      ? html`<div class="menu ${side}" role="menu" tabindex="-1" @keydown=${onKey}>${rows(items())}</div>`
+      : nothing}
+  </span>`;
+}
+
+/** Open this menu, or close it when it is the open one. */
+export function toggleMenu(name) {
+  if (ui.menu === name) {
+    closeMenu();
+    return;
+  }
+  setUi('menu', name);
+  // The menu is drawn with the next frame; only then can it take the keys.
+  requestAnimationFrame(() => requestAnimationFrame(focusMenu));
+}
+
+function closeHanging() {
+  if (!ui.menu) return false;
+  const opener = holder(ui.menu)?.querySelector('button');
+  setUi('menu', null);
+  if (reachedByKey()) opener?.focus();
+  return true;
+}
+
+function focusMenu() {
+  const list = ui.menu && holder(ui.menu)?.querySelector('.menu');
+  if (!list) return;
+  const target = reachedByKey() ? list.querySelector('.mi') : list;
+  target?.focus();
+}
+
+function holder(name) {
+  return document.querySelector(`[data-menu="${name}"]`);
+}
+
+// --- at the pointer
+
+/** Menus at the pointer are drawn in this element. */
+export function drawMenusIn(element) {
+  place = element;
+}
+
+/** Open a menu at a place of the window. */
+export function openMenuAt(label, entries, [left, top]) {
   const active = document.activeElement;
-  back = active !== null && active !== document.body ? active : null;
+  before = active !== null && active !== document.body ? active : null;
   render(html`<div class="menu tmenu" role="menu" aria-label=${label} tabindex="-1"
-    @contextmenu=${(event) => event.preventDefault()}>${rows}</div>`, host);
-  place(host.firstElementChild, left, top);
-  (back === null ? host.firstElementChild : choices()[0])?.focus({ preventScroll: true });
+    @keydown=${onKey} @contextmenu=${(event) => event.preventDefault()}>${rows(entries)}</div>`, place);
+  const menu = place.firstElementChild;
+  const { height } = menu.getBoundingClientRect();
+  standAt(menu, left, Math.max(LEAST_TOP, belowOrAbove(height, top, top)));
+  (before === null ? menu : choicesOf(menu)[0])?.focus({ preventScroll: true });
 }
 
-function place(menu, left, top) {
-  const { width, height } = menu.getBoundingClientRect();
-  const x = Math.min(left, window.innerWidth - width - MARGIN);
-  const y = top + height + MARGIN > window.innerHeight ? top - height : top;
-  menu.style.left = `${Math.max(MARGIN, x)}px`;
-  menu.style.top = `${Math.max(MARGIN, y)}px`;
+function closeAtPointer() {
+  if (!place?.firstElementChild) return false;
+  render(nothing, place);
+  before?.focus?.({ preventScroll: true });
+  before = null;
+  return true;
 }
 
-export function item(name, words, right, act) {
-  const run = () => {
-    close();
-    act();
-  };
-  return html`<button class="mi" role="menuitem" tabindex="-1" @click=${run}>
-    ${icon(name)}${words}<span class="r">${right}</span></button>`;
+// --- what is in them
+
+const rows = (entries) => entries.filter(Boolean).map(row);
+
+function row(entry) {
+  if (entry.line) return html`<hr />`;
+  if (entry.heading) return html`<div class="mh">${entry.heading}</div>`;
+  if (entry.note) return html`<div class="mn">${entry.note}</div>`;
+  if (entry.content) return entry.content;
+  return entry.ask ? question(entry) : choice(entry);
 }
 
-/** A row that asks for a frame: Enter or its button acts. */
-export function field(name, words, value, last, act) {
-  const run = (event) => {
+function choice(item) {
+  const role = item.checked === undefined ? 'menuitem' : 'menuitemradio';
+  return html`<button
+    class="mi"
+    role=${role}
+    tabindex="-1"
+    aria-checked=${item.checked ?? nothing}
+    aria-disabled=${item.off ? 'true' : nothing}
+    title=${item.off || item.title || nothing}
+    @click=${() => choose(item)}
+  >
+    ${item.icon ? icon(item.icon) : nothing}<span class="ml">${item.label}</span>
+    ${item.right ? html`<span class="r">${item.right}</span>` : nothing}
+  </button>`;
+}
+
+function choose(item) {
+  if (item.off) return;
+  closeMenu();
+  item.run();
+}
+
+function question({ icon: sign, label, ask, run }) {
+  const answer = (event) => {
     const input = event.currentTarget.closest('.mi').querySelector('input');
     const frame = Number(input.value);
-    if (input.value.trim() === '' || !Number.isInteger(frame) || frame < 0 || frame > last) {
+    if (input.value.trim() === '' || !Number.isInteger(frame) || frame < 0 || frame > ask.last) {
       input.setAttribute('aria-invalid', 'true');
       return;
     }
-    close();
-    act(frame);
+    closeMenu();
+    run(frame);
   };
-  return html`<div class="mi asks">${icon(name)}<label for="tmenu-frame">${words}</label>
-    <input id="tmenu-frame" inputmode="numeric" autocomplete="off" .value=${String(value)}
+  return html`<div class="mi asks">${icon(sign)}<label for="tmenu-frame">${label}</label>
+    <input id="tmenu-frame" inputmode="numeric" autocomplete="off" .value=${String(ask.value)}
       @input=${(event) => event.target.removeAttribute('aria-invalid')} />
-    <button class="btn sm" @click=${run}>Do</button></div>`;
+    <button class="btn sm" @click=${answer}>Do</button></div>`;
 }
 
-/** What else is to be known of it, in small. */
-export function notes(list) {
-  if (list.length === 0) return nothing;
-  return html`<div class="says note"><span>${list.map((words) => html`${upper(words)}<br />`)}</span></div>`;
+// --- keys
+
+/** @returns {HTMLElement[]} */
+const choicesOf = (menu) => [...menu.querySelectorAll('button.mi, .asks input')];
+
+function onKey(event) {
+  const { currentTarget: menu, target, key } = event;
+  const choices = choicesOf(menu);
+  const at = choices.indexOf(/** @type {HTMLElement} */ (document.activeElement));
+  const isText = target.matches('input');
+  const to = {
+    ArrowDown: (at + 1) % choices.length,
+    ArrowUp: (at + choices.length - (at < 0 ? 0 : 1)) % choices.length,
+    ...(isText ? {} : { Home: 0, End: choices.length - 1 }),
+  }[key];
+  const isAnswer = isText && key === 'Enter';
+  if (to !== undefined) choices[to].focus();
+  else if (isAnswer) target.parentElement.querySelector('.btn').click();
+  else if (key === 'Tab') leaveWithTab(event, menu);
+  else if (!target.matches('button, input') || (key !== 'Enter' && key !== ' ')) return;
+  event.stopPropagation();
+  if (to !== undefined || isAnswer) event.preventDefault();
 }
 
-const upper = (words) => words.charAt(0).toUpperCase() + words.slice(1);
-
-/** What a verdict says, above what can be done about it. */
-export function sentence(name, state, range, words) {
-  return html`<div class=${`says ${state}`}>${icon(name)}<span><b>${range}</b> ${words}</span></div>`;
-}
-
-function choices() {
-  return [...host.querySelectorAll('button.mi, .asks input')];
-}
-
-/** Keys while the menu is open, heard before the page's own. */
-function keys(event) {
-  if (!isOpen()) return;
-  const on = host.contains(event.target) ? event.target : null;
-  if (event.key === 'Tab' || event.key === 'Escape') close();
-  else if (event.key === 'ArrowDown') walk(1);
-  else if (event.key === 'ArrowUp') walk(-1);
-  else if (event.key === 'Enter' && on?.matches('input')) confirm(on);
-  else if ((event.key === 'Enter' || event.key === ' ') && on?.matches('button')) on.click();
-  else return;
-  event.preventDefault();
-  event.stopImmediatePropagation();
-}
-
-const confirm = (input) => input.parentElement.querySelector('.btn').click();
-
-function walk(by) {
-  const list = choices();
-  const now = list.indexOf(document.activeElement);
-  list.at(now < 0 ? Math.min(0, by) : (now + by) % list.length)?.focus();
+/** From a button Tab goes on to the next one; at the pointer it goes back to what had the focus. */
+function leaveWithTab(event, menu) {
+  if (place?.contains(menu)) event.preventDefault();
+  closeMenu();
 }

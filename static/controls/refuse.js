@@ -1,5 +1,7 @@
 // How a control says no: it shakes by two pixels and says why, in one sentence, below itself.
 
+import { belowOrAbove, standAt } from './popup.js';
+
 const STAY_MS = 4000;
 let bubble = null;
 let timer = 0;
@@ -38,9 +40,5 @@ function made() {
 function place(element) {
   const at = element.getBoundingClientRect();
   const own = bubble.getBoundingClientRect();
-  const left = Math.min(Math.max(8, at.right - own.width), innerWidth - own.width - 8);
-  const below = at.bottom + 4;
-  const top = below + own.height > innerHeight - 8 ? at.top - own.height - 4 : below;
-  bubble.style.left = `${left}px`;
-  bubble.style.top = `${top}px`;
+  standAt(bubble, at.right - own.width, belowOrAbove(own.height, at.bottom + 4, at.top - 4));
 }

@@ -3,6 +3,7 @@
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { ui } from '../store/state.js';
+import { belowOrAbove, standAt } from './popup.js';
 
 const REST_MS = 450;
 const AGAIN_MS = 300; // from one control to the next the words come at once
@@ -59,9 +60,6 @@ const keys = (key) => html` <kbd>${key}</kbd>`;
 /** Below its control, above it where there is no room; never out of the window. */
 function put(tip, at) {
   const { offsetWidth: width, offsetHeight: height } = tip;
-  const left = Math.min(innerWidth - width - 8, Math.max(8, (at.left + at.right - width) / 2));
-  const below = at.bottom + 6;
-  const top = below + height > innerHeight - 4 ? at.top - height - 6 : below;
-  tip.style.left = `${left}px`;
-  tip.style.top = `${top}px`;
+  const left = (at.left + at.right - width) / 2;
+  standAt(tip, left, belowOrAbove(height, at.bottom + 6, at.top - 6, 4));
 }

@@ -7,7 +7,7 @@ import { mountGuide } from '../guide/guide.js';
 import { mountKeys } from './keys.js';
 import { mountSheet } from './keys_sheet.js';
 import { mountLine } from './line.js';
-import { mountMenus } from '../controls/menus.js';
+import { mountMenus } from '../controls/menu.js';
 import { mountStatus } from './status.js';
 import { mountTheme } from './theme.js';
 import { mountTips } from '../controls/tips.js';

@@ -6,7 +6,7 @@ import { closeFit } from './fit_card.js';
 import { closeGuide } from '../guide/guide.js';
 import { leaveControl } from '../controls/focus.js';
 import { cancelJob } from './job.js';
-import { closeMenu } from '../controls/menus.js';
+import { closeMenu } from '../controls/menu.js';
 
 /** End one thing; tells whether there was anything. */
 export function escape() {

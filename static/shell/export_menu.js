@@ -6,7 +6,7 @@ import { server } from '../store/state.js';
 import { words } from '../store/subject.js';
 import { frame } from '../timeline/edit/head.js';
 import { copyPicture, saveMotion, savePicture, saveReport, viewShown } from './export.js';
-import { heading, line, menuHolder, note, toggleMenu } from '../controls/menus.js';
+import { heading, line, menuHolder, note, toggleMenu } from '../controls/menu.js';
 import { listed, range } from '../controls/words.js';
 
 const MOTIONS = [

@@ -6,7 +6,7 @@ import { send } from '../store/link.js';
 import { server, ui } from '../store/state.js';
 import { damagedFrames } from '../store/damage.js';
 import { isSurface } from '../store/subject.js';
-import { heading, line, menuHolder, note, toggleMenu } from '../controls/menus.js';
+import { heading, line, menuHolder, note, toggleMenu } from '../controls/menu.js';
 import { openChooser } from '../start/chooser.js';
 import { loadLibrary } from '../start/library.js';
 import { toast } from '../controls/toasts.js';

@@ -4,7 +4,7 @@ import { html } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { setUi } from '../store/state.js';
 import { inBrowser } from '../store/storage.js';
-import { menuHolder, toggleMenu } from '../controls/menus.js';
+import { menuHolder, toggleMenu } from '../controls/menu.js';
 
 const KEY = 'keypose.theme';
 const NAMES = { dark: 'Dark', light: 'Light', auto: 'As the system' };

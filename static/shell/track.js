@@ -6,7 +6,7 @@ import { send } from '../store/link.js';
 import { server } from '../store/state.js';
 import { fewestKeys, tooFewWords, words } from '../store/subject.js';
 import { frame } from '../timeline/edit/head.js';
-import { menuHolder, toggleMenu } from '../controls/menus.js';
+import { menuHolder, toggleMenu } from '../controls/menu.js';
 import { count, range } from '../controls/words.js';
 
 const live = () => `${words().verb} the two neighbouring segments each time a keyframe changes   L`;

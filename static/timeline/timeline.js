@@ -9,7 +9,7 @@ import { areFolded, mountFold } from './edit/fold.js';
 import { frame } from './edit/head.js';
 import { held } from './edit/held.js';
 import { listenOn } from './edit/gestures.js';
-import { mountMenu } from '../controls/menu.js';
+import { drawMenusIn } from '../controls/menu.js';
 import { mountSplitter, splitter } from './splitter.js';
 import { PATTERNS } from './draw/patterns.js';
 import { GUTTER, isZoomed, reveal, setWidth } from './draw/scale.js';
@@ -44,7 +44,7 @@ export function mount() {
   const drawing = time.querySelector('#tsvg');
   mountSplitter(time);
   mountFold();
-  mountMenu(time.querySelector('#tmenu'));
+  drawMenusIn(time.querySelector('#tmenu'));
   listenOn(drawing, ground, scrollLanes);
   headKeys(drawing);
   const bar = time.querySelector('#tr');

@@ -1,11 +1,12 @@
 // The two menus of the timeline: of a key, and of a segment with its verdict in a sentence.
 
-import { nothing } from '../../vendor/lit-html/lit-html.js';
+import { html, nothing } from '../../vendor/lit-html/lit-html.js';
 import { send } from '../../store/link.js';
 import { words as subject } from '../../store/subject.js';
 import { lastFrame } from '../draw/scale.js';
 import { frame, goTo } from './head.js';
-import { field, item, notes, open, sentence } from '../../controls/menu.js';
+import { icon } from '../../controls/icons.js';
+import { content, openMenuAt } from '../../controls/menu.js';
 import { deleteKey } from './keying.js';
 import { isKey, keyFrames } from './moves.js';
 import { zoomTo } from './zoom.js';
@@ -16,13 +17,17 @@ const SIGNS = {
 };
 
 export function openKeyMenu(at, page) {
-  open(`Keyframe ${at}`, [
-    item('flag', `Go to ${at}`, '', () => goTo(at)),
-    field('copy', 'Duplicate to', placeForCopy(at), lastFrame(), (to) => {
-      send({ do: 'duplicate_key', frame: at, to });
-      goTo(to);
-    }),
-    item('trash', 'Delete keyframe', at === frame() ? 'Delete' : '', () => deleteKey(at)),
+  const copyTo = (to) => {
+    send({ do: 'duplicate_key', frame: at, to });
+    goTo(to);
+  };
+  openMenuAt(`Keyframe ${at}`, [
+    { icon: 'flag', label: `Go to ${at}`, run: () => goTo(at) },
+    { icon: 'copy', label: 'Duplicate to', ask: { value: placeForCopy(at), last: lastFrame() }, run: copyTo },
+    {
+      icon: 'trash', label: 'Delete keyframe', right: at === frame() ? 'Delete' : '',
+      run: () => deleteKey(at),
+    },
   ], page);
 }
 
@@ -38,16 +43,28 @@ export function openSegmentMenu(segment, page) {
   const range = `${first}–${last}`;
   const busy = state === 'tracking' || state === 'waiting';
   const go = segment.go ?? null;
-  open(`Segment ${range}`, [
-    sentence(SIGNS[state], state, range, wordsOf(segment)),
-    notes(segment.notes ?? []),
+  openMenuAt(`Segment ${range}`, [
+    content(sentence(state, range, wordsOf(segment))),
+    content(notes(segment.notes ?? [])),
     busy
-      ? item('x', 'Cancel', 'Esc', () => send({ do: 'cancel' }))
-      : item('track', `${subject().verb} this`, 'Shift T', () => trackThis(segment)),
-    go === null ? nothing : item('flag', `Go to ${go}`, '', () => goTo(go)),
-    item('grow', 'Zoom to it', 'Z', () => zoomTo(first, last)),
+      ? { icon: 'x', label: 'Cancel', right: 'Esc', run: () => send({ do: 'cancel' }) }
+      : { icon: 'track', label: `${subject().verb} this`, right: 'Shift T', run: () => trackThis(segment) },
+    go === null ? null : { icon: 'flag', label: `Go to ${go}`, run: () => goTo(go) },
+    { icon: 'grow', label: 'Zoom to it', right: 'Z', run: () => zoomTo(first, last) },
   ], page);
 }
+
+/** What a verdict says, above what can be done about it. */
+const sentence = (state, range, words) =>
+  html`<div class=${`says ${state}`}>${icon(SIGNS[state])}<span><b>${range}</b> ${words}</span></div>`;
+
+/** What else is to be known of it, in small. */
+function notes(list) {
+  if (list.length === 0) return nothing;
+  return html`<div class="says note"><span>${list.map((words) => html`${upper(words)}<br />`)}</span></div>`;
+}
+
+const upper = (words) => words.charAt(0).toUpperCase() + words.slice(1);
 
 function wordsOf({ state, words }) {
   return state === 'tracking' ? `${subject().doing}, ${words}` : words || `Not ${subject().done}`;

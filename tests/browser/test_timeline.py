@@ -1,0 +1,176 @@
+"""The timeline under a person's hands: its menus, its drags and how they are taken back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, Locator, Page
+
+from tests.browser.hands import Spot, section, settled, until, until_told
+from tests.browser.shared import Desk, desk, opened
+
+SIZE = (1440, 900)
+
+
+@pytest.fixture(scope="module")
+def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    with desk(browser, tmp_path_factory.mktemp("timeline"), size=SIZE) as made:
+        yield made
+
+
+@pytest.fixture
+def at(shared: Desk) -> Desk:
+    """The page as if it had just been opened."""
+    shared.fresh()
+    return shared
+
+
+def _on_key(page: Page, index: int) -> Spot:
+    """Where a keyframe's diamond stands."""
+    frame, last = section(page, f"keys.frames[{index}]"), section(page, "file.frames") - 1
+    box = page.locator("#tsvg").bounding_box()
+    assert box is not None
+    left, right = box["x"] + 138, box["x"] + box["width"] - 26
+    return left + frame * (right - left) / last, box["y"] + 22 + 17
+
+
+def _menu(page: Page) -> Locator:
+    return page.locator("#tmenu [role=menu]")
+
+
+def _focused(page: Page) -> str:
+    return str(page.evaluate("() => document.activeElement.textContent.trim()"))
+
+
+def test_a_keyframes_menu_is_walked_with_the_keys_and_goes_with_esc(at: Desk) -> None:
+    page = at.page
+    page.mouse.click(*_on_key(page, 1), button="right")
+    frame = section(page, "keys.frames[1]")
+    assert _menu(page).get_attribute("aria-label") == f"Keyframe {frame}"
+    walked = []
+    for key in ("ArrowDown", "End", "ArrowDown", "ArrowUp", "Home"):
+        page.keyboard.press(key)
+        walked.append(_focused(page).split()[0])
+    assert walked == ["Go", "Delete", "Go", "Delete", "Go"]
+    assert section(page, "view.frame") == 0, "the page has heard of none of these keys"
+    page.keyboard.press("Escape")
+    assert _menu(page).count() == 0
+
+
+def test_a_menu_goes_with_a_press_elsewhere_and_one_is_open_at_a_time(at: Desk) -> None:
+    page = at.page
+    page.mouse.click(*_on_key(page, 1), button="right")
+    page.get_by_role("button", name="Export").click()
+    assert _menu(page).count() == 0
+    assert page.get_by_role("menuitem", name="BVH").is_visible()
+    page.mouse.click(*_on_key(page, 1), button="right")
+    settled(page)
+    assert page.get_by_role("menuitem", name="BVH").count() == 0
+    assert _menu(page).count() == 1
+    page.keyboard.press("Escape")
+
+
+def test_a_keyframe_is_copied_to_the_frame_that_was_typed_and_to_no_other(at: Desk) -> None:
+    page = at.page
+    keys = section(page, "keys.frames")
+    page.mouse.click(*_on_key(page, 1), button="right")
+    box = page.get_by_label("Duplicate to")
+    for wrong in ("", "9999", "1.5"):
+        box.fill(wrong)
+        box.press("Enter")
+        assert box.get_attribute("aria-invalid") == "true", wrong
+    box.fill(str(keys[1] + 3))
+    box.press("Enter")
+    assert _menu(page).count() == 0
+    until_told(page, "keys.frames", lambda now: now == sorted({*keys, keys[1] + 3}))
+
+
+@pytest.mark.parametrize("way", ["Escape", "right button"])
+def test_a_keyframe_that_is_dragged_is_put_back(at: Desk, way: str) -> None:
+    page = at.page
+    keys = section(page, "keys.frames")
+    x, y = _on_key(page, 1)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 40, y, steps=4)
+    until(lambda: page.evaluate("() => window.keypose.ui.timeHeld?.kind") == "key", "the drag")
+    page.keyboard.press("k")  # while it is dragged no key edits
+    if way == "Escape":
+        page.keyboard.press("Escape")
+    else:
+        page.mouse.down(button="right")
+        page.mouse.move(x + 41, y)
+        page.mouse.up(button="right")
+    assert page.evaluate("() => window.keypose.ui.timeHeld") is None
+    page.mouse.up()
+    assert _menu(page).count() == 0
+    assert at.agreed("keys")["frames"] == keys
+
+
+def test_a_keyframe_that_is_dragged_goes_where_it_was_let_go(at: Desk) -> None:
+    page = at.page
+    keys = section(page, "keys.frames")
+    x, y = _on_key(page, 1)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 40, y, steps=4)
+    page.mouse.up()
+    moved = until_told(page, "keys.frames", lambda now: now != keys)
+    assert len(moved) == len(keys)
+    assert moved[1] > keys[1]
+
+
+def test_an_angle_dragged_on_the_curve_is_one_step_and_esc_takes_it_back(at: Desk) -> None:
+    page = at.page
+    at.visitor.do(do="select", part="right_shin")
+    until_told(page, "curve.part", lambda part: part == "right_shin")
+    settled(page)
+    path = page.locator("#tsvg .curvekey:not(.current)").first.get_attribute("d") or ""
+    assert path, "the curve has a diamond for each keyframe"
+    box = page.locator("#tsvg").bounding_box()
+    assert box is not None
+    # A diamond is written from its upper corner: M x y.
+    starts = [piece.split("l")[0].split() for piece in path.split("M")[1:]]
+    x, y = float(starts[1][0]) + box["x"], float(starts[1][1]) + 4.5 + box["y"]
+    frame = section(page, "keys.frames[1]")
+    axis = page.locator("#tsvg .axis.chosen").get_attribute("aria-label") or ""
+    where = f"curve.{axis[0].lower()}[{frame}]"
+    before = section(page, where)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y - 12, steps=4)
+    until_told(page, where, lambda now: now != before)
+    page.keyboard.press("Escape")
+    page.mouse.up()
+    until_told(page, where, lambda now: now == before)
+    assert at.agreed("undo")["undo"] is None
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y - 12, steps=4)
+    page.mouse.up()
+    until_told(page, where, lambda now: now != before)
+    until_told(page, "undo.undo", lambda step: step is not None)
+    page.keyboard.press("Control+z")
+    until_told(page, where, lambda now: now == before)
+    assert at.agreed("undo")["undo"] is None
+
+
+def test_a_height_that_was_dragged_is_there_again_after_a_reload(at: Desk) -> None:
+    page = opened(at.page.context, at.keypose)
+    line = page.get_by_role("separator", name="Height of the timeline")
+    box = line.bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x, y - 60, steps=3)
+    page.mouse.up()
+    page.mouse.move(x, y - 120)
+    height = page.evaluate("() => document.getElementById('time').offsetHeight")
+    page.reload()
+    page.wait_for_selector("html[data-ready]", state="attached")
+    assert page.evaluate("() => document.getElementById('time').offsetHeight") == height
+    page.get_by_role("separator", name="Height of the timeline").dblclick()
+    assert page.evaluate("() => document.getElementById('time').offsetHeight") != height
+    page.close()
