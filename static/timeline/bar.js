@@ -1,20 +1,18 @@
-// The bar over the timeline: going from frame to frame, what to key next, how the segments stand.
+// The bar over the timeline: going from frame to frame, the frame as a number to type over, what to key
+// next, how the segments stand.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { server, ui, setUi } from '../store/state.js';
+import { server, setUi, ui } from '../store/state.js';
 import { send } from '../store/link.js';
-import { icon } from '../controls/icons.js';
 import { isSurface, words as subject } from '../store/subject.js';
+import { icon } from '../controls/icons.js';
 import { frameCount, isZoomed, lastFrame } from './draw/scale.js';
-import { frame } from './edit/head.js';
-import { frameBox } from './framebox.js';
-import { foldLanes } from './edit/fold.js';
-import { deleteKey, setKey } from './edit/keying.js';
-import { zoomToInterval } from './edit/zoom.js';
-import { drawZoomHint } from './edit/zoomhint.js';
 import {
-  isKey, keyBeside, keyFrames, middle, next, nextProblem, step, toFirst, togglePlaying, toKey, toLast,
-} from './edit/moves.js';
+  frame, goTo, hold, isKey, keyBeside, keyFrames, middle, next, nextProblem, step, toFirst,
+  togglePlaying, toKey, toLast,
+} from './edit/head.js';
+import { drawZoomHint, foldLanes, zoomToInterval } from './edit/zoom.js';
+import { deleteKey, setKey } from './edit/keying.js';
 
 /** A square button: icon, what it does, its key. */
 function button(name, words, key, act, { off = false, pressed = null } = {}) {
@@ -118,4 +116,44 @@ function right() {
   return html`${isSurface() ? nothing : charts}
     <span class=${`fold${ui.lanes ? '' : ' folded'}`}>${button('chev', fold, 'I', foldLanes)}</span>
     ${button('grow', 'Zoom to this interval', 'Z', zoomToInterval, { pressed: isZoomed() || null })}`;
+}
+
+function frameBox() {
+  const digits = String(lastFrame()).length;
+  return html`<label class="fbox" title="Type a frame, or +5 and -5">
+    ${icon('film', 'width:14px;color:var(--t3)')}
+    <input aria-label="Frame" inputmode="numeric" autocomplete="off" spellcheck="false"
+      style=${`width:${Math.max(2, digits)}ch`} @focus=${(event) => event.target.select()}
+      @keydown=${typed} @blur=${(event) => show(event.target)} />
+    <span class="dim">/ ${lastFrame()}</span></label>`;
+}
+
+/** Write the playhead's frame into the box; never while someone types in it. */
+export function show(input) {
+  if (input === null || document.activeElement === input) return;
+  input.value = String(frame());
+}
+
+function typed(event) {
+  const input = event.target;
+  event.stopPropagation();
+  if (event.key === 'Escape') {
+    input.blur();
+  } else if (event.key === 'Enter') {
+    const to = meant(input.value.trim());
+    hold();
+    if (to !== null) goTo(to);
+    input.blur();
+  } else if (event.key === 'ArrowUp' || event.key === 'ArrowDown') {
+    event.preventDefault();
+    goTo(frame() + (event.key === 'ArrowUp' ? 1 : -1));
+    input.value = String(frame());
+    input.select();
+  }
+}
+
+function meant(text) {
+  if (!/^[+\-−]?\d+$/.test(text)) return null;
+  const number = Number(text.replace('−', '-'));
+  return /^\d/.test(text) ? number : frame() + number;
 }

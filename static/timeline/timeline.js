@@ -1,30 +1,23 @@
-// The timeline: a bar, and one drawing in layers under it. See layers.js for what is drawn when.
+// The timeline: a bar, and one drawing in layers under it. See drawing.js for what is drawn when.
 
 import { html, render } from '../vendor/lit-html/lit-html.js';
 import { server, ui, setUi, watch } from '../store/state.js';
-import { anyLane, lanesOf } from './draw/lanevalues.js';
-import { drawBar } from './bar.js';
-import { show } from './framebox.js';
-import { areFolded, mountFold } from './edit/fold.js';
-import { frame } from './edit/head.js';
+import { anyLane, lanesOf } from './draw/lanes.js';
+import { drawBar, show } from './bar.js';
+import { areFolded, mountFold, noticeZoom, showOpened } from './edit/zoom.js';
+import { frame, headKeys } from './edit/head.js';
 import { held } from './edit/held.js';
-import { listenOn } from './edit/gestures.js';
+import { listenOn, openMenuAtHead } from './edit/gestures.js';
 import { drawMenusIn } from '../controls/menu.js';
 import { mountSplitter, splitter } from './splitter.js';
-import { PATTERNS } from './draw/patterns.js';
-import { GUTTER, isZoomed, reveal, setWidth } from './draw/scale.js';
-import { showOpened } from './edit/zoom.js';
-import { noticeZoom } from './edit/zoomhint.js';
-import { clearNumbers } from './draw/ruler.js';
-import { flagWidth } from './draw/playhead.js';
-import { headKeys } from './edit/headkeys.js';
+import { clearNumbers, PATTERNS } from './draw/ground.js';
+import { GUTTER, isCramped, isZoomed, reveal, rowsFor, setWidth } from './draw/scale.js';
+import { flagWidth } from './draw/overlay.js';
 import { layersOf } from './draw/drawing.js';
-import { isCramped, rowsFor } from './draw/rows.js';
-import { remembered } from './draw/layers.js';
+import { remembered } from './draw/series.js';
 
-export { middle, next, nextProblem, step, toFirst, toKey, toLast, togglePlaying } from './edit/moves.js';
-export { zoomToInterval } from './edit/zoom.js';
-export { foldLanes } from './edit/fold.js';
+export { middle, next, nextProblem, step, toFirst, toKey, toLast, togglePlaying } from './edit/head.js';
+export { foldLanes, zoomToInterval } from './edit/zoom.js';
 
 /** @type {import('../store/shapes.js').Watched[]} */
 const WATCHED = [
@@ -46,7 +39,7 @@ export function mount() {
   mountFold();
   drawMenusIn(time.querySelector('#tmenu'));
   listenOn(drawing, ground, scrollLanes);
-  headKeys(drawing);
+  headKeys(drawing, openMenuAtHead);
   const bar = time.querySelector('#tr');
   const layers = layersOf(drawing, ground);
   new ResizeObserver(() => measure(drawing)).observe(drawing);

@@ -3,7 +3,7 @@
 import './browser.js';
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { rangeOf, scaleOf } from '../../static/timeline/draw/curvescale.js';
+import { rangeOf, scaleOf } from '../../static/timeline/draw/curve.js';
 
 const ROW = { y: 50, h: 112 };
 

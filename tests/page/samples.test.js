@@ -4,9 +4,8 @@ import './browser.js';
 import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
 import { server } from '../../static/store/state.js';
-import { line, runsOf } from '../../static/timeline/draw/samples.js';
+import { extent, line, numbers, runsOf } from '../../static/timeline/draw/series.js';
 import * as scale from '../../static/timeline/draw/scale.js';
-import { extent, numbers } from '../../static/timeline/draw/series.js';
 
 beforeEach(() => {
   server.file = { frames: 6 };

@@ -1,26 +1,32 @@
-// The layers of the drawing from back to front, and what each is drawn from.
+// The drawing is a stack of layers from back to front, each drawn again only when something it is drawn
+// from changed: the playhead moves over lanes and curves that stay as they are.
 
-import { server, ui, setUi } from '../../store/state.js';
+import { render } from '../../vendor/lit-html/lit-html.js';
+import { server, setUi, ui } from '../../store/state.js';
 import { isSurface } from '../../store/subject.js';
 import { send } from '../../store/link.js';
-import { layer } from './layers.js';
-import { frame } from '../edit/head.js';
+import { frame, segmentAt, suggestedFrame } from '../edit/head.js';
 import { held, hovered } from '../edit/held.js';
-import { segmentAt, suggestedFrame } from '../edit/moves.js';
-import { drawClip, drawRuler } from './ruler.js';
-import { drawDamage } from './damage.js';
-import { drawNeed } from './need.js';
+import { drawClip, drawDamage, drawGround, drawKeyLabels, drawNothingYet, drawRuler } from './ground.js';
+import { drawCurrent, drawKeys, drawNeed, drawSuggestion } from './keymarks.js';
 import { drawSegments } from './segments.js';
-import { drawCurrent, drawKeys, drawSuggestion } from './keymarks.js';
-import { drawLaneLabels, drawLanes } from './lanes.js';
+import { drawLaneLabels, drawLanes, partMeant } from './lanes.js';
 import { drawCurrentCurveKey, drawCurve } from './curve.js';
 import { drawCurveLabels } from './curvelabels.js';
 import { drawScoreLabels, drawScores } from './scores.js';
-import { drawBand, drawPlayhead } from './playhead.js';
+import { drawBand, drawHeld, drawPlayhead } from './overlay.js';
 import { drawOverview } from './overview.js';
-import { drawHeld } from './overlay.js';
-import { drawGround, drawKeyLabels, drawNothingYet } from './backdrop.js';
-import { partMeant } from './lanevalues.js';
+
+/** A function that draws the layer if any of its inputs is another than the last time. */
+export function layer(element, inputs, draw) {
+  let before = null;
+  return () => {
+    const now = inputs();
+    if (before !== null && now.every((value, i) => Object.is(value, before[i]))) return;
+    before = now;
+    render(draw(), element);
+  };
+}
 
 const isScore = () => ui.chart === 'score' && !isSurface() && (server.segments ?? []).length > 0;
 

@@ -1,11 +1,11 @@
-// The keyframes: diamonds, drafts hollow, the suggested one dashed with a plus.
+// The keyframes: diamonds, drafts hollow, the suggested one dashed with a plus; and along the foot of
+// their row, as a low hill, what one keyframe more would mend at each frame.
 
-import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
+import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
 import { server } from '../../store/state.js';
 import { GUTTER, right, visible, x } from './scale.js';
-import { diamond } from './patterns.js';
-import { frame } from '../edit/head.js';
-import { isKey, keyFrames, suggestedFrame } from '../edit/moves.js';
+import { frame, isKey, keyFrames, suggestedFrame } from '../edit/head.js';
+import { extent, numbers } from './series.js';
 
 const RADIUS = 6.5;
 const CURRENT = 8;
@@ -105,4 +105,38 @@ export function nearest(frames, px, reach) {
     if (apart <= least) [best, least] = [at, apart];
   }
   return best;
+}
+
+/** A diamond about a point, as path data. */
+export function diamond(cx, cy, r) {
+  return `M${cx} ${cy - r}l${r} ${r}-${r} ${r}-${r}-${r}z`;
+}
+
+const HIGH = 8;
+
+/** The suggested key stands at the top of the hill; without one there is nothing to explain. */
+export function drawNeed(rows) {
+  const need = numbers(server.need);
+  const most = server.suggest?.kind === 'key' ? extent(need)?.high : null;
+  if (!(most > 0)) return nothing;
+  const foot = rows.keys.y + rows.keys.h - 1;
+  // A lost stretch needs it a hundred times more than others, which still have their hill.
+  const top = (value) => foot - HIGH * Math.sqrt(value / most);
+  return svg`<path class="need" d=${hills(need, foot, top)}>
+    <title>How much one keyframe more would mend here</title></path>`;
+}
+
+function hills(need, foot, top) {
+  const { first, last } = visible();
+  const from = Math.max(0, Math.floor(first) - 1);
+  const to = Math.min(need.length - 1, Math.ceil(last) + 1);
+  let path = '';
+  let open = false;
+  for (let at = from; at <= to; at += 1) {
+    const known = !Number.isNaN(need[at]);
+    if (known) path += `${open ? 'L' : `M${x(at).toFixed(1)} ${foot}L`}${x(at).toFixed(1)} ${top(need[at]).toFixed(1)}`;
+    else if (open) path += `V${foot}Z`;
+    open = known;
+  }
+  return open ? `${path}V${foot}Z` : path;
 }

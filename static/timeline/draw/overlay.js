@@ -1,12 +1,54 @@
-// What is held or hovered: the key on its way, the angle being changed, the mark under the pointer.
+// What moves over the rows: the playhead with its flag and the band of its interval; what is held or
+// hovered, as the key on its way, the angle being changed, the mark under the pointer.
 
-import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
+import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
 import { server } from '../../store/state.js';
-import { GUTTER, right, x } from './scale.js';
-import { barOf, BAR } from './segments.js';
-import { diamond } from './patterns.js';
+import { frameCount, GUTTER, lastFrame, right, RULER, x } from './scale.js';
+import { around, frame, isKey, segmentAt } from '../edit/head.js';
+import { diamond, draftFrames } from './keymarks.js';
+import { BAR, barOf } from './segments.js';
 import { held, hovered } from '../edit/held.js';
 import { partOf, scale, valueAt } from './curve.js';
+
+export function flagWidth() {
+  return 16 + 9 * String(frame()).length;
+}
+
+/** The playhead from the ruler down to `bottom`, a slider for those who cannot drag it. */
+export function drawPlayhead(bottom) {
+  if (frameCount() === 0) return nothing;
+  const at = Math.round(x(frame()) * 2) / 2;
+  if (at < GUTTER - 1 || at > right() + 12) return nothing;
+  const half = flagWidth() / 2;
+  return svg`<g class="playhead" role="slider" tabindex="0" aria-label="Frame"
+      aria-valuemin="0" aria-valuemax=${lastFrame()} aria-valuenow=${frame()}
+      aria-valuetext=${spoken()} transform=${`translate(${at} 0)`}>
+    <path class="stem" d=${`M0 ${RULER - 4}V${bottom}`} />
+    <path class="ring" d=${flag(half + 3, -3, 20)} />
+    <path class="flag" d=${flag(half, 0, 17)} />
+    <text x="0" y="12.5" text-anchor="middle">${frame()}</text></g>`;
+}
+
+function flag(half, top, bottom) {
+  return `M${-half} ${top + 3}a3 3 0 0 1 3-3h${2 * half - 6}a3 3 0 0 1 3 3V${bottom - 3}a3 3 0 0 1-3 3
+    h${7 - half}l-4 4-4-4h${7 - half}a3 3 0 0 1-3-3z`;
+}
+
+function spoken() {
+  const at = frame();
+  const what = isKey(at) ? ', keyframe' : draftFrames().includes(at) ? ', draft' : '';
+  const segment = segmentAt(at);
+  return `Frame ${at} of ${lastFrame()}${what}${segment?.words ? `. ${segment.words}` : ''}`;
+}
+
+/** The interval around the playhead; on a key, both intervals it ends. */
+export function drawBand(rows, bottom) {
+  const interval = server.keys ? around(frame()) : null;
+  if (interval === null || interval[0] === interval[1]) return nothing;
+  const [from, to] = interval.map(x);
+  return svg`<rect class="band" x=${from} y=${rows.top} width=${to - from}
+    height=${Math.max(0, bottom - rows.top)} />`;
+}
 
 const LETTER_PX = 6.6;
 
@@ -26,14 +68,14 @@ function drawMovingKey({ from, to, copy, taken, refused }, rows) {
     ${label(words, x(to), middle + 22)}`;
 }
 
-function drawAngle({ frame, part, axis, from, deg }, rows) {
+function drawAngle({ frame: key, part, axis, from, deg }, rows) {
   const at = rows.curve === null ? null : scale(rows.curve);
   if (at === null) return nothing;
   const y = Math.min(rows.curve.y + rows.curve.h, Math.max(rows.curve.y, at.y(deg)));
   const word = partOf(part)?.words?.[axis] ?? axis.toUpperCase();
   const words = `${word} ${figure(deg)}°  ${signed(deg - from)}`;
-  return svg`<path class="curvekey current" d=${diamond(x(frame), y, 6)} />
-    ${beside(words, x(frame), y, rows)}`;
+  return svg`<path class="curvekey current" d=${diamond(x(key), y, 6)} />
+    ${beside(words, x(key), y, rows)}`;
 }
 
 const figure = (value) => value.toFixed(1).replace('-', '−');
@@ -71,11 +113,11 @@ function drawHover(rows) {
     width=${Math.max(1, to - from) + 3} height=${2 * BAR.half + 3} />`;
 }
 
-function drawCurveHover(frame, rows) {
+function drawCurveHover(key, rows) {
   const at = rows.curve === null ? null : scale(rows.curve);
-  const value = valueAt(frame);
+  const value = valueAt(key);
   if (at === null || value === null) return nothing;
   const y = at.y(value);
-  return svg`<path class="hover" d=${diamond(x(frame), y, 7)} />
-    ${beside(`${figure(value)}°`, x(frame), y, rows)}`;
+  return svg`<path class="hover" d=${diamond(x(key), y, 7)} />
+    ${beside(`${figure(value)}°`, x(key), y, rows)}`;
 }

@@ -2,10 +2,8 @@
 
 import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
 import { server } from '../../store/state.js';
-import { isZoomed, lastFrame, left, right, scrollBy, showFrames, shown } from './scale.js';
-import { OVERVIEW, RULER } from './rows.js';
-import { frame } from '../edit/head.js';
-import { keyFrames } from '../edit/moves.js';
+import { isZoomed, lastFrame, left, OVERVIEW, right, RULER, scrollBy, showFrames, shown } from './scale.js';
+import { frame, keyFrames } from '../edit/head.js';
 
 function place(at) {
   return left() + (at * (right() - left())) / Math.max(1, lastFrame());

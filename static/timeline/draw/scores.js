@@ -2,8 +2,7 @@
 
 import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
 import { GUTTER, right } from './scale.js';
-import { frame } from '../edit/head.js';
-import { segmentAt } from '../edit/moves.js';
+import { frame, segmentAt } from '../edit/head.js';
 
 const PITCH_MOST = 64;
 const AXIS_H = 14;

@@ -2,7 +2,7 @@
 
 import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
 import { server } from '../../store/state.js';
-import { suggestedFrame } from '../edit/moves.js';
+import { suggestedFrame } from '../edit/head.js';
 import { draftFrames } from './keymarks.js';
 import { GUTTER, lastFrame, right, visible, x } from './scale.js';
 

@@ -3,20 +3,16 @@
 import { server, ui } from '../../store/state.js';
 import { follow } from '../../controls/gesture.js';
 import { isSurface } from '../../store/subject.js';
-import { GUTTER, isZoomed, pxPerFrame, scrollBy, zoomAt } from '../draw/scale.js';
-import { OVERVIEW, RULER } from '../draw/rows.js';
+import { GUTTER, isZoomed, OVERVIEW, pxPerFrame, RULER, scrollBy, zoomAt } from '../draw/scale.js';
 import { BAR, barOf } from '../draw/segments.js';
 import { keyNear } from '../draw/keymarks.js';
 import { curveKeyNear } from '../draw/curve.js';
 import { laneAt } from '../draw/lanes.js';
 import { grabOverview } from '../draw/overview.js';
-import { grabKey } from './keydrag.js';
-import { grabAngle } from './angledrag.js';
-import { grabHead, selectFrom } from './scrub.js';
+import { grabAngle, grabHead, grabKey, selectFrom } from './drags.js';
 import { openKeyMenu, openSegmentMenu } from './menus.js';
-import { frame } from './head.js';
+import { frame, isKey, segmentAt } from './head.js';
 import { hover } from './held.js';
-import { isKey, segmentAt } from './moves.js';
 
 const CLICK_PX = 3;
 const LONG_PRESS_MS = 500;

@@ -3,9 +3,8 @@
 import { server } from '../../store/state.js';
 import { send } from '../../store/link.js';
 import { toast } from '../../controls/toasts.js';
-import { frame } from './head.js';
+import { frame, isKey } from './head.js';
 import { draftFrames } from '../draw/keymarks.js';
-import { isKey } from './moves.js';
 
 /** K: the pose here is this frame's keyframe. Where it is one already, nothing is lost. */
 export function setKey() {

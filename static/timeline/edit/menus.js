@@ -4,11 +4,10 @@ import { html, nothing } from '../../vendor/lit-html/lit-html.js';
 import { send } from '../../store/link.js';
 import { words as subject } from '../../store/subject.js';
 import { lastFrame } from '../draw/scale.js';
-import { frame, goTo } from './head.js';
+import { frame, goTo, isKey, keyFrames } from './head.js';
 import { icon } from '../../controls/icons.js';
 import { content, openMenuAt } from '../../controls/menu.js';
 import { deleteKey } from './keying.js';
-import { isKey, keyFrames } from './moves.js';
 import { zoomTo } from './zoom.js';
 
 const SIGNS = {
