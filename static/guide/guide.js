@@ -11,10 +11,8 @@ import { onViews } from '../views/views.js';
 import { onHold } from '../handles/hold.js';
 import { isDrawingTool } from '../handles/sketch.js';
 import { isDragCoveredBy } from '../handles/covered_by.js';
-import { drawMarks } from './guide_marks.js';
-import { carry, cornerFor, covers, coversWords } from './guide_place.js';
-import { forgetPulled, mountPulled } from './guide_pulled.js';
-import { ending, isDone, isKept, steps, takeWaist } from './guide_steps.js';
+import { carry, cornerFor, covers, coversWords, drawMarks, forgetPulled, mountPulled } from './places.js';
+import { ending, isDone, isKept, steps, takeWaist } from './steps.js';
 
 const KEY = 'keypose.guide';
 const PAUSE_MS = 900; // long enough to see the tick
@@ -132,8 +130,8 @@ function coach() {
 }
 
 /**
- * @param {import('./guide_steps.js').Step} step
- * @param {import('./guide_steps.js').Choice} choice
+ * @param {import('./steps.js').Step} step
+ * @param {import('./steps.js').Choice} choice
  */
 function choiceButton(step, { label, title, act, ends }) {
   const choose = () => {

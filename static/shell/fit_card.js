@@ -8,7 +8,7 @@ import { server, ui, watch } from '../store/state.js';
 import { onViews } from '../views/views.js';
 import { onHold } from '../handles/hold.js';
 import { isDragCoveredBy } from '../handles/covered_by.js';
-import { cornerFor } from '../guide/guide_place.js';
+import { cornerFor } from '../guide/places.js';
 import { count } from '../controls/words.js';
 
 let corner = null; // where the card stands

@@ -18,7 +18,7 @@ import { drawBand, drawHeld, drawPlayhead } from './overlay.js';
 import { drawOverview } from './overview.js';
 
 /** A function that draws the layer if any of its inputs is another than the last time. */
-export function layer(element, inputs, draw) {
+function layer(element, inputs, draw) {
   let before = null;
   return () => {
     const now = inputs();

@@ -6,7 +6,7 @@ import { server } from '../../store/state.js';
 import { extent, numbers, remembered, runsOf } from './series.js';
 import { GUTTER, right } from './scale.js';
 
-export const HIDDEN_BELOW = 0.35;
+const HIDDEN_BELOW = 0.35;
 
 /**
  * One value per frame for several parts: half their mean, half the worst of them, since a limb

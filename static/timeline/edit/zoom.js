@@ -12,7 +12,7 @@ const AIR_OPENED = 0.1;
 const LITTLE = 0.25; // of the film: the keyframes stand too close together to be worked with
 
 /** Whether the keyframes take up little of a long film. */
-export function isKeyedLittle() {
+function isKeyedLittle() {
   const keys = keyFrames();
   return keys.length > 1 && keys.at(-1) - keys[0] < LITTLE * lastFrame();
 }
