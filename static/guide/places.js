@@ -38,7 +38,7 @@ function notice() {
  * The handles that are still to be dragged in this step: [{handle, at}, …], those in sight.
  * @param {import('./steps.js').Step} [step]
  */
-export function spotsOf({ takes } = {}) {
+function spotsOf({ takes } = {}) {
   if (!takes) return [];
   return stillToPull(takes.kinds)
     .map((handle) => ({ handle, at: inWindow(takes.view, server.pose?.points?.[handle.anchor]) }))
@@ -57,7 +57,7 @@ function stillToPull(kinds) {
 }
 
 /** Every joint of the body, in the view of this name. */
-export function bodyInWindow(name) {
+function bodyInWindow(name) {
   const points = Object.values(server.pose?.points ?? {});
   return points.map((point) => inWindow(name, point)).filter(Boolean);
 }

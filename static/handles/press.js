@@ -1,26 +1,74 @@
-// From pointer events to gestures: one press at a time, captured by its view.
+// From pointer events to gestures: one press at a time, captured by its view, in one of these states.
+//
+//   still      has not moved yet: let go now it is a click
+//   asking     has moved off a handle's reach; which part lies there is on its way
+//   dragging   pulls a handle, a mask or a part
+//   panning    moves the view
+//   sketching  draws with the mask or the vertical tool
+//   pinching   has a second finger: both move and zoom the view
+//   spent      was taken back: nothing more until it is let go
 
-import { isFree } from '../store/limits.js';
-import { server, ui, setUi } from '../store/state.js';
-import { beginDrag, cancelDrag, endDrag, moveDrag } from './drag.js';
+import { server, ui } from '../store/state.js';
+import { beginOnSurface, beginOnTarget } from './begin.js';
+import { cancelDrag, endDrag, moveDrag } from './drag.js';
 import { hold } from './hold.js';
 import { hover, leave, pick } from './hover.js';
 import { isHeldKey, noteModifiers } from './keysheld.js';
 import { beginPan, endPan, movePan, pinch, wheel } from './pan.js';
-import { wedgeOf } from './rings.js';
-import { click, select } from './select.js';
+import { click } from './select.js';
 import { isDrawingTool, sketchDown, sketches, sketchMove, sketchUp } from './sketch.js';
 import { distance } from './space.js';
 import { targetAt } from './targets.js';
-import { surfaceTool } from './tools.js';
 
 const CLICK_PX = 3;
 const LEFT = 0;
 const MIDDLE = 1;
 const RIGHT_HELD = 2;
 
+/** @typedef {'still' | 'asking' | 'dragging' | 'panning' | 'sketching' | 'pinching' | 'spent'} State */
+
+/**
+ * @typedef {object} Press
+ * @property {any} view
+ * @property {number} id  Of its pointer.
+ * @property {number} x  Where it began, in pixels of the view.
+ * @property {number} y
+ * @property {State} state
+ * @property {any} target  The handle or mask it began on.
+ * @property {Promise<{ parts: string[] }> | null} picked  Where there is none: the parts there, front to back.
+ * @property {[PointerEvent, number, number]} [newest]  While asking: the last move.
+ * @property {boolean} [gone]  Let go while asking.
+ */
+
+/** @type {Press | null} */
 let press = null;
 const fingers = new Map();
+
+/**
+ * What a move does in each state, what letting go does, and what taking back undoes.
+ * @type {Record<State, { move?: (view: any, event: PointerEvent, x: number, y: number) => void,
+ *   end?: (done: Press, x: number, y: number) => void, cancel?: () => void }>}
+ */
+const STATES = {
+  still: { move: leaveStill, end: clicked },
+  asking: { move: (_, event, x, y) => void (press.newest = [event, x, y]) },
+  dragging: {
+    move: (_, event, x, y) => hold.drag && moveDrag(event, x, y),
+    end: () => hold.drag && endDrag(),
+    cancel: () => hold.drag && cancelDrag(),
+  },
+  panning: {
+    move: (view, _, x, y) => hold.panning && movePan(view, x, y),
+    end: () => hold.panning && endPan(),
+    cancel: () => hold.panning && endPan(),
+  },
+  sketching: {
+    move: (view, _, x, y) => sketchMove(view, x, y),
+    end: ({ view }, x, y) => sketchUp(view, x, y),
+  },
+  pinching: {}, // moved by both fingers
+  spent: {},
+};
 
 /** Listen to a view's pointer. */
 export function listenTo(view) {
@@ -28,7 +76,7 @@ export function listenTo(view) {
   over.addEventListener('pointerdown', (event) => down(view, event));
   over.addEventListener('pointermove', (event) => move(view, event));
   over.addEventListener('pointerup', (event) => up(view, event));
-  over.addEventListener('pointercancel', (event) => lost(view, event));
+  over.addEventListener('pointercancel', (event) => lost(event));
   over.addEventListener('pointerleave', () => press || leave());
   over.addEventListener('contextmenu', (event) => event.preventDefault());
   over.addEventListener('wheel', (event) => wheel(view, event, ...place(view, event)), { passive: false });
@@ -39,15 +87,16 @@ export const isPressed = () => press !== null;
 
 /** Take everything back: Esc, or the right button. */
 export function takeBack() {
-  if (hold.drag) cancelDrag();
-  if (hold.panning) endPan();
-  press = press && { ...press, mode: 'spent' };
+  STATES[press.state].cancel?.();
+  press.state = 'spent';
 }
 
 function place(view, event) {
   const box = view.over.getBoundingClientRect();
   return [event.clientX - box.left, event.clientY - box.top];
 }
+
+// --- pointer events
 
 function down(view, event) {
   if (!server.file || !server.pose) return;
@@ -60,16 +109,16 @@ function down(view, event) {
   event.preventDefault();
   document.activeElement?.blur?.();
   view.over.setPointerCapture(event.pointerId);
-  press = { view, id: event.pointerId, x, y, mode: 'still', target: null, parts: null };
+  press = { view, id: event.pointerId, x, y, state: 'still', target: null, picked: null };
   begin(view, event, x, y);
 }
 
 function begin(view, event, x, y) {
   if (event.button === MIDDLE || isHeldKey(' ') || ui.tool === 'pan') {
-    press.mode = 'push';
+    press.state = 'panning';
     beginPan(view, x, y);
   } else if (sketches(view)) {
-    press.mode = 'sketch';
+    press.state = 'sketching';
     sketchDown(view, x, y);
   } else {
     press.target = targetAt(view, x, y, event.pointerType === 'touch');
@@ -84,12 +133,8 @@ function move(view, event) {
   if (fingers.has(event.pointerId)) moveFinger(view, event.pointerId, [x, y]);
   if (!press) return rest(view, event, x, y);
   if (press.id !== event.pointerId || press.view !== view) return;
-  if (event.buttons & RIGHT_HELD) return takeBack();
-  if (press.mode === 'push' && hold.panning) movePan(view, x, y);
-  else if (press.mode === 'sketch') sketchMove(view, x, y);
-  else if (press.mode === 'drag' && hold.drag) moveDrag(event, x, y);
-  else if (press.mode === 'still' && distance([press.x, press.y], [x, y]) >= CLICK_PX) leaveStill(view, event, x, y);
-  else if (press.mode === 'asking') press.newest = [event, x, y];
+  if (event.buttons & RIGHT_HELD) takeBack();
+  else STATES[press.state].move?.(view, event, x, y);
 }
 
 /** The pointer moves with nothing pressed. */
@@ -100,122 +145,75 @@ function rest(view, event, x, y) {
   pointerLook(view, target);
 }
 
-/** A press became a drag. */
-function leaveStill(view, event, x, y) {
-  if (press.target) {
-    press.mode = 'drag';
-    beginTarget(view, press.target);
-    return moveDrag(event, x, y);
-  }
-  press.mode = 'asking';
-  press.newest = [event, x, y];
-  const asked = press;
-  press.picked.then(({ parts }) => {
-    if (press !== asked || press.mode !== 'asking') return;
-    beginSurface(view, parts[0]);
-    const [newest, newX, newY] = press.newest;
-    if (press.mode === 'drag') moveDrag(newest, newX, newY);
-    else movePan(view, newX, newY);
-    if (press.gone) finish(view, newX, newY);
-  });
-  return undefined;
-}
-
-function beginTarget(view, target) {
-  const from = view.toView([press.x, press.y]);
-  if (target.tell) return beginMask(view, target, from);
-  if (target.kind === 'trail') return startPush(view);
-  const { handle = { kind: 'ring', part: target.part.name, axis: target.axis } } = target;
-  const wedge = target.kind === 'ring' ? wedgeOf(target, press.x, press.y) : null;
-  const open = handle.kind === 'ring' && isFree(handle.part, handle.axis);
-  const tell = (at, held) => ({
-    do: 'drag', view: view.name, handle, from, at, ...held, free: open || held.free,
-  });
-  const extra = { target, wedge, point: target.point, limb: ui.limb, hint: handle.kind, axis: handle.axis };
-  // The selected part stays so while its own limb is pulled.
-  if (target.kind !== 'ring' && !target.limb?.includes(server.view.selected)) select(target.part);
-  beginDrag(view, press, tell, extra);
-  if (handle.kind === 'end') setUi('limb', target.limb);
-  pointerLook(view, target);
-  return undefined;
-}
-
-function beginMask(view, target, from) {
-  const tell = (at) => ({
-    do: 'change_mask', index: target.index, ...target.tell([at[0] - from[0], at[1] - from[1]]),
-  });
-  beginDrag(view, press, tell, { target, hint: 'mask', gentle: true });
-}
-
-/** On a part its tool decides; on nothing the view is panned. */
-function beginSurface(view, part) {
-  if (!part || ui.tool === 'size') return startPush(view);
-  press.mode = 'drag';
-  const root = server.body.parts.find(({ name }) => name === part)?.parent == null;
-  const tool = surfaceTool(ui.tool, root);
-  const handle = { kind: 'surface', part, tool };
-  const from = view.toView([press.x, press.y]);
-  select(part);
-  const tell = (at, held) => ({ do: 'drag', view: view.name, handle, from, at, ...held });
-  const hint = { rotate: 'turn', move: 'root', ends: 'end' }[tool];
-  beginDrag(view, press, tell, { target: { key: `part:${part}`, part }, hint });
-  view.over.style.cursor = 'grabbing';
-  return undefined;
-}
-
-function startPush(view) {
-  press.mode = 'push';
-  beginPan(view, press.x, press.y);
-  view.over.style.cursor = 'grabbing';
-}
-
 function up(view, event) {
   fingers.delete(event.pointerId);
   if (!press || press.id !== event.pointerId || press.view !== view) return;
-  const [x, y] = place(view, event);
   // The answer which part it was is still on its way: the drag ends when it has begun.
-  if (press.mode === 'asking') press.gone = true;
-  else finish(view, x, y);
+  if (press.state === 'asking') press.gone = true;
+  else finish(...place(view, event));
 }
 
-function finish(view, x, y) {
-  const done = press;
-  press = null;
-  if (done.mode === 'drag' && hold.drag) endDrag();
-  else if (done.mode === 'push' && hold.panning) endPan();
-  else if (done.mode === 'sketch') sketchUp(view, x, y);
-  else if (done.mode === 'still') clicked(view, done);
-  pointerLook(view, null);
-}
-
-function clicked(view, done) {
-  // The time of the release counts, not that of the answer which parts were there.
-  const at = { x: done.x, y: done.y, time: performance.now() };
-  if (done.target) click(view, at, done.target, []);
-  else done.picked.then(({ parts }) => click(view, at, null, parts));
-}
-
-function lost(view, event) {
+function lost(event) {
   fingers.delete(event.pointerId);
   if (press?.id !== event.pointerId) return;
   takeBack();
   press = null;
 }
 
+// --- from state to state
+
+/** A press that moves far enough is a drag, of what it began on. */
+function leaveStill(view, event, x, y) {
+  if (distance([press.x, press.y], [x, y]) < CLICK_PX) return;
+  if (press.target) {
+    press.state = beginOnTarget(view, press, press.target);
+    STATES[press.state].move(view, event, x, y);
+  } else {
+    press.state = 'asking';
+    press.newest = [event, x, y];
+    answered(press);
+  }
+}
+
+/** The drag begins once it is known which part lies there, unless the press is over. */
+async function answered(asked) {
+  const { parts } = await asked.picked;
+  if (press !== asked || press.state !== 'asking') return;
+  press.state = beginOnSurface(press.view, press, parts[0]);
+  const [event, x, y] = press.newest;
+  STATES[press.state].move(press.view, event, x, y);
+  if (press.gone) finish(x, y);
+}
+
+function finish(x, y) {
+  const done = press;
+  press = null;
+  STATES[done.state].end?.(done, x, y);
+  pointerLook(done.view, null);
+}
+
+function clicked({ view, x, y, target, picked }) {
+  // The time of the release counts, not that of the answer which parts were there.
+  const at = { x, y, time: performance.now() };
+  if (target) click(view, at, target, []);
+  else picked.then(({ parts }) => click(view, at, null, parts));
+}
+
 /** A second finger takes over from a press that has not grabbed anything. */
 function secondFinger() {
-  if (fingers.size !== 2 || press.mode === 'drag') return;
+  if (fingers.size !== 2 || press.state === 'dragging') return;
   if (hold.panning) endPan();
-  press.mode = 'pinch';
+  press.state = 'pinching';
 }
 
 function moveFinger(view, id, at) {
   const before = [...fingers.values()];
   fingers.set(id, at);
-  if (press?.mode === 'pinch' && fingers.size === 2) pinch(view, before, [...fingers.values()]);
+  if (press?.state === 'pinching' && fingers.size === 2) pinch(view, before, [...fingers.values()]);
 }
 
-/** The cursor says what the pointer would do. */
+// --- the cursor, which says what the pointer would do
+
 function pointerLook(view, target) {
   view.over.style.cursor = lookOf(view, target);
 }

@@ -38,7 +38,7 @@ function keep() {
   inBrowser.write(KEPT, section.offsetHeight);
 }
 
-export function restore() {
+function restore() {
   root.style.removeProperty('--h-time');
   inBrowser.remove(KEPT);
 }

@@ -69,7 +69,7 @@ function placesOf(segment, row) {
   };
 }
 
-export function figures(score) {
+function figures(score) {
   return Number(score.toPrecision(3)).toString();
 }
 

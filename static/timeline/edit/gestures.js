@@ -51,7 +51,7 @@ function placeOf(event) {
 }
 
 /** What is under a place: {kind, ...}; the kind "frames" is everywhere else. */
-export function under(place) {
+function under(place) {
   const { rows, lanes, scroll } = ground();
   if (place.x < GUTTER) return { kind: 'gutter' };
   const strip = isZoomed() && place.y > RULER - 2 && place.y < RULER + OVERVIEW + 2;
