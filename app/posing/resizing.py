@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from pydantic import ValidationError
@@ -11,7 +11,7 @@ from pydantic import ValidationError
 from app.posing.words import kind_of
 from tracker.body import scaling
 from tracker.body.body import Body, Part, Point
-from tracker.body.shapes import Box, Cylinder, Frustum, Shape
+from tracker.body.shapes import Shape
 from tracker.errors import BodyError, one_sentence
 
 SMALLEST_CM = 0.2
@@ -29,19 +29,18 @@ _ENDS = {
     "chest": ("waist", "shoulders"),
     "head": ("chin", "crown"),
 }
-_BOX_LABELS = {
+_LABELS_OF_AXES = {
     "hand": {"width": "Thickness", "depth": "Width"},
     "foot": {"length": "Height", "depth": "Length"},
 }
-_BOX_AXES = {"width": 0, "length": 1, "depth": 2}
+"""Of parts that have one size along each of their axes."""
 
 
 @dataclass(frozen=True)
 class Size:
     """One size of a part, centimetres; min and max are what a slider should span.
 
-    Keys: length; radius, start_radius, end_radius of round parts; start_width, start_depth,
-    end_width, end_depth, whole, of parts that are not round; width, depth of boxes.
+    key: the shape's own.  at_m: where its handle is, metres in the part's frame.
     """
 
     key: str
@@ -49,15 +48,16 @@ class Size:
     cm: float
     min: float
     max: float
+    at_m: Point
 
 
 def part_sizes(body: Body, part: str) -> tuple[Size, ...]:
     """All sizes of a part."""
-    found = body.parts[body.index(part)]
-    values = _values(found.shape)
+    sizes = body.parts[body.index(part)].shape.sizes()
+    keys = [size.key for size in sizes]
     return tuple(
-        Size(key, _label(kind_of(part), found.shape, key), 100 * metres, *_span(100 * metres))
-        for key, metres in values.items()
+        Size(size.key, label, 100 * size.metres, *_span(100 * size.metres), size.p_part)
+        for size, label in zip(sizes, _labels(kind_of(part), keys), strict=True)
     )
 
 
@@ -67,24 +67,22 @@ def with_size(body: Body, part: str, key: str, cm: float, *, linked: bool = True
     What hangs on the part and its landmarks go with the surface: a longer thigh carries the shin
     along, broader shoulders the arms.
     """
-    shape = body.parts[body.index(part)].shape
-    values = _values(shape)
-    if key not in values:
-        raise BodyError(f"Part {part!r} has no size {key!r}; its sizes are {', '.join(values)}.")
-    _demand_between("size", cm, SMALLEST_CM, LARGEST_CM)
-    changed = _with_value(shape, key, cm / 100)
     names = {part, body.mirror_of(part)} if linked else {part}
+    for name in (part, *sorted(names - {part})):
+        known = [size.key for size in body.parts[body.index(name)].shape.sizes()]
+        if key not in known:
+            raise BodyError(f"Part {name!r} has no size {key!r}; its sizes are {', '.join(known)}.")
+    _demand_between("size", cm, SMALLEST_CM, LARGEST_CM)
 
     def change(given: Part) -> Part:
         update: dict[str, object] = {}
         if given.name in names:
-            here = given.shape if given.name != part else shape
-            new = changed if given.name == part else _with_value(here, key, cm / 100)
-            carry = _carrier(here, new)
+            new = given.shape.with_size(key, cm / 100)
+            carry = _carrier(given.shape, new)
             update = {"shape": new, "landmarks": {k: carry(p) for k, p in given.landmarks.items()}}
         if given.parent in names:
             parent = body.parts[body.index(given.parent)].shape
-            update["joint_m"] = _carrier(parent, _with_value(parent, key, cm / 100))(given.joint_m)
+            update["joint_m"] = _carrier(parent, parent.with_size(key, cm / 100))(given.joint_m)
         return given.model_copy(update=update) if update else given
 
     return _validated(body, tuple(map(change, body.parts)))
@@ -120,59 +118,15 @@ def _span(cm: float) -> tuple[float, float]:
     return max(SMALLEST_CM, high / 100), high
 
 
-def _label(kind: str, shape: Shape, key: str) -> str:
-    if isinstance(shape, Box):
-        return _BOX_LABELS.get(kind, {}).get(key, key.capitalize())
-    if key in ("length", "radius"):
-        return key.capitalize()
-    start, end = _ENDS.get(kind, ("joint", "end"))
-    place = start if key.startswith("start") else end
-    kind_of_size = key.split("_")[1]
-    return f"At {place}" if kind_of_size == "radius" else f"{kind_of_size.capitalize()} at {place}"
-
-
-def _values(shape: Shape) -> dict[str, float]:
-    """Every size in metres, by key."""
-    if isinstance(shape, Box):
-        spans = [high - low for low, high in zip(shape.low_m, shape.high_m, strict=True)]
-        return {key: spans[_BOX_AXES[key]] for key in ("length", "width", "depth")}
-    length = {"length": abs(shape.end_m - shape.start_m)}
-    if isinstance(shape, Cylinder):
-        return {**length, "radius": shape.radius_m}
-    start, end = shape.start_radii_m, shape.end_radii_m
-    if start[0] == start[1] and end[0] == end[1]:
-        return {**length, "start_radius": start[0], "end_radius": end[0]}
-    return {
-        **length,
-        "start_width": 2 * start[0],
-        "start_depth": 2 * start[1],
-        "end_width": 2 * end[0],
-        "end_depth": 2 * end[1],
-    }
-
-
-def _with_value(shape: Shape, key: str, metres: float) -> Shape:
-    """The shape with one size exchanged; the part's joint keeps its share of the length."""
-    ratio = metres / _values(shape)[key]
-    if isinstance(shape, Box):
-        k = _BOX_AXES[key]
-        low, high = list(shape.low_m), list(shape.high_m)
-        low[k], high[k] = low[k] * ratio, high[k] * ratio
-        return shape.model_copy(update={"low_m": tuple(low), "high_m": tuple(high)})
-    if key == "length":
-        update = {"start_m": shape.start_m * ratio, "end_m": shape.end_m * ratio}
-        return shape.model_copy(update=update)
-    if isinstance(shape, Cylinder):
-        return shape.model_copy(update={"radius_m": metres})
-    return shape.model_copy(update=_radii(shape, key, metres))
-
-
-def _radii(shape: Frustum, key: str, metres: float) -> dict[str, tuple[float, float]]:
-    end, what = key.split("_")
-    field = f"{end}_radii_m"
-    x, z = getattr(shape, field)
-    new = {"radius": (metres, metres), "width": (metres / 2, z), "depth": (x, metres / 2)}[what]
-    return {field: new}
+def _labels(kind: str, keys: Sequence[str]) -> Iterator[str]:
+    own = _LABELS_OF_AXES.get(kind, {}) if "depth" in keys else {}
+    for key in keys:
+        end, _, what = key.rpartition("_")
+        if not end:
+            yield own.get(key, key.capitalize())
+            continue
+        place = _ENDS.get(kind, ("joint", "end"))[end == "end"]
+        yield f"At {place}" if what == "radius" else f"{what.capitalize()} at {place}"
 
 
 def _carrier(before: Shape, after: Shape) -> Callable[[Point], Point]:
@@ -180,26 +134,12 @@ def _carrier(before: Shape, after: Shape) -> Callable[[Point], Point]:
 
     def carried(point: Point) -> Point:
         x, y, z = point
-        along = _length(after) / _length(before)
-        wide = [_half(after, y * along, k) / _half(before, y, k) for k in (0, 1)]
-        return x * wide[0], y * along, z * wide[1]
+        along = after.length_m / before.length_m
+        halves = zip(after.half_widths(y * along), before.half_widths(y), strict=True)
+        wide, deep = (new / old for new, old in halves)
+        return x * wide, y * along, z * deep
 
     return carried
-
-
-def _length(shape: Shape) -> float:
-    return _values(shape)["length"]
-
-
-def _half(shape: Shape, y: float, k: int) -> float:
-    """Half the width (k = 0, along x) or depth (1, along z) at a height of the part."""
-    if isinstance(shape, Box):
-        return (shape.high_m[2 * k] - shape.low_m[2 * k]) / 2
-    if isinstance(shape, Cylinder):
-        return shape.radius_m
-    share = (y - shape.start_m) / (shape.end_m - shape.start_m)
-    share = min(max(share, 0.0), 1.0)
-    return (1 - share) * shape.start_radii_m[k] + share * shape.end_radii_m[k]
 
 
 def _validated(body: Body, parts: tuple[Part, ...]) -> Body:

@@ -11,7 +11,6 @@ from app.posing.sight import Sight
 from app.posing.standing import Standing
 from app.posing.vectors import length
 from app.posing.words import number_text, part_label
-from tracker.body.shapes import Box
 from tracker.errors import BodyError
 from tracker.geometry.rotations import Array
 
@@ -72,12 +71,10 @@ def _way(standing: Standing, sight: Sight, gesture: Gesture, part: int, key: str
     slope = sight.slope(joint)
     pulled = np.array([gesture.at[k] - gesture.from_[k] for k in range(2)])
     if key == "length":
-        far = shape.high_m[1] if isinstance(shape, Box) else shape.end_m
-        sign = -1.0 if far < 0 else 1.0
-        grows = shape.high_m[1] if isinstance(shape, Box) else abs(shape.end_m)
-        whole = next(s.cm for s in part_sizes(standing.skeleton.body, _name(standing, part))) / 100
-        # The joint keeps its share of the length, so the far end moves by less than all of it.
-        share = max(abs(grows) / whole, 0.1)
+        _, end, _ = next(size.p_part for size in shape.sizes() if size.key == "length")
+        sign = -1.0 if end < 0 else 1.0
+        # The joint keeps its share of the length, so the end moves by less than all of it.
+        share = max(abs(end) / shape.length_m, 0.1)
         return _along(slope @ (sign * T[:3, 1]), pulled, gesture, sight, joint) / share
     return _outward(slope, T, pulled, gesture, sight)
 

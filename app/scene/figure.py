@@ -12,10 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracker.body.body import Body
-from tracker.body.shapes import SIDES, Box, Shape
+from tracker.body.shapes import SIDES, Shape
 from tracker.geometry.rotations import Array
 
 Vertices: TypeAlias = NDArray[np.float32]
+Mask: TypeAlias = NDArray[np.bool_]
 Faces: TypeAlias = NDArray[np.uint32]
 Segments: TypeAlias = NDArray[np.float32]
 """(N, 2, 3) the ends of straight lines."""
@@ -32,75 +33,71 @@ LIFT_M = 0.0008
 
 def part_mesh(shape: Shape) -> tuple[Vertices, Faces]:
     """A closed mesh whose normals, taken at its vertices, are smooth along a round side only."""
-    if isinstance(shape, Box):
-        return _box_mesh(shape)
-    low, high = _rings(shape)
-    middles = [ring.mean(axis=0, keepdims=True) for ring in (low, high)]
-    vertices = np.concatenate([low, high, low, high, *middles])
-    i = np.arange(SIDES)
-    k = (i + 1) % SIDES
-    faces = np.concatenate(
-        [
-            np.column_stack([i, k, SIDES + i]),
-            np.column_stack([k, SIDES + k, SIDES + i]),
-            np.column_stack([2 * SIDES + i, 2 * SIDES + k, np.full(SIDES, 4 * SIDES)]),
-            np.column_stack([3 * SIDES + i, 3 * SIDES + k, np.full(SIDES, 4 * SIDES + 1)]),
-        ]
-    )
-    return _outward(vertices, faces)
+    mesh = shape.mesh()
+    # A vertex on a crease is there once for each side that meets in it.
+    of_side = mesh.faces + len(mesh.vertices) * mesh.sides[:, None]
+    own, faces = np.unique(of_side, return_inverse=True)
+    vertices = mesh.vertices[own % len(mesh.vertices)]
+    return vertices.astype(np.float32), faces.reshape(-1, 3).astype(np.uint32)
 
 
 def rim_lines(shape: Shape) -> Segments:
-    """The creases of a shape: both rims of a round one, the twelve edges of a box."""
-    if isinstance(shape, Box):
-        return _box_edges(shape)
-    rings = np.stack(_rings(shape, LIFT_M))
-    return _single(np.stack([rings, np.roll(rings, -1, axis=1)], axis=2).reshape(-1, 2, 3))
+    """The creases of a shape, such as the rims of a round one, the edges of a box."""
+    return _single(shape.wireframe(LIFT_M).creases)
 
 
 def wire_lines(shape: Shape) -> Segments:
-    """Lines along a round side; none on a box."""
-    if isinstance(shape, Box):
-        return np.zeros((0, 2, 3), dtype=np.float32)
-    low, high = _rings(shape, LIFT_M)
-    step = SIDES // WIRES
-    return _single(np.stack([low[::step], high[::step]], axis=1))
+    """Lines along a round side; none where nothing is round."""
+    rings = shape.wireframe(LIFT_M).rings[:, :: SIDES // WIRES]
+    return _single(np.stack([rings[:-1], rings[1:]], axis=2).reshape(-1, 2, 3))
 
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """The sides of a body's round parts, from which an eye picks two lines each.
+    """The strips of a body's round sides, from which an eye picks the lines where they turn away.
 
-    part:    (G,) the part each round side belongs to.
-    low:     (G, SIDES, 3) its first rim.  high: its second.
-    normals: (G, SIDES, 3) outward, of the strip between a rim point and the next.
+    strip_part: (G,) the part each strip belongs to.
+    low:     (G, SIDES, 3) its first ring.  high: its second.
+    normals: (G, SIDES, 3) outward, of a strip between a ring's point and the next.
+    seams:   (Q, 2) strips of one part that meet: the second of the first is the first of the other.
     """
 
-    part: NDArray[np.int64]
+    strip_part: NDArray[np.int64]
     low: Array
     high: Array
     normals: Array
+    seams: NDArray[np.int64]
 
     @classmethod
     def of(cls, body: Body) -> Outline:
-        shapes = [(i, p.shape) for i, p in enumerate(body.parts) if not isinstance(p.shape, Box)]
-        rings = [_rings(shape, LIFT_M) for _, shape in shapes]
-        low = np.array([ring[0] for ring in rings]).reshape(-1, SIDES, 3)
-        high = np.array([ring[1] for ring in rings]).reshape(-1, SIDES, 3)
+        rings = [part.shape.wireframe(LIFT_M).rings for part in body.parts]
+        counts = [max(len(each) - 1, 0) for each in rings]
+        part = np.repeat(np.arange(len(rings)), counts)
+        low = np.concatenate([each[:-1] for each in rings])
+        high = np.concatenate([each[1:] for each in rings])
         along = high - low
         normals = np.cross(np.roll(low, -1, axis=1) - low, along)
         middle = (low + high).mean(axis=1, keepdims=True) / 2
         inward = np.einsum("gsi,gsi->gs", normals, (low + high) / 2 - middle) < 0
         normals[inward] *= -1
-        return cls(np.array([i for i, _ in shapes], dtype=np.int64), low, high, normals)
+        first = np.flatnonzero(part[1:] == part[:-1])
+        return cls(part, low, high, normals, np.column_stack([first, first + 1]))
+
+    @property
+    def part(self) -> NDArray[np.int64]:
+        """(L,) the part each of the `lines` belongs to."""
+        of_seams = np.repeat(self.strip_part[self.seams[:, 0]], SIDES)
+        return np.concatenate([np.repeat(self.strip_part, 2), of_seams])
 
     def lines(self, Ts_camera_part: Array, direction: Array | None = None) -> Segments:
-        """The two lines (G, 2, 2, 3), camera frame, where each round side turns away.
+        """The lines (L, 2, 3), camera frame, where round sides turn away: two along each strip,
+        and around each seam those between a strip that does and one that does not.
 
         direction: (3,) that of parallel rays in the camera frame; None for rays from the camera.
-        A side seen end-on has no such line; it gets a dot on its rim instead.
+        Always as many: in the place of those that are not seen there is one of their part that is,
+        and of a part without any, such as a side seen end-on, a dot on the rim.
         """
-        T = Ts_camera_part[self.part]
+        T = Ts_camera_part[self.strip_part]
         R, p = T[:, :3, :3], T[:, :3, 3]
         if direction is None:
             # Seen from the part: the rays start at the camera's origin.
@@ -109,61 +106,39 @@ class Outline:
         else:
             rays = np.einsum("gji,j->gi", R, direction)[:, None]
         away = (self.normals * rays).sum(axis=2) > 0
+        (ends, seen), (around, seen_around) = self._along(away), self._around(away)
+        lines = self._filled_up(np.concatenate([ends, around]), np.append(seen, seen_around))
+        T = Ts_camera_part[self.part]
+        return _single(np.einsum("lij,lkj->lki", T[:, :3, :3], lines) + T[:, None, :3, 3])
+
+    def _along(self, away: Mask) -> tuple[Array, Mask]:
+        """(2 G, 2, 3) lines along the strips, in their parts' frames; which of them are seen."""
         turns = away != np.roll(away, 1, axis=1)
         order = np.argsort(~turns, axis=1, kind="stable")[:, :2]
         at = np.arange(len(order))[:, None]
-        seen = turns[at, order]
-        starts, ends = self.low[at, order], self.high[at, order]
-        ends = np.where(seen[..., None], ends, starts + _DOT)
-        both = np.stack([starts, ends], axis=2)
-        return _single(np.einsum("gij,gksj->gksi", R, both) + p[:, None, None])
+        ends = np.stack([self.low[at, order], self.high[at, order]], axis=2)
+        return ends.reshape(-1, 2, 3), turns[at, order].ravel()
 
+    def _around(self, away: Mask) -> tuple[Array, Mask]:
+        """(SIDES Q, 2, 3) lines around the seams, likewise."""
+        first, second = self.seams.T
+        ring = self.low[second]
+        ends = np.stack([ring, np.roll(ring, -1, axis=1)], axis=2)
+        return ends.reshape(-1, 2, 3), (away[first] != away[second]).ravel()
 
-def _rings(shape: Shape, lift: float = 0.0) -> tuple[Array, Array]:
-    """The rims (SIDES, 3) of a round shape at its two ends, `lift` off its surface."""
-    assert not isinstance(shape, Box)
-    if shape.kind == "cylinder":
-        radii = ((shape.radius_m, shape.radius_m),) * 2
-    else:
-        radii = (shape.start_radii_m, shape.end_radii_m)
-    turn = np.arange(SIDES) * (2 * np.pi / SIDES)
-    outward = np.sign(shape.start_m - shape.end_m) * lift
-    low, high = (
-        np.column_stack([(rx + lift) * np.cos(turn), np.full(SIDES, y), (rz + lift) * np.sin(turn)])
-        for y, (rx, rz) in zip((shape.start_m + outward, shape.end_m - outward), radii, strict=True)
-    )
-    return low, high
+    def _filled_up(self, lines: Array, seen: Mask) -> Array:
+        """Lines (L, 2, 3) with others in the place of those that are not seen."""
+        seen_first = np.lexsort((~seen, self.part))
+        _, first, number = np.unique(self.part[seen_first], return_index=True, return_inverse=True)
+        stand_in = np.empty(len(lines), dtype=np.int64)
+        stand_in[seen_first] = seen_first[first[number]]
+        at = np.where(seen | ~seen[stand_in], np.arange(len(lines)), stand_in)
+        starts = lines[at, 0]
+        ends = np.where(seen[at, None], lines[at, 1], starts + _DOT)
+        return np.stack([starts, ends], axis=1)
 
 
 _DOT = np.array([0.0, 1e-5, 0.0])
-_CORNERS = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=np.float64)
-_BOX_SIDES = np.array(
-    [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-)
-
-
-def _box_mesh(shape: Box) -> tuple[Vertices, Faces]:
-    """Four vertices of its own for every side, so that each is flat."""
-    low, high = np.array(shape.low_m), np.array(shape.high_m)
-    vertices = (low + _CORNERS * (high - low))[_BOX_SIDES].reshape(-1, 3)
-    first = np.arange(6)[:, None] * 4
-    faces = np.concatenate([first + np.array([0, 1, 2]), first + np.array([0, 2, 3])])
-    return _outward(vertices, faces)
-
-
-def _box_edges(shape: Box) -> Segments:
-    low, high = np.array(shape.low_m) - LIFT_M, np.array(shape.high_m) + LIFT_M
-    corners = low + _CORNERS * (high - low)
-    ends = [(i, i | bit) for i in range(8) for bit in (1, 2, 4) if not i & bit]
-    return _single(corners[np.array(ends)])
-
-
-def _outward(vertices: Array, faces: NDArray[np.int64]) -> tuple[Vertices, Faces]:
-    """Turn every face away from the middle of the (convex) shape."""
-    a, b, c = (vertices[faces[:, k]] for k in range(3))
-    outside = np.einsum("fi,fi->f", np.cross(b - a, c - a), (a + b + c) / 3 - vertices.mean(0))
-    turned = np.where((outside < 0)[:, None], faces[:, ::-1], faces)
-    return vertices.astype(np.float32), turned.astype(np.uint32)
 
 
 def _single(segments: Array) -> Segments:

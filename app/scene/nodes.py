@@ -74,7 +74,7 @@ class PartNodes:
         vertices, faces = part_mesh(shape)
         for mesh in (self.overlay, self.solid):
             mesh.vertices, mesh.faces = vertices, faces
-        self.rims.points = self.edges.points = rim_lines(shape)
+        self.rims.points = self.edges.points = _some(rim_lines(shape))
         self.wires.points = _some(wire_lines(shape))
 
     def set_look(self, colour: Colour, held: bool, mode: Mode, opacity: float) -> None:

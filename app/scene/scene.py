@@ -261,7 +261,7 @@ class Stage:
         for role in ROLES:
             lines = self._outline.lines(scenery.Ts_camera_part, scenery.rays(role))
             tints = light(colours) if role == "main" else dark(colours)
-            ends = np.broadcast_to(tints[:, None, None], lines.shape)
+            ends = np.broadcast_to(tints[:, None], lines.shape)
             self._put(f"{ROOT}/outline/{role}", lines[~held], ends[~held], LINE_PX)
             self._put(f"{ROOT}/held/{role}", lines[held], WHITE, HELD_LINE_PX)
 
@@ -282,7 +282,7 @@ class Stage:
             for T, lines in zip(Ts_camera_part, parts, strict=True)
         ]
         sides = self._outline.lines(Ts_camera_part, scenery.rays(role))
-        return np.concatenate([sides.reshape(-1, 2, 3), *rims]).astype(np.float32)
+        return np.concatenate([sides, *rims]).astype(np.float32)
 
     def _draw_trail(self, trail: Trail | None) -> None:
         if trail is None:

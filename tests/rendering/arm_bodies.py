@@ -60,7 +60,7 @@ def arm_mesh(kind: Kind) -> Mesh:
             faces += [(a, b, c), (a, c, d)]
         end = (count - 1) * sides
         faces += [(first, k, j), (last, end + j, end + k)]
-    return Mesh(vertices, _outward(vertices, np.array(faces)))
+    return Mesh(vertices, _outward(vertices, np.array(faces)), np.zeros(len(faces), np.int64))
 
 
 def _tripod_rings() -> Array:

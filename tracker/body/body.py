@@ -22,12 +22,12 @@ from pydantic import (
     model_validator,
 )
 
-from tracker.body.shapes import Length, Shape
+from tracker.body.shapes import Point as Point
+from tracker.body.shapes import Shape
 from tracker.errors import BodyError, one_sentence
 from tracker.files import read_regular
 
 Dof: TypeAlias = Literal["tx", "ty", "tz", "rx", "ry", "rz"]
-Point: TypeAlias = tuple[Length, Length, Length]
 Name: TypeAlias = Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[^\x00-\x1f/\\]+$")]
 
 ALL_DOFS: tuple[Dof, ...] = ("tx", "ty", "tz", "rx", "ry", "rz")

@@ -14,7 +14,6 @@ from pydantic import ValidationError
 
 from tracker.body.body import Body, Part, Point
 from tracker.body.pose import Pose, pose_transforms
-from tracker.body.shapes import Box, Cylinder, Shape
 from tracker.body.skeleton import Skeleton
 from tracker.errors import BodyError, one_sentence
 
@@ -99,25 +98,10 @@ def _stretched(part: Part, joint: float, along: float, across: float) -> Part:
     return part.model_copy(
         update={
             "joint_m": _times(part.joint_m, joint, joint),
-            "shape": _stretched_shape(part.shape, along, across),
+            "shape": part.shape.scaled(along, across),
             "landmarks": {k: _times(p, along, across) for k, p in part.landmarks.items()},
         }
     )
-
-
-def _stretched_shape(shape: Shape, along: float, across: float) -> Shape:
-    if isinstance(shape, Box):
-        low, high = (_times(corner, along, across) for corner in (shape.low_m, shape.high_m))
-        return shape.model_copy(update={"low_m": low, "high_m": high})
-    ends = {"start_m": shape.start_m * along, "end_m": shape.end_m * along}
-    if isinstance(shape, Cylinder):
-        return shape.model_copy(update={**ends, "radius_m": shape.radius_m * across})
-    start, end = shape.start_radii_m, shape.end_radii_m
-    radii = {
-        "start_radii_m": (start[0] * across, start[1] * across),
-        "end_radii_m": (end[0] * across, end[1] * across),
-    }
-    return shape.model_copy(update={**ends, **radii})
 
 
 def _times(point: Point, along: float, across: float) -> Point:

@@ -19,7 +19,6 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from tracker.body.body import Part
-from tracker.body.shapes import Box
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.errors import FormatError
@@ -50,16 +49,7 @@ def end_site(part: Part) -> tuple[float, float, float]:
     """Where a part without children ends, in its own frame, metres."""
     if part.landmarks:
         return max(part.landmarks.values(), key=lambda p: float(np.linalg.norm(p)))
-    shape = part.shape
-    if not isinstance(shape, Box):
-        return (0.0, max(shape.start_m, shape.end_m, key=abs), 0.0)
-    low, high = np.array(shape.low_m), np.array(shape.high_m)
-    reach = np.where(np.abs(high) >= np.abs(low), high, low)
-    longest = int(np.argmax(np.abs(reach)))
-    end = (low + high) / 2
-    end[longest] = reach[longest]
-    x, y, z = (float(value) for value in end)
-    return (x, y, z)
+    return part.shape.far_end
 
 
 def _part_lines(

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tracker.body.body import Body, Point
-from tracker.body.shapes import Frustum
 from tracker.body.skeleton import Skeleton
 from tracker.errors import FormatError
 from tracker.files import TooLarge, read_regular
@@ -209,24 +208,7 @@ def _point(body: Body, name: str) -> tuple[int, Point] | None:
             return i, part.landmarks[name]
     if "head" in body.names:
         i = body.index("head")
-        face = _face(body.parts[i].shape)
+        face = body.parts[i].shape.face_points()
         if name in face:
             return i, face[name]
     return None
-
-
-def _face(shape: object) -> dict[str, Point]:
-    """Nose, eyes and ears on a head that looks toward −z at rest; none on another shape."""
-    if not isinstance(shape, Frustum):
-        return {}
-    rx = (shape.start_radii_m[0] + shape.end_radii_m[0]) / 2
-    rz = (shape.start_radii_m[1] + shape.end_radii_m[1]) / 2
-
-    def at(share: float, x: float, z: float) -> Point:
-        return (x * rx, shape.start_m + share * (shape.end_m - shape.start_m), -z * rz)
-
-    face = {"nose": at(0.4, 0.0, 1.15)}
-    for side, sign in (("left", 1.0), ("right", -1.0)):
-        face[f"{side}_eye"] = at(0.55, 0.45 * sign, 0.9)
-        face[f"{side}_ear"] = at(0.5, sign, 0.0)
-    return face

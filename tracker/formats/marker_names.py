@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from tracker.body.shapes import Box, Shape
 from tracker.body.skeleton import Skeleton
 from tracker.errors import FormatError
 from tracker.solver.body_points import Place
@@ -49,7 +48,7 @@ def _place(skeleton: Skeleton, name: str, file: str) -> Place:
     centred = CENTRE_MARKERS.get(name)
     if centred in body.names:
         i = body.index(centred)
-        return ((i, _centre(body.parts[i].shape)),)
+        return ((i, body.parts[i].shape.centre),)
     parts = JOINT_MARKERS.get(name, ())
     if parts and set(parts) <= set(body.names):
         return tuple((body.index(part), _ORIGIN) for part in parts)
@@ -57,11 +56,3 @@ def _place(skeleton: Skeleton, name: str, file: str) -> Place:
         f"{file} names {name!r}, which is no joint of the body and no marker of it; its joints are "
         f"{', '.join(body.names)}."
     )
-
-
-def _centre(shape: Shape) -> tuple[float, float, float]:
-    """The middle of a shape in its part's frame, metres."""
-    if isinstance(shape, Box):
-        (x0, y0, z0), (x1, y1, z1) = shape.low_m, shape.high_m
-        return ((x0 + x1) / 2, (y0 + y1) / 2, (z0 + z1) / 2)
-    return (0.0, (shape.start_m + shape.end_m) / 2, 0.0)

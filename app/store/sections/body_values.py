@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from app.posing import handles, part_label, part_sizes, part_words
 from app.posing import lanes as lane_groups
-from app.posing.size_places import size_place
 from app.store.sections.json_value import Json, doc_of
 from app.store.state import Outlook
 from tracker.body.body import PRESETS, Body, Part, preset
@@ -61,7 +60,7 @@ def _part(given: Body, part: Part) -> Json:
                 "cm": round(size.cm, 2),
                 "min": size.min,
                 "max": size.max,
-                "at_cm": [round(100 * v, 2) for v in size_place(part.shape, size.key)],
+                "at_cm": [round(100 * v, 2) for v in size.at_m],
             }
             for size in part_sizes(given, part.name)
         ],

@@ -12,8 +12,7 @@ import pytest
 import viser._messages as messages
 
 from app.render.palette import SIDE_COLOURS
-from app.scene import figure
-from app.scene.figure import Outline, part_mesh, rim_lines, trail_lines, wire_lines
+from app.scene.figure import Outline, trail_lines
 from app.scene.nodes import ROOT, SELECTED
 from app.scene.scene import Scenery, Stage, Trail
 from app.scene.viser_compat import ROLES
@@ -21,7 +20,6 @@ from tracker.body.body import Body, preset
 from tracker.body.pose import Pose, pose_transforms
 from tracker.body.raster import BodyMesh, raster
 from tracker.body.scaling import with_height
-from tracker.body.shapes import SIDES, Box, Cylinder, Frustum
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import (
     Array,
@@ -33,11 +31,6 @@ from tracker.geometry.rotations import (
 from tracker.geometry.view import Eye
 
 BODY = preset("adult_male")
-SHAPES = [
-    Cylinder(end_m=0.5, radius_m=0.1),
-    Frustum(start_m=0.1, end_m=-0.4, start_radii_m=(0.2, 0.1), end_radii_m=(0.1, 0.15)),
-    Box(low_m=(-0.1, 0.0, -0.2), high_m=(0.1, 0.3, 0.1)),
-]
 
 
 class Listener:
@@ -247,41 +240,7 @@ def test_the_light_comes_from_the_upper_left_of_every_view(listener: Listener) -
         assert z < 0
 
 
-# --- shapes and lines
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-def test_a_mesh_is_closed_and_faces_outward(shape: Any) -> None:
-    vertices, faces = part_mesh(shape)
-    a, b, c = (vertices[faces[:, k]].astype(np.float64) for k in range(3))
-    normals = np.cross(b - a, c - a)
-    volume = np.einsum("fi,fi->f", a, np.cross(b, c)).sum() / 6
-    reference = shape.mesh()
-    ra, rb, rc = (reference.vertices[reference.faces[:, k]] for k in range(3))
-    expected = np.einsum("fi,fi->f", ra, np.cross(rb, rc)).sum() / 6
-    assert np.linalg.norm(normals.sum(axis=0)) < 1e-6
-    assert volume == pytest.approx(expected, rel=0.02)
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-def test_lines_lie_just_off_the_surface(shape: Any) -> None:
-    vertices, _ = part_mesh(shape)
-    low, high = vertices.min(axis=0), vertices.max(axis=0)
-    for lines in (rim_lines(shape), wire_lines(shape)):
-        points = lines.reshape(-1, 3)
-        assert (points >= low - 2 * figure.LIFT_M).all()
-        assert (points <= high + 2 * figure.LIFT_M).all()
-
-
-def test_a_box_is_flat_and_a_cylinder_round() -> None:
-    def corner_count(shape: Any) -> int:
-        return len(np.unique(part_mesh(shape)[0].round(6), axis=0))
-
-    box, round_one = part_mesh(SHAPES[2]), part_mesh(SHAPES[0])
-    assert len(box[0]) == 3 * corner_count(SHAPES[2])
-    assert len(round_one[0]) == 4 * SIDES + 2
-    assert len(rim_lines(SHAPES[2])) == 12
-    assert len(wire_lines(SHAPES[2])) == 0
+# --- outlines and trails
 
 
 @pytest.mark.parametrize("direction", [None, (0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)])
@@ -297,7 +256,7 @@ def test_outlines_enclose_the_part_as_the_eye_sees_it(
     outline = Outline.of(body)
     T = transform(exp_rotation([0.3, 0.5, -0.4]), np.array([0.3, -0.2, 3.0]))
     ray = None if direction is None else np.array(direction)
-    lines = outline.lines(T[None], ray)[0].astype(np.float64)
+    lines = outline.lines(T[None], ray).astype(np.float64)
     side = np.concatenate([outline.low[0], outline.high[0]]) @ T[:3, :3].T + T[:3, 3]
     for start, end in lines:
         assert np.linalg.norm(end - start) > 0.1
@@ -323,7 +282,7 @@ def test_outlines_lie_on_the_border_of_the_picture() -> None:
     T = transform(exp_rotation([0.2, 0.1, 1.0]), np.array([0.0, 0.0, 2.0]))[None]
     eye = Eye(frozen(np.eye(4)), (800.0, 800.0), (159.5, 119.5), 320, 240)
     filled = raster(BodyMesh.of(Skeleton.of(body)), T, eye).part >= 0
-    for line in Outline.of(body).lines(T)[0].astype(np.float64):
+    for line in Outline.of(body).lines(T).astype(np.float64):
         for share in (0.3, 0.5, 0.7):
             u, v = np.rint(eye.project(line[0] + share * (line[1] - line[0]))).astype(int)
             around = filled[v - 2 : v + 3, u - 2 : u + 3]

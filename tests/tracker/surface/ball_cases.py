@@ -30,7 +30,7 @@ def ball_field(p_centre: Array, radius_m: float, voxel_m: float = 0.02) -> Field
 
 def ball_mesh(p_centre: Array, radius_m: float, voxel_m: float = 0.02) -> Mesh:
     mesh = surface_of(ball_field(p_centre, radius_m, voxel_m))
-    return Mesh(mesh.vertices, mesh.faces)
+    return Mesh(mesh.vertices, mesh.faces, np.zeros(len(mesh.faces), np.int64))
 
 
 @cache

@@ -14,7 +14,7 @@ from tracker.body.shapes import Box, Frustum
 from tracker.body.skeleton import Skeleton
 from tracker.kernels.cells import grid_of
 from tracker.session.settings import UpAxis
-from tracker.surface.fit.binding import distance_to_shape, distances_to_parts, shares_of
+from tracker.surface.fit.binding import distances_to_parts, shares_of
 from tracker.surface.fit.model import SurfaceModel, freed
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.pairing import clear_of
@@ -98,12 +98,12 @@ def test_normals_of_large_flat_triangles_are_their_own() -> None:
 def test_distances_to_a_solid_are_nought_on_it_and_negative_inside(shape) -> None:
     mesh = shape.mesh()
     surface = mesh.vertices[mesh.faces].mean(axis=1)
-    assert np.abs(distance_to_shape(shape, np.asarray(mesh.vertices[:48]))).max() < 0.101
-    assert np.abs(distance_to_shape(shape, surface)).max() < 0.01  # round ones have 24 sides
+    assert np.abs(shape.distance(np.asarray(mesh.vertices[:48]))).max() < 0.101
+    assert np.abs(shape.distance(surface)).max() < 0.01  # round ones have 24 sides
     middle = mesh.vertices.mean(axis=0)[None]
-    assert distance_to_shape(shape, middle)[0] < -0.03
+    assert shape.distance(middle)[0] < -0.03
     far = middle + np.array([[3.0, 0.0, 0.0]])
-    assert distance_to_shape(shape, far)[0] == pytest.approx(3.0, abs=0.15)
+    assert shape.distance(far)[0] == pytest.approx(3.0, abs=0.15)
 
 
 def test_a_point_goes_with_the_nearest_part_and_shares_it_smoothly_about_a_joint() -> None:

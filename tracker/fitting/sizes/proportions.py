@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from tracker.body.body import Body
 from tracker.body.scaling import resized
-from tracker.body.shapes import Box, Cylinder, Shape
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import Array
 from tracker.solver.body_points import freed
@@ -82,7 +81,7 @@ class Proportions:
     def metres(self) -> Array:
         """(S,) each size as the body has it: the length, and how wide it is on average."""
         shapes = [self.body.parts[group[0]].shape for group in self.groups]
-        return np.array([size for shape in shapes for size in (_length(shape), _width(shape))])
+        return np.array([size for shape in shapes for size in (shape.length_m, shape.width_m)])
 
 
 def _kind(body: Body, name: str) -> str:
@@ -92,17 +91,3 @@ def _kind(body: Body, name: str) -> str:
         if bare != name and other + bare in body.names:
             return bare
     return min(name, body.mirror_of(name))
-
-
-def _length(shape: Shape) -> float:
-    if isinstance(shape, Box):
-        return shape.high_m[1] - shape.low_m[1]
-    return abs(shape.end_m - shape.start_m)
-
-
-def _width(shape: Shape) -> float:
-    if isinstance(shape, Box):
-        return (shape.high_m[0] - shape.low_m[0] + shape.high_m[2] - shape.low_m[2]) / 2
-    if isinstance(shape, Cylinder):
-        return 2 * shape.radius_m
-    return 2 * float(np.mean([*shape.start_radii_m, *shape.end_radii_m]))

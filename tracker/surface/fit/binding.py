@@ -6,7 +6,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.shapes import Box, Cylinder, Frustum, Shape
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import Array
 
@@ -22,23 +21,8 @@ def distances_to_parts(skeleton: Skeleton, Ts_camera_part: Array, p_camera: Arra
     columns = []
     for part, T in zip(skeleton.body.parts, Ts_camera_part, strict=True):
         p_part = (p_camera - T[:3, 3]) @ T[:3, :3]
-        columns.append(distance_to_shape(part.shape, p_part))
+        columns.append(part.shape.distance(p_part))
     return np.stack(columns, axis=1)
-
-
-def distance_to_shape(shape: Shape, p_part: Array) -> Array:
-    """(V,) metres to a solid in its own frame, negative inside; of elliptic ones to first order."""
-    if isinstance(shape, Box):
-        low, high = np.array(shape.low_m), np.array(shape.high_m)
-        return _from_excess(np.maximum(low - p_part, p_part - high))
-    radii = _radii(shape)
-    lowest, highest = sorted((shape.start_m, shape.end_m))
-    along = np.clip((p_part[:, 1] - shape.start_m) / (shape.end_m - shape.start_m), 0.0, 1.0)
-    here = radii[0] + along[:, None] * (radii[1] - radii[0])
-    reach = np.linalg.norm(p_part[:, [0, 2]] / here, axis=1)
-    side = (reach - 1.0) * here.mean(axis=1)
-    ends = np.maximum(lowest - p_part[:, 1], p_part[:, 1] - highest)
-    return _from_excess(np.stack([side, ends], axis=1))
 
 
 def shares_of(
@@ -75,16 +59,3 @@ def apart_m(to_solids: Array, p_surface: Array, p_solids: Array, far_m: float) -
     surface_off = np.minimum(np.abs(to_solids), far_m).mean()
     to_surface, _ = cKDTree(p_surface).query(p_solids)
     return float(max(surface_off, np.quantile(to_surface, SEEN_SHARE)))
-
-
-def _radii(shape: Cylinder | Frustum) -> Array:
-    """(2, 2) half-axes along x and z, at the start and at the end."""
-    if isinstance(shape, Cylinder):
-        return np.full((2, 2), shape.radius_m)
-    return np.array([shape.start_radii_m, shape.end_radii_m])
-
-
-def _from_excess(beyond: Array) -> Array:
-    """Distance from how far a point is beyond each pair of sides."""
-    outside = np.linalg.norm(np.maximum(beyond, 0.0), axis=1)
-    return np.asarray(outside + np.minimum(beyond.max(axis=1), 0.0))

@@ -1,0 +1,74 @@
+"""A cone cut off at both ends."""
+
+from __future__ import annotations
+
+from typing import Literal, Self
+
+import numpy as np
+
+from tracker.body.shapes.numbers import Point, Size
+from tracker.body.shapes.round import Radii, RoundSolid
+from tracker.body.shapes.solid import ShapeSize
+
+
+class Frustum(RoundSolid):
+    """A cone cut off at both ends, with elliptic cross-sections (a chest is not round).
+
+    The half-axes are given along the part's x and z, at y = start_m and at y = end_m.
+    """
+
+    kind: Literal["frustum"] = "frustum"
+    start_radii_m: tuple[Size, Size]
+    end_radii_m: tuple[Size, Size]
+
+    @property
+    def ends(self) -> tuple[Radii, Radii]:
+        return self.start_radii_m, self.end_radii_m
+
+    @property
+    def width_m(self) -> float:
+        return 2 * float(np.mean([*self.start_radii_m, *self.end_radii_m]))
+
+    def half_widths(self, y: float) -> tuple[float, float]:
+        share = (y - self.start_m) / (self.end_m - self.start_m)
+        share = min(max(share, 0.0), 1.0)
+        (x0, z0), (x1, z1) = self.ends
+        return (1 - share) * x0 + share * x1, (1 - share) * z0 + share * z1
+
+    def sizes(self) -> tuple[ShapeSize, ...]:
+        length = ShapeSize("length", self.length_m, (0.0, self.end_m, 0.0))
+        given = (("start", self.start_m, *self.ends[0]), ("end", self.end_m, *self.ends[1]))
+        if all(x == z for x, z in self.ends):
+            return (length, *(ShapeSize(f"{n}_radius", x, (0.0, y, 0.0)) for n, y, x, _ in given))
+        found = [length]
+        for name, y, x, z in given:
+            found.append(ShapeSize(f"{name}_width", 2 * x, (x, y, 0.0)))
+            found.append(ShapeSize(f"{name}_depth", 2 * z, (0.0, y, -z)))
+        return tuple(found)
+
+    def with_size(self, key: str, metres: float) -> Self:
+        if key == "length":
+            return self.longer(metres / self.length_m)
+        end, what = key.split("_")
+        x, z = self.start_radii_m if end == "start" else self.end_radii_m
+        half = metres / 2
+        new = {"radius": (metres, metres), "width": (half, z), "depth": (x, half)}[what]
+        return self.model_copy(update={f"{end}_radii_m": new})
+
+    def scaled(self, along: float, across: float) -> Self:
+        start, end = ((x * across, z * across) for x, z in self.ends)
+        update = {"start_radii_m": start, "end_radii_m": end}
+        return self.longer(along).model_copy(update=update)
+
+    def face_points(self) -> dict[str, Point]:
+        (x0, z0), (x1, z1) = self.ends
+        rx, rz = (x0 + x1) / 2, (z0 + z1) / 2
+
+        def at(share: float, x: float, z: float) -> Point:
+            return (x * rx, self.start_m + share * (self.end_m - self.start_m), -z * rz)
+
+        face = {"nose": at(0.4, 0.0, 1.15)}
+        for side, sign in (("left", 1.0), ("right", -1.0)):
+            face[f"{side}_eye"] = at(0.55, 0.45 * sign, 0.9)
+            face[f"{side}_ear"] = at(0.5, sign, 0.0)
+        return face

@@ -1,0 +1,97 @@
+"""What shapes have in common that stand along y and are round across it, with flat ends."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Self, TypeAlias
+
+import numpy as np
+from pydantic import model_validator
+
+from tracker.body.shapes.mesh import Mesh
+from tracker.body.shapes.numbers import Length, Point
+from tracker.body.shapes.solid import Solid, distance_from_excess
+from tracker.body.shapes.wireframe import SIDES, Wireframe, ring
+from tracker.geometry.rotations import Array, frozen
+
+Radii: TypeAlias = tuple[float, float]
+"""Half-axes of a cross-section along x and z."""
+
+
+class RoundSolid(Solid):
+    """From y = start_m to y = end_m, its cross-sections ellipses; what is asked of a `Solid` and
+    follows from these."""
+
+    start_m: Length = 0.0
+    end_m: Length
+
+    @model_validator(mode="after")
+    def _has_a_length(self) -> Self:
+        if abs(self.end_m - self.start_m) < 1e-6:
+            raise ValueError("end_m must differ from start_m")
+        return self
+
+    @property
+    @abstractmethod
+    def ends(self) -> tuple[Radii, Radii]:
+        """The cross-sections at the start and at the end."""
+
+    def mesh(self) -> Mesh:
+        start, end = self.ends
+        middles = [[0.0, self.start_m, 0.0], [0.0, self.end_m, 0.0]]
+        rings = [ring(self.start_m, *start), ring(self.end_m, *end)]
+        faces, sides = [], []
+        for i in range(SIDES):
+            k = (i + 1) % SIDES
+            faces += [(i, k, SIDES + i), (k, SIDES + k, SIDES + i)]
+            faces += [(2 * SIDES, k, i), (2 * SIDES + 1, SIDES + i, SIDES + k)]
+            sides += [0, 0, 1, 2]
+        return Mesh.convex(np.vstack([*rings, middles]), np.array(faces), np.array(sides))
+
+    def wireframe(self, lift_m: float = 0.0) -> Wireframe:
+        lift_y = np.sign(self.start_m - self.end_m) * lift_m
+        ys = (self.start_m + lift_y, self.end_m - lift_y)
+        rings = [ring(y, x + lift_m, z + lift_m) for y, (x, z) in zip(ys, self.ends, strict=True)]
+        return Wireframe.rimmed(np.stack(rings))
+
+    def distance(self, p_part: Array) -> Array:
+        """(N,) metres from points (N, 3) to the surface, negative inside; of an ellipse to first
+        order."""
+        radii = np.array(self.ends)
+        lowest, highest = sorted((self.start_m, self.end_m))
+        along = np.clip((p_part[:, 1] - self.start_m) / (self.end_m - self.start_m), 0.0, 1.0)
+        here = radii[0] + along[:, None] * (radii[1] - radii[0])
+        reach = np.linalg.norm(p_part[:, [0, 2]] / here, axis=1)
+        side = (reach - 1.0) * here.mean(axis=1)
+        beyond = np.maximum(lowest - p_part[:, 1], p_part[:, 1] - highest)
+        return distance_from_excess(np.stack([side, beyond], axis=1))
+
+    def marks(self) -> Array:
+        """The middles of both ends; of a shape as wide as it is long also the rims.
+
+        A rim of a slender limb would also tell its turn about its own length, which no picture
+        shows.
+        """
+        start, end = self.ends
+        marks = [(0.0, self.start_m, 0.0), (0.0, self.end_m, 0.0)]
+        if 2 * max(*start, *end) >= self.length_m:
+            for y, (rx, rz) in ((self.start_m, start), (self.end_m, end)):
+                marks += [(rx, y, 0.0), (-rx, y, 0.0), (0.0, y, rz), (0.0, y, -rz)]
+        return frozen(marks)
+
+    @property
+    def centre(self) -> Point:
+        return (0.0, (self.start_m + self.end_m) / 2, 0.0)
+
+    @property
+    def far_end(self) -> Point:
+        return (0.0, max(self.start_m, self.end_m, key=abs), 0.0)
+
+    @property
+    def length_m(self) -> float:
+        return abs(self.end_m - self.start_m)
+
+    def longer(self, ratio: float) -> Self:
+        """Times a ratio along y, unvalidated."""
+        update = {"start_m": self.start_m * ratio, "end_m": self.end_m * ratio}
+        return self.model_copy(update=update)

@@ -1,0 +1,45 @@
+"""A solid as lines: its creases, and the rings between which its round side runs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tracker.geometry.rotations import Array, frozen
+
+SIDES = 24
+"""Sides of the polygon that stands for a round cross-section."""
+
+_TURN = np.arange(SIDES) * (2 * np.pi / SIDES)
+
+
+@dataclass(frozen=True, eq=False)
+class Wireframe:
+    """The lines of a solid, from which every view picks what it shows.
+
+    creases: (N, 2, 3) the ends of the edges at which the surface is not smooth.
+    rings:   (R, SIDES, 3) points around a round side, from one end of it to the other; neighbours
+             in the list bound a strip of that side, and where such a strip turns away from the eye
+             its outline runs. None of them where nothing is round.
+    """
+
+    creases: Array
+    rings: Array
+
+    @classmethod
+    def straight(cls, creases: Array) -> Wireframe:
+        """Of a solid that has edges and no round side."""
+        return cls(frozen(creases), frozen(np.zeros((0, SIDES, 3))))
+
+    @classmethod
+    def rimmed(cls, rings: Array) -> Wireframe:
+        """Of a round side whose first and last ring are rims."""
+        rims = rings[[0, -1]]
+        creases = np.stack([rims, np.roll(rims, -1, axis=1)], axis=2)
+        return cls(frozen(creases.reshape(-1, 2, 3)), frozen(rings))
+
+
+def ring(y: float, radius_x: float, radius_z: float) -> Array:
+    """(SIDES, 3) points of an ellipse about the y axis, at height y."""
+    return np.column_stack([radius_x * np.cos(_TURN), np.full(SIDES, y), radius_z * np.sin(_TURN)])
