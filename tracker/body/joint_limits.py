@@ -36,7 +36,7 @@ class Limits:
         return cls(box[..., 0], box[..., 1])
 
     def excess(self, Rs_parent_part: Array) -> tuple[Array, Array]:
-        """Radians (P, 3) by which x, y, z lie outside, signed, and their slopes (P, 3, 3).
+        """Radians (..., P, 3) by which x, y, z lie outside, signed, and slopes (..., P, 3, 3).
 
         A slope is the change of an angle with a small turn about each of the part's own axes.
         """
@@ -52,25 +52,26 @@ class Limits:
         )
 
     def _nearer(self, Rs: Array) -> Array:
-        """(P, 3) the triple [x, y, z] that lies less far outside."""
-        one = euler_from_rotation(Rs)[:, ::-1]
-        other = np.stack([one[:, 0] + np.pi, np.pi - one[:, 1], one[:, 2] + np.pi], axis=-1)
+        """(..., P, 3) the triple [x, y, z] that lies less far outside."""
+        one = euler_from_rotation(Rs)[..., ::-1]
+        other = one + np.pi
+        other[..., 1] = np.pi - one[..., 1]
         both = np.stack([one, other])
         bounded = np.isfinite(self.low) & np.isfinite(self.high)
         middle = np.where(bounded, (np.nan_to_num(self.low) + np.nan_to_num(self.high)) / 2, 0.0)
         both -= 2 * np.pi * np.round((both - middle) / (2 * np.pi))
         out = np.maximum(np.maximum(both - self.high, self.low - both), 0.0).sum(axis=-1)
-        return np.asarray(np.where((out[1] < out[0] - 1e-9)[:, None], both[1], both[0]))
+        return np.asarray(np.where((out[1] < out[0] - 1e-9)[..., None], both[1], both[0]))
 
 
 def _slopes(angles: Array) -> Array:
     """∂(x, y, z)/∂w for R · exp(w): the inverse of how Euler rates make an angular velocity."""
-    x, y, _ = angles.T
+    x, y = angles[..., 0], angles[..., 1]
     cos_y = np.cos(y)
     cos_y = np.where(np.abs(cos_y) < LEAST_COS, np.copysign(LEAST_COS, cos_y), cos_y)
-    slopes = np.zeros((len(angles), 3, 3))
-    slopes[:, 2, 1], slopes[:, 2, 2] = np.sin(x) / cos_y, np.cos(x) / cos_y
-    slopes[:, 1, 1], slopes[:, 1, 2] = np.cos(x), -np.sin(x)
-    slopes[:, 0] = slopes[:, 2] * np.sin(y)[:, None]
-    slopes[:, 0, 0] = 1.0
+    slopes = np.zeros((*angles.shape, 3))
+    slopes[..., 2, 1], slopes[..., 2, 2] = np.sin(x) / cos_y, np.cos(x) / cos_y
+    slopes[..., 1, 1], slopes[..., 1, 2] = np.cos(x), -np.sin(x)
+    slopes[..., 0, :] = slopes[..., 2, :] * np.sin(y)[..., None]
+    slopes[..., 0, 0] = 1.0
     return slopes

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracker.body.body import ALL_DOFS, ROTATIONS, Body, Point
-from tracker.body.pose import twists
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import Array
+from tracker.solver.posed import Posed
 
 Place: TypeAlias = tuple[tuple[int, Point], ...]
 """A place on a body: the middle of points, each a part's index and metres in that part's frame."""
@@ -26,30 +26,40 @@ class Places:
     places: tuple[Place, ...]
 
     @cached_property
-    def _points(self) -> tuple[NDArray[np.int64], Array, Array]:
-        """Part (K,) and position (K, 3) of every point, and the mean (J, K) over them."""
+    def _points(self) -> tuple[NDArray[np.int64], Array, Array | None]:
+        """Part (K,) and position (K, 3) of every point, and the mean (J, K) over them; None where
+        every place is a single point."""
         flat = [(j, *point) for j, place in enumerate(self.places) for point in place]
         mean = np.zeros((len(self.places), len(flat)))
         for k, (j, _, _) in enumerate(flat):
             mean[j, k] = 1 / len(self.places[j])
         parts = np.array([part for _, part, _ in flat], dtype=np.int64)
-        return parts, np.array([p for _, _, p in flat], dtype=np.float64).reshape(-1, 3), mean
+        points = np.array([p for _, _, p in flat], dtype=np.float64).reshape(-1, 3)
+        return parts, points, None if all(len(place) == 1 for place in self.places) else mean
 
     def at(self, Ts_camera_part: Array) -> Array:
         """Positions (..., J, 3) in the camera frame."""
         parts, p, mean = self._points
         T = Ts_camera_part[..., parts, :, :]
-        return np.asarray(mean @ ((T[..., :3, :3] @ p[..., None])[..., 0] + T[..., :3, 3]))
+        return _averaged(mean, (T[..., :3, :3] @ p[..., None])[..., 0] + T[..., :3, 3])
 
-    def moving(self, Ts_camera_part: Array) -> tuple[Array, Array]:
-        """Positions (J, 3) of one pose and their slopes (J, 3, D)."""
-        parts, p, mean = self._points
-        T = Ts_camera_part[parts]
-        points: Array = (T[:, :3, :3] @ p[..., None])[..., 0] + T[:, :3, 3]
-        S = twists(self.skeleton, Ts_camera_part)
-        slopes = S[None, :, :3] + np.cross(S[None, :, 3:], points[:, None, :])
-        slopes *= self.skeleton.below[parts][:, self.skeleton.dof_part][..., None]
-        return mean @ points, np.tensordot(mean, np.swapaxes(slopes, 1, 2), axes=1)
+    def of(self, posed: Posed) -> Array:
+        """Positions (..., J, 3) on a posed body, camera frame."""
+        return self.at(posed.Ts_camera_part)
+
+    def jacobian(self, posed: Posed) -> tuple[Array, Array]:
+        """Positions (..., J, 3) and how they move (..., J, D, 3) with each degree of freedom."""
+        parts, p_part, mean = self._points
+        p = posed.points(parts, p_part)
+        J = posed.point_jacobian(parts, p)
+        if mean is None:
+            return p, J
+        return mean @ p, np.einsum("jk,...kdc->...jdc", mean, J, optimize=True)
+
+    def only(self, chosen: NDArray[np.bool_]) -> Places:
+        """Some of the places (J,)."""
+        some = (place for place, wanted in zip(self.places, chosen, strict=True) if wanted)
+        return Places(self.skeleton, tuple(some))
 
     def of_part(self, part: int) -> list[tuple[int, Array]]:
         """Single points that stand still in a part's frame, with their place there: its own, and
@@ -63,6 +73,10 @@ class Places:
                 elif self.skeleton.parents[owner] == part and not np.any(p):
                     still.append((j, self.skeleton.joints[owner]))
         return still
+
+
+def _averaged(mean: Array | None, p: Array) -> Array:
+    return np.asarray(p if mean is None else mean @ p)
 
 
 def freed(body: Body) -> Skeleton:

@@ -21,20 +21,36 @@ from tracker.body.trajectory import Trajectory
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, frozen, nearest_rotation
 from tracker.solver.body_points import Places, freed
-from tracker.solver.residuals import (
-    Solved,
-    depth_rows,
-    joint_rows,
-    keep_rows,
-    limit_rows,
-    pixel_rows,
-    solve,
-    together,
+from tracker.solver.least_squares import Criteria, Damping, least_squares
+from tracker.solver.one_pose import OnePose
+from tracker.solver.terms import (
+    JointLimits,
+    PointsInPicture,
+    PointsInSpace,
+    PosePrior,
+    RootPosition,
+    Term,
 )
 
 if TYPE_CHECKING:
+    from tracker.body.skeleton import Skeleton
     from tracker.solver.body_points import Place
 
+JOINT_SIGMA_M = 0.005
+PIXEL_SIGMA = 2.0
+LIMIT_SIGMA_RAD = np.radians(2.0)
+KEEP_SIGMA_RAD, KEEP_SIGMA_M = np.radians(180.0), 30.0
+"""What one standard deviation is of a joint, a keypoint, an angle past its limit, and of a pose
+that is kept to where nothing else decides."""
+NEAREST_M = 0.05
+CRITERIA = Criteria(
+    most_steps=120,
+    longest_step=0.5,
+    negligible=1e-6,
+    gain=1e-5,
+    gain_floor=1.0,
+    damping=Damping(least=1e-9, most=1e10),
+)
 POOR_M = 0.03
 """A frame fitted worse than this, and than the one before, is tried from a fresh start as well."""
 
@@ -50,6 +66,15 @@ class Fit:
     trajectory: Trajectory
     rms_m: Array
     converged: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Solved:
+    """A pose found, half the sum of squares there, and whether the steps came to rest."""
+
+    pose: Pose
+    cost: float
+    converged: bool
 
 
 def fit_motion(
@@ -86,15 +111,28 @@ def _fitted(
     skeleton = laid.skeleton
     if not held:
         held = [aimed(laid, positions, Pose.rest(skeleton, (0.0, 0.0, 0.0)))]
-    rows = together(
-        [joint_rows(laid, positions), limit_rows(skeleton, limits)]
-        + [keep_rows(skeleton, pose) for pose in held]
-    )
-    solved = solve(skeleton, held[0], rows)
+    known = np.asarray(np.isfinite(positions).all(-1))
+    terms: list[Term] = [
+        PointsInSpace(laid.only(known), positions[known], JOINT_SIGMA_M),
+        JointLimits(limits, LIMIT_SIGMA_RAD),
+        *(_weak_prior(skeleton, pose) for pose in held),
+    ]
+    solved = _solved(skeleton, held[0], terms)
     if _rms(laid, solved.pose, positions) > max(POOR_M, 1.5 * rms_before):
-        fresh = solve(skeleton, aimed(laid, positions, held[-1]), rows)
+        fresh = _solved(skeleton, aimed(laid, positions, held[-1]), terms)
         solved = fresh if fresh.cost < solved.cost else solved
     return solved
+
+
+def _weak_prior(skeleton: Skeleton, pose: Pose) -> PosePrior:
+    """The pose where nothing else decides."""
+    sigma = np.where(skeleton.dof_turns == 1, KEEP_SIGMA_RAD, KEEP_SIGMA_M)
+    return PosePrior.of(pose, sigma**-2.0)
+
+
+def _solved(skeleton: Skeleton, start: Pose, terms: Sequence[Term]) -> Solved:
+    found = least_squares(OnePose(skeleton, terms, floor=1.0), start, CRITERIA)
+    return Solved(found.state, found.cost, found.converged)
 
 
 def _rms(laid: Places, pose: Pose, positions: Array) -> float:
@@ -177,13 +215,18 @@ def fit_picture(
     laid, limits = Places(skeleton, tuple(places)), Limits.of(body)
     ideal = camera.without_distortion()
     seen = ideal.project(_before(camera, uv)) if camera.is_distorted else uv
-    rows = [pixel_rows(laid, ideal, seen, weights), limit_rows(skeleton, limits)]
+    known = np.isfinite(seen).all(-1) & (weights > 0)
+    scale = np.sqrt(weights[known]) / PIXEL_SIGMA
+    terms: list[Term] = [
+        PointsInPicture(laid.only(known), ideal, seen[known], scale, NEAREST_M),
+        JointLimits(limits, LIMIT_SIGMA_RAD),
+    ]
+    if kept is not None:
+        terms.append(RootPosition.depth(kept.p_camera_root, depth_sigma))
     ends = []
     for start in starts:
-        held = [keep_rows(skeleton, kept if kept is not None else start)]
-        if kept is not None:
-            held.append(depth_rows(skeleton, kept, depth_sigma))
-        ends.append(solve(skeleton, start, together(rows + held)))
+        prior = _weak_prior(skeleton, start if kept is None else kept)
+        ends.append(_solved(skeleton, start, [*terms, prior]))
     return min(ends, key=lambda solved: solved.cost)
 
 

@@ -17,6 +17,7 @@ from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import exp_rotation, log_rotation, rotation_from_euler, transpose
 from tracker.solver.body_points import Place, Places, freed
 from tracker.solver.fit_joints import fit_motion, fit_picture, rigid
+from tracker.solver.posed import Posed
 
 Floats = NDArray[np.float64]
 
@@ -121,7 +122,7 @@ def test_the_slopes_of_places_and_limits_are_those_of_small_motions() -> None:
     place: Place = ((5, (0.0, 0.1, 0.02)), (9, (0.01, 0.0, 0.0)))
     laid = Places(skeleton, (*JOINTS, place))
     pose = _motion().pose(50)
-    _, slopes = laid.moving(pose_transforms(skeleton, pose))
+    _, slopes = laid.jacobian(Posed.of(skeleton, pose))
     narrow = Limits(np.full_like(LIMITS.low, 0.0), np.full_like(LIMITS.high, 0.0))
     outside, turned = narrow.excess(pose.Rs_parent_part)
     for d in range(skeleton.dof_count):
@@ -131,7 +132,7 @@ def test_the_slopes_of_places_and_limits_are_those_of_small_motions() -> None:
         change = laid.at(pose_transforms(skeleton, there)) - laid.at(
             pose_transforms(skeleton, pose)
         )
-        assert np.allclose(change / 1e-6, slopes[..., d], atol=1e-5)
+        assert np.allclose(change / 1e-6, slopes[:, d], atol=1e-5)
         if skeleton.dof_turns[d]:
             part, axis = skeleton.dof_part[d], skeleton.dof_axis[d]
             steeper = (narrow.excess(there.Rs_parent_part)[0] - outside)[part] / 1e-6

@@ -1,0 +1,172 @@
+"""Every term against finite differences: its gradient, and what its rows say of its residuals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from tracker.body.body import preset
+from tracker.body.joint_limits import Limits
+from tracker.body.pose import Pose, moved
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import exp_rotation
+from tracker.solver.body_points import Place, Places, freed
+from tracker.solver.posed import Posed
+from tracker.solver.robust import Cauchy, Huber, Kernel
+from tracker.solver.terms import (
+    JointLimits,
+    PointsInPicture,
+    PointsInSpace,
+    PosePrior,
+    RootPosition,
+    RowTerm,
+    Term,
+    total_cost,
+    total_equations,
+)
+
+Floats = NDArray[np.float64]
+
+SKELETON = freed(preset("adult_male"))
+PARTS = SKELETON.part_count
+POINTS: tuple[Place, ...] = (
+    *(((i, (0.0, 0.02, 0.01)),) for i in range(PARTS)),
+    ((5, (0.0, 0.1, 0.02)), (9, (0.01, 0.0, 0.0))),
+)
+FLAT = Camera(width=640, height=480, fx=700, fy=710, cx=322, cy=235)
+TELEPHOTO = FLAT.model_copy(update={"projection": "telephoto", "telephoto_distance_m": 4.0})
+STEP = 1e-6
+
+
+def _random(seed: int, turn_rad: float, skeleton: Skeleton = SKELETON) -> Pose:
+    """A pose in front of the camera whose parts are turned by about so much."""
+    rng = np.random.default_rng(seed)
+    Rs = exp_rotation(rng.normal(0, turn_rad, (skeleton.part_count, 3)))
+    return Pose(Rs, np.array([0.2, -0.1, 4.0]))
+
+
+def _in_space(points: Places) -> Term:
+    rng = np.random.default_rng(1)
+    return PointsInSpace(points, rng.normal((0, 0, 4), 0.4, (len(POINTS), 3)), 0.005)
+
+
+def _in_picture(camera: Camera, kernel: Kernel) -> Callable[[Places], Term]:
+    rng = np.random.default_rng(2)
+    uv, scale = rng.normal((320, 240), 90, (len(POINTS), 2)), rng.uniform(0, 0.5, len(POINTS))
+    return lambda points: PointsInPicture(points, camera, uv, scale, 0.05, kernel)
+
+
+def _limits(allowed: Floats | None) -> Callable[[Places], Term]:
+    width = np.tile(1e-4, (PARTS, 3))
+    return lambda points: JointLimits(Limits(-width, width), 0.03, allowed)
+
+
+TERMS: dict[str, Callable[[Places], Term]] = {
+    "points in space": _in_space,
+    "points in a picture": _in_picture(FLAT, Huber(1e9)),
+    "points in a picture, far ones pulling no harder": _in_picture(FLAT, Huber()),
+    "points in a picture, far ones pulling less": _in_picture(FLAT, Cauchy()),
+    "points in a telephoto picture": _in_picture(TELEPHOTO, Huber()),
+    "joint limits": _limits(None),
+    "joint limits as somebody posed beyond them": _limits(np.full((PARTS, 3), 2e-4)),
+    "prior": lambda points: PosePrior.of(
+        _random(7, 0.1), np.where(SKELETON.dof_turns == 1, 9.0, 400.0)
+    ),
+    "robust prior": lambda points: PosePrior(
+        *_arrays(_random(7, 0.1)), np.where(SKELETON.dof_turns == 1, 9.0, 400.0), Huber(1e9)
+    ),
+    "depth of the root": lambda points: RootPosition.depth(np.array([0.1, 0.0, 4.2]), 0.05),
+    "place of the root along rays": lambda points: RootPosition(
+        np.array([0.1, 0.0, 4.2]), np.array([[60.0, 0, -1.5], [0, 60.0, 0.4]])
+    ),
+}
+"""Every term. One that is added goes here."""
+
+
+def _arrays(pose: Pose) -> tuple[Floats, Floats]:
+    return pose.Rs_parent_part, pose.p_camera_root
+
+
+def _difference(value: Callable[[Posed], Any], pose: Pose) -> Floats:
+    """(..., D) central differences of a value over motions of a pose."""
+    columns = []
+    for d in range(SKELETON.dof_count):
+        x = np.zeros(SKELETON.dof_count)
+        x[d] = STEP
+        ahead, behind = (Posed.of(SKELETON, moved(SKELETON, pose, s * x)) for s in (1, -1))
+        columns.append((np.asarray(value(ahead)) - np.asarray(value(behind))) / (2 * STEP))
+    return np.stack(columns, axis=-1)
+
+
+@pytest.mark.parametrize("turn_rad", [1e-3, 0.3, 1.0], ids=["near identity", "bent", "large"])
+@pytest.mark.parametrize("name", TERMS)
+def test_the_gradient_of_every_term_is_that_of_its_cost(name: str, turn_rad: float) -> None:
+    term = TERMS[name](Places(SKELETON, POINTS))
+    pose = _random(3, turn_rad)
+    found = term.equations(Posed.of(SKELETON, pose))
+    expected = _difference(term.cost, pose)
+    assert np.allclose(found.b, expected, atol=2e-6 * max(np.abs(expected).max(), 1.0))
+    assert found.cost == pytest.approx(term.cost(Posed.of(SKELETON, pose)))
+    assert np.allclose(found.A, found.A.T)
+    assert np.linalg.eigvalsh(found.A).min() >= -1e-9 * np.abs(found.A).max()
+
+
+@pytest.mark.parametrize("turn_rad", [1e-3, 0.3, 1.0], ids=["near identity", "bent", "large"])
+@pytest.mark.parametrize("name", ["points in space", "points in a picture", "joint limits",
+                                  "depth of the root", "place of the root along rays"])  # fmt: skip
+def test_the_jacobian_of_every_residual_is_that_of_small_motions(
+    name: str, turn_rad: float
+) -> None:
+    term = TERMS[name](Places(SKELETON, POINTS))
+    assert isinstance(term, RowTerm)
+    pose = _random(4, turn_rad)
+    J = term.rows(Posed.of(SKELETON, pose)).J
+    expected = _difference(lambda posed: term.rows(posed).r, pose)
+    assert np.allclose(J, expected, atol=1e-6 * max(np.abs(expected).max(), 1.0))
+
+
+def test_a_prior_that_holds_axes_unevenly_has_the_gradient_of_small_deviations() -> None:
+    precision = np.random.default_rng(5).uniform(1, 9, SKELETON.dof_count)
+    pose = _random(6, 0.8)
+    near = moved(SKELETON, pose, np.random.default_rng(7).normal(0, 1e-4, SKELETON.dof_count))
+    term = PosePrior.of(pose, precision)
+    b = term.equations(Posed.of(SKELETON, near)).b
+    assert np.allclose(b, _difference(term.cost, near), atol=2e-3 * np.abs(b).max())
+
+
+@pytest.mark.parametrize("name", TERMS)
+def test_many_poses_at_once_are_as_each_by_itself(name: str) -> None:
+    term = TERMS[name](Places(SKELETON, POINTS))
+    poses = [_random(seed, 0.4) for seed in range(3)]
+    Rs, ps = (np.stack([_arrays(pose)[k] for pose in poses]) for k in range(2))
+    together = Posed(SKELETON, Rs, ps)
+    each = [Posed.of(SKELETON, pose) for pose in poses]
+    assert term.cost(together) == pytest.approx(sum(term.cost(posed) for posed in each))
+    found = term.equations(together)
+    for k, posed in enumerate(each):
+        alone = term.equations(posed)
+        assert np.allclose(found.A[k], alone.A, atol=1e-9 * np.abs(alone.A).max())
+        assert np.allclose(found.b[k], alone.b, atol=1e-9 * np.abs(alone.b).max())
+
+
+def test_terms_add_up() -> None:
+    terms = [make(Places(SKELETON, POINTS)) for make in TERMS.values()]
+    posed = Posed.of(SKELETON, _random(8, 0.5))
+    found = total_equations(terms, posed)
+    parts = [term.equations(posed) for term in terms]
+    assert total_cost(terms, posed) == pytest.approx(sum(term.cost(posed) for term in terms))
+    assert np.allclose(found.A, np.sum([part.A for part in parts], axis=0))
+    assert np.allclose(found.b, np.sum([part.b for part in parts], axis=0))
+
+
+def test_no_pose_has_a_point_behind_the_camera() -> None:
+    term = TERMS["points in a picture"](Places(SKELETON, POINTS))
+    pose = _random(9, 0.1)
+    assert np.isfinite(term.cost(Posed.of(SKELETON, pose)))
+    behind = Pose(pose.Rs_parent_part, np.array([0.0, 0.0, -0.3]))
+    assert term.cost(Posed.of(SKELETON, behind)) == np.inf

@@ -1,0 +1,212 @@
+"""The one loop of damped least squares: Levenberg–Marquardt, and Gauss–Newton as a case of it.
+
+What is minimised is a `Problem`: what is known at a state, and how a state moves. When to stop, how
+far to step and how to damp are data, `Criteria`. The problem decides what a state is (a pose, the
+poses of a segment, poses with sizes) and how its equations are solved (dense, banded, an arrow).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Generic, Literal, Protocol, TypeAlias, TypeVar
+
+import numpy as np
+
+from tracker.geometry.rotations import Array
+
+End: TypeAlias = Literal["settled", "no gain", "steps", "cancelled", "unsolvable"]
+
+
+@dataclass(frozen=True)
+class Damping:
+    """How damping changes: times `harder` after a step that is rejected, divided by `easier` after
+    one that is taken, never below `least`; above `most` no step is believed to help any more."""
+
+    first: float = 1e-3
+    harder: float = 10.0
+    easier: float = 10.0
+    least: float = 0.0
+    most: float = np.inf
+
+
+FIXED = Damping(easier=1.0)
+UNDAMPED = Damping(first=0.0, easier=1.0)
+
+
+@dataclass(frozen=True)
+class Criteria:
+    """How to descend, and when to stop.
+
+    most_steps:  steps taken at most.  most_solves: solves at most, with those rejected.
+    most_tries:  solves at most for one step.
+    longest_step: a longer one is shortened to it; length is the largest component.
+    settled:     a step that travels less is the last one (see `Problem.travel`).
+    negligible:  a shorter step is not taken any more.
+    gain, gain_floor: a step that lowers the cost by less than gain · (cost + gain_floor) is the
+        last one.
+    rejects:     a step that does not lower the cost is not taken. Without it costs are not asked.
+    """
+
+    most_steps: float = np.inf
+    most_solves: float = np.inf
+    most_tries: float = np.inf
+    longest_step: float = np.inf
+    settled: float = 0.0
+    negligible: float = 0.0
+    gain: float = 0.0
+    gain_floor: float = 0.0
+    damping: Damping = Damping()
+    rejects: bool = True
+
+
+class Linearized(Protocol):
+    """What is known at a state. Where costs are cheap and equations dear, the latter are best
+    computed when the first step is asked for: a state that is rejected needs none."""
+
+    @property
+    def cost(self) -> float:
+        """Half the sum of squares; infinite where a state cannot be."""
+
+    def step(self, damping: float) -> Array | None:
+        """The damped step downhill; None where the equations have no solution."""
+
+
+State = TypeVar("State")
+Point = TypeVar("Point", bound=Linearized)
+
+
+class Problem(Protocol[State, Point]):
+    """What is minimised."""
+
+    def at(self, state: State, count: int) -> Point:
+        """What is known at a state; `count` states were asked about before."""
+
+    def moved(self, state: State, step: Array) -> State:
+        """The state after a step."""
+
+    def travel(self, here: Point, there: Point, step: Array) -> float:
+        """How far a step leads."""
+        return largest(step)
+
+
+@dataclass(frozen=True, eq=False)
+class Solution(Generic[State, Point]):
+    """Where the descent ended.
+
+    here:   what is known there.  solved, damping: the last point whose equations were solved, and
+            how they were damped; None where none were.
+    steps, solves: how many were taken, and how many solves that took.
+    """
+
+    state: State
+    here: Point
+    solved: Point | None
+    damping: float
+    steps: int
+    solves: int
+    end: End
+
+    @property
+    def cost(self) -> float:
+        return self.here.cost
+
+    @property
+    def converged(self) -> bool:
+        """Whether it came to rest there."""
+        return self.end in ("settled", "no gain")
+
+
+def never() -> bool:
+    return False
+
+
+def least_squares(
+    problem: Problem[State, Point],
+    start: State,
+    criteria: Criteria,
+    cancelled: Callable[[], bool] = never,
+) -> Solution[State, Point]:
+    """Step downhill from a start until the criteria say stop."""
+    descent = _Descent(problem, start, criteria)
+    while descent.end is None:
+        descent.advance(cancelled)
+    return Solution(
+        descent.state, descent.here, descent.solved, descent.damped, descent.steps, descent.solves,
+        descent.end,
+    )  # fmt: skip
+
+
+class _Descent(Generic[State, Point]):
+    """The loop's own state."""
+
+    def __init__(self, problem: Problem[State, Point], start: State, criteria: Criteria) -> None:
+        self.problem, self.criteria = problem, criteria
+        self.state, self.here = start, problem.at(start, 0)
+        self.solved: Point | None = None
+        self.damping = self.damped = criteria.damping.first
+        self.steps = self.solves = self.tries = 0
+        hopeless = criteria.rejects and not np.isfinite(self.here.cost)
+        self.end: End | None = "unsolvable" if hopeless else None
+
+    def advance(self, cancelled: Callable[[], bool]) -> None:
+        """One solve, and the step it leads to."""
+        how = self.criteria
+        if self.steps >= how.most_steps or self.solves >= how.most_solves:
+            self.end = "steps"
+        elif cancelled():
+            self.end = "cancelled"
+        elif (step := self._step()) is None:
+            self._rejected("unsolvable")
+        elif largest(step) < how.negligible:
+            self.end = "settled"
+        else:
+            self._tried(step)
+
+    def _step(self) -> Array | None:
+        step = self.here.step(self.damping)
+        self.solved, self.damped = self.here, self.damping
+        self.solves, self.tries = self.solves + 1, self.tries + 1
+        if step is None or not np.isfinite(step).all():
+            return None
+        return step * min(1.0, self.criteria.longest_step / max(largest(step), 1e-12))
+
+    def _tried(self, step: Array) -> None:
+        state = self.problem.moved(self.state, step)
+        there = self.problem.at(state, self.solves)
+        if self.criteria.rejects and not there.cost < self.here.cost:
+            self._rejected("no gain")
+            return
+        here, self.state, self.here = self.here, state, there
+        self.steps, self.tries = self.steps + 1, 0
+        damping = self.criteria.damping
+        self.damping = max(self.damping / damping.easier, damping.least)
+        self.end = self._rest(here, step)
+
+    def _rest(self, before: Point, step: Array) -> End | None:
+        """Why the step just taken is the last one, if it is."""
+        how = self.criteria
+        if self.problem.travel(before, self.here, step) < how.settled:
+            return "settled"
+        if how.gain and before.cost - self.here.cost < how.gain * (self.here.cost + how.gain_floor):
+            return "no gain"
+        return None
+
+    def _rejected(self, end: End) -> None:
+        """Damp harder; `end` is why this is the end where that is not to be."""
+        how = self.criteria
+        self.damping *= how.damping.harder
+        if not how.rejects or self.damping > how.damping.most or self.tries >= how.most_tries:
+            self.end = end
+
+
+def largest(step: Array) -> float:
+    """The largest component of a step."""
+    return float(np.abs(step).max(initial=0.0))
+
+
+def damped_step(A: Array, b: Array, damping: float, floor: Array | float = 0.0) -> Array:
+    """The step −(A + damping · (diag A + floor))⁻¹ b of dense equations A (D, D), b (D,)."""
+    if damping:
+        A = A + np.diag(damping * (np.diag(A) + floor))
+    return np.asarray(-np.linalg.solve(A, b), np.float64)

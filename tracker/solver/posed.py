@@ -1,0 +1,90 @@
+"""Poses and what follows from them: where points of the body are, and how they move with it.
+
+Everything works on any batch axes before the named ones: one pose, or those of many frames. Motions
+are x (D,) over the tracked degrees of freedom, on the right, in each part's own frame: R · exp(x).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.body.pose import Pose, part_transforms, twists
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array, log_rotation, transpose
+
+
+@dataclass(frozen=True, eq=False)
+class Posed:
+    """A body as posed: what several terms need of it is computed once.
+
+    Rs_parent_part (..., P, 3, 3), p_camera_root (..., 3): as in Pose.
+    """
+
+    skeleton: Skeleton
+    Rs_parent_part: Array
+    p_camera_root: Array
+
+    @classmethod
+    def of(cls, skeleton: Skeleton, pose: Pose) -> Posed:
+        """A body in one pose."""
+        return cls(skeleton, pose.Rs_parent_part, pose.p_camera_root)
+
+    @cached_property
+    def Ts_camera_part(self) -> Array:
+        """(..., P, 4, 4)"""
+        return part_transforms(self.skeleton, self.Rs_parent_part, self.p_camera_root)
+
+    @cached_property
+    def twists(self) -> Array:
+        """(..., D, 6) of the degrees of freedom, as `tracker.body.pose.twists`."""
+        return twists(self.skeleton, self.Ts_camera_part)
+
+    def points(self, parts: NDArray[np.int64], points: Array) -> Array:
+        """Points (..., K, 3) in the camera frame of points (K, 3) in the frames of parts (K,)."""
+        T = self.Ts_camera_part[..., parts, :, :]
+        return np.asarray((T[..., :3, :3] @ points[..., None])[..., 0] + T[..., :3, 3])
+
+    def point_jacobian(self, parts: NDArray[np.int64], p: Array) -> Array:
+        """(..., K, D, 3) how points p (..., K, 3) in the camera frame move, carried by parts."""
+        vx, vy, vz, wx, wy, wz = np.moveaxis(self.twists[..., None, :, :], -1, 0)
+        x, y, z = np.moveaxis(p[..., None, :], -1, 0)
+        J = np.empty((*p.shape[:-1], self.skeleton.dof_count, 3))
+        J[..., 0] = vx + (wy * z - wz * y)  # v + w × p, component by component: it is quicker
+        J[..., 1] = vy + (wz * x - wx * z)
+        J[..., 2] = vz + (wx * y - wy * x)
+        J *= self.skeleton.below[parts][:, self.skeleton.dof_part][..., None]
+        return J
+
+    def motion_from(self, Rs_parent_part: Array, p_camera_root: Array) -> Array:
+        """(..., D) the tracked part of the motion that leads here from another pose."""
+        turn = log_rotation(transpose(Rs_parent_part) @ self.Rs_parent_part)
+        shift = self.p_camera_root - p_camera_root
+        return by_dof(self.skeleton, turn, self.Rs_parent_part[..., 0, :, :], shift)
+
+
+def by_dof(skeleton: Skeleton, turn: Array, R_root: Array, shift: Array) -> Array:
+    """(..., D) of turns (..., P, 3) in the parts' frames and the root's shift (..., 3) in the
+    camera's, with the root turned by R_root (..., 3, 3)."""
+    inside = np.einsum("...ba,...b->...a", R_root, shift)
+    part, axis = skeleton.dof_part, skeleton.dof_axis
+    return np.where(skeleton.dof_turns == 1, turn[..., part, axis], inside[..., axis])
+
+
+def image_points(camera: Camera, p: Array) -> Array:
+    """Pixels (..., 2) of points (..., 3) without distortion, also behind the camera."""
+    z = camera.depth(p)[..., None]
+    return np.asarray(p[..., :2] / z * (camera.fx, camera.fy) + (camera.cx, camera.cy))
+
+
+def image_jacobian(camera: Camera, p: Array, J: Array) -> Array:
+    """(..., D, 2) how the pixels of points p (..., 3) move that move by J (..., D, 3)."""
+    z = camera.depth(p)[..., None, None]
+    uv = J[..., :2] / z
+    if camera.projection == "perspective":
+        uv = uv - p[..., None, :2] / z**2 * J[..., 2:]
+    return np.asarray(uv * (camera.fx, camera.fy))

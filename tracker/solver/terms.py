@@ -1,0 +1,281 @@
+"""Terms: what a pose is compared with, each as a cost and its normal equations.
+
+To add a term, write a frozen dataclass with `cost` and `equations`. Where it is made of residuals,
+give `rows` and let `RowTerm` do the rest, and put it among the cases of the one test that compares
+every term with finite differences. Residuals are in standard deviations, so that terms of different
+kinds can be summed, and are half squared. Terms work on one pose or on many at once: batch axes
+come first, equations are those of every pose by itself, and a cost is that of all of them.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from tracker.body.joint_limits import Limits
+from tracker.body.pose import Pose
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array, transpose
+from tracker.solver.body_points import Places
+from tracker.solver.posed import Posed, image_jacobian, image_points
+from tracker.solver.robust import SQUARED, Kernel
+
+
+@dataclass(frozen=True, eq=False)
+class Equations:
+    """Normal equations of the tracked degrees of freedom: A (..., D, D), gradient b (..., D).
+
+    cost: of all poses; NaN where what made them does not say.
+    """
+
+    A: Array
+    b: Array
+    cost: float = np.nan
+
+    @classmethod
+    def none(cls, dofs: int) -> Equations:
+        """Of a picture that says nothing."""
+        return cls(np.zeros((dofs, dofs)), np.zeros(dofs), 0.0)
+
+    @classmethod
+    def of(cls, rows: Rows) -> Equations:
+        """Those of rows."""
+        A = transpose(rows.J) @ rows.J
+        return cls(A, np.einsum("...md,...m->...d", rows.J, rows.r), rows.cost)
+
+    def __add__(self, other: Equations) -> Equations:
+        return Equations(self.A + other.A, self.b + other.b, self.cost + other.cost)
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Residuals r (..., M), weighted if robust, their Jacobian J (..., M, D), and their cost."""
+
+    r: Array
+    J: Array
+    cost: float
+
+    @classmethod
+    def stacked(cls, some: Sequence[Rows]) -> Rows:
+        """All of them, to be multiplied out at once."""
+        if len(some) == 1:
+            return some[0]
+        r, J = [rows.r for rows in some], [rows.J for rows in some]
+        cost = sum(rows.cost for rows in some)
+        return cls(np.concatenate(r, axis=-1), np.concatenate(J, axis=-2), cost)
+
+
+class Term(Protocol):
+    """What a pose is compared with."""
+
+    def cost(self, posed: Posed) -> float:
+        """Half the sum of squares, robust ones by their kernel; infinite where no pose can be."""
+
+    def equations(self, posed: Posed) -> Equations:
+        """Linearized at a pose, with the cost there: b is its gradient, A as Gauss and Newton."""
+
+
+class RowTerm(ABC):
+    """A term that is made of residuals."""
+
+    @abstractmethod
+    def cost(self, posed: Posed) -> float: ...
+
+    @abstractmethod
+    def rows(self, posed: Posed) -> Rows: ...
+
+    def equations(self, posed: Posed) -> Equations:
+        return Equations.of(self.rows(posed))
+
+
+def total_cost(terms: Sequence[Term], posed: Posed) -> float:
+    """The cost of all terms."""
+    return sum(term.cost(posed) for term in terms)
+
+
+def total_equations(terms: Sequence[Term], posed: Posed) -> Equations:
+    """Their equations; rows of different terms are multiplied out together, which is quicker."""
+    rows = [term.rows(posed) for term in terms if isinstance(term, RowTerm)]
+    parts = [Equations.of(Rows.stacked(rows))] if rows else []
+    parts += [term.equations(posed) for term in terms if not isinstance(term, RowTerm)]
+    whole = parts[0]
+    for part in parts[1:]:
+        whole = whole + part
+    return whole
+
+
+@dataclass(frozen=True, eq=False)
+class PointsInSpace(RowTerm):
+    """Points of the body at positions (..., K, 3) in the camera frame, metres."""
+
+    points: Places
+    positions: Array
+    sigma_m: float
+
+    def cost(self, posed: Posed) -> float:
+        return _half_squares((self.points.of(posed) - self.positions) / self.sigma_m)
+
+    def rows(self, posed: Posed) -> Rows:
+        p, J = self.points.jacobian(posed)
+        away = (p - self.positions) / self.sigma_m
+        return Rows(_flat(away), _rows_of(J / self.sigma_m), _half_squares(away))
+
+
+@dataclass(frozen=True, eq=False)
+class PointsInPicture(RowTerm):
+    """Points of the body seen at pixels uv (..., K, 2) by a camera without distortion.
+
+    scale (..., K): 1/σ in 1/px, 0 where a pixel is not known. nearest_m: a pose with a point nearer
+    to the camera than that cannot be.
+    """
+
+    points: Places
+    camera: Camera
+    uv: Array
+    scale: Array
+    nearest_m: float
+    kernel: Kernel = SQUARED
+
+    def cost(self, posed: Posed) -> float:
+        p = self.points.of(posed)
+        away = np.linalg.norm(image_points(self.camera, p) - self.uv, axis=-1) * self.scale
+        return self._cost(p, away)
+
+    def rows(self, posed: Posed) -> Rows:
+        p, J = self.points.jacobian(posed)
+        away = (image_points(self.camera, p) - self.uv) * self.scale[..., None]
+        length = np.linalg.norm(away, axis=-1)
+        weight = np.sqrt(self.kernel.weight(length))
+        seen = image_jacobian(self.camera, p, J) * (weight * self.scale)[..., None, None]
+        return Rows(_flat(away * weight[..., None]), _rows_of(seen), self._cost(p, length))
+
+    def _cost(self, p: Array, away: Array) -> float:
+        """That of points p at which the pixels are so many σ away."""
+        if not (p[..., 2] > self.nearest_m).all():
+            return np.inf
+        return 0.5 * float(self.kernel.loss(away).sum())
+
+
+@dataclass(frozen=True, eq=False)
+class JointLimits(RowTerm):
+    """Joint angles within their limits.
+
+    allowed (P, 3): radians, signed, by which a joint may lie outside, as somebody posed it so.
+    """
+
+    limits: Limits
+    sigma_rad: float
+    allowed: Array | None = None
+
+    def excess(self, posed: Posed) -> tuple[Array, Array]:
+        """Radians (..., P, 3) beyond what is allowed, and their slopes (..., P, 3, 3)."""
+        outside, slopes = self.limits.excess(posed.Rs_parent_part)
+        if self.allowed is not None:
+            low, high = np.minimum(self.allowed, 0.0), np.maximum(self.allowed, 0.0)
+            outside = outside - np.clip(outside, low, high)
+        return outside, slopes
+
+    def cost(self, posed: Posed) -> float:
+        return _half_squares(self.excess(posed)[0] / self.sigma_rad)
+
+    def rows(self, posed: Posed) -> Rows:
+        skeleton = posed.skeleton
+        outside, slopes = self.excess(posed)
+        turns = np.flatnonzero(skeleton.dof_turns == 1)
+        parts, axes = skeleton.dof_part[turns], skeleton.dof_axis[turns]
+        over, r = outside != 0, outside / self.sigma_rad
+        J = np.zeros((*outside.shape, skeleton.dof_count))
+        J[..., parts, :, turns] = (slopes * over[..., None])[..., parts, :, axes]
+        if outside.ndim == 2:  # of one pose only those that are exceeded, mostly none
+            return Rows(r[over], J[over] / self.sigma_rad, _half_squares(r[over]))
+        return Rows(_flat(r), _merged(J) / self.sigma_rad, _half_squares(r))
+
+
+@dataclass(frozen=True, eq=False)
+class PosePrior:
+    """The pose near another one, R (..., P, 3, 3) and p (..., 3); precision (D,) is 1/σ².
+
+    Deviations are rotation vectors: their Jacobian is taken as 1. The gradient is exact all the
+    same where the axes of a part have one σ, for a rotation vector lies on its own axis.
+    """
+
+    Rs_parent_part: Array
+    p_camera_root: Array
+    precision: Array
+    kernel: Kernel = SQUARED
+
+    @classmethod
+    def of(cls, pose: Pose, precision: Array) -> PosePrior:
+        """Near one pose."""
+        return cls(pose.Rs_parent_part, pose.p_camera_root, precision)
+
+    def away(self, posed: Posed) -> Array:
+        """(..., D) the motion that leads from there to a pose."""
+        return posed.motion_from(self.Rs_parent_part, self.p_camera_root)
+
+    def cost(self, posed: Posed) -> float:
+        return self._cost(np.sqrt(self.precision) * np.abs(self.away(posed)))
+
+    def equations(self, posed: Posed) -> Equations:
+        away = self.away(posed)
+        length = np.sqrt(self.precision) * np.abs(away)
+        held = self.precision * self.kernel.weight(length)
+        A = held[..., None] * np.eye(held.shape[-1])
+        return Equations(A, held * away, self._cost(length))
+
+    def _cost(self, away: Array) -> float:
+        return 0.5 * float(self.kernel.loss(away).sum())
+
+
+@dataclass(frozen=True, eq=False)
+class RootPosition(RowTerm):
+    """The root near a position p (3,) in the camera frame.
+
+    directions (M, 3): what is compared, each over its σ: rows times how far the root is away.
+    """
+
+    p_camera_root: Array
+    directions: Array
+
+    @classmethod
+    def depth(cls, p_camera_root: Array, share: float) -> RootPosition:
+        """The root's depth within a share of what it was."""
+        return cls(p_camera_root, np.array([[0.0, 0.0, 1 / (share * p_camera_root[2])]]))
+
+    def cost(self, posed: Posed) -> float:
+        return _half_squares(self._residuals(posed))
+
+    def rows(self, posed: Posed) -> Rows:
+        skeleton = posed.skeleton
+        shifts = np.flatnonzero(skeleton.dof_turns == 0)
+        r = self._residuals(posed)
+        J = np.zeros((*r.shape, skeleton.dof_count))
+        R = posed.Rs_parent_part[..., 0, :, :]
+        J[..., shifts] = (self.directions @ R)[..., skeleton.dof_axis[shifts]]
+        return Rows(r, J, _half_squares(r))
+
+    def _residuals(self, posed: Posed) -> Array:
+        away = posed.p_camera_root - self.p_camera_root
+        return np.asarray((self.directions @ away[..., None])[..., 0])
+
+
+def _half_squares(r: Array) -> float:
+    return 0.5 * float((r**2).sum())
+
+
+def _flat(r: Array) -> Array:
+    return r.reshape(*r.shape[:-2], -1)
+
+
+def _merged(J: Array) -> Array:
+    """(..., K · C, D) of (..., K, C, D)."""
+    return J.reshape(*J.shape[:-3], -1, J.shape[-1])
+
+
+def _rows_of(J: Array) -> Array:
+    """(..., K · C, D) of a Jacobian of points (..., K, D, C)."""
+    return _merged(np.swapaxes(J, -1, -2))
