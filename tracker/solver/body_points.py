@@ -25,6 +25,12 @@ class Places:
     skeleton: Skeleton
     places: tuple[Place, ...]
 
+    @classmethod
+    def single(cls, skeleton: Skeleton, parts: NDArray[np.int64], points: Array) -> Places:
+        """Single points (K, 3) in the frames of parts (K,)."""
+        flat = zip(parts.tolist(), points.tolist(), strict=True)
+        return cls(skeleton, tuple(((part, (x, y, z)),) for part, (x, y, z) in flat))
+
     @cached_property
     def _points(self) -> tuple[NDArray[np.int64], Array, Array | None]:
         """Part (K,) and position (K, 3) of every point, and the mean (J, K) over them; None where

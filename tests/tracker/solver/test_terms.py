@@ -33,6 +33,7 @@ from tracker.solver.terms import (
 Floats = NDArray[np.float64]
 
 SKELETON = freed(preset("adult_male"))
+TRACKED = Skeleton.of(preset("adult_male"))
 PARTS = SKELETON.part_count
 POINTS: tuple[Place, ...] = (
     *(((i, (0.0, 0.02, 0.01)),) for i in range(PARTS)),
@@ -43,10 +44,10 @@ TELEPHOTO = FLAT.model_copy(update={"projection": "telephoto", "telephoto_distan
 STEP = 1e-6
 
 
-def _random(seed: int, turn_rad: float, skeleton: Skeleton = SKELETON) -> Pose:
+def _random(seed: int, turn_rad: float) -> Pose:
     """A pose in front of the camera whose parts are turned by about so much."""
     rng = np.random.default_rng(seed)
-    Rs = exp_rotation(rng.normal(0, turn_rad, (skeleton.part_count, 3)))
+    Rs = exp_rotation(rng.normal(0, turn_rad, (PARTS, 3)))
     return Pose(Rs, np.array([0.2, -0.1, 4.0]))
 
 
@@ -71,7 +72,8 @@ TERMS: dict[str, Callable[[Places], Term]] = {
     "points in a picture": _in_picture(FLAT, Huber(1e9)),
     "points in a picture, far ones pulling no harder": _in_picture(FLAT, Huber()),
     "points in a picture, far ones pulling less": _in_picture(FLAT, Cauchy()),
-    "points in a telephoto picture": _in_picture(TELEPHOTO, Huber()),
+    "points in a telephoto picture": _in_picture(TELEPHOTO, Huber(1e9)),
+    "points in a telephoto picture, robust": _in_picture(TELEPHOTO, Huber()),
     "joint limits": _limits(None),
     "joint limits as somebody posed beyond them": _limits(np.full((PARTS, 3), 2e-4)),
     "prior": lambda points: PosePrior.of(
@@ -92,13 +94,13 @@ def _arrays(pose: Pose) -> tuple[Floats, Floats]:
     return pose.Rs_parent_part, pose.p_camera_root
 
 
-def _difference(value: Callable[[Posed], Any], pose: Pose) -> Floats:
+def _difference(value: Callable[[Posed], Any], pose: Pose, skeleton: Skeleton = SKELETON) -> Floats:
     """(..., D) central differences of a value over motions of a pose."""
     columns = []
-    for d in range(SKELETON.dof_count):
-        x = np.zeros(SKELETON.dof_count)
+    for d in range(skeleton.dof_count):
+        x = np.zeros(skeleton.dof_count)
         x[d] = STEP
-        ahead, behind = (Posed.of(SKELETON, moved(SKELETON, pose, s * x)) for s in (1, -1))
+        ahead, behind = (Posed.of(skeleton, moved(skeleton, pose, s * x)) for s in (1, -1))
         columns.append((np.asarray(value(ahead)) - np.asarray(value(behind))) / (2 * STEP))
     return np.stack(columns, axis=-1)
 
@@ -118,15 +120,17 @@ def test_the_gradient_of_every_term_is_that_of_its_cost(name: str, turn_rad: flo
 
 @pytest.mark.parametrize("turn_rad", [1e-3, 0.3, 1.0], ids=["near identity", "bent", "large"])
 @pytest.mark.parametrize("name", ["points in space", "points in a picture", "joint limits",
+                                  "points in a telephoto picture",
                                   "depth of the root", "place of the root along rays"])  # fmt: skip
+@pytest.mark.parametrize("skeleton", [SKELETON, TRACKED], ids=["free", "as tracked"])
 def test_the_jacobian_of_every_residual_is_that_of_small_motions(
-    name: str, turn_rad: float
+    skeleton: Skeleton, name: str, turn_rad: float
 ) -> None:
-    term = TERMS[name](Places(SKELETON, POINTS))
+    term = TERMS[name](Places(skeleton, POINTS))
     assert isinstance(term, RowTerm)
     pose = _random(4, turn_rad)
-    J = term.rows(Posed.of(SKELETON, pose)).J
-    expected = _difference(lambda posed: term.rows(posed).r, pose)
+    J = term.rows(Posed.of(skeleton, pose)).J
+    expected = _difference(lambda posed: term.rows(posed).r, pose, skeleton)
     assert np.allclose(J, expected, atol=1e-6 * max(np.abs(expected).max(), 1.0))
 
 

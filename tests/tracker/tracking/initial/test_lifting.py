@@ -12,15 +12,14 @@ from numpy.typing import NDArray
 
 from tests.rendering.motions import stride
 from tests.rendering.scenes import camera
-from tests.tracker.tracking_cases import random_body, random_pose, random_trajectory
+from tests.tracker.tracking_cases import random_body, random_trajectory
 from tracker.body.body import preset
 from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose, moved, pose_transforms
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory, interpolate
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import exp_rotation
-from tracker.tracking.initial.lifting import lifted, seen_points
+from tracker.tracking.initial.lifting import lifted
 from tracker.tracking.scene import Scene
 from tracker.tracking.segment import Segment
 
@@ -259,26 +258,3 @@ def test_a_body_that_is_not_tracked_stays() -> None:
     base = _plain(truth)
     found = lifted(_scene(truth, CAMERA, skeleton), _segment(truth), base, tracks)
     np.testing.assert_array_equal(found.Rs_parent_part, base.Rs_parent_part)
-
-
-@pytest.mark.parametrize("lens", [CAMERA, TELEPHOTO], ids=["perspective", "telephoto"])
-def test_the_slopes_of_followed_points_are_those_of_small_motions(lens: Camera) -> None:
-    skeleton = random_body(5, parts=6)
-    pose = random_pose(skeleton, 5)
-    parts, points = np.array([1, 3, 5]), np.array([[0.1, 0.2, 0.0], [0.0, 0.3, 0.1], [0, 0, 0]])
-
-    def seen(at: Pose) -> tuple[Floats, Floats]:
-        return seen_points(skeleton, lens, pose_transforms(skeleton, at)[None], parts, points)
-
-    uv, slopes = seen(pose)
-    assert np.allclose(uv[0], lens.project(_placed(skeleton, pose, parts, points)))
-    for d in range(skeleton.dof_count):
-        step = np.zeros(skeleton.dof_count)
-        step[d] = 1e-6
-        change = seen(moved(skeleton, pose, step))[0] - uv
-        np.testing.assert_allclose(change[0] / 1e-6, slopes[0, :, :, d], rtol=1e-3, atol=1e-2)
-
-
-def _placed(skeleton: Skeleton, pose: Pose, parts: Any, points: Floats) -> Floats:
-    T = pose_transforms(skeleton, pose)[parts]
-    return np.asarray((T[:, :3, :3] @ points[..., None])[..., 0] + T[:, :3, 3])
