@@ -1,4 +1,4 @@
-"""Whether a packet of HEVC or H.264 is decoded to its very end, neither less nor more.
+"""Whether a packet of HEVC, H.264 or VP9 is decoded to its very end, neither less nor more.
 
 A decoder that has lost its way often does not say so: it makes garbage of what is left. But it then
 ends at a wrong place, which shows from outside. One packet is decoded by itself, its missing
@@ -12,13 +12,14 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import cast
+from typing import NamedTuple, cast
 
 import av
 from av.codec.context import CodecContext, Flags
 from av.video.codeccontext import VideoCodecContext
 
 from tracker.video.container import PYAV_ERRORS
+from tracker.video.vp9 import inner_tiles
 
 _HEAD = 24
 """Bytes of a slice in which its header may lie: a shorter one is not judged."""
@@ -28,10 +29,18 @@ _TRIES = 24
 """Other endings, all of which must change nothing. One is enough in nearly every sound packet; in
 one that is all but empty several may happen to mean the same picture."""
 
+_PARAMETERS = 7
 _BASELINE, _EXTENDED = 66, 88
 """Profiles of H.264 that may hold slices twice, of which the decoder passes over one."""
 
-Unit = tuple[int, int]  # where a slice begins and ends in the packet
+
+class Unit(NamedTuple):
+    """A slice or tile in its packet: its first byte, the one behind its last, and how many bytes
+    before it tell its length; none where units are parted by start codes."""
+
+    start: int
+    end: int
+    length_bytes: int = 0
 
 
 @dataclass(frozen=True)
@@ -48,16 +57,23 @@ class Coding:
         at = 21 if self.codec == "hevc" else 4
         return (told[at] & 3) + 1 if told is not None and len(told) > at and told[0] == 1 else 0
 
-    def is_judged(self, is_key: bool) -> bool:
-        """Whether packets, keys or others, can be judged by themselves.
+    def is_judged(self, packet: bytes, is_key: bool) -> bool:
+        """Whether this packet, a key or not, can be judged by itself.
 
-        FFmpeg's H.264 decoder makes nothing of a packet without what it is built on.
+        The decoders of H.264 and VP9 make nothing of a packet without what it is built on.
         """
-        if self.codec == "hevc":
-            return True
-        told = self.extradata
-        is_plain = told is not None and len(told) > 4 and told[1] not in (_BASELINE, _EXTENDED)
-        return self.codec == "h264" and is_key and is_plain and self.length_bytes > 0
+        if self.codec == "h264":
+            return is_key and self._profile(packet) not in (None, _BASELINE, _EXTENDED)
+        return self.codec == "hevc" or (self.codec == "vp9" and is_key)
+
+    def _profile(self, packet: bytes) -> int | None:
+        """The profile of H.264 that the first set of parameters names."""
+        told = self.extradata or b""
+        if self.length_bytes:
+            return told[1]
+        source = told + packet
+        heads = (source[unit.start : unit.start + 2] for unit in _parted_units(source))
+        return next((head[1] for head in heads if head[0] & 31 == _PARAMETERS), None)
 
     def is_slice(self, head: bytes) -> bool:
         """Whether a unit that begins like this is part of the picture that is shown."""
@@ -69,17 +85,16 @@ class Coding:
 
 def strays(packet: bytes, coding: Coding) -> bool:
     """Whether the decoder loses its way in this packet; False where that cannot be told."""
-    slices = [unit for unit in _slices(packet, coding) if unit[1] - unit[0] > _HEAD + _TAIL]
+    slices = [unit for unit in _slices(packet, coding) if unit.end - unit.start > _HEAD + _TAIL]
     if not slices:
         return False
     picture = _decoded(packet, coding)
     if picture is None:
         return False
     chance = random.Random(len(packet))
-    length = coding.length_bytes
     longer = packet
     for unit in reversed(slices):
-        longer = _with_ending(longer, unit, b"", _noise(chance, _ADDED), length)
+        longer = _with_ending(longer, unit, b"", _noise(chance, _ADDED))
     if _decoded(longer, coding) != picture:
         return True
     return any(not _is_reached(packet, unit, coding, picture, chance) for unit in slices)
@@ -93,19 +108,18 @@ def _is_reached(
     chance: random.Random,
 ) -> bool:
     """Whether the last bytes of a slice mean something to the decoder."""
-    length = coding.length_bytes
     for _ in range(_TRIES):
-        other = _with_ending(packet, unit, _noise(chance, _TAIL), b"", length)
+        other = _with_ending(packet, unit, _noise(chance, _TAIL), b"")
         if _decoded(other, coding) != picture:
             return True
     return False
 
 
-def _with_ending(packet: bytes, unit: Unit, last: bytes, added: bytes, length: int) -> bytes:
+def _with_ending(packet: bytes, unit: Unit, last: bytes, added: bytes) -> bytes:
     """The packet with other last bytes in one slice, and some added behind it."""
-    start, end = unit
+    start, end, length = unit
     head = packet[:start]
-    if length:  # the slice is preceded by its length
+    if length:
         size = int.from_bytes(packet[start - length : start], "big") + len(added)
         head = packet[: start - length] + size.to_bytes(length, "big")
     return head + packet[start : end - len(last)] + last + added + packet[end:]
@@ -130,11 +144,15 @@ def _decoded(packet: bytes, coding: Coding) -> tuple[bytes, ...] | None:
 
 
 def _slices(packet: bytes, coding: Coding) -> Iterator[Unit]:
+    if coding.codec == "vp9":
+        for start, end in inner_tiles(packet):
+            yield Unit(start, _end_of_data(packet, start, end), 4)
+        return
     length = coding.length_bytes
     units = _boxed_units(packet, length) if length else _parted_units(packet)
-    for start, end in units:
+    for start, end, told in units:
         if end - start > 2 and coding.is_slice(packet[start : start + 2]):
-            yield start, _end_of_data(packet, start, end)
+            yield Unit(start, _end_of_data(packet, start, end), told)
 
 
 def _boxed_units(packet: bytes, length: int) -> Iterator[Unit]:
@@ -144,7 +162,7 @@ def _boxed_units(packet: bytes, length: int) -> Iterator[Unit]:
         at += length
         if not 0 < size <= len(packet) - at:
             return
-        yield at, at + size
+        yield Unit(at, at + size, length)
         at += size
 
 
@@ -156,7 +174,7 @@ def _parted_units(packet: bytes) -> Iterator[Unit]:
         stop = packet.find(mark, start)
         end = len(packet) if stop < 0 else stop
         if end > start:
-            yield start, end
+            yield Unit(start, end)
         start = stop
 
 

@@ -223,7 +223,8 @@ class _Reading:
         yield from self._decoded(None)
 
     def _strays(self, packet: av.Packet[VideoStream]) -> bool:
-        return self._coding.is_judged(packet.is_keyframe) and strays(bytes(packet), self._coding)
+        data = bytes(packet)
+        return self._coding.is_judged(data, packet.is_keyframe) and strays(data, self._coding)
 
     def _decoded(self, packet: av.Packet[VideoStream] | None) -> Iterator[_Step]:
         try:

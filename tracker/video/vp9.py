@@ -1,0 +1,139 @@
+"""Where the tiles of a VP9 key frame lie in its packet, read from the uncompressed header."""
+
+from __future__ import annotations
+
+_FRAME_MARKER, _SYNC_CODE = 2, 0x498342
+_RGB = 7
+_MIN_TILE_BLOCKS, _MAX_TILE_BLOCKS = 4, 64
+"""Columns of blocks of 64 × 64 samples that one tile has, at least and at most."""
+_SEGMENTS = 8
+_FEATURE_BITS = ((8, True), (6, True), (2, False), (0, False))
+"""Of what may differ from segment to segment: the bits of its value, and whether it has a sign."""
+_TILE_SIZE_BYTES = 4
+
+Span = tuple[int, int]  # first byte, and the one behind the last
+
+
+def inner_tiles(packet: bytes) -> list[Span]:
+    """The tiles of a key frame but the last, each preceded by its size in four bytes.
+
+    None when the packet is another frame, holds several frames, or does not hold together.
+    """
+    if not packet or packet[-1] & 0xE0 == 0xC0:  # an index of several frames comes last
+        return []
+    bits = _Bits(packet)
+    try:
+        tiles, first = _tile_count(bits)
+    except IndexError:
+        return []
+    spans = []
+    for _ in range(tiles - 1):
+        start = first + _TILE_SIZE_BYTES
+        end = start + int.from_bytes(packet[first:start], "big")
+        if end >= len(packet):
+            return []
+        spans.append((start, end))
+        first = end
+    return spans
+
+
+class _Bits:
+    """Reads a header bit by bit; IndexError at its end."""
+
+    def __init__(self, data: bytes) -> None:
+        self._data, self._at = data, 0
+
+    def read(self, count: int) -> int:
+        value = 0
+        for _ in range(count):
+            value = value << 1 | self._data[self._at >> 3] >> (7 - (self._at & 7)) & 1
+            self._at += 1
+        return value
+
+    def flag(self) -> bool:
+        return self.read(1) == 1
+
+    def skip_if_told(self, count: int) -> None:
+        """A value that a flag says is there."""
+        if self.flag():
+            self.read(count)
+
+    def next_byte(self) -> int:
+        return (self._at + 7) >> 3
+
+
+def _tile_count(bits: _Bits) -> tuple[int, int]:
+    """How many tiles a key frame has, and the byte at which they begin; 0 of no key frame."""
+    marker, low, high = bits.read(2), bits.read(1), bits.read(1)
+    profile = low + 2 * high
+    if marker != _FRAME_MARKER or (profile == 3 and bits.flag()):
+        return 0, 0
+    if bits.flag() or bits.flag():  # shows a frame again, or is built on others
+        return 0, 0
+    bits.flag()  # whether it is shown
+    is_resilient = bits.flag()
+    if bits.read(24) != _SYNC_CODE:
+        return 0, 0
+    _pass_colors(bits, profile)
+    width = bits.read(16) + 1
+    bits.read(16)
+    bits.skip_if_told(32)  # another size to show it at
+    bits.read(2 if is_resilient else 4)  # which probabilities are kept
+    _pass_loop_filter(bits)
+    _pass_quantization(bits)
+    if bits.flag():
+        _pass_segmentation(bits)
+    tiles = _columns(bits, width) * _rows(bits)
+    header = bits.read(16)
+    return tiles, bits.next_byte() + header
+
+
+def _pass_colors(bits: _Bits, profile: int) -> None:
+    if profile >= 2:
+        bits.flag()  # 10 or 12 bits a sample
+    is_rgb = bits.read(3) == _RGB
+    if not is_rgb:
+        bits.flag()  # range
+    if profile in (1, 3):
+        bits.read(1 if is_rgb else 3)  # subsampling
+
+
+def _pass_loop_filter(bits: _Bits) -> None:
+    bits.read(6 + 3)
+    if bits.flag() and bits.flag():
+        for _ in range(4 + 2):  # per reference and per mode
+            bits.skip_if_told(7)
+
+
+def _pass_quantization(bits: _Bits) -> None:
+    bits.read(8)
+    for _ in range(3):
+        bits.skip_if_told(5)
+
+
+def _pass_segmentation(bits: _Bits) -> None:
+    if bits.flag():  # a map of segments
+        for _ in range(7):
+            bits.skip_if_told(8)
+        if bits.flag():
+            for _ in range(3):
+                bits.skip_if_told(8)
+    if bits.flag():  # what differs from segment to segment
+        bits.flag()
+        for _ in range(_SEGMENTS):
+            for count, is_signed in _FEATURE_BITS:
+                bits.skip_if_told(count + is_signed)
+
+
+def _columns(bits: _Bits, width: int) -> int:
+    blocks = (width + 63) // 64
+    shift = 0
+    while _MAX_TILE_BLOCKS << shift < blocks:
+        shift += 1
+    while blocks >> (shift + 1) >= _MIN_TILE_BLOCKS and bits.flag():
+        shift += 1
+    return 1 << shift
+
+
+def _rows(bits: _Bits) -> int:
+    return 1 << (1 + bits.read(1) if bits.flag() else 0)
