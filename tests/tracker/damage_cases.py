@@ -52,14 +52,14 @@ FILMS = (
 )
 
 
-def moving_pictures(count: int = COUNT) -> list[Picture]:
+def moving_pictures(width: int, height: int, count: int = COUNT) -> list[Picture]:
     """A textured square that goes its own way before a panned, softer ground."""
     noise = np.random.default_rng(1)
-    ground = _soft(noise.integers(0, 256, (HEIGHT, WIDTH + count, 3)), 3.0)
+    ground = _soft(noise.integers(0, 256, (height, width + count, 3)), 3.0)
     square = _soft(noise.integers(0, 256, (32, 32, 3)), 1.2)
     pictures = []
     for number in range(count):
-        picture = ground[:, number : number + WIDTH].copy()
+        picture = ground[:, number : number + width].copy()
         x = round(64 + 50 * np.sin(number / 8))
         y = round(32 + 28 * np.cos(number / 11))
         picture[y : y + 32, x : x + 32] = square
@@ -72,9 +72,9 @@ def _soft(noise: NDArray[np.int64], sigma: float) -> Picture:
     return np.asarray(255 * (soft - soft.min()) / np.ptp(soft), dtype=np.uint8)
 
 
-def write_film(folder: Path, kind: FilmKind) -> Path:
+def write_film(folder: Path, kind: FilmKind, width: int = WIDTH, height: int = HEIGHT) -> Path:
     """A film of that kind."""
-    pictures = moving_pictures()
+    pictures = moving_pictures(width, height)
     options = {"threads": "1", **kind.options}  # the same film on every computer
     path = folder / kind.name
     return write_clip(path, pictures, codec=kind.codec, pixels=kind.pixels, options=options)

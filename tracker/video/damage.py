@@ -31,8 +31,14 @@ from tracker.video.index import FrameIndex
 
 _STRICTER = {"vp9": "libvpx-vp9"}
 """Decoders that notice damage FFmpeg's own pass over, by codec."""
+_CHECKS = {"mpeg4": "bitstream+buffer"}
+"""What FFmpeg's decoders check only when they are asked to, by codec: of MPEG-4 the range of its
+values, and where the first frames end."""
 _ONE_LATE = {"av1"}
 """Codecs whose decoder (dav1d) reports a damaged packet when it is given the next one."""
+_GUESSED = {"avi"}
+"""Containers that hold no times: FFmpeg guesses which frame a packet is from the kinds of those
+around it, and does so wrongly beside damage."""
 _NEWS = 16
 """Frames after which it is told how far the decoding is."""
 _REORDERED = 16
@@ -188,6 +194,9 @@ def _steps(path: Path, index: FrameIndex, size: tuple[int, int], origin: int) ->
 def _decoder(stream: VideoStream) -> VideoCodecContext:
     """The strictest decoder there is for the stream, decoding with one thread."""
     own = stream.codec_context
+    checks = _CHECKS.get(own.codec.canonical_name)
+    if checks is not None:
+        own.options = {**own.options, "err_detect": checks}
     name = _STRICTER.get(own.codec.canonical_name)
     if name is None or name not in av.codecs_available:
         return own
@@ -210,23 +219,26 @@ class _Reading:
         self._keys: set[int] = set()  # packets the container calls keys
 
     def steps(self, path: Path, container: InputContainer, stream: VideoStream) -> Iterator[_Step]:
+        is_timed = self._index.named and container.format.name not in _GUESSED
         for packet in packets(path, container, stream):
             self._order += 1
             packet.opaque = self._order
             if packet.is_keyframe:
                 self._keys.add(self._order)
-            number = self._index.number_of(packet.pts) if self._index.named else None
+            number = self._number_of(packet.pts) if is_timed else None
             yield _Step("packet", self._order, number)
             if packet.is_corrupt or self._strays(packet):
                 yield _Step("lost", self._order, number)
-            yield from self._decoded(packet)
-        yield from self._decoded(None)
+            yield from self._decoded(packet, number)
+        yield from self._decoded(None, None)
 
     def _strays(self, packet: av.Packet[VideoStream]) -> bool:
         data = bytes(packet)
         return self._coding.is_judged(data, packet.is_keyframe) and strays(data, self._coding)
 
-    def _decoded(self, packet: av.Packet[VideoStream] | None) -> Iterator[_Step]:
+    def _decoded(
+        self, packet: av.Packet[VideoStream] | None, number: int | None
+    ) -> Iterator[_Step]:
         try:
             frames = self._decoder.decode(packet)
         except av.error.MemoryError:
@@ -236,8 +248,7 @@ class _Reading:
             if self._late and packet is not None:
                 yield _Step("lost", max(self._order - 1, 0), None)
             else:
-                number = None if packet is None else self._number_of(packet.pts)
-                yield _Step("lost", self._order, number)
+                yield _Step("lost", self._order, number if self._index.named else self._count)
             return
         for frame in frames:
             self._count += 1

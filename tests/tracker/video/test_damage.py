@@ -27,6 +27,10 @@ from tracker.video.pyramid import IGNORED
 SAMPLES = sorted((Path(__file__).parents[3] / "sample_videos").glob("*/*.mp4"))
 MUTANTS = 20
 """Of each of ten films."""
+SIZES = ((352, 192, 0.98), (480, 144, 0.99))
+"""Sizes of films, and of their wrong frames the share that is known at least. VP9 has two tiles
+from a width of 449 on. In the first size two mutants alone, whose packets hold together by chance,
+hide 16 wrong frames of 1077."""
 
 ODD = (
     FilmKind("refreshed.mp4", options={"x264-params": "intra-refresh=1:keyint=10"}),
@@ -50,6 +54,7 @@ ODD = (
     FilmKind("deep.mp4", "libx265", {"x265-params": "log-level=none"}, "yuv422p10le"),
     FilmKind("worst.mp4", options={"crf": "51", "g": "6"}),
     FilmKind("strips.mp4", options={"x264-params": "slices=4:keyint=6"}),
+    FilmKind("strips.ts", options={"x264-params": "slices=4:keyint=6"}),
 )
 
 
@@ -70,18 +75,21 @@ def test_no_frame_of_a_sample_is_damaged(film: Path) -> None:
         assert examined(video) == set()
 
 
-def test_of_frames_that_are_seen_to_be_wrong_98_in_100_are_known(tmp_path: Path) -> None:
-    tallies = {kind.name: _tally(tmp_path, kind) for kind in FILMS}
+@pytest.mark.parametrize(("width", "height", "share"), SIZES)
+def test_nearly_all_frames_that_are_seen_to_be_wrong_are_known(
+    tmp_path: Path, width: int, height: int, share: float
+) -> None:
+    """The rest is in packets that hold together by chance: MPEG-4 finds back into its codes after
+    the right number of blocks, and what stands between two keys of H.264, or in a tile of VP9
+    that is not the last, cannot be decoded by itself."""
+    tallies = {kind.name: _tally(write_film(tmp_path, kind, width, height)) for kind in FILMS}
     wrong, known = (sum(getattr(t, name) for t in tallies.values()) for name in ("wrong", "known"))
     assert wrong > 500
-    # The rest is in packets that hold together by chance: MPEG-4 finds back into its codes, and
-    # what stands between two keys of H.264 cannot be decoded by itself.
-    assert known >= 0.98 * wrong, tallies
+    assert known >= share * wrong, tallies
 
 
-def _tally(folder: Path, kind: FilmKind) -> Tally:
-    film, tally = write_film(folder, kind), Tally()
-    sound = greys(film)
+def _tally(film: Path) -> Tally:
+    tally, sound = Tally(), greys(film)
     for mutant in mutants(film, MUTANTS):
         try:
             tally.add(mutant, sound)
