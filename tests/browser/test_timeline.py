@@ -12,6 +12,22 @@ from tests.browser.shared import Desk, desk, opened
 
 SIZE = (1440, 900)
 
+DOT = """
+() => {
+  const { trail, view: { frame } } = window.keypose.server;
+  const view = window.keypose.view('main');
+  const { left, top } = view.over.getBoundingClientRect();
+  const at = (point) => view.project(point.slice(1));
+  const keys = trail.points.filter(([key]) => trail.keys.includes(key) && key !== frame);
+  const here = at(trail.points.find(([key]) => key === frame) ?? keys[0]);
+  const away = (point) => Math.hypot(at(point)[0] - here[0], at(point)[1] - here[1]);
+  const farthest = keys.sort((a, b) => away(b) - away(a))[0];
+  const [x, y] = at(farthest);
+  return [x + left, y + top];
+}
+"""
+"""Where the dot of the trail stands that is farthest from the body."""
+
 
 @pytest.fixture(scope="module")
 def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
@@ -174,3 +190,22 @@ def test_a_height_that_was_dragged_is_there_again_after_a_reload(at: Desk) -> No
     page.get_by_role("separator", name="Height of the timeline").dblclick()
     assert page.evaluate("() => document.getElementById('time').offsetHeight") != height
     page.close()
+
+
+def test_a_press_on_a_dot_of_the_trail_that_moves_pans_the_view_from_its_first_move(
+    at: Desk,
+) -> None:
+    page = at.page
+    complaints: list[str] = []
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    at.visitor.do(do="display", mode="both", opacity=0.5, ghosts=True, trail=True)
+    until(lambda: section(page, "trail"), "the trail")
+    settled(page)
+    x, y = page.evaluate(DOT)
+    page.mouse.move(x, y)
+    until(lambda: page.evaluate("() => document.querySelector('#main .over')?.style.cursor ?? ''"))
+    page.mouse.down()
+    page.mouse.move(x + 60, y)
+    page.mouse.up()
+    assert page.evaluate(DOT)[0] - x == pytest.approx(60, abs=1)
+    assert complaints == []
