@@ -30,7 +30,6 @@ class Damping:
     most: float = np.inf
 
 
-FIXED = Damping(easier=1.0)
 UNDAMPED = Damping(first=0.0, easier=1.0)
 
 

@@ -8,17 +8,18 @@ the better of the two.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tracker.body.trajectory import Trajectory
 from tracker.geometry.rotations import Array
-from tracker.kernels.chain import solve_banded
 from tracker.kernels.pairs import view
 from tracker.kernels.whole import move_inner, see_all, whole_segment
+from tracker.solver.banded import banded_step
+from tracker.solver.least_squares import Criteria, Damping, Problem, least_squares
 from tracker.tracking.scene import Scene
 from tracker.video.pyramid import Clip, Picture
 
@@ -28,8 +29,9 @@ if TYPE_CHECKING:
 SMOOTH_TURN_RAD = np.radians(1.0)
 SMOOTH_SHIFT_PX = 1.1
 """Standard deviations of the motion's change from frame to frame."""
-LONGEST_STEP = 0.3
-SETTLED = 2e-4
+CRITERIA = Criteria(
+    longest_step=0.3, settled=2e-4, rejects=False, damping=Damping(first=1e-4, easier=1.0)
+)
 FIRST_SIGMA = 12.0
 LOOK_AGAIN = 5
 """Solves after which visibility is found anew."""
@@ -46,44 +48,87 @@ class _Textures:
 
 def refine(scene: Scene, clip: Clip, start: Trajectory, how: Refinement) -> Trajectory:
     """The refined trajectory; its ends stay exactly where they are."""
-    n, dofs = len(start) - 1, scene.skeleton.dof_count
-    if n < 2 or not dofs:
+    if len(start) < 3 or not scene.skeleton.dof_count:
         return start
-    R, t = start.loose()
-    slots, pictures = clip.slots(start.first_frame, start.last_frame), clip.levels[0]
-    height, width = pictures.shape[1:3]
-    seen = np.zeros((n + 1, len(scene.points.points)), np.uint8)
-    textures = _keyframe_textures(scene, pictures, slots, R, t, how.of)
-    sigma = np.full((2, n + 1), FIRST_SIGMA)
-    banded, gradient = np.empty((3 * dofs, (n - 1) * dofs)), np.empty((n - 1) * dofs)
-    smooth = scene.precision(SMOOTH_TURN_RAD, SMOOTH_SHIFT_PX * scene.pixel_m)
-    for k in range(how.solves):
-        if k % LOOK_AGAIN == 0:
-            see_all(scene.arrays, scene.lens, scene.sight, width, height, R, t, seen)
-        whole_segment(
-            scene.arrays, scene.lens, pictures, slots, R, t,
-            textures.chosen, textures.grey, textures.starts, seen,
-            scene.information(how.of), smooth, sigma, banded, gradient,
-        )  # fmt: skip
-        step = _damped_step(banded, gradient)
-        if step is None:
-            break
-        move_inner(scene.arrays, R, t, step.reshape(n - 1, dofs))
-        if np.abs(step).max() < SETTLED:
-            break
+    pictures = _Pictures.of(scene, clip, start, how)
+    R, t = least_squares(pictures, start.loose(), replace(CRITERIA, most_steps=how.solves)).state
     return Trajectory(start.first_frame, R, t)
 
 
-def _damped_step(banded: Array, gradient: Array) -> Array | None:
-    """−A⁻¹ b with a trace of damping, shortened to LONGEST_STEP; None where it cannot be had."""
-    banded[-1] = banded[-1] * (1 + 1e-4) + 1e-6
-    step = -gradient
-    if not solve_banded(banded, step):
-        return None
-    largest = np.abs(step).max()
-    if not np.isfinite(largest):
-        return None
-    return np.asarray(step * min(1.0, LONGEST_STEP / max(largest, 1e-12)))
+Poses: TypeAlias = tuple[Array, Array]
+"""R (n + 1, P, 3, 3) and t (n + 1, 3) of a segment's frames, as the loops take them."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Pictures(Problem[Poses, "_Point"]):
+    """A segment's frames beside the textures of both keyframes.
+
+    seen (n + 1, S) and sigma (2, n + 1) are known better with every solve.
+    """
+
+    scene: Scene
+    pictures: Picture
+    slots: NDArray[np.int64]
+    textures: _Textures
+    information: float
+    smooth: Array
+    seen: NDArray[np.uint8]
+    sigma: Array
+
+    @classmethod
+    def of(cls, scene: Scene, clip: Clip, start: Trajectory, how: Refinement) -> _Pictures:
+        """As the start has it."""
+        frames, pictures = len(start), clip.levels[0]
+        slots = clip.slots(start.first_frame, start.last_frame)
+        return cls(
+            scene, pictures, slots,
+            _keyframe_textures(scene, pictures, slots, *start.loose(), how.of),
+            scene.information(how.of),
+            scene.precision(SMOOTH_TURN_RAD, SMOOTH_SHIFT_PX * scene.pixel_m),
+            np.zeros((frames, len(scene.points.points)), np.uint8),
+            np.full((2, frames), FIRST_SIGMA),
+        )  # fmt: skip
+
+    def at(self, state: Poses, count: int) -> _Point:
+        return _Point(self, state, count % LOOK_AGAIN == 0)
+
+    def moved(self, state: Poses, step: Array) -> Poses:
+        R, t = state[0].copy(), state[1].copy()
+        move_inner(self.scene.arrays, R, t, step.reshape(len(t) - 2, -1))
+        return R, t
+
+    def equations(self, poses: Poses) -> tuple[Array, Array]:
+        """Upper banded (3D, nD) and gradient (nD,) of the n inner poses, smoothness included."""
+        scene, textures = self.scene, self.textures
+        inner, dofs = len(poses[1]) - 2, scene.skeleton.dof_count
+        banded, gradient = np.empty((3 * dofs, inner * dofs)), np.empty(inner * dofs)
+        whole_segment(
+            scene.arrays, scene.lens, self.pictures, self.slots, *poses,
+            textures.chosen, textures.grey, textures.starts, self.seen,
+            self.information, self.smooth, self.sigma, banded, gradient,
+        )  # fmt: skip
+        return banded, gradient
+
+    def look(self, poses: Poses) -> None:
+        """Find anew what the poses show."""
+        height, width = self.pictures.shape[1:3]
+        scene = self.scene
+        see_all(scene.arrays, scene.lens, scene.sight, width, height, *poses, self.seen)
+
+
+@dataclass(frozen=True, eq=False)
+class _Point:
+    """What the pictures say of a segment's poses; how good these are is judged elsewhere."""
+
+    pictures: _Pictures
+    poses: Poses
+    looks: bool
+    cost = np.nan
+
+    def step(self, damping: float) -> Array | None:
+        if self.looks:
+            self.pictures.look(self.poses)
+        return banded_step(*self.pictures.equations(self.poses), damping)
 
 
 def _keyframe_textures(

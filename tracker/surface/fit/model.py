@@ -7,6 +7,7 @@ point of the mesh goes with the nearest part.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,7 @@ from tracker.body.pose import Pose, pose_transforms
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import Array, apply_transform, frozen
 from tracker.kernels.surface import pose_surface
+from tracker.solver.terms import JointLimits
 from tracker.surface.fit.binding import apart_m, distances_to_parts, shares_of
 from tracker.surface.fit.points import SurfaceSamples
 from tracker.surface.mesh import SurfaceMesh
@@ -25,6 +27,9 @@ SEAM_SHARE = 0.025
 """Of the surface's size: parts nearer than that at t_0 are joined there, and do not touch."""
 BLEND_SHARE = 0.02
 """Of the surface's size: within it two joined parts share the surface, where that is smooth."""
+HARDNESS = 1e-3
+"""Per radian² beyond a joint's limit and (surface size)²: what a limb's surface tells of its
+turning. Surfaces of rough proportions would turn a foot around."""
 FAR_SHARE = 0.1
 """Of the surface's size: a place so far from every solid may be of something else."""
 
@@ -120,6 +125,11 @@ class SurfaceModel:
             Limits.of(skeleton.body).widened([pose.Rs_parent_part]),
             frozen(np.ones(len(parts))),
         )
+
+    @cached_property
+    def limit_term(self) -> JointLimits:
+        """The pull of joints back into their limits, in metres² as a step's energy."""
+        return JointLimits(self.limits, 1 / np.sqrt(HARDNESS * self.size_m**2))
 
     @property
     def own(self) -> NDArray[np.int64]:

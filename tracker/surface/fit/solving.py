@@ -8,14 +8,21 @@ stands out from the body's is found beside the pose.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from tracker.body.pose import Pose, moved, pose_transforms, twists
 from tracker.geometry.rotations import Array
 from tracker.kernels.surface import pull
-from tracker.surface.fit.bounding import bounds_at
+from tracker.solver.least_squares import (
+    Criteria,
+    Damping,
+    Problem,
+    damped_step,
+    least_squares,
+)
+from tracker.solver.posed import Posed
 from tracker.surface.fit.certainty import turns_seen
 from tracker.surface.fit.model import PosedSurface, SurfaceModel
 from tracker.surface.fit.options import Options
@@ -25,11 +32,9 @@ from tracker.surface.fit.swelling import SWELLINGS, normal_equations
 STIFFNESS = 3e-6
 """Of the weak pull, per radian² and per (surface size)²: a step turns a part by a tenth of a radian
 or so, beside a few hundred points that agree to half a hundredth of the size."""
-LARGEST_TURN = 0.3
-"""Radians that a part turns in one solve."""
-SETTLED_SHARE = 2e-5
-"""Of the surface's size: what a solve moves points, on the average, once all is gained."""
-FIRST_DAMPING, HARDER, EASIER, HARDEST = 1e-3, 10.0, 0.2, 1e6
+CRITERIA = Criteria(longest_step=0.3, settled=2e-5, damping=Damping(easier=5.0, most=0.99e6))
+"""Radians that a part turns in one solve; and, of the surface's size, what a solve moves points on
+the average once all is gained."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,15 +55,24 @@ class Fit:
 
 @dataclass(frozen=True, eq=False)
 class _Look:
-    """A pose that was tried."""
+    """A pose that was tried. slope (D,) is half the energy's, with the pull and the limits;
+    information (D, D) is without the pull, stiffness (D, D) is that."""
 
     pose: Pose
-    away: Array
     energy: float
     information: Array
     slope: Array
+    stiffness: Array
     pairs: Pairs
     posed: PosedSurface
+
+    @property
+    def cost(self) -> float:
+        return self.energy
+
+    def step(self, damping: float) -> Array | None:
+        normal = self.information + self.stiffness
+        return damped_step(normal, self.slope, damping, 1e-9 * np.diag(normal).max())
 
 
 def fit_pose(model: SurfaceModel, observed: Observed, start: Pose, options: Options) -> Fit:
@@ -67,29 +81,31 @@ def fit_pose(model: SurfaceModel, observed: Observed, start: Pose, options: Opti
     stiffness = options.stiff * STIFFNESS * model.size_m**2 * np.diag(skeleton.dof_turns == 1)
     if options.stiff > 0:
         stiffness = stiffness + _holding(model)
-    look = _look(model, observed, start, np.zeros(skeleton.dof_count), stiffness, options)
-    damping, settled, tried = FIRST_DAMPING, False, 0
-    while tried < options.solves and not settled and damping < HARDEST:
-        tried += 1
-        motion = _motion(look, stiffness, damping)
-        away = look.away + motion
-        pose = moved(skeleton, look.pose, motion)
-        other = _look(model, observed, pose, away, stiffness, options)
-        if other.energy < look.energy:
-            step = np.linalg.norm(other.posed.p - look.posed.p, axis=1).mean()
-            settled = bool(step < SETTLED_SHARE * model.size_m)
-            look, damping = other, damping * EASIER
-        else:
-            damping *= HARDER
+    criteria = replace(CRITERIA, most_solves=options.solves)
+    begun = start, np.zeros(skeleton.dof_count)
+    look = least_squares(_Step(model, observed, stiffness, options), begun, criteria).here
     return Fit(look.pose, look.energy, look.information, look.pairs, look.posed)
 
 
-def _motion(look: _Look, stiffness: Array, damping: float) -> Array:
-    """The step of one damped solve."""
-    normal = look.information + stiffness
-    scale = np.diag(normal) + 1e-9 * np.diag(normal).max()
-    motion = -np.linalg.solve(normal + np.diag(damping * scale), look.slope)
-    return np.asarray(motion * min(1.0, LARGEST_TURN / max(np.abs(motion).max(), 1e-12)))
+@dataclass(frozen=True, eq=False)
+class _Step(Problem[tuple[Pose, Array], _Look]):
+    """A step's problem. Its states: a pose, and the sum (D,) of all motions that led to it."""
+
+    model: SurfaceModel
+    observed: Observed
+    stiffness: Array
+    options: Options
+
+    def at(self, state: tuple[Pose, Array], count: int) -> _Look:
+        return _look(self.model, self.observed, *state, self.stiffness, self.options)
+
+    def moved(self, state: tuple[Pose, Array], step: Array) -> tuple[Pose, Array]:
+        return moved(self.model.skeleton, state[0], step), state[1] + step
+
+    def travel(self, here: _Look, there: _Look, step: Array) -> float:
+        """What points move on the average, over the surface's size."""
+        away = np.linalg.norm(there.posed.p - here.posed.p, axis=1).mean()
+        return float(away / self.model.size_m)
 
 
 def _holding(model: SurfaceModel) -> Array:
@@ -123,10 +139,11 @@ def _look(
     )  # fmt: skip
     swell = options.swell and options.plane == 1.0
     seen = normal_equations(A, b, _jacobians(model, Ts), energy, swell)
-    bounds = bounds_at(model, pose)
-    energy = seen.energy + float(away @ stiffness @ away) + bounds.energy
-    slope = seen.slope + stiffness @ away + bounds.slope
-    return _Look(pose, away, energy, seen.information + bounds.information, slope, pairs, posed)
+    bounds = model.limit_term.equations(Posed.of(model.skeleton, pose))
+    energy = seen.energy + float(away @ stiffness @ away) + 2 * bounds.cost
+    slope = seen.slope + stiffness @ away + bounds.b
+    information = seen.information + bounds.A
+    return _Look(pose, energy, information, slope, stiffness, pairs, posed)
 
 
 def _jacobians(model: SurfaceModel, Ts_camera_part: Array) -> Array:
