@@ -136,7 +136,8 @@ def test_a_button_turns_the_body_and_leads_on(
 ) -> None:
     before = at.served["pose"]
     up_to(guided, "Which way the person faces")
-    assert section(guided, "view.selected") == "waist"  # its green ring is spoken of
+    # Its green ring is spoken of.
+    until(lambda: section(guided, "view.selected") == "waist", "the waist")
     button(guided, words).click()
     until(lambda: title(guided) == "Pull the limbs into place", "the next step")
     after = at.agreed("pose")
