@@ -60,11 +60,18 @@ class Posed:
         J *= self.skeleton.below[parts][:, self.skeleton.dof_part][..., None]
         return J
 
-    def motion_from(self, Rs_parent_part: Array, p_camera_root: Array) -> Array:
-        """(..., D) the tracked part of the motion that leads here from another pose."""
+    def motion_from(
+        self, Rs_parent_part: Array, p_camera_root: Array, backward: bool = True
+    ) -> Array:
+        """(..., D) the tracked part of the motion that leads here from another pose.
+
+        backward: the root's shift in its frame here, so that the motion's negative leads back;
+            otherwise in its frame there, so that the motion leads from there to here.
+        """
         turn = log_rotation(transpose(Rs_parent_part) @ self.Rs_parent_part)
         shift = self.p_camera_root - p_camera_root
-        return by_dof(self.skeleton, turn, self.Rs_parent_part[..., 0, :, :], shift)
+        Rs = self.Rs_parent_part if backward else Rs_parent_part
+        return by_dof(self.skeleton, turn, Rs[..., 0, :, :], shift)
 
 
 def by_dof(skeleton: Skeleton, turn: Array, R_root: Array, shift: Array) -> Array:

@@ -201,21 +201,24 @@ class PosePrior:
 
     Deviations are rotation vectors: their Jacobian is taken as 1. The gradient is exact all the
     same where the axes of a part have one σ, for a rotation vector lies on its own axis.
+
+    backward: see `Posed.motion_from`; without it the gradient is that of small deviations only.
     """
 
     Rs_parent_part: Array
     p_camera_root: Array
     precision: Array
     kernel: Kernel = SQUARED
+    backward: bool = True
 
     @classmethod
-    def of(cls, pose: Pose, precision: Array) -> PosePrior:
+    def of(cls, pose: Pose, precision: Array, backward: bool = True) -> PosePrior:
         """Near one pose."""
-        return cls(pose.Rs_parent_part, pose.p_camera_root, precision)
+        return cls(pose.Rs_parent_part, pose.p_camera_root, precision, backward=backward)
 
     def away(self, posed: Posed) -> Array:
         """(..., D) the motion that leads from there to a pose."""
-        return posed.motion_from(self.Rs_parent_part, self.p_camera_root)
+        return posed.motion_from(self.Rs_parent_part, self.p_camera_root, self.backward)
 
     def cost(self, posed: Posed) -> float:
         return self._cost(np.sqrt(self.precision) * np.abs(self.away(posed)))

@@ -9,7 +9,8 @@ from tests.tracker.tracking_cases import CAMERAS, Case, case, random_body, rando
 from tracker.body.joint_limits import Limits
 from tracker.body.pose import Pose, moved, pose_transforms
 from tracker.fitting.pose.outline import Edges, Outline, edge_equations, gain, separation, slopes
-from tracker.fitting.pose.settling import Hand, decided, motion_between, settle
+from tracker.fitting.pose.settling import Hand, decided, settle
+from tracker.solver.posed import Posed
 from tracker.tracking.scene import Scene
 
 
@@ -81,7 +82,7 @@ def test_limits_agree_with_finite_differences(seed: int) -> None:
     )
     rng = np.random.default_rng(seed)
     pose = moved(shown.skeleton, hand.pose, rng.normal(0, 0.6, shown.skeleton.dof_count))
-    _, b = hand.limit_equations(pose)
+    b = hand.joint_limits.equations(Posed.of(shown.skeleton, pose)).b
     assert np.abs(b).max() > 0
 
     def cost(motion: np.ndarray) -> float:
@@ -102,7 +103,8 @@ def test_a_motion_between_two_poses_leads_from_one_to_the_other() -> None:
     skeleton = random_body(4)
     pose = random_pose(skeleton, 4)
     motion = 0.05 * np.random.default_rng(0).normal(size=skeleton.dof_count)
-    found = motion_between(skeleton, pose, moved(skeleton, pose, motion))
+    there = Posed.of(skeleton, moved(skeleton, pose, motion))
+    found = there.motion_from(pose.Rs_parent_part, pose.p_camera_root, backward=False)
     np.testing.assert_allclose(found, motion, atol=1e-12)
 
 

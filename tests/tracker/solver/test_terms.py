@@ -134,11 +134,14 @@ def test_the_jacobian_of_every_residual_is_that_of_small_motions(
     assert np.allclose(J, expected, atol=1e-6 * max(np.abs(expected).max(), 1.0))
 
 
-def test_a_prior_that_holds_axes_unevenly_has_the_gradient_of_small_deviations() -> None:
+@pytest.mark.parametrize("backward", [True, False])
+def test_a_prior_that_holds_axes_unevenly_has_the_gradient_of_small_deviations(
+    backward: bool,
+) -> None:
     precision = np.random.default_rng(5).uniform(1, 9, SKELETON.dof_count)
     pose = _random(6, 0.8)
     near = moved(SKELETON, pose, np.random.default_rng(7).normal(0, 1e-4, SKELETON.dof_count))
-    term = PosePrior.of(pose, precision)
+    term = PosePrior.of(pose, precision, backward)
     b = term.equations(Posed.of(SKELETON, near)).b
     assert np.allclose(b, _difference(term.cost, near), atol=2e-3 * np.abs(b).max())
 

@@ -15,12 +15,13 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.pose import Pose, pose_transforms, twists
+from tracker.body.pose import Pose, pose_transforms
 from tracker.body.raster import BodyMesh, Raster, raster
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
 from tracker.geometry.view import Eye
+from tracker.solver.posed import Posed, image_jacobian
 
 SIDE = 16
 """Colour steps along each axis of a histogram."""
@@ -182,14 +183,9 @@ class Outline:
 
 def slopes(skeleton: Skeleton, camera: Camera, pose: Pose, edges: Edges) -> Array:
     """(M, D) pixels by which each place moves outward with every degree of freedom."""
-    S, p = twists(skeleton, pose_transforms(skeleton, pose)), edges.p_camera
-    J = S[None, :, :3] + np.cross(S[None, :, 3:], p[:, None])
-    J *= skeleton.below[edges.part][:, skeleton.dof_part][..., None]
-    z = camera.depth(p)[:, None, None]
-    uv = J[..., :2] / z
-    if camera.projection == "perspective":
-        uv = uv - p[:, None, :2] / z**2 * J[..., 2:]
-    return np.asarray((uv * (camera.fx, camera.fy) * edges.normal[:, None]).sum(axis=-1))
+    p = edges.p_camera
+    J = Posed.of(skeleton, pose).point_jacobian(edges.part, p)
+    return np.asarray((image_jacobian(camera, p, J) * edges.normal[:, None]).sum(axis=-1))
 
 
 def edge_equations(outline: Outline, pose: Pose, edges: Edges) -> tuple[Array, Array]:

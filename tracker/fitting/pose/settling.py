@@ -8,16 +8,25 @@ the hand does: along all others the pose is exactly the hand's.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from tracker.body.joint_limits import Limits
 from tracker.body.pose import Pose, moved
-from tracker.body.skeleton import Skeleton
 from tracker.fitting.pose.likeness import Likeness
 from tracker.fitting.pose.outline import Colours, Outline, edge_equations
-from tracker.geometry.rotations import Array, log_rotation, transpose
+from tracker.geometry.rotations import Array
+from tracker.solver.least_squares import (
+    UNDAMPED,
+    Criteria,
+    Problem,
+    damped_step,
+    least_squares,
+)
+from tracker.solver.posed import Posed
+from tracker.solver.terms import Equations, JointLimits, PosePrior
 from tracker.tracking.scene import Scene
 from tracker.video.pyramid import LEVELS
 
@@ -32,7 +41,7 @@ REACH_M = (0.03, 0.055, 0.1)
 """How far from an edge the picture's own is sought, at each level."""
 LOOK_AGAIN, LEARN_AGAIN = 3, 3
 """Solves after which visibility and colours are found anew."""
-LONGEST_STEP, AT_REST = 0.1, 5e-4
+CRITERIA = Criteria(longest_step=0.1, settled=5e-4, rejects=False, damping=UNDAMPED)
 TELLS = 1.0
 """Information of the picture, as a share of the hand's, above which a direction is decided."""
 
@@ -53,35 +62,24 @@ class Hand:
     pose: Pose
     limits: Limits
 
-    @property
+    @cached_property
     def precision(self) -> Array:
         return self.scene.precision(HAND_TURN_RAD, HAND_SHIFT_M)
 
+    @cached_property
+    def prior(self) -> PosePrior:
+        """The pose as the hand set it."""
+        return PosePrior.of(self.pose, self.precision, backward=False)
+
     def away(self, pose: Pose) -> Array:
-        """(D,) the motion from the hand's pose to another."""
-        return motion_between(self.scene.skeleton, self.pose, pose)
+        """(D,) the tracked part of the motion from the hand's pose to another."""
+        return self.prior.away(Posed.of(self.scene.skeleton, pose))
 
-    def limit_equations(self, pose: Pose) -> tuple[Array, Array]:
-        """A (D, D) and b (D,) of the angles further past their limits than the hand set them."""
-        skeleton = self.scene.skeleton
-        outside, slopes = self.limits.excess(pose.Rs_parent_part)
+    @cached_property
+    def joint_limits(self) -> JointLimits:
+        """No angle further past its limits than the hand set it."""
         set_so, _ = self.limits.excess(self.pose.Rs_parent_part)
-        outside -= np.clip(outside, np.minimum(set_so, 0.0), np.maximum(set_so, 0.0))
-        turns = np.flatnonzero(skeleton.dof_turns == 1)
-        J = np.zeros((skeleton.part_count, 3, skeleton.dof_count))
-        parts, axes = skeleton.dof_part[turns], skeleton.dof_axis[turns]
-        J[parts, :, turns] = slopes[parts, :, axes]
-        over = outside != 0
-        J, r = J[over] / LIMIT_SIGMA_RAD, outside[over] / LIMIT_SIGMA_RAD
-        return J.T @ J, J.T @ r
-
-
-def motion_between(skeleton: Skeleton, start: Pose, end: Pose) -> Array:
-    """(D,) the tracked part of the motion from one pose to another, in the parts' own frames."""
-    turn = log_rotation(transpose(start.Rs_parent_part) @ end.Rs_parent_part)
-    shift = start.Rs_parent_part[0].T @ (end.p_camera_root - start.p_camera_root)
-    part, axis = skeleton.dof_part, skeleton.dof_axis
-    return np.where(skeleton.dof_turns == 1, turn[part, axis], shift[axis])
+        return JointLimits(self.limits, LIMIT_SIGMA_RAD, set_so)
 
 
 class _Outlined:
@@ -91,13 +89,61 @@ class _Outlined:
         self._outline = outline
         self._colours: Colours | None = None
 
-    def equations(self, pose: Pose, level: int, solve: int) -> tuple[Array, Array]:
-        """A (D, D) and b (D,)."""
+    def equations(self, pose: Pose, level: int, solve: int) -> Equations:
         shown = self._outline.drawn(pose)
         if self._colours is None or solve % LEARN_AGAIN == 0:
             self._colours = self._outline.colours(shown)
         edges = self._outline.edges(shown, self._colours, REACH_M[level])
-        return edge_equations(self._outline, pose, edges)
+        return Equations(*edge_equations(self._outline, pose, edges))
+
+
+@dataclass(frozen=True, eq=False)
+class _Picture(Problem[Pose, "_Look"]):
+    """What a picture and the hand say of a pose, at one level of the pyramid."""
+
+    hand: Hand
+    likeness: Likeness | None
+    outlined: _Outlined | None
+    level: int
+
+    def at(self, state: Pose, count: int) -> _Look:
+        return _Look(self, state, count)
+
+    def moved(self, state: Pose, step: Array) -> Pose:
+        return moved(self.hand.scene.skeleton, state, step)
+
+    def equations(self, pose: Pose, solve: int, fine: bool) -> Equations:
+        """Of textures and outline, without the hand."""
+        told = Equations.none(self.hand.scene.skeleton.dof_count)
+        if self.likeness is not None:
+            if solve % LOOK_AGAIN == 0:
+                self.likeness.look(pose)
+            told = Equations(*self.likeness.equations(pose, self.level, fine))
+        if self.outlined is not None:
+            told = told + self.outlined.equations(pose, self.level, solve)
+        return told
+
+
+@dataclass(frozen=True, eq=False)
+class _Look:
+    """A pose on the way, after some solves. Costs are not asked: colours, visibility and noise
+    are learnt anew on the way, so that those of two poses do not compare."""
+
+    picture: _Picture
+    pose: Pose
+    solve: int
+    cost = np.nan
+
+    @cached_property
+    def told(self) -> Equations:
+        return self.picture.equations(self.pose, self.solve, self._fine)
+
+    @property
+    def _fine(self) -> bool:
+        return self.picture.level == 0 and self.solve >= ROUGH
+
+    def step(self, damping: float) -> Array | None:
+        return _step(self.picture.hand, self.pose, self.told, only_told=self._fine)
 
 
 def settle(
@@ -113,49 +159,34 @@ def settle(
     coarsest: the level of the pyramid to begin at.
     """
     outlined = None if outline is None else _Outlined(outline)
-    pose, dofs = start, hand.scene.skeleton.dof_count
-    told = np.zeros((dofs, dofs))
+    told = Equations.none(hand.scene.skeleton.dof_count)
+    pose = start
     for level in range(coarsest, -1, -1):
         if likeness is not None:
             likeness.begin(level)
-        for solve in range(SOLVES[level]):
-            if cancelled():
-                return Settled(hand.pose, np.zeros((dofs, dofs)))
-            fine = level == 0 and solve >= ROUGH
-            told, b = np.zeros((dofs, dofs)), np.zeros(dofs)
-            if likeness is not None:
-                if solve % LOOK_AGAIN == 0:
-                    likeness.look(pose)
-                told, b = likeness.equations(pose, level, fine)
-            if outlined is not None:
-                more, gradient = outlined.equations(pose, level, solve)
-                told, b = told + more, b + gradient
-            step = _step(hand, pose, told, b, only_told=fine)
-            largest = float(np.abs(step).max(initial=0.0))
-            if not np.isfinite(largest):
-                return Settled(hand.pose, np.zeros((dofs, dofs)))
-            pose = moved(
-                hand.scene.skeleton, pose, step * min(1.0, LONGEST_STEP / max(largest, 1e-12))
-            )
-            if largest < AT_REST:
-                break
-    return Settled(pose, told)
+        criteria = replace(CRITERIA, most_steps=SOLVES[level])
+        found = least_squares(_Picture(hand, likeness, outlined, level), pose, criteria, cancelled)
+        if found.solved is None or found.end in ("cancelled", "unsolvable"):
+            return Settled(hand.pose, np.zeros_like(told.A))
+        pose, told = found.state, found.solved.told
+    return Settled(pose, told.A)
 
 
-def _step(hand: Hand, pose: Pose, told: Array, b: Array, only_told: bool) -> Array:
+def _step(hand: Hand, pose: Pose, told: Equations, only_told: bool) -> Array:
     """The next motion; with `only_told`, along the directions that the picture decides.
 
     In units of the hand's own uncertainty the directions are the eigenvectors of what the picture
     tells; along the others the motion leads straight back to the hand's pose.
     """
-    sigma, away = hand.precision**-0.5, hand.away(pose)
-    limits, past = hand.limit_equations(pose)
+    posed = Posed.of(hand.scene.skeleton, pose)
+    told = told + hand.joint_limits.equations(posed)
     if not only_told:
-        A = told + limits + np.diag(hand.precision)
-        return np.asarray(-np.linalg.solve(A, b + past + hand.precision * away))
-    values, V = np.linalg.eigh((told + limits) * sigma * sigma[:, None])
+        whole = told + hand.prior.equations(posed)
+        return damped_step(whole.A, whole.b, 0.0)
+    sigma, away = hand.precision**-0.5, hand.prior.away(posed)
+    values, V = np.linalg.eigh(told.A * sigma * sigma[:, None])
     y = V.T @ (away / sigma)
-    g = V.T @ ((b + past) * sigma)
+    g = V.T @ (told.b * sigma)
     along = np.where(values >= TELLS, -(g + y) / (values + 1.0), -y)
     return np.asarray(sigma * (V @ along))
 
