@@ -8,15 +8,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose, moved, part_transforms, twists
+from tracker.body.pose import Pose, moved, part_transforms
 from tracker.fitting.sizes.proportions import Proportions
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, log_rotation, transpose
+from tracker.solver.least_squares import Criteria, Damping, Problem, least_squares
+from tracker.solver.posed import Posed, image_jacobian
+from tracker.solver.robust import Cauchy
+from tracker.solver.terms import JointLimits
 
 TURNS_RAD = np.radians([8.0, 15.0, 8.0])
 SHIFT_M, DEPTH_SHARE = 0.015, 0.02
@@ -25,9 +30,9 @@ HEIGHT_SHARE = 0.02
 view. Turns out of the picture were used to make up for wrong lengths, so they are off by more than
 a hand's own error; a twist, about y, is hard to see."""
 LIMIT_RAD = np.radians(3.0)
-ROBUST_WIDTH = 2.0
+KERNEL = Cauchy(2.0)
 SMALL = 1e-4
-LONGEST_STEP = 0.2
+CRITERIA = Criteria(most_tries=5, longest_step=0.2, gain=1e-3, damping=Damping(least=1e-6))
 PIECE = 32
 
 
@@ -143,27 +148,54 @@ class Solved:
 
 def solved(fit: SharedFit, start: Shared, rows: Sequence[Rows], steps: int) -> Solved:
     """A few steps downhill from a start; one that makes things worse is shortened or not taken."""
-    shared, cost, damping = start, _cost(fit, start, rows), 1e-3
-    spread = np.zeros(len(start.values))
-    for _ in range(steps):
-        blocks = [_block(fit, shared, k, rows[k]) for k in range(len(rows))]
-        for _ in range(5):
-            step, motions, spread = _arrow(fit, shared, blocks, damping)
-            there = _stepped(fit, shared, step, motions)
-            reached = _cost(fit, there, rows)
-            if reached < cost:
-                break
-            damping *= 10
-        else:
-            break
-        gained, shared, cost = cost - reached, there, reached
-        damping = max(damping / 10, 1e-6)
-        if gained < 1e-3 * cost:
-            break
-    return Solved(shared, spread)
+    found = least_squares(_Pictures(fit, rows), start, replace(CRITERIA, most_steps=steps))
+    last = found.solved
+    spread = np.zeros(len(start.values)) if last is None else last.spread(found.damping)
+    return Solved(found.state, spread)
 
 
-def _stepped(fit: SharedFit, shared: Shared, step: Array, motions: Sequence[Array]) -> Shared:
+@dataclass(frozen=True, eq=False)
+class _Pictures(Problem[Shared, "_Point"]):
+    """A step is that of what is shared (S + 2,), and then the motion (D,) of every pose."""
+
+    fit: SharedFit
+    rows: Sequence[Rows]
+
+    def at(self, state: Shared, count: int) -> _Point:
+        return _Point(self.fit, state, self.rows)
+
+    def moved(self, state: Shared, step: Array) -> Shared:
+        sizes, motions = np.split(step, [len(state.values)])
+        return _stepped(self.fit, state, sizes, motions.reshape(len(state.poses), -1))
+
+
+@dataclass(frozen=True, eq=False)
+class _Point:
+    """What the pictures say of sizes and poses."""
+
+    fit: SharedFit
+    shared: Shared
+    rows: Sequence[Rows]
+
+    @cached_property
+    def cost(self) -> float:
+        return _cost(self.fit, self.shared, self.rows)
+
+    @cached_property
+    def _blocks(self) -> list[Array]:
+        return [_block(self.fit, self.shared, k, some) for k, some in enumerate(self.rows)]
+
+    def step(self, damping: float) -> Array | None:
+        A, b, shares = _eliminated(self.fit, self.shared, self._blocks, damping)
+        return _arrow(self.fit.free, A, b, shares)
+
+    def spread(self, damping: float) -> Array:
+        """(S + 2,) standard deviations of what is shared."""
+        A, _, _ = _eliminated(self.fit, self.shared, self._blocks, damping)
+        return np.sqrt(np.maximum(np.diag(np.linalg.inv(A)), 0.0))
+
+
+def _stepped(fit: SharedFit, shared: Shared, step: Array, motions: Array) -> Shared:
     skeleton = fit.proportions.skeleton
     poses = tuple(moved(skeleton, p, x) for p, x in zip(shared.poses, motions, strict=True))
     return fit.changed(replace(shared, poses=poses), step)
@@ -175,7 +207,7 @@ def _block(fit: SharedFit, shared: Shared, k: int, rows: Rows) -> Array:
     r, J_pose = _kept(fit, shared, k)
     there = fit.pixels(shared, k, rows)
     away = (rows.along(there) - rows.target) / rows.sigma_px
-    weight = np.sqrt(1 / (1 + (away / ROBUST_WIDTH) ** 2))
+    weight = np.sqrt(KERNEL.weight(away))
     J = np.zeros((len(r) + len(away), dofs + sizes + 1))
     J[: len(r), :dofs], J[: len(r), -1] = J_pose, r
     told = J[len(r) :]
@@ -194,28 +226,28 @@ def _products(J: Array) -> Array:
     return np.asarray((np.swapaxes(padded, 1, 2).copy() @ padded).sum(axis=0))
 
 
-def _arrow(
+def _eliminated(
     fit: SharedFit, shared: Shared, blocks: Sequence[Array], damping: float
-) -> tuple[Array, list[Array], Array]:
-    """The step of what is shared, the motion of every pose, and the spread of the former."""
+) -> tuple[Array, Array, list[Array]]:
+    """Equations of what is shared alone, and every pose's share in its motion (D, S + 3)."""
     dofs, A = fit.proportions.skeleton.dof_count, fit.precision
     b = A @ shared.values
-    shares = []
+    shares: list[Array] = []
     for block in blocks:
         pose, mixed, rest = block[:dofs, :dofs], block[:dofs, dofs:], block[dofs:-1, dofs:]
-        share = np.linalg.solve(pose + damping * np.diag(np.diag(pose)), mixed)
+        share = np.asarray(np.linalg.solve(pose + damping * np.diag(np.diag(pose)), mixed), float)
         less = rest - mixed[:, :-1].T @ share
         A, b = A + less[:, :-1], b + less[:, -1]
         shares.append(share)
-    step = np.where(fit.free, -np.linalg.solve(A, b), 0.0)
-    if not fit.free.all():
-        some = np.ix_(fit.free, fit.free)
-        step[fit.free] = -np.linalg.solve(A[some], b[fit.free])
-    motions = [-share[:, -1] - share[:, :-1] @ step for share in shares]
-    largest = max(float(np.abs(x).max(initial=0.0)) for x in [step, *motions])
-    shorter = min(1.0, LONGEST_STEP / max(largest, 1e-12))
-    spread = np.sqrt(np.maximum(np.diag(np.linalg.inv(A)), 0.0))
-    return step * shorter, [x * shorter for x in motions], spread
+    return A, b, shares
+
+
+def _arrow(free: NDArray[np.bool_], A: Array, b: Array, shares: Sequence[Array]) -> Array:
+    """The step of what is shared, and the motions of all poses that follow from it."""
+    step = np.where(free, -np.linalg.solve(A, b), 0.0)
+    if not free.all():
+        step[free] = -np.linalg.solve(A[np.ix_(free, free)], b[free])
+    return np.concatenate([step, *(-share[:, -1] - share[:, :-1] @ step for share in shares)])
 
 
 def _cost(fit: SharedFit, shared: Shared, rows: Sequence[Rows]) -> float:
@@ -226,22 +258,17 @@ def _cost(fit: SharedFit, shared: Shared, rows: Sequence[Rows]) -> float:
         away = (some.along(fit.pixels(shared, k, some)) - some.target) / some.sigma_px
         if not np.isfinite(away).all():
             return np.inf
-        total += (r**2).sum() + ROBUST_WIDTH**2 * np.log1p((away / ROBUST_WIDTH) ** 2).sum()
+        total += (r**2).sum() + KERNEL.loss(away).sum()
     return 0.5 * float(total)
 
 
 def _pose_slopes(fit: SharedFit, shared: Shared, k: int, rows: Rows) -> Array:
     """(M, D) how the rows change with small motions of the pose."""
-    skeleton = fit.proportions.skeleton_at(shared.sizes)
-    Ts, p = fit.transforms(shared, k), fit.places(shared, k, rows)
-    S, camera = twists(skeleton, Ts), fit.camera_at(shared)
-    going = S[:, :3] + np.cross(S[:, 3:], p[:, None])
-    going = going * skeleton.below[rows.parts][:, skeleton.dof_part][..., None]
-    z = camera.depth(p)[:, None, None]
-    uv = going[..., :2] / z
-    if camera.projection == "perspective":
-        uv = uv - p[:, None, :2] / z**2 * going[..., 2:]
-    return np.asarray(np.einsum("mdc,mc->md", uv * (camera.fx, camera.fy), rows.normals))
+    pose, skeleton = shared.poses[k], fit.proportions.skeleton_at(shared.sizes)
+    p = fit.places(shared, k, rows)
+    J = Posed.of(skeleton, pose).point_jacobian(rows.parts, p)
+    uv = image_jacobian(fit.camera_at(shared), p, J)
+    return np.asarray(np.einsum("mdc,mc->md", uv, rows.normals))
 
 
 def _size_slopes(fit: SharedFit, shared: Shared, k: int, rows: Rows, there: Array) -> Array:
@@ -269,12 +296,9 @@ def _kept(fit: SharedFit, shared: Shared, k: int) -> tuple[Array, Array]:
     J_shift = np.zeros((3, skeleton.dof_count))
     shifts = np.flatnonzero(skeleton.dof_turns == 0)
     J_shift[:, shifts] = along @ pose.Rs_parent_part[0][:, skeleton.dof_axis[shifts]]
-    outside, slopes = fit.limits.excess(pose.Rs_parent_part)
-    over = outside != 0
-    J_limit = np.zeros((*outside.shape, skeleton.dof_count))
-    J_limit[part, :, turns] = slopes[part, :, axis]
-    r = np.concatenate([r_turn, r_shift, outside[over] / LIMIT_RAD])
-    return r, np.concatenate([J_turn, J_shift, J_limit[over] / LIMIT_RAD])
+    limits = JointLimits(fit.limits, LIMIT_RAD).rows(Posed.of(skeleton, pose))
+    r = np.concatenate([r_turn, r_shift, limits.r])
+    return r, np.concatenate([J_turn, J_shift, limits.J])
 
 
 def _shifted(fit: SharedFit, shared: Shared, p: Array, p_posed: Array) -> tuple[Array, Array]:
