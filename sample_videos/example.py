@@ -5,7 +5,14 @@ Run it with `python sample_videos/example.py`.
 
 from pathlib import Path
 
-from tracker import SegmentFinished, TrackFinished, load_session, open_video_of, track_session
+from tracker import (
+    SegmentFinished,
+    TrackFinished,
+    load_session,
+    open_video_of,
+    track_session,
+    verdict_words,
+)
 
 BOX = Path(__file__).parent / "box" / "session.json"
 
@@ -15,7 +22,7 @@ def main() -> None:
     with open_video_of(session, BOX) as video:
         for event in track_session(session, video):
             if isinstance(event, SegmentFinished):
-                print(f"segment {event.index}: {event.result.verdict.words}")
+                print(f"segment {event.index}: {verdict_words(event.result.verdict)}")
             if isinstance(event, TrackFinished):
                 result = event.result
 

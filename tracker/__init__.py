@@ -34,6 +34,7 @@ _HOMES = {
     "TrackSettings": "tracker.session",
     "Tracker": "tracker.tracking.tracker",
     "Trajectory": "tracker.body.trajectory",
+    "Verdict": "tracker.session",
     "Video": "tracker.video",
     "VideoReference": "tracker.session",
     "evaluate": "tracker.evaluate",
@@ -44,6 +45,7 @@ _HOMES = {
     "save_result": "tracker.storage.tracks",
     "save_session": "tracker.storage.files",
     "track_session": "tracker.storage.tracking",
+    "verdict_words": "tracker.formats.verdict_words",
 }
 
 __all__ = sorted(_HOMES)

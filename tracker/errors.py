@@ -63,3 +63,8 @@ def one_sentence(error: ValidationError) -> str:
 def listed(names: Sequence[str]) -> str:
     """ "head", "head and neck", "head, neck and chest"."""
     return " and ".join(filter(None, (", ".join(names[:-1]), *names[-1:])))
+
+
+def spoken(name: str) -> str:
+    """A part's name in a sentence: "left hand"."""
+    return name.replace("_", " ")

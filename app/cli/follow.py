@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from app.cli.interrupting import set_when_interrupted
-from app.cli.json_output import print_json
+from app.cli.json_output import print_json, verdict_fields
 from app.jobs import JobFinished, PassFinished, Report, SegmentFinished
 from app.jobs.rerun import all_segments, rerun
 from tracker.errors import KeyposeError
@@ -151,10 +151,8 @@ class _JsonLines:
         return {
             **self._head("segment_finished", track.span),
             "of": len(self._places),
-            "verdict": track.kind,
-            "words": track.told,
+            **verdict_fields(track.verdict),
             "notes": list(track.notes),
-            "frames": track.frames,
             "missing": track.missing,
             "best_pass": track.best_pass,
             "closing_error": track.closing_error,

@@ -181,7 +181,7 @@ def _damage(facts: dict[str, Any]) -> str:
     """ "60 frames are damaged and not used for tracking: 31–60, 80–109"."""
     import numpy as np
 
-    from tracker.tracking.diagnostics.verdict import runs
+    from tracker.tracking.diagnostics.runs import runs
 
     frames = facts["damaged_frames"]
     flags = np.isin(np.arange(facts["frame_count"]), frames)

@@ -7,12 +7,31 @@ import json
 import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from tracker.session.verdict import Verdict
 
 
 def print_json(value: object, *, indent: int | None = None) -> None:
     """One document on a line of its own (or indented), sent at once."""
     print(json.dumps(plain(value), allow_nan=False, indent=indent), flush=True)
+
+
+def verdict_fields(verdict: Verdict | None) -> dict[str, Any]:
+    """A verdict in the fields of its segment; null where there is none yet."""
+    from tracker.formats.verdict_words import verdict_words
+
+    if verdict is None:
+        return dict.fromkeys(("verdict", "words", "cause", "part", "frames", "go"))
+    return {
+        "verdict": verdict.kind,
+        "words": verdict_words(verdict),
+        "cause": verdict.cause,
+        "part": verdict.part,
+        "frames": verdict.frames,
+        "go": verdict.go,
+    }
 
 
 def print_written(files: Iterable[Path], as_json: bool) -> None:

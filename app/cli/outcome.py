@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.cli.json_output import print_json
+from app.cli.json_output import print_json, verdict_fields
 from app.cli.preparing import prepare_loops
 from tracker.errors import SessionError
 
@@ -81,8 +81,10 @@ def _kept(
     summary |= {
         "session": str(_place(arguments)),
         "tracks": str(_place(arguments).with_name(results.tracks)),
-        "segments": [segment.model_dump() for segment in mine],
-        "lost": any(segment.verdict == "lost" for segment in mine),
+        "segments": [
+            {**segment.model_dump(), **verdict_fields(segment.verdict)} for segment in mine
+        ],
+        "lost": any(segment.verdict.kind == "lost" for segment in mine),
     }
     return summary
 

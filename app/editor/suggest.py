@@ -10,8 +10,10 @@ from typing import Literal
 
 import numpy as np
 
+from app.editor.verdict_words import add_keyframe, frame_range, reason, reason_with_frames
 from tracker.geometry.rotations import Array, log_rotation, transpose
-from tracker.storage.results import Finding, SegmentTrack, Span, damaged_in_words, frames_in_words
+from tracker.session.verdict import Verdict
+from tracker.storage.results import SegmentTrack, Span
 from tracker.tracking.diagnostics.expected_gain import MENDED
 
 NEXT_FRAMES = 24
@@ -47,13 +49,14 @@ class Suggestion:
 
     kind: "pose" a frame and press K; "key" set the keyframe `frame`; "track" what is not tracked as
     it is posed now; "look" at `frame`, where keyframes themselves are wrong or no keyframe more
-    would help; "good" nothing.
+    would help; "good" nothing.  verdict_of: the segment whose verdict says the reason already.
     """
 
     frame: int | None
     words: str
     reason: str
     kind: Literal["pose", "key", "track", "look", "good"]
+    verdict_of: Span | None = None
 
 
 def suggestion(
@@ -129,25 +132,33 @@ def _key_where_it_gains(
 ) -> Suggestion:
     frame = track.first + int(_strayed(track).argmax())
     frame = min(max(frame, track.first + 1), track.last - 1)
-    return Suggestion(frame, f"Key frame {frame} next.", _why(track, frame, parts, tracks), "key")
+    verdict = track.verdict
+    if verdict is not None and verdict.kind != "good" and _is_about(verdict, frame):
+        return _by_verdict(frame, f"{add_keyframe(frame)}.", track, verdict, parts, "key")
+    return _add_keyframe(frame, _why(track, frame, tracks))
 
 
-def _why(
-    track: SegmentTrack, frame: int, parts: Sequence[str], tracks: Sequence[SegmentTrack]
-) -> str:
-    """What makes a keyframe needed there: what the verdict says, or what is seen of the motion."""
-    length, finding = track.last - track.first, track.finding
-    if finding is not None and finding.kind != "good":
-        about = finding.frames if finding.part else None
-        if about is None or about[0] <= frame <= about[1]:
-            return _reason(track, finding, parts)
+def _add_keyframe(frame: int, why: str) -> Suggestion:
+    return Suggestion(frame, f"{add_keyframe(frame)}.", why, "key")
+
+
+def _is_about(verdict: Verdict, frame: int) -> bool:
+    """Whether a verdict says why a frame needs a keyframe; one on a part speaks of its frames."""
+    if verdict.part is None or verdict.frames is None:
+        return True
+    return verdict.frames[0] <= frame <= verdict.frames[1]
+
+
+def _why(track: SegmentTrack, frame: int, tracks: Sequence[SegmentTrack]) -> str:
+    """What is seen of the motion that makes a keyframe needed there."""
+    length = track.last - track.first
     fast = _fast_about(track, frame)
     if fast is not None:
-        return f"Fast motion {frames_in_words(*fast)}"
+        return f"Fast motion {frame_range(*fast)}"
     lengths = [other.last - other.first for other in tracks]
     if min(lengths) < length == max(lengths):
         return f"Longest interval, {length} frames"
-    return f"Most drift in {frames_in_words(track.first, track.last)}"
+    return f"Most drift in {frame_range(track.first, track.last)}"
 
 
 def _fast_about(track: SegmentTrack, frame: int) -> Span | None:
@@ -194,7 +205,7 @@ def _first_poses(keys: Sequence[int], frame_count: int) -> Suggestion:
 
 
 def _to_track(spans: list[Span]) -> Suggestion:
-    named = [frames_in_words(*span) for span in spans[:2]]
+    named = [frame_range(*span) for span in spans[:2]]
     more = f" and {len(spans) - 2} more" if len(spans) > 2 else ""
     listed = f"{', '.join(named)}{more}" if more else " and ".join(named)
     changed = "not tracked as posed now"
@@ -203,56 +214,57 @@ def _to_track(spans: list[Span]) -> Suggestion:
 
 def _about(track: SegmentTrack, parts: Sequence[str]) -> Suggestion:
     """What a segment that is lost, or to be checked, needs."""
-    finding, (first, last) = track.finding, track.span
-    assert finding is not None
+    verdict, (first, last) = track.verdict, track.span
+    assert verdict is not None
     if _blames_keys(track):
-        sentence = finding.sentence(first, last).removeprefix("Lost. ").removeprefix("Check: ")
-        frame = first if finding.go is None else finding.go
-        return Suggestion(frame, f"Look at key {frame} again.", _upper(sentence), "look")
-    frame = (first + last) // 2 if finding.go is None else finding.go
+        frame = first if verdict.go is None else verdict.go
+        why = reason(verdict, capital=True)
+        return Suggestion(frame, f"Look at key {frame} again.", why, "look", track.span)
+    frame = (first + last) // 2 if verdict.go is None else verdict.go
     frame = min(max(frame, first + 1), last - 1)
-    return Suggestion(frame, f"Key frame {frame} next.", _reason(track, finding, parts), "key")
+    return _by_verdict(frame, f"{add_keyframe(frame)}.", track, verdict, parts, "key")
 
 
 def _blames_keys(track: SegmentTrack) -> bool:
     """Whether keyframes themselves are wrong, not what lies between them."""
-    finding = track.finding
-    wrong = finding is not None and finding.what in ("contradiction", "nowhere")
+    verdict = track.verdict
+    wrong = verdict is not None and verdict.cause in ("contradiction", "nothing_seen")
     return wrong or (track.kind == "lost" and track.last - track.first < 2)
 
 
 def _is_past_mending(track: SegmentTrack) -> bool:
     """Whether the interval is too short for a keyframe to help: it would be halved for ever."""
-    hidden = track.finding is not None and track.finding.what == "hidden"
+    hidden = track.verdict is not None and track.verdict.cause == "not_seen"
     short = SHORT_HIDDEN_FRAMES if hidden else SHORT_FRAMES
     return not _blames_keys(track) and track.last - track.first <= short
 
 
 def _look(track: SegmentTrack, parts: Sequence[str]) -> Suggestion:
     """Nothing but to look at a segment, and to be content where it is right."""
-    finding = track.finding
-    assert finding is not None
-    frame = (track.first + track.last) // 2 if finding.go is None else finding.go
-    words = f"Look at frame {frame} and go on."
-    return Suggestion(frame, words, _reason(track, finding, parts), "look")
+    verdict = track.verdict
+    assert verdict is not None
+    frame = (track.first + track.last) // 2 if verdict.go is None else verdict.go
+    return _by_verdict(frame, f"Look at frame {frame} and go on.", track, verdict, parts, "look")
 
 
 def _need(track: SegmentTrack) -> int:
     """How many frames a keyframe there would mend: those in doubt, or all that are lost."""
-    if track.kind == "check" and track.frames is not None:
-        return track.frames[1] - track.frames[0]
+    verdict = track.verdict
+    if verdict is not None and verdict.kind == "check" and verdict.frames is not None:
+        return verdict.frames[1] - verdict.frames[0]
     return track.last - track.first
 
 
-def _reason(track: SegmentTrack, finding: Finding, parts: Sequence[str]) -> str:
-    if finding.part and finding.frames is not None:
-        return f"{_upper(finding.reason)} {frames_in_words(*finding.frames)}"
-    if finding.what == "damaged" and finding.frames is not None:
-        return _upper(damaged_in_words(*finding.frames))
-    where = frames_in_words(track.first, track.last)
-    if finding.what != "near":
-        return f"{_upper(finding.reason)} in {where}"
-    return _longest_hidden(track, parts) or f"Forward and backward differ in {where}"
+def _by_verdict(
+    frame: int, words: str, track: SegmentTrack, verdict: Verdict, parts: Sequence[str],
+    kind: Literal["key", "look"],
+) -> Suggestion:  # fmt: skip
+    """With the verdict's reason; where tracking was lost, with what made it so."""
+    if verdict.cause == "not_followed":
+        differ = f"Forward and backward differ in {frame_range(*track.span)}"
+        why = _longest_hidden(track, parts) or differ
+        return Suggestion(frame, words, why, kind)
+    return Suggestion(frame, words, reason_with_frames(verdict, capital=True), kind, track.span)
 
 
 def _longest_hidden(track: SegmentTrack, parts: Sequence[str]) -> str | None:
@@ -266,23 +278,18 @@ def _longest_hidden(track: SegmentTrack, parts: Sequence[str]) -> str | None:
         return None
     first = track.first + 1 + int(start)
     last = min(first + int(length) - 1, track.last - 1)
-    return f"{_upper(name.replace('_', ' '))} hidden {frames_in_words(first, last)}"
+    return reason_with_frames(Verdict.check("not_seen", (first, last), name), capital=True)
 
 
 def _longest(spans: list[Span]) -> Suggestion | None:
     first, last = max(spans, key=lambda span: span[1] - span[0])
     if last - first <= LONG_FRAMES:
         return None
-    frame, reason = (first + last) // 2, f"Longest interval, {last - first} frames"
-    return Suggestion(frame, f"Key frame {frame} next.", reason, "key")
+    return _add_keyframe((first + last) // 2, f"Longest interval, {last - first} frames")
 
 
 def _all_good(keys: Sequence[int], frame_count: int) -> Suggestion:
     outside = [(0, keys[0] - 1), (keys[-1] + 1, frame_count - 1)]
-    left = [frames_in_words(*frames) for frames in outside if frames[1] >= frames[0]]
+    left = [frame_range(*frames) for frames in outside if frames[1] >= frames[0]]
     reason = f"{' and '.join(left)} outside the keyframes" if left else ""
     return Suggestion(None, "All Good. Add a key only where you disagree.", reason, "good")
-
-
-def _upper(text: str) -> str:
-    return text[:1].upper() + text[1:]

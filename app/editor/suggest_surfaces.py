@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from app.editor.suggest import Fitting, Suggestion
-from tracker.storage.results import SegmentTrack, Span, frames_in_words
+from app.editor.verdict_words import add_keyframe, frame_range, reason, reason_with_frames
+from tracker.session.verdict import Cause
+from tracker.storage.results import SegmentTrack, Span
 
 _ALL_GOOD = Suggestion(None, "All Good. Add a key only where you disagree.", "", "good")
 
@@ -21,7 +23,7 @@ def surface_suggestion(keys: Sequence[int], spans: Sequence[Span], fitting: Fitt
     if not spans:
         return Suggestion(None, "One surface is all there is: nothing to fit.", "", "pose")
     done = [fitting[span] for span in spans if span in fitting and fitting[span].finished]
-    off = [track for track in done if track.finding is not None and track.finding.what == "off"]
+    off = [track for track in done if _is_off(track)]
     lost = [track for track in done if track.kind == "lost"]
     if off or lost:
         return _about(off[0] if off else max(lost, key=_doubtful), keys)
@@ -35,34 +37,44 @@ def surface_suggestion(keys: Sequence[int], spans: Sequence[Span], fitting: Fitt
 
 
 def _to_fit(spans: Sequence[Span]) -> Suggestion:
-    named = " and ".join(frames_in_words(*span) for span in spans[:2])
+    named = " and ".join(frame_range(*span) for span in spans[:2])
     more = f" and {len(spans) - 2} more" if len(spans) > 2 else ""
     return Suggestion(None, "Fit next.", f"{named}{more} not fitted as posed now", "track")
 
 
 def _to_go_on(stopped: SegmentTrack) -> Suggestion:
-    finding = stopped.finding
-    assert finding is not None
-    where = frames_in_words(*(finding.frames or stopped.span))
-    return Suggestion(None, "Fit next.", f"{where} {finding.reason}", "track")
+    verdict = stopped.verdict
+    assert verdict is not None
+    where = frame_range(*(verdict.frames or stopped.span))
+    return Suggestion(None, "Fit next.", f"{where} {reason(verdict)}", "track")
+
+
+def _is_off(track: SegmentTrack) -> bool:
+    return track.verdict is not None and track.verdict.cause == "body_off_surface"
 
 
 def _about(track: SegmentTrack, keys: Sequence[int]) -> Suggestion:
     """A keyframe where it was lost or is in doubt; where one stands already, a look at it."""
-    finding, middle = track.finding, (track.first + track.last) // 2
-    assert finding is not None
-    frame = middle if finding.go is None else finding.go
-    where = "" if finding.frames is None else f" {frames_in_words(*finding.frames)}"
-    told = {"near": "The fit is lost there", "off": "The body lies off its surface there"}
-    reason = told.get(finding.what, f"{finding.reason}{where}")
-    reason = reason[:1].upper() + reason[1:]
+    verdict, middle = track.verdict, (track.first + track.last) // 2
+    assert verdict is not None
+    frame = middle if verdict.go is None else verdict.go
+    why = _THERE.get(verdict.cause, reason_with_frames(verdict, capital=True))
     if frame in keys:
-        return Suggestion(frame, f"Look at key {frame} again.", reason, "look")
-    words = f"Key frame {frame} next." if track.kind == "lost" else f"Look at frame {frame}."
-    return Suggestion(frame, words, reason, "key" if track.kind == "lost" else "look")
+        return Suggestion(frame, f"Look at key {frame} again.", why, "look", track.span)
+    if verdict.kind == "lost":
+        return Suggestion(frame, f"{add_keyframe(frame)}.", why, "key", track.span)
+    return Suggestion(frame, f"Look at frame {frame}.", why, "look", track.span)
+
+
+_THERE: Mapping[Cause, str] = {
+    "not_followed": "The fit is lost there",
+    "body_off_surface": "The body lies off its surface there",
+}
+"""Reasons beside a frame that is named already."""
 
 
 def _doubtful(track: SegmentTrack) -> int:
     """How many frames are in doubt."""
-    first, last = track.frames if track.frames is not None else track.span
+    frames = None if track.verdict is None else track.verdict.frames
+    first, last = frames or track.span
     return last - first

@@ -91,7 +91,7 @@ def saved_motion(session: Session, tracks: Tracks, times_s: Array) -> Recording:
     """The motion that a session's results refer to; times_s are those of all the video's frames."""
     segments = session.results.segments if session.results else ()
     stretches = [
-        Stretch(first, last, s.verdict, s.words)
+        Stretch(first, last, s.verdict)
         for s in segments
         for first, last in _reached(s.first_frame, s.last_frame, s.unreached)
     ]
@@ -104,9 +104,9 @@ def shown_motion(edit: EditorState) -> Recording:
     if not found:
         raise FormatError("There is no motion yet: pose two keyframes and track.")
     stretches = [
-        Stretch(first, last, t.kind, t.told)
+        Stretch(first, last, t.verdict)
         for t in found
-        if t.kind is not None
+        if t.verdict is not None
         for first, last in _reached(t.first, t.last, t.unreached)
     ]
     return Recording.of(edit.doc, _tracks(edit, found), stretches, edit.times_s)

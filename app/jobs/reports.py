@@ -137,8 +137,7 @@ class PassFinished:
     @property
     def track(self) -> SegmentTrack:
         """The trajectory as a result that is not finished."""
-        words = self.words.capitalize()
-        return SegmentTrack.on_the_way(self.key, self.quality, self.trajectory, self.score, words)
+        return SegmentTrack.on_the_way(self.key, self.quality, self.trajectory, self.score)
 
 
 @dataclass(frozen=True, eq=False)

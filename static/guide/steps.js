@@ -185,14 +185,14 @@ function standing() {
   if (server.job?.state === 'running') {
     return { title: subject().doing, text: 'It may go on while you pose.' };
   }
-  const { kind, words = '', reason = '' } = server.suggest ?? {};
+  const { kind, words = '', reason = '', verdict_of: source } = server.suggest ?? {};
   if (kind === 'track') {
     const where = isSurface() ? 'on both sides of the keyframes' : 'between the keyframes';
     return { title: `Press ${subject().verb} (T)`, text: `It finds the motion ${where}.` };
   }
   const found = ORDER.map((state) => (server.segments ?? []).find((s) => s.state === state)).find(Boolean);
   if (!found) return { title: 'That is how to pose', text: words };
-  const isSaid = found.words.toLowerCase().includes(reason.toLowerCase());
+  const isSaid = reason === '' || source?.[0] === found.first;
   const title = `${found.first}–${found.last}. ${found.words}`;
   return { title, text: isSaid ? words : `${words} ${sentence(reason)}` };
 }

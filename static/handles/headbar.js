@@ -20,6 +20,10 @@ const CHIPS = {
   outdated: ['old', 'old'],
 };
 
+const WORDS = {
+  good: 'Good', check: 'Check', lost: 'Lost', waiting: 'Waiting', outdated: 'Outdated',
+};
+
 export function headbar() {
   const name = largeView();
   return html`<div class="glass" id="mhead">
@@ -79,20 +83,16 @@ function chip(segment, isShort) {
   return html`<button class="chip ${kind}" title=${title} aria-label=${title}
     @click=${() => send({ do: 'go', frame: target(segment) })}>
     ${icon(sign)}<span class="num">${range}</span>
-    <em class="say">${isShort ? say.split(/[:. ]/)[0] : say}</em>
+    <em class="say">${isShort ? WORDS[segment.state] ?? subject().doing : say}</em>
     ${where ? html`<em class="num where">${isShort ? `→ ${segment.go}` : where}</em>` : nothing}
   </button>`;
 }
 
-/** What is said of a segment, and the sentence which frame to go to, where there is one. */
-function verdict({ state, words: said = '', go, pass }) {
+/** What is said of a segment, and what to do at which frame, where there is one. */
+function verdict({ state, words: said, short, todo, pass }) {
   if (state === 'tracking') return { say: pass == null ? subject().doing : upper(said) };
-  if (state === 'waiting') return { say: 'Waiting' };
-  const say = said.replace(/[.:,;]? *(Go to|Key frame) \d+\.?/, '');
-  // Where the trouble is a keyframe itself, one only looks at it.
-  const isKeyed = server.keys?.frames.includes(go);
-  const word = { check: 'Go to', lost: isKeyed ? 'Go to' : 'Key frame' }[state];
-  return { say, where: go != null && word ? `${word} ${go}` : '' };
+  if (state === 'waiting') return { say: WORDS.waiting };
+  return { say: short || said, where: todo };
 }
 
 const upper = (said) => said.charAt(0).toUpperCase() + said.slice(1);

@@ -81,9 +81,7 @@ function goThere(frame) {
 
 function sentence(one) {
   if (one.state === 'tracking') return `${subject().doing}, ${one.words || `pass ${one.pass} of ${one.of}`}`;
-  const words = one.words || { good: 'Good', none: `Not ${subject().done}`, outdated: 'Outdated' }[one.state] || one.state;
-  // The button beside it says where to go.
-  return words.replace(/\.?\s*Go to \d+\.?$/, '');
+  return one.words || { good: 'Good', none: `Not ${subject().done}`, outdated: 'Outdated' }[one.state] || one.state;
 }
 
 /** How far apart body and surfaces lie, where they were fitted. */

@@ -151,6 +151,11 @@
  * @property {number} last
  * @property {'good' | 'check' | 'lost' | 'outdated' | 'none' | 'waiting' | 'tracking'} state
  * @property {string} words
+ * @property {string} short  The same without what `todo` says.
+ * @property {string} todo  What to do about it: "Go to 34", "Add a keyframe at 37".
+ * @property {string | null} cause
+ * @property {string | null} part
+ * @property {Spot | null} frames
  * @property {number | null} go
  * @property {number | null} percent
  * @property {number | null} pass
@@ -162,7 +167,14 @@
  * @property {Spot | null} unreached
  */
 
-/** @typedef {{ frame: number | null, words: string, reason: string, kind: string }} Suggestion */
+/**
+ * @typedef {object} Suggestion
+ * @property {number | null} frame
+ * @property {string} words
+ * @property {string} reason
+ * @property {string} kind
+ * @property {Spot | null} verdict_of  The segment whose verdict says the reason already.
+ */
 /** @typedef {{ part: string, x: Series, y: Series, z: Series, error: Series }} Curve */
 /** @typedef {{ part: string, points: [number, number, number, number][], keys: number[] }} Trail */
 /** @typedef {{ polygon: Spot[], first: number, last: number, note: string }} Mask */

@@ -18,6 +18,7 @@ from tracker.body.pose import joint_positions, pose_transforms
 from tracker.body.trajectory import Trajectory, interpolate, joined
 from tracker.errors import FormatError
 from tracker.evaluate import Evaluation, JointReference, Spread, evaluate_joints
+from tracker.formats.verdict_words import verdict_words
 from tracker.tracking.tracker import Tracker
 from tracker.video import Video
 
@@ -162,7 +163,7 @@ def _words(report: Report, name: str, person: Person, found: Tracked) -> None:
             for k, (step, score) in enumerate(zip(segment.steps, segment.scores, strict=True))
         )
         error = _worst(person, Tracked([segment]), last - first)
-        report.note(f"  {first}–{last}: {error}; {segment.verdict.words}; scores {scores}")
+        report.note(f"  {first}–{last}: {error}; {verdict_words(segment.verdict)}; scores {scores}")
 
 
 def _worst(person: Person, found: Tracked, interval: int) -> str:

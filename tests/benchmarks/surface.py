@@ -24,6 +24,7 @@ from tests.rendering.walker import WalkKind, walker
 from tracker.body.body import Body
 from tracker.body.pose import Pose, joint_positions, part_transforms
 from tracker.body.skeleton import Skeleton
+from tracker.formats.verdict_words import verdict_words
 from tracker.geometry.rotations import Array, exp_rotation
 from tracker.surface.files.ply import ply_bytes
 from tracker.surface.files.sequence import MeshSequence
@@ -276,7 +277,7 @@ def _fitted(
     ms = 1e3 * (time.perf_counter() - began) / (len(steps) - 1)
     path = result.trajectory
     found = _of_path(body, path.Rs_parent_part, path.ps_camera_root)[:, : truth.shape[1]]
-    return Outcome(100 * np.linalg.norm(found - truth, axis=2), ms, result.verdict.words)
+    return Outcome(100 * np.linalg.norm(found - truth, axis=2), ms, verdict_words(result.verdict))
 
 
 def _joints(body: Body, poses: Sequence[Pose]) -> Array:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Literal, TypeAlias
+from typing import Any
 
 import cv2
 import numpy as np
@@ -18,12 +19,10 @@ from tracker.body.trajectory import Trajectory, interpolate
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import exp_rotation, rotation_from_euler
 from tracker.session import Keyframe, Session, TrackSettings, VideoReference
+from tracker.session.verdict import GOOD, Kind, Verdict
 from tracker.storage.files import save_session
-from tracker.tracking.diagnostics.verdict import Verdict
 from tracker.tracking.pool import SegmentResult, TrackResult
 from tracker.video import Video
-
-Kind: TypeAlias = Literal["good", "check", "lost"]
 
 WIDTH, HEIGHT, FRAMES = 64, 48, 9
 KEYFRAMES = (0, 4, 8)
@@ -119,6 +118,13 @@ def altered(path: Path, change: Any) -> Path:
     return path
 
 
+VERDICTS: Mapping[Kind, Verdict] = {
+    "good": GOOD,
+    "check": Verdict.check("diverged", (0, 4)),
+    "lost": Verdict.not_followed(2),
+}
+
+
 def segment(first: int, last: int, kind: Kind = "good", bend: float = 0.1) -> SegmentResult:
     """A tracked segment: interpolation, bent between its keyframes."""
     straight = interpolate(pose(first / FRAMES), pose(last / FRAMES), first, last)
@@ -131,14 +137,13 @@ def segment(first: int, last: int, kind: Kind = "good", bend: float = 0.1) -> Se
     steps, parts, dofs = last - first, SKELETON.part_count, SKELETON.dof_count
     observability = np.full((steps, parts), 0.5)
     observability[:, 1] = np.nan
-    verdict = Verdict(kind, "good" if kind == "good" else "lost: add a keyframe near 2", None)
     return SegmentResult(
         trajectory=trajectory,
         scores=(3.0, 2.0, float("nan")),
         steps=("start", "pass 1", "pass 2"),
         best_pass=1,
         closing_error=1e-12,
-        verdict=verdict,
+        verdict=VERDICTS[kind],
         rank=np.full(steps, 7),
         singular_values=np.arange(steps * dofs, dtype=float).reshape(steps, dofs),
         observability=observability,

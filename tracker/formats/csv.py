@@ -39,6 +39,7 @@ from tracker.body.trajectory import Trajectory
 from tracker.errors import FormatError
 from tracker.formats.names import column_names
 from tracker.formats.recording import Recording
+from tracker.formats.verdict_words import verdict_words
 from tracker.geometry.rotations import Array, euler_from_rotation
 
 DECIMALS = 6
@@ -87,7 +88,8 @@ def _finding(recording: Recording, i: int) -> tuple[str | int, ...]:
         return ("tracked" if recording.tracks.tracked[i] else "missing", "", "", "", "")
     stretch = recording.stretches[recording.stretch_at[i]]
     pose = "keyframe" if recording.at_keyframe[i] else "tracked"
-    return (pose, stretch.verdict, stretch.words, stretch.first_frame, stretch.last_frame)
+    kind, words = stretch.verdict.kind, verdict_words(stretch.verdict)
+    return (pose, kind, words, stretch.first_frame, stretch.last_frame)
 
 
 def _table(

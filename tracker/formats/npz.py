@@ -42,6 +42,7 @@ from numpy.typing import NDArray
 from tracker.formats.euler_curves import smooth_euler
 from tracker.formats.names import column_names
 from tracker.formats.recording import Recording
+from tracker.formats.verdict_words import verdict_words
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
 from tracker.storage.archive import archive_bytes
@@ -82,10 +83,10 @@ def _findings(recording: Recording) -> Arrays:
         "tracked": tracks.tracked,
         "keyframe": recording.at_keyframe,
         "segment": _whole(at),
-        "verdict": _text([stretches[i].verdict if i >= 0 else "" for i in at]),
+        "verdict": _text([stretches[i].verdict.kind if i >= 0 else "" for i in at]),
         "segment_frames": _whole([(s.first_frame, s.last_frame) for s in stretches]),
-        "segment_verdict": _text([s.verdict for s in stretches]),
-        "segment_words": _text([s.words for s in stretches]),
+        "segment_verdict": _text([s.verdict.kind for s in stretches]),
+        "segment_words": _text([verdict_words(s.verdict) for s in stretches]),
         "rank": _whole(tracks.rank),
         "degrees_of_freedom": _whole(recording.degrees_of_freedom),
         "observability": tracks.observability,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from tracker.errors import FormatError
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, frozen
 from tracker.session.schema import Session
+from tracker.session.verdict import Verdict
 from tracker.storage.tracks import Tracks
 
 CAMERA_UP = (0.0, -1.0, 0.0)
@@ -28,8 +29,7 @@ class Stretch:
 
     first_frame: int
     last_frame: int
-    verdict: Literal["good", "check", "lost"]
-    words: str
+    verdict: Verdict
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,6 +3,7 @@
 from tracker.session.results import Results, SegmentSummary
 from tracker.session.schema import Keyframe, Session, VideoReference
 from tracker.session.settings import IgnoreMask, TrackSettings
+from tracker.session.verdict import Verdict
 
 __all__ = [
     "IgnoreMask",
@@ -11,5 +12,6 @@ __all__ = [
     "SegmentSummary",
     "Session",
     "TrackSettings",
+    "Verdict",
     "VideoReference",
 ]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import operator
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field, FiniteFloat
 
 from tracker.session.settings import FrameIndex, Initial, MethodName, Plain, Quality, TrackSettings
+from tracker.session.verdict import Verdict
 
 
 class SegmentSummary(Plain):
@@ -15,8 +16,7 @@ class SegmentSummary(Plain):
 
     first_frame: FrameIndex
     last_frame: FrameIndex
-    verdict: Literal["good", "check", "lost"]
-    words: str
+    verdict: Verdict
     scores: tuple[FiniteFloat | None, ...] = Field(
         description="Score of the start and after every pass; null where nothing was seen."
     )

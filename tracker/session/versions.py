@@ -1,6 +1,7 @@
 """Session files of other versions: older ones are brought to the present one, in memory.
 
 Version 2 keeps fields it does not know, has a journal beside it, and may name a first motion.
+Version 3 has verdicts as facts, where version 2 had sentences.
 """
 
 from __future__ import annotations
@@ -10,8 +11,9 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final, TypeAlias
 
 from tracker.errors import SessionError
+from tracker.session.version_2 import brought_to_3
 
-PRESENT: Final = 2
+PRESENT: Final = 3
 
 Data: TypeAlias = dict[str, Any]
 
@@ -24,7 +26,7 @@ def _from_1(data: Data) -> Data:
     return data
 
 
-STEPS: Mapping[int, Callable[[Data], Data]] = {1: _from_1}
+STEPS: Mapping[int, Callable[[Data], Data]] = {1: _from_1, 2: brought_to_3}
 """From each older version to the one after it."""
 
 

@@ -90,7 +90,7 @@ def save_session(session: Session, path: Path) -> None:
     """Write the session file in one step that either happens or does not.
 
     The file that was there is kept as `<name>.previous`, and one of an older version as
-    `<name>.v1` for good, unless it says the same already; then nothing is written. SessionError
+    `<name>.v2` for good, unless it says the same already; then nothing is written. SessionError
     when the disk refuses, and for a file of a newer Keypose, which stays as it is.
     """
     content = session_json(session)

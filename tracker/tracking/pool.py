@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from tracker.body.skeleton import Skeleton
     from tracker.body.trajectory import Pass
     from tracker.session.settings import TrackSettings
-    from tracker.tracking.diagnostics.verdict import Verdict
+    from tracker.session.verdict import Verdict
 
 
 @dataclass(frozen=True, eq=False)

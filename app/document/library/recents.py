@@ -95,7 +95,7 @@ def forget(file: Path, id: str) -> None:
 
 def spans_of(session: Session) -> list[Span]:
     """The verdicts a session file tells itself."""
-    found = {(s.first_frame, s.last_frame): s.verdict for s in _summaries(session)}
+    found = {(s.first_frame, s.last_frame): s.verdict.kind for s in _summaries(session)}
     return [(first, last, found.get((first, last), "none")) for first, last in session.spans]
 
 

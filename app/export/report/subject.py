@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from app.editor.verdict_words import sentence
 from app.render.poses import KnownPoses
 from tracker.body.skeleton import Skeleton
 from tracker.errors import SessionError
@@ -90,7 +91,9 @@ class Subject:
     def words(self, span: Span) -> str:
         """The verdict on a segment for a person, or what keeps it from having one."""
         track = self.fitting.get(span)
-        return track.words if track is not None else STATE_WORDS[self.states[span]]
+        if track is None or track.verdict is None:
+            return STATE_WORDS[self.states[span]]
+        return sentence(track.verdict, *span)
 
     def time_s(self, frame: int) -> float:
         """When a frame is shown, seconds; by the keyframes' times where the video is not at hand,

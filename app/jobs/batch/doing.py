@@ -17,6 +17,7 @@ from app.jobs.batch.exporting import export_motion
 from app.jobs.batch.task import State, Step, Stretch, Summary, Task
 from app.jobs.rerun import all_segments, demand_trackable, keep, rerun, with_settings
 from tracker.errors import FormatError, KeyposeError, SessionError
+from tracker.formats.verdict_words import verdict_words
 from tracker.session import Session
 from tracker.storage.files import load_session, open_video_of
 from tracker.storage.finding import as_seen
@@ -143,7 +144,7 @@ def _told_of(track: SegmentTrack) -> dict[str, object]:
         "first_frame": track.first,
         "last_frame": track.last,
         "verdict": track.kind,
-        "words": track.told,
+        "words": "" if track.verdict is None else verdict_words(track.verdict),
     }
 
 
@@ -157,8 +158,8 @@ def _summary(task: Task, found: _Found) -> Summary:
         Stretch(
             s.first_frame,
             s.last_frame,
-            s.verdict,
-            s.words,
+            s.verdict.kind,
+            verdict_words(s.verdict),
             s.quality or now.settings.quality,
             fresh=(s.first_frame, s.last_frame) in fresh,
         )

@@ -8,8 +8,10 @@ import numpy as np
 
 from app.editor.suggest import suggestion
 from app.editor.suggest_surfaces import surface_suggestion
+from app.editor.verdict_words import add_keyframe, sentence, short_sentence
 from app.store.sections.json_value import Json
 from app.store.state import Outlook
+from tracker.session.verdict import Verdict
 from tracker.storage.results import SegmentTrack, Span, State, listed, observability
 
 _STATE_WORDS = {"outdated": "Outdated", "none": "Not tracked"}
@@ -35,6 +37,11 @@ def _segment(outlook: Outlook, span: Span, state: State, track: SegmentTrack | N
         "last": last,
         "state": state,
         "words": (_OF_SURFACES if surfaces else _STATE_WORDS).get(state, ""),
+        "short": "",
+        "todo": "",
+        "cause": None,
+        "part": None,
+        "frames": None,
         "go": None,
         "percent": None,
         "pass": None,
@@ -45,10 +52,9 @@ def _segment(outlook: Outlook, span: Span, state: State, track: SegmentTrack | N
         "unfinished": track is not None and track.missing > 0,
         "unreached": None if track is None or track.unreached is None else list(track.unreached),
     }
-    if track is not None and track.finished:
+    if track is not None and track.verdict is not None:
         value |= {
-            "words": track.words,
-            "go": track.go,
+            **_verdict(outlook, span, track.verdict),
             "scores": [_finite(score) for score in track.scores],
             "best": track.best_pass,
             "notes": list(track.notes),
@@ -67,6 +73,27 @@ def _segment(outlook: Outlook, span: Span, state: State, track: SegmentTrack | N
     return value
 
 
+def _verdict(outlook: Outlook, span: Span, verdict: Verdict) -> dict[str, Json]:
+    return {
+        "words": sentence(verdict, *span),
+        "short": short_sentence(verdict, *span),
+        "todo": _todo(outlook, verdict),
+        "cause": verdict.cause,
+        "part": verdict.part,
+        "frames": None if verdict.frames is None else list(verdict.frames),
+        "go": verdict.go,
+    }
+
+
+def _todo(outlook: Outlook, verdict: Verdict) -> str:
+    """What to do about it; where the trouble is a keyframe itself, one only looks at it."""
+    if verdict.go is None or outlook.edit is None:
+        return ""
+    if verdict.kind == "lost" and verdict.go not in outlook.edit.keys:
+        return add_keyframe(verdict.go)
+    return f"Go to {verdict.go}"
+
+
 def suggest(outlook: Outlook) -> Json:
     """The frame to key next, and why."""
     edit = outlook.edit
@@ -82,6 +109,7 @@ def suggest(outlook: Outlook) -> Json:
         "words": found.words,
         "reason": found.reason,
         "kind": found.kind,
+        "verdict_of": None if found.verdict_of is None else list(found.verdict_of),
     }
 
 

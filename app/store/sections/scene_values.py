@@ -13,7 +13,7 @@ from app.store.sections.json_value import Json, doc_of
 from app.store.sections.surface_values import surface_version
 from app.store.state import Outlook
 from tracker.surface.picture import CONTAINER
-from tracker.tracking.diagnostics.verdict import runs
+from tracker.tracking.diagnostics.runs import runs
 
 
 def file(outlook: Outlook) -> Json:

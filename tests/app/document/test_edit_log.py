@@ -210,7 +210,7 @@ async def saved(store: Store) -> None:
 
 
 def test_a_newer_session_is_shown_and_nothing_is_written(path: Path) -> None:
-    content = path.read_bytes().replace(b'"schema_version": 2', b'"schema_version": 3', 1)
+    content = path.read_bytes().replace(b'"schema_version": 3', b'"schema_version": 4', 1)
     path.write_bytes(content)
 
     async def edit(store: Store) -> None:

@@ -23,7 +23,7 @@ def tracked_desk() -> EditorState:
     path = interpolate(start, end, 0, 24)
     moved = Trajectory(0, path.Rs_parent_part, path.ps_camera_root + np.array([0.1, 0, 0]))
     key = segment_keys(state.doc)[0, 24]
-    results = Results().with_track(SegmentTrack.on_the_way(key, "full", moved, 1.0, ""))
+    results = Results().with_track(SegmentTrack.on_the_way(key, "full", moved, 1.0))
     return after(replace(state, results=results), {"do": "go", "frame": MIDDLE})
 
 

@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 
 from app.editor.suggest import middle, suggestion
-from tests.app.results_cases import passing, session, told
+from tests.app.results_cases import judged, passing, session
 from tracker.body.trajectory import Trajectory
 from tracker.geometry.rotations import rotation_from_euler
+from tracker.session.verdict import GOOD, Cause, Verdict
 from tracker.storage.results import SegmentTrack, Span
 
 KEYS = (0, 24, 48, 72)
@@ -19,7 +20,7 @@ PARTS = ("chest", "left_hand")
 
 
 def good(first: int, last: int) -> SegmentTrack:
-    return told(first, last, "good", "good")
+    return judged(first, last)
 
 
 def fitting(*others: SegmentTrack, keys: tuple[int, ...] = KEYS) -> dict[Span, SegmentTrack]:
@@ -55,17 +56,17 @@ def test_a_trajectory_on_the_way_does_not_count_as_tracked() -> None:
 
 
 def test_what_is_lost_comes_first_with_the_frame_where_a_key_helps() -> None:
-    lost = told(48, 72, "lost", "lost: add a keyframe near 57")
-    check = told(0, 24, "check", "check frames 3–9: left hand not seen")
+    lost = judged(48, 72, Verdict.not_followed(57))
+    check = judged(0, 24, Verdict.check("not_seen", (3, 9), "left_hand"))
     found = suggestion(KEYS, 73, fitting(lost, check))
-    assert (found.kind, found.frame, found.words) == ("key", 57, "Key frame 57 next.")
+    assert (found.kind, found.frame, found.words) == ("key", 57, "Add a keyframe at 57.")
     assert found.reason == "Forward and backward differ in 48–72"
     del (some := fitting(lost, check))[24, 48]
     assert suggestion(KEYS, 73, some).frame == 57
 
 
 def test_frames_that_are_damaged_in_the_video_are_the_reason_for_a_key_among_them() -> None:
-    check = told(24, 48, "check", "check frames 31–40: damaged in the video")
+    check = judged(24, 48, Verdict.check("damaged", (31, 40)))
     found = suggestion(KEYS, 73, fitting(check))
     assert (found.kind, found.frame) == ("key", 36)
     assert found.reason == "Frames 31–40 are damaged in the video"
@@ -74,71 +75,69 @@ def test_frames_that_are_damaged_in_the_video_are_the_reason_for_a_key_among_the
 def test_what_is_hidden_where_tracking_was_lost_is_named() -> None:
     seen = np.full((24, 2), 0.9)
     seen[4:14, 1] = 0.05
-    lost = told(48, 72, "lost", "lost: add a keyframe near 57", seen)
-    assert suggestion(KEYS, 73, fitting(lost), PARTS).reason == "Left hand hidden 53–62"
+    lost = judged(48, 72, Verdict.not_followed(57), seen)
+    assert suggestion(KEYS, 73, fitting(lost), PARTS).reason == "Left hand hidden, frames 53–62"
 
 
 def test_of_what_is_to_be_checked_the_longest_stretch_comes_first() -> None:
-    short = told(0, 24, "check", "check frames 3–9: chest not seen")
-    long = told(24, 48, "check", "check frames 26–41: left hand not seen")
+    short = judged(0, 24, Verdict.check("not_seen", (3, 9), "chest"))
+    long = judged(24, 48, Verdict.check("not_seen", (26, 41), "left_hand"))
     found = suggestion(KEYS, 73, fitting(short, long))
-    assert (found.frame, found.words) == (34, "Key frame 34 next.")
-    assert found.reason == "Left hand hidden 26–41"
+    assert (found.frame, found.words) == (34, "Add a keyframe at 34.")
+    assert found.reason == "Left hand hidden, frames 26–41"
     assert found.kind == "key"
 
 
 def test_everything_is_tracked_before_a_check_is_mended() -> None:
-    check = told(0, 24, "check", "check frames 3–9: chest not seen")
+    check = judged(0, 24, Verdict.check("not_seen", (3, 9), "chest"))
     assert suggestion(KEYS, 73, {(0, 24): check}).kind == "track"
 
 
 def test_a_key_is_never_asked_for_where_there_is_one() -> None:
-    edge = told(0, 24, "check", "check frame 24: chest uncertain")
+    edge = judged(0, 24, Verdict.check("uncertain", (24, 24), "chest"))
     assert suggestion(KEYS, 73, fitting(edge)).frame == 23
 
 
 def test_keyframes_that_are_wrong_themselves_are_to_be_looked_at() -> None:
-    lost = told(3, 4, "lost", "lost: the keyframes at 3 and 4 contradict each other")
+    lost = judged(3, 4, Verdict.contradiction(3, 4))
     found = suggestion((3, 4), 9, {(3, 4): lost})
     assert (found.kind, found.frame) == ("look", 3)
     assert found.words == "Look at key 3 again."
     assert found.reason == "Keys 3 and 4 contradict each other"
-    nowhere = "lost: nothing of the body is seen; check keyframes, camera and masks"
-    found = suggestion((0, 24), 73, {(0, 24): told(0, 24, "lost", nowhere)})
+    found = suggestion((0, 24), 73, {(0, 24): judged(0, 24, Verdict.nothing_seen(0, 24))})
     assert (found.frame, found.kind) == (0, "look")
     assert found.reason == "Nothing of the body is seen: check keys, camera and masks"
 
 
-def one(first: int, last: int, words: str, kind: str = "check") -> SegmentTrack:
-    return told(first, last, kind, words)  # type: ignore[arg-type]
-
-
 def test_in_a_short_interval_there_is_nothing_to_do_but_look() -> None:
-    for words in ("left forearm uncertain", "left forearm not seen", "a pass diverged"):
+    causes: tuple[Cause, ...] = ("uncertain", "not_seen", "diverged")
+    for cause in causes:
         keys = (0, 10, 14, 24)
-        check = one(10, 14, f"check frames 11–13: {words}")
+        check = judged(10, 14, Verdict.check(cause, (11, 13), "left_forearm"))
         found = suggestion(keys, 25, fitting(check, keys=keys))
         assert (found.kind, found.frame) == ("look", 12)
         assert found.words == "Look at frame 12 and go on."
     keys = (0, 10, 15, 24)
-    check = one(10, 15, "check frames 11–14: left forearm uncertain")
+    check = judged(10, 15, Verdict.check("uncertain", (11, 14), "left_forearm"))
     assert suggestion(keys, 25, fitting(check, keys=keys)).kind == "key"
 
 
 def test_where_a_part_is_hidden_no_keyframe_is_asked_for_in_a_short_interval() -> None:
     for length, kind in ((6, "look"), (7, "key")):
         keys = (0, 10, 10 + length)
-        check = one(10, 10 + length, f"check frames 12–{8 + length}: left shin not seen")
+        check = judged(10, 10 + length, Verdict.check("not_seen", (12, 8 + length), "left_shin"))
         found = suggestion(keys, 30, fitting(check, keys=keys))
         assert found.kind == kind
-        assert found.reason == f"Left shin hidden 12–{8 + length}"
+        assert found.reason == f"Left shin hidden, frames 12–{8 + length}"
 
 
 def test_halving_where_a_keyframe_was_asked_for_comes_to_an_end() -> None:
     keys, asked = [0, 24], 0
     while True:
         spans = list(pairwise(keys))
-        bad = {s: one(*s, f"check frames {s[0] + 1}–{s[1] - 1}: chest uncertain") for s in spans}
+        bad = {
+            s: judged(*s, Verdict.check("uncertain", (s[0] + 1, s[1] - 1), "chest")) for s in spans
+        }
         found = suggestion(keys, 25, bad)
         if found.kind != "key":
             break
@@ -150,8 +149,8 @@ def test_halving_where_a_keyframe_was_asked_for_comes_to_an_end() -> None:
 
 def test_what_a_keyframe_can_mend_comes_before_what_is_only_to_be_looked_at() -> None:
     keys = (0, 4, 28)
-    short = one(0, 4, "lost: add a keyframe near 2", "lost")
-    long = one(4, 28, "check frames 9–12: chest uncertain")
+    short = judged(0, 4, Verdict.not_followed(2))
+    long = judged(4, 28, Verdict.check("uncertain", (9, 12), "chest"))
     found = suggestion(keys, 29, fitting(short, long, keys=keys))
     assert (found.kind, found.frame) == ("key", 11)
     assert suggestion(keys, 29, {(0, 4): short}).kind == "track"
@@ -171,19 +170,18 @@ def test_when_all_is_good_nothing_is_asked_for() -> None:
     assert suggestion(KEYS, 100, fitting()).reason == "73–99 outside the keyframes"
 
 
-def needing(first: int, last: int, per_frame_px: float, at: int, words: str = "good") -> Any:
+def needing(first: int, last: int, per_frame_px: float, at: int, verdict: Verdict = GOOD) -> Any:
     """A segment where the keyframe `at` is expected to mend so much in the mean."""
     gains = np.zeros(last - first + 1)
     gains[at - first] = per_frame_px * (last - first)
-    kind: Any = words.partition(" ")[0].removesuffix(":")
-    return replace(told(first, last, kind, words), need=gains)
+    return replace(judged(first, last, verdict), need=gains)
 
 
 def test_the_keyframe_that_is_expected_to_mend_most_is_asked_for() -> None:
     found = suggestion(
         KEYS, 73, fitting(needing(0, 24, 2, 9), needing(24, 48, 5, 37), needing(48, 72, 1, 50))
     )
-    assert (found.kind, found.frame, found.words) == ("key", 37, "Key frame 37 next.")
+    assert (found.kind, found.frame, found.words) == ("key", 37, "Add a keyframe at 37.")
     assert found.reason == "Most drift in 24–48"
 
 
@@ -206,33 +204,33 @@ def test_a_long_segment_that_is_expected_to_be_right_is_left_alone() -> None:
 
 
 def test_where_a_verdict_says_why_the_reason_is_the_verdicts() -> None:
-    words = "check frames 26–41: left hand not seen"
+    hidden = Verdict.check("not_seen", (26, 41), "left_hand")
     found = suggestion(
         KEYS, 73,
-        fitting(needing(0, 24, 0.1, 9), needing(24, 48, 5, 37, words), needing(48, 72, 1, 50)),
+        fitting(needing(0, 24, 0.1, 9), needing(24, 48, 5, 37, hidden), needing(48, 72, 1, 50)),
     )  # fmt: skip
-    assert (found.frame, found.reason) == (37, "Left hand hidden 26–41")
+    assert (found.frame, found.reason) == (37, "Left hand hidden, frames 26–41")
 
 
 def test_a_verdict_about_other_frames_is_no_reason() -> None:
-    words = "check frames 26–31: left hand not seen"
-    some = fitting(needing(24, 48, 5, 40, words), needing(0, 24, 0, 9), needing(48, 72, 0, 60))
+    hidden = Verdict.check("not_seen", (26, 31), "left_hand")
+    some = fitting(needing(24, 48, 5, 40, hidden), needing(0, 24, 0, 9), needing(48, 72, 0, 60))
     assert suggestion(KEYS, 73, some).reason == "Most drift in 24–48"
     keys = (0, 24, 60)
-    some = fitting(needing(0, 24, 5, 20, "check frames 2–9: chest uncertain"),
+    some = fitting(needing(0, 24, 5, 20, Verdict.check("uncertain", (2, 9), "chest")),
                    needing(24, 60, 0, 40), keys=keys)  # fmt: skip
     assert suggestion(keys, 61, some).reason == "Most drift in 0–24"
 
 
 def test_what_is_hidden_is_only_to_be_looked_at_where_a_keyframe_would_mend_little() -> None:
-    words = "check frames 26–41: left hand not seen"
+    hidden = Verdict.check("not_seen", (26, 41), "left_hand")
     quiet = [needing(0, 24, 0.1, 9), needing(48, 72, 0.1, 60)]
-    found = suggestion(KEYS, 73, fitting(*quiet, needing(24, 48, 0.2, 37, words)))
+    found = suggestion(KEYS, 73, fitting(*quiet, needing(24, 48, 0.2, 37, hidden)))
     assert (found.kind, found.frame) == ("look", 34)
 
 
 def test_where_tracking_was_lost_a_keyframe_is_asked_for_however_little_is_expected() -> None:
-    lost = needing(24, 48, 0.1, 37, "lost: add a keyframe near 30")
+    lost = needing(24, 48, 0.1, 37, Verdict.not_followed(30))
     found = suggestion(KEYS, 73, fitting(needing(0, 24, 0, 9), lost, needing(48, 72, 0, 60)))
     assert (found.kind, found.frame) == ("key", 37)
 
@@ -246,7 +244,7 @@ def test_what_even_short_intervals_show_is_the_keyframes_own_error() -> None:
 
 
 def test_keyframes_that_contradict_each_other_come_before_what_could_be_mended() -> None:
-    wrong = needing(3, 4, 0, 3, "lost: the keyframes at 3 and 4 contradict each other")
+    wrong = needing(3, 4, 0, 3, Verdict.contradiction(3, 4))
     found = suggestion((3, 4, 28), 29, fitting(wrong, needing(4, 28, 5, 12), keys=(3, 4, 28)))
     assert (found.kind, found.frame) == ("look", 3)
 
@@ -277,7 +275,9 @@ def test_asking_for_what_is_expected_to_be_mended_comes_to_an_end() -> None:
 
 
 def test_results_that_do_not_tell_what_could_be_mended_are_judged_as_before() -> None:
-    some = fitting(needing(0, 24, 5, 9), one(24, 48, "check frames 26–41: left hand not seen"))
+    some = fitting(
+        needing(0, 24, 5, 9), judged(24, 48, Verdict.check("not_seen", (26, 41), "left_hand"))
+    )
     assert suggestion(KEYS, 73, some).frame == 34
 
 

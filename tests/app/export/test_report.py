@@ -24,12 +24,12 @@ from app.render.palette import PAPER
 from app.render.sheet import STATE_COLOURS, Cell, sheet, sheet_layout
 from tests.app import surface_cases
 from tests.app.cli_cases import refused
-from tests.app.results_cases import told
+from tests.app.results_cases import judged
 from tests.tracker import session_cases as cases
+from tracker.session.verdict import Verdict
 from tracker.storage.files import load_session, open_video_of, save_session
 from tracker.storage.fingerprints import setup_hash
 from tracker.storage.tracks import save_result
-from tracker.tracking.diagnostics.verdict import Verdict
 
 EVIL = "</title><script>alert(1)</script>\"'&<img src=x onerror=alert(2)>"
 
@@ -83,7 +83,7 @@ def doubtful_path(session_path: Path) -> Path:
     """Tracked, its second segment lost at frame 6."""
     session = load_session(session_path)
     good, lost = cases.segment(0, 4), cases.segment(4, 8, "lost")
-    verdict = Verdict("lost", "lost: add a keyframe near 6", (6, 6))
+    verdict = Verdict.not_followed(6)
     lost = type(lost)(**{**vars(lost), "verdict": verdict})
     save_session(save_result(session, session_path, cases.result(good, lost)), session_path)
     return session_path
@@ -96,7 +96,7 @@ def test_a_report_tells_every_segment_and_keyframe(doubtful_path: Path) -> None:
     for words in (
         "2 segments: 1 good, 1 lost.",
         advice.words,
-        "Lost. Key frame 6",
+        "Lost. Add a keyframe at 6",
         "9 frames, 3 keyframes",
         "mean 4.0",
         "64 × 48 pixels",
@@ -140,7 +140,9 @@ def test_names_from_files_stay_words(doubtful_path: Path, tmp_path: Path) -> Non
     body = session.body.model_copy(update={"name": EVIL})
     results = session.results
     assert results is not None
-    lost = results.segments[1].model_copy(update={"words": f"lost: {EVIL}"})
+    lost = results.segments[1].model_copy(
+        update={"verdict": Verdict(kind="lost", cause="other", text=EVIL)}
+    )
     hashed = setup_hash(session.model_copy(update={"body": body}))
     segments = (results.segments[0], lost)
     results = results.model_copy(update={"segments": segments, "tracked_for": hashed})
@@ -250,7 +252,7 @@ def test_hidden_stretches_are_hatched_where_they_are(session_path: Path) -> None
 
 
 def test_the_score_chart_marks_the_best_pass_and_skips_what_was_not_scored() -> None:
-    track = told(0, 4, "good", "good")
+    track = judged(0, 4)
     track = type(track)(**{**vars(track), "scores": (4.0, np.nan, 1.0, 2.0), "best_pass": 2})
     found = read(score_chart(track))
     assert "Score per pass of segment 0–4: 1: 4, 3: 1, 4: 2" in found.text

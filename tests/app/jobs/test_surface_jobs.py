@@ -37,6 +37,7 @@ from tracker.errors import SessionError
 from tracker.geometry.rotations import exp_rotation
 from tracker.session import Keyframe, Session
 from tracker.session.settings import Weights
+from tracker.session.verdict import Verdict
 from tracker.storage.files import load_session, open_video_of, save_session
 from tracker.storage.results import Results, SegmentTrack, load_results, save_results, segment_keys
 from tracker.storage.results import pose_at as pose_of
@@ -105,7 +106,7 @@ def test_the_worker_counts_steps_and_tells_a_motion_of_the_whole_segment(
     passed = [report for report in told if isinstance(report, PassFinished)]
     assert [report.number for report in passed] == [0, 1, 2, 3]
     assert passed[0].words == "step 1 of 4"
-    assert passed[0].track.told == "Step 1 of 4"
+    assert passed[0].track.verdict is None
     assert {len(report.trajectory) for report in passed} == {cases.STEPS}
     assert np.isfinite(passed[0].trajectory.ps_camera_root).all()
 
@@ -139,7 +140,7 @@ def test_a_fit_that_is_stopped_keeps_the_steps_that_are_done_and_goes_on_after_t
     assert told[-1] == JobFinished(7, cancelled=True)
     (part,) = _tracks(told)  # the step under way when it was stopped is done as well
     assert part.missing == 1
-    assert part.told == "check frame 4: not fitted yet"
+    assert part.verdict == Verdict.check("not_fitted", (4, 4))
     assert Results().with_track(part).wanted(session)
     again = done(bench, path, session)
     assert [report.number for report in again if isinstance(report, PassFinished)] == [3]
@@ -148,7 +149,7 @@ def test_a_fit_that_is_stopped_keeps_the_steps_that_are_done_and_goes_on_after_t
     (at_once,) = _tracks(done(Bench(), path, session))
     assert whole.trajectory.ps_camera_root.tobytes() == at_once.trajectory.ps_camera_root.tobytes()
     assert whole.residual.tobytes() == at_once.residual.tobytes()
-    assert (whole.told, whole.missing) == (at_once.told, 0)
+    assert (whole.verdict, whole.missing) == (at_once.verdict, 0)
 
 
 def test_what_a_stopped_fit_has_done_comes_back_from_the_disk_and_yields_to_more_only(
@@ -165,7 +166,7 @@ def test_what_a_stopped_fit_has_done_comes_back_from_the_disk_and_yields_to_more
     assert summary.missing == more.missing
     loaded = load_results(session, path)
     (back,) = loaded.fitting(session).values()
-    assert (back.missing, back.told) == (more.missing, more.told)
+    assert (back.missing, back.verdict) == (more.missing, more.verdict)
     assert back.trajectory.ps_camera_root.tobytes() == more.trajectory.ps_camera_root.tobytes()
     assert pose_of({(0, 4): back}, 3) is not None
     assert pose_of({(0, 4): back}, 4) is None
@@ -255,9 +256,9 @@ def test_a_body_that_does_not_lie_in_the_surface_that_moves_with_it_is_told_befo
         update = {"units": units, "p_camera_surface": tuple(map(float, at))}
         session = session.model_copy(update={"surface": session.surface.model_copy(update=update)})
     tracks = _tracks(done(bench, path, session))
-    words = "check frame 0: the body lies off the surface that moves with it"
-    assert [(track.kind, track.told) for track in tracks] == [("check", words)] * 2
-    assert {track.finding.go for track in tracks if track.finding is not None} == {0}
+    off = Verdict.check("body_off_surface", (0, 0))
+    assert [track.verdict for track in tracks] == [off] * 2
+    assert off.go == 0
     notes = [note for track in tracks for note in track.notes if "does not lie in" in note]
     assert len(notes) == 1
     assert notes[0].startswith("At frame 0 the body does not lie in the mesh that moves with it")
@@ -267,7 +268,8 @@ def test_a_body_posed_a_few_centimetres_off_its_mesh_is_not_said_to_lie_elsewher
     bench: Bench, path: Path
 ) -> None:
     (track,) = _tracks(done(bench, path, _moved_keyframe(cases.session(), 0.05)))
-    assert "lies off" not in track.told
+    assert track.verdict is not None
+    assert track.verdict.cause != "body_off_surface"
     assert not any("does not lie in" in note for note in track.notes)
 
 

@@ -13,6 +13,7 @@ from tests.tracker import session_cases
 from tracker.body.skeleton import Skeleton
 from tracker.session import Keyframe, SegmentSummary, Session
 from tracker.session import schema as saved
+from tracker.session.verdict import GOOD
 from tracker.storage.chronicle import Moment, base_record, mark_of
 from tracker.storage.files import session_json
 from tracker.storage.fingerprints import setup_hash
@@ -164,14 +165,14 @@ def test_a_session_about_a_film_is_written_as_ever() -> None:
     """Byte for byte, results too."""
     of = session_cases.session()
     segment = SegmentSummary(
-        first_frame=0, last_frame=4, verdict="good", words="good", scores=(1.5, None), best_pass=1,
+        first_frame=0, last_frame=4, verdict=GOOD, scores=(1.5, None), best_pass=1,
         closing_error=1e-17,
     )  # fmt: skip
     results = saved.Results(
         tracks="tracks-000000000000.npz", method="keypose", quality="full", segments=(segment,)
     )
     told = session_json(of.model_copy(update={"results": results}))
-    digest = "b2b00305b12857b233ddecfd1979f5f78e4441d22e041d44cb7852d567715596"
+    digest = "5d1b4786f189a4b04e68a83aac29371decb4983ed3c832ebe0140eebb6743931"
     assert hashlib.sha256(told).hexdigest() == digest
     assert b'"surface"' not in told
     assert "surface" not in base_record(Moment(of))["base"]

@@ -133,7 +133,7 @@ def test_the_result_is_the_one_the_tracker_finds_without_a_worker(
             assert mine.trajectory.Rs_parent_part.tolist() == (
                 segment.trajectory.Rs_parent_part.tolist()
             )
-            assert (mine.kind, mine.told) == (segment.verdict.kind, segment.verdict.words)
+            assert mine.verdict == segment.verdict
 
     in_office(visit)
 

@@ -17,7 +17,7 @@ def test_results_arrive_as_they_were_sent_and_cannot_be_written_to() -> None:
     sent = SegmentFinished(3, track(session(), 0, 4))
     send(here, sent)
     got = receive(there)
-    assert (got.job, got.track.key, got.track.words) == (3, sent.track.key, "Good")
+    assert (got.job, got.track.key, got.track.verdict) == (3, sent.track.key, sent.track.verdict)
     path = got.track.trajectory
     np.testing.assert_array_equal(path.Rs_parent_part, sent.track.trajectory.Rs_parent_part)
     for array in (
@@ -33,7 +33,7 @@ def test_trajectories_on_the_way_cannot_be_written_to_either() -> None:
     path = track(session(), 0, 4).trajectory
     send(here, PassFinished(1, 0, 4, "k", "full", 2, 6, 3.5, path))
     got = receive(there)
-    assert got.track.words == "Pass 3 of 6"
+    assert got.words == "pass 3 of 6"
     assert got.span == (0, 4)
     assert not got.track.finished
     assert not got.trajectory.ps_camera_root.flags.writeable

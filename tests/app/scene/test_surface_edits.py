@@ -23,9 +23,9 @@ from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import interpolate
 from tracker.geometry.rotations import Array
 from tracker.session.schema import Surface
+from tracker.session.verdict import GOOD, Verdict
 from tracker.storage.files import load_session
 from tracker.storage.results import Results, SegmentTrack, segment_keys
-from tracker.storage.results.words import Kind
 from tracker.surface.placing import Placement
 
 SAMPLE = Path(__file__).resolve().parents[3] / "sample_videos" / "arms" / "session.json"
@@ -168,14 +168,12 @@ def told(state: EditorState, name: str, **more: Any) -> Any:
     return Sections().changed(Outlook(edit=state, **more))[name]
 
 
-def fitted(
-    state: EditorState, kind: Kind = "good", words: str = "good", missing: int = 0
-) -> EditorState:
+def fitted(state: EditorState, verdict: Verdict = GOOD, missing: int = 0) -> EditorState:
     """The arms fitted from 0 to 18."""
     pose = state.doc.keyframes[0].pose(state.skeleton)
     path, key = interpolate(pose, pose, 0, 18), segment_keys(state.doc)[0, 18]
-    track = SegmentTrack.on_the_way(key, "full", path, 0.004, words)
-    return replace(state, results=Results({key: replace(track, kind=kind, missing=missing)}))
+    track = SegmentTrack.on_the_way(key, "full", path, 0.004)
+    return replace(state, results=Results({key: replace(track, verdict=verdict, missing=missing)}))
 
 
 def test_of_a_film_no_surface_is_told() -> None:
@@ -268,28 +266,27 @@ def test_with_one_keyframe_it_can_be_fitted() -> None:
 
 
 def test_where_it_was_lost_a_keyframe_is_asked_for() -> None:
-    state = fitted(desk(), "lost", "lost: add a keyframe near 9")
+    state = fitted(desk(), Verdict.not_followed(9))
     assert suggested(state)[:2] == ("key", 9)
 
 
 def test_what_is_in_doubt_is_to_be_looked_at() -> None:
-    kind, frame, words = suggested(fitted(desk(), "check", "check frames 8–10: arm a not seen"))
+    kind, frame, words = suggested(fitted(desk(), Verdict.check("not_seen", (8, 10), "arm_a")))
     assert (kind, frame) == ("look", 9)
-    assert "Arm a hidden 8–10" in words
+    assert "Arm a hidden, frames 8–10" in words
 
 
 def test_a_fit_that_was_stopped_goes_on_first() -> None:
-    state = fitted(desk(), "check", "check frames 8–18: not fitted yet", missing=11)
+    state = fitted(desk(), Verdict.check("not_fitted", (8, 18)), missing=11)
     assert suggested(state) == ("track", None, "Fit next. 8–18 not fitted yet")
     assert state.results.wanted(state.doc)
     assert told(state, "segments")[0]["unfinished"]
-    lost = fitted(desk(), "lost", "lost: add a keyframe near 3", missing=11)
+    lost = fitted(desk(), Verdict.not_followed(3), missing=11)
     assert suggested(lost)[:2] == ("key", 3)
 
 
 def test_a_body_that_lies_off_its_surface_is_to_be_looked_at_before_anything_else() -> None:
-    words = "check frame 0: the body lies off the surface that moves with it"
-    state = fitted(desk(), "check", words, missing=11)
+    state = fitted(desk(), Verdict.check("body_off_surface", (0, 0)), missing=11)
     reason = "Look at key 0 again. The body lies off its surface there"
     assert suggested(state) == ("look", 0, reason)
     assert told(state, "segments")[0]["words"] == "Check: at key 0 the body lies off its surface"

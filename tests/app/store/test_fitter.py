@@ -34,6 +34,7 @@ from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import interpolate
 from tracker.session import Session
+from tracker.session.verdict import GOOD
 from tracker.storage.files import load_session
 from tracker.storage.results import Results, SegmentTrack, segment_keys
 
@@ -191,9 +192,9 @@ def test_only_what_tracking_has_finished_is_evidence(path: Path) -> None:
         doc = desk.edit.doc
         one, other = (k.pose(desk.edit.skeleton) for k in doc.keyframes[:2])
         key, way = segment_keys(doc)[0, 24], interpolate(one, other, 0, 24)
-        passing = SegmentTrack.on_the_way(key, "full", way, 1.0, "good")
+        passing = SegmentTrack.on_the_way(key, "full", way, 1.0)
         desk.do({"do": "go", "frame": 20})
-        for track, near in ((passing, 0), (replace(passing, kind="good"), 13)):
+        for track, near in ((passing, 0), (replace(passing, verdict=GOOD), 13)):
             desk.store._look(edit=replace(desk.edit, results=Results({key: track})))
             desk.do(FIT)
             order = desk.worker.fits[-1]

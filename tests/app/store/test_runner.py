@@ -29,7 +29,8 @@ from app.store import runner as running
 from app.store.runner import Runner
 from tests.app import surface_cases
 from tests.app.editor.desk import after, desk
-from tests.app.results_cases import told
+from tests.app.results_cases import judged
+from tests.tracker.session_cases import VERDICTS
 from tracker.body.skeleton import Skeleton
 from tracker.session import Session
 
@@ -94,7 +95,7 @@ def finished(runner: Runner, number: int, kind: Any = "good", job: int = 1) -> S
         orders(runner).wanted[job - 1][number],
         orders(runner).keys[job - 1][number],
     )
-    track = replace(told(first, last, kind, kind), key=key)
+    track = replace(judged(first, last, VERDICTS[kind]), key=key)
     return SegmentFinished(job, track)
 
 

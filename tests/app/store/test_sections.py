@@ -11,6 +11,7 @@ from app.store.state import Outlook
 from tests.app.editor.desk import desk
 from tracker.body.trajectory import interpolate
 from tracker.geometry.rotations import Array
+from tracker.session.verdict import GOOD
 from tracker.storage.results import Results, SegmentTrack, segment_keys
 
 
@@ -19,8 +20,8 @@ def seen(need: Array | None = None, notes: tuple[str, ...] = ()) -> Outlook:
     edit = desk()
     one, other = (keyframe.pose(edit.skeleton) for keyframe in edit.doc.keyframes[:2])
     key, path = segment_keys(edit.doc)[0, 24], interpolate(one, other, 0, 24)
-    passing = SegmentTrack.on_the_way(key, "full", path, 1.0, "good")
-    found = replace(passing, kind="good", need=need, notes=notes)
+    passing = SegmentTrack.on_the_way(key, "full", path, 1.0)
+    found = replace(passing, verdict=GOOD, need=need, notes=notes)
     return Outlook(edit=replace(edit, results=Results({key: found})))
 
 

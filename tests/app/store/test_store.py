@@ -24,6 +24,7 @@ from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import interpolate
 from tracker.errors import SessionError
 from tracker.session import Session
+from tracker.session.verdict import GOOD, Verdict
 from tracker.storage.files import load_session
 from tracker.storage.results import SegmentTrack
 
@@ -62,7 +63,7 @@ def _track(doc: Session, first: int, last: int, key: str) -> SegmentTrack:
     path = interpolate(at[first].pose(skeleton), at[last].pose(skeleton), first, last)
     n, parts, dofs = last - first, skeleton.part_count, skeleton.dof_count
     return SegmentTrack(
-        first, last, key, "full", path, "good", "good", (1.0,), ("pass",), 0, 0.0,
+        first, last, key, "full", path, GOOD, (1.0,), ("pass",), 0, 0.0,
         np.full(n, dofs), np.ones((n, dofs)), np.ones((n, parts)), np.ones((n, parts)),
     )  # fmt: skip
 
@@ -73,8 +74,8 @@ def _stopped(doc: Session, first: int, last: int, key: str) -> SegmentTrack:
     held, n, parts, dofs = last - 2, last - first, skeleton.part_count, skeleton.dof_count
     pose = doc.keyframes[0].pose(skeleton)
     return SegmentTrack(
-        first, last, key, "full", interpolate(pose, pose, first, last), "check",
-        f"check frames {held + 1}–{last}: not fitted yet", (1.0,), ("fit",), 0, 0.0,
+        first, last, key, "full", interpolate(pose, pose, first, last),
+        Verdict.check("not_fitted", (held + 1, last)), (1.0,), ("fit",), 0, 0.0,
         np.full(n, dofs), np.ones((n, dofs)), np.ones((n, parts)), np.ones((n, parts)), missing=2,
     )  # fmt: skip
 
@@ -169,8 +170,8 @@ def test_what_a_stopped_fit_of_surfaces_has_done_is_kept_saved_and_gone_on_with(
     _with_store(path, work)
     session = load_session(path)
     assert session.results is not None
-    assert [(s.words, s.missing) for s in session.results.segments] == [
-        ("check frames 3–4: not fitted yet", 2)
+    assert [(s.verdict, s.missing) for s in session.results.segments] == [
+        (Verdict.check("not_fitted", (3, 4)), 2)
     ]
 
 

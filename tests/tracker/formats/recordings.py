@@ -12,6 +12,7 @@ from tracker.body.trajectory import Trajectory, interpolate, joined
 from tracker.formats.recording import Recording, Stretch
 from tracker.geometry.rotations import exp_rotation
 from tracker.session import Session
+from tracker.session.verdict import GOOD, Verdict
 from tracker.storage.files import load_session
 from tracker.storage.tracks import Tracks
 
@@ -22,11 +23,7 @@ NAMES = ("person", "box", "balance", "twirl")
 TO_FILE = np.diag([1.0, -1.0, -1.0])
 """Camera frame (y down, z forward) to a file with y up and z toward the viewer."""
 
-VERDICTS = (
-    Stretch(0, 0, "good", "good"),
-    Stretch(0, 0, "check", "check frames 3–4: left hand not seen"),
-    Stretch(0, 0, "lost", "lost: add a keyframe near 7"),
-)
+VERDICTS = (GOOD, Verdict.check("not_seen", (3, 4), "left_hand"), Verdict.not_followed(7))
 
 
 def session(name: str) -> Session:
@@ -79,7 +76,7 @@ def recording(name: str, *, without: tuple[int, ...] = (), first_key: int = 0) -
     for first, last in tracked:
         rows[first : last + 1] = True
     stretches = [
-        Stretch(first, last, VERDICTS[i % 3].verdict, VERDICTS[i % 3].words)
+        Stretch(first, last, VERDICTS[i % 3])
         for i, (first, last) in enumerate(spans)
         if i not in without
     ]

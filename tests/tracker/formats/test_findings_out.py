@@ -14,6 +14,7 @@ from tracker.formats.csv import frames_csv, joints_csv
 from tracker.formats.npz import npz
 from tracker.formats.recording import Recording
 from tracker.geometry.rotations import rotation_from_euler
+from tracker.session.verdict import GOOD
 
 
 def rows(text: str) -> list[dict[str, str]]:
@@ -119,8 +120,8 @@ def test_the_same_motion_has_the_same_bytes() -> None:
 
 def test_a_segment_the_tracks_do_not_hold_has_no_say() -> None:
     made = recordings.recording("person", without=(1,))
-    odd = [made.stretches[0].__class__(20, 60, "good", "good")]
-    odd += [made.stretches[0].__class__(-5, 3, "good", "good"), *made.stretches]
+    odd = [made.stretches[0].__class__(20, 60, GOOD)]
+    odd += [made.stretches[0].__class__(-5, 3, GOOD), *made.stretches]
     again = Recording.of(
         recordings.session("person"), made.tracks, odd, recordings.uneven_times(73)
     )

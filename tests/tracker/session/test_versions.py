@@ -51,7 +51,7 @@ def test_a_newer_session_can_be_looked_at_and_is_never_changed(tmp_path: Path) -
     session = load_session(path)
     assert session.is_newer
     assert len(session.keyframes) == len(cases.KEYFRAMES)
-    with pytest.raises(SessionError, match=r"of a newer Keypose \(version 3\) and is not changed"):
+    with pytest.raises(SessionError, match=r"of a newer Keypose \(version 4\) and is not changed"):
         save_session(session, path)
     with pytest.raises(SessionError, match="newer Keypose"):
         save_session(cases.session(keyframes=(0, 8)), path)

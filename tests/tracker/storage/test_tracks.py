@@ -14,6 +14,7 @@ from tests.tracker import session_cases as cases
 from tracker.errors import SessionError
 from tracker.session import IgnoreMask, Keyframe, Session
 from tracker.session.schema import Surface
+from tracker.session.verdict import GOOD
 from tracker.storage.archive import archive_arrays, archive_bytes
 from tracker.storage.files import load_session, save_session
 from tracker.storage.fingerprints import setup_hash
@@ -48,7 +49,7 @@ def test_the_session_tells_what_was_found(tmp_path: Path) -> None:
     session, _ = saved(tmp_path)
     assert session.results is not None
     assert session.results.quality == "full"
-    assert [s.words for s in session.results.segments] == ["good", "good"]
+    assert [s.verdict for s in session.results.segments] == [GOOD, GOOD]
     assert session.results.segments[0].scores == (3.0, 2.0, None)
 
 

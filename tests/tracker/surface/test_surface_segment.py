@@ -14,6 +14,7 @@ from tracker.body.shapes import Box
 from tracker.body.trajectory import Pass
 from tracker.errors import SessionError, SurfaceError
 from tracker.geometry.rotations import exp_rotation
+from tracker.session.verdict import Verdict
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.segment import SurfaceTracker
 from tracker.surface.mesh import SurfaceMesh
@@ -99,7 +100,7 @@ def test_a_step_that_cannot_be_used_is_led_over_and_told() -> None:
     meshes[4] = "Step 4 is missing."
     result = _run(_tracker({0: TRUE[0]}, meshes))
     assert _errors_m(result).max() < 0.02
-    assert result.verdict.words == "check frames 3–4: no surface that can be used"
+    assert result.verdict == Verdict.check("no_surface", (3, 4))
     assert result.notes[:2] == ("Step 3 holds no faces: export it again.", "Step 4 is missing.")
     assert result.rank[2:4].tolist() == [-1, -1]
     assert np.isfinite(result.residual[4:]).all()
@@ -141,7 +142,7 @@ def _is_same(one: SegmentResult, other: SegmentResult) -> bool:
             np.array_equal(getattr(one, name), getattr(other, name), equal_nan=True)
             for name in names
         )
-        and vars(one.verdict) == vars(other.verdict)
+        and one.verdict == other.verdict
         and (one.notes, one.missing) == (other.notes, other.missing)
     )
 
@@ -150,7 +151,7 @@ def _is_same(one: SegmentResult, other: SegmentResult) -> bool:
 def test_a_fit_that_is_stopped_keeps_what_was_done_and_says_what_was_not() -> None:
     found = _tracker({0: TRUE[0]}).run_segment((0, 8), _stop_at(5))
     assert found.missing == 3
-    assert found.verdict.words == "check frames 6–8: not fitted yet"
+    assert found.verdict == Verdict.check("not_fitted", (6, 8))
     assert _errors_m(found)[:6].max() < 0.005
     assert _is_pose(found.trajectory.pose(8), found.trajectory.pose(5))
     assert found.rank[5:].tolist() == [-1] * 3
@@ -187,12 +188,12 @@ def test_between_two_keyframes_what_one_chain_has_reached_leads_over_to_the_othe
     tracker = _tracker({0: TRUE[0], 8: TRUE[8]})
     early = tracker.run_segment((0, 8), _stop_at(3))
     assert (early.missing, early.unreached) == (13, (4, 7))
-    assert early.verdict.words == "check frames 4–7: not fitted yet"
+    assert early.verdict == Verdict.check("not_fitted", (4, 7))
     assert _is_pose(early.trajectory.pose(8), TRUE[8])
     assert _errors_m(early).max() < 0.02  # an even motion
     late = tracker.run_segment((0, 8), _stop_at(12))
     assert (late.missing, late.unreached) == (4, None)
-    assert late.verdict.words == "check frames 1–7: fitted from one keyframe only so far"
+    assert late.verdict == Verdict.check("one_keyframe", (1, 7))
     assert _errors_m(late).max() < 0.005
 
 
@@ -223,7 +224,7 @@ def test_a_motion_too_fast_to_follow_is_called_lost_not_good() -> None:
     tracker = SurfaceTracker(Given(meshes), BODY, {0: TRUE[0]}, 0, OPTIONS)
     result = tracker.run_segment((0, 3), lambda step, number: None)
     assert result.verdict.kind == "lost"
-    assert result.verdict.words.startswith("lost: add a keyframe near")
+    assert result.verdict.cause == "not_followed"
 
 
 def test_a_part_whose_surface_is_missing_is_named() -> None:
@@ -233,7 +234,7 @@ def test_a_part_whose_surface_is_missing_is_named() -> None:
     ]
     verdict = _run(_tracker({0: TRUE[0]}, meshes)).verdict
     assert verdict.kind == "check"
-    assert "lower" in verdict.words
+    assert verdict.part == "lower"
 
 
 def test_joints_are_kept_near_their_limits_and_where_surfaces_want_more_it_is_told() -> None:
@@ -245,7 +246,7 @@ def test_joints_are_kept_near_their_limits_and_where_surfaces_want_more_it_is_to
     result = tracker.run_segment((0, COUNT - 1), lambda step, number: None)
     bend = np.degrees(np.arctan2(*result.trajectory.Rs_parent_part[-1, 1, 1:, 1][::-1]))
     assert high < bend < np.degrees(0.1 + 0.1 * (COUNT - 1)) - 3
-    assert result.verdict.words.endswith("lower beyond its joint limits")
+    assert (result.verdict.cause, result.verdict.part) == ("beyond_limits", "lower")
 
 
 def test_limits_are_as_wide_as_what_a_person_posed() -> None:
@@ -263,7 +264,7 @@ def test_limits_are_as_wide_as_what_a_person_posed() -> None:
 def test_a_keyframe_that_lies_off_its_surface_is_named_and_nothing_else_is_lost() -> None:
     off = bent(BODY, 0.1, (0.0, 1.2, 0.0), (0.2, 0.1, 3.0))
     verdict = _run(_tracker({0: TRUE[0], COUNT - 1: off})).verdict
-    assert verdict.words == f"check frame {COUNT - 1}: the keyframe lies off its surface"
+    assert verdict == Verdict.check("keyframe_off_surface", (COUNT - 1, COUNT - 1))
 
 
 def test_a_part_that_carries_no_surface_is_not_said_to_turn_unseen() -> None:

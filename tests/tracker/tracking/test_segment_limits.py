@@ -150,7 +150,7 @@ def test_a_hopeless_keyframe_is_said_to_be_lost(cases: dict[str, Case]) -> None:
         assert result.closing_error < 1e-9
         if method == "keypose":
             assert result.verdict.kind == "lost"
-            assert result.verdict.words.startswith("lost: add a keyframe near ")
+            assert result.verdict.cause == "not_followed"
             assert result.verdict.frames is not None
             assert 0 < result.verdict.frames[0] < 20
         else:

@@ -18,18 +18,13 @@ from tracker.storage.results.frames import (
 )
 from tracker.storage.results.keys import Span, segment_key, segment_keys
 from tracker.storage.results.track import SegmentTrack
-from tracker.storage.results.words import Finding, Kind, damaged_in_words, frames_in_words
 
 __all__ = [
-    "Finding",
     "Fitting",
-    "Kind",
     "Results",
     "SegmentTrack",
     "Span",
     "State",
-    "damaged_in_words",
-    "frames_in_words",
     "listed",
     "load_results",
     "observability",

@@ -23,7 +23,6 @@ from tracker.storage.results.collection import Results
 from tracker.storage.results.keys import Span, segment_keys
 from tracker.storage.results.track import RANK, SegmentTrack
 from tracker.storage.tracks import Tracks, load_tracks, save_result
-from tracker.tracking.diagnostics.verdict import Verdict
 from tracker.tracking.pool import SegmentResult, TrackResult
 
 YOUNG_SECONDS = 60
@@ -155,7 +154,7 @@ def _loaded(
     rank = tracks.rank[steps]
     return SegmentTrack(
         path.first_frame, path.last_frame, key, _quality(session, summary), path,
-        summary.verdict, summary.words, tuple(_number(score) for score in summary.scores), (),
+        summary.verdict, tuple(_number(score) for score in summary.scores), (),
         summary.best_pass, _number(summary.closing_error), rank, tracks.singular_values[steps],
         tracks.observability[steps], tracks.residual[steps], _need(tracks, frames),
         summary.notes, summary.missing, summary.unreached,
@@ -179,14 +178,14 @@ def _number(value: float | None) -> float:
 
 
 def _segment_result(track: SegmentTrack) -> SegmentResult:
-    assert track.kind is not None
+    assert track.verdict is not None
     return SegmentResult(
         trajectory=track.trajectory,
         scores=track.scores,
         steps=track.steps,
         best_pass=track.best_pass,
         closing_error=track.closing_error,
-        verdict=Verdict(track.kind, track.told, track.frames),
+        verdict=track.verdict,
         rank=track.rank,
         singular_values=track.singular_values,
         observability=track.observability,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +11,7 @@ from numpy.typing import NDArray
 from tracker.body.trajectory import Trajectory
 from tracker.geometry.rotations import Array, frozen
 from tracker.session.settings import Quality
-from tracker.storage.results.words import Finding, Kind
+from tracker.session.verdict import Kind, Verdict
 
 if TYPE_CHECKING:
     from tracker.tracking.pool import SegmentResult
@@ -26,7 +25,7 @@ class SegmentTrack:
     """The motion between the keyframes at `first` and `last`.
 
     finished: False for a trajectory on the way: it has no verdict and no diagnostics (n = 0 rows).
-    kind, told: the verdict and the tracker's own words for it, as they stand in a session's file.
+    verdict: None for a trajectory on the way.
     scores, steps: of the trajectories on the way, and what each was; NaN where nothing was judged.
     observability, residual: (n, P) of the n = last − first steps, as in `observability`; so are
         rank (n,) and singular_values (n, D). All read-only.
@@ -41,8 +40,7 @@ class SegmentTrack:
     key: str
     quality: Quality
     trajectory: Trajectory
-    kind: Kind | None
-    told: str
+    verdict: Verdict | None
     scores: tuple[float, ...]
     steps: tuple[str, ...]
     best_pass: int
@@ -68,29 +66,27 @@ class SegmentTrack:
     @classmethod
     def of(cls, key: str, quality: Quality, result: SegmentResult) -> SegmentTrack:
         """A finished segment as the tracker hands it over."""
-        path, verdict = result.trajectory, result.verdict
+        path = result.trajectory
         return cls(
-            path.first_frame, path.last_frame, key, quality, path, verdict.kind, verdict.words,
+            path.first_frame, path.last_frame, key, quality, path, result.verdict,
             result.scores, result.steps, result.best_pass, result.closing_error,
             result.rank, result.singular_values, result.observability, result.residual,
             result.need, result.notes, result.missing, result.unreached,
         )  # fmt: skip
 
     @classmethod
-    def on_the_way(
-        cls, key: str, quality: Quality, path: Trajectory, score: float, words: str
-    ) -> SegmentTrack:
+    def on_the_way(cls, key: str, quality: Quality, path: Trajectory, score: float) -> SegmentTrack:
         """A trajectory after one of the passes."""
         nothing, unranked = np.empty((0, path.Rs_parent_part.shape[1])), np.empty(0, np.int64)
         return cls(
-            path.first_frame, path.last_frame, key, quality, path, None, words,
+            path.first_frame, path.last_frame, key, quality, path, None,
             (score,), ("pass",), 0, np.nan, unranked, np.empty((0, 0)), nothing, nothing,
         )  # fmt: skip
 
     @property
     def finished(self) -> bool:
         """Whether it can be used: judged, though perhaps stopped before all was done."""
-        return self.kind is not None
+        return self.verdict is not None
 
     @property
     def tracked(self) -> NDArray[np.bool_]:
@@ -104,25 +100,15 @@ class SegmentTrack:
     def span(self) -> tuple[int, int]:
         return self.first, self.last
 
-    @cached_property
-    def finding(self) -> Finding | None:
-        """What the verdict says; None where there is none yet."""
-        return None if self.kind is None else Finding.of(self.kind, self.told)
-
     @property
-    def words(self) -> str:
-        """The verdict for a person: "Good", "Check: right hand hidden 31–36"."""
-        return self.told if self.finding is None else self.finding.sentence(self.first, self.last)
+    def kind(self) -> Kind | None:
+        """Good, check or lost; None where there is no verdict yet."""
+        return None if self.verdict is None else self.verdict.kind
 
     @property
     def go(self) -> int | None:
-        """The frame to go to and look, where the verdict names one."""
-        return None if self.finding is None else self.finding.go
-
-    @property
-    def frames(self) -> tuple[int, int] | None:
-        """First and last frame the verdict is about."""
-        return None if self.finding is None else self.finding.frames
+        """The frame to go to, where the verdict names one."""
+        return None if self.verdict is None else self.verdict.go
 
     def supersedes(self, other: SegmentTrack) -> bool:
         """Whether this is to stand where `other` of the same key stood.

@@ -8,6 +8,7 @@ import numpy as np
 
 from tracker.body.pose import Pose, pose_transforms
 from tracker.body.skeleton import Skeleton
+from tracker.errors import spoken
 from tracker.geometry.rotations import Array, apply_transform
 from tracker.surface.fit.fitter import SurfaceFitter
 from tracker.surface.fit.measuring import measure
@@ -16,7 +17,6 @@ from tracker.surface.fit.options import Options
 from tracker.surface.fit.pairing import Observed
 from tracker.surface.fit.solving import fit_pose
 from tracker.surface.mesh import SurfaceMesh
-from tracker.tracking.diagnostics.verdict import spoken
 
 WORTH_A_WORD_M = 0.005
 MOST = 3

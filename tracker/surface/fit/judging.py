@@ -1,4 +1,4 @@
-"""A plain word on fitted surfaces: good, check these frames, or lost: add a keyframe there.
+"""The verdict on fitted surfaces: good, check these frames, or lost: add a keyframe there.
 
 The evidence is how near the surfaces lie, never the truth. The thresholds are shares of the
 surface's size; they were set where, on generated arms and walkers of known motion, they part steps
@@ -7,18 +7,19 @@ that are right from steps that are not.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tracker.body.pose import Pose
-from tracker.errors import listed
+from tracker.errors import listed, spoken
 from tracker.geometry.rotations import Array
+from tracker.session.verdict import GOOD, Cause, Verdict
 from tracker.surface.fit.certainty import UNSEEN
 from tracker.surface.fit.chain import Link
 from tracker.surface.fit.model import SurfaceModel
-from tracker.tracking.diagnostics.verdict import Verdict, frames_in_words, runs, spoken
+from tracker.tracking.diagnostics.runs import runs
 
 LOST_UNEXPLAINED, LOST_UNCOVERED = 0.25, 0.45
 """Of what is seen, and of the body: so much without a counterpart is another pose."""
@@ -36,6 +37,8 @@ their surface, come to 0.03; three times too large or small, or a limb's thickne
 their limbs, to more."""
 SHORTEST_RUN = 3
 """Steps for which a part must be doubtful before it is worth a word."""
+RANK: Mapping[Cause, int] = {"beyond_limits": 0, "not_seen": 1, "uncertain": 2}
+"""Of doubts that last equally long, the highest is the cause."""
 MOST_TOLD = 5
 """Steps that could not be used, told one by one."""
 
@@ -53,30 +56,24 @@ def judge_links(
     followed = np.array([frame not in keyed for frame in frames])
     lost = _longest(astray & followed)
     if lost is not None:
-        near = frames[lost[0]]
-        return Verdict("lost", f"lost: add a keyframe near {near}", (near, near))
+        return Verdict.not_followed(frames[lost[0]])
     if astray.any():  # a person said so, but looked at another frame, or at another mesh
         frame = frames[int(astray.argmax())]
-        words = f"check frame {frame}: the keyframe lies off its surface"
-        return Verdict("check", words, (frame, frame))
+        return Verdict.check("keyframe_off_surface", (frame, frame))
     unusable = _longest(np.array([link.step is None for link in links]))
     if unusable is not None:
-        first, last = frames[unusable[0]], frames[unusable[1]]
-        words = f"check {frames_in_words(first, last)}: no surface that can be used"
-        return Verdict("check", words, (first, last))
+        return Verdict.check("no_surface", (frames[unusable[0]], frames[unusable[1]]))
     doubts = [
-        (last - first, kind, part, first, last)
-        for kind, flags in _doubts(model, links, apart_m).items()
+        (last - first, RANK[cause], part, first, last, cause)
+        for cause, flags in _doubts(model, links, apart_m).items()
         for part in range(flags.shape[1])
         for first, last in runs(flags[:, part])
         if last - first + 1 >= min(SHORTEST_RUN, len(links))
     ]
     if not doubts:
-        return Verdict("good", "good")
-    _, kind, part, first, last = max(doubts)
-    name = spoken(model.skeleton.body.names[part])
-    between = (frames[first], frames[last])
-    return Verdict("check", f"check {frames_in_words(*between)}: {name} {kind}", between)
+        return GOOD
+    _, _, part, first, last, cause = max(doubts)
+    return Verdict.check(cause, (frames[first], frames[last]), model.skeleton.body.names[part])
 
 
 def lies_off(model: SurfaceModel, pose: Pose) -> bool:
@@ -87,16 +84,16 @@ def lies_off(model: SurfaceModel, pose: Pose) -> bool:
 def off_its_surface(frame: int) -> Verdict:
     """The verdict on every segment where the body, as it was posed at this frame, does not lie in
     the mesh that moves with it: no other keyframe mends what follows from that."""
-    words = f"check frame {frame}: the body lies off the surface that moves with it"
-    return Verdict("check", words, (frame, frame))
+    return Verdict.check("body_off_surface", (frame, frame))
 
 
 def not_reached(unreached: tuple[int, int] | None, span: tuple[int, int]) -> Verdict:
     """The verdict on a segment whose fit was stopped; without frames that no chain has reached,
     those between its keyframes still lack the second one."""
-    first, last = unreached or (span[0] + 1, span[1] - 1)
-    why = "fitted from one keyframe only so far" if unreached is None else "not fitted yet"
-    return Verdict("check", f"check {frames_in_words(first, last)}: {why}", (first, last))
+    if unreached is None:
+        first = span[0] + 1
+        return Verdict.check("one_keyframe", (first, max(first, span[1] - 1)))
+    return Verdict.check("not_fitted", unreached)
 
 
 def unseen_turns(model: SurfaceModel, links: Sequence[Link]) -> tuple[str, ...]:
@@ -132,7 +129,7 @@ def _is_astray(link: Link) -> bool:
 
 def _doubts(
     model: SurfaceModel, links: Sequence[Link], apart_m: Array | None
-) -> dict[str, NDArray[np.bool_]]:
+) -> dict[Cause, NDArray[np.bool_]]:
     """(N, P) of every kind of doubt."""
     count, size = model.skeleton.part_count, model.size_m
     nothing = np.full(count, np.nan)
@@ -145,8 +142,8 @@ def _doubts(
     bent = np.array([model.limits.excess(link.pose.Rs_parent_part)[0] for link in links])
     return {
         "uncertain": uncertain & carries,
-        "not seen": (counts < HIDDEN) & carries,
-        "beyond its joint limits": np.asarray(np.abs(bent).max(axis=2) > BEYOND_RAD),
+        "not_seen": (counts < HIDDEN) & carries,
+        "beyond_limits": np.asarray(np.abs(bent).max(axis=2) > BEYOND_RAD),
     }
 
 

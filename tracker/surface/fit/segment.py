@@ -16,6 +16,7 @@ from tracker.body.body import Body
 from tracker.body.pose import Pose
 from tracker.body.trajectory import Pass, Trajectory
 from tracker.errors import SessionError
+from tracker.session.verdict import Verdict
 from tracker.surface.fit.chain import Link, follow, keyed
 from tracker.surface.fit.joining import Joined, joined
 from tracker.surface.fit.judging import (
@@ -29,7 +30,6 @@ from tracker.surface.fit.options import Options
 from tracker.surface.fit.pairing import Observed
 from tracker.surface.fit.solving import fit_pose
 from tracker.surface.steps import Steps
-from tracker.tracking.diagnostics.verdict import Verdict
 from tracker.tracking.pool import Left, SegmentResult
 
 TELL_S = 0.25

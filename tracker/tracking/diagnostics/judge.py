@@ -1,4 +1,4 @@
-"""A plain word on every segment: good, check these frames, or lost: add a keyframe there.
+"""The verdict on every segment: good, check these frames, or lost: add a keyframe there.
 
 The evidence is what tracking saw, never the truth: how far the chains from the two keyframes lie
 apart, how much drift had to be corrected, which parts the picture did not decide, whether a pass
@@ -14,9 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from tracker.geometry.rotations import Array
+from tracker.session.verdict import GOOD, Verdict
 from tracker.tracking.cycle import NOWHERE_PX, Outcome
 from tracker.tracking.diagnostics.observability import Observation
-from tracker.tracking.diagnostics.verdict import DAMAGED, Verdict, frames_in_words, runs, spoken
+from tracker.tracking.diagnostics.runs import runs
 from tracker.tracking.scene import Scene
 from tracker.tracking.segment import Segment, extent_px
 
@@ -55,30 +56,21 @@ def judge(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -
     if gave_up or not outcome.followed or (apart > LOST_APART and drift > LOST_DRIFT):
         return _lost(segment, evidence)
     if not seen.shown.any() and (seen.rank >= 0).any():
-        words = "lost: nothing of the body is seen; check keyframes, camera and masks"
-        return Verdict("lost", words, (segment.first_frame, segment.last_frame))
+        return Verdict.nothing_seen(segment.first_frame, segment.last_frame)
     if outcome.diverged:
-        first, last = segment.first_frame, segment.last_frame
-        return Verdict(
-            "check", f"check {frames_in_words(first, last)}: a pass diverged", (first, last)
-        )
+        return Verdict.check("diverged", (segment.first_frame, segment.last_frame))
     if segment.damaged:
-        first, last = _longest_run(segment.damaged)
-        return Verdict("check", f"check {frames_in_words(first, last)}: {DAMAGED}", (first, last))
+        return Verdict.check("damaged", _longest_run(segment.damaged))
     unseen = _longest_unseen(scene, segment, seen)
     if unseen is not None:
         part, first, last = unseen
-        return Verdict(
-            "check", f"check {frames_in_words(first, last)}: {part} not seen", (first, last)
-        )
+        return Verdict.check("not_seen", (first, last), part)
     if apart > CHECK_APART or drift > CHECK_DRIFT:
         index, first, last = _most_uncertain(scene, segment, evidence)
-        why = "not seen" if _is_hidden(segment, seen, index, first, last) else "uncertain"
-        name = spoken(scene.skeleton.body.names[index])
-        return Verdict(
-            "check", f"check {frames_in_words(first, last)}: {name} {why}", (first, last)
-        )
-    return Verdict("good", "good")
+        is_hidden = _is_hidden(segment, seen, index, first, last)
+        name = scene.skeleton.body.names[index]
+        return Verdict.check("not_seen" if is_hidden else "uncertain", (first, last), name)
+    return GOOD
 
 
 def _longest_run(frames: Collection[int]) -> tuple[int, int]:
@@ -92,10 +84,8 @@ def _longest_run(frames: Collection[int]) -> tuple[int, int]:
 def _lost(segment: Segment, evidence: _Evidence) -> Verdict:
     first, last = segment.first_frame, segment.last_frame
     if last - first < 2:
-        words = f"lost: the keyframes at {first} and {last} contradict each other"
-        return Verdict("lost", words, (first, last))
-    near = min(max(first + _neediest(evidence), first + 1), last - 1)
-    return Verdict("lost", f"lost: add a keyframe near {near}", (near, near))
+        return Verdict.contradiction(first, last)
+    return Verdict.not_followed(min(max(first + _neediest(evidence), first + 1), last - 1))
 
 
 def _evidence(scene: Scene, outcome: Outcome) -> _Evidence:
@@ -160,4 +150,4 @@ def _longest_unseen(
         return None
     _, name, first, last = max(found)
     start = segment.first_frame + 1
-    return spoken(name), start + first, start + last
+    return name, start + first, start + last

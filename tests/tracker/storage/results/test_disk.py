@@ -25,8 +25,8 @@ def saved(results: Results, folder: Path, of: Session) -> tuple[Session, Path]:
 
 
 def assert_same(one: SegmentTrack, other: SegmentTrack) -> None:
-    assert (one.span, one.key, one.quality, one.kind, one.told, one.best_pass) == (
-        (other.span, other.key, other.quality, other.kind, other.told, other.best_pass)
+    assert (one.span, one.key, one.quality, one.verdict, one.best_pass) == (
+        (other.span, other.key, other.quality, other.verdict, other.best_pass)
     )
     for name in ("rank", "singular_values", "observability", "residual", "scores"):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))

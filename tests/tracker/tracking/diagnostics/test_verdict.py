@@ -1,8 +1,7 @@
-"""The verdict's words for evidence made up to be clear."""
+"""The verdict for evidence made up to be clear."""
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 
 import numpy as np
@@ -14,10 +13,10 @@ from tracker.body.body import preset
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Pass, Trajectory, interpolate
+from tracker.session.verdict import GOOD, Verdict
 from tracker.tracking.cycle import Outcome
 from tracker.tracking.diagnostics.judge import judge
 from tracker.tracking.diagnostics.observability import Observation, unobserved
-from tracker.tracking.diagnostics.verdict import Verdict
 from tracker.tracking.scene import Scene
 from tracker.tracking.segment import Segment
 from tracker.video.pyramid import Clip
@@ -73,8 +72,7 @@ def verdict(found: Outcome, seen: Observation | None = None) -> Verdict:
 
 
 def test_where_all_evidence_agrees_it_is_good() -> None:
-    found = verdict(outcome())
-    assert (found.kind, found.words, found.frames) == ("good", "good", None)
+    assert verdict(outcome()) == GOOD
 
 
 def test_without_having_looked_nothing_is_called_unseen() -> None:
@@ -83,20 +81,17 @@ def test_without_having_looked_nothing_is_called_unseen() -> None:
 
 def test_a_diverged_segment_asks_for_a_keyframe_in_its_middle() -> None:
     found = verdict(outcome(diverged=True, what="interpolation"))
-    assert found.kind == "lost"
-    assert found.words == "lost: add a keyframe near 110"
-    assert found.frames == (110, 110)
+    assert found == Verdict.not_followed(110)
+    assert (found.kind, found.frames, found.go) == ("lost", (110, 110), 110)
 
 
 def test_where_both_evidences_are_strong_a_keyframe_is_asked_for_where_they_are_strongest() -> None:
     apart, drift = np.zeros((N + 1, MARKS)), np.zeros((N, MARKS))
     apart[5:9], drift[5:9] = FAR, FAR
     found = verdict(outcome(apart, drift))
-    assert found.kind == "lost"
-    near = re.fullmatch(r"lost: add a keyframe near (\d+)", found.words)
-    assert near is not None
-    assert FIRST + 4 <= int(near[1]) <= FIRST + 10
-    assert found.frames == (int(near[1]), int(near[1]))
+    assert found.go is not None
+    assert FIRST + 4 <= found.go <= FIRST + 10
+    assert found == Verdict.not_followed(found.go)
 
 
 @pytest.mark.parametrize("strong", ["apart", "drift"])
@@ -105,11 +100,10 @@ def test_one_evidence_alone_names_the_part_and_the_frames_to_look_at(strong: str
     apart, drift = np.zeros((N + 1, MARKS)), np.zeros((N, MARKS))
     (apart if strong == "apart" else drift)[8:12, joint] = FAR
     found = verdict(outcome(apart, drift))
-    assert found.kind == "check"
-    assert "left forearm" in found.words
+    assert (found.kind, found.cause, found.part) == ("check", "uncertain", "left_forearm")
     assert found.frames is not None
     assert FIRST + 6 <= found.frames[0] <= found.frames[1] <= FIRST + 13
-    assert found.words.startswith(f"check frames {found.frames[0]}–{found.frames[1]}: ")
+    assert found.go == (found.frames[0] + found.frames[1] + 1) // 2
 
 
 def drifting(part: str, first: int = 0, last: int = N) -> NDArray[np.float64]:
@@ -123,9 +117,9 @@ def drifting(part: str, first: int = 0, last: int = N) -> NDArray[np.float64]:
 @pytest.mark.parametrize(
     ("marked", "named"),
     [
-        ("left_forearm", "left forearm"),
-        ("left_hand", "left forearm"),
-        ("right_foot", "right shin"),
+        ("left_forearm", "left_forearm"),
+        ("left_hand", "left_forearm"),
+        ("right_foot", "right_shin"),
         ("neck", "chest"),
         ("head", "head"),
         ("waist", "waist"),
@@ -135,25 +129,25 @@ def test_a_part_that_is_not_tracked_is_told_by_the_one_that_carries_it(
     marked: str, named: str
 ) -> None:
     found = verdict(outcome(drift=drifting(marked)))
-    assert found.words == f"check frames {FIRST + 1}–{LAST - 1}: {named} uncertain"
+    assert found == Verdict.check("uncertain", (FIRST + 1, LAST - 1), named)
 
 
 def test_an_uncertain_part_that_was_hidden_meanwhile_is_told_as_not_seen() -> None:
     drift = drifting("right_hand", 6, 8)
-    words = f"check frames {FIRST + 7}–{FIRST + 8}: right forearm"
-    assert verdict(outcome(drift=drift)).words == f"{words} uncertain"
-    assert verdict(outcome(drift=drift), hidden("right_forearm", 6, 7)).words == f"{words} not seen"
+    where, part = (FIRST + 7, FIRST + 8), "right_forearm"
+    uncertain = Verdict.check("uncertain", where, part)
+    not_seen = Verdict.check("not_seen", where, part)
+    assert verdict(outcome(drift=drift)) == uncertain
+    assert verdict(outcome(drift=drift), hidden(part, 6, 7)) == not_seen
     covered = clear()
     covered.shown[6:8, SKELETON.body.index("right_forearm")] = 0
-    assert verdict(outcome(drift=drift), covered).words == f"{words} not seen"
-    assert (
-        verdict(outcome(drift=drift), hidden("right_forearm", 0, 1)).words == f"{words} uncertain"
-    )
+    assert verdict(outcome(drift=drift), covered) == not_seen
+    assert verdict(outcome(drift=drift), hidden(part, 0, 1)) == uncertain
 
 
 def test_without_having_looked_an_uncertain_part_is_not_called_unseen() -> None:
     blind = unobserved(SCENE, SEGMENT.clip, PATH)
-    assert verdict(outcome(drift=drifting("left_shin")), blind).words.endswith("uncertain")
+    assert verdict(outcome(drift=drifting("left_shin")), blind).cause == "uncertain"
 
 
 def test_at_the_keyframes_themselves_the_chains_may_differ() -> None:
@@ -168,16 +162,14 @@ def test_small_evidence_does_not_matter() -> None:
 
 def test_a_part_that_goes_unseen_is_named_with_its_frames() -> None:
     found = verdict(outcome(), hidden("right_upper_arm", 4, 11))
-    assert found.kind == "check"
-    assert found.words == f"check frames {FIRST + 5}–{FIRST + 12}: right upper arm not seen"
-    assert found.frames == (FIRST + 5, FIRST + 12)
+    assert found == Verdict.check("not_seen", (FIRST + 5, FIRST + 12), "right_upper_arm")
 
 
 def test_the_part_unseen_for_longest_is_the_one_that_is_named() -> None:
     both = hidden("head", 2, 5).observability
     longer = hidden("left_shin", 1, 15)
     seen = replace(longer, observability=np.fmin(longer.observability, both))
-    assert "left shin" in verdict(outcome(), seen).words
+    assert verdict(outcome(), seen).part == "left_shin"
 
 
 def test_a_part_unseen_for_a_moment_is_not_worth_a_word() -> None:
@@ -212,8 +204,8 @@ def test_neighbouring_keyframes_that_contradict_each_other_are_told_as_such() ->
     path = interpolate(START, END, FIRST, FIRST + 1)
     found = Outcome((Pass("pass", path, 3.0),), 0, wild, wild[1:], False, False, 0.0)
     told = judge(SCENE, segment, found, unobserved(SCENE, segment.clip, path))
-    assert told.kind == "lost"
-    assert told.words == f"lost: the keyframes at {FIRST} and {FIRST + 1} contradict each other"
+    assert told == Verdict.contradiction(FIRST, FIRST + 1)
+    assert told.go == FIRST
     uncertain = judge(
         SCENE, segment, replace(found, followed=True), unobserved(SCENE, segment.clip, path)
     )
@@ -224,5 +216,17 @@ def test_a_body_that_is_nowhere_to_be_seen_is_lost() -> None:
     seen = clear()
     none = replace(seen, shown=np.zeros_like(seen.shown), rank=np.zeros_like(seen.rank))
     found = verdict(outcome(), none)
-    assert found.kind == "lost"
-    assert "nothing of the body is seen" in found.words
+    assert found == Verdict.nothing_seen(FIRST, LAST)
+    assert found.go is None
+
+
+def test_a_pass_that_diverged_is_a_reason_to_check_all_of_the_segment() -> None:
+    found = verdict(outcome(diverged=True))
+    assert found == Verdict.check("diverged", (FIRST, LAST))
+
+
+def test_of_frames_that_are_damaged_the_longest_run_is_to_be_checked() -> None:
+    clip = Clip(FIRST, (), frozenset({103, 107, 108, 109}))
+    segment = replace(SEGMENT, clip=clip)
+    found = judge(SCENE, segment, outcome(), clear())
+    assert found == Verdict.check("damaged", (107, 109))

@@ -1,0 +1,107 @@
+"""A session that was tracked by the version before opens with its verdicts, at every door.
+
+The files beside this one are as that version wrote them: the sample's box between five keyframes,
+of which the one at 12 was set wrong.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.cli.main import main
+from app.editor.state import EditorState
+from app.posing import opening_pose
+from app.store.sections import Sections
+from app.store.state import Outlook
+from tests.app.serving import ROOT
+from tracker.body.skeleton import Skeleton
+from tracker.session.verdict import GOOD, Verdict
+from tracker.storage.files import load_session, save_session
+from tracker.storage.results import load_results, save_results
+
+HERE = Path(__file__).parent / "version_2"
+SPANS = ((0, 6), (6, 12), (12, 18), (18, 19))
+VERDICTS = [
+    GOOD,
+    Verdict.check("uncertain", (7, 11), "box"),
+    Verdict.check("uncertain", (13, 17), "box"),
+    GOOD,
+]
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    shutil.copytree(HERE, tmp_path / "old")
+    shutil.copy(ROOT / "sample_videos" / "box" / "box.mp4", tmp_path / "old")
+    return tmp_path / "old" / "session.json"
+
+
+def _edit(path: Path) -> EditorState:
+    session = load_session(path)
+    return EditorState(
+        doc=session,
+        skeleton=Skeleton.of(session.body),
+        times_s=np.arange(session.video.frame_count) / 30,
+        opening=opening_pose(session.body, session.camera, (0.0, -1.0, 0.0)),
+        results=load_results(session, path),
+    )
+
+
+def test_its_verdicts_stand_where_they_stood(path: Path) -> None:
+    session = load_session(path)
+    assert session.results is not None
+    assert [segment.verdict for segment in session.results.segments] == VERDICTS
+    found = load_results(session, path).fitting(session)  # nothing of it is out of date
+    assert {span: track.verdict for span, track in found.items()} == dict(
+        zip(SPANS, VERDICTS, strict=True)
+    )
+
+
+def test_the_page_shows_them(path: Path) -> None:
+    sections = Sections().changed(Outlook(edit=_edit(path)))
+    told = [(s["state"], s["words"], s["part"], s["go"]) for s in sections["segments"]]
+    assert told == [
+        ("good", "Good", None, None),
+        ("check", "Check: box may be wrong", "box", 9),
+        ("check", "Check: box may be wrong", "box", 15),
+        ("good", "Good", None, None),
+    ]
+    assert sections["suggest"]["words"] == "Add a keyframe at 9."
+    assert sections["suggest"]["reason"] == "Box may be wrong, frames 7–11"
+    assert sections["suggest"]["verdict_of"] == [6, 12]
+
+
+def test_the_commands_say_them(
+    path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["export", str(path), "--format", "csv", "--out", str(tmp_path / "out")]) == 0
+    with (tmp_path / "out" / "frames.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert rows[8]["words"] == "check frames 7–11: box uncertain"
+    assert {row["words"] for row in rows} == {
+        "good",
+        "check frames 7–11: box uncertain",
+        "check frames 13–17: box uncertain",
+    }
+    assert main(["report", str(path), "--out", str(tmp_path / "report.html")]) == 0
+    assert "Check: box may be wrong" in (tmp_path / "report.html").read_text("utf-8")
+    assert "traceback" not in capsys.readouterr().err.lower()
+
+
+def test_saved_again_it_says_the_same_and_is_kept_as_it_was(path: Path) -> None:
+    content, session = path.read_bytes(), load_session(path)
+    results = load_results(session, path)
+    save_session(save_results(session, path, results), path)
+    data = json.loads(path.read_bytes())
+    assert data["schema_version"] == 3
+    assert [s["verdict"]["cause"] for s in data["results"]["segments"]] == [
+        *("good", "uncertain", "uncertain", "good")
+    ]
+    assert path.with_name("session.json.v2").read_bytes() == content
+    assert load_session(path).results == session.results
