@@ -55,6 +55,10 @@ def _menu(page: Page) -> Locator:
     return page.locator("#tmenu [role=menu]")
 
 
+def _height(page: Page) -> int:
+    return int(page.evaluate("() => document.getElementById('time').offsetHeight"))
+
+
 def _focused(page: Page) -> str:
     return str(page.evaluate("() => document.activeElement.textContent.trim()"))
 
@@ -71,20 +75,21 @@ def test_a_keyframes_menu_is_walked_with_the_keys_and_goes_with_esc(at: Desk) ->
     assert walked == ["Go", "Delete", "Go", "Delete", "Go"]
     assert section(page, "view.frame") == 0, "the page has heard of none of these keys"
     page.keyboard.press("Escape")
-    assert _menu(page).count() == 0
+    _menu(page).wait_for(state="detached")
 
 
 def test_a_menu_goes_with_a_press_elsewhere_and_one_is_open_at_a_time(at: Desk) -> None:
     page = at.page
     page.mouse.click(*_on_key(page, 1), button="right")
+    _menu(page).wait_for()
     page.get_by_role("button", name="Export").click()
+    page.get_by_role("menuitem", name="BVH").wait_for()
     assert _menu(page).count() == 0
-    assert page.get_by_role("menuitem", name="BVH").is_visible()
     page.mouse.click(*_on_key(page, 1), button="right")
-    settled(page)
-    assert page.get_by_role("menuitem", name="BVH").count() == 0
-    assert _menu(page).count() == 1
+    _menu(page).wait_for()
+    page.get_by_role("menuitem", name="BVH").wait_for(state="detached")
     page.keyboard.press("Escape")
+    _menu(page).wait_for(state="detached")
 
 
 def test_a_keyframe_is_copied_to_the_frame_that_was_typed_and_to_no_other(at: Desk) -> None:
@@ -98,7 +103,7 @@ def test_a_keyframe_is_copied_to_the_frame_that_was_typed_and_to_no_other(at: De
         assert box.get_attribute("aria-invalid") == "true", wrong
     box.fill(str(keys[1] + 3))
     box.press("Enter")
-    assert _menu(page).count() == 0
+    _menu(page).wait_for(state="detached")
     until_told(page, "keys.frames", lambda now: now == sorted({*keys, keys[1] + 3}))
 
 
@@ -118,7 +123,7 @@ def test_a_keyframe_that_is_dragged_is_put_back(at: Desk, way: str) -> None:
         page.mouse.down(button="right")
         page.mouse.move(x + 41, y)
         page.mouse.up(button="right")
-    assert page.evaluate("() => window.keypose.ui.timeHeld") is None
+    until(lambda: page.evaluate("() => window.keypose.ui.timeHeld === null"), "the end of it")
     page.mouse.up()
     assert _menu(page).count() == 0
     assert at.agreed("keys")["frames"] == keys
@@ -140,7 +145,7 @@ def test_a_keyframe_that_is_dragged_goes_where_it_was_let_go(at: Desk) -> None:
 def test_an_angle_dragged_on_the_curve_is_one_step_and_esc_takes_it_back(at: Desk) -> None:
     page = at.page
     at.visitor.do(do="select", part="right_shin")
-    until_told(page, "curve.part", lambda part: part == "right_shin")
+    until_told(page, "curve?.part", lambda part: part == "right_shin")
     settled(page)
     path = page.locator("#tsvg .curvekey:not(.current)").first.get_attribute("d") or ""
     assert path, "the curve has a diamond for each keyframe"
@@ -151,7 +156,7 @@ def test_an_angle_dragged_on_the_curve_is_one_step_and_esc_takes_it_back(at: Des
     x, y = float(starts[1][0]) + box["x"], float(starts[1][1]) + 4.5 + box["y"]
     frame = section(page, "keys.frames[1]")
     axis = page.locator("#tsvg .axis.chosen").get_attribute("aria-label") or ""
-    where = f"curve.{axis[0].lower()}[{frame}]"
+    where = f"curve?.{axis[0].lower()}[{frame}]"
     before = section(page, where)
     page.mouse.move(x, y)
     page.mouse.down()
@@ -174,8 +179,8 @@ def test_an_angle_dragged_on_the_curve_is_one_step_and_esc_takes_it_back(at: Des
 
 def test_a_height_that_was_dragged_is_there_again_after_a_reload(at: Desk) -> None:
     page = opened(at.page.context, at.keypose)
-    line = page.get_by_role("separator", name="Height of the timeline")
-    box = line.bounding_box()
+    before = _height(page)
+    box = page.get_by_role("separator", name="Height of the timeline").bounding_box()
     assert box is not None
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     page.mouse.move(x, y)
@@ -183,12 +188,13 @@ def test_a_height_that_was_dragged_is_there_again_after_a_reload(at: Desk) -> No
     page.mouse.move(x, y - 60, steps=3)
     page.mouse.up()
     page.mouse.move(x, y - 120)
-    height = page.evaluate("() => document.getElementById('time').offsetHeight")
+    height = _height(page)
+    assert height > before
     page.reload()
     page.wait_for_selector("html[data-ready]", state="attached")
-    assert page.evaluate("() => document.getElementById('time').offsetHeight") == height
+    until(lambda: _height(page) == height, "the height")
     page.get_by_role("separator", name="Height of the timeline").dblclick()
-    assert page.evaluate("() => document.getElementById('time').offsetHeight") != height
+    until(lambda: _height(page) == before, "the usual height")
     page.close()
 
 
@@ -207,5 +213,5 @@ def test_a_press_on_a_dot_of_the_trail_that_moves_pans_the_view_from_its_first_m
     page.mouse.down()
     page.mouse.move(x + 60, y)
     page.mouse.up()
-    assert page.evaluate(DOT)[0] - x == pytest.approx(60, abs=1)
+    until(lambda: abs(page.evaluate(DOT)[0] - x - 60) < 1, "the pan")
     assert complaints == []
