@@ -157,7 +157,7 @@ class _Descent(Generic[State, Point]):
             self.end = "cancelled"
         elif (step := self._step()) is None:
             self._rejected("unsolvable")
-        elif largest(step) < how.negligible:
+        elif how.negligible and largest(step) < how.negligible:
             self.end = "settled"
         else:
             self._tried(step)
@@ -166,9 +166,9 @@ class _Descent(Generic[State, Point]):
         step = self.here.step(self.damping)
         self.solved, self.damped = self.here, self.damping
         self.solves, self.tries = self.solves + 1, self.tries + 1
-        if step is None or not np.isfinite(step).all():
+        if step is None or not np.isfinite(length := largest(step)):
             return None
-        return step * min(1.0, self.criteria.longest_step / max(largest(step), 1e-12))
+        return step * min(1.0, self.criteria.longest_step / max(length, 1e-12))
 
     def _tried(self, step: Array) -> None:
         state = self.problem.moved(self.state, step)
@@ -185,7 +185,7 @@ class _Descent(Generic[State, Point]):
     def _rest(self, before: Point, step: Array) -> End | None:
         """Why the step just taken is the last one, if it is."""
         how = self.criteria
-        if self.problem.travel(before, self.here, step) < how.settled:
+        if how.settled and self.problem.travel(before, self.here, step) < how.settled:
             return "settled"
         if how.gain and before.cost - self.here.cost < how.gain * (self.here.cost + how.gain_floor):
             return "no gain"

@@ -51,8 +51,9 @@ class Posed:
 
     def point_jacobian(self, parts: NDArray[np.int64], p: Array) -> Array:
         """(..., K, D, 3) how points p (..., K, 3) in the camera frame move, carried by parts."""
-        vx, vy, vz, wx, wy, wz = np.moveaxis(self.twists[..., None, :, :], -1, 0)
-        x, y, z = np.moveaxis(p[..., None, :], -1, 0)
+        S = self.twists[..., None, :, :]
+        vx, vy, vz, wx, wy, wz = (S[..., k] for k in range(6))
+        x, y, z = (p[..., None, k] for k in range(3))
         J = np.empty((*p.shape[:-1], self.skeleton.dof_count, 3))
         J[..., 0] = vx + (wy * z - wz * y)  # v + w × p, component by component: it is quicker
         J[..., 1] = vy + (wz * x - wx * z)
@@ -77,7 +78,7 @@ class Posed:
 def by_dof(skeleton: Skeleton, turn: Array, R_root: Array, shift: Array) -> Array:
     """(..., D) of turns (..., P, 3) in the parts' frames and the root's shift (..., 3) in the
     camera's, with the root turned by R_root (..., 3, 3)."""
-    inside = np.einsum("...ba,...b->...a", R_root, shift)
+    inside = np.einsum("...ba,...b->...a", R_root, shift)  # the shift by the root's own axes
     part, axis = skeleton.dof_part, skeleton.dof_axis
     return np.where(skeleton.dof_turns == 1, turn[..., part, axis], inside[..., axis])
 

@@ -62,6 +62,7 @@ class Rows:
     @classmethod
     def stacked(cls, some: Sequence[Rows]) -> Rows:
         """All of them, to be multiplied out at once."""
+        some = [rows for rows in some if rows.r.size] or some[:1]
         if len(some) == 1:
             return some[0]
         r, J = [rows.r for rows in some], [rows.J for rows in some]
@@ -188,6 +189,8 @@ class JointLimits(RowTerm):
         turns = np.flatnonzero(skeleton.dof_turns == 1)
         parts, axes = skeleton.dof_part[turns], skeleton.dof_axis[turns]
         over, r = outside != 0, outside / self.sigma_rad
+        if outside.ndim == 2 and not over.any():
+            return Rows(np.zeros(0), np.zeros((0, skeleton.dof_count)), 0.0)
         J = np.zeros((*outside.shape, skeleton.dof_count))
         J[..., parts, :, turns] = (slopes * over[..., None])[..., parts, :, axes]
         if outside.ndim == 2:  # of one pose only those that are exceeded, mostly none
