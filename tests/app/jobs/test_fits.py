@@ -59,10 +59,10 @@ def fits(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[..., Any]], None
     """Both fits replaced."""
 
     def replaced(fit: Callable[..., Any]) -> None:
-        for name in ("fit_here", "fit_sizes"):
+        for place, name in (("pose", "fit_here"), ("sizes", "fit_sizes")):
             module = ModuleType(name)
             setattr(module, name, fit)
-            monkeypatch.setitem(sys.modules, f"tracker.{name}", module)
+            monkeypatch.setitem(sys.modules, f"tracker.fitting.{place}", module)
 
     return replaced
 

@@ -152,13 +152,13 @@ def test_a_run_that_ends_stops_no_other_of_its_batch(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = copied(tmp_path / "job", quality="preview")
-    session, stop, run = load_session(path), Event(), app.rerun._run
+    session, stop, run = load_session(path), Event(), app.jobs.rerun._run
 
     def ends_late(*given: Any) -> None:
         run(*given)
         time.sleep(0.3)
 
-    monkeypatch.setattr(app.rerun, "_run", ends_late)
+    monkeypatch.setattr(app.jobs.rerun, "_run", ends_late)
     with open_video_of(session, path) as video:
         list(rerun(session, path, video, all_segments(session), workers=1, stop=stop))
     assert not stop.is_set()
