@@ -21,7 +21,7 @@ from tracker.body.trajectory import Trajectory, interpolate, joined
 from tracker.errors import FormatError
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, apply_transform, frozen, log_rotation, transpose
-from tracker.solver.body_points import Place
+from tracker.solver.body_points import BodyPoint
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ class JointReference:
     """
 
     names: tuple[str, ...]
-    places: tuple[Place, ...]
+    places: tuple[BodyPoint, ...]
     positions: Array
     frames: NDArray[np.int64]
 
@@ -179,7 +179,7 @@ def _frames_and_interpolation(
     return available[inside], joined(pieces)
 
 
-def _located(Ts_camera_part: Array, places: Sequence[Place]) -> Array:
+def _located(Ts_camera_part: Array, places: Sequence[BodyPoint]) -> Array:
     """Places (F, J, 3) in the camera frame of parts at T (F, P, 4, 4)."""
     joints = []
     for place in places:

@@ -23,11 +23,11 @@ from tracker.body.skeleton import Skeleton
 from tracker.fitting.pose.likeness import Likeness, texture_of
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import transform
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 from tracker.tracking.cycle import track_segment
 from tracker.tracking.diagnostics.observability import observe
 from tracker.tracking.initial.templates.patch import Patch
-from tracker.tracking.initial.templates.search import Shown, cut, found
+from tracker.tracking.initial.templates.search import Shown, cut, find_match
 from tracker.tracking.method import FULL, PREVIEW
 from tracker.tracking.scene import Scene
 from tracker.tracking.segment import Segment
@@ -60,7 +60,7 @@ def warm() -> None:
     observe(scene, clip, last)
     _compare(scene, [level[0] for level in clip.levels], poses[0])
     _match(clip.levels[0][0])
-    raster(BodyMesh.of(skeleton), pose_transforms(skeleton, poses[0]), Eye.of(camera))
+    raster(BodyMesh.of(skeleton), pose_transforms(skeleton, poses[0]), ViewCamera.of(camera))
     if not is_warm():  # compiled, they load in no time, should there be surfaces at all
         _surface(body, poses[0], camera)
     _mark(_DONE).touch()
@@ -73,7 +73,7 @@ def are_hulls_warm() -> bool:
 
 def warm_hulls() -> None:
     """Compile these, or load them: on a ball that four cameras see as a disc."""
-    from tracker.surface.cameras.carve import carved
+    from tracker.surface.cameras.carve import carve_field
     from tracker.surface.cameras.hull import Silhouette, hull_field, hull_mesh
     from tracker.surface.cameras.photo import consistency
     from tracker.surface.cameras.views import View
@@ -87,20 +87,20 @@ def warm_hulls() -> None:
         R = np.array([[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]])
         views.append(View(f"{turn:.0f}", camera, transform(R, np.array([0.0, 0.0, 2.0]))))
     field = hull_field(views, [disc] * len(views), 0.08)
-    mesh = hull_mesh(carved(field, views, [grey] * len(views)))
+    mesh = hull_mesh(carve_field(field, views, [grey] * len(views)))
     consistency(mesh, views, [grey] * len(views))
     _mark(_HULLS_DONE).touch()
 
 
 def _surface(body: Body, pose: Pose, camera: Camera) -> None:
     """A surface laid onto itself, and drawn."""
-    from tracker.surface.fit.looking import look
     from tracker.surface.fit.model import SurfaceModel
     from tracker.surface.fit.options import Options
     from tracker.surface.fit.pairing import Observed
     from tracker.surface.fit.solving import fit_pose
+    from tracker.surface.fit.vertex_scalars import look
     from tracker.surface.mesh import SurfaceMesh
-    from tracker.surface.painting import painted
+    from tracker.surface.painting import paint
 
     solid = body.parts[0].shape.mesh()
     mesh = SurfaceMesh(solid.vertices + pose.p_camera_root, solid.faces)
@@ -108,7 +108,7 @@ def _surface(body: Body, pose: Pose, camera: Camera) -> None:
     model = SurfaceModel.of(mesh, body, pose, options.points)
     fit_pose(model, Observed.of(mesh, options), pose, options)
     look(model, mesh, pose, "distance")
-    painted(mesh, camera)
+    paint(mesh, camera)
 
 
 def _compare(scene: Scene, pictures: Sequence[Picture], pose: Pose) -> None:
@@ -127,7 +127,7 @@ def _match(picture: Picture) -> None:
     patch = Patch.cut(picture, (24.0, 24.0, 0.0, 0.0), 6, picture[..., 3] > 0)
     assert template is not None
     assert patch is not None
-    found(template, Shown.of(picture), np.array([25.0, 23.0]), 3)
+    find_match(template, Shown.of(picture), np.array([25.0, 23.0]), 3)
     patch.settled(picture, (25.0, 23.0, 0.0, 0.0))
 
 

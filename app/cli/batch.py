@@ -21,10 +21,10 @@ from app.cli.preparing import prepare_loops
 from tracker.errors import FormatError, KeyposeError, SessionError
 
 if TYPE_CHECKING:
-    from app.jobs.batch.course import Told
-    from app.jobs.batch.crew import Crew
     from app.jobs.batch.journal import Journal
+    from app.jobs.batch.pool import WorkerPool
     from app.jobs.batch.report import Entry
+    from app.jobs.batch.scheduler import Told
     from app.jobs.batch.task import Summary, Task
 
 DONE, NOT_ALL, INTERRUPTED = 0, 1, 130
@@ -111,18 +111,18 @@ def run(arguments: argparse.Namespace) -> int:
     folder = common_folder(sessions)
     out = None if arguments.out is None else arguments.out.absolute()
     place = out or folder
-    _demand_place(place)
+    _require_place(place)
     began = time.monotonic()
     with _journal(place, arguments) as journal:
         tasks = _tasks(sessions, out, arguments, journal)
         batch = _Batch(tasks, [name_of(session, folder) for session in sessions], journal)
         processes = min(_workers(arguments), len(sessions))
         with (
-            _crew(arguments, processes) as crew,
+            _pool(arguments, processes) as pool,
             telling(batch.names, [str(s) for s in sessions], arguments.json) as told,
         ):
             told.start(len(journal.done & {str(session) for session in sessions}))
-            whole = batch.run(crew, told)
+            whole = batch.run(pool, told)
         if whole:
             batch.note(journal.end)
     seconds = time.monotonic() - began
@@ -162,12 +162,12 @@ def _formats(text: str) -> tuple[str, ...]:
         raise argparse.ArgumentTypeError(f"invalid choice: {problem}") from None
 
 
-def _demand_place(out: Path) -> None:
+def _require_place(out: Path) -> None:
     """Whether the report can be written is asked before the work, not after."""
     from app.jobs.batch.report import NAME, is_report
-    from tracker.storage.atomic import demand_folder, make_folder
+    from tracker.storage.atomic import make_folder, require_folder
 
-    demand_folder(out)
+    require_folder(out)
     make_folder(out)
     report = out / NAME
     if report.exists() and not is_report(report):
@@ -188,23 +188,23 @@ def _journal(out: Path, arguments: argparse.Namespace) -> Iterator[Journal]:
 
 
 @contextmanager
-def _crew(arguments: argparse.Namespace, processes: int) -> Iterator[Crew]:
-    crew: Crew
+def _pool(arguments: argparse.Namespace, processes: int) -> Iterator[WorkerPool]:
+    pool: WorkerPool
     if arguments.scheduler is not None:
-        from app.jobs.batch.cluster import ClusterCrew
+        from app.jobs.batch.cluster import ClusterPool
 
-        crew = ClusterCrew(arguments.scheduler)
-        if not crew.room():
+        pool = ClusterPool(arguments.scheduler)
+        if not pool.room():
             print("The cluster has no workers yet: waiting for one.", file=sys.stderr)
     else:
-        from app.jobs.batch.crew import LocalCrew
+        from app.jobs.batch.pool import LocalPool
 
         prepare_loops()  # here, before several processes would do it at the same time
-        crew = LocalCrew(processes)
+        pool = LocalPool(processes)
     try:
-        yield crew
+        yield pool
     finally:
-        crew.close()
+        pool.close()
 
 
 def _workers(arguments: argparse.Namespace) -> int:
@@ -230,7 +230,7 @@ def _tasks(
     from app.jobs.batch.exporting import export_of, places
     from app.jobs.batch.finding import common_folder
     from app.jobs.batch.task import Task
-    from tracker.storage.atomic import demand_absent
+    from tracker.storage.atomic import require_absent
 
     folder = common_folder(sessions)
     workers = _workers(arguments)
@@ -240,7 +240,7 @@ def _tasks(
         if arguments.export:
             export = export_of(session, folder, out, arguments.export)
             if not arguments.overwrite and str(session) not in journal.begun:
-                demand_absent(places(export))
+                require_absent(places(export))
         done = str(session) in journal.done
         missing_only = arguments.only is not None or done
         threads = 1 if arguments.scheduler else max(1, workers // len(sessions))
@@ -281,13 +281,13 @@ class _Batch:
             return False
         return True
 
-    def run(self, crew: Crew, telling: Telling) -> bool:
+    def run(self, pool: WorkerPool, telling: Telling) -> bool:
         """Do all; False when it was interrupted."""
-        from app.jobs.batch.course import Begun, Ended, run
+        from app.jobs.batch.scheduler import Begun, Ended, run
 
         stop = threading.Event()
         with set_when_interrupted(stop):
-            for event in run(self.tasks, crew, stop):
+            for event in run(self.tasks, pool, stop):
                 session = self.tasks[event.number].session
                 if isinstance(event, Begun):
                     self.note(partial(self.journal.begin, session))

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 from app.cli.json_output import plain, print_json
 
 if TYPE_CHECKING:
-    from app.jobs.batch.course import Told
     from app.jobs.batch.report import Entry
+    from app.jobs.batch.scheduler import Told
     from app.jobs.batch.task import Summary
 
 WIDEST_NAME = 48
@@ -62,7 +62,7 @@ class _JsonLines:
         print_json({"event": "batch_started", "sessions": self._paths, "done_before": continued})
 
     def tell(self, event: Told) -> None:
-        from app.jobs.batch.course import Begun, Ended
+        from app.jobs.batch.scheduler import Begun, Ended
 
         session = {"session": self._paths[event.number]}
         if isinstance(event, Begun):
@@ -127,7 +127,7 @@ class _Lines(_ForPeople):
         self._ended = 0
 
     def tell(self, event: Told) -> None:
-        from app.jobs.batch.course import Begun, Ended
+        from app.jobs.batch.scheduler import Begun, Ended
 
         name, number = self._names[event.number], event.number
         if isinstance(event, Begun):
@@ -162,7 +162,7 @@ class _Bars(_ForPeople):
         )
 
     def tell(self, event: Told) -> None:
-        from app.jobs.batch.course import Begun, Ended
+        from app.jobs.batch.scheduler import Begun, Ended
 
         number = event.number
         if isinstance(event, Begun):

@@ -63,7 +63,7 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from tracker.storage.atomic import demand_absent, demand_folder, make_folder, write_file
+    from tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
     from tracker.storage.files import load_session
     from tracker.storage.outdated import outdated_words
     from tracker.storage.tracks import load_tracks
@@ -73,8 +73,8 @@ def run(arguments: argparse.Namespace) -> int:
     files = _files(arguments.format, session, arguments.session, tracks)
     places = {arguments.out / name: content for name, content in files.items()}
     if not arguments.overwrite:
-        demand_absent(places)
-    demand_folder(arguments.out)
+        require_absent(places)
+    require_folder(arguments.out)
     make_folder(arguments.out)
     for place, content in places.items():
         write_file(place, content, overwrite=arguments.overwrite)

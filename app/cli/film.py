@@ -23,9 +23,9 @@ from app.cli.json_output import print_json, print_written
 from app.cli.views import (
     add_style,
     add_tint,
-    demand_tint,
     film_view,
     rate,
+    require_tint,
     session_to_draw,
     size,
     stretch,
@@ -93,7 +93,7 @@ def run(arguments: argparse.Namespace) -> int:
     from app.render.poses import KnownPoses
 
     session, out = session_to_draw(arguments, "film", ".mp4"), arguments.out
-    demand_tint(session, arguments.tint)
+    require_tint(session, arguments.tint)
     poses = KnownPoses.of(session, arguments.session)
     film = _film(session, poses, arguments)
     opened = _video(session, arguments.session, film)

@@ -94,10 +94,10 @@ def add(commands: Subcommands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from app.cli.outcome import tracked
-    from app.jobs.rerun import demand_trackable, with_settings
+    from app.jobs.rerun import require_trackable, with_settings
 
     session = _with_meshes(_session(arguments), arguments)
-    demand_trackable(session, arguments.session)
+    require_trackable(session, arguments.session)
     surface = _surface(session, arguments)
     session = session.model_copy(update={"surface": surface})
     return tracked(session, with_settings(session, None, arguments.quality), arguments)

@@ -57,7 +57,7 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from tracker.storage.atomic import demand_absent, demand_folder, make_folder
+    from tracker.storage.atomic import make_folder, require_absent, require_folder
     from tracker.surface.cameras.hulls import Hulls
     from tracker.surface.cameras.rig import Rig
 
@@ -69,8 +69,8 @@ def run(arguments: argparse.Namespace) -> int:
         )
         places = [out / f"step_{step:04d}.ply" for step in range(hulls.step_count)]
         if not arguments.overwrite:
-            demand_absent(places, error=SurfaceError)
-        demand_folder(out, error=SurfaceError)
+            require_absent(places, error=SurfaceError)
+        require_folder(out, error=SurfaceError)
         make_folder(out, error=SurfaceError)
         if not hulls.has_images:
             note(

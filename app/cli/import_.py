@@ -88,7 +88,7 @@ def run(arguments: argparse.Namespace) -> int:
     from app.document.folder_lock import locked
     from tracker.storage.files import load_session, open_video_of
 
-    _demand_of_a_kind(arguments)
+    _require_of_a_kind(arguments)
     keypoints = _keypoints(arguments) if arguments.keypoints else None
     motion = None if arguments.keypoints else _motion(arguments)
     path: Path = arguments.session
@@ -108,7 +108,7 @@ _MOTION = ("names", "offset_frames", "offset_s", "unit", "fps")
 _KEYPOINTS = ("exchange", "frames", "every")
 
 
-def _demand_of_a_kind(arguments: argparse.Namespace) -> None:
+def _require_of_a_kind(arguments: argparse.Namespace) -> None:
     """An option of the other kind would be ignored in silence."""
     others = _MOTION if arguments.keypoints else _KEYPOINTS
     given = [name for name in others if getattr(arguments, name) not in (None, False)]

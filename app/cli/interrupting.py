@@ -22,7 +22,7 @@ def set_when_interrupted(stop: threading.Event) -> Iterator[None]:
             raise KeyboardInterrupt
         stop.set()
 
-    with _handled(handle, signal.SIGINT, signal.SIGTERM):
+    with _handlers(handle, signal.SIGINT, signal.SIGTERM):
         yield
 
 
@@ -33,12 +33,12 @@ def sigterm_as_ctrl_c() -> Iterator[None]:
     def handle(*_: object) -> None:
         raise KeyboardInterrupt
 
-    with _handled(handle, signal.SIGTERM):
+    with _handlers(handle, signal.SIGTERM):
         yield
 
 
 @contextmanager
-def _handled(handle: Handler, *numbers: signal.Signals) -> Iterator[None]:
+def _handlers(handle: Handler, *numbers: signal.Signals) -> Iterator[None]:
     """A signal that is ignored stays so: whoever started this program wants that."""
     before = {number: signal.getsignal(number) for number in numbers}
     before = {n: known for n, known in before.items() if known not in (signal.SIG_IGN, None)}

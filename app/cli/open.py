@@ -106,15 +106,15 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    _demand_own(arguments)
+    _require_own(arguments)
     from app.document.library import Library
     from app.server.server import Server
 
     path = arguments.path
     if arguments.out is not None:
-        path = _copied(path, arguments.out)
+        path = _copy(path, arguments.out)
     library = Library(arguments.workspace, _roots(path))
-    path = _as_said(path, library, arguments)
+    path = _with_reading(path, library, arguments)
     listener = _listener(arguments.host, arguments.port)
     server = Server(library, _names(arguments.host), tuple(arguments.public_name))
     try:
@@ -124,18 +124,20 @@ def run(arguments: argparse.Namespace) -> int:
         server.stage.stop()
 
 
-def _as_said(path: Path | None, library: Library, arguments: argparse.Namespace) -> Path | None:
+def _with_reading(
+    path: Path | None, library: Library, arguments: argparse.Namespace
+) -> Path | None:
     """What to open, once its meshes are read as a person says."""
     said = (arguments.units, arguments.up, arguments.cameras)
     if said == (None, None, None):
         return path
     if path is None:
         raise KeyposeError("--units, --up and --cameras need meshes to read.")
-    from app.document.new import read_as_said
+    from app.document.new import open_with_reading
     from tracker.surface.beginning import Reading
 
     reading = Reading(arguments.units, arguments.up)
-    opened, news = read_as_said(path, library.session_for, reading, arguments.cameras)
+    opened, news = open_with_reading(path, library.session_for, reading, arguments.cameras)
     note(" ".join(news) or None)
     return opened
 
@@ -190,7 +192,7 @@ def _show(links: Links, workspace: Path) -> None:
         note(f"{error} Open the link above in your browser.")
 
 
-def _demand_own(arguments: argparse.Namespace) -> None:
+def _require_own(arguments: argparse.Namespace) -> None:
     """Only this computer's own address, or an explicit word that others may come."""
     if arguments.let_others_in:
         return
@@ -216,26 +218,26 @@ def _is_own(host: str) -> bool:
 
 def _names(host: str) -> tuple[str, ...]:
     """What a request may call this server besides the address at which it arrives."""
-    from app.server.addresses import is_wildcard, shown
+    from app.server.addresses import host_in_url, is_wildcard
 
-    return (socket.gethostname(),) if is_wildcard(host) else (shown(host),)
+    return (socket.gethostname(),) if is_wildcard(host) else (host_in_url(host),)
 
 
 def _listener(host: str, port: int | None) -> socket.socket:
     """A bound socket: the port asked for, or the first free one from the usual one on."""
-    from app.server.listening import bound
+    from app.server.listening import bind
 
     if port is not None:
-        return bound(host, port)
+        return bind(host, port)
     for usual in range(PORT, PORT + PORTS_TRIED):
         with suppress(KeyposeError):  # it is taken
-            return bound(host, usual)
-    return bound(host, 0)
+            return bind(host, usual)
+    return bind(host, 0)
 
 
-def _copied(path: Path | None, out: Path) -> Path:
-    from app.document.open import copied_session
+def _copy(path: Path | None, out: Path) -> Path:
+    from app.document.open import copy_session
 
     if path is None:
         raise KeyposeError("--out needs a session to copy.")
-    return copied_session(path, out)
+    return copy_session(path, out)

@@ -27,21 +27,23 @@ def tracked(session: Session, asked: Session, arguments: argparse.Namespace) -> 
     from app.cli.follow import follow
     from app.document.folder_lock import locked
     from tracker.storage.files import open_video_of
-    from tracker.storage.finding import as_seen
+    from tracker.storage.finding import with_present_fingerprints
 
-    _demand_place(arguments)
+    _require_place(arguments)
     copy = "add --out DIR to track a copy" if arguments.out is None else "choose another --out"
     lock = locked(_place(arguments), f"close it there, or {copy}")
     with open_video_of(asked, arguments.session) as video, lock:
         if session.surface is not None:
             meshes = video.fingerprint()
-            session, asked = (as_seen(s, arguments.session, meshes) for s in (session, asked))
+            session, asked = (
+                with_present_fingerprints(s, arguments.session, meshes) for s in (session, asked)
+            )
         prepare_loops()
         found = follow(asked, arguments.session, video, arguments.workers, arguments.json)
         if found.error is not None and not found.found:
             raise found.error
-        summary = _kept(session, asked, found, arguments)
-    _tell(summary, arguments.json)
+        summary = _save_found(session, asked, found, arguments)
+    _print_summary(summary, arguments.json)
     if found.error is not None:
         raise found.error
     if found.interrupted:
@@ -49,14 +51,14 @@ def tracked(session: Session, asked: Session, arguments: argparse.Namespace) -> 
     return LOST if summary["lost"] else DONE
 
 
-def _demand_place(arguments: argparse.Namespace) -> None:
+def _require_place(arguments: argparse.Namespace) -> None:
     """Whether the results can be written is asked before the work, not after."""
-    from tracker.storage.atomic import demand_absent, demand_folder
+    from tracker.storage.atomic import require_absent, require_folder
 
     folder = arguments.session.parent if arguments.out is None else arguments.out
     if arguments.out is not None and not arguments.overwrite:
-        demand_absent([_place(arguments)], error=SessionError)
-    demand_folder(folder, error=SessionError)
+        require_absent([_place(arguments)], error=SessionError)
+    require_folder(folder, error=SessionError)
 
 
 def _place(arguments: argparse.Namespace) -> Path:
@@ -66,7 +68,7 @@ def _place(arguments: argparse.Namespace) -> Path:
     return session_path if out is None else out / "session.json"
 
 
-def _kept(
+def _save_found(
     session: Session, asked: Session, found: Run, arguments: argparse.Namespace
 ) -> dict[str, Any]:
     """Write what was found for the session as it was asked for, if anything; the summary of it."""
@@ -92,7 +94,7 @@ def _kept(
 def _write(
     session: Session, asked: Session, found: Run, arguments: argparse.Namespace
 ) -> Results | None:
-    from app.document.open import moved
+    from app.document.open import with_paths_from
     from app.jobs.rerun import keep, keep_elsewhere
     from tracker.storage.atomic import make_folder, write_file
     from tracker.storage.files import session_json
@@ -104,7 +106,7 @@ def _write(
     carry_first_motion(session, arguments.session.parent, arguments.out)
     place = _place(arguments)
     results = keep_elsewhere(asked, place, found.found)
-    there = moved(session, arguments.session, arguments.out)
+    there = with_paths_from(session, arguments.session, arguments.out)
     write_file(
         place,
         session_json(there.model_copy(update={"results": results})),
@@ -115,7 +117,7 @@ def _write(
     return results
 
 
-def _tell(summary: dict[str, Any], as_json: bool) -> None:
+def _print_summary(summary: dict[str, Any], as_json: bool) -> None:
     if as_json:
         print_json({"event": "finished", **summary})
         return
@@ -128,10 +130,10 @@ def _tell(summary: dict[str, Any], as_json: bool) -> None:
         print(f"Written: {summary['session']}")
         _hint(summary["session"])
     if summary["interrupted"]:
-        print(f"Interrupted: {_left(summary)}", file=sys.stderr)
+        print(f"Interrupted: {_words_when_interrupted(summary)}", file=sys.stderr)
 
 
-def _left(summary: dict[str, Any]) -> str:
+def _words_when_interrupted(summary: dict[str, Any]) -> str:
     """What is there of a run that was interrupted."""
     found = summary["segments"]
     parts = sum(segment.get("missing", 0) > 0 for segment in found)

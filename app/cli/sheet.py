@@ -17,7 +17,7 @@ from app.cli.arguments import (
     whole_number,
 )
 from app.cli.json_output import print_written
-from app.cli.views import add_style, add_tint, demand_tint, session_to_draw
+from app.cli.views import add_style, add_tint, require_tint, session_to_draw
 from tracker.errors import SessionError
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tracker.storage.files import open_video_of
 
     session, out = session_to_draw(arguments, "picture", ".png"), arguments.out
-    demand_tint(session, arguments.tint)
+    require_tint(session, arguments.tint)
     count = len(session.keyframes)
     if not 0 < count <= MOST_KEYFRAMES:
         words = f"more than {MOST_KEYFRAMES}" if count else "no"

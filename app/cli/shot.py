@@ -21,7 +21,7 @@ from app.cli.views import (
     MOST_PIXELS,
     add_style,
     add_tint,
-    demand_tint,
+    require_tint,
     scale,
     session_to_draw,
     size,
@@ -86,7 +86,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tracker.storage.atomic import write_file
 
     session, out = session_to_draw(arguments, "picture", ".png"), arguments.out
-    demand_tint(session, arguments.tint)
+    require_tint(session, arguments.tint)
     wanted = _wanted(session, arguments)
     poses = _poses(session, arguments.session, arguments.frame, wanted)
     content = _content(session, poses, wanted, arguments)
@@ -149,14 +149,14 @@ def _content(
     from app.render.stills import still
     from tracker.storage.tracking import surfaces_of
 
-    with _opened(session, arguments.session, wanted) as video:
+    with _open_source(session, arguments.session, wanted) as video:
         content = png(still(session, video, arguments.frame, poses, wanted))
         if session.surface is not None and video is not None:
             note(surfaces_of(video).sequence.missing.get(arguments.frame))
     return content
 
 
-def _opened(session: Session, session_path: Path, wanted: Still) -> Any:
+def _open_source(session: Session, session_path: Path, wanted: Still) -> Any:
     """The video, or the surfaces around the body, where the picture shows them."""
     from contextlib import nullcontext
 

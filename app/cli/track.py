@@ -47,11 +47,11 @@ def add(commands: Subcommands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     from app.cli.outcome import tracked
-    from app.jobs.rerun import demand_trackable, with_settings
+    from app.jobs.rerun import require_trackable, with_settings
     from tracker.storage.files import load_session
 
     session = load_session(arguments.session)
-    demand_trackable(session, arguments.session)
+    require_trackable(session, arguments.session)
     asked = with_settings(
         session, arguments.method, arguments.quality, arguments.initial, arguments.leave_out
     )

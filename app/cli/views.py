@@ -27,7 +27,7 @@ _NUMBER = re.compile(r"[+-]?\d{1,6}(\.\d{0,9})?")
 
 def session_to_draw(arguments: argparse.Namespace, what: str, *suffixes: str) -> Session:
     """The session to draw, once it is known that the file can be written."""
-    from tracker.storage.atomic import demand_absent, demand_folder
+    from tracker.storage.atomic import require_absent, require_folder
     from tracker.storage.files import load_session
 
     out: Path = arguments.out
@@ -35,8 +35,8 @@ def session_to_draw(arguments: argparse.Namespace, what: str, *suffixes: str) ->
         raise FormatError(f"{str(out)!r} must end in {suffixes[0]}, the format of the {what}.")
     session = load_session(arguments.session)
     if not arguments.overwrite:
-        demand_absent([out])
-    demand_folder(out.parent)
+        require_absent([out])
+    require_folder(out.parent)
     return session
 
 
@@ -66,7 +66,7 @@ def add_tint(command: argparse.ArgumentParser) -> None:
     )
 
 
-def demand_tint(session: Session, tint: str) -> None:
+def require_tint(session: Session, tint: str) -> None:
     """Refused where there is nothing to colour, or nothing that colours it."""
     if tint != "clay" and session.surface is None:
         raise FormatError(f"This session is about a video: it has no surface to colour by {tint}.")

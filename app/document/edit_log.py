@@ -87,7 +87,7 @@ class Journaling:
         else:
             self._waiting.append((self._noted, call))
 
-    def heard(self) -> None:
+    def call_written(self) -> None:
         """Call those whose wait is over."""
         self._call(self._written)
 

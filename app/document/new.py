@@ -22,7 +22,7 @@ from tracker.session.schema import Session, Surface, VideoReference
 from tracker.storage.atomic import make_folder
 from tracker.storage.files import load_session, save_session, video_path
 from tracker.storage.finding import cameras_seen
-from tracker.surface.beginning import Reading, begun, first_mesh
+from tracker.surface.beginning import Reading, choose_reading, first_mesh
 from tracker.surface.cameras.rig import Rig
 from tracker.surface.files.sequence import MeshSequence
 from tracker.surface.source import SurfaceSteps, holds_meshes
@@ -36,7 +36,7 @@ PEOPLE_M = (0.5, 2.5)
 def new_session(video: Video, session_path: Path) -> Session:
     """An empty session of a video: a guessed camera, an adult, no keyframes."""
     info = video.info
-    _demand_text(info.path)
+    _require_text(info.path)
     return Session(
         video=VideoReference(
             path=path_from(info.path, session_path.parent),
@@ -58,14 +58,14 @@ def new_surface_session(
 
     cameras: the file of the cameras that took them.
     """
-    _demand_text(meshes)
+    _require_text(meshes)
     rig = None
     if cameras is not None:
-        _demand_text(cameras)
+        _require_text(cameras)
         rig = Rig.open(cameras)
         reading = replace(reading, cameras=path_from(cameras, session_path.parent))
     with MeshSequence.open(meshes) as sequence:
-        found = begun(sequence, reading, rig)
+        found = choose_reading(sequence, reading, rig)
         video = VideoReference(
             path=path_from(meshes, session_path.parent),
             fingerprint=sequence.fingerprint(),
@@ -85,7 +85,7 @@ def _as_tall(body: Body, height_m: float) -> Body:
     return with_height(body, height_m) if low <= height_m <= high else body
 
 
-def read_as_said(
+def open_with_reading(
     path: Path, session_for: Callable[[Path], Path], reading: Reading, cameras: Path | None
 ) -> tuple[Path, tuple[str, ...]]:
     """The session of meshes, written or changed so that they are read as a person says; and what
@@ -177,7 +177,7 @@ def path_from(path: Path, folder: Path) -> str:
         return str(path.absolute())
 
 
-def _demand_text(path: Path) -> None:
+def _require_text(path: Path) -> None:
     """A session is text, and so is what it calls its video."""
     try:
         str(path).encode()

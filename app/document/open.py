@@ -10,7 +10,7 @@ from typing import Any
 
 from app.document.edit_log import Beginning
 from app.document.new import new_session, new_surface_session, path_from, standing_in
-from app.editor.sights import up_of
+from app.editor.pointer_views import up_of
 from app.editor.state import EditorState
 from app.posing import opening_pose
 from tracker.body.skeleton import Skeleton
@@ -32,7 +32,7 @@ from tracker.storage.files import (
     save_session,
     video_path,
 )
-from tracker.storage.finding import as_seen
+from tracker.storage.finding import with_present_fingerprints
 from tracker.storage.first_motion import carry_first_motion
 from tracker.storage.results import Results, load_results
 from tracker.surface.beginning import Reading
@@ -42,7 +42,7 @@ from tracker.video import Video
 
 
 @dataclass(frozen=True, eq=False)
-class Workpiece:
+class OpenSession:
     """A session, the file it is saved in, and its video; `fresh` when it was begun just now.
 
     history: what can be undone and done again since another day.  journal: where it stands.
@@ -63,7 +63,7 @@ class Workpiece:
         folder = self.session_path.parent.name
         return folder.removesuffix(".keypose") or self.video.info.path.stem
 
-    def is_same(self, other: Workpiece) -> bool:
+    def is_same(self, other: OpenSession) -> bool:
         """Whether both are saved in one file."""
         return _is_one_file(self.session_path, other.session_path)
 
@@ -78,16 +78,16 @@ class Workpiece:
         return self.session.video.fingerprint or self.video.fingerprint()
 
 
-def open_workpiece(path: Path, session_for: Callable[[Path], Path]) -> Workpiece:
+def open_for_editing(path: Path, session_for: Callable[[Path], Path]) -> OpenSession:
     """Open a session file, or a video or meshes with the session that belongs to them.
 
     `session_for` tells where a video's session lives; where none does yet, one is begun.
     KeyposeError in one sentence when it cannot be opened.
     """
     if path.suffix.lower() == ".json":
-        return _opened(path)
+        return _open(path)
     if path.is_dir() and (path / "session.json").is_file():
-        return _opened(path / "session.json")
+        return _open(path / "session.json")
     if not path.exists():
         raise SessionError(f"There is no file {str(path)!r}.")
     if holds_meshes(path):
@@ -96,51 +96,51 @@ def open_workpiece(path: Path, session_for: Callable[[Path], Path]) -> Workpiece
     try:
         session_path = session_for(video.info.path)
         if not session_path.exists():
-            return Workpiece(session_path, new_session(video, session_path), video, fresh=True)
+            return OpenSession(session_path, new_session(video, session_path), video, fresh=True)
     except BaseException:
         video.close()
         raise
     video.close()
-    return _opened(session_path)
+    return _open(session_path)
 
 
-def _with_meshes(path: Path, session_for: Callable[[Path], Path]) -> Workpiece:
+def _with_meshes(path: Path, session_for: Callable[[Path], Path]) -> OpenSession:
     """The same of observed surfaces."""
     session_path = session_for(path)
     if session_path.exists():
-        return _opened(session_path)
+        return _open(session_path)
     session, news = new_surface_session(path, session_path, Reading())
     video = open_video_at(session, path, session_path.parent)
-    return Workpiece(session_path, session, video, fresh=True, news=news)
+    return OpenSession(session_path, session, video, fresh=True, news=news)
 
 
-def edit_state(piece: Workpiece) -> tuple[EditorState, str]:
+def edit_state(opened: OpenSession) -> tuple[EditorState, str]:
     """What the page starts from: the session at its first keyframe, with its tracked motion.
 
     And a sentence where that cannot be read, for the keyframes are worth more than the motion.
     """
-    session = piece.session
+    session = opened.session
     try:
-        results, problem = load_results(session, piece.session_path), ""
+        results, problem = load_results(session, opened.session_path), ""
     except SessionError as error:
         results, problem = Results(), f"{error} The keyframes are all there: track again."
     opening = opening_pose(session.body, session.camera, up_of(session))
-    if isinstance(piece.video, SurfaceVideo):
-        opening = standing_in(opening, session.body, piece.video.steps)
+    if isinstance(opened.video, SurfaceVideo):
+        opening = standing_in(opening, session.body, opened.video.steps)
     state = EditorState(
         doc=session.model_copy(update={"results": None}),
         skeleton=Skeleton.of(session.body),
-        times_s=piece.video.info.times_s,
+        times_s=opened.video.info.times_s,
         opening=opening,
         results=results,
-        history=piece.history,
+        history=opened.history,
         frame=session.keyframes[0].frame if session.keyframes else 0,
         selected=session.body.parts[0].name,
     )
     return state, problem
 
 
-def _opened(path: Path) -> Workpiece:
+def _open(path: Path) -> OpenSession:
     path = Path(os.path.realpath(path))  # journal and lock lie beside the file, not beside a link
     content = _content(path)
     opened = open_session(path)
@@ -156,15 +156,19 @@ def _opened(path: Path) -> Workpiece:
         moment = of_film(moment, session)
         what = "video was" if session.surface is None else "meshes were"
         news = (*news, f"The {what} found again at {place}.")
-    seen = as_seen(session, path, video.fingerprint()) if session.surface else session
+    seen = (
+        with_present_fingerprints(session, path, video.fingerprint())
+        if session.surface
+        else session
+    )
     if seen is not session:
         news = (*news, *_exported_again(session, seen))
         session, moment = seen, of_film(moment, seen)
-    timed = timed_by(session, video.info.times_s)
+    timed = with_times(session, video.info.times_s)
     if timed is not session:  # a new keyframe's time would not stand between the others'
         session, follows = timed, False
-        moment = moment.each(lambda doc: timed_by(doc, video.info.times_s))
-    return Workpiece(
+        moment = moment.each(lambda doc: with_times(doc, video.info.times_s))
+    return OpenSession(
         path,
         session,
         video,
@@ -189,7 +193,7 @@ def _exported_again(before: Session, now: Session) -> tuple[str, ...]:
     return (f"The {' and '.join(others)} have changed since they were last opened: fit again.",)
 
 
-def timed_by(doc: Session, times_s: Array) -> Session:
+def with_times(doc: Session, times_s: Array) -> Session:
     """With each pose at its frame's time in the video, which hand-written sessions may not know."""
 
     def timed(poses: tuple[Keyframe, ...]) -> tuple[Keyframe, ...]:
@@ -237,7 +241,7 @@ def _news(opened: Opened) -> tuple[str, ...]:
     return ()
 
 
-def copied_session(path: Path, out: Path) -> Path:
+def copy_session(path: Path, out: Path) -> Path:
     """A session of one's own in a folder: made when it is not there yet, else as it was left."""
     target = out / "session.json"
     session = load_session(path)
@@ -247,11 +251,11 @@ def copied_session(path: Path, out: Path) -> Path:
         return target
     make_folder(out)
     carry_first_motion(session, path.parent, out)
-    save_session(moved(session, path, out).model_copy(update={"results": None}), target)
+    save_session(with_paths_from(session, path, out).model_copy(update={"results": None}), target)
     return target
 
 
-def moved(session: Session, session_path: Path, folder: Path) -> Session:
+def with_paths_from(session: Session, session_path: Path, folder: Path) -> Session:
     """The session as it reads in another folder: paths that were relative lead from there."""
 
     def from_there(path: str) -> str:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from app.document.folder_lock import HeldElsewhere, NotALock, SessionLock
-from app.document.open import Workpiece
+from app.document.open import OpenSession
 from app.editor.refusal import Refused
 from tracker.errors import SessionError
 from tracker.storage.atomic import make_folder
@@ -19,7 +19,7 @@ from tracker.storage.atomic import make_folder
 Identity: TypeAlias = tuple[int, int]
 
 
-class Holding:
+class WriteLock:
     """The lock of the open session's folder. read_only: why it is not written, a sentence."""
 
     def __init__(self) -> None:
@@ -27,11 +27,11 @@ class Holding:
         self._lock: SessionLock | None = None
         self._folder: Identity | None = None
 
-    def take(self, piece: Workpiece) -> None:
+    def take(self, opened: OpenSession) -> None:
         """Take the lock, where there is a folder; else, or where it cannot be had, say so."""
-        self.read_only, folder = "", piece.session_path.parent
-        if piece.session.is_newer:
-            self.read_only = f"Read only: a newer Keypose wrote {piece.session_path.name}."
+        self.read_only, folder = "", opened.session_path.parent
+        if opened.session.is_newer:
+            self.read_only = f"Read only: a newer Keypose wrote {opened.session_path.name}."
         elif folder.is_dir():
             try:
                 self._hold(folder)
@@ -40,7 +40,7 @@ class Holding:
             except NotALock as error:
                 self.read_only = f"Read only: {error}"
 
-    def demand_folder(self, folder: Path, is_ours: Callable[[], bool]) -> None:
+    def require_folder(self, folder: Path, is_ours: Callable[[], bool]) -> None:
         """SessionError unless the session can be written into its folder, which is made for a
         session that has none yet; HeldElsewhere where it is another's by now.
 
@@ -74,7 +74,7 @@ class Holding:
             self._lock.release()
             self._lock = None
 
-    def demand_writable(self) -> None:
+    def require_writable(self) -> None:
         """Refused where it may only be looked at."""
         if self.read_only:
             raise Refused(self.read_only)

@@ -32,7 +32,7 @@ def without(poses: Iterable[Keyframe], frame: int) -> tuple[Keyframe, ...]:
 
 def posed(doc: Session, skeleton: Skeleton, pose: Pose, frame: int, times_s: Array) -> Session:
     """With this pose at a frame: in its keyframe, or else as a draft."""
-    demand_before_camera(skeleton, pose)
+    require_before_camera(skeleton, pose)
     keyframe = keyframe_of(skeleton, pose, frame, times_s)
     if any(known.frame == frame for known in doc.keyframes):
         doc = with_keyframes(doc, (*without(doc.keyframes, frame), keyframe))
@@ -45,20 +45,20 @@ def keyframe_of(skeleton: Skeleton, pose: Pose, frame: int, times_s: Array) -> K
     return Keyframe.of(skeleton, pose, frame, float(times_s[frame]))
 
 
-def demand_before_camera(skeleton: Skeleton, pose: Pose) -> None:
+def require_before_camera(skeleton: Skeleton, pose: Pose) -> None:
     """Refused when a joint would come to lie behind the camera."""
     z = pose_transforms(skeleton, pose)[:, 2, 3]
     if not z.min() > NEAREST_M:
         raise Refused("The body would stand behind the camera. Pull it farther away.")
 
 
-def demand_sound(before: Session, after: Session, what: str) -> None:
+def require_sound(before: Session, after: Session, what: str) -> None:
     """Refused, with the name of the action, where the document could not be read back.
 
     before: a document that could.
     """
     try:
-        changes.demand_sound(before, after)
+        changes.require_sound(before, after)
     except ValueError as error:
         raise impossible(what, str(error)) from None
 

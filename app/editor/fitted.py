@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from app.editor.documents import (
-    demand_before_camera,
-    demand_sound,
     keyframe_of,
     posed,
+    require_before_camera,
+    require_sound,
     with_keyframes,
 )
 from app.editor.refusal import Refused
@@ -32,7 +32,7 @@ def pose_to_fit(state: EditorState) -> Pose:
     return shown(state).pose
 
 
-def demand_sizes_to_fit(state: EditorState) -> None:
+def require_sizes_to_fit(state: EditorState) -> None:
     """Refused where one cannot tell the sizes."""
     if len(state.keys) < 2:
         raise Refused("Sizes are fitted to two keyframes or more: pose a second one first.")
@@ -50,25 +50,25 @@ def with_sizes_fitted(
     """With this body and camera, and the keyframes posed for them."""
     skeleton, nearer = Skeleton.of(body), camera.fx / state.doc.camera.fx
     for pose in keyposes.values():
-        demand_before_camera(skeleton, pose)
+        require_before_camera(skeleton, pose)
     keyframes = [
         keyframe_of(skeleton, keyposes[frame], frame, state.times_s) for frame in state.keys
     ]
-    drafts = tuple(_carried(draft, nearer) for draft in state.doc.drafts)
+    drafts = tuple(_at_new_focal(draft, nearer) for draft in state.doc.drafts)
     for draft in drafts:
-        demand_before_camera(skeleton, draft.pose(skeleton))
+        require_before_camera(skeleton, draft.pose(skeleton))
     update = {"body": body, "camera": camera, "drafts": drafts}
     doc = with_keyframes(state.doc.model_copy(update=update), keyframes)
     return _after(state, doc, "fit the sizes", state.frame)
 
 
-def _carried(draft: Keyframe, factor: float) -> Keyframe:
+def _at_new_focal(draft: Keyframe, factor: float) -> Keyframe:
     """A lens so much longer shows the body as large as before from so much farther away."""
     x, y, z = draft.root_m
     return draft.model_copy(update={"root_m": (x, y, z * factor)})
 
 
 def _after(state: EditorState, doc: Session, label: str, frame: int) -> EditorState:
-    demand_sound(state.doc, doc, label)
+    require_sound(state.doc, doc, label)
     history = state.history.after(state.doc, label, frame)
     return replace(state.with_doc(doc), history=history)

@@ -5,20 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from app.editor import actions as do
+from app.editor.body_edits import with_body
 from app.editor.documents import posed
+from app.editor.pointer_views import pointer_views, up_of
 from app.editor.refusal import Refused
-from app.editor.shaping import with_body
 from app.editor.shown import find, shown
-from app.editor.sights import sights, up_of
 from app.editor.state import EditorState
 from app.posing import (
     Posed,
     Readout,
     angles_deg,
     drag,
-    exchanged,
     facing,
     mirrored,
+    sides_swapped,
     with_angles,
     with_reset,
 )
@@ -26,7 +26,7 @@ from tracker.body.pose import Pose
 from tracker.session.schema import Keyframe, Session
 
 
-def dragged(
+def drag_part(
     state: EditorState, before: EditorState, action: do.Drag
 ) -> tuple[Session, Readout | None]:
     """The document after a gesture that began in `before`."""
@@ -43,7 +43,7 @@ def _drag(state: EditorState, before: EditorState, action: do.Drag) -> Posed:
         before.doc.body,
         shown(before, state.frame).pose,
         action,
-        sights(before.doc),
+        pointer_views(before.doc),
         limits_on=looks.limits,
         axes_frame=looks.axes,
         linked=looks.link,
@@ -51,7 +51,7 @@ def _drag(state: EditorState, before: EditorState, action: do.Drag) -> Posed:
     )
 
 
-def turned(state: EditorState, action: do.Angles) -> Session:
+def set_angles(state: EditorState, action: do.Angles) -> Session:
     """One part at given angles."""
     pose = shown(state).pose
     state.doc.body.index(action.part)
@@ -62,7 +62,7 @@ def turned(state: EditorState, action: do.Angles) -> Session:
     return _with_pose(state, pose)
 
 
-def placed(state: EditorState, action: do.Root) -> Session:
+def set_root(state: EditorState, action: do.Root) -> Session:
     """The root at given coordinates."""
     pose = shown(state).pose
     wanted = (action.x, action.y, action.z)
@@ -72,30 +72,30 @@ def placed(state: EditorState, action: do.Root) -> Session:
     return _with_pose(state, Pose(pose.Rs_parent_part, np.array(place)))
 
 
-def faced(state: EditorState, action: do.Face) -> Session:
+def set_facing(state: EditorState, action: do.Face) -> Session:
     """The whole body facing a way, where it stands."""
     return _with_pose(state, facing(shown(state).pose, action.way, up_of(state.doc)))
 
 
-def part_reset(state: EditorState, action: do.ResetPart) -> Session:
+def reset_part(state: EditorState, action: do.ResetPart) -> Session:
     """One part at rest."""
     return _with_pose(state, with_reset(state.skeleton, shown(state).pose, action.part))
 
 
-def pose_reset(state: EditorState) -> Session:
+def reset_pose(state: EditorState) -> Session:
     """The whole body at rest, where it stands."""
     rest = Pose.rest(state.skeleton, tuple(shown(state).pose.p_camera_root))
     return _with_pose(state, rest)
 
 
-def sides_exchanged(state: EditorState) -> Session:
+def swap_sides(state: EditorState) -> Session:
     """Left limbs where the right ones are seen."""
     if not state.doc.body.mirror_pairs:
         raise Refused("This body has no left and right.")
-    return _with_pose(state, exchanged(state.skeleton, state.doc.camera, shown(state).pose))
+    return _with_pose(state, sides_swapped(state.skeleton, state.doc.camera, shown(state).pose))
 
 
-def pasted(state: EditorState, action: do.PastePose) -> Session:
+def paste_pose(state: EditorState, action: do.PastePose) -> Session:
     """The copied pose, here; mirrored on wish."""
     if state.clipboard is None:
         raise Refused("No pose has been copied yet. Copy one with Ctrl C.")
@@ -103,7 +103,7 @@ def pasted(state: EditorState, action: do.PastePose) -> Session:
     return _with_pose(state, mirrored(state.skeleton, pose) if action.mirrored else pose)
 
 
-def key_copied(state: EditorState, action: do.CopyKey) -> Session:
+def copy_key(state: EditorState, action: do.CopyKey) -> Session:
     """The pose of another keyframe, here."""
     found = find(state.doc.keyframes, action.from_frame)
     if found is None:
@@ -111,7 +111,7 @@ def key_copied(state: EditorState, action: do.CopyKey) -> Session:
     return _with_pose(state, found.pose(state.skeleton))
 
 
-def tracked_taken(state: EditorState) -> Session:
+def take_tracked(state: EditorState) -> Session:
     """The tracked pose of this frame, as a pose of one's own."""
     pose = state.tracked(state.frame)
     if pose is None:
@@ -119,7 +119,7 @@ def tracked_taken(state: EditorState) -> Session:
     return _with_pose(state, pose)
 
 
-def key_turned(state: EditorState, action: do.KeyAngle) -> Session:
+def turn_key(state: EditorState, action: do.KeyAngle) -> Session:
     """One angle of a part at some keyframe."""
     found = find(state.doc.keyframes, action.frame)
     if found is None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
-from app.editor.sights import up_of
+from app.editor.pointer_views import up_of
 from app.editor.timing import times_of
 from app.posing import Readout, opening_pose
 from tracker.body.pose import Pose

@@ -102,7 +102,7 @@ def _by_gain(tracks: Sequence[SegmentTrack], parts: Sequence[str]) -> Suggestion
     open_ = [track for track in tracks if not _is_past_mending(track)]
     worth = [t for t in open_ if t.kind == "lost" or _gain(t) > floor + WORTH_PX]
     if worth:
-        best = max(worth, key=lambda track: (float(_strayed(track).sum()), _gain(track)))
+        best = max(worth, key=lambda track: (float(_possible_drift_px(track).sum()), _gain(track)))
         return _key_where_it_gains(best, parts, tracks)
     bad = [track for track in tracks if track.kind != "good"]
     if bad:
@@ -116,7 +116,7 @@ def _gain(track: SegmentTrack) -> float:
     return float(track.need.max() / (track.last - track.first))
 
 
-def _strayed(track: SegmentTrack) -> Array:
+def _possible_drift_px(track: SegmentTrack) -> Array:
     """(n + 1,) pixels by which the motion may be off without the keyframes' own errors."""
     assert track.need is not None
     away = np.arange(len(track.need))
@@ -130,7 +130,7 @@ def _strayed(track: SegmentTrack) -> Array:
 def _key_where_it_gains(
     track: SegmentTrack, parts: Sequence[str], tracks: Sequence[SegmentTrack]
 ) -> Suggestion:
-    frame = track.first + int(_strayed(track).argmax())
+    frame = track.first + int(_possible_drift_px(track).argmax())
     frame = min(max(frame, track.first + 1), track.last - 1)
     verdict = track.verdict
     if verdict is not None and verdict.kind != "good" and _is_about(verdict, frame):

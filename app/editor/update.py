@@ -9,8 +9,15 @@ from typing import Any
 from pydantic import ValidationError
 
 from app.editor import actions as do
-from app.editor import choosing, filming, keying, observing, posing_edits, shaping
-from app.editor.documents import demand_sound, impossible, keyframe_of
+from app.editor import (
+    body_edits,
+    camera_edits,
+    keyframe_edits,
+    posing_edits,
+    surface_edits,
+    tracking_edits,
+)
+from app.editor.documents import impossible, keyframe_of, require_sound
 from app.editor.refusal import Refused
 from app.editor.shown import shown
 from app.editor.state import EditorState, Stroke
@@ -34,7 +41,7 @@ def update(state: EditorState, action: do.Editing) -> EditorState:
 def _look(state: EditorState, action: do.Looking) -> EditorState:
     if isinstance(action, do.Go):
         frame = min(action.frame, state.frame_count - 1)
-        return replace(ended(state), frame=frame)
+        return replace(end_stroke(state), frame=frame)
     if isinstance(action, do.Select):
         if action.part is not None:
             state.doc.body.index(action.part)
@@ -61,16 +68,16 @@ def _switches(action: do.Show | do.Live | do.Limits | do.Axes | do.Link) -> dict
 
 def _rewind(state: EditorState, action: do.Rewinding) -> EditorState:
     if isinstance(action, do.EndStroke):
-        return ended(state) if _is_under_way(state, action.stroke) else state
+        return end_stroke(state) if _is_under_way(state, action.stroke) else state
     if isinstance(action, do.CancelStroke):
-        return cancelled(state) if _is_under_way(state, action.stroke) else state
-    state = ended(state)
+        return cancel_stroke(state) if _is_under_way(state, action.stroke) else state
+    state = end_stroke(state)
     undo = isinstance(action, do.Undo)
     found = state.history.undone(state.doc) if undo else state.history.redone(state.doc)
     if found is None:
         raise Refused("There is nothing to undo." if undo else "There is nothing to redo.")
     step, history = found
-    demand_sound(state.doc, step.doc, f"{action.do} {step.label}")
+    require_sound(state.doc, step.doc, f"{action.do} {step.label}")
     changed = replace(state.with_doc(step.doc), history=history, frame=step.frame)
     return _still_there(changed)
 
@@ -79,7 +86,7 @@ def _is_under_way(state: EditorState, stroke: str) -> bool:
     return state.stroke is not None and state.stroke.name == stroke
 
 
-def ended(state: EditorState) -> EditorState:
+def end_stroke(state: EditorState) -> EditorState:
     """With the gesture under way, if any, made one step of the history."""
     stroke = state.stroke
     if stroke is None:
@@ -90,7 +97,7 @@ def ended(state: EditorState) -> EditorState:
     return replace(state, history=state.history.after(stroke.before, stroke.label, stroke.frame))
 
 
-def cancelled(state: EditorState) -> EditorState:
+def cancel_stroke(state: EditorState) -> EditorState:
     """With the gesture under way taken back."""
     stroke = state.stroke
     if stroke is None:
@@ -109,14 +116,14 @@ def _edit(state: EditorState, action: Any) -> EditorState:
     if action.stroke in state.over:
         return state  # it would be applied a second time, to what it has led to
     if action.stroke is None or not _is_under_way(state, action.stroke):
-        state = ended(state)
+        state = end_stroke(state)
     before = state if state.stroke is None else state.with_doc(state.stroke.before)
     label = label_of(action)
     try:
         doc, readout = _changed(state, before, action)
     except ValidationError as error:
         raise impossible(label, one_sentence(error)) from None
-    demand_sound(before.doc, doc, label)
+    require_sound(before.doc, doc, label)
     if action.stroke is not None:
         stroke = Stroke(action.stroke, before.doc, label, state.frame, readout)
         return _still_there(replace(state.with_doc(doc), stroke=stroke))
@@ -130,41 +137,47 @@ def _changed(
     state: EditorState, before: EditorState, action: Any
 ) -> tuple[Session, Readout | None]:
     if isinstance(action, do.Drag):
-        return posing_edits.dragged(state, before, action)
+        return posing_edits.drag_part(state, before, action)
     return _HOW[type(action)](before, action), None
 
 
 _HOW: dict[type, Callable[[EditorState, Any], Session]] = {
-    do.Angles: posing_edits.turned,
-    do.Root: posing_edits.placed,
-    do.Face: posing_edits.faced,
-    do.ResetPart: posing_edits.part_reset,
-    do.ResetPose: lambda state, _: posing_edits.pose_reset(state),
-    do.Exchange: lambda state, _: posing_edits.sides_exchanged(state),
-    do.PastePose: posing_edits.pasted,
-    do.CopyKey: posing_edits.key_copied,
-    do.TakeTracked: lambda state, _: posing_edits.tracked_taken(state),
-    do.KeyAngle: posing_edits.key_turned,
-    do.AddKey: lambda state, action: keying.added(state, _in_video(state, action.frame)),
-    do.DeleteKey: lambda state, action: keying.deleted(state, action.frame),
-    do.MoveKey: lambda state, action: keying.moved(_reaching(state, action.to), action),
-    do.DuplicateKey: lambda state, action: keying.duplicated(_reaching(state, action.to), action),
-    do.Size: shaping.resized,
-    do.Joint: shaping.joint_moved,
-    do.Height: shaping.stretched,
-    do.Preset: shaping.preset_taken,
-    do.ResetBody: lambda state, _: shaping.body_reset(state),
-    do.Tracked: shaping.freed,
-    do.Intrinsics: filming.focused,
-    do.FieldOfView: filming.widened,
-    do.Distortion: filming.bent,
-    do.Vertical: filming.righted,
-    do.ResetUp: lambda state, _: filming.up_reset(state),
-    do.AddMask: choosing.mask_added,
-    do.ChangeMask: choosing.mask_changed,
-    do.DeleteMask: choosing.mask_deleted,
-    do.Settings: choosing.chosen,
-    do.Observe: observing.observed,
+    do.Angles: posing_edits.set_angles,
+    do.Root: posing_edits.set_root,
+    do.Face: posing_edits.set_facing,
+    do.ResetPart: posing_edits.reset_part,
+    do.ResetPose: lambda state, _: posing_edits.reset_pose(state),
+    do.Exchange: lambda state, _: posing_edits.swap_sides(state),
+    do.PastePose: posing_edits.paste_pose,
+    do.CopyKey: posing_edits.copy_key,
+    do.TakeTracked: lambda state, _: posing_edits.take_tracked(state),
+    do.KeyAngle: posing_edits.turn_key,
+    do.AddKey: lambda state, action: keyframe_edits.add_keyframe(
+        state, _in_video(state, action.frame)
+    ),
+    do.DeleteKey: lambda state, action: keyframe_edits.delete_keyframe(state, action.frame),
+    do.MoveKey: lambda state, action: keyframe_edits.move_keyframe(
+        _reaching(state, action.to), action
+    ),
+    do.DuplicateKey: lambda state, action: keyframe_edits.duplicate_keyframe(
+        _reaching(state, action.to), action
+    ),
+    do.Size: body_edits.set_size,
+    do.Joint: body_edits.set_joint,
+    do.Height: body_edits.set_height,
+    do.Preset: body_edits.set_preset,
+    do.ResetBody: lambda state, _: body_edits.reset_body(state),
+    do.Tracked: body_edits.set_tracked,
+    do.Intrinsics: camera_edits.set_intrinsics,
+    do.FieldOfView: camera_edits.set_fov,
+    do.Distortion: camera_edits.set_distortion,
+    do.Vertical: camera_edits.set_up,
+    do.ResetUp: lambda state, _: camera_edits.reset_up(state),
+    do.AddMask: tracking_edits.add_mask,
+    do.ChangeMask: tracking_edits.change_mask,
+    do.DeleteMask: tracking_edits.delete_mask,
+    do.Settings: tracking_edits.set_settings,
+    do.Observe: surface_edits.set_surface,
 }
 
 

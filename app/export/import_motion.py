@@ -24,7 +24,7 @@ from tracker.formats.reading_keypoints import Keypoints
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, exp_rotation
 from tracker.session import Keyframe, Session
-from tracker.solver.body_points import Places
+from tracker.solver.body_points import BodyPoints
 from tracker.solver.fit_joints import Fit, fit_motion, fit_picture, rigid
 
 LEAST_JOINTS = 3
@@ -85,12 +85,12 @@ def fit_to_session(
     """
     skeleton = Skeleton.of(session.body)
     known = matched(skeleton, motion.names, file, names)
-    _demand_joints(known, motion, file)
+    _require_joints(known, motion, file)
     first, ps = _within(motion.at(times_s - offset_s)[:, known.indices], file)
-    laid = Places(skeleton, tuple(known.places))
+    laid = BodyPoints(skeleton, tuple(known.places))
     size = _size(laid, ps)
     scale = size if motion.unit is None else 1.0
-    _demand_a_size(size / scale, file)
+    _require_a_size(size / scale, file)
     posed = {k.frame: k.pose(skeleton) for k in session.keyframes}
     reached = {f: p for f, p in posed.items() if _says_enough(ps, f - first)}
     ps = ps * scale
@@ -98,8 +98,8 @@ def fit_to_session(
         ps = _on_keyframes(laid, ps, first, reached)
     elif motion.world != "camera":
         ps = _before_camera(session, ps, motion)
-    fit = fit_motion(session.body, known.places, ps, first, _kept(posed, first, len(ps)))
-    _demand_before_camera(fit, skeleton, file)
+    fit = fit_motion(session.body, known.places, ps, first, _pose_per_frame(posed, first, len(ps)))
+    _require_before_camera(fit, skeleton, file)
     return ImportedMotion(
         fit, known, size, scale, tuple(reached), _from_keyframes(laid, fit, reached)
     )
@@ -131,7 +131,7 @@ def drafts_of(
 # --- recorded joints
 
 
-def _demand_joints(known: Matched, motion: JointMotion, file: str) -> None:
+def _require_joints(known: Matched, motion: JointMotion, file: str) -> None:
     if len(known.known) < LEAST_JOINTS:
         few = ", ".join(motion.names[:6])
         raise FormatError(
@@ -154,7 +154,7 @@ def _says_enough(ps: Array, n: int) -> bool:
     return 0 <= n < len(ps) and int(np.isfinite(ps[n]).all(-1).sum()) >= LEAST_JOINTS
 
 
-def _size(laid: Places, ps: Array) -> float:
+def _size(laid: BodyPoints, ps: Array) -> float:
     """The body's size as a share of the motion's, over all distances that no joint changes."""
     ours = theirs = 0.0
     for part in range(laid.skeleton.part_count):
@@ -168,7 +168,7 @@ def _size(laid: Places, ps: Array) -> float:
     return ours / theirs if ours > 0 and theirs > 1e-9 else 1.0
 
 
-def _demand_a_size(size: float, file: str) -> None:
+def _require_a_size(size: float, file: str) -> None:
     """Nobody is three times as tall as another one: the unit is wrong."""
     if not 1 / MOST_UNLIKE < size < MOST_UNLIKE:
         times = f"{1 / size:.0f}" if size < 1 else f"{1 / size:.1g}"
@@ -178,7 +178,7 @@ def _demand_a_size(size: float, file: str) -> None:
         )
 
 
-def _on_keyframes(laid: Places, ps: Array, first: int, posed: Mapping[int, Pose]) -> Array:
+def _on_keyframes(laid: BodyPoints, ps: Array, first: int, posed: Mapping[int, Pose]) -> Array:
     """The positions laid on the keyframes' joints, all of them by one transform."""
     theirs = np.concatenate([ps[frame - first] for frame in posed])
     ours = np.concatenate(
@@ -211,7 +211,7 @@ def _middle(camera: Camera, z: float) -> Array:
     return camera.back_project(np.array([(camera.width - 1) / 2, (camera.height - 1) / 2]), z)
 
 
-def _kept(posed: Mapping[int, Pose], first: int, count: int) -> list[Pose | None]:
+def _pose_per_frame(posed: Mapping[int, Pose], first: int, count: int) -> list[Pose | None]:
     """For every frame the pose between its keyframes, or that of the nearest; None without any."""
     frames, kept = sorted(posed), []
     for frame in range(first, first + count):
@@ -228,7 +228,7 @@ def _between(posed: Mapping[int, Pose], frames: Sequence[int], frame: int) -> Po
     return posed[a] if a == b else interpolate(posed[a], posed[b], a, b).pose(frame)
 
 
-def _demand_before_camera(fit: Fit, skeleton: Skeleton, file: str) -> None:
+def _require_before_camera(fit: Fit, skeleton: Skeleton, file: str) -> None:
     z = fit.trajectory.transforms(skeleton)[..., 2, 3].min(axis=1)
     behind = np.flatnonzero(~(z > NEAREST_M))
     if len(behind):
@@ -239,7 +239,7 @@ def _demand_before_camera(fit: Fit, skeleton: Skeleton, file: str) -> None:
         )
 
 
-def _from_keyframes(laid: Places, fit: Fit, posed: Mapping[int, Pose]) -> float:
+def _from_keyframes(laid: BodyPoints, fit: Fit, posed: Mapping[int, Pose]) -> float:
     def at(pose: Pose) -> Array:
         return laid.at(pose_transforms(laid.skeleton, pose))
 
@@ -258,7 +258,7 @@ def _draft(
 ) -> Draft | None:  # fmt: skip
     """The pose that is seen at the keypoints; None where none lies before the camera."""
     skeleton = Skeleton.of(session.body)
-    laid = Places(skeleton, tuple(known.places))
+    laid = BodyPoints(skeleton, tuple(known.places))
     kept = _between(posed, sorted(posed), frame)
     starts = _starts(session, laid, uv, kept)
     solved = fit_picture(session.body, session.camera, known.places, uv, sure, starts, kept)
@@ -272,7 +272,7 @@ def _draft(
     return Draft(keyframe, count, miss, solved.converged, miss > POOR_PX * extent)
 
 
-def _starts(session: Session, laid: Places, uv: Array, kept: Pose | None) -> list[Pose]:
+def _starts(session: Session, laid: BodyPoints, uv: Array, kept: Pose | None) -> list[Pose]:
     """The pose known nearby, and the body at rest, seen from its four sides, where it is seen."""
     camera = session.camera.without_distortion()
     rest = opening_pose(session.body, session.camera, session.up_camera or UP)

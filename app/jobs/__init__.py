@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from app.jobs.progress import Progress
-from app.jobs.reports import (
+from app.jobs.messages import (
     Change,
     FitOrder,
     Fitted,
@@ -21,6 +20,7 @@ from app.jobs.reports import (
     Wanted,
     Warming,
 )
+from app.jobs.progress import Progress
 from app.jobs.tracking import LIVE, Tracking
 
 __all__ = [

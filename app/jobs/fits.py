@@ -10,8 +10,7 @@ from threading import Event
 
 from pydantic import ValidationError
 
-from app.jobs.bench import Bench
-from app.jobs.reports import (
+from app.jobs.messages import (
     FitOrder,
     Fitted,
     JobFailed,
@@ -22,6 +21,7 @@ from app.jobs.reports import (
     SizesFitted,
     SizesOrder,
 )
+from app.jobs.worker_cache import WorkerCache
 from tracker.body.skeleton import Skeleton
 from tracker.errors import KeyposeError, SurfaceError, one_sentence
 from tracker.session import Session
@@ -38,11 +38,11 @@ class Fit:
         self._cancelled = cancelled
         self._tell = tell
 
-    def run(self, bench: Bench) -> None:
+    def run(self, worker_cache: WorkerCache) -> None:
         """Do the work and tell how it ended."""
         job = self.order.job
         try:
-            fitted = self._fitted(bench)
+            fitted = self._fit(worker_cache)
         except ValidationError as error:
             self._tell(JobFailed(job, one_sentence(error)))
         except KeyposeError as error:
@@ -53,16 +53,18 @@ class Fit:
             cancelled = self._cancelled.is_set()
             self._tell(JobFinished(job, cancelled=True) if cancelled else fitted)
 
-    def _fitted(self, bench: Bench) -> Fitted:
+    def _fit(self, worker_cache: WorkerCache) -> Fitted:
         session = Session.model_validate_json(self.order.session)
         if session.surface is not None:
-            return self._on_surface(self.order, session, bench)
-        video = bench.video(session, self.order.video_path)
+            return self._on_surface(self.order, session, worker_cache)
+        video = worker_cache.video(session, self.order.video_path)
         if isinstance(self.order, PoseOrder):
             return self._pose(self.order, session, video)
         return self._sizes(self.order, session, video)
 
-    def _on_surface(self, order: FitOrder, session: Session, bench: Bench) -> PoseFitted:
+    def _on_surface(
+        self, order: FitOrder, session: Session, worker_cache: WorkerCache
+    ) -> PoseFitted:
         if isinstance(order, SizesOrder):
             raise SurfaceError(
                 "Sizes are fitted to pictures, not to surfaces: set them in Body, by what you see."
@@ -71,10 +73,10 @@ class Fit:
 
         path, folder, model = order.video_path, Path(order.folder), session.model_keyframe
         if model is None or model.frame == order.frame:
-            mesh = bench.surfaces(session, path, folder).mesh(order.frame)
+            mesh = worker_cache.surfaces(session, path, folder).mesh(order.frame)
             found = lay_body(mesh, Skeleton.of(session.body), order.pose)
         else:
-            found = fit_here(bench.fitter(session, path, folder), order.frame, order.pose)
+            found = fit_here(worker_cache.fitter(session, path, folder), order.frame, order.pose)
         return PoseFitted(order.job, found.pose, True, found.words)
 
     def _pose(self, order: PoseOrder, session: Session, video: Video) -> PoseFitted:

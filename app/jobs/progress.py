@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
-from app.jobs.reports import PassFinished, Report, SegmentFinished, Started
+from app.jobs.messages import PassFinished, Report, SegmentFinished, Started
 from tracker.session.settings import Quality
 from tracker.storage.results import Span
 

@@ -17,9 +17,9 @@ from threading import Event, Thread
 from typing import Any
 
 from app.jobs import JobFailed, Report, Wanted
-from app.jobs.bench import Bench
-from app.jobs.reports import Order
+from app.jobs.messages import Order
 from app.jobs.work import Job
+from app.jobs.worker_cache import WorkerCache
 from tracker.errors import KeyposeError, SessionError
 from tracker.session import Session
 from tracker.session import results as saved
@@ -59,7 +59,7 @@ def with_settings(
     return session.model_copy(update={"settings": session.settings.model_copy(update=chosen)})
 
 
-def demand_trackable(session: Session, session_path: Path) -> None:
+def require_trackable(session: Session, session_path: Path) -> None:
     """SessionError unless there is something to track between, and its results could be saved."""
     if session.is_newer:
         raise SessionError(
@@ -146,15 +146,15 @@ def keep_elsewhere(
 ) -> saved.Results | None:
     """Write the tracks beside another file, which is not written yet."""
     blank = tracked.model_copy(update={"results": None})
-    return save_results(blank, place, _collected(found)).results
+    return save_results(blank, place, _collect(found)).results
 
 
 def _with_earlier(session: Session, path: Path, found: Sequence[SegmentTrack]) -> Results:
     """What was found and, where that is not whole, what is on disk and fits, if it is better."""
     spans = {track.span for track in found if not track.missing}
     if spans >= set(segment_keys(session)):
-        return _collected(found)
-    return _collected([*_on_disk(session, path, spans), *found])
+        return _collect(found)
+    return _collect([*_on_disk(session, path, spans), *found])
 
 
 def _on_disk(session: Session, path: Path, without: set[Span]) -> list[SegmentTrack]:
@@ -165,7 +165,7 @@ def _on_disk(session: Session, path: Path, without: set[Span]) -> list[SegmentTr
     return [track for span, track in fitting.items() if span not in without]
 
 
-def _collected(found: Sequence[SegmentTrack]) -> Results:
+def _collect(found: Sequence[SegmentTrack]) -> Results:
     results = Results()
     for track in found:
         results = results.with_track(track, keep=results.tracks)
@@ -186,13 +186,13 @@ class _Job(Job):
 
 
 def _run(job: _Job, workers: int, told: queue.SimpleQueue[Report | None]) -> None:
-    bench = Bench()
+    worker_cache = WorkerCache()
     try:
         with ThreadPoolExecutor(workers) as threads:
-            job.run(bench, threads)
+            job.run(worker_cache, threads)
     finally:
         with suppress(KeyposeError, OSError):
-            bench.close()
+            worker_cache.close()
         told.put(None)
 
 

@@ -10,8 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from app.jobs.process import WorkerProcess
-from app.jobs.reports import (
+from app.jobs.messages import (
     Cancel,
     FitOrder,
     Hold,
@@ -25,6 +24,7 @@ from app.jobs.reports import (
     Wanted,
     Warming,
 )
+from app.jobs.process import WorkerProcess
 from tracker.session import Session
 from tracker.session.settings import Quality
 
@@ -52,7 +52,7 @@ class Tracking:
         """Jobs that have not ended, with what is said should the worker die."""
         self._warming: Warming | None = None
         self._closed = False
-        self._hire()
+        self._ensure_worker()
 
     def start(
         self,
@@ -70,9 +70,11 @@ class Tracking:
         wait until the worker is ready is told so by a Warming of its own.
         """
         job = self._begin(_DIED)
-        content = _needed(session, wanted).model_dump_json().encode()
+        content = _only_needed(session, wanted).model_dump_json().encode()
         place = "" if folder is None else str(folder)
-        self._hire().send(Order(job, content, str(video_path), tuple(wanted), tuple(stages), place))
+        self._ensure_worker().send(
+            Order(job, content, str(video_path), tuple(wanted), tuple(stages), place)
+        )
         return job
 
     def fit(self, order: FitOrder) -> int:
@@ -82,7 +84,7 @@ class Tracking:
         other jobs do.
         """
         job = self._begin(_DIED_FITTING)
-        self._hire().send(replace(order, job=job))
+        self._ensure_worker().send(replace(order, job=job))
         return job
 
     def _begin(self, died: str) -> int:
@@ -122,12 +124,12 @@ class Tracking:
         """Of the worker process, if there is one."""
         return None if self._worker is None else self._worker.pid
 
-    def _hire(self) -> WorkerProcess:
+    def _ensure_worker(self) -> WorkerProcess:
         """The worker, or a new one where there is none."""
         if self._worker is None:
             self._worker = WorkerProcess(
-                lambda worker, report: self._on_loop(self._received, worker, report),
-                lambda worker: self._on_loop(self._died, worker),
+                lambda worker, report: self._on_loop(self._on_message, worker, report),
+                lambda worker: self._on_loop(self._on_died, worker),
             )
         return self._worker
 
@@ -135,7 +137,7 @@ class Tracking:
         with suppress(RuntimeError):  # the loop has been closed: nobody wants to know
             self._loop.call_soon_threadsafe(call, *given)
 
-    def _received(self, worker: WorkerProcess, report: Report) -> None:
+    def _on_message(self, worker: WorkerProcess, report: Report) -> None:
         if worker is not self._worker:
             return
         if isinstance(report, JobFinished | JobFailed | PoseFitted | SizesFitted):
@@ -145,7 +147,7 @@ class Tracking:
             self._warming = report if isinstance(report, Warming) else None
         self._report(report)
 
-    def _died(self, worker: WorkerProcess) -> None:
+    def _on_died(self, worker: WorkerProcess) -> None:
         """The worker is gone without having been asked to go; the next job gets a new one."""
         if worker is not self._worker:
             return
@@ -156,7 +158,7 @@ class Tracking:
             self._report(JobFailed(job, words))
 
 
-def _needed(session: Session, wanted: Sequence[Wanted]) -> Session:
+def _only_needed(session: Session, wanted: Sequence[Wanted]) -> Session:
     """The session without what these segments do not need: it is read anew for every job."""
     frames = {frame for first, last, _ in wanted for frame in (first, last)}
     if session.model_keyframe is not None:  # its surface moves with the body, everywhere

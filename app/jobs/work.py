@@ -11,8 +11,7 @@ from threading import Event, Lock
 
 from pydantic import ValidationError
 
-from app.jobs.bench import Bench
-from app.jobs.reports import (
+from app.jobs.messages import (
     JobFailed,
     JobFinished,
     Order,
@@ -23,12 +22,13 @@ from app.jobs.reports import (
     Unit,
     Wanted,
 )
+from app.jobs.worker_cache import WorkerCache
 from tracker.body.trajectory import Pass
 from tracker.errors import KeyposeError, one_sentence
 from tracker.session import Session
 from tracker.session.settings import Quality, TrackSettings
 from tracker.storage.results import SegmentTrack, Span
-from tracker.tracking.pool import Left, SegmentTracker
+from tracker.tracking.pool import Cancelled, SegmentTracker
 
 Tell = Callable[[Report], None]
 
@@ -44,21 +44,23 @@ class Job:
         self._failed: dict[Span, str] = {}
         self._left = False
 
-    def run(self, bench: Bench, threads: ThreadPoolExecutor) -> None:
+    def run(self, worker_cache: WorkerCache, threads: ThreadPoolExecutor) -> None:
         """Do the work and tell how it goes. Returns when all of it is done or left."""
         try:
-            self._run(bench, threads)
+            self._run(worker_cache, threads)
         except ValidationError as error:
             self._tell(JobFailed(self.order.job, one_sentence(error)))
         except Exception as error:  # noqa: BLE001 — a fault, told as such
             self._tell(JobFailed(self.order.job, _fault(error)))
 
-    def _run(self, bench: Bench, threads: ThreadPoolExecutor) -> None:
+    def _run(self, worker_cache: WorkerCache, threads: ThreadPoolExecutor) -> None:
         order = self.order
         session = Session.model_validate_json(order.session)
         stages = _stages(session.settings, order.stages)
         self._tell(Started(order.job, order.wanted, stages))
-        trackers = {wanted[:2]: self._tracker(bench, session, wanted) for wanted in order.wanted}
+        trackers = {
+            wanted[:2]: self._tracker(worker_cache, session, wanted) for wanted in order.wanted
+        }
         wait(
             [
                 threads.submit(self._segment, tracker, session, wanted, stage)
@@ -72,11 +74,13 @@ class Job:
         else:
             self._tell(JobFinished(order.job, cancelled=self._left))
 
-    def _tracker(self, bench: Bench, session: Session, wanted: Wanted) -> SegmentTracker | None:
+    def _tracker(
+        self, worker_cache: WorkerCache, session: Session, wanted: Wanted
+    ) -> SegmentTracker | None:
         """What is wrong with one segment does not stop the others."""
         first, last, _ = wanted
         try:
-            return bench.tracker(
+            return worker_cache.tracker(
                 session, self.order.video_path, first, last, Path(self.order.folder)
             )
         except KeyposeError as error:
@@ -93,7 +97,7 @@ class Job:
         try:
             self._go_on()
             self._track(tracker, _settings(session.settings, stage), wanted, stage)
-        except Left:
+        except Cancelled:
             self._left = True
         except KeyposeError as error:
             self._fail(span, str(error))
@@ -110,7 +114,7 @@ class Job:
         def emit(step: Pass, number: int) -> None:
             self._go_on()
             if stage != "preview":  # the next pass would be there before this one is drawn
-                told, unit = (step.told_score, step.trajectory), _unit(step)
+                told, unit = (step.score_or_nan, step.trajectory), _unit(step)
                 self._tell(PassFinished(job, *wanted, stage, number, of, *told, unit))
 
         result = tracker.run_segment(0, settings, emit)
@@ -120,7 +124,7 @@ class Job:
 
     def _go_on(self) -> None:
         if self._cancelled.is_set():
-            raise Left
+            raise Cancelled
 
     def _fail(self, span: Span, words: str) -> None:
         with self._lock:

@@ -9,8 +9,8 @@ from concurrent.futures import ThreadPoolExecutor
 from multiprocessing.connection import Connection
 from threading import Event, Lock, Thread
 
-from app.jobs.desk import Desk
-from app.jobs.reports import (
+from app.jobs.latest_order import LatestOrder
+from app.jobs.messages import (
     AnyOrder,
     Cancel,
     Hold,
@@ -46,7 +46,7 @@ class Worker:
     def __init__(self, connection: Connection) -> None:
         self._connection = connection
         self._sending = Lock()
-        self._desk = Desk()
+        self._latest = LatestOrder()
         self._may_go_on = Event()
         self._may_go_on.set()
 
@@ -55,19 +55,19 @@ class Worker:
         Thread(target=self._work, daemon=True).start()
         try:
             while True:
-                self._heed(receive(self._connection))
+                self._handle(receive(self._connection))
         except (EOFError, OSError):
             os._exit(0)  # whatever is at work is of no use to anyone now
 
-    def _heed(self, message: AnyOrder | Cancel | Hold) -> None:
+    def _handle(self, message: AnyOrder | Cancel | Hold) -> None:
         if isinstance(message, Hold):
             (self._may_go_on.clear if message.on else self._may_go_on.set)()
             return
         self._may_go_on.set()
         if isinstance(message, Order | PoseOrder | SizesOrder):
-            dropped = self._desk.put(message)
+            dropped = self._latest.put(message)
         else:
-            dropped = self._desk.cancel(message.job)
+            dropped = self._latest.cancel(message.job)
         if dropped is not None:
             self._tell(JobFinished(dropped.job, cancelled=True))
 
@@ -89,18 +89,18 @@ class Worker:
         self._tell(Ready())
 
     def _take_orders(self) -> None:
-        from app.jobs.bench import Bench
         from app.jobs.fits import Fit
         from app.jobs.work import Job
+        from app.jobs.worker_cache import WorkerCache
 
-        bench = Bench()
+        worker_cache = WorkerCache()
         with ThreadPoolExecutor(THREADS) as threads:
             while True:
-                order, cancelled = self._desk.take()
+                order, cancelled = self._latest.take()
                 if isinstance(order, Order):
-                    Job(order, cancelled, self._tell).run(bench, threads)
+                    Job(order, cancelled, self._tell).run(worker_cache, threads)
                 else:
-                    Fit(order, cancelled, self._tell).run(bench)
+                    Fit(order, cancelled, self._tell).run(worker_cache)
 
     def _tell(self, report: Report) -> None:
         if isinstance(report, PassFinished):

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
+from app.posing.limb_chain import LimbChain
 from app.posing.moving import Aim
-from app.posing.pulled import Pulled
-from app.posing.sight import Sight
-from app.posing.sticking import within_reach
+from app.posing.pointer_view import PointerView
+from app.posing.reach_limit import within_reach
 from app.posing.two_bones import Reached
 from app.posing.vectors import any_across, cross, length, smooth_step, unit
 from tracker.geometry.rotations import Array, exp_rotation
@@ -22,15 +22,15 @@ _STRETCHED = 0.9
 """Share of its length from which on a chain is so straight that it must be told how to fold."""
 
 
-class Chain(Pulled):
+class Chain(LimbChain):
     """A chain of parts that folds as little as it must."""
 
-    def reach(self, sight: Sight, goal: Aim) -> Reached:
+    def reach(self, view: PointerView, goal: Aim) -> Reached:
         """The chain with its end at the goal, or as near as it can come."""
         levers = self.levers()
         sizes = np.sqrt((levers**2).sum(axis=1))
         farthest, nearest = float(sizes.sum()), max(0.0, float(2 * sizes.max() - sizes.sum()))
-        place = within_reach(sight, goal, self.centre, nearest, farthest, self.end)
+        place = within_reach(view, goal, self.centre, nearest, farthest, self.end)
         turns = self._solved(levers, self._folded(levers, farthest, place), place)
         return Reached(self._rotations(turns), self.centre, farthest)
 
@@ -40,7 +40,7 @@ class Chain(Pulled):
         share = smooth_step((stretched - _STRETCHED) / (1 - _STRETCHED))
         shorter = min(length(place - self.centre) / farthest, 1.0)
         angle = share * math.acos(shorter)
-        R = self.standing.R_camera_part(self.parts[0])
+        R = self.context.R_camera_part(self.parts[0])
         side = cross(unit(levers[0]), R[:, 0])
         axis = (
             unit(cross(unit(levers[0]), side))
@@ -64,12 +64,12 @@ class Chain(Pulled):
 
     def _rotations(self, turns: Array) -> dict[int, Array]:
         """Rotations in the parents' frames, inside their limits."""
-        standing = self.standing
-        R_parent = standing.R_camera_parent(self.parts[0])
+        context = self.context
+        R_parent = context.R_camera_parent(self.parts[0])
         found = {}
         for part, by in zip(self.parts, turns, strict=True):
-            R_camera_part = by @ standing.R_camera_part(part)
-            found[part] = standing.allowed(part, R_parent.T @ R_camera_part)
+            R_camera_part = by @ context.R_camera_part(part)
+            found[part] = context.allowed(part, R_parent.T @ R_camera_part)
             R_parent = R_camera_part
         return found
 

@@ -15,12 +15,12 @@ from app.posing.gesture import (
     SizeHandle,
     Surface,
 )
+from app.posing.gesture_context import GestureContext
 from app.posing.handles import handle_at_far_end, handle_named
 from app.posing.moving import moved_root
-from app.posing.reaching import reached
-from app.posing.sight import Sight
+from app.posing.pointer_view import PointerView
+from app.posing.reaching import reach
 from app.posing.size_drags import resized_by_drag
-from app.posing.standing import Standing
 from app.posing.turning import turned_by_ring, turned_by_surface
 from tracker.body.body import Body
 from tracker.body.pose import Pose
@@ -31,7 +31,7 @@ def drag(
     body: Body,
     pose_before: Pose,
     gesture: Gesture,
-    sights: Mapping[str, Sight],
+    sights: Mapping[str, PointerView],
     *,
     limits_on: bool = True,
     axes_frame: AxesFrame = "part",
@@ -46,45 +46,45 @@ def drag(
     BodyError when the body has no such part, handle or size.
     """
     skeleton = Skeleton.of(body)
-    standing = Standing.of(skeleton, pose_before, limits_on and not gesture.free)
-    sight, handle = sights[gesture.view], gesture.handle
+    context = GestureContext.of(skeleton, pose_before, limits_on and not gesture.free)
+    view, handle = sights[gesture.view], gesture.handle
     match handle:
         case Ring():
             part = body.index(handle.part)
             return turned_by_ring(
-                standing, sight, gesture, part, handle.axis, axes_frame, angle_before
+                context, view, gesture, part, handle.axis, axes_frame, angle_before
             )
         case Root():
-            return moved_root(standing, sight, gesture)
+            return moved_root(context, view, gesture)
         case End() | Middle():
             found = handle_named(body, handle.name)
             if found.kind == "root":
-                return moved_root(standing, sight, gesture)
-            return reached(standing, sight, gesture, found)
+                return moved_root(context, view, gesture)
+            return reach(context, view, gesture, found)
         case Surface():
-            return _by_surface(standing, sight, gesture, handle, axes_frame, angle_before)
+            return _by_surface(context, view, gesture, handle, axes_frame, angle_before)
         case SizeHandle():
-            return resized_by_drag(standing, sight, gesture, handle, linked)
+            return resized_by_drag(context, view, gesture, handle, linked)
 
 
 def _by_surface(
-    standing: Standing,
-    sight: Sight,
+    context: GestureContext,
+    view: PointerView,
     gesture: Gesture,
     handle: Surface,
     axes_frame: AxesFrame,
     angle_before: float | None,
 ) -> Posed:
     """A part taken by its surface: what the tool in hand does with it."""
-    body = standing.skeleton.body
+    body = context.skeleton.body
     part = body.index(handle.part)
     tool = handle.tool or gesture.tool
     if tool == "move":
-        return moved_root(standing, sight, gesture)
+        return moved_root(context, view, gesture)
     if tool == "ends":
         if part == 0:
-            return moved_root(standing, sight, gesture)
+            return moved_root(context, view, gesture)
         found = handle_at_far_end(body, handle.part)
         if found is not None:
-            return reached(standing, sight, gesture, found)
-    return turned_by_surface(standing, sight, gesture, part, axes_frame, angle_before)
+            return reach(context, view, gesture, found)
+    return turned_by_surface(context, view, gesture, part, axes_frame, angle_before)

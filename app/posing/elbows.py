@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.posing.moving import Aim
-from app.posing.sight import Sight
+from app.posing.pointer_view import PointerView
 from app.posing.swinging import Swing, on_sphere
 from app.posing.two_bones import Reached, TwoBones
 from app.posing.vectors import across, cross, length, signed_angle, smooth_step, turn, unit, wrapped
@@ -37,34 +37,34 @@ class Elbow:
     @property
     def joint(self) -> Array:
         """(3,) the elbow before the drag, in the camera frame."""
-        return self.limb.standing.joint(self.limb.lower)
+        return self.limb.context.joint(self.limb.lower)
 
-    def reach(self, sight: Sight, goal: Aim) -> Reached:
+    def reach(self, view: PointerView, goal: Aim) -> Reached:
         """The limb with its middle joint at the goal, as far as the upper bone reaches."""
-        limb, standing = self.limb, self.limb.standing
+        limb, context = self.limb, self.limb.context
         radius = length(self.joint - limb.centre)
-        resting = standing.resting_direction(limb.upper, limb.hinge.upper)
-        place = on_sphere(sight, goal, limb.centre, radius, self.joint, resting)
+        resting = context.resting_direction(limb.upper, limb.hinge.upper)
+        place = on_sphere(view, goal, limb.centre, radius, self.joint, resting)
         R_swung = self._swung(unit(place - limb.centre), resting)
         axis = unit(place - limb.centre)
         R_upper = turn(axis, self._twist(R_swung, place)) @ R_swung
         by = self._hinge_turn(R_upper)
         rotations = {
-            limb.upper: standing.R_camera_parent(limb.upper).T @ R_upper,
-            limb.lower: turn(limb.hinge.axis, by) @ standing.pose.Rs_parent_part[limb.lower],
+            limb.upper: context.R_camera_parent(limb.upper).T @ R_upper,
+            limb.lower: turn(limb.hinge.axis, by) @ context.pose.Rs_parent_part[limb.lower],
         }
         return Reached(rotations, limb.centre, radius)
 
     def _swung(self, direction: Array, resting: Array) -> Array:
         limb = self.limb
-        R_before = limb.standing.R_camera_part(limb.upper)
+        R_before = limb.context.R_camera_part(limb.upper)
         start = unit(self.joint - limb.centre)
         return np.asarray(Swing.of(start, resting).to(direction) @ R_before)
 
     def _twist(self, R_upper: Array, joint: Array) -> float:
         """How far the upper limb turns about itself for the hinge to face the end's old place."""
         limb = self.limb
-        R_before = limb.standing.R_camera_part(limb.upper)
+        R_before = limb.context.R_camera_part(limb.upper)
         return self._facing(R_upper, joint) - self._facing(R_before, self.joint)
 
     def _facing(self, R_upper: Array, joint: Array) -> float:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from app.posing.gesture_context import GestureContext
 from app.posing.limits import box_of
-from app.posing.standing import Standing
 from app.posing.vectors import across, any_across, cross, length, unit, wrapped
 from tracker.body.body import Part
 from tracker.geometry.rotations import Array
@@ -44,17 +44,17 @@ class Hinge:
     most: float
 
     @classmethod
-    def of(cls, standing: Standing, part: int, p_part_tip: Array) -> Hinge:
+    def of(cls, context: GestureContext, part: int, p_part_tip: Array) -> Hinge:
         """The joint of a part, whose bone ends at p_part_tip in the part's frame."""
-        R = standing.pose.Rs_parent_part[part]
-        upper = standing.skeleton.joints[part]
+        R = context.pose.Rs_parent_part[part]
+        upper = context.skeleton.joints[part]
         lower = R @ p_part_tip
-        axis = _axis(standing.skeleton.body.parts[part], R, upper, lower)
+        axis = _axis(context.skeleton.body.parts[part], R, upper, lower)
         cosine = float(across(upper, axis) @ across(lower, axis))
         sine = float(cross(upper, lower) @ axis)
         bend = math.atan2(sine, cosine)
-        low, high, natural = _range(standing, part, axis, R, bend)
-        told = abs(bend) >= STRAIGHT and not standing.limits_on
+        low, high, natural = _range(context, part, axis, R, bend)
+        told = abs(bend) >= STRAIGHT and not context.limits_on
         side = math.copysign(1.0, bend) if told else natural
         ends = sorted((side * low, side * high))
         return cls(upper, lower, axis, bend, side, max(ends[0], 0.0), max(ends[1], 0.0))
@@ -112,18 +112,18 @@ def _own_axis(part: Part) -> int | None:
 
 
 def _range(
-    standing: Standing, part: int, axis: Array, R: Array, bend: float
+    context: GestureContext, part: int, axis: Array, R: Array, bend: float
 ) -> tuple[float, float, float]:
     """Lowest and highest bend, and the sign of the natural ones."""
-    box = box_of(standing.skeleton.body.parts[part])
+    box = box_of(context.skeleton.body.parts[part])
     is_x = float(axis @ R[:, 0]) > 1 - 1e-9
     if box is None or not is_x or not np.isfinite(box[0]).all():
         sign = math.copysign(1.0, bend) if abs(bend) > STRAIGHT else -1.0
         return -math.pi, math.pi, sign
-    offset = bend - float(standing.angles(part)[0])  # from the part's angle about x to the bend
+    offset = bend - float(context.angles(part)[0])  # from the part's angle about x to the bend
     low, high = (float(end) for end in box[0] + offset)
     natural = math.copysign(1.0, wrapped((low + high) / 2))
-    counted = standing.box(part)
+    counted = context.box(part)
     if counted is None:
         return -math.pi, math.pi, natural
     low, high = (float(end) for end in counted[0] + offset)

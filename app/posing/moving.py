@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.posing.gesture import Gesture, Posed, Readout
-from app.posing.sight import Sight
-from app.posing.standing import Standing
+from app.posing.gesture_context import GestureContext
+from app.posing.pointer_view import PointerView
 from app.posing.vectors import length, unit
 from app.posing.words import number_text
 from tracker.body.pose import Pose
@@ -47,73 +47,73 @@ class Aim:
     line: Array | None
 
 
-def aim(sight: Sight, p_camera: Array, gesture: Gesture) -> Aim:
+def aim(view: PointerView, p_camera: Array, gesture: Gesture) -> Aim:
     """Where the gesture drags a point that it took hold of."""
     if gesture.axis is not None:
         direction = np.eye(3)["xyz".index(gesture.axis)]
-        return _along(sight, p_camera, direction, _on_axis(sight, p_camera, direction, gesture))
+        return _along(view, p_camera, direction, _on_axis(view, p_camera, direction, gesture))
     if gesture.depth:
-        direction = sight.ray_through(p_camera)
+        direction = view.ray_through(p_camera)
         return _along(
-            sight, p_camera, direction, _stepped(_upward(sight, p_camera, gesture), gesture)
+            view, p_camera, direction, _stepped(_upward(view, p_camera, gesture), gesture)
         )
-    start = sight.project(p_camera)
-    scale = sight.metres_per_unit(p_camera)
+    start = view.project(p_camera)
+    scale = view.metres_per_unit(p_camera)
     steps = [gesture.at[k] - gesture.from_[k] for k in range(2)]
     if gesture.snap:
         steps = [round(step * scale / STEP_M) * STEP_M / scale for step in steps]
     at = start + steps
-    return Aim(sight.at_depth(at, p_camera), at, None)
+    return Aim(view.at_depth(at, p_camera), at, None)
 
 
-def _along(sight: Sight, p_camera: Array, direction: Array, distance: float) -> Aim:
+def _along(view: PointerView, p_camera: Array, direction: Array, distance: float) -> Aim:
     """A drag along a line, as far as it stays before the camera."""
     forward = float(direction[2])
     low, high = -FARTHEST_M, FARTHEST_M
-    if sight.camera is not None and abs(forward) > 1e-9:
+    if view.camera is not None and abs(forward) > 1e-9:
         ends = sorted(((NEAREST_M - p_camera[2]) / forward, (FARTHEST_M - p_camera[2]) / forward))
         low, high = min(float(ends[0]), 0.0), max(float(ends[1]), 0.0)
     place = p_camera + min(max(distance, low), high) * direction
-    return Aim(place, sight.project(place), direction)
+    return Aim(place, view.project(place), direction)
 
 
-def _upward(sight: Sight, p_camera: Array, gesture: Gesture) -> float:
+def _upward(view: PointerView, p_camera: Array, gesture: Gesture) -> float:
     """Metres that the pointer went up, at the point's depth: up is farther."""
-    return (gesture.from_[1] - gesture.at[1]) * sight.metres_per_unit(p_camera)
+    return (gesture.from_[1] - gesture.at[1]) * view.metres_per_unit(p_camera)
 
 
 def _stepped(metres: float, gesture: Gesture) -> float:
     return round(metres / STEP_M) * STEP_M if gesture.snap else metres
 
 
-def _on_axis(sight: Sight, p_camera: Array, direction: Array, gesture: Gesture) -> float:
+def _on_axis(view: PointerView, p_camera: Array, direction: Array, gesture: Gesture) -> float:
     """Metres along an axis through the point, to where the axis is nearest to the line of sight.
 
     An axis that is seen end on is followed by up and down, as depth is.
     """
-    away = sight.ray_through(p_camera)
+    away = view.ray_through(p_camera)
     if 1.0 - float(away @ direction) ** 2 < _SEEN_ALONG**2:
         sign = 1.0 if away @ direction > 0 else -1.0
-        return _stepped(sign * _upward(sight, p_camera, gesture), gesture)
-    end = sight.moved(p_camera, gesture.from_, gesture.at)
-    origin, ray = sight.ray(end)
+        return _stepped(sign * _upward(view, p_camera, gesture), gesture)
+    end = view.moved(p_camera, gesture.from_, gesture.at)
+    origin, ray = view.ray(end)
     slant = float(ray @ direction)
     across = max(1.0 - slant * slant, _SEEN_ALONG**2)
     gap = origin - p_camera
     return _stepped(float(gap @ direction - (gap @ ray) * slant) / across, gesture)
 
 
-def moved_root(standing: Standing, sight: Sight, gesture: Gesture) -> Posed:
+def moved_root(context: GestureContext, view: PointerView, gesture: Gesture) -> Posed:
     """The whole body carried: along the picture at its depth, or in depth, or along one axis."""
-    start = standing.pose.p_camera_root
-    if gesture.depth and gesture.axis is None and sight.camera is not None:
-        goal = _farther(sight, start, gesture)
+    start = context.pose.p_camera_root
+    if gesture.depth and gesture.axis is None and view.camera is not None:
+        goal = _farther(view, start, gesture)
     else:
-        goal = aim(sight, start, gesture)
+        goal = aim(view, start, gesture)
     place = _before_camera(goal.p_camera)
-    pose = Pose(standing.pose.Rs_parent_part, place)
-    root = standing.skeleton.body.names[0]
-    kept = sight.camera is not None and goal.line is None
+    pose = Pose(context.pose.Rs_parent_part, place)
+    root = context.skeleton.body.names[0]
+    kept = view.camera is not None and goal.line is None
     readout = Readout(
         label="Body",
         value=depth_text(place, kept),
@@ -124,15 +124,15 @@ def moved_root(standing: Standing, sight: Sight, gesture: Gesture) -> Posed:
     return Posed(pose, None, readout)
 
 
-def _farther(sight: Sight, p_camera: Array, gesture: Gesture) -> Aim:
+def _farther(view: PointerView, p_camera: Array, gesture: Gesture) -> Aim:
     """The body along the line of sight: each stretch of the pointer's way changes its size in the
     picture by the same ratio, so that near and far bodies are fitted alike."""
-    assert sight.camera is not None
-    risen = (gesture.from_[1] - gesture.at[1]) / sight.camera.height
-    direction = sight.ray_through(p_camera)
+    assert view.camera is not None
+    risen = (gesture.from_[1] - gesture.at[1]) / view.camera.height
+    direction = view.ray_through(p_camera)
     ratio = math.exp(min(max(risen / RISE_TO_E, -MOST_E), MOST_E))
     away = float(p_camera @ direction)
-    return _along(sight, p_camera, direction, _stepped((ratio - 1) * away, gesture))
+    return _along(view, p_camera, direction, _stepped((ratio - 1) * away, gesture))
 
 
 def _before_camera(place: Array) -> Array:

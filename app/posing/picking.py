@@ -9,7 +9,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 
-from app.posing.sight import Sight
+from app.posing.pointer_view import PointerView
 from tracker.body.pose import Pose, pose_transforms
 from tracker.body.shapes import Mesh, Shape
 from tracker.body.skeleton import Skeleton
@@ -22,20 +22,22 @@ def _mesh_of(shape: Shape) -> Mesh:
     return shape.mesh()
 
 
-def parts_at(skeleton: Skeleton, pose: Pose, sight: Sight, at: Sequence[float]) -> tuple[str, ...]:
+def parts_at(
+    skeleton: Skeleton, pose: Pose, view: PointerView, at: Sequence[float]
+) -> tuple[str, ...]:
     """Names of the parts seen at a point of the view, from front to back.
 
     A part lies where the line of sight first enters it. Behind the camera nothing is seen.
     """
-    origin, direction = sight.ray(at)
-    near = NEAR_M if sight.camera is not None else -np.inf
+    origin, direction = view.ray(at)
+    near = NEAR_M if view.camera is not None else -np.inf
     Ts = pose_transforms(skeleton, pose)
     meshes = [_mesh_of(part.shape) for part in skeleton.body.parts]
     corners = np.concatenate(
         [_corners(mesh, T) for mesh, T in zip(meshes, Ts, strict=True)]
     )  # (F, 3, 3)
     part_of = np.repeat(np.arange(len(meshes)), [len(mesh.faces) for mesh in meshes])
-    distance = _hits(corners, origin, direction, sight.away, near)
+    distance = _hits(corners, origin, direction, view.away, near)
     found: dict[int, float] = {}
     for face in np.flatnonzero(np.isfinite(distance)):
         part = int(part_of[face])
@@ -43,14 +45,14 @@ def parts_at(skeleton: Skeleton, pose: Pose, sight: Sight, at: Sequence[float]) 
     return tuple(skeleton.body.names[part] for part in sorted(found, key=lambda p: found[p]))
 
 
-def outline(skeleton: Skeleton, pose: Pose, sight: Sight, part: str) -> Array:
+def outline(skeleton: Skeleton, pose: Pose, view: PointerView, part: str) -> Array:
     """The convex outline (N, 2) of a part in view coordinates; empty when it cannot be seen."""
     i = skeleton.body.index(part)
     T = pose_transforms(skeleton, pose)[i]
     p_camera = apply_transform(T, _mesh_of(skeleton.body.parts[i].shape).vertices)
-    if sight.camera is not None and p_camera[:, 2].min() <= NEAR_M:
+    if view.camera is not None and p_camera[:, 2].min() <= NEAR_M:
         return np.zeros((0, 2))
-    at = sight.project(p_camera).astype(np.float32)
+    at = view.project(p_camera).astype(np.float32)
     return cv2.convexHull(at)[:, 0].astype(np.float64)
 
 

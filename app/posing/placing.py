@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from app.posing.sight import Sight
+from app.posing.pointer_view import PointerView
 from app.posing.upright import CAMERA_UP, view_rotations
 from tracker.body.body import Body
 from tracker.body.pose import Pose, pose_transforms
@@ -36,9 +36,9 @@ def opening_pose(body: Body, camera: Camera, up_camera: ArrayLike = CAMERA_UP) -
             for part, T in zip(body.parts, Ts, strict=True)
         ]
     )
-    sight = Sight.of(camera)
-    assert sight.camera is not None
-    place = _centred(points, sight, _distance(points, sight.camera))
+    view = PointerView.of(camera)
+    assert view.camera is not None
+    place = _centred(points, view, _distance(points, view.camera))
     return Pose(Rs, place)
 
 
@@ -46,33 +46,33 @@ def _distance(points: Array, camera: Camera) -> float:
     """The depth of the root at which the body fills as much of the picture as it should."""
     if camera.telephoto_distance_m is not None:
         return camera.telephoto_distance_m
-    sight = Sight.of(camera)
+    view = PointerView.of(camera)
     near = _NEAREST_M - float(points[:, 2].min())
     far = near + _FARTHEST_M
     for _ in range(60):
         middle = (near * far) ** 0.5 if near > 0 else (near + far) / 2
-        if _filled(points + _centred(points, sight, middle), sight) > 1.0:
+        if _filled(points + _centred(points, view, middle), view) > 1.0:
             near = middle
         else:
             far = middle
     return far
 
 
-def _filled(points: Array, sight: Sight) -> float:
+def _filled(points: Array, view: PointerView) -> float:
     """1 where the body is as large as it may be."""
-    assert sight.camera is not None
-    size = np.ptp(sight.project(points), axis=0)
-    width = float(size[0]) / (FILLED_WIDTH * sight.camera.width)
-    return max(width, float(size[1]) / (FILLED_HEIGHT * sight.camera.height))
+    assert view.camera is not None
+    size = np.ptp(view.project(points), axis=0)
+    width = float(size[0]) / (FILLED_WIDTH * view.camera.width)
+    return max(width, float(size[1]) / (FILLED_HEIGHT * view.camera.height))
 
 
-def _centred(points: Array, sight: Sight, depth: float) -> Array:
+def _centred(points: Array, view: PointerView, depth: float) -> Array:
     """(3,) the root's place at this depth that puts the body in the middle of the picture."""
-    assert sight.camera is not None
-    middle = np.array([sight.camera.width - 1, sight.camera.height - 1]) / 2
-    place = sight.at_depth(middle, np.array([0.0, 0.0, depth]))
+    assert view.camera is not None
+    middle = np.array([view.camera.width - 1, view.camera.height - 1]) / 2
+    place = view.at_depth(middle, np.array([0.0, 0.0, depth]))
     for _ in range(8):
-        at = sight.project(points + place)
+        at = view.project(points + place)
         off = middle - (at.min(axis=0) + at.max(axis=0)) / 2
-        place = sight.at_depth(sight.project(place) + off, place)
+        place = view.at_depth(view.project(place) + off, place)
     return place

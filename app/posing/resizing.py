@@ -72,7 +72,7 @@ def with_size(body: Body, part: str, key: str, cm: float, *, linked: bool = True
         known = [size.key for size in body.parts[body.index(name)].shape.sizes()]
         if key not in known:
             raise BodyError(f"Part {name!r} has no size {key!r}; its sizes are {', '.join(known)}.")
-    _demand_between("size", cm, SMALLEST_CM, LARGEST_CM)
+    _require_between("size", cm, SMALLEST_CM, LARGEST_CM)
 
     def change(given: Part) -> Part:
         update: dict[str, object] = {}
@@ -96,18 +96,18 @@ def with_joint(
     The other side follows, mirrored, if linked.
     """
     for value in joint_cm:
-        _demand_between("joint's place", value, -LARGEST_CM, LARGEST_CM)
+        _require_between("joint's place", value, -LARGEST_CM, LARGEST_CM)
     x, y, z = (value / 100 for value in joint_cm)
     return scaling.joint_moved(body, part, (x, y, z), linked=linked)
 
 
 def with_height(body: Body, cm: float) -> Body:
     """The whole body scaled to a height in the rest pose."""
-    _demand_between("height", cm, LOWEST_CM, HIGHEST_CM)
+    _require_between("height", cm, LOWEST_CM, HIGHEST_CM)
     return scaling.with_height(body, cm / 100)
 
 
-def _demand_between(what: str, cm: float, low: float, high: float) -> None:
+def _require_between(what: str, cm: float, low: float, high: float) -> None:
     if not (math.isfinite(cm) and low <= cm <= high):
         raise BodyError(f"The {what} must lie between {low:g} and {high:g} cm.")
 

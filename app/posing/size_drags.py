@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from app.posing.gesture import Gesture, Posed, Readout, SizeHandle
+from app.posing.gesture_context import GestureContext
 from app.posing.moving import STEP_M, aim
+from app.posing.pointer_view import PointerView
 from app.posing.resizing import LARGEST_CM, SMALLEST_CM, part_sizes, with_joint, with_size
-from app.posing.sight import Sight
-from app.posing.standing import Standing
 from app.posing.vectors import length
 from app.posing.words import number_text, part_label
 from tracker.errors import BodyError
@@ -19,17 +19,17 @@ _SEEN = 0.2
 
 
 def resized_by_drag(
-    standing: Standing, sight: Sight, gesture: Gesture, handle: SizeHandle, linked: bool
+    context: GestureContext, view: PointerView, gesture: Gesture, handle: SizeHandle, linked: bool
 ) -> Posed:
     """The body with a size changed by as much as the pointer went; the pose stays."""
-    part = standing.skeleton.body.index(handle.part)
+    part = context.skeleton.body.index(handle.part)
     if handle.key == "joint":
-        return _joint_moved(standing, sight, gesture, part, linked)
-    key = _key(standing, handle)
-    way = _way(standing, sight, gesture, part, key)
+        return _joint_moved(context, view, gesture, part, linked)
+    key = _key(context, handle)
+    way = _way(context, view, gesture, part, key)
     if gesture.snap:
         way = round(way / STEP_M) * STEP_M
-    body = standing.skeleton.body
+    body = context.skeleton.body
     size = next(size for size in part_sizes(body, handle.part) if size.key == key)
     cm = min(max(size.cm + 100 * way * _worth(key), SMALLEST_CM), LARGEST_CM)
     changed = with_size(body, handle.part, key, cm, linked=linked)
@@ -39,12 +39,12 @@ def resized_by_drag(
         change=number_text(cm - size.cm, 1, sign=True),
         part=handle.part,
     )
-    return Posed(standing.pose, changed, readout)
+    return Posed(context.pose, changed, readout)
 
 
-def _key(standing: Standing, handle: SizeHandle) -> str:
+def _key(context: GestureContext, handle: SizeHandle) -> str:
     """The size that is meant; "radius" of a tapered part is the one at the handle's side."""
-    body = standing.skeleton.body
+    body = context.skeleton.body
     known = [size.key for size in part_sizes(body, handle.part)]
     if handle.key in known:
         return handle.key
@@ -63,36 +63,38 @@ def _worth(key: str) -> float:
     return 2.0 if key.endswith(("width", "depth")) else 1.0
 
 
-def _way(standing: Standing, sight: Sight, gesture: Gesture, part: int, key: str) -> float:
+def _way(
+    context: GestureContext, view: PointerView, gesture: Gesture, part: int, key: str
+) -> float:
     """Metres by which the pointer pulled the surface outward."""
-    T = standing.Ts_camera_part[part]
-    shape = standing.skeleton.body.parts[part].shape
+    T = context.Ts_camera_part[part]
+    shape = context.skeleton.body.parts[part].shape
     joint = T[:3, 3]
-    slope = sight.slope(joint)
+    slope = view.slope(joint)
     pulled = np.array([gesture.at[k] - gesture.from_[k] for k in range(2)])
     if key == "length":
         _, end, _ = next(size.p_part for size in shape.sizes() if size.key == "length")
         sign = -1.0 if end < 0 else 1.0
         # The joint keeps its share of the length, so the end moves by less than all of it.
         share = max(abs(end) / shape.length_m, 0.1)
-        return _along(slope @ (sign * T[:3, 1]), pulled, gesture, sight, joint) / share
-    return _outward(slope, T, pulled, gesture, sight)
+        return _along(slope @ (sign * T[:3, 1]), pulled, gesture, view, joint) / share
+    return _outward(slope, T, pulled, gesture, view)
 
 
-def _along(axis: Array, pulled: Array, gesture: Gesture, sight: Sight, joint: Array) -> float:
+def _along(axis: Array, pulled: Array, gesture: Gesture, view: PointerView, joint: Array) -> float:
     """Metres along an axis, given as it is seen: units of the view for a metre."""
-    unit_of_view = 1.0 / sight.metres_per_unit(joint)
+    unit_of_view = 1.0 / view.metres_per_unit(joint)
     seen = length(axis) / unit_of_view
     if seen < _SEEN:
         return -float(pulled[1]) / unit_of_view
     return float(pulled @ axis) / float(axis @ axis)
 
 
-def _outward(slope: Array, T: Array, pulled: Array, gesture: Gesture, sight: Sight) -> float:
+def _outward(slope: Array, T: Array, pulled: Array, gesture: Gesture, view: PointerView) -> float:
     """Metres at right angles to the part's line, away from it on the side of the pointer."""
     axis = slope @ T[:3, 1]
-    unit_of_view = 1.0 / sight.metres_per_unit(T[:3, 3])
-    begun = np.array(gesture.from_) - sight.project(T[:3, 3])
+    unit_of_view = 1.0 / view.metres_per_unit(T[:3, 3])
+    begun = np.array(gesture.from_) - view.project(T[:3, 3])
     if length(axis) < _SEEN * unit_of_view:
         normal = begun if length(begun) > 0 else np.array([1.0, 0.0])
     else:
@@ -102,23 +104,23 @@ def _outward(slope: Array, T: Array, pulled: Array, gesture: Gesture, sight: Sig
 
 
 def _joint_moved(
-    standing: Standing, sight: Sight, gesture: Gesture, part: int, linked: bool
+    context: GestureContext, view: PointerView, gesture: Gesture, part: int, linked: bool
 ) -> Posed:
     """The part's joint dragged in the plane of the view."""
-    name = _name(standing, part)
-    joint = standing.joint(part)
-    goal = aim(sight, joint, gesture)
-    R_parent = standing.R_camera_parent(part)
-    place = standing.skeleton.joints[part] + R_parent.T @ (goal.p_camera - joint)
+    name = _name(context, part)
+    joint = context.joint(part)
+    goal = aim(view, joint, gesture)
+    R_parent = context.R_camera_parent(part)
+    place = context.skeleton.joints[part] + R_parent.T @ (goal.p_camera - joint)
     x, y, z = (min(max(100 * float(v), -LARGEST_CM), LARGEST_CM) for v in place)
-    body = with_joint(standing.skeleton.body, name, (x, y, z), linked=linked)
+    body = with_joint(context.skeleton.body, name, (x, y, z), linked=linked)
     readout = Readout(
         label=f"{part_label(name)}, joint",
         value=f"{number_text(x, 1)}, {number_text(y, 1)}, {number_text(z, 1)} cm",
         part=name,
     )
-    return Posed(standing.pose, body, readout)
+    return Posed(context.pose, body, readout)
 
 
-def _name(standing: Standing, part: int) -> str:
-    return standing.skeleton.body.names[part]
+def _name(context: GestureContext, part: int) -> str:
+    return context.skeleton.body.names[part]

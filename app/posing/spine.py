@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
+from app.posing.limb_chain import LimbChain
 from app.posing.moving import Aim
-from app.posing.pulled import Pulled
-from app.posing.sight import Sight
+from app.posing.pointer_view import PointerView
 from app.posing.swinging import Swing, on_sphere
 from app.posing.two_bones import Reached
 from app.posing.vectors import cross, length, unit
@@ -23,10 +23,10 @@ MOST = math.radians(200.0)
 _ROUNDS = 40
 
 
-class Spine(Pulled):
+class Spine(LimbChain):
     """A chain of parts that bends evenly."""
 
-    def reach(self, sight: Sight, goal: Aim) -> Reached:
+    def reach(self, view: PointerView, goal: Aim) -> Reached:
         """The chain bent about one axis so that its end comes under the pointer.
 
         How far the end is from the lowest joint follows from the bend; it is found together with
@@ -39,58 +39,58 @@ class Spine(Pulled):
         worth = _worth(levers, shares)
         for _ in range(_ROUNDS):
             radius = length(end - self.centre)
-            place = on_sphere(sight, goal, self.centre, radius, self.end, resting)
+            place = on_sphere(view, goal, self.centre, radius, self.end, resting)
             off = _turn_vector(unit(end - self.centre), unit(place - self.centre))
             if length(off) < 1e-11:
                 break
             vector = _capped(vector + off / worth)
             turns = exp_rotation(shares[:, None] * vector)
             end = self.centre + np.einsum("kij,kj->i", turns, levers)
-        return self._limited(shares, vector, sight, goal, resting)
+        return self._limited(shares, vector, view, goal, resting)
 
     def _resting(self) -> Array:
-        rest = self.standing.skeleton.joints[list(self.parts[1:])].sum(axis=0) + self.tip
-        return self.standing.resting_direction(self.parts[0], rest)
+        rest = self.context.skeleton.joints[list(self.parts[1:])].sum(axis=0) + self.tip
+        return self.context.resting_direction(self.parts[0], rest)
 
     def _limited(
-        self, shares: Array, vector: Array, sight: Sight, goal: Aim, resting: Array
+        self, shares: Array, vector: Array, view: PointerView, goal: Aim, resting: Array
     ) -> Reached:
-        standing = self.standing
+        context = self.context
         turns = exp_rotation(shares[:, None] * vector)
         rotations: dict[int, Array] = {}
-        R_parent, stopped = standing.R_camera_parent(self.parts[0]), False
+        R_parent, stopped = context.R_camera_parent(self.parts[0]), False
         for part, by in zip(self.parts, turns, strict=True):
-            R_camera_part = by @ standing.R_camera_part(part)
+            R_camera_part = by @ context.R_camera_part(part)
             R = R_parent.T @ R_camera_part
-            rotations[part] = standing.allowed(part, R)
+            rotations[part] = context.allowed(part, R)
             stopped = stopped or rotations[part] is not R
             R_parent = R_camera_part
         if stopped:
-            rotations[self.parts[0]] = self._rest_done(rotations, sight, goal, resting)
+            rotations[self.parts[0]] = self._rest_done(rotations, view, goal, resting)
         end = self._end_of(rotations)
         return Reached(rotations, self.centre, length(end - self.centre))
 
     def _end_of(self, rotations: dict[int, Array]) -> Array:
         """(3,) the tip for rotations of all parts, camera frame."""
-        R, place = self.standing.R_camera_parent(self.parts[0]), self.centre
-        joints = [*self.standing.skeleton.joints[list(self.parts[1:])], self.tip]
+        R, place = self.context.R_camera_parent(self.parts[0]), self.centre
+        joints = [*self.context.skeleton.joints[list(self.parts[1:])], self.tip]
         for part, joint in zip(self.parts, joints, strict=True):
             R = R @ rotations[part]
             place = place + R @ joint
         return np.asarray(place)
 
     def _rest_done(
-        self, rotations: dict[int, Array], sight: Sight, goal: Aim, resting: Array
+        self, rotations: dict[int, Array], view: PointerView, goal: Aim, resting: Array
     ) -> Array:
         """The lowest part's rotation with what is missing added, as far as its limits go."""
         first = self.parts[0]
         end = self._end_of(rotations)
         radius = length(end - self.centre)
-        place = on_sphere(sight, goal, self.centre, radius, self.end, resting)
+        place = on_sphere(view, goal, self.centre, radius, self.end, resting)
         start = unit(end - self.centre)
-        R_parent = self.standing.R_camera_parent(first)
+        R_parent = self.context.R_camera_parent(first)
         more = Swing.of(start, resting).to(unit(place - self.centre))
-        return self.standing.allowed(first, R_parent.T @ more @ R_parent @ rotations[first])
+        return self.context.allowed(first, R_parent.T @ more @ R_parent @ rotations[first])
 
 
 def _shares(count: int) -> Array:

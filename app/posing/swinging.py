@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.posing.moving import Aim
-from app.posing.sight import Sight
+from app.posing.pointer_view import PointerView
 from app.posing.vectors import across, any_across, least_turn, length, smooth_step, unit
 from tracker.geometry.rotations import Array
 
@@ -60,7 +60,7 @@ class Swing:
 
 
 def on_sphere(
-    sight: Sight, goal: Aim, centre: Array, radius: float, p_before: Array, resting: Array
+    view: PointerView, goal: Aim, centre: Array, radius: float, p_before: Array, resting: Array
 ) -> Array:
     """(3,) the point of a sphere to which a point of it, at p_before, is dragged.
 
@@ -71,21 +71,21 @@ def on_sphere(
     """
     if goal.line is not None:
         return np.asarray(centre + radius * unit(goal.p_camera - centre))
-    level = in_level(sight, goal, centre, radius, p_before)
+    level = in_level(view, goal, centre, radius, p_before)
     if level is not None:
         return level
-    origin, ray = sight.ray(goal.at)
+    origin, ray = view.ray(goal.at)
     foot = origin + float((centre - origin) @ ray) * ray - centre
     beside = length(foot)
     if beside >= radius:
         return np.asarray(centre + radius / beside * foot)
-    share = _farness(sight, goal, centre, radius, p_before, resting)
+    share = _farness(view, goal, centre, radius, p_before, resting)
     way = foot + share * math.sqrt(radius**2 - beside**2) * ray
     return np.asarray(centre + radius * unit(way))
 
 
 def in_level(
-    sight: Sight, goal: Aim, centre: Array, radius: float, p_before: Array
+    view: PointerView, goal: Aim, centre: Array, radius: float, p_before: Array
 ) -> Array | None:
     """(3,) in a small view, the point of the sphere at the depth of p_before nearest to the goal.
 
@@ -93,26 +93,26 @@ def in_level(
     alone. None on the picture, and where so little of the sphere is at that depth that nothing
     could move.
     """
-    if sight.camera is not None:
+    if view.camera is not None:
         return None
-    height = float((p_before - centre) @ sight.away)
+    height = float((p_before - centre) @ view.away)
     if abs(height) > _TOP * radius:
         return None
-    middle = centre + height * sight.away
+    middle = centre + height * view.away
     way = goal.p_camera - middle
     way = way if length(way) > 1e-9 else p_before - middle
     return np.asarray(middle + math.sqrt(radius**2 - height**2) * unit(way))
 
 
 def _farness(
-    sight: Sight, goal: Aim, centre: Array, radius: float, p_before: Array, resting: Array
+    view: PointerView, goal: Aim, centre: Array, radius: float, p_before: Array, resting: Array
 ) -> float:
     """1 for the far side, −1 for the near one; between while a level point changes sides."""
-    away = sight.ray_through(p_before)
+    away = view.ray_through(p_before)
     was = float((p_before - centre) @ away)
     told = math.copysign(1.0, was)
     toward = float(resting @ away)
     if abs(was) > _LEVEL * radius or toward * told > -_TOLD:
         return told
-    drawn = length(sight.at_depth(goal.at, p_before) - p_before)
+    drawn = length(view.at_depth(goal.at, p_before) - p_before)
     return told * (1.0 - 2.0 * smooth_step(drawn / CHANGED_M))

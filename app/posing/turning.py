@@ -8,9 +8,9 @@ import numpy as np
 
 from app.posing.angles import continued
 from app.posing.gesture import AxesFrame, Axis, Gesture, Posed, Readout
+from app.posing.gesture_context import GestureContext
 from app.posing.limits import SLACK, TURN, beyond, triples
-from app.posing.sight import Sight
-from app.posing.standing import Standing
+from app.posing.pointer_view import PointerView
 from app.posing.vectors import across, any_across, cross, turn, unit
 from app.posing.words import degrees_text, part_words
 from tracker.geometry.rotations import Array, exp_rotation
@@ -26,8 +26,8 @@ EDGE_RADIUS_M = 0.15
 
 
 def turned_by_ring(
-    standing: Standing,
-    sight: Sight,
+    context: GestureContext,
+    view: PointerView,
     gesture: Gesture,
     part: int,
     axis: Axis,
@@ -35,15 +35,15 @@ def turned_by_ring(
     angle_before: float | None,
 ) -> Posed:
     """The part turned about one of the axes of its frame, its parent's or the view's."""
-    R = _axes(standing, sight, part, axes_frame)
+    R = _axes(context, view, part, axes_frame)
     direction = np.array(R[:, "xyz".index(axis)])
-    angle = pointer_angle(sight, standing.joint(part), direction, gesture)
-    return _turned(standing, gesture, part, axis, direction, angle, angle_before)
+    angle = pointer_angle(view, context.joint(part), direction, gesture)
+    return _turned(context, gesture, part, axis, direction, angle, angle_before)
 
 
 def turned_by_surface(
-    standing: Standing,
-    sight: Sight,
+    context: GestureContext,
+    view: PointerView,
     gesture: Gesture,
     part: int,
     axes_frame: AxesFrame,
@@ -51,31 +51,29 @@ def turned_by_surface(
 ) -> Posed:
     """The part turned as the pointer goes round its joint; about one axis where one is held."""
     if gesture.axis is not None:
-        return turned_by_ring(
-            standing, sight, gesture, part, gesture.axis, axes_frame, angle_before
-        )
-    away = sight.ray_through(standing.joint(part))
-    angle = pointer_angle(sight, standing.joint(part), away, gesture)
-    return _turned(standing, gesture, part, None, away, angle, angle_before)
+        return turned_by_ring(context, view, gesture, part, gesture.axis, axes_frame, angle_before)
+    away = view.ray_through(context.joint(part))
+    angle = pointer_angle(view, context.joint(part), away, gesture)
+    return _turned(context, gesture, part, None, away, angle, angle_before)
 
 
-def _axes(standing: Standing, sight: Sight, part: int, frame: AxesFrame) -> Array:
+def _axes(context: GestureContext, view: PointerView, part: int, frame: AxesFrame) -> Array:
     """(3, 3) the axes in the camera frame, as columns."""
     if frame == "view":
-        return sight.R_view_camera.T
-    return standing.R_camera_parent(part) if frame == "parent" else standing.R_camera_part(part)
+        return view.R_view_camera.T
+    return context.R_camera_parent(part) if frame == "parent" else context.R_camera_part(part)
 
 
-def pointer_angle(sight: Sight, centre: Array, axis: Array, gesture: Gesture) -> float:
+def pointer_angle(view: PointerView, centre: Array, axis: Array, gesture: Gesture) -> float:
     """Radians about the axis that the pointer went round the centre, within ±pi.
 
     The pointer is taken to lie in the ring's plane. A ring seen nearly from its edge is followed
     along its near side instead. Both are measured with the scale of the view at the centre, as if
     the ring were small beside its distance, so they hold anywhere in the view.
     """
-    middle, slope = sight.project(centre), sight.slope(centre)
+    middle, slope = view.project(centre), view.slope(centre)
     start, end = (np.array(at) - middle for at in (gesture.from_, gesture.at))
-    away = sight.ray_through(centre)
+    away = view.ray_through(centre)
     if abs(float(axis @ away)) < EDGE_ON:
         return _along_edge(slope, away, axis, end - start)
     e1 = any_across(axis)
@@ -92,7 +90,7 @@ def _along_edge(slope: Array, away: Array, axis: Array, way: Array) -> float:
 
 
 def _turned(
-    standing: Standing,
+    context: GestureContext,
     gesture: Gesture,
     part: int,
     axis: Axis | None,
@@ -103,13 +101,13 @@ def _turned(
     if angle_before is not None:
         angle += TURN * round((angle_before - angle) / TURN)
     wanted = round(angle / STEP) * STEP if gesture.snap else angle
-    R_parent = standing.R_camera_parent(part)
+    R_parent = context.R_camera_parent(part)
     in_parent = R_parent.T @ direction
-    R_before = standing.pose.Rs_parent_part[part]
-    stopped = furthest(R_before, in_parent, wanted, standing.box(part))
-    pose = standing.turned({part: turn(in_parent, stopped) @ R_before})
-    name = standing.skeleton.body.names[part]
-    label, value, change = _words(standing, part, axis, pose.Rs_parent_part[part], stopped)
+    R_before = context.pose.Rs_parent_part[part]
+    stopped = furthest(R_before, in_parent, wanted, context.box(part))
+    pose = context.turned({part: turn(in_parent, stopped) @ R_before})
+    name = context.skeleton.body.names[part]
+    label, value, change = _words(context, part, axis, pose.Rs_parent_part[part], stopped)
     return Posed(pose, None, Readout(label, value, change, name, axis, stopped))
 
 
@@ -141,12 +139,12 @@ def furthest(rotation: Array, axis: Array, angle: float, box: Array | None) -> f
 
 
 def _words(
-    standing: Standing, part: int, axis: Axis | None, R_after: Array, angle: float
+    context: GestureContext, part: int, axis: Axis | None, R_after: Array, angle: float
 ) -> tuple[str, str, str]:
     """What to show: the angle's value where one angle alone has changed, else the turn."""
-    words = part_words(standing.skeleton.body, standing.skeleton.body.names[part])
+    words = part_words(context.skeleton.body, context.skeleton.body.names[part])
     change = degrees_text(math.degrees(angle), sign=True)
-    before = standing.angles(part)
+    before = context.angles(part)
     after = continued(R_after, before)
     moved = np.abs(after - before) > math.radians(0.05)
     if axis is not None:

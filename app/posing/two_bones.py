@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from app.posing.gesture_context import GestureContext
 from app.posing.hinge import Hinge
 from app.posing.moving import Aim
-from app.posing.sight import Sight
-from app.posing.standing import Standing
-from app.posing.sticking import within_reach
+from app.posing.pointer_view import PointerView
+from app.posing.reach_limit import within_reach
 from app.posing.swinging import Swing
 from app.posing.vectors import across, cross, length, signed_angle, smooth_step, turn, unit
 from tracker.geometry.rotations import Array
@@ -36,43 +36,43 @@ class Reached:
 class TwoBones:
     """A limb of an upper and a lower part; tip (3,) is its end in the lower part's frame."""
 
-    standing: Standing
+    context: GestureContext
     upper: int
     lower: int
     tip: Array
     hinge: Hinge
 
     @classmethod
-    def of(cls, standing: Standing, upper: int, lower: int, tip: Array) -> TwoBones:
-        return cls(standing, upper, lower, tip, Hinge.of(standing, lower, tip))
+    def of(cls, context: GestureContext, upper: int, lower: int, tip: Array) -> TwoBones:
+        return cls(context, upper, lower, tip, Hinge.of(context, lower, tip))
 
     @property
     def centre(self) -> Array:
         """(3,) shoulder or hip, in the camera frame."""
-        return self.standing.joint(self.upper)
+        return self.context.joint(self.upper)
 
     @property
     def end(self) -> Array:
         """(3,) hand or foot before the drag, in the camera frame."""
-        return self.standing.placed(self.lower, self.tip)
+        return self.context.placed(self.lower, self.tip)
 
-    def reach(self, sight: Sight, goal: Aim) -> Reached:
+    def reach(self, view: PointerView, goal: Aim) -> Reached:
         """The limb with its end at the goal, or as near as it can come.
 
         The hinge alone sets the distance; then the whole limb is swung there, and the plane in
         which it is bent goes along without turning about the limb. The hinge keeps its limits; the
         upper joint is led by the middle of its range but not held, or the end could not follow.
         """
-        hinge, standing = self.hinge, self.standing
-        place = within_reach(sight, goal, self.centre, hinge.nearest_m, hinge.farthest_m, self.end)
+        hinge, context = self.hinge, self.context
+        place = within_reach(view, goal, self.centre, hinge.nearest_m, hinge.farthest_m, self.end)
         bend = self._eased(hinge.bend_for(length(place - self.centre)), goal)
         by = bend - hinge.bend
         lower = turn(hinge.axis, by)
         direction = unit(place - self.centre)
-        R_upper = standing.R_camera_parent(self.upper).T @ self._swung(lower, direction)
+        R_upper = context.R_camera_parent(self.upper).T @ self._swung(lower, direction)
         rotations = {
             self.upper: R_upper,
-            self.lower: lower @ standing.pose.Rs_parent_part[self.lower],
+            self.lower: lower @ context.pose.Rs_parent_part[self.lower],
         }
         return Reached(rotations, self.centre, hinge.farthest_m)
 
@@ -90,7 +90,7 @@ class TwoBones:
         `lower` (3, 3) is a turn in the upper part's frame.
         """
         hinge = self.hinge
-        R_before = self.standing.R_camera_part(self.upper)
+        R_before = self.context.R_camera_part(self.upper)
         before, after = hinge.upper + hinge.lower, hinge.upper + lower @ hinge.lower
         # Bending turns the line from joint to end inside the limb; it is turned back in its plane.
         back = 0.0
@@ -104,7 +104,7 @@ class TwoBones:
     def swing(self) -> Swing:
         """How the limb as a whole is swung."""
         start = unit(self.end - self.centre)
-        rest = self.standing.skeleton.joints[self.lower] + self.tip
-        resting = self.standing.resting_direction(self.upper, rest)
-        normal = self.standing.R_camera_part(self.upper) @ self.hinge.axis
+        rest = self.context.skeleton.joints[self.lower] + self.tip
+        resting = self.context.resting_direction(self.upper, rest)
+        normal = self.context.R_camera_part(self.upper) @ self.hinge.axis
         return Swing.of(start, resting, cross(normal, start))

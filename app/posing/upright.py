@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from app.posing.sight import Sight
+from app.posing.pointer_view import PointerView
 from app.posing.vectors import across, cross, length, unit
 from tracker.errors import CameraError
 from tracker.geometry.camera import Camera
@@ -48,10 +48,10 @@ def up_from_vertical(camera: Camera, a: Sequence[float], b: Sequence[float]) -> 
     line and the camera projects along it. Of these the nearest to the picture's own up is taken,
     so the tilt is the least there can be. The order of the ends does not matter.
     """
-    sight = Sight.of(camera)
-    start, one = sight.ray(a)
-    end, other = sight.ray(b)
-    across_line = cross(one, other) if sight.is_perspective else cross(end - start, one)
+    view = PointerView.of(camera)
+    start, one = view.ray(a)
+    end, other = view.ray(b)
+    across_line = cross(one, other) if view.is_perspective else cross(end - start, one)
     if length(across_line) < 1e-12:
         raise CameraError("A vertical needs a line: its two ends are the same point.")
     return frozen(unit(_within(np.array(CAMERA_UP), unit(across_line))))

@@ -22,10 +22,10 @@ from app.render.poses import KnownPoses
 from app.render.snapshots import View
 from app.render.stills import natural_size
 from app.render.studio import Paint, Size, Studio
+from app.render.surface_layer import SurfaceLayer
 from app.render.surfaces import SurfaceSights
 from app.render.tints import Tint
-from app.render.veil import Sight
-from app.render.viewpoints import Ground, Viewpoint, calm, eye_at, least_distance, round_trip
+from app.render.viewpoints import Ground, Viewpoint, calm, least_distance, round_trip, view_from
 from tracker.body.pose import Pose
 from tracker.errors import SessionError
 from tracker.geometry.rotations import Array
@@ -110,7 +110,7 @@ def _artist(
             return sights.picture(frame, poses.pose(frame))
         return None if image is None else studio.session.camera.rectify(image)
 
-    def sight(frame: int) -> Sight | None:
+    def sight(frame: int) -> SurfaceLayer | None:
         return None if sights is None else sights.at(frame, poses.pose(frame))
 
     if view == "main":
@@ -152,7 +152,7 @@ def _new_camera(
     frames: tuple[int, ...],
     size: Size,
     fps: float,
-    sight: Callable[[int], Sight | None],
+    sight: Callable[[int], SurfaceLayer | None],
 ) -> Draw:
     """A camera that stands still, or that goes round the body; always far enough to see it all."""
     level, count = studio.Rs["front"], film.last - film.first + 1
@@ -178,8 +178,8 @@ def _new_camera(
 
     def seen_anew(frame: int, _: Picture | None) -> Picture:
         i = frame - film.first
-        eye = eye_at(viewpoints[i], distance, level, centres[i], size)
-        return studio.perspective(eye, ground, centres[i], poses.pose(frame), sight(frame))
+        view = view_from(viewpoints[i], distance, level, centres[i], size)
+        return studio.perspective(view, ground, centres[i], poses.pose(frame), sight(frame))
 
     return seen_anew
 

@@ -11,7 +11,7 @@ from app.render.palette import INK, PAPER, Colour, Picture
 from app.render.strokes import SHIFT
 from app.render.viewpoints import Ground
 from tracker.geometry.rotations import Array, apply_transform
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 
 LINE: Colour = (168, 176, 188)
 BANDS = 6
@@ -22,24 +22,28 @@ MOST_CELLS = 24
 
 
 def floor_picture(
-    eye: Eye, ground: Ground, p_camera_centre: Array, form: Form, Ts_camera_part: Array | None
+    view: ViewCamera,
+    ground: Ground,
+    p_camera_centre: Array,
+    form: Form,
+    Ts_camera_part: Array | None,
 ) -> Picture:
     """The scene without the body: paper, the grid around the centre (3,), the body's shadow.
 
     Lines lie at multiples of a round length, which is written in the corner.
     """
-    picture = np.full((eye.height, eye.width, 3), PAPER, dtype=np.uint8)
-    _paint_grid(picture, eye, ground, p_camera_centre)
+    picture = np.full((view.height, view.width, 3), PAPER, dtype=np.uint8)
+    _paint_grid(picture, view, ground, p_camera_centre)
     if Ts_camera_part is not None:
-        _paint_shadow(picture, eye, ground, form, Ts_camera_part)
+        _paint_shadow(picture, view, ground, form, Ts_camera_part)
     _write_step(picture, ground.step_m)
     return picture
 
 
-def _paint_grid(picture: Picture, eye: Eye, ground: Ground, p_camera_centre: Array) -> None:
+def _paint_grid(picture: Picture, view: ViewCamera, ground: Ground, p_camera_centre: Array) -> None:
     """Lines cut into pieces of one cell, each the fainter the farther it is from the centre."""
     centre, step = (ground.R_level_camera @ p_camera_centre)[[0, 2]], ground.step_m
-    p_eye_centre = apply_transform(eye.T_eye_camera, p_camera_centre)
+    p_eye_centre = apply_transform(view.T_view_camera, p_camera_centre)
     reach = min(max(1.6 * float(np.linalg.norm(p_eye_centre)), 4 * step), MOST_CELLS * step)
     count = int(np.ceil(reach / step))
     nodes = (np.arange(-count, count + 1)[:, None] + np.round(centre / step)) * step
@@ -50,30 +54,30 @@ def _paint_grid(picture: Picture, eye: Eye, ground: Ground, p_camera_centre: Arr
     pieces = np.concatenate([across, along])
     far = np.linalg.norm(pieces.mean(axis=1)[:, [0, 2]] - centre, axis=1)
     strength = np.clip(1.0 - far / reach, 0.0, 1.0)
-    uv = eye.project(apply_transform(eye.T_eye_camera, pieces @ ground.R_level_camera))
+    uv = view.project(apply_transform(view.T_view_camera, pieces @ ground.R_level_camera))
     kept = np.isfinite(uv).all(axis=(1, 2)) & (np.abs(uv) < 30_000).all(axis=(1, 2))
     band = np.ceil(strength * BANDS).astype(int)
     for k in range(1, BANDS + 1):
         chosen = np.rint(uv[kept & (band == k)] * 2**SHIFT).astype(np.int32)
         colour = _between(PAPER, LINE, (k - 0.3) / BANDS)
-        thickness = max(1, round(eye.height / 700))
+        thickness = max(1, round(view.height / 700))
         cv2.polylines(picture, list(chosen), False, colour, thickness, cv2.LINE_AA, SHIFT)
 
 
 def _paint_shadow(
-    picture: Picture, eye: Eye, ground: Ground, form: Form, Ts_camera_part: Array
+    picture: Picture, view: ViewCamera, ground: Ground, form: Form, Ts_camera_part: Array
 ) -> None:
     """The parts let down to the floor, blurred."""
     p_level = form.mesh.posed(Ts_camera_part) @ ground.R_level_camera.T
     p_level[:, 1] = ground.floor_m
-    uv = eye.project(apply_transform(eye.T_eye_camera, p_level @ ground.R_level_camera))
+    uv = view.project(apply_transform(view.T_view_camera, p_level @ ground.R_level_camera))
     if not np.isfinite(uv).all() or np.abs(uv).max() > 30_000:
         return
-    low = np.clip(np.floor(uv.min(axis=0)).astype(int), 0, (eye.width, eye.height))
-    high = np.clip(np.ceil(uv.max(axis=0)).astype(int) + 1, 0, (eye.width, eye.height))
-    margin = max(3, eye.height // 40)
+    low = np.clip(np.floor(uv.min(axis=0)).astype(int), 0, (view.width, view.height))
+    high = np.clip(np.ceil(uv.max(axis=0)).astype(int) + 1, 0, (view.width, view.height))
+    margin = max(3, view.height // 40)
     left, top = np.maximum(low - margin, 0)
-    right, bottom = np.minimum(high + margin, (eye.width, eye.height))
+    right, bottom = np.minimum(high + margin, (view.width, view.height))
     if right - left < 2 or bottom - top < 2:
         return
     mask = np.zeros((bottom - top, right - left), np.uint8)

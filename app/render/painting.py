@@ -13,11 +13,11 @@ import numpy as np
 
 from app.render.form import Form
 from app.render.palette import Canvas, CutOut, Picture
-from app.render.shading import paint_solid, part_borders, shaded
+from app.render.shading import paint_solid, part_borders, shade
 from app.render.strokes import body_lines, paint_dots, paint_lines
 from tracker.body.raster import raster
 from tracker.geometry.rotations import Array, apply_transform
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 
 Style: TypeAlias = Literal["wire", "solid", "both"]
 
@@ -25,30 +25,37 @@ FINE = 2
 """Painted this many times as large as wanted."""
 
 
-def painted_over(
-    image: Picture, eye: Eye, form: Form, Ts_camera_part: Array, style: Style, opacity: float
+def paint_over(
+    image: Picture,
+    view: ViewCamera,
+    form: Form,
+    Ts_camera_part: Array,
+    style: Style,
+    opacity: float,
 ) -> Picture:
     """The body over an image of the eye's size; only the pixels around it are touched."""
     result = image.copy()
-    left, top, right, bottom = box_of(form.mesh.posed(eye.T_eye_camera @ Ts_camera_part), eye)
+    left, top, right, bottom = box_of(form.mesh.posed(view.T_view_camera @ Ts_camera_part), view)
     if right <= left or bottom <= top:
         return result
     ground = image[top:bottom, left:right].astype(np.float32)
     canvas = ground.repeat(FINE, axis=0).repeat(FINE, axis=1)
-    _paint_body(canvas, (left, top), eye, form, Ts_camera_part, style, opacity)
+    _paint_body(canvas, (left, top), view, form, Ts_camera_part, style, opacity)
     small = cv2.resize(canvas, (right - left, bottom - top), interpolation=cv2.INTER_AREA)
     result[top:bottom, left:right] = np.clip(np.rint(small), 0, 255)
     return result
 
 
-def cut_out(eye: Eye, form: Form, Ts_camera_part: Array, style: Style, opacity: float) -> CutOut:
+def cut_out(
+    view: ViewCamera, form: Form, Ts_camera_part: Array, style: Style, opacity: float
+) -> CutOut:
     """The body on nothing: laid over an image by its alpha, it is the body painted over it."""
-    result = np.zeros((eye.height, eye.width, 4), dtype=np.uint8)
-    left, top, right, bottom = box_of(form.mesh.posed(eye.T_eye_camera @ Ts_camera_part), eye)
+    result = np.zeros((view.height, view.width, 4), dtype=np.uint8)
+    left, top, right, bottom = box_of(form.mesh.posed(view.T_view_camera @ Ts_camera_part), view)
     if right <= left or bottom <= top:
         return result
     canvas = np.zeros((FINE * (bottom - top), FINE * (right - left), 4), dtype=np.float32)
-    _paint_body(canvas, (left, top), eye, form, Ts_camera_part, style, opacity)
+    _paint_body(canvas, (left, top), view, form, Ts_camera_part, style, opacity)
     small = cv2.resize(canvas, (right - left, bottom - top), interpolation=cv2.INTER_AREA)
     alpha = small[..., 3:]
     rgb = small[..., :3] * (255.0 / np.maximum(alpha, 1e-3))
@@ -59,7 +66,7 @@ def cut_out(eye: Eye, form: Form, Ts_camera_part: Array, style: Style, opacity: 
 def _paint_body(
     canvas: Canvas,
     corner: tuple[int, int],
-    eye: Eye,
+    view: ViewCamera,
     form: Form,
     Ts_camera_part: Array,
     style: Style,
@@ -67,29 +74,29 @@ def _paint_body(
 ) -> None:
     """Paint onto a canvas FINE times as large as the piece of the picture it begins at."""
     height, width = canvas.shape[:2]
-    fine = eye.cropped(*corner, width // FINE, height // FINE).resized(width, height)
-    stroke = max(1, round(FINE * eye.height / 420))
+    fine = view.cropped(*corner, width // FINE, height // FINE).resized(width, height)
+    stroke = max(1, round(FINE * view.height / 420))
     seen = raster(form.mesh, Ts_camera_part, fine)
     if style != "wire":
-        rgb, mask = shaded(form.mesh, form.normal_maps, form.colours, Ts_camera_part, fine, seen)
+        rgb, mask = shade(form.mesh, form.normal_maps, form.colours, Ts_camera_part, fine, seen)
         paint_solid(canvas, rgb, mask, opacity, part_borders(seen))
     if style != "solid":
         lines = body_lines(form.mesh, form.edges, Ts_camera_part, fine, seen)
         paint_lines(canvas, lines, form.sides, stroke)
-        p_eye = apply_transform(fine.T_eye_camera, Ts_camera_part[:, :3, 3])
+        p_eye = apply_transform(fine.T_view_camera, Ts_camera_part[:, :3, 3])
         paint_dots(canvas, fine.project(p_eye), 1.1 * stroke)
 
 
-def box_of(p_eye: Array, eye: Eye) -> tuple[int, int, int, int]:
+def box_of(p_eye: Array, view: ViewCamera) -> tuple[int, int, int, int]:
     """Left, top, right, bottom of the pixels that a thing with these corners (V, 3) can touch,
     right and bottom left out."""
-    margin = 4 + eye.height // 100
-    uv = eye.project(p_eye)
+    margin = 4 + view.height // 100
+    uv = view.project(p_eye)
     if np.isnan(uv).all():
         return 0, 0, 0, 0
     if np.isnan(uv).any():  # partly behind the camera: its outline may go anywhere
-        return 0, 0, eye.width, eye.height
-    limits = (eye.width, eye.height)
+        return 0, 0, view.width, view.height
+    limits = (view.width, view.height)
     low = np.clip(np.floor(uv.min(axis=0)) - margin, 0, limits).astype(int)
     high = np.clip(np.ceil(uv.max(axis=0)) + 1 + margin, 0, limits).astype(int)
     return int(low[0]), int(low[1]), int(high[0]), int(high[1])

@@ -11,14 +11,14 @@ import numpy as np
 
 from app.render.form import form_of
 from app.render.lettering import axes, plate, round_length, scale_bar, write_name
-from app.render.painting import Style, painted_over
+from app.render.painting import Style, paint_over
 from app.render.palette import GAP, GRID, GRID_MIDDLE, PAPER, Picture
-from app.render.veil import Sight, veiled
+from app.render.surface_layer import SurfaceLayer, draw_surface
 from tracker.body.pose import Pose, pose_transforms
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, apply_transform
-from tracker.geometry.view import Eye, ViewName
+from tracker.geometry.view import ViewCamera, ViewName
 
 Rotations: TypeAlias = Mapping[ViewName, Array]
 """R_view_camera (3, 3) of the three views, where up is not the camera's own up."""
@@ -98,7 +98,7 @@ def overlay(
             f"the picture is {image_rgb.shape[1]}×{image_rgb.shape[0]} but the camera takes "
             f"{camera.width}×{camera.height}"
         )
-    return _over(image_rgb, Eye.of(camera), skeleton, pose, style, opacity)
+    return _over(image_rgb, ViewCamera.of(camera), skeleton, pose, style, opacity)
 
 
 def orthographic(
@@ -109,7 +109,7 @@ def orthographic(
     centre_m: Array | None = None,
     metres_across: float | None = None,
     Rs_view_camera: Rotations | None = None,
-    sight: Sight | None = None,
+    surface: SurfaceLayer | None = None,
 ) -> Picture:
     """A true orthographic view of the solid body, `size` = (width, height), on a grid; `sight`,
     the surface observed at that moment, lies over it as a sheet.
@@ -121,11 +121,11 @@ def orthographic(
     suits the picture's width, 0.5 m for a person. What finds no room is not lettered.
     """
     frame = Framing(centre_m, metres_across, Rs_view_camera)
-    eye = parallel_eye(skeleton, pose, view, size, frame)
+    eye = parallel_view(skeleton, pose, view, size, frame)
     step_m = round_length(size[0] / eye.focal[0])
     picture = _over(_grid(eye, step_m), eye, skeleton, pose, "solid", 1.0)
-    if sight is not None:
-        picture = veiled(picture, eye, sight, form_of(skeleton), _posed(skeleton, pose))
+    if surface is not None:
+        picture = draw_surface(picture, eye, surface, form_of(skeleton), _posed(skeleton, pose))
     letter_px = _letter_px(size[1])
     write_name(picture, view.capitalize(), letter_px)
     bar_end = scale_bar(picture, step_m, eye.focal[0], letter_px)
@@ -144,7 +144,7 @@ def four_views(
     label: str = "Camera",
     Rs_view_camera: Rotations | None = None,
     framing: Framing | None = None,
-    sight: Sight | None = None,
+    surface: SurfaceLayer | None = None,
 ) -> Picture:
     """The overlay, large, and the three orthographic views, all at one scale, stacked beside it.
 
@@ -155,7 +155,9 @@ def four_views(
     width = layout.main[0]
     enlarged = cv2.INTER_CUBIC if height > camera.height else cv2.INTER_AREA
     frame = np.asarray(cv2.resize(image_rgb, (width, height), interpolation=enlarged), np.uint8)
-    main = _over(frame, Eye.of(camera).resized(width, height), skeleton, pose, style, opacity)
+    main = _over(
+        frame, ViewCamera.of(camera).resized(width, height), skeleton, pose, style, opacity
+    )
     letter_px = _letter_px(height // 3)
     plate(main, label, *(round(0.8 * letter_px),) * 2, letter_px)
     if not layout.small:
@@ -164,25 +166,25 @@ def four_views(
         framing = framing_of(_points(skeleton, pose), layout.views, Rs_view_camera)
     centre, across = framing.centre_m, framing.metres_across
     small = [
-        orthographic(skeleton, pose, view, size, centre, across, framing.Rs, sight)
+        orthographic(skeleton, pose, view, size, centre, across, framing.Rs, surface)
         for view, size in layout.views.items()
     ]
     column = _stacked(small, layout.gap, axis=0)
     return _stacked([main, column], layout.gap, axis=1)
 
 
-def parallel_eye(
+def parallel_view(
     skeleton: Skeleton, pose: Pose | None, view: ViewName, size: tuple[int, int], framing: Framing
-) -> Eye:
+) -> ViewCamera:
     """The eye of one of the three views; without a pose, the framing must be told."""
     p_camera = _points(skeleton, pose)
     centre = middle(p_camera) if framing.centre_m is None else np.asarray(framing.centre_m, float)
     R = framing.Rs[view] if framing.Rs else None
     across = framing.metres_across
     if across is None:
-        eye = Eye.orthographic(view, centre, 1.0, size, R)
-        across = width_to_fit(apply_transform(eye.T_eye_camera, p_camera), size)
-    return Eye.orthographic(view, centre, size[0] / across, size, R)
+        eye = ViewCamera.orthographic(view, centre, 1.0, size, R)
+        across = width_to_fit(apply_transform(eye.T_view_camera, p_camera), size)
+    return ViewCamera.orthographic(view, centre, size[0] / across, size, R)
 
 
 def framing_of(
@@ -191,8 +193,8 @@ def framing_of(
     """The framing that shows points (N, 3) at one scale in views of these sizes."""
     centre, across = middle(p_camera), 0.0
     for view, size in sizes.items():
-        eye = Eye.orthographic(view, centre, 1.0, size, Rs[view] if Rs else None)
-        fit = width_to_fit(apply_transform(eye.T_eye_camera, p_camera), size)
+        eye = ViewCamera.orthographic(view, centre, 1.0, size, Rs[view] if Rs else None)
+        fit = width_to_fit(apply_transform(eye.T_view_camera, p_camera), size)
         across = max(across, fit)
     return Framing(centre, across, Rs)
 
@@ -218,13 +220,18 @@ def contact_sheet(
 
 
 def _over(
-    image: Picture, eye: Eye, skeleton: Skeleton, pose: Pose | None, style: Style, opacity: float
+    image: Picture,
+    view: ViewCamera,
+    skeleton: Skeleton,
+    pose: Pose | None,
+    style: Style,
+    opacity: float,
 ) -> Picture:
     """The body over an image of the eye's size; the image itself without a pose."""
     if pose is None:
         return image.copy()
     Ts_camera_part = pose_transforms(skeleton, pose)
-    return painted_over(image, eye, form_of(skeleton), Ts_camera_part, style, opacity)
+    return paint_over(image, view, form_of(skeleton), Ts_camera_part, style, opacity)
 
 
 def _posed(skeleton: Skeleton, pose: Pose | None) -> Array | None:
@@ -255,18 +262,18 @@ def _letter_px(height: int) -> float:
     return float(np.clip(height / 22, 8, 18))
 
 
-def _grid(eye: Eye, step_m: float) -> Picture:
+def _grid(view: ViewCamera, step_m: float) -> Picture:
     """The empty sheet of an orthographic eye with grid lines at multiples of step_m.
 
     Those through 0 are darker. In a very long picture lines are left out evenly.
     """
-    sheet = np.full((eye.height, eye.width, 3), PAPER, dtype=np.uint8)
-    step_px = eye.focal[0] * step_m
-    step_px *= np.ceil((eye.width + eye.height) / step_px / (MOST_GRID_LINES - 2))
+    sheet = np.full((view.height, view.width, 3), PAPER, dtype=np.uint8)
+    step_px = view.focal[0] * step_m
+    step_px *= np.ceil((view.width + view.height) / step_px / (MOST_GRID_LINES - 2))
     if step_px < 4:
         return sheet
-    for across, limit in enumerate((eye.width, eye.height)):
-        zero_px = eye.centre[across] + eye.focal[across] * eye.T_eye_camera[across, 3]
+    for across, limit in enumerate((view.width, view.height)):
+        zero_px = view.centre[across] + view.focal[across] * view.T_view_camera[across, 3]
         first, last = np.ceil(-zero_px / step_px), np.floor((limit - 1 - zero_px) / step_px)
         for step in np.arange(first, last + 1):
             place = (slice(None), round(zero_px + step * step_px))[:: 1 - 2 * across]

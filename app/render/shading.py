@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from app.render.palette import INK, Canvas, on_canvas
 from tracker.body.raster import BodyMesh, Raster
 from tracker.geometry.rotations import Array
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 
 Mask: TypeAlias = NDArray[np.bool_]
 
@@ -58,12 +58,12 @@ def _corner_normals(mesh: BodyMesh, flat: Array) -> Array:
     return normals
 
 
-def shaded(
+def shade(
     mesh: BodyMesh,
     normal_maps: Array,
     colours: Array,
     Ts_camera_part: Array,
-    eye: Eye,
+    view: ViewCamera,
     seen: Raster,
 ) -> tuple[Array, Mask]:
     """The colours (N, 3), 0 to 255, of the N pixels in the mask (H, W) that show the body.
@@ -71,8 +71,8 @@ def shaded(
     normal_maps are those of `smooth_normal_maps`, colours (P, 3) those of the parts.
     """
     mask = seen.part >= 0
-    Ts_eye_part = eye.T_eye_camera @ Ts_camera_part
-    normals = _pixel_normals(mesh, normal_maps, Ts_eye_part, eye, seen, mask)
+    Ts_eye_part = view.T_view_camera @ Ts_camera_part
+    normals = _pixel_normals(mesh, normal_maps, Ts_eye_part, view, seen, mask)
     wrapped = np.clip((normals @ TO_LIGHT + 0.35) / 1.35, 0.0, 1.0)
     edge = np.clip(1.0 + normals[:, 2], 0.0, 1.0)
     brightness = 0.55 + 0.53 * wrapped - 0.14 * edge**3
@@ -81,18 +81,23 @@ def shaded(
 
 
 def _pixel_normals(
-    mesh: BodyMesh, normal_maps: Array, Ts_eye_part: Array, eye: Eye, seen: Raster, mask: Mask
+    mesh: BodyMesh,
+    normal_maps: Array,
+    Ts_eye_part: Array,
+    view: ViewCamera,
+    seen: Raster,
+    mask: Mask,
 ) -> Array:
     """Unit normals (N, 3) in the eye's frame, turned toward the eye."""
     rows, columns = np.nonzero(mask)
     depth = seen.depth[mask].astype(np.float64)
-    p_eye = eye.back_project(np.column_stack([columns, rows]), depth)
+    p_eye = view.back_project(np.column_stack([columns, rows]), depth)
     turn = Ts_eye_part[mesh.face_part, :3, :3] @ normal_maps
     to_part = np.linalg.inv(Ts_eye_part)[mesh.face_part]
     maps = (turn @ to_part)[seen.face[mask]]
     normals = np.einsum("nij,nj->ni", maps[:, :, :3], p_eye) + maps[:, :, 3]
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    away = np.einsum("ni,ni->n", normals, eye.rays(p_eye)) > 0
+    away = np.einsum("ni,ni->n", normals, view.rays(p_eye)) > 0
     normals[away] *= -1
     return np.asarray(normals)
 

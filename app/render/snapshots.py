@@ -45,9 +45,9 @@ def snapshot(session: Session, video: Video | None, frame: int, pose: Pose, look
     size = (camera.width, camera.height)
     Rs = view_rotations(session.up_camera or (0.0, -1.0, 0.0))
     sights = SurfaceSights.of(session, video, look.tint)
-    sight = None if sights is None or look.view == "main" else sights.at(frame, pose)
+    surface = None if sights is None or look.view == "main" else sights.at(frame, pose)
     if look.view != "main" and look.view != "all":
-        return orthographic(skeleton, pose, look.view, size, Rs_view_camera=Rs, sight=sight)
+        return orthographic(skeleton, pose, look.view, size, Rs_view_camera=Rs, surface=surface)
     image = background(session, video, sights, frame, pose)
     label = f"Frame {frame}" + (" is missing" if image is None else "")
     ground = ground_of(camera, image)
@@ -56,7 +56,7 @@ def snapshot(session: Session, video: Video | None, frame: int, pose: Pose, look
         return picture if image is not None else labelled(picture, frame)
     return four_views(
         ground, camera, skeleton, pose, look.style, look.opacity, camera.height, label, Rs,
-        sight=sight,
+        surface=surface,
     )  # fmt: skip
 
 

@@ -12,14 +12,14 @@ from app.render.pictures import FourPlaces, middle, posed_points
 from app.render.poses import KnownPoses
 from app.render.snapshots import Look, View, background, snapshot
 from app.render.studio import Paint, Size, Studio
+from app.render.surface_layer import SurfaceLayer
 from app.render.surfaces import SurfaceSights
 from app.render.tints import Tint
-from app.render.veil import Sight
-from app.render.viewpoints import Ground, Viewpoint, eye_at, least_distance
+from app.render.viewpoints import Ground, Viewpoint, least_distance, view_from
 from tracker.body.pose import Pose
 from tracker.errors import SessionError
 from tracker.geometry.rotations import Array
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 from tracker.session.schema import Session
 from tracker.video import Video
 
@@ -71,13 +71,13 @@ def still(
     if wanted.view == "main":
         image = background(session, video, sights, frame, pose)
         return studio.main(image, frame, pose, size, wanted.paint)
-    sight = None if sights is None else sights.at(frame, pose)
+    surface = None if sights is None else sights.at(frame, pose)
     if isinstance(wanted.view, Viewpoint):
-        return _from_viewpoint(studio, poses, pose, wanted.view, size, sight)
+        return _from_viewpoint(studio, poses, pose, wanted.view, size, surface)
     if wanted.view != "all":
-        return studio.parallel(wanted.view, pose, size, sight=sight)
+        return studio.parallel(wanted.view, pose, size, surface=surface)
     image = background(session, video, sights, frame, pose)
-    return studio.four(image, frame, pose, size, wanted.paint, sight=sight)
+    return studio.four(image, frame, pose, size, wanted.paint, surface=surface)
 
 
 def natural_size(studio: Studio, view: object) -> Size:
@@ -97,7 +97,7 @@ def _size(studio: Studio, wanted: Still) -> Size:
 
 def _on_nothing(studio: Studio, pose: Pose, wanted: Still, size: Size) -> CutOut:
     if isinstance(wanted.view, Viewpoint):
-        return studio.cut_out_by(_eye(studio, pose, wanted.view, size)[0], pose)
+        return studio.cut_out_by(_view(studio, pose, wanted.view, size)[0], pose)
     if wanted.view == "main":
         return studio.main_cut_out(pose, size, wanted.paint)
     if wanted.view == "all":
@@ -111,19 +111,19 @@ def _from_viewpoint(
     pose: Pose,
     viewpoint: Viewpoint,
     size: Size,
-    sight: Sight | None,
+    surface: SurfaceLayer | None,
 ) -> Picture:
     """About the body as it is at this frame; the floor is where the whole motion has it."""
-    eye, centre = _eye(studio, pose, viewpoint, size)
+    view, centre = _view(studio, pose, viewpoint, size)
     every = [found for frame in poses.frames if (found := poses.pose(frame)) is not None]
     ground = Ground.under(studio.skeleton, studio.Rs["front"], every)
-    return studio.perspective(eye, ground, centre, pose, sight)
+    return studio.perspective(view, ground, centre, pose, surface)
 
 
-def _eye(studio: Studio, pose: Pose, viewpoint: Viewpoint, size: Size) -> tuple[Eye, Array]:
+def _view(studio: Studio, pose: Pose, viewpoint: Viewpoint, size: Size) -> tuple[ViewCamera, Array]:
     """What looks at the body's middle (3,), which comes with it."""
     level = studio.Rs["front"]
     points = posed_points(studio.skeleton, pose)
     centre = middle(points @ level.T) @ level
     distance = viewpoint.distance_m or least_distance(viewpoint, level, centre, points, size)
-    return eye_at(viewpoint, distance, level, centre, size), centre
+    return view_from(viewpoint, distance, level, centre, size), centre

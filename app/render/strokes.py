@@ -13,7 +13,7 @@ from app.render.palette import INK, SIDE_COLOURS, WHITE, Canvas, Colour, Side, o
 from app.render.shading import CREASE_COSINE, Mask, face_normals
 from tracker.body.raster import BodyMesh, Raster
 from tracker.geometry.rotations import Array
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 
 HIDDEN_OPACITY = 0.28
 DEPTH_SLACK_M = 0.02
@@ -68,34 +68,34 @@ class Lines:
 
 
 def body_lines(
-    mesh: BodyMesh, edges: BodyEdges, Ts_camera_part: Array, eye: Eye, seen: Raster
+    mesh: BodyMesh, edges: BodyEdges, Ts_camera_part: Array, view: ViewCamera, seen: Raster
 ) -> Lines:
     """Outlines and creases of every part, cut into pieces that are wholly seen or wholly hidden."""
-    p_eye = mesh.posed(eye.T_eye_camera @ Ts_camera_part)
-    toward = _facing(mesh, p_eye, eye)[edges.faces]
+    p_eye = mesh.posed(view.T_view_camera @ Ts_camera_part)
+    toward = _facing(mesh, p_eye, view)[edges.faces]
     outline = np.logical_xor(toward[:, 0], toward[:, 1])
     drawn = outline | edges.sharp
     own_back = ~(toward[:, 0] | toward[:, 1])[drawn]
     ends = p_eye[edges.ends[drawn]]
     part = mesh.vertex_part[edges.ends[drawn, 0]]
-    pieces, of_edge = _cut(*_before(ends, eye), eye)
-    behind = _is_behind(pieces.mean(axis=1), eye, seen)
-    uv = eye.project(pieces)
+    pieces, of_edge = _cut(*_before(ends, view), view)
+    behind = _is_behind(pieces.mean(axis=1), view, seen)
+    uv = view.project(pieces)
     kept = np.isfinite(uv).all(axis=(1, 2)) & (np.abs(uv) < 30_000).all(axis=(1, 2))
     return Lines(uv[kept], part[of_edge][kept], (behind | own_back[of_edge])[kept])
 
 
-def _facing(mesh: BodyMesh, p_eye: Array, eye: Eye) -> Mask:
+def _facing(mesh: BodyMesh, p_eye: Array, view: ViewCamera) -> Mask:
     """Which faces (F,) turn toward the eye."""
     normals = face_normals(p_eye, mesh.faces)
-    rays = eye.rays(p_eye[mesh.faces[:, 0]])
+    rays = view.rays(p_eye[mesh.faces[:, 0]])
     facing: Mask = (normals * rays).sum(axis=1) < 0.0
     return facing
 
 
-def _before(ends: Array, eye: Eye) -> tuple[Array, NDArray[np.int64]]:
+def _before(ends: Array, view: ViewCamera) -> tuple[Array, NDArray[np.int64]]:
     """Edges (N, 2, 3) cut off at the eye's nearest z, without those that lie wholly nearer."""
-    z, near = ends[..., 2], eye.near_m
+    z, near = ends[..., 2], view.near_m
     kept = np.flatnonzero((z >= near).any(axis=1))
     if not np.isfinite(near):
         return ends, kept
@@ -109,9 +109,11 @@ def _before(ends: Array, eye: Eye) -> tuple[Array, NDArray[np.int64]]:
     return cut, kept
 
 
-def _cut(ends: Array, names: NDArray[np.int64], eye: Eye) -> tuple[Array, NDArray[np.int64]]:
+def _cut(
+    ends: Array, names: NDArray[np.int64], view: ViewCamera
+) -> tuple[Array, NDArray[np.int64]]:
     """Pieces (M, 2, 3) of edges (N, 2, 3), each a few pixels long, and the name of its edge."""
-    uv = eye.project(ends)
+    uv = view.project(ends)
     length = np.linalg.norm(uv[:, 1] - uv[:, 0], axis=1)
     counts = np.clip(np.ceil(np.nan_to_num(length) / PIECE_PX), 1, 200).astype(np.int64)
     edge = np.repeat(np.arange(len(ends)), counts)
@@ -121,11 +123,11 @@ def _cut(ends: Array, names: NDArray[np.int64], eye: Eye) -> tuple[Array, NDArra
     return start + shares[:, :, None] * step, names[edge]
 
 
-def _is_behind(p_eye: Array, eye: Eye, seen: Raster) -> Mask:
+def _is_behind(p_eye: Array, view: ViewCamera, seen: Raster) -> Mask:
     """Which points (M, 3) lie behind the surface seen there, one pixel of tolerance included."""
     depth = cv2.dilate(np.minimum(seen.depth, 1e6), np.ones((3, 3), np.uint8))
-    uv = np.rint(np.nan_to_num(eye.project(p_eye), nan=-1.0))
-    inside = (uv >= 0).all(axis=1) & (uv < (eye.width, eye.height)).all(axis=1)
+    uv = np.rint(np.nan_to_num(view.project(p_eye), nan=-1.0))
+    inside = (uv >= 0).all(axis=1) & (uv < (view.width, view.height)).all(axis=1)
     behind = np.zeros(len(p_eye), dtype=bool)
     u, v = uv[inside].astype(np.int64).T
     behind[inside] = p_eye[inside, 2] > depth[v, u] + DEPTH_SLACK_M

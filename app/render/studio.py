@@ -10,7 +10,7 @@ import numpy as np
 from app.posing import view_rotations
 from app.render.floor import floor_picture
 from app.render.form import Form, form_of
-from app.render.painting import Style, cut_out, painted_over
+from app.render.painting import Style, cut_out, paint_over
 from app.render.palette import GAP, CutOut, Picture
 from app.render.pictures import (
     FourPlaces,
@@ -19,17 +19,17 @@ from app.render.pictures import (
     four_views,
     framing_of,
     orthographic,
-    parallel_eye,
+    parallel_view,
     posed_points,
 )
 from app.render.snapshots import ground_of, labelled
-from app.render.veil import Sight, veiled
+from app.render.surface_layer import SurfaceLayer, draw_surface
 from app.render.viewpoints import Ground
 from tracker.body.pose import Pose, pose_transforms
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
-from tracker.geometry.view import Eye, ViewName
+from tracker.geometry.view import ViewCamera, ViewName
 from tracker.session.schema import Session
 
 Size = tuple[int, int]
@@ -71,11 +71,11 @@ class Studio:
         image: None where the video has lost the frame.
         """
         inner = _fitting((self.camera.width, self.camera.height), size)
-        eye = Eye.of(self.camera).resized(*inner)
+        view = ViewCamera.of(self.camera).resized(*inner)
         picture = _resized(ground_of(self.camera, image), inner)
         if pose is not None:
             Ts = pose_transforms(self.skeleton, pose)
-            picture = painted_over(picture, eye, self.form, Ts, paint.style, paint.opacity)
+            picture = paint_over(picture, view, self.form, Ts, paint.style, paint.opacity)
         return _on_sheet(labelled(picture, frame) if image is None else picture, size)
 
     def four(
@@ -86,14 +86,14 @@ class Studio:
         size: Size,
         paint: Paint,
         framing: Framing | None = None,
-        sight: Sight | None = None,
+        surface: SurfaceLayer | None = None,
     ) -> Picture:
         """All four views, as large as they fit, on a dark sheet of that size; `sight`, a surface
         that was observed, in the three small ones."""
         label = f"Frame {frame}" + (" is missing" if image is None else "")
         picture = four_views(
             ground_of(self.camera, image), self.camera, self.skeleton, pose, paint.style,
-            paint.opacity, self.height_of_four(size), label, self.Rs, framing, sight,
+            paint.opacity, self.height_of_four(size), label, self.Rs, framing, surface,
         )  # fmt: skip
         return _on_sheet(picture, size)
 
@@ -103,42 +103,42 @@ class Studio:
         pose: Pose | None,
         size: Size,
         framing: Framing | None = None,
-        sight: Sight | None = None,
+        surface: SurfaceLayer | None = None,
     ) -> Picture:
         """From the top, the side or the front."""
         framing = framing or Framing()
         centre, across = framing.centre_m, framing.metres_across
-        return orthographic(self.skeleton, pose, view, size, centre, across, self.Rs, sight)
+        return orthographic(self.skeleton, pose, view, size, centre, across, self.Rs, surface)
 
     def perspective(
         self,
-        eye: Eye,
+        view: ViewCamera,
         ground: Ground,
         p_camera_centre: Array,
         pose: Pose | None,
-        sight: Sight | None = None,
+        surface: SurfaceLayer | None = None,
     ) -> Picture:
         """From a new viewpoint, on a floor."""
         Ts = None if pose is None else pose_transforms(self.skeleton, pose)
-        picture = floor_picture(eye, ground, p_camera_centre, self.form, Ts)
+        picture = floor_picture(view, ground, p_camera_centre, self.form, Ts)
         if Ts is not None:
-            picture = painted_over(picture, eye, self.form, Ts, SOLID.style, SOLID.opacity)
-        return picture if sight is None else veiled(picture, eye, sight, self.form, Ts)
+            picture = paint_over(picture, view, self.form, Ts, SOLID.style, SOLID.opacity)
+        return picture if surface is None else draw_surface(picture, view, surface, self.form, Ts)
 
-    def cut_out_by(self, eye: Eye, pose: Pose, paint: Paint = SOLID) -> CutOut:
+    def cut_out_by(self, view: ViewCamera, pose: Pose, paint: Paint = SOLID) -> CutOut:
         """The body on nothing."""
         Ts = pose_transforms(self.skeleton, pose)
-        return cut_out(eye, self.form, Ts, paint.style, paint.opacity)
+        return cut_out(view, self.form, Ts, paint.style, paint.opacity)
 
     def main_cut_out(self, pose: Pose, size: Size, paint: Paint) -> CutOut:
         """The body of `main` on nothing."""
         inner = _fitting((self.camera.width, self.camera.height), size)
-        eye = Eye.of(self.camera).resized(*inner)
-        return _on_sheet(self.cut_out_by(eye, pose, paint), size)
+        view = ViewCamera.of(self.camera).resized(*inner)
+        return _on_sheet(self.cut_out_by(view, pose, paint), size)
 
     def parallel_cut_out(self, view: ViewName, pose: Pose, size: Size) -> CutOut:
         """The body of `parallel` on nothing."""
-        eye = parallel_eye(self.skeleton, pose, view, size, Framing(Rs=self.Rs))
+        eye = parallel_view(self.skeleton, pose, view, size, Framing(Rs=self.Rs))
         return self.cut_out_by(eye, pose)
 
     def four_cut_out(self, pose: Pose, size: Size, paint: Paint) -> CutOut:
@@ -152,7 +152,7 @@ class Studio:
         framing = framing_of(posed_points(self.skeleton, pose), places.views, self.Rs)
         top, left = 0, places.main[0] + places.gap
         for view, small in places.views.items():
-            eye = parallel_eye(self.skeleton, pose, view, small, framing)
+            eye = parallel_view(self.skeleton, pose, view, small, framing)
             sheet[top : top + small[1], left:] = self.cut_out_by(eye, pose)
             top += small[1] + places.gap
         return _on_sheet(sheet, size)

@@ -6,8 +6,8 @@ import threading
 from typing import TYPE_CHECKING
 
 from app.render.palette import Picture
+from app.render.surface_layer import SurfaceLayer
 from app.render.tints import Colours, Tint, clay, tinted
-from app.render.veil import Sight
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
 from tracker.errors import SurfaceError, VideoError
@@ -46,7 +46,7 @@ class SurfaceSights:
         """Whether its picture by the camera is the video's own."""
         return self._tint == "clay"
 
-    def at(self, frame: int, pose: Pose | None) -> Sight | None:
+    def at(self, frame: int, pose: Pose | None) -> SurfaceLayer | None:
         """A step's surface with the body at this pose; None where the step cannot be used.
 
         VideoError where the meshes have been closed, SurfaceError where the colours need what
@@ -66,16 +66,16 @@ class SurfaceSights:
                     f"Nothing tells how well cameras agree on the surface of frame {frame}: name "
                     "their file with `keypose fit --cameras FILE`, or choose another colouring."
                 )
-        return Sight(mesh, colours_of(mesh, self._tint, pose, self._model_where_needed()))
+        return SurfaceLayer(mesh, colours_of(mesh, self._tint, pose, self._model_where_needed()))
 
     def picture(self, frame: int, pose: Pose | None) -> Picture | None:
         """The same as the session's camera sees it; None as above."""
-        from tracker.surface.painting import painted
+        from tracker.surface.painting import paint
 
-        sight = self.at(frame, pose)
-        if sight is None:
+        surface = self.at(frame, pose)
+        if surface is None:
             return None
-        return painted(sight.mesh, self._session.camera.without_distortion(), sight.colours)
+        return paint(surface.mesh, self._session.camera.without_distortion(), surface.colours)
 
     def _model_where_needed(self) -> SurfaceModel | None:
         """Made once, of the surface that moves with the body."""
@@ -96,7 +96,7 @@ def colours_of(
 
         return tinted(tint, in_agreement(mesh.consistency))
     if tint in ("contact", "distance") and model is not None and pose is not None:
-        from tracker.surface.fit.looking import look  # loads when surfaces are looked at
+        from tracker.surface.fit.vertex_scalars import look  # loads when surfaces are looked at
 
         return tinted(tint, look(model, mesh, pose, tint))
     return clay(len(mesh.vertices))

@@ -18,7 +18,7 @@ from app.render.pictures import posed_points
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import Array, frozen, transform
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 
 ELEVATION_DEG = 12.0
 """A little above, so that the floor is seen to lie."""
@@ -61,19 +61,19 @@ class Ground:
         return cls(R_level_camera, lowest, round_length(1.25 * size_m))
 
 
-def eye_at(
+def view_from(
     viewpoint: Viewpoint,
     distance_m: float,
     R_level_camera: Array,
     p_camera_centre: Array,
     size: tuple[int, int],
-) -> Eye:
+) -> ViewCamera:
     """The eye of a picture of `size` = (width, height) that looks at the centre (3,) from there."""
     R = _R_eye_level(viewpoint) @ R_level_camera
     shift = np.array([0.0, 0.0, distance_m]) - R @ p_camera_centre
     focal = FOCAL * min(size)
     centre = ((size[0] - 1) / 2, (size[1] - 1) / 2)
-    return Eye(frozen(transform(R, shift)), (focal, focal), centre, *size)
+    return ViewCamera(frozen(transform(R, shift)), (focal, focal), centre, *size)
 
 
 def least_distance(

@@ -12,16 +12,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from app.document.open import Workpiece
+from app.document.open import OpenSession
 from app.editor.shown import shown
 from app.editor.state import EditorState
+from app.render.surface_layer import SurfaceLayer
 from app.render.surfaces import colours_of, model_of
 from app.render.tints import Tint
-from app.render.veil import Sight
 from tracker.errors import SurfaceError, VideoError
 from tracker.session.schema import Session
 from tracker.surface.files.unusable import unusable_words
-from tracker.surface.painting import GROUND, painted
+from tracker.surface.painting import GROUND, paint
 from tracker.surface.picture import SurfaceVideo, open_surfaces
 from tracker.video import Examined, VideoInfo
 from tracker.video.picture import Picture
@@ -49,13 +49,13 @@ class Observed:
     read under one lock, so that nothing is closed meanwhile.
     """
 
-    def __init__(self, piece: Workpiece) -> None:
-        assert isinstance(piece.video, SurfaceVideo)
-        self._piece = piece
+    def __init__(self, opened: OpenSession) -> None:
+        assert isinstance(opened.video, SurfaceVideo)
+        self._opened = opened
         self._lock = threading.RLock()
-        self._video, self._read_as = piece.video, reading(piece.session)
+        self._video, self._read_as = opened.video, reading(opened.session)
         self._newest: tuple[Any, ...] | None = self._read_as
-        self.info: VideoInfo = replace(piece.video.info, missing=())
+        self.info: VideoInfo = replace(opened.video.info, missing=())
         self._model: tuple[tuple[Any, ...], SurfaceModel] | None = None
         self._rims: tuple[tuple[Any, ...], int] | None = None
 
@@ -70,16 +70,16 @@ class Observed:
             if reading(doc) != self._newest:
                 raise Outdated("The surfaces have been read anew meanwhile: try again.")
             if reading(doc) != self._read_as:
-                folder = self._piece.session_path.absolute().parent
+                folder = self._opened.session_path.absolute().parent
                 try:
-                    video = open_surfaces(doc, self._piece.video.info.path, folder)
+                    video = open_surfaces(doc, self._opened.video.info.path, folder)
                 except SurfaceError as error:  # not of one step, which would be shown as empty
                     raise VideoError(str(error)) from error
                 self._leave_video()
                 self._video, self._read_as = video, reading(doc)
             return self._video
 
-    def sight(self, edit: EditorState, frame: int) -> Sight:
+    def sight(self, edit: EditorState, frame: int) -> SurfaceLayer:
         """A step in the colours that are chosen; SurfaceError where it cannot be used, VideoError
         where the session has been closed."""
         tint = edit.display.tint
@@ -88,7 +88,7 @@ class Observed:
             try:
                 mesh = video.steps.mesh(frame) if tint == "photo" else video.steps.shape(frame)
                 model = self._model_for(tint, edit.settled)
-                return Sight(mesh, colours_of(mesh, tint, shown(edit, frame).pose, model))
+                return SurfaceLayer(mesh, colours_of(mesh, tint, shown(edit, frame).pose, model))
             except SurfaceError as error:
                 if video.is_closed:
                     raise VideoError(str(error)) from None
@@ -113,8 +113,8 @@ class Observed:
     def unusable(self) -> str:
         """Which steps cannot be used, as far as the beginnings of their files tell; takes a while,
         and reading goes on meanwhile."""
-        assert isinstance(self._piece.video, SurfaceVideo)
-        return unusable_words(self._piece.video.steps.glance().problems)
+        assert isinstance(self._opened.video, SurfaceVideo)
+        return unusable_words(self._opened.video.steps.glance().problems)
 
     def close(self) -> None:
         """Let go of what was opened here."""
@@ -123,7 +123,7 @@ class Observed:
             self._leave_video()
 
     def _leave_video(self) -> None:
-        if self._video is not self._piece.video:
+        if self._video is not self._opened.video:
             self._video.close()
 
     def _model_for(self, tint: Tint, doc: Session) -> SurfaceModel | None:
@@ -157,8 +157,8 @@ class TintedSource:
         """Gives frame `number`; VideoError where the surfaces lie elsewhere by now."""
         camera = self._edit.settled.camera.without_distortion()
         try:
-            sight = self._observed.sight(self._edit, number)
-            yield number, painted(sight.mesh, camera, sight.colours)
+            surface = self._observed.sight(self._edit, number)
+            yield number, paint(surface.mesh, camera, surface.colours)
         except SurfaceError:
             size = (self.info.height, self.info.width, 3)
             yield number, np.full(size, GROUND, dtype=np.uint8)

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from app.editor.pointer_views import up_of
 from app.editor.shown import find, shown
-from app.editor.sights import up_of
 from app.editor.state import EditorState
 from app.posing import view_rotations
 from app.scene.scene import Scenery, Trail
 from app.scene.viser_compat import Role
-from app.store.identity import same
+from app.store.identity import unchanged
 from tracker.body.pose import pose_transforms
 from tracker.geometry.rotations import Array
 
@@ -46,7 +46,7 @@ class SceneryMaker:
 
     def _once(self, name: str, made_of: tuple[Any, ...], make: Any) -> Any:
         known = self._made.get(name)
-        if known is not None and same(known[0], made_of):
+        if known is not None and unchanged(known[0], made_of):
             return known[1]
         made = make()
         self._made[name] = (made_of, made)

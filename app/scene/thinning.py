@@ -48,10 +48,10 @@ def _in_cells(vertices: Array, faces: NDArray[np.int64], size: float) -> Thinned
     _, cell = np.unique(number, return_inverse=True)
     count = int(cell.max()) + 1
     middles = np.stack([_mean(cell, column, count) for column in vertices.T], axis=1)
-    return Thinned(middles, _kept(cell[faces]), cell)
+    return Thinned(middles, _without_degenerate(cell[faces]), cell)
 
 
-def _kept(faces: NDArray[np.int64]) -> NDArray[np.int64]:
+def _without_degenerate(faces: NDArray[np.int64]) -> NDArray[np.int64]:
     """Triangles whose corners are three, each once."""
     a, b, c = faces.T
     faces = faces[(a != b) & (b != c) & (c != a)]

@@ -43,7 +43,7 @@ class Portless:
 
     def __init__(self) -> None:
         caught: list[Callable[[Any], Awaitable[None]]] = []
-        with _hushed(), _caught_handler(caught):
+        with _without_banner(), _caught_handler(caught):
             self.server = ViserServer(host="127.0.0.1", port=0, verbose=False)
         self._handle = caught[0]
         self._wire = self.server._websock_server
@@ -72,7 +72,7 @@ class Portless:
 
     def stop(self) -> None:
         """End the loop, its thread and all connections."""
-        with _hushed():
+        with _without_banner():
             self.server.stop()
 
 
@@ -151,7 +151,7 @@ def _caught_handler(caught: list[Callable[[Any], Awaitable[None]]]) -> Iterator[
 
 
 @contextlib.contextmanager
-def _hushed() -> Iterator[None]:
+def _without_banner() -> Iterator[None]:
     """Without viser's banner and its farewell, which it prints whatever `verbose` says."""
     speak = rich.print
     rich.print = lambda *_, **__: None

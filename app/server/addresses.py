@@ -19,11 +19,11 @@ _ELSEWHERE = {
 
 def is_wildcard(host: str) -> bool:
     """Whether a server at this host listens at every address of the computer."""
-    found = parsed(host)
+    found = parse(host)
     return found is not None and found.is_unspecified
 
 
-def parsed(text: str) -> Address | None:
+def parse(text: str) -> Address | None:
     """The address a text says, an IPv4 address that is written as IPv6 included; None for names."""
     try:
         found = ipaddress.ip_address(text.strip("[]").partition("%")[0])
@@ -32,7 +32,7 @@ def parsed(text: str) -> Address | None:
     return getattr(found, "ipv4_mapped", None) or found
 
 
-def shown(host: str) -> str:
+def host_in_url(host: str) -> str:
     """A host as it stands in an address."""
     return f"[{host}]" if ":" in host else host
 
@@ -49,7 +49,7 @@ def reachable(host: str) -> list[str]:
     families = [socket.AF_INET] if "." in host else [socket.AF_INET, socket.AF_INET6]
     found = ["127.0.0.1", *(a for family in families for a in _own(family))]
     name = socket.gethostname()
-    named = {str(parsed(a)) for family in families for a in _resolved(name, family)}
+    named = {str(parse(a)) for family in families for a in _resolved(name, family)}
     if named and named <= set(found):
         found.append(name)
     return list(dict.fromkeys(found))
@@ -58,7 +58,7 @@ def reachable(host: str) -> list[str]:
 def _own(family: socket.AddressFamily) -> Iterator[str]:
     leading = (_towards(place, family) for place in _ELSEWHERE[family])
     for text in (*leading, *_resolved(socket.gethostname(), family)):
-        address = parsed(text)
+        address = parse(text)
         if address is not None and not address.is_link_local and _can_bind(str(address), family):
             yield str(address)
 

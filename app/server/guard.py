@@ -20,7 +20,7 @@ from urllib.parse import parse_qsl
 from starlette.responses import HTMLResponse, PlainTextResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from app.server.addresses import parsed
+from app.server.addresses import parse
 from app.server.browsers import Browsers
 from app.server.tokens import OneTimeTokens
 
@@ -157,8 +157,8 @@ class Guard:
         arrived = (scope.get("server") or ("", 0))[0]
         return (
             (port or 80) == self.port
-            and parsed(address) is not None
-            and parsed(address) == parsed(str(arrived))
+            and parse(address) is not None
+            and parse(address) == parse(str(arrived))
         )
 
     def _origins(self, host: str) -> frozenset[str]:

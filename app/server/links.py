@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from app.server.addresses import shown
+from app.server.addresses import host_in_url
 from app.server.guard import TOKEN, Guard
 from app.server.redirect_file import RedirectFile
 
@@ -21,7 +21,7 @@ class Links:
 
     def __init__(self, guard: Guard, hosts: Sequence[str], public_names: Sequence[str]) -> None:
         self._guard = guard
-        self._places = [f"{shown(host)}:{guard.port}" for host in hosts]
+        self._places = [f"{host_in_url(host)}:{guard.port}" for host in hosts]
         self._places += public_names
         self._printed = ""
         self._file: RedirectFile | None = None

@@ -7,7 +7,7 @@ import socket
 from tracker.errors import KeyposeError
 
 
-def bound(host: str, port: int) -> socket.socket:
+def bind(host: str, port: int) -> socket.socket:
     """A bound socket; KeyposeError in one sentence when the port cannot be had.
 
     Made with its protocol named, or asyncio would leave Nagle's delay on: 40 ms a message.

@@ -13,8 +13,8 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
 from app.editor.actions import Message, Spot
+from app.editor.pointer_views import pointer_views
 from app.editor.shown import shown
-from app.editor.sights import sights
 from app.editor.state import EditorState
 from app.export.motion_files import MotionFormat, motion_archive
 from app.posing import outline, parts_at
@@ -76,7 +76,7 @@ class Outputs:
     def answer(self, message: dict[str, Any]) -> dict[str, Any]:
         """The reply to a question of a tab."""
         reply = {"t": "reply", "id": message.get("id")}
-        edit = self._store.outlook.edit
+        edit = self._store.app_state.edit
         try:
             question = PICK.validate_python(message)
         except ValidationError as error:
@@ -88,7 +88,7 @@ class Outputs:
     async def _picture(self, request: Request) -> Response:
         try:
             shot = SHOT.validate_strings(dict(request.query_params))
-            (edit, video), name = await self._opened(), self._name()
+            (edit, video), name = await self._require_open(), self._name()
             frame = edit.frame if shot.frame is None else min(shot.frame, edit.frame_count - 1)
             content = await asyncio.to_thread(_png, edit, video, frame, shot)
         except (ValidationError, KeyposeError) as error:
@@ -106,7 +106,7 @@ class Outputs:
 
     async def _report(self, _: Request) -> Response:
         try:
-            (_edit, video), name = await self._opened(), self._name()
+            (_edit, video), name = await self._require_open(), self._name()
             path = await self._store.saved_path()
             content = await asyncio.to_thread(_report_of, path, video)
         except KeyposeError as error:
@@ -114,26 +114,26 @@ class Outputs:
         return _download(content, "text/html", f"{name}-report.html")
 
     def _edit(self) -> EditorState:
-        edit = self._store.outlook.edit
+        edit = self._store.app_state.edit
         if edit is None:
             raise KeyposeError("Open a video first.")
         return edit
 
-    async def _opened(self) -> tuple[EditorState, Video]:
-        edit, piece = self._edit(), self._store.piece
-        if piece is None:
+    async def _require_open(self) -> tuple[EditorState, Video]:
+        edit, opened = self._edit(), self._store.opened
+        if opened is None:
             raise KeyposeError("Open a video first.")
-        return edit, await self._surfaces.video(edit) or piece.video
+        return edit, await self._surfaces.video(edit) or opened.video
 
     def _name(self) -> str:
-        return self._store.piece.name if self._store.piece else "keypose"
+        return self._store.opened.name if self._store.opened else "keypose"
 
 
 def _picked(edit: EditorState, question: Pick) -> dict[str, Any]:
-    sight = sights(edit.doc)[question.view]
+    view = pointer_views(edit.doc)[question.view]
     pose = shown(edit).pose
-    parts = parts_at(edit.skeleton, pose, sight, question.at)
-    edge = outline(edit.skeleton, pose, sight, parts[0]).round(4).tolist() if parts else []
+    parts = parts_at(edit.skeleton, pose, view, question.at)
+    edge = outline(edit.skeleton, pose, view, parts[0]).round(4).tolist() if parts else []
     return {"parts": list(parts), "outline": edge}
 
 

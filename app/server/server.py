@@ -84,7 +84,7 @@ class Server:
 
     def _show(self, edit: EditorState, trail: Any) -> None:
         self.stage.show(self._maker.of(edit, trail))
-        self._surfaces.follow(self.store.piece, edit)
+        self._surfaces.follow(self.store.opened, edit)
 
     # --- running
 
@@ -122,12 +122,12 @@ class Server:
 
     async def _frame(self, request: Request) -> Response:
         store, index = self.store, request.path_params["index"]
-        edit, frames = store.outlook.edit, store.frames
+        edit, frames = store.app_state.edit, store.frames
         if edit is None or frames is None or index >= edit.frame_count:
             return PlainTextResponse("There is no such frame.\n", 404, headers_for("data"))
-        version = image_version(store.outlook)
+        version = image_version(store.app_state)
         try:
-            content = await self._surfaces.jpeg(index, store.outlook)
+            content = await self._surfaces.jpeg(index, store.app_state)
             if content is None:
                 content = await frames.jpeg(index, edit.doc.camera, version)
         except KeyposeError as error:
@@ -154,7 +154,7 @@ class Server:
         try:
             with contextlib.suppress(WebSocketDisconnect):  # this line is over
                 while True:
-                    self._receive(tab, await _heard(websocket))
+                    self._receive(tab, await _received(websocket))
         finally:
             sender.cancel()
             self.store.leave(tab)
@@ -185,7 +185,7 @@ def _uvicorn(guard: Guard) -> uvicorn.Server:
     return uvicorn.Server(config)
 
 
-async def _heard(websocket: WebSocket) -> Any:
+async def _received(websocket: WebSocket) -> Any:
     """The next message; WebSocketDisconnect where it is no JSON, or the tab is gone."""
     try:
         return await websocket.receive_json()

@@ -46,7 +46,7 @@ class Shelf:
 
     async def _upload(self, request: Request) -> Response:
         try:
-            size = _announced(request)
+            size = _content_length(request)
             name = request.query_params.get("name", "")
             with await asyncio.to_thread(self._library.upload, name, size) as upload:
                 return await _received(request, upload)
@@ -64,7 +64,7 @@ async def _received(request: Request, upload: Upload) -> Response:
     return JSONResponse({"id": name}, headers=headers_for("data"))
 
 
-def _announced(request: Request) -> int | None:
+def _content_length(request: Request) -> int | None:
     told = request.headers.get("content-length", "")
     return int(told) if told.isascii() and told.isdigit() else None
 

@@ -15,14 +15,14 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
-from app.document.open import Workpiece
+from app.document.open import OpenSession
 from app.editor.shown import shown
 from app.editor.state import EditorState
 from app.render.video_frames import Frames
 from app.scene.observed import Observed, Outdated, TintedSource, reading
 from app.scene.skin import skin
 from app.store.sections import image_version
-from app.store.state import Outlook, SurfaceSeen
+from app.store.state import AppState, SurfaceSeen
 from tracker.errors import KeyposeError, SurfaceError
 from tracker.surface.picture import SurfaceVideo
 from tracker.video import Video
@@ -72,7 +72,7 @@ class Surfaces:
         self._loop, self._show, self._settle, self._seen = loop, show, settle, seen
         self._unusable = unusable
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="surfaces")
-        self._piece: Workpiece | None = None
+        self._opened: OpenSession | None = None
         self._observed: Observed | None = None
         self._wish: Look | None = None
         self._done: Look | None = None
@@ -84,10 +84,10 @@ class Surfaces:
         self._has_glanced = False
         self._frames: tuple[tuple[Any, ...], Frames] | None = None
 
-    def follow(self, piece: Workpiece | None, edit: EditorState | None) -> None:
+    def follow(self, opened: OpenSession | None, edit: EditorState | None) -> None:
         """The state may have changed."""
-        if piece is not self._piece:
-            self._turn_to(piece)
+        if opened is not self._opened:
+            self._turn_to(opened)
         if self._observed is None or edit is None:
             return
         self._observed.follow(edit.settled)
@@ -99,15 +99,15 @@ class Surfaces:
         if self._stale is None:
             self._stale = self._loop.call_later(STALE_S, self._drop_stale)
 
-    async def jpeg(self, index: int, outlook: Outlook) -> bytes | None:
+    async def jpeg(self, index: int, app_state: AppState) -> bytes | None:
         """The picture of a step in the colours chosen; None where the session is of a video.
 
         VideoError where there is no such step, or the surfaces lie elsewhere meanwhile.
         """
-        edit = outlook.edit
+        edit = app_state.edit
         if self._observed is None or edit is None:
             return None
-        version = image_version(outlook)
+        version = image_version(app_state)
         self._observed.follow(edit.settled)
         of = (version, *reading(edit.settled))
         if self._frames is None or self._frames[0] != of:
@@ -124,13 +124,13 @@ class Surfaces:
 
     # --- looking
 
-    def _turn_to(self, piece: Workpiece | None) -> None:
+    def _turn_to(self, opened: OpenSession | None) -> None:
         if self._observed is not None:
             self._thread.submit(self._observed.close)
             self._show(None)
         self._leave_frames()
-        is_surface = piece is not None and isinstance(piece.video, SurfaceVideo)
-        self._piece, self._observed = piece, Observed(piece) if is_surface and piece else None
+        is_surface = opened is not None and isinstance(opened.video, SurfaceVideo)
+        self._opened, self._observed = opened, Observed(opened) if is_surface and opened else None
         self._wish, self._done, self._known = None, None, SurfaceSeen()
         self._has_glanced = False
 
@@ -151,10 +151,10 @@ class Surfaces:
         if wish is None or self._busy:
             return
         self._busy, self._looked_at = True, self._loop.time()
-        looking = self._loop.run_in_executor(self._thread, _looked, wish, self._known)
-        looking.add_done_callback(lambda done: self._looked(wish, done))
+        looking = self._loop.run_in_executor(self._thread, _sample, wish, self._known)
+        looking.add_done_callback(lambda done: self._on_sampled(wish, done))
 
-    def _looked(self, wish: Look, done: asyncio.Future[Found | None]) -> None:
+    def _on_sampled(self, wish: Look, done: asyncio.Future[Found | None]) -> None:
         self._busy = False
         if wish.observed is self._observed and not done.cancelled():
             fault = done.exception()
@@ -168,18 +168,18 @@ class Surfaces:
                 self._show(glb)
                 self._loop.call_later(SETTLE_S, self._settle)
                 self._seen(self._known)
-                self._glance(wish.observed)
+                self._check_all_steps(wish.observed)
         self._plan()
 
-    def _glance(self, observed: Observed) -> None:
+    def _check_all_steps(self, observed: Observed) -> None:
         """Once, after something is to be seen: which other steps there will be nothing of."""
         if self._has_glanced:
             return
         self._has_glanced = True
         glancing = self._loop.run_in_executor(None, observed.unusable)
-        glancing.add_done_callback(lambda done: self._glanced(observed, done))
+        glancing.add_done_callback(lambda done: self._on_all_checked(observed, done))
 
-    def _glanced(self, observed: Observed, done: asyncio.Future[str]) -> None:
+    def _on_all_checked(self, observed: Observed, done: asyncio.Future[str]) -> None:
         if observed is not self._observed or done.cancelled():
             return
         fault = done.exception()
@@ -221,7 +221,7 @@ def _key(edit: EditorState) -> tuple[Any, ...]:
     return (*key, doc.body, doc.model_keyframe, doc.surface, *bent)
 
 
-def _looked(wish: Look, known: SurfaceSeen) -> Found | None:
+def _sample(wish: Look, known: SurfaceSeen) -> Found | None:
     """The surface as the small views are told it, and what was seen of it; None where it lies
     elsewhere by now."""
     observed, edit, frame = wish.observed, wish.edit, wish.edit.frame
@@ -229,13 +229,13 @@ def _looked(wish: Look, known: SurfaceSeen) -> Found | None:
     try:
         with suppress(SurfaceError):  # of the step whose surface moves
             rims = observed.rims(edit)
-        sight = observed.sight(edit, frame)
+        surface = observed.sight(edit, frame)
         rated = observed.is_rated(edit, frame)
     except Outdated:
         return None
     except KeyposeError as error:
         return None, replace(known, frame=frame, problem=str(error), faces=0, rims=rims)
-    low, high = sight.mesh.vertices.min(axis=0), sight.mesh.vertices.max(axis=0)
+    low, high = surface.mesh.vertices.min(axis=0), surface.mesh.vertices.max(axis=0)
     x, y, z = (float(v) for v in (low + high) / 2)
-    seen = SurfaceSeen(frame, "", len(sight.mesh.faces), (x, y, z), rims, rated)
-    return skin(sight.mesh, sight.colours), seen
+    seen = SurfaceSeen(frame, "", len(surface.mesh.faces), (x, y, z), rims, rated)
+    return skin(surface.mesh, surface.colours), seen

@@ -33,7 +33,7 @@ class Examiner:
         self._thread.join(_SECONDS_TO_END)
 
     def _run(self) -> None:
-        _stand_back()
+        _lower_priority()
         try:
             self._examine()
         except VideoError:
@@ -54,7 +54,7 @@ class Examiner:
             self._found(info)
 
 
-def _stand_back() -> None:
+def _lower_priority() -> None:
     """Let others go first, where threads have a priority of their own."""
     if sys.platform == "linux":
         os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _NICENESS)

@@ -5,20 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from app.document.open import Workpiece
+from app.document.open import OpenSession
 from app.editor import actions as do
-from app.editor.fitted import (
-    demand_sizes_to_fit,
-    pose_to_fit,
-    with_pose_fitted,
-    with_sizes_fitted,
-)
+from app.editor.fitted import pose_to_fit, require_sizes_to_fit, with_pose_fitted, with_sizes_fitted
 from app.editor.shown import find
 from app.editor.state import EditorState
 from app.jobs import FitOrder, Fitted, JobFailed, PoseFitted, PoseOrder, SizesOrder
-from app.store.identity import same
+from app.store.identity import unchanged
 from app.store.runner import Runner
-from app.store.state import FitTold, Outlook
+from app.store.state import AppState, FitTold
 from tracker.body.pose import Pose
 from tracker.errors import KeyposeError
 from tracker.session.schema import Session
@@ -40,14 +35,14 @@ class Asked:
     began: EditorState
 
     @classmethod
-    def of(cls, piece: Workpiece, edit: EditorState, action: do.FitHere | do.FitSizes) -> Asked:
+    def of(cls, opened: OpenSession, edit: EditorState, action: do.FitHere | do.FitSizes) -> Asked:
         """What is asked for; Refused with the reason where it cannot be had."""
-        path = str(piece.video.info.path)
+        path = str(opened.video.info.path)
         if isinstance(action, do.FitSizes):
-            demand_sizes_to_fit(edit)
+            require_sizes_to_fit(edit)
             return cls(SizesOrder(_content(edit.doc), path, action.focal), None, edit)
         pose, frame = pose_to_fit(edit), edit.frame
-        near, folder = _near(edit), str(piece.session_path.absolute().parent)
+        near, folder = _near(edit), str(opened.session_path.absolute().parent)
         return cls(PoseOrder(_content(edit.doc), path, frame, pose, near, folder), frame, edit)
 
     @property
@@ -56,7 +51,7 @@ class Asked:
 
     def holds(self, edit: EditorState) -> bool:
         """Whether what it began from still stands."""
-        return same(self._made_of(edit.doc), self._made_of(self.began.doc))
+        return unchanged(self._made_of(edit.doc), self._made_of(self.began.doc))
 
     def is_like(self, other: Asked) -> bool:
         """Whether the other asks for the same of what still stands."""
@@ -74,10 +69,10 @@ class Host(Protocol):
     """Who owns the state."""
 
     @property
-    def outlook(self) -> Outlook: ...
+    def app_state(self) -> AppState: ...
 
     @property
-    def piece(self) -> Workpiece | None: ...
+    def opened(self) -> OpenSession | None: ...
 
     def take_fit(self, edit: EditorState, told: FitTold) -> None: ...
 
@@ -96,8 +91,8 @@ class Fitter:
 
     def ask(self, action: do.FitHere | do.FitSizes) -> None:
         """Begin; a fit that is asked for twice is done once."""
-        piece, edit = self._present()
-        asked = Asked.of(piece, edit, action)
+        opened, edit = self._present()
+        asked = Asked.of(opened, edit, action)
         if self._asked is None or not self._asked.is_like(asked):
             self._asked, self._found = asked, None
             self._runner.fit(asked.order, asked.title, self._ended)
@@ -140,7 +135,7 @@ class Fitter:
         _, edit = self._present()
         self._asked = self._found = None
         try:
-            after, told = taken(asked, found, edit)
+            after, told = apply_fit(asked, found, edit)
             if after is edit:
                 self._host.note("info", told.words)
             else:
@@ -154,14 +149,14 @@ class Fitter:
         self._asked = self._found = None
         self._runner.go_on(*self._present())
 
-    def _present(self) -> tuple[Workpiece, EditorState]:
-        piece, edit = self._host.piece, self._host.outlook.edit
-        assert piece is not None
+    def _present(self) -> tuple[OpenSession, EditorState]:
+        opened, edit = self._host.opened, self._host.app_state.edit
+        assert opened is not None
         assert edit is not None
-        return piece, edit
+        return opened, edit
 
 
-def taken(asked: Asked, fitted: Fitted, edit: EditorState) -> tuple[EditorState, FitTold]:
+def apply_fit(asked: Asked, fitted: Fitted, edit: EditorState) -> tuple[EditorState, FitTold]:
     """The state with what was found, and what is told of it; KeyposeError where it cannot stand."""
     if isinstance(fitted, PoseFitted):
         assert asked.frame is not None

@@ -36,7 +36,7 @@ def guide_after(guide: Guide, action: do.Editing, body: Body) -> Guide:
             return guide.then if isinstance(action, do.EndStroke) else before
         else:
             guide = before
-    then = _ticked(guide, action, body)
+    then = _with_progress(guide, action, body)
     stroke = _stroke_of(action)
     if stroke is None or then is guide:
         return then
@@ -54,10 +54,10 @@ def _stroke_of(action: do.Editing) -> str | None:
     return getattr(action, "stroke", None)
 
 
-def _ticked(guide: Guide, action: do.Editing, body: Body) -> Guide:
+def _with_progress(guide: Guide, action: do.Editing, body: Body) -> Guide:
     if isinstance(action, do.Drag) and action.at == action.from_:
         return guide  # back where it began
-    pulled = guide.pulled | _pulled(action)
+    pulled = guide.pulled | _pulled_ends(action)
     done = guide.done | _steps(action, body.parts[0].name)
     if len(pulled) >= min(ENOUGH_ENDS, _ends_of(body)):
         done |= {"limbs"}
@@ -69,7 +69,7 @@ def _ends_of(body: Body) -> int:
     return max(1, sum(handle.kind == "end" for handle in handles(body)))
 
 
-def _pulled(action: do.Editing) -> frozenset[str]:
+def _pulled_ends(action: do.Editing) -> frozenset[str]:
     if isinstance(action, do.Drag) and isinstance(action.handle, End):
         return frozenset({action.handle.name})
     return frozenset()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 
-def same(old: tuple[Any, ...] | None, new: tuple[Any, ...]) -> bool:
+def unchanged(old: tuple[Any, ...] | None, new: tuple[Any, ...]) -> bool:
     """By identity for what is large and immutable, by value for plain numbers and words."""
     if old is None or len(old) != len(new):
         return False

@@ -9,7 +9,7 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Literal, TypeAlias
 
-from app.document.open import Workpiece
+from app.document.open import OpenSession
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.jobs import (
@@ -85,23 +85,23 @@ class Runner:
         """End the worker."""
         self._tracking.close()
 
-    def changed(self, piece: Workpiece | None, edit: EditorState) -> None:
+    def changed(self, opened: OpenSession | None, edit: EditorState) -> None:
         """The document changed: with live on, what it made outdated is tracked at once."""
-        if not edit.display.live or piece is None or not edit.doc.spans:
+        if not edit.display.live or opened is None or not edit.doc.spans:
             return
         wanted = _touching(edit, edit.results.wanted(edit.doc))
         if wanted and not self._is_at(wanted):
-            self._start(piece, edit.doc, wanted, ("preview", edit.doc.settings.quality))
+            self._start(opened, edit.doc, wanted, ("preview", edit.doc.settings.quality))
 
-    def track(self, piece: Workpiece, edit: EditorState, what: What) -> None:
+    def track(self, opened: OpenSession, edit: EditorState, what: What) -> None:
         """Track; Refused with the reason when there is nothing to do."""
         if not edit.doc.spans:
             raise Refused(_nothing(edit.doc))
-        wanted = _wanted(edit, what)
+        wanted = _spans_to_track(edit, what)
         if not wanted:
             done = "tracked" if edit.doc.surface is None else "fitted"
             raise Refused(f"Nothing has changed: every segment is {done} already.")
-        self._start(piece, edit.doc, wanted, (edit.doc.settings.quality,))
+        self._start(opened, edit.doc, wanted, (edit.doc.settings.quality,))
 
     def fit(self, order: FitOrder, title: str, ended: FitEnded) -> None:
         """Fit; `ended` is told once what came of it, unless it is left or replaced before."""
@@ -120,14 +120,14 @@ class Runner:
         self._tracking.cancel()
         self._number = 0
 
-    def go_on(self, piece: Workpiece, edit: EditorState) -> None:
+    def go_on(self, opened: OpenSession, edit: EditorState) -> None:
         """The fit is over: track what waited for it."""
         waiting, self._waiting, self._fit_ended = self._waiting, frozenset(), None
         self.job, self.running = Job(), {}
         keys = segment_keys(edit.settled)
         wanted = [(*span, key) for span, key in keys.items() if span in waiting]
         if wanted:
-            self._start(piece, edit.settled, wanted, self._stages)
+            self._start(opened, edit.settled, wanted, self._stages)
         else:
             self._tell(self, False)
 
@@ -153,7 +153,7 @@ class Runner:
     # --- what the worker says
 
     def _start(
-        self, piece: Workpiece, doc: Session, wanted: Sequence[Wanted], stages: Sequence[Quality]
+        self, opened: OpenSession, doc: Session, wanted: Sequence[Wanted], stages: Sequence[Quality]
     ) -> None:
         self._stages = tuple(stages)
         if self._fit_ended is not None:
@@ -167,9 +167,9 @@ class Runner:
         self._verbs = _VERBS[doc.surface is not None]
         self.job = Job("running", f"{self._verbs[0]} {_what(list(self._wanted))}", "starting")
         self._progress = None
-        folder = piece.session_path.parent
+        folder = opened.session_path.parent
         self._number = self._newest = self._tracking.start(
-            doc, piece.video.info.path, wanted, stages, folder
+            doc, opened.video.info.path, wanted, stages, folder
         )
         self._tell(self, False)
 
@@ -260,7 +260,7 @@ class Runner:
         return ", ".join(f"{count} {said.get(kind, kind)}" for kind, count in counts if count)
 
 
-def _wanted(edit: EditorState, what: What) -> list[Wanted]:
+def _spans_to_track(edit: EditorState, what: What) -> list[Wanted]:
     if what == "changed":
         return edit.results.wanted(edit.doc)
     every = [(*span, key) for span, key in segment_keys(edit.doc).items()]

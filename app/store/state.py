@@ -105,7 +105,7 @@ class SurfaceSeen:
 
 
 @dataclass(frozen=True, eq=False)
-class Outlook:
+class AppState:
     """running: the segments at work, by (first, last).
 
     server: differs for every start of the program.  revision: differs after every edit.
@@ -126,7 +126,7 @@ class Outlook:
     unusable: str = ""
 
     @property
-    def as_looked_at(self) -> Outlook:
+    def as_looked_at(self) -> AppState:
         """With what stood before the last fit, while somebody looks back at it."""
         if self.fit is None or self.edit is None or not self.fit.looking_back:
             return self

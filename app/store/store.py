@@ -21,12 +21,12 @@ from pydantic import ValidationError
 
 from app.document.edit_log import Journaling
 from app.document.library import Library, id_of
-from app.document.open import Workpiece, edit_state, open_workpiece
-from app.document.write_lock import Holding
+from app.document.open import OpenSession, edit_state, open_for_editing
+from app.document.write_lock import WriteLock
 from app.editor import actions
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
-from app.editor.update import ended, update
+from app.editor.update import end_stroke, update
 from app.render.video_frames import Frames
 from app.store.autosave import Saver
 from app.store.clients import Clients
@@ -35,7 +35,7 @@ from app.store.fitter import Fitter
 from app.store.guide import guide_after
 from app.store.runner import Runner
 from app.store.sections import Sections
-from app.store.state import FitTold, Guide, Job, Opened, Outlook, Saved, SurfaceSeen
+from app.store.state import AppState, FitTold, Guide, Job, Opened, Saved, SurfaceSeen
 from app.store.tabs import Tab, Tabs
 from tracker.errors import KeyposeError, SessionError, SurfaceError, VideoError, one_sentence
 from tracker.storage.chronicle import mark_of
@@ -70,10 +70,10 @@ class Store:
         self._loop = loop
         self._show = show
         self._library = library
-        self._outlook = Outlook(server=secrets.token_hex(8))
+        self._app_state = AppState(server=secrets.token_hex(8))
         self._sections = Sections()
         self._tabs = Tabs()
-        self._piece: Workpiece | None = None
+        self._opened: OpenSession | None = None
         self._saver = Saver(self._on_saved)
         self._runner = Runner(loop, self._on_running)
         self._fitter = Fitter(self._runner, self)
@@ -85,19 +85,19 @@ class Store:
         self._opening = asyncio.Lock()
         self._tasks: set[asyncio.Task[None]] = set()
         self._warned: str | None = None
-        self._holding = Holding()
+        self._holding = WriteLock()
         self._journaling: Journaling | None = None
         self._examiner: Examiner | None = None
         self._clients = Clients()
         self.frames: Frames | None = None
 
     @property
-    def outlook(self) -> Outlook:
-        return self._outlook
+    def app_state(self) -> AppState:
+        return self._app_state
 
     @property
-    def piece(self) -> Workpiece | None:
-        return self._piece
+    def opened(self) -> OpenSession | None:
+        return self._opened
 
     # --- tabs
 
@@ -112,22 +112,22 @@ class Store:
     def leave(self, tab: Tab) -> None:
         """One tab fewer; the gesture it may have been in the middle of ends as it is."""
         self._tabs.leave(tab)
-        if self._outlook.edit is not None and self._dragging is tab:
+        if self._app_state.edit is not None and self._dragging is tab:
             self._clients.resume_gesture()
-            self._edit_to(ended(self._outlook.edit))
+            self._edit_to(end_stroke(self._app_state.edit))
             self._clients.end()
         self._look(tabs=len(self._tabs))
         self._look_back(False)
 
     def receive(self, tab: Tab, message: Any) -> None:
         """An action from a tab: validated, done once, acknowledged."""
-        client, number, message = _addressed(message)
+        client, number, message = _split_envelope(message)
         try:
             if not self._clients.begin(client, number):
                 return
             action = actions.ACTIONS.validate_python(message)
             self.do(action)
-            under_way = self._outlook.edit.stroke if self._outlook.edit else None
+            under_way = self._app_state.edit.stroke if self._app_state.edit else None
             if under_way is not None and under_way.name == getattr(action, "stroke", None):
                 self._dragging = tab
         except ValidationError as error:
@@ -156,22 +156,22 @@ class Store:
         if isinstance(action, actions.Running):
             self._run(action)
             return
-        if self._outlook.edit is None:
+        if self._app_state.edit is None:
             raise Refused("Open a video first.")
         if not isinstance(action, actions.Looking):
-            self._holding.demand_writable()
-        self._edit_to(update(self._outlook.edit, action))
-        guide = guide_after(self._outlook.guide, action, self._outlook.edit.doc.body)
-        if guide is not self._outlook.guide:
+            self._holding.require_writable()
+        self._edit_to(update(self._app_state.edit, action))
+        guide = guide_after(self._app_state.guide, action, self._app_state.edit.doc.body)
+        if guide is not self._app_state.guide:
             self._look(guide=guide)
 
     # --- what follows from a change
 
     def _edit_to(self, edit: EditorState) -> None:
-        before = self._outlook.edit
+        before = self._app_state.edit
         if edit is before:
             return
-        fit = self._outlook.fit
+        fit = self._app_state.fit
         self._look(edit=edit, fit=fit if fit is not None and edit.doc is fit.after else None)
         if (before is not None and before.stroke is not None) != (edit.stroke is not None):
             self._runner.hold(edit.stroke is not None)
@@ -182,29 +182,29 @@ class Store:
         if before is None:
             return
         if edit.stroke is None and edit.doc is not before.settled:
-            self._runner.changed(self._piece, edit)
+            self._runner.changed(self._opened, edit)
         self._fitter.changed()
 
     def _look(self, **changes: Any) -> None:
-        self._outlook = replace(self._outlook, **changes)
+        self._app_state = replace(self._app_state, **changes)
         if not self._turn_asked:
             self._turn_asked = True
-            self._loop.call_soon(self._turn)
+            self._loop.call_soon(self._publish)
 
-    def _turn(self) -> None:
+    def _publish(self) -> None:
         self._turn_asked = False
         self._tell()
-        edit = self._outlook.as_looked_at.edit
+        edit = self._app_state.as_looked_at.edit
         if edit is not None:
             self._show(edit, self._sections.all["trail"])
 
     def _tell(self) -> None:
         """Tell every tab what has changed since they were told last."""
-        self._tabs.tell(self._sections.changed(self._outlook.as_looked_at))
+        self._tabs.tell(self._sections.changed(self._app_state.as_looked_at))
 
     def surface_seen(self, seen: SurfaceSeen) -> None:
         """The views have looked at an observed surface; what they saw of it."""
-        if seen != self._outlook.surface:
+        if seen != self._app_state.surface:
             self._look(surface=seen)
 
     def surfaces_unusable(self, words: str) -> None:
@@ -218,21 +218,21 @@ class Store:
         if self._saving_later is not None:
             self._saving_later.cancel()
             self._saving_later = None
-        edit, piece, journaling = self._outlook.edit, self._piece, self._journaling
-        if edit is None or piece is None or journaling is None:
+        edit, opened, journaling = self._app_state.edit, self._opened, self._journaling
+        if edit is None or opened is None or journaling is None:
             return
-        path, doc = piece.session_path, edit.settled
+        path, doc = opened.session_path, edit.settled
 
         def write() -> None:
-            self._holding.demand_folder(path.parent, partial(journaling.is_own, path))
+            self._holding.require_folder(path.parent, partial(journaling.is_own, path))
             if not path.exists():  # a journal alone would not be found
                 journaling.save(journaling.as_written(doc), path)
             journaling.write()
-            self._loop.call_soon_threadsafe(journaling.heard)
+            self._loop.call_soon_threadsafe(journaling.call_written)
             session = save_results(doc, path, edit.results)
             theirs = journaling.save(session, path)
             if theirs is not None:
-                self._loop.call_soon_threadsafe(self.note, "check", _aside(path, theirs))
+                self._loop.call_soon_threadsafe(self.note, "check", _set_aside_words(path, theirs))
             with suppress(OSError):  # what is left over does no harm
                 tidy_tracks(path.parent)
             with suppress(KeyposeError):  # only the list of recent sessions would lack it
@@ -256,21 +256,21 @@ class Store:
 
     def _on_running(self, runner: Runner, finished: bool) -> None:
         """The tracker has told something: its results, its progress."""
-        was, job = self._outlook.job, runner.job
+        was, job = self._app_state.job, runner.job
         is_another = (job.state, job.title) != (was.state, was.title)
         if finished or is_another or self._loop.time() >= self._next_news:
-            self._hear()
+            self._take_news()
         elif self._news_later is None:
-            self._news_later = self._loop.call_at(self._next_news, self._hear)
+            self._news_later = self._loop.call_at(self._next_news, self._take_news)
         if finished or job.state != was.state:
             self._save_soon(at_once=job.state != "running")
 
-    def _hear(self) -> None:
+    def _take_news(self) -> None:
         """Take over what the tracker has told until now."""
         if self._news_later is not None:
             self._news_later.cancel()
             self._news_later = None
-        edit, runner = self._outlook.edit, self._runner
+        edit, runner = self._app_state.edit, self._runner
         is_dragged = edit is not None and edit.stroke is not None
         rest = SECONDS_IN_A_GESTURE if is_dragged else SECONDS_BETWEEN_NEWS
         self._next_news = self._loop.time() + rest
@@ -292,13 +292,13 @@ class Store:
             self._look_back(action.on)
         elif isinstance(action, actions.CloseFit):
             self._look(fit=None)
-        elif self._outlook.edit is None or self._piece is None:
+        elif self._app_state.edit is None or self._opened is None:
             raise Refused("Open a video first.")
         else:
-            self._holding.demand_writable()
-            self._edit_to(ended(self._outlook.edit))
+            self._holding.require_writable()
+            self._edit_to(end_stroke(self._app_state.edit))
             if isinstance(action, actions.Track):
-                self._runner.track(self._piece, self._outlook.edit, action.what)
+                self._runner.track(self._opened, self._app_state.edit, action.what)
             else:
                 self._fitter.ask(action)
 
@@ -310,7 +310,7 @@ class Store:
         self._look(fit=told)
 
     def _look_back(self, on: bool) -> None:
-        fit = self._outlook.fit
+        fit = self._app_state.fit
         if fit is not None and fit.looking_back != on:
             self._look(fit=replace(fit, looking_back=on))
 
@@ -349,48 +349,48 @@ class Store:
         What is open already stays open as it is: the file may lag behind.
         """
         async with self._opening:
-            piece = await asyncio.to_thread(open_workpiece, path, self._library.session_for)
+            opened = await asyncio.to_thread(open_for_editing, path, self._library.session_for)
             try:
-                if self._piece is not None and self._piece.is_same(piece):
-                    await asyncio.to_thread(piece.video.close)
+                if self._opened is not None and self._opened.is_same(opened):
+                    await asyncio.to_thread(opened.video.close)
                     return
-                edit, problem = await asyncio.to_thread(edit_state, piece)
-                film = await asyncio.to_thread(piece.film)
+                edit, problem = await asyncio.to_thread(edit_state, opened)
+                film = await asyncio.to_thread(opened.film)
                 await self._put_away()
-                self._holding.take(piece)
-                if piece.is_stale():  # another Keypose wrote on until it let go of the lock
-                    piece.video.close()
-                    piece = await asyncio.to_thread(
-                        open_workpiece, piece.session_path, self._library.session_for
+                self._holding.take(opened)
+                if opened.is_stale():  # another Keypose wrote on until it let go of the lock
+                    opened.video.close()
+                    opened = await asyncio.to_thread(
+                        open_for_editing, opened.session_path, self._library.session_for
                     )
-                    edit, problem = await asyncio.to_thread(edit_state, piece)
+                    edit, problem = await asyncio.to_thread(edit_state, opened)
             except BaseException:
-                piece.video.close()
+                opened.video.close()
                 self._holding.release()
                 raise
             read_only = self._holding.read_only
             if not read_only:
-                self._journaling = Journaling(piece.session_path, edit, piece.journal)
-            received = piece.journal.received
+                self._journaling = Journaling(opened.session_path, edit, opened.journal)
+            received = opened.journal.received
             self._clients = Clients(received.clients)
-            self._piece, self.frames = piece, Frames(piece.video)
+            self._opened, self.frames = opened, Frames(opened.video)
             self._look(
-                opened=_opened(piece, film),
+                opened=_opened_facts(opened, film),
                 revision=received.revision or mark_of(edit.doc),
                 edit=edit,
                 guide=Guide(first=not edit.doc.keyframes),
                 saved=Saved("readonly" if read_only else "saved", 0.0, read_only),
             )
             self._runner.opened(edit)
-            if not isinstance(piece.video, SurfaceVideo):
-                self._examiner = Examiner(self._loop, piece.video, self._on_damage)
-            for words in (*piece.news, *([problem] if problem else [])):
+            if not isinstance(opened.video, SurfaceVideo):
+                self._examiner = Examiner(self._loop, opened.video, self._on_damage)
+            for words in (*opened.news, *([problem] if problem else [])):
                 self.note("check", words)
 
     def _on_damage(self, info: VideoInfo) -> None:
         """More frames of the open video are known to be missing or damaged."""
-        if self._outlook.opened is not None:
-            self._look(opened=replace(self._outlook.opened, info=info))
+        if self._app_state.opened is not None:
+            self._look(opened=replace(self._app_state.opened, info=info))
 
     async def close_session(self) -> None:
         """Save, and go back to the start screen."""
@@ -416,8 +416,8 @@ class Store:
         await self._runner.leave()
         self._saver.again()
         while True:
-            if self._outlook.edit is not None:
-                self._edit_to(ended(self._outlook.edit))
+            if self._app_state.edit is not None:
+                self._edit_to(end_stroke(self._app_state.edit))
             if self._saving_later is not None:
                 self._save()
             if self._saver.is_settled:
@@ -426,8 +426,8 @@ class Store:
 
     async def _let_go(self) -> None:
         """Nothing is open from here on, at once; what is slow to close is closed after that."""
-        piece, frames, examiner = self._piece, self.frames, self._examiner
-        self._piece = self.frames = self._warned = self._examiner = None
+        opened, frames, examiner = self._opened, self.frames, self._examiner
+        self._opened = self.frames = self._warned = self._examiner = None
         self._saver.give_up()
         self._fitter.closed()
         self._runner.closed()
@@ -442,8 +442,8 @@ class Store:
             await asyncio.to_thread(examiner.close)
         if frames is not None:
             frames.close()
-        if piece is not None:
-            await asyncio.to_thread(piece.video.close)
+        if opened is not None:
+            await asyncio.to_thread(opened.video.close)
 
     async def stop(self) -> None:
         """Save what is unsaved and end the worker; SessionError when something is lost."""
@@ -461,8 +461,8 @@ class Store:
 
     async def saved_path(self) -> Path:
         """The session's file once it holds everything; SessionError when it cannot be written."""
-        piece = self._piece
-        if piece is None:
+        opened = self._opened
+        if opened is None:
             raise Refused("Open a video first.")
         self._saver.again()
         if self._saving_later is not None:
@@ -470,26 +470,26 @@ class Store:
         await self._saver.settled()
         if self._saver.problem is not None:
             raise SessionError(self._saver.problem)
-        return piece.session_path
+        return opened.session_path
 
     def note(self, kind: str, words: str, button: dict[str, Any] | None = None) -> None:
         """Tell every tab something worth a sentence; when there is none, the first that comes."""
         self._tabs.say({"t": "note", "kind": kind, "words": words, "button": button})
 
 
-def _aside(path: Path, theirs: Path) -> str:
+def _set_aside_words(path: Path, theirs: Path) -> str:
     return (
         f"Another program changed {path.name} meanwhile: its version is kept as {theirs.name}, "
         "yours goes on."
     )
 
 
-def _opened(piece: Workpiece, film: str) -> Opened:
-    path = piece.session_path
-    return Opened(piece.name, str(path), id_of(str(path.absolute())), piece.video.info, film)
+def _opened_facts(opened: OpenSession, film: str) -> Opened:
+    path = opened.session_path
+    return Opened(opened.name, str(path), id_of(str(path.absolute())), opened.video.info, film)
 
 
-def _addressed(message: Any) -> tuple[str, int, Any]:
+def _split_envelope(message: Any) -> tuple[str, int, Any]:
     """Who sends a message, its number, and what is left of it. Without a number nothing is told of
     it, and without a client it is not remembered."""
     if not isinstance(message, dict):

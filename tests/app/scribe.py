@@ -47,7 +47,7 @@ async def write(path: Path, seed: int) -> None:
     store = Store(loop, lambda *_: None, Library(folder / "work", [folder]))
     await store.open(path)
     tab = store.join()
-    edits = store.outlook.edit
+    edits = store.app_state.edit
     assert edits is not None
     print("opened", mark_of(edits.settled), flush=True)
     if chance.random() < TRACKED:
@@ -55,9 +55,9 @@ async def write(path: Path, seed: int) -> None:
     number = 0
     while True:
         number += 1
-        assert store.outlook.edit is not None
-        store.receive(tab, {**edit(chance, store.outlook.edit.keys, number), "n": number})
-        mark = mark_of(store.outlook.edit.settled)
+        assert store.app_state.edit is not None
+        store.receive(tab, {**edit(chance, store.app_state.edit.keys, number), "n": number})
+        mark = mark_of(store.app_state.edit.settled)
         acknowledged = 0
         while acknowledged < number:
             for message in await tab.next():

@@ -21,7 +21,7 @@ from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.fitting.sizes import fit_sizes as fit
 from tracker.fitting.sizes.proportions import Proportions
-from tracker.solver.body_points import Place
+from tracker.solver.body_points import BodyPoint
 from tracker.solver.fit_joints import fit_picture
 
 GIVEN = preset("adult_male")
@@ -101,7 +101,7 @@ def _posed(person: Body, pose: Pose, off_px: float, seed: int) -> Pose:
     """The given body with its joints where the person's are seen."""
     uv = _pixels(person, pose)
     uv = uv + np.random.default_rng(seed).normal(0.0, off_px, uv.shape)
-    own: list[Place] = [((i, (0.0, 0.0, 0.0)),) for i in range(len(GIVEN.parts))]
+    own: list[BodyPoint] = [((i, (0.0, 0.0, 0.0)),) for i in range(len(GIVEN.parts))]
     own += [((i, p),) for i, part in enumerate(GIVEN.parts) for p in part.landmarks.values()]
     return fit_picture(GIVEN, CAMERA, own, uv, np.ones(len(uv)), [pose], pose).pose
 

@@ -126,7 +126,7 @@ class DenseRows:
 
 def own_solve(shown: Sequence, scene: Scene, clip: Clip, method: Keypose = FULL) -> Timing:
     """One solve of ours: sums over the followed points, equations, Cholesky, update."""
-    followed, solves = seen_points(scene, shown, clip, method.of), 40
+    followed, solves = seen_points(scene, shown, clip, method.stride), 40
     pose, dofs = shown.truth.pose(1), scene.skeleton.dof_count
 
     def work() -> None:
@@ -134,7 +134,7 @@ def own_solve(shown: Sequence, scene: Scene, clip: Clip, method: Keypose = FULL)
         A = np.empty((dofs, dofs))
         solve_pair(
             scene.arrays, followed.chosen, followed.grey, followed.starts, R, t, np.zeros(dofs),
-            clip.levels[0][1], scene.lens, scene.prior(method.of), solves, 0.0, A,
+            clip.levels[0][1], scene.lens, scene.prior(method.stride), solves, 0.0, A,
         )  # fmt: skip
 
     return Timing.of(work, 15, solves)
@@ -168,7 +168,7 @@ def most_solves(method: Keypose) -> int:
 
 def floor(shown: Sequence, scene: Scene, clip: Clip, method: Keypose = FULL) -> Floor:
     """The floor under one frame of a method, at most of its solves."""
-    seen, followed = seen_points(scene, shown, clip), seen_points(scene, shown, clip, method.of)
+    seen, followed = seen_points(scene, shown, clip), seen_points(scene, shown, clip, method.stride)
     looks = 2 + method.passes + 1
     flops = most_solves(method) * len(followed) * POINT_FLOPS
     flops += looks * len(scene.points.points) * SEEING_FLOPS

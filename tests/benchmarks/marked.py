@@ -17,7 +17,7 @@ from tracker.body.skeleton import Skeleton
 from tracker.evaluate import JointReference
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
-from tracker.solver.body_points import Place
+from tracker.solver.body_points import BodyPoint
 
 FITTED_FROM = ("body", "geometry")
 
@@ -131,7 +131,7 @@ def _marks(body: Body, marked: list[Marked]) -> JointReference:
     return JointReference(tuple(names), tuple(_place(body, n) for n in names), positions, frames)
 
 
-def _place(body: Body, name: str) -> Place:
+def _place(body: Body, name: str) -> BodyPoint:
     """Where on the body a mark lies, as it was posed."""
     if name == "hip":
         return tuple((body.index(f"{side}_thigh"), (0.0, 0.0, 0.0)) for side in ("left", "right"))

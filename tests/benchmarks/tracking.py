@@ -79,7 +79,7 @@ def linear(tracker: Tracker) -> list[Trajectory]:
 
 def forward(tracker: Tracker) -> list[Trajectory]:
     """Followed from each segment's first keyframe alone; the second one has no say."""
-    how = (FULL.of, FULL.chain_inner, FULL.stop, FULL.finest)
+    how = (FULL.stride, FULL.chain_inner, FULL.stop, FULL.finest)
     return [
         follow(
             scene_of(tracker, (a, b)), tracker.loader.load(a, b), tracker.keyposes[a], a, b, *how

@@ -12,7 +12,7 @@ import pytest
 import static
 from app.document.library import Library
 from app.store.sections import Sections
-from app.store.state import FitTold, Outlook
+from app.store.state import AppState, FitTold
 from tests.app import surface_cases
 from tests.app.editor.desk import after, desk
 from tests.app.store.test_sections import seen
@@ -61,7 +61,7 @@ DRAG = {
 }
 
 
-def outlooks() -> dict[str, Outlook]:
+def outlooks() -> dict[str, AppState]:
     masked = after(
         desk(),
         {"do": "add_mask", "polygon": [[0, 0], [50, 0], [0, 50]], "first": 0, "last": 10},
@@ -71,9 +71,9 @@ def outlooks() -> dict[str, Outlook]:
     fit = FitTold(3, "Fitted", masked.doc, masked.doc, (("head", "turned", "1°", "2°"),))  # type: ignore[arg-type]
     return {
         "film": seen(),
-        "dragged": Outlook(edit=after(desk(), DRAG)),
-        "masked": Outlook(edit=masked, fit=fit),
-        "surfaces": Outlook(edit=desk().with_doc(surfaces)),
+        "dragged": AppState(edit=after(desk(), DRAG)),
+        "masked": AppState(edit=masked, fit=fit),
+        "surfaces": AppState(edit=desk().with_doc(surfaces)),
     }
 
 

@@ -15,7 +15,7 @@ from tests.rendering.ring import Carvings, Shot, ring_of
 from tracker.body.body import Body
 from tracker.body.pose import Pose, pose_transforms
 from tracker.body.skeleton import Skeleton
-from tracker.surface.cameras.carve import carved, seen_through
+from tracker.surface.cameras.carve import carve_field, seen_through
 from tracker.surface.cameras.hull import SMOOTHING_VOXELS, Silhouette, hull_field, hull_mesh
 from tracker.surface.cameras.photo import consistency
 from tracker.surface.cameras.views import View
@@ -91,7 +91,7 @@ def observed(
     pictures = [shot.picture for shot in shots]
     field = hull_field(views, [Silhouette(shot.inside) for shot in shots], voxel_m)
     if hull == "photo":
-        field = carved(field, views, pictures)
+        field = carve_field(field, views, pictures)
     elif hull == "ideal":
         field = seen_through(field, views, [shot.depth for shot in shots], 1, THROUGH_M)
     mesh = hull_mesh(field, smoothing_voxels)

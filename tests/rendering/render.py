@@ -19,7 +19,7 @@ from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import rotation_between
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 
 Floats = NDArray[np.float32]
 
@@ -61,7 +61,7 @@ class _Scene:
 
     skeleton: Skeleton
     settings: RenderSettings
-    eye: Eye
+    view: ViewCamera
     mesh: BodyMesh
     normal_maps: NDArray[np.float64]
     colours: NDArray[np.float64]
@@ -78,7 +78,7 @@ class _Scene:
         return cls(
             skeleton,
             settings,
-            Eye.of(camera),
+            ViewCamera.of(camera),
             mesh,
             smooth_normal_maps(mesh),
             part_colours(skeleton.body),
@@ -105,8 +105,8 @@ def _moments(settings: RenderSettings) -> NDArray[np.float64]:
 
 def _exposed(scene: _Scene, trajectory: Trajectory, j: int, moment: float) -> Floats:
     """The light (H, W, 3) at a moment near frame j."""
-    settings, eye = scene.settings, scene.eye
-    picture = _wall(scene.wall, settings.pan_px_per_frame * (j + moment), eye.width)
+    settings, view = scene.settings, scene.view
+    picture = _wall(scene.wall, settings.pan_px_per_frame * (j + moment), view.width)
     _add_body(picture, scene, _transforms(scene.skeleton, trajectory, j, moment))
     if settings.occluder is not None:
         _add_bar(picture, settings.occluder)
@@ -139,7 +139,7 @@ def _add_body(picture: Floats, scene: _Scene, Ts_eye_part: NDArray[np.float64]) 
     if right <= left or bottom <= top:
         return
     n, width, height = scene.settings.samples, right - left, bottom - top
-    fine = scene.eye.cropped(left, top, width, height).resized(n * width, n * height)
+    fine = scene.view.cropped(left, top, width, height).resized(n * width, n * height)
     seen = raster(scene.mesh, Ts_eye_part, fine)
     light = np.zeros((height, width, 3), np.float32)
     covered = np.zeros((height, width), np.float32)
@@ -152,7 +152,7 @@ def _add_body(picture: Floats, scene: _Scene, Ts_eye_part: NDArray[np.float64]) 
 def _shade(
     scene: _Scene,
     Ts_eye_part: NDArray[np.float64],
-    fine: Eye,
+    fine: ViewCamera,
     face: NDArray[np.int32],
     depth: Floats,
     light: Floats,
@@ -185,12 +185,12 @@ def _shade(
 
 def _box(scene: _Scene, Ts_eye_part: NDArray[np.float64]) -> tuple[int, int, int, int]:
     """Left, top, right, bottom of the pixels the body can touch, right and bottom left out."""
-    eye = scene.eye
-    uv = eye.project(scene.mesh.posed(Ts_eye_part))
+    view = scene.view
+    uv = view.project(scene.mesh.posed(Ts_eye_part))
     if np.isnan(uv).any():
-        return 0, 0, eye.width, eye.height
-    low = np.clip(np.floor(uv.min(axis=0) - 1), 0, (eye.width, eye.height)).astype(int)
-    high = np.clip(np.ceil(uv.max(axis=0) + 2), 0, (eye.width, eye.height)).astype(int)
+        return 0, 0, view.width, view.height
+    low = np.clip(np.floor(uv.min(axis=0) - 1), 0, (view.width, view.height)).astype(int)
+    high = np.clip(np.ceil(uv.max(axis=0) + 2), 0, (view.width, view.height)).astype(int)
     return int(low[0]), int(low[1]), int(high[0]), int(high[1])
 
 

@@ -13,7 +13,7 @@ from tests.rendering.scenes import Scene, scene
 from tests.rendering.settings import Occluder, RenderSettings
 from tracker.body.raster import BodyMesh, raster
 from tracker.geometry.rotations import apply_transform
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 
 CLEAN = RenderSettings(noise=0.0)
 
@@ -43,14 +43,14 @@ def test_the_truth_carries_each_surface_point_to_where_it_is_next(projection: st
         base = replace(base, camera=base.camera.model_copy(update=update))
     first, second = (frame.astype(np.float32) for frame in base.frames())
     T = base.truth.transforms(base.skeleton)
-    eye, mesh = Eye.of(base.camera), BodyMesh.of(base.skeleton)
-    seen, later = raster(mesh, T[0], eye), raster(mesh, T[1], eye)
+    view, mesh = ViewCamera.of(base.camera), BodyMesh.of(base.skeleton)
+    seen, later = raster(mesh, T[0], view), raster(mesh, T[1], view)
     inner = cv2.erode((seen.part >= 0).astype(np.uint8), np.ones((9, 9))) > 0
     rows, columns = np.nonzero(inner)
     uv = np.column_stack([columns, rows]).astype(float)
-    p_eye = eye.back_project(uv, seen.depth[inner].astype(float))
+    p_eye = view.back_project(uv, seen.depth[inner].astype(float))
     moved = apply_transform(T[1, 0] @ np.linalg.inv(T[0, 0]), p_eye)
-    to = eye.project(moved).astype(np.float32)
+    to = view.project(moved).astype(np.float32)
     shown = later.face[tuple(np.rint(to[:, ::-1]).astype(int).T)] == seen.face[inner]
     carried = cv2.remap(second, to[None, :, 0], to[None, :, 1], cv2.INTER_LINEAR)[0]
     miss = np.abs(carried - first[inner])[shown].mean()
@@ -65,7 +65,9 @@ def test_the_body_stands_where_the_camera_projects_it() -> None:
     bare = replace(base.settings, background_contrast=0.0)
     frame = replace(base, settings=bare).frames()[0].astype(int)
     mask = raster(
-        BodyMesh.of(base.skeleton), base.truth.transforms(base.skeleton)[0], Eye.of(base.camera)
+        BodyMesh.of(base.skeleton),
+        base.truth.transforms(base.skeleton)[0],
+        ViewCamera.of(base.camera),
     ).part
     outside = cv2.dilate((mask >= 0).astype(np.uint8), np.ones((3, 3))) == 0
     differs = np.abs(frame - np.median(frame, axis=1, keepdims=True)).max(axis=2) > 2
@@ -77,9 +79,9 @@ def test_a_texture_poor_body_has_less_contrast_than_a_textured_one() -> None:
     base = small(frames=1)
     rich, poor = base.frames()[0], changed(base, texture_contrast=4.0)[0]
     skeleton, T = base.skeleton, base.truth.transforms(base.skeleton)[0]
-    chest = raster(BodyMesh.of(skeleton), T, Eye.of(base.camera)).part == skeleton.body.index(
-        "chest"
-    )
+    chest = raster(
+        BodyMesh.of(skeleton), T, ViewCamera.of(base.camera)
+    ).part == skeleton.body.index("chest")
     assert rich[chest].std(axis=0).mean() > 1.5 * poor[chest].std(axis=0).mean()
 
 

@@ -13,7 +13,7 @@ from tracker.body.trajectory import Trajectory, interpolate, joined
 from tracker.errors import FormatError
 from tracker.evaluate import JointReference, Spread, evaluate, evaluate_joints
 from tracker.geometry.rotations import rotation_from_euler
-from tracker.solver.body_points import Place
+from tracker.solver.body_points import BodyPoint
 
 SKELETON, CAMERA = cases.SKELETON, cases.CAMERA
 KEYS = (0, 4, 8)
@@ -97,7 +97,7 @@ def test_what_cannot_be_compared_is_refused() -> None:
         evaluate(SKELETON, CAMERA, truth(), fewer, KEYS)
 
 
-PLACES: tuple[Place, ...] = (
+PLACES: tuple[BodyPoint, ...] = (
     ((2, (0.0, 0.0, 0.0)),),
     ((1, (0.0, 0.0, 0.0)), (2, (0.0, 0.0, 0.0))),
 )

@@ -93,11 +93,11 @@ class Body(BaseModel):
     @model_validator(mode="after")
     def _is_one_tree(self) -> Self:
         names = [part.name for part in self.parts]
-        _demand_unique(names)
-        _demand_parents(self.parts)
-        _demand_no_cycle({part.name: part.parent for part in self.parts})
-        _demand_order(self.parts)
-        _demand_pairs(self.mirror_pairs, set(names))
+        _require_unique(names)
+        _require_parents(self.parts)
+        _require_no_cycle({part.name: part.parent for part in self.parts})
+        _require_order(self.parts)
+        _require_pairs(self.mirror_pairs, set(names))
         return self
 
     @property
@@ -148,13 +148,13 @@ def preset(name: str) -> Body:
     return Body.model_validate(json.loads(text))
 
 
-def _demand_unique(names: list[str]) -> None:
+def _require_unique(names: list[str]) -> None:
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
         raise ValueError(f"part {twice[0]!r} appears twice; every part needs a name of its own")
 
 
-def _demand_parents(parts: tuple[Part, ...]) -> None:
+def _require_parents(parts: tuple[Part, ...]) -> None:
     names = {part.name for part in parts}
     for part in parts:
         if part.parent is not None and part.parent not in names:
@@ -164,7 +164,7 @@ def _demand_parents(parts: tuple[Part, ...]) -> None:
         raise ValueError(f"parts {', '.join(roots)} have no parent; exactly one root is allowed")
 
 
-def _demand_no_cycle(parent_of: dict[str, str | None]) -> None:
+def _require_no_cycle(parent_of: dict[str, str | None]) -> None:
     for start in parent_of:
         name: str | None = start
         for _ in range(len(parent_of)):
@@ -173,7 +173,7 @@ def _demand_no_cycle(parent_of: dict[str, str | None]) -> None:
             raise ValueError(f"part {start!r} is its own ancestor; parents must lead to a root")
 
 
-def _demand_order(parts: tuple[Part, ...]) -> None:
+def _require_order(parts: tuple[Part, ...]) -> None:
     known: set[str | None] = {None}
     for part in parts:
         if part.parent not in known:
@@ -181,7 +181,7 @@ def _demand_order(parts: tuple[Part, ...]) -> None:
         known.add(part.name)
 
 
-def _demand_pairs(pairs: tuple[tuple[str, str], ...], names: set[str]) -> None:
+def _require_pairs(pairs: tuple[tuple[str, str], ...], names: set[str]) -> None:
     seen: set[str] = set()
     for pair in pairs:
         for name in pair:

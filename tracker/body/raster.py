@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import Array, frozen
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,31 +64,31 @@ class Raster:
     depth: NDArray[np.float32]
 
 
-def raster(mesh: BodyMesh, Ts_camera_part: Array, eye: Eye) -> Raster:
+def raster(mesh: BodyMesh, Ts_camera_part: Array, view: ViewCamera) -> Raster:
     """The body as the eye sees it, its parts at Ts_camera_part (P, 4, 4)."""
     from tracker.kernels.raster import fill  # the loops load when something is drawn
 
-    nearness = np.full((eye.height, eye.width), -np.inf, dtype=np.float32)
-    face = np.full((eye.height, eye.width), -1, dtype=np.int32)
-    p_eye = mesh.posed(eye.T_eye_camera @ Ts_camera_part)
-    fill(p_eye, mesh.faces, projection_of(eye), eye.near_m, nearness, face)
+    nearness = np.full((view.height, view.width), -np.inf, dtype=np.float32)
+    face = np.full((view.height, view.width), -1, dtype=np.int32)
+    p_eye = mesh.posed(view.T_view_camera @ Ts_camera_part)
+    fill(p_eye, mesh.faces, projection_of(view), view.near_m, nearness, face)
     part = np.append(mesh.face_part, -1).astype(np.int16)[face]
-    return Raster(part, face, depth_of(nearness, eye))
+    return Raster(part, face, depth_of(nearness, view))
 
 
-def projection_of(eye: Eye) -> Array:
+def projection_of(view: ViewCamera) -> Array:
     """The six numbers by which the compiled code projects."""
     from tracker.kernels.raster import PARALLEL, PERSPECTIVE
 
-    kind = PERSPECTIVE if eye.parallel_m is None else PARALLEL
-    return np.array([kind, *eye.focal, *eye.centre, eye.parallel_m or 1.0])
+    kind = PERSPECTIVE if view.parallel_m is None else PARALLEL
+    return np.array([kind, *view.focal, *view.centre, view.parallel_m or 1.0])
 
 
-def depth_of(nearness: NDArray[np.float32], eye: Eye) -> NDArray[np.float32]:
+def depth_of(nearness: NDArray[np.float32], view: ViewCamera) -> NDArray[np.float32]:
     """z of the buffer's 1/z or −z; inf where it is still −inf."""
     depth = np.full_like(nearness, np.inf)
     drawn = nearness > -np.inf
-    depth[drawn] = 1 / nearness[drawn] if eye.parallel_m is None else -nearness[drawn]
+    depth[drawn] = 1 / nearness[drawn] if view.parallel_m is None else -nearness[drawn]
     return depth
 
 

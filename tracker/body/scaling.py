@@ -20,7 +20,7 @@ from tracker.errors import BodyError, one_sentence
 
 def scaled(body: Body, factor: float) -> Body:
     """The body with every length, joint and landmark multiplied by `factor` (a ratio above 0)."""
-    _demand_ratio("factor", factor)
+    _require_ratio("factor", factor)
     return _rebuilt(body, (_stretched(part, factor, factor, factor) for part in body.parts))
 
 
@@ -36,7 +36,7 @@ def height(body: Body) -> float:
 
 def with_height(body: Body, height_m: float) -> Body:
     """The body scaled evenly so that `height` gives `height_m` metres."""
-    _demand_ratio("height_m", height_m)
+    _require_ratio("height_m", height_m)
     return scaled(body, height_m / height(body))
 
 
@@ -53,8 +53,8 @@ def resized(
     Its children's joints and its landmarks move with its surface, so that a longer thigh carries
     the shin along. The part on the other side follows unless `linked` is False.
     """
-    _demand_ratio("length_factor", length_factor)
-    _demand_ratio("thickness_factor", thickness_factor)
+    _require_ratio("length_factor", length_factor)
+    _require_ratio("thickness_factor", thickness_factor)
     names = _sides(body, part_name, linked)
 
     def change(part: Part) -> Part:
@@ -108,7 +108,7 @@ def _times(point: Point, along: float, across: float) -> Point:
     return point[0] * across, point[1] * along, point[2] * across
 
 
-def _demand_ratio(name: str, value: float) -> None:
+def _require_ratio(name: str, value: float) -> None:
     if not (math.isfinite(value) and value > 0):
         raise BodyError(f"The {name} is {value}; it must be a number above 0.")
 

@@ -70,7 +70,7 @@ class Pass:
     score: float | None
 
     @property
-    def told_score(self) -> float:
+    def score_or_nan(self) -> float:
         """The score as a number; NaN where not judged."""
         return np.nan if self.score is None else self.score
 

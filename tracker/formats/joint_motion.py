@@ -56,7 +56,7 @@ class JointMotion:
 
         FormatError where the parts do not make a motion.
         """
-        demand_size(file, len(times_s), len(names))
+        require_size(file, len(times_s), len(names))
         if not np.isfinite(times_s).all() or (np.diff(times_s) <= 0).any():
             raise FormatError(f"{file}: the times of its frames must ascend from row to row.")
         twice = sorted({name for name in names if names.count(name) > 1})
@@ -97,7 +97,7 @@ class JointMotion:
         return np.asarray(np.where(inside[:, None, None], between, np.nan))
 
 
-def demand_size(file: str, frames: int, joints: int) -> None:
+def require_size(file: str, frames: int, joints: int) -> None:
     """FormatError unless a motion may have so many frames and joints; asked before memory goes."""
     if frames < 1 or joints < 1:
         what = "frame" if frames < 1 else "joint"

@@ -20,7 +20,7 @@ from tracker.errors import FormatError
 from tracker.files import TooLarge, read_regular
 from tracker.formats.bvh import end_site
 from tracker.formats.marker_names import places_of
-from tracker.solver.body_points import Place
+from tracker.solver.body_points import BodyPoint
 
 LARGEST_NAMES_BYTES = 2**20
 
@@ -98,7 +98,7 @@ class Matched:
     """
 
     convention: str
-    known: tuple[tuple[int, str, Place], ...]
+    known: tuple[tuple[int, str, BodyPoint], ...]
     left_out: tuple[str, ...]
 
     @property
@@ -106,7 +106,7 @@ class Matched:
         return [index for index, _, _ in self.known]
 
     @property
-    def places(self) -> list[Place]:
+    def places(self) -> list[BodyPoint]:
         return [place for _, _, place in self.known]
 
 
@@ -151,7 +151,7 @@ def plain(name: str) -> str:
 
 
 def _matched(
-    convention: str, names: Sequence[str], table: Mapping[str, tuple[str, Place]]
+    convention: str, names: Sequence[str], table: Mapping[str, tuple[str, BodyPoint]]
 ) -> Matched:
     known, left_out, taken = [], [], set()
     for index, name in enumerate(names):
@@ -175,9 +175,9 @@ def _of_given(
     return Matched("given", known, tuple(name for name in names if name not in places))
 
 
-def _own(skeleton: Skeleton) -> dict[str, tuple[str, Place]]:
+def _own(skeleton: Skeleton) -> dict[str, tuple[str, BodyPoint]]:
     """The body's parts and landmarks, and the ends of parts as our own BVH files have them."""
-    table: dict[str, tuple[str, Place]] = {}
+    table: dict[str, tuple[str, BodyPoint]] = {}
     for i, part in enumerate(skeleton.body.parts):
         table[plain(part.name)] = (part.name, ((i, (0.0, 0.0, 0.0)),))
         if not (skeleton.parents == i).any():
@@ -189,7 +189,7 @@ def _own(skeleton: Skeleton) -> dict[str, tuple[str, Place]]:
     return table
 
 
-def _place(body: Body, ours: str) -> Place | None:
+def _place(body: Body, ours: str) -> BodyPoint | None:
     """A part's joint, a landmark, a place of the face, or the middle of parts; None without it."""
     points: list[tuple[int, Point]] = []
     for name in ours.split("+"):

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from tracker.body.skeleton import Skeleton
 from tracker.errors import FormatError
-from tracker.solver.body_points import Place
+from tracker.solver.body_points import BodyPoint
 
 _LIMBS = {
     "Shoulder": "upper_arm",
@@ -32,12 +32,12 @@ CENTRE_MARKERS = {"Head": "head"}
 _ORIGIN = (0.0, 0.0, 0.0)
 
 
-def places_of(skeleton: Skeleton, names: Sequence[str], file: str) -> tuple[Place, ...]:
+def places_of(skeleton: Skeleton, names: Sequence[str], file: str) -> tuple[BodyPoint, ...]:
     """Where on the body each named joint is; FormatError names the first one it does not have."""
     return tuple(_place(skeleton, name, file) for name in names)
 
 
-def _place(skeleton: Skeleton, name: str, file: str) -> Place:
+def _place(skeleton: Skeleton, name: str, file: str) -> BodyPoint:
     """A part's joint, a landmark, or a marker of the usual names, in this order."""
     body = skeleton.body
     if name in body.names:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from tracker.errors import FormatError
-from tracker.formats.joint_motion import MOST_JOINTS, JointMotion, demand_size
+from tracker.formats.joint_motion import MOST_JOINTS, JointMotion, require_size
 from tracker.geometry.rotations import Array, exp_rotation
 
 LONGEST_HIERARCHY = 4_000_000
@@ -46,7 +46,7 @@ def read_bvh(file: str, content: bytes) -> JointMotion:
         raise FormatError(f"{file} has a hierarchy of {len(head)} letters, which is too much.")
     joints, columns = _hierarchy(file, iter(head.split()))
     count, seconds, rows = _header(file, tail)
-    demand_size(file, count, len(joints))
+    require_size(file, count, len(joints))
     values = _values(file, rows, count, columns)
     names = [joint.name for joint in joints]
     times_s: Array = seconds * np.arange(count, dtype=np.float64)
@@ -70,7 +70,7 @@ def _hierarchy(file: str, words: Iterator[str]) -> tuple[list[_Joint], int]:
                 label = next(words)
                 name = f"{joints[parent].name}_end" if key == "END" else label
                 joints.append(_Joint(names.unused(name), parent))
-                _demand_few(file, joints)
+                _require_few(file, joints)
                 waiting = True
             elif key == "{" and waiting:
                 open_joints.append(len(joints) - 1)
@@ -111,7 +111,7 @@ class _Names:
         return found
 
 
-def _demand_few(file: str, joints: list[_Joint]) -> None:
+def _require_few(file: str, joints: list[_Joint]) -> None:
     """Asked of every joint as it is read: a file may hold more than could be read in minutes."""
     if len(joints) > MOST_JOINTS:
         raise FormatError(f"{file} has more than {MOST_JOINTS} joints, which is too much.")

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from tracker.errors import FormatError
-from tracker.formats.joint_motion import JointMotion, Unit, World, demand_size
+from tracker.formats.joint_motion import JointMotion, Unit, World, require_size
 
 _UNITS: dict[str, Unit] = {"m": "m", "cm": "cm", "mm": "mm"}
 _MAGIC = 0x50
@@ -24,7 +24,7 @@ def read_c3d(file: str, content: bytes) -> JointMotion:
     """The motion in a C3D file's content; FormatError in one sentence."""
     if len(content) < 512 or content[1] != _MAGIC:
         raise FormatError(f"{file} does not begin as a C3D file does.")
-    held = _opened(file, content)
+    held = _open(file, content)
     try:
         points, point = held["data"]["points"], held["parameters"]["POINT"]
         names = [str(name).strip() for name in point["LABELS"]["value"]][: points.shape[1]]
@@ -38,13 +38,13 @@ def read_c3d(file: str, content: bytes) -> JointMotion:
         raise FormatError(f"{file} lacks the markers' labels, rate or unit.") from None
     if unit is None or not 1e-4 < rate < 1e6 or len(names) != points.shape[1]:
         raise FormatError(f"{file} lacks the markers' labels, rate or unit.")
-    demand_size(file, points.shape[2], points.shape[1])
+    require_size(file, points.shape[2], points.shape[1])
     positions = np.where(seen[..., None], np.moveaxis(points[:3], 0, -1), np.nan)
     times_s = (first + np.arange(points.shape[2], dtype=np.float64)) / rate
     return JointMotion.of(file, names, np.swapaxes(positions, 0, 1), times_s, world, unit)
 
 
-def _opened(file: str, content: bytes) -> Any:
+def _open(file: str, content: bytes) -> Any:
     try:
         import ezc3d
     except ImportError:

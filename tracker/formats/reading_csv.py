@@ -15,7 +15,7 @@ import re
 import numpy as np
 
 from tracker.errors import FormatError
-from tracker.formats.joint_motion import MOST_FRAMES, JointMotion, Unit, World, demand_size
+from tracker.formats.joint_motion import MOST_FRAMES, JointMotion, Unit, World, require_size
 
 _COLUMN = re.compile(r"(?P<name>.+)[_ .](?P<axis>[xyzXYZ])(?:_(?P<unit>m|cm|mm))?")
 _TIMES = ("time_s", "time", "t")
@@ -29,7 +29,7 @@ def read_csv(file: str, content: bytes) -> JointMotion:
     if time is None:
         raise FormatError(f"{file} has no column of times; one called time_s is expected.")
     columns, unit = _columns(file, heads)
-    demand_size(file, len(rows) - 1, len(columns))
+    require_size(file, len(rows) - 1, len(columns))
     table = np.full((len(rows) - 1, len(heads)), np.nan)
     wanted = [time, *(i for axes in columns.values() for i in axes)]
     for row, words in enumerate(rows[1:]):

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from tracker.errors import FormatError
-from tracker.formats.joint_motion import JointMotion, Unit, demand_size
+from tracker.formats.joint_motion import JointMotion, Unit, require_size
 from tracker.geometry.rotations import Array
 
 _UNITS: dict[str, Unit] = {"m": "m", "meters": "m", "metres": "m", "cm": "cm", "mm": "mm"}
@@ -25,14 +25,14 @@ def read_trc(file: str, content: bytes) -> JointMotion:
         raise FormatError(f"{file} names the unit {header.get('Units', '')!r}; m, cm or mm is due.")
     names = [name.strip() for name in lines[3].split("\t")[2:] if name.strip()]
     rows = [line for line in lines[5:] if line.strip()]
-    _demand_counts(file, header, len(rows), len(names))
-    demand_size(file, len(rows), len(names))
+    _require_counts(file, header, len(rows), len(names))
+    require_size(file, len(rows), len(names))
     table = np.array([_numbers(file, line, 2 + 3 * len(names)) for line in rows])
     positions = table[:, 2:].reshape(len(rows), len(names), 3)
     return JointMotion.of(file, names, positions, table[:, 1], "y up", unit)
 
 
-def _demand_counts(file: str, header: dict[str, str], frames: int, markers: int) -> None:
+def _require_counts(file: str, header: dict[str, str], frames: int, markers: int) -> None:
     for key, found, what in (
         ("NumFrames", frames, "frames"),
         ("NumMarkers", markers, "markers"),

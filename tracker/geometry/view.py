@@ -19,7 +19,7 @@ NEAR_M = 0.05
 
 ViewName: TypeAlias = Literal["top", "side", "front"]
 
-_R_EYE_CAMERA: dict[ViewName, list[list[float]]] = {
+_R_VIEW_CAMERA: dict[ViewName, list[list[float]]] = {
     "front": [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
     "top": [[1, 0, 0], [0, 0, -1], [0, 1, 0]],
     "side": [[0, 0, 1], [0, 1, 0], [-1, 0, 0]],
@@ -27,7 +27,7 @@ _R_EYE_CAMERA: dict[ViewName, list[list[float]]] = {
 
 
 @dataclass(frozen=True, eq=False)
-class Eye:
+class ViewCamera:
     """A picture of width × height pixels, their centres at integers.
 
     T_eye_camera:   (4, 4) from the camera frame to the eye's.
@@ -36,7 +36,7 @@ class Eye:
     near_m:         what has a smaller z in the eye's frame is not drawn.
     """
 
-    T_eye_camera: Array
+    T_view_camera: Array
     focal: tuple[float, float]
     centre: tuple[float, float]
     width: int
@@ -45,7 +45,7 @@ class Eye:
     near_m: float = NEAR_M
 
     @classmethod
-    def of(cls, camera: Camera) -> Eye:
+    def of(cls, camera: Camera) -> ViewCamera:
         """The camera with an ideal lens: pictures are drawn over the rectified frame."""
         return cls(
             frozen(np.eye(4)),
@@ -64,7 +64,7 @@ class Eye:
         pixels_per_metre: float,
         size: tuple[int, int],
         R_eye_camera: Array | None = None,
-    ) -> Eye:
+    ) -> ViewCamera:
         """One of the three views, `size` = (width, height), with p_camera_centre in its middle.
 
         "front" looks along the camera's +z: x to the right, y down.
@@ -72,7 +72,7 @@ class Eye:
         "side" looks along −x, from the picture's right: z (away) to the right, y down.
         R_eye_camera stands for them where the world is not upright in the camera's frame.
         """
-        R = np.array(_R_EYE_CAMERA[view] if R_eye_camera is None else R_eye_camera)
+        R = np.array(_R_VIEW_CAMERA[view] if R_eye_camera is None else R_eye_camera)
         return cls(
             frozen(transform(R, -R @ p_camera_centre)),
             (pixels_per_metre, pixels_per_metre),
@@ -82,7 +82,7 @@ class Eye:
             near_m=-np.inf,
         )
 
-    def resized(self, width: int, height: int) -> Eye:
+    def resized(self, width: int, height: int) -> ViewCamera:
         """The same picture resampled to another size.
 
         The picture's borders stay, so pixel centres move: u' = (u + 1/2) width'/width − 1/2.
@@ -96,7 +96,7 @@ class Eye:
             height=height,
         )
 
-    def cropped(self, left: int, top: int, width: int, height: int) -> Eye:
+    def cropped(self, left: int, top: int, width: int, height: int) -> ViewCamera:
         """The part of the picture that begins at pixel (left, top)."""
         centre = (self.centre[0] - left, self.centre[1] - top)
         return replace(self, centre=centre, width=width, height=height)

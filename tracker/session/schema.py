@@ -212,44 +212,44 @@ class Session(Plain):
     @classmethod
     def _is_of_usable_size(cls, data: Any) -> Any:
         if isinstance(data, dict):
-            demand_few(data)
+            require_few(data)
         return data
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        demand_fit(self, (*self.keyframes, *self.drafts))
+        require_fit(self, (*self.keyframes, *self.drafts))
         return self
 
 
-def demand_fit(session: Session, poses: Sequence[Keyframe]) -> None:
+def require_fit(session: Session, poses: Sequence[Keyframe]) -> None:
     """ValueError in words unless the session's values, each valid by itself, fit together.
 
     poses: the keyframes and drafts to be held against body and video; the others are known to fit.
     """
-    demand_few({name: getattr(session, name) for name in MOST})
+    require_few({name: getattr(session, name) for name in MOST})
     camera, video = session.camera, session.video
     if (camera.width, camera.height) != (video.width, video.height):
         raise ValueError(
             f"camera.width × height is {camera.width}×{camera.height} but video.width × height is "
             f"{video.width}×{video.height}; the sizes must agree, both the video's own"
         )
-    _demand_sorted(session.keyframes)
-    _demand_sorted(session.drafts)
-    _demand_direction(session.up_camera)
-    _demand_parts(session.settings.left_out, session.body)
+    _require_sorted(session.keyframes)
+    _require_sorted(session.drafts)
+    _require_direction(session.up_camera)
+    _require_parts(session.settings.left_out, session.body)
     for keyframe in poses:
-        _demand_in_video(keyframe, video.frame_count)
-        _demand_known_parts(keyframe, session.body)
+        _require_in_video(keyframe, video.frame_count)
+        _require_known_parts(keyframe, session.body)
     skeleton = Skeleton.of(session.body)
     for start in range(0, len(poses), POSES_AT_A_TIME):
-        _demand_before_camera(poses[start : start + POSES_AT_A_TIME], skeleton)
+        _require_before_camera(poses[start : start + POSES_AT_A_TIME], skeleton)
 
 
 def _quaternions(keyframe: Keyframe, names: Sequence[str]) -> list[Quaternion]:
     return [keyframe.rotations_wxyz.get(name, AT_REST) for name in names]
 
 
-def _demand_sorted(keyframes: tuple[Keyframe, ...]) -> None:
+def _require_sorted(keyframes: tuple[Keyframe, ...]) -> None:
     for one, other in pairwise(keyframes):
         before, after = one.frame, other.frame
         if before == after:
@@ -263,7 +263,7 @@ def _demand_sorted(keyframes: tuple[Keyframe, ...]) -> None:
             )
 
 
-def _demand_parts(left_out: tuple[str, ...], body: Body) -> None:
+def _require_parts(left_out: tuple[str, ...], body: Body) -> None:
     unknown = sorted(set(left_out) - set(body.names))
     if unknown:
         raise ValueError(
@@ -272,12 +272,12 @@ def _demand_parts(left_out: tuple[str, ...], body: Body) -> None:
         )
 
 
-def _demand_direction(up_camera: Position | None) -> None:
+def _require_direction(up_camera: Position | None) -> None:
     if up_camera is not None and math.hypot(*up_camera) < 1e-6:
         raise ValueError("up_camera: [0, 0, 0] is no direction")
 
 
-def _demand_in_video(keyframe: Keyframe, frame_count: int) -> None:
+def _require_in_video(keyframe: Keyframe, frame_count: int) -> None:
     if keyframe.frame >= frame_count:
         raise ValueError(
             f"keyframes: frame {keyframe.frame} is beyond the video, "
@@ -285,7 +285,7 @@ def _demand_in_video(keyframe: Keyframe, frame_count: int) -> None:
         )
 
 
-def _demand_known_parts(keyframe: Keyframe, body: Body) -> None:
+def _require_known_parts(keyframe: Keyframe, body: Body) -> None:
     unknown = sorted(keyframe.rotations_wxyz.keys() - set(body.names))
     if unknown:
         raise ValueError(
@@ -294,7 +294,7 @@ def _demand_known_parts(keyframe: Keyframe, body: Body) -> None:
         )
 
 
-def _demand_before_camera(keyframes: Sequence[Keyframe], skeleton: Skeleton) -> None:
+def _require_before_camera(keyframes: Sequence[Keyframe], skeleton: Skeleton) -> None:
     names = skeleton.body.names
     quaternions = np.array([_quaternions(keyframe, names) for keyframe in keyframes])
     roots = np.array([keyframe.root_m for keyframe in keyframes])
@@ -308,7 +308,7 @@ def _demand_before_camera(keyframes: Sequence[Keyframe], skeleton: Skeleton) -> 
         )
 
 
-def demand_few(data: Mapping[str, Any]) -> None:
+def require_few(data: Mapping[str, Any]) -> None:
     """ValueError when there is more in a list than a session may have; asked before any of it is
     read, for a file may hold what would take minutes."""
     for name, most in MOST.items():

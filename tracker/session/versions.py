@@ -30,7 +30,7 @@ STEPS: Mapping[int, Callable[[Data], Data]] = {1: _from_1, 2: brought_to_3}
 """From each older version to the one after it."""
 
 
-def brought_up(data: Any, name: str) -> Data:
+def migrate(data: Any, name: str) -> Data:
     """A session's JSON as one of the present version; a newer one stays as it is.
 
     Told before everything else: another version's fields would give misleading errors.

@@ -14,19 +14,19 @@ from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import Array
 from tracker.solver.posed import Posed
 
-Place: TypeAlias = tuple[tuple[int, Point], ...]
+BodyPoint: TypeAlias = tuple[tuple[int, Point], ...]
 """A place on a body: the middle of points, each a part's index and metres in that part's frame."""
 
 
 @dataclass(frozen=True, eq=False)
-class Places:
+class BodyPoints:
     """Where on a body the given positions are, laid out for the numerics."""
 
     skeleton: Skeleton
-    places: tuple[Place, ...]
+    points: tuple[BodyPoint, ...]
 
     @classmethod
-    def single(cls, skeleton: Skeleton, parts: NDArray[np.int64], points: Array) -> Places:
+    def single(cls, skeleton: Skeleton, parts: NDArray[np.int64], points: Array) -> BodyPoints:
         """Single points (K, 3) in the frames of parts (K,)."""
         flat = zip(parts.tolist(), points.tolist(), strict=True)
         return cls(skeleton, tuple(((part, (x, y, z)),) for part, (x, y, z) in flat))
@@ -35,13 +35,13 @@ class Places:
     def _points(self) -> tuple[NDArray[np.int64], Array, Array | None]:
         """Part (K,) and position (K, 3) of every point, and the mean (J, K) over them; None where
         every place is a single point."""
-        flat = [(j, *point) for j, place in enumerate(self.places) for point in place]
-        mean = np.zeros((len(self.places), len(flat)))
+        flat = [(j, *point) for j, place in enumerate(self.points) for point in place]
+        mean = np.zeros((len(self.points), len(flat)))
         for k, (j, _, _) in enumerate(flat):
-            mean[j, k] = 1 / len(self.places[j])
+            mean[j, k] = 1 / len(self.points[j])
         parts = np.array([part for _, part, _ in flat], dtype=np.int64)
         points = np.array([p for _, _, p in flat], dtype=np.float64).reshape(-1, 3)
-        return parts, points, None if all(len(place) == 1 for place in self.places) else mean
+        return parts, points, None if all(len(place) == 1 for place in self.points) else mean
 
     def at(self, Ts_camera_part: Array) -> Array:
         """Positions (..., J, 3) in the camera frame."""
@@ -62,16 +62,16 @@ class Places:
             return p, J
         return mean @ p, np.einsum("jk,...kdc->...jdc", mean, J, optimize=True)
 
-    def only(self, chosen: NDArray[np.bool_]) -> Places:
+    def only(self, chosen: NDArray[np.bool_]) -> BodyPoints:
         """Some of the places (J,)."""
-        some = (place for place, wanted in zip(self.places, chosen, strict=True) if wanted)
-        return Places(self.skeleton, tuple(some))
+        some = (place for place, wanted in zip(self.points, chosen, strict=True) if wanted)
+        return BodyPoints(self.skeleton, tuple(some))
 
     def of_part(self, part: int) -> list[tuple[int, Array]]:
         """Single points that stand still in a part's frame, with their place there: its own, and
         the joints of what hangs on it."""
         still = []
-        for j, place in enumerate(self.places):
+        for j, place in enumerate(self.points):
             if len(place) == 1:
                 owner, p = place[0]
                 if owner == part:
@@ -85,7 +85,7 @@ def _averaged(mean: Array | None, p: Array) -> Array:
     return np.asarray(p if mean is None else mean @ p)
 
 
-def freed(body: Body) -> Skeleton:
+def free_skeleton(body: Body) -> Skeleton:
     """The body with every part free to turn in every way."""
     parts = (
         part.model_copy(update={"tracked": ROTATIONS if part.parent else ALL_DOFS})

@@ -2,7 +2,7 @@
 
 Bone lengths hold because only angles and the root's place are unknown. Joint limits hold softly,
 and so does a pose to keep to where the positions say nothing: the pose before, or that between two
-keyframes. Every part may turn in every way here, as in a keyframe; see `freed`.
+keyframes. Every part may turn in every way here, as in a keyframe; see `free_skeleton`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from tracker.body.pose import Pose, pose_transforms
 from tracker.body.trajectory import Trajectory
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, frozen, nearest_rotation
-from tracker.solver.body_points import Places, freed
+from tracker.solver.body_points import BodyPoints, free_skeleton
 from tracker.solver.least_squares import Criteria, Damping, least_squares
 from tracker.solver.one_pose import OnePose
 from tracker.solver.terms import (
@@ -34,7 +34,7 @@ from tracker.solver.terms import (
 
 if TYPE_CHECKING:
     from tracker.body.skeleton import Skeleton
-    from tracker.solver.body_points import Place
+    from tracker.solver.body_points import BodyPoint
 
 JOINT_SIGMA_M = 0.005
 PIXEL_SIGMA = 2.0
@@ -79,7 +79,7 @@ class Solved:
 
 def fit_motion(
     body: Body,
-    places: Sequence[Place],
+    places: Sequence[BodyPoint],
     ps_camera_joint: Array,
     first_frame: int,
     kept: Sequence[Pose | None] | None = None,
@@ -88,8 +88,8 @@ def fit_motion(
 
     kept: a pose for each frame to keep to where the positions say nothing, or None.
     """
-    skeleton = freed(body)
-    laid, limits = Places(skeleton, tuple(places)), Limits.of(body)
+    skeleton = free_skeleton(body)
+    laid, limits = BodyPoints(skeleton, tuple(places)), Limits.of(body)
     N = len(ps_camera_joint)
     R, t = np.empty((N, skeleton.part_count, 3, 3)), np.empty((N, 3))
     rms, rested = np.full(N, np.nan), np.zeros(N, dtype=np.bool_)
@@ -105,12 +105,12 @@ def fit_motion(
 
 
 def _fitted(
-    laid: Places, limits: Limits, positions: Array, held: Sequence[Pose], rms_before: float
+    laid: BodyPoints, limits: Limits, positions: Array, held: Sequence[Pose], rms_before: float
 ) -> Solved:
     """One frame: from the pose before, and afresh when that ends far from the positions."""
     skeleton = laid.skeleton
     if not held:
-        held = [aimed(laid, positions, Pose.rest(skeleton, (0.0, 0.0, 0.0)))]
+        held = [aim_parts(laid, positions, Pose.rest(skeleton, (0.0, 0.0, 0.0)))]
     known = np.asarray(np.isfinite(positions).all(-1))
     terms: list[Term] = [
         PointsInSpace(laid.only(known), positions[known], JOINT_SIGMA_M),
@@ -119,7 +119,7 @@ def _fitted(
     ]
     solved = _solved(skeleton, held[0], terms)
     if _rms(laid, solved.pose, positions) > max(POOR_M, 1.5 * rms_before):
-        fresh = _solved(skeleton, aimed(laid, positions, held[-1]), terms)
+        fresh = _solved(skeleton, aim_parts(laid, positions, held[-1]), terms)
         solved = fresh if fresh.cost < solved.cost else solved
     return solved
 
@@ -135,13 +135,13 @@ def _solved(skeleton: Skeleton, start: Pose, terms: Sequence[Term]) -> Solved:
     return Solved(found.state, found.cost, found.converged)
 
 
-def _rms(laid: Places, pose: Pose, positions: Array) -> float:
+def _rms(laid: BodyPoints, pose: Pose, positions: Array) -> float:
     away = laid.at(pose_transforms(laid.skeleton, pose)) - positions
     known = np.isfinite(away).all(-1)
     return float(np.sqrt((away[known] ** 2).sum(-1).mean())) if known.any() else np.nan
 
 
-def aimed(laid: Places, positions: Array, rest: Pose) -> Pose:
+def aim_parts(laid: BodyPoints, positions: Array, rest: Pose) -> Pose:
     """A start: every part, from the root on, turned so that its points lie toward theirs.
 
     Part by part in closed form; what a part's points do not fix is as in `rest`.
@@ -157,7 +157,7 @@ def aimed(laid: Places, positions: Array, rest: Pose) -> Pose:
         above = np.eye(3) if parent < 0 else Hs[parent]
         wanted = above @ Rs[i]
         if parent < 0:
-            wanted, p_root = _laid_on(ours, theirs, wanted, p_root)
+            wanted, p_root = _align_root(ours, theirs, wanted, p_root)
             os[i] = p_root
         else:
             os[i] = os[parent] + above @ skeleton.joints[i]
@@ -167,7 +167,7 @@ def aimed(laid: Places, positions: Array, rest: Pose) -> Pose:
     return Pose(Rs, p_root)
 
 
-def _laid_on(ours: Array, theirs: Array, R: Array, p: Array) -> tuple[Array, Array]:
+def _align_root(ours: Array, theirs: Array, R: Array, p: Array) -> tuple[Array, Array]:
     """Rotation and place of the root: with fewer than three points, as little turned as may be."""
     if not len(ours):
         return R, p
@@ -199,7 +199,7 @@ def rigid(ps_from: Array, ps_to: Array) -> tuple[Array, Array]:
 def fit_picture(
     body: Body,
     camera: Camera,
-    places: Sequence[Place],
+    places: Sequence[BodyPoint],
     uv: Array,
     weights: Array,
     starts: Sequence[Pose],
@@ -211,8 +211,8 @@ def fit_picture(
     A picture leaves depth open: every start is tried, and the best of their ends is kept.
     kept: a pose to keep to, its root's distance within a share `depth_sigma`.
     """
-    skeleton = freed(body)
-    laid, limits = Places(skeleton, tuple(places)), Limits.of(body)
+    skeleton = free_skeleton(body)
+    laid, limits = BodyPoints(skeleton, tuple(places)), Limits.of(body)
     ideal = camera.without_distortion()
     seen = ideal.project(_before(camera, uv)) if camera.is_distorted else uv
     known = np.isfinite(seen).all(-1) & (weights > 0)

@@ -20,7 +20,7 @@ from tracker.body.joint_limits import Limits
 from tracker.body.pose import Pose
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, transpose
-from tracker.solver.body_points import Places
+from tracker.solver.body_points import BodyPoints
 from tracker.solver.posed import Posed, image_jacobian, image_points
 from tracker.solver.robust import SQUARED, Kernel
 
@@ -113,7 +113,7 @@ def total_equations(terms: Sequence[Term], posed: Posed) -> Equations:
 class PointsInSpace(RowTerm):
     """Points of the body at positions (..., K, 3) in the camera frame, metres."""
 
-    points: Places
+    points: BodyPoints
     positions: Array
     sigma_m: float
 
@@ -134,7 +134,7 @@ class PointsInPicture(RowTerm):
     to the camera than that cannot be.
     """
 
-    points: Places
+    points: BodyPoints
     camera: Camera
     uv: Array
     scale: Array

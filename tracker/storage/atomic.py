@@ -50,7 +50,7 @@ def write_file(
         raise error(f"{str(path)!r} cannot be written: {problem.strerror or problem}.") from None
 
 
-def demand_folder(folder: Path, *, error: type[KeyposeError] = FormatError) -> None:
+def require_folder(folder: Path, *, error: type[KeyposeError] = FormatError) -> None:
     """Raise, in one sentence, unless files can be written to this folder (or it can be made).
 
     For use before long work. A file is made and removed, which is the only sure test.
@@ -65,7 +65,7 @@ def demand_folder(folder: Path, *, error: type[KeyposeError] = FormatError) -> N
         raise error(text) from None
 
 
-def demand_absent(paths: Iterable[Path], *, error: type[KeyposeError] = FormatError) -> None:
+def require_absent(paths: Iterable[Path], *, error: type[KeyposeError] = FormatError) -> None:
     """Raise, in one sentence, when one of these files is there already."""
     for path in paths:
         if os.path.lexists(path):

@@ -12,7 +12,7 @@ from typing import Any, TypeAlias, get_type_hints
 from pydantic import TypeAdapter, ValidationError
 
 from tracker.errors import one_sentence
-from tracker.session.schema import Keyframe, Session, demand_few, demand_fit
+from tracker.session.schema import Keyframe, Session, require_few, require_fit
 
 Changes: TypeAlias = dict[str, Any]
 """New values by the session's fields; of keyframes and drafts: {"set": [...], "drop": [frames]}."""
@@ -56,24 +56,24 @@ def changed(before: Session, told: Mapping[str, Any]) -> Session:
     return before.model_copy(update=new) if new else before
 
 
-def demand_sound(before: Session, after: Session) -> None:
+def require_sound(before: Session, after: Session) -> None:
     """ValueError, in words that name the field, when `after` would not read back.
 
     before: a session that is sound; only what differs from it is looked at.
     """
     told = changes(before, after)
     for name, value in told.items():
-        _demand_valid(name, value)
+        _require_valid(name, value)
     if not told:
         return
     posed = (*after.keyframes, *after.drafts)
     if not told.keys() & {"video", "camera", "body"}:  # what every pose is held against
         known = {id(pose) for pose in (*before.keyframes, *before.drafts)}
         posed = tuple(pose for pose in posed if id(pose) not in known)
-    demand_fit(after, posed)
+    require_fit(after, posed)
 
 
-def _demand_valid(name: str, value: Any) -> None:
+def _require_valid(name: str, value: Any) -> None:
     try:
         if name in LISTED:
             _KEYFRAMES.validate_python(value["set"])
@@ -101,7 +101,7 @@ def _listed(was: Sequence[Keyframe], now: Sequence[Keyframe]) -> dict[str, Any]:
 def _merged(was: Sequence[Keyframe], told: Any) -> tuple[Keyframe, ...]:
     if not isinstance(told, dict) or not told.keys() <= {"set", "drop"}:
         raise ValueError("keyframes that are neither set nor dropped")
-    demand_few({"keyframes": told.get("set", ())})
+    require_few({"keyframes": told.get("set", ())})
     left = {keyframe.frame: keyframe for keyframe in was}
     for frame in told.get("drop", ()):
         left.pop(frame, None)

@@ -22,7 +22,7 @@ from typing import Any
 from tracker.errors import SessionError
 from tracker.session.history import History, Step
 from tracker.session.schema import Session
-from tracker.session.versions import brought_up
+from tracker.session.versions import migrate
 from tracker.storage.changes import changed, changes
 from tracker.storage.journal import Record
 
@@ -125,14 +125,14 @@ def base_record(moment: Moment) -> Record:
 
 def edit_record(before: Moment, after: Moment) -> Record:
     """What leads from one moment to the next."""
-    first, stop = _kept(before.history.past, after.history.past)
+    first, stop = _kept_range(before.history.past, after.history.past)
     future = _common(before.history.future, after.history.future)
     return {
         "frame": after.frame,
         "doc": changes(before.doc, after.doc),
         "kept": [first, stop, future],
-        "past": [_told(step, before.doc) for step in after.history.past[stop - first :]],
-        "future": [_told(step, before.doc) for step in after.history.future[future:]],
+        "past": [_step_record(step, before.doc) for step in after.history.past[stop - first :]],
+        "future": [_step_record(step, before.doc) for step in after.history.future[future:]],
         "mark": mark_of(after.doc),
         **_received_since(before.received, after.received),
     }
@@ -162,7 +162,7 @@ def whole_record(moment: Moment) -> Iterator[Record]:
 # --- reading
 
 
-def recovered(session: Session, records: Sequence[Record]) -> Recovered:
+def recover(session: Session, records: Sequence[Record]) -> Recovered:
     """The newest state, of the session file as it was read and the journal beside it.
 
     What the journal has beyond the file is brought back. Where the file holds what the journal
@@ -227,8 +227,8 @@ def _replayed(records: Sequence[Record]) -> tuple[Moment | None, list[str], int]
 
 
 def _base(record: Mapping[str, Any]) -> Moment:
-    base = brought_up(record["base"], "the journal")
-    received = _received(Received(), record)
+    base = migrate(record["base"], "the journal")
+    received = _merge_received(Received(), record)
     return Moment(Session.model_validate(base), frame=int(record["frame"]), received=received)
 
 
@@ -237,7 +237,7 @@ def _next(before: Moment, record: Mapping[str, Any]) -> Moment:
     past = (*before.history.past[first:stop], *_steps(record["past"], before.doc))
     ahead = (*before.history.future[:future], *_steps(record["future"], before.doc))
     doc = changed(before.doc, record["doc"])
-    received = _received(before.received, record)
+    received = _merge_received(before.received, record)
     return Moment(doc, History(past, ahead), int(record["frame"]), received)
 
 
@@ -252,7 +252,7 @@ def _received_since(before: Received, after: Received) -> Record:
     }
 
 
-def _received(before: Received, record: Mapping[str, Any]) -> Received:
+def _merge_received(before: Received, record: Mapping[str, Any]) -> Received:
     new = {str(name): int(n) for name, n in record.get("clients", {}).items()}
     others = {name: n for name, n in before.clients.items() if name not in new}
     return Received({**others, **new}, str(record.get("revision", "")))  # the last heard last
@@ -261,7 +261,7 @@ def _received(before: Received, record: Mapping[str, Any]) -> Received:
 # --- steps
 
 
-def _told(step: Step, doc: Session) -> Record:
+def _step_record(step: Step, doc: Session) -> Record:
     where = {} if step.doc is doc else changes(doc, step.doc)
     return {"label": step.label, "frame": step.frame, "doc": where}
 
@@ -271,7 +271,7 @@ def _steps(told: Sequence[Mapping[str, Any]], doc: Session) -> Iterator[Step]:
         yield Step(changed(doc, one["doc"]), str(one["label"]), int(one["frame"]))
 
 
-def _kept(before: Sequence[Step], after: Sequence[Step]) -> tuple[int, int]:
+def _kept_range(before: Sequence[Step], after: Sequence[Step]) -> tuple[int, int]:
     """Which stretch of the past the new past begins with: the oldest steps may be forgotten."""
     if not before or not after:
         return 0, 0

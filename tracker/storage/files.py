@@ -15,10 +15,10 @@ from pydantic_core import from_json
 from tracker.errors import SessionError, one_sentence
 from tracker.files import TooLarge, read_own, read_regular
 from tracker.session.schema import Session
-from tracker.session.versions import PRESENT, brought_up, version_in
+from tracker.session.versions import PRESENT, migrate, version_in
 from tracker.storage.atomic import write_file
-from tracker.storage.chronicle import Recovered, recovered
-from tracker.storage.finding import found_again
+from tracker.storage.chronicle import Recovered, recover
+from tracker.storage.finding import find_moved
 from tracker.storage.journal import NAME as JOURNAL
 from tracker.storage.journal import Read, read_journal
 
@@ -60,7 +60,7 @@ def open_session(path: Path) -> Opened:
         journal, problem = read_journal(journal_path(path)), ""
     except SessionError as error:  # the session file is whole by itself
         journal, problem = Read(), str(error)
-    found = recovered(session, journal.records)
+    found = recover(session, journal.records)
     newest = found.moment.doc.model_copy(update={"results": session.results})
     return Opened(newest if found.ahead else session, found, journal, problem)
 
@@ -68,7 +68,7 @@ def open_session(path: Path) -> Opened:
 def read_session(path: Path) -> Session:
     """What the session file alone says; as `load_session` but for edits on their way to it."""
     try:
-        data = brought_up(from_json(_read(path)), path.name)
+        data = migrate(from_json(_read(path)), path.name)
     except ValueError as error:
         raise SessionError(f"{path.name} is not JSON: {error}.") from None
     try:
@@ -100,12 +100,12 @@ def save_session(session: Session, path: Path) -> None:
         there = b""
     if there == content:
         return
-    _demand_not_newer(session, path, there)
+    _require_not_newer(session, path, there)
     _back_up(path, there)
     write_file(path, content, overwrite=True, keep_previous=True, error=SessionError)
 
 
-def _demand_not_newer(session: Session, path: Path, there: bytes) -> None:
+def _require_not_newer(session: Session, path: Path, there: bytes) -> None:
     version = max(version_in(there) or 0, session.schema_version)
     if version > PRESENT:
         raise SessionError(
@@ -177,15 +177,15 @@ def open_video_of(session: Session, session_path: Path) -> Video:
     """
     path = video_path(session, session_path)
     try:
-        return _opened_as(session, session_path, path)
+        return _open_as(session, session_path, path)
     except SessionError:
-        found = found_again(session, session_path, path)
+        found = find_moved(session, session_path, path)
         if found is None:
             raise
-        return _opened_as(session, session_path, found)
+        return _open_as(session, session_path, found)
 
 
-def _opened_as(session: Session, session_path: Path, path: Path) -> Video:
+def _open_as(session: Session, session_path: Path, path: Path) -> Video:
     if not _exists(path):
         raise SessionError(
             f"{_what(session)} {str(path)!r} is missing; put it there or change video.path in "
@@ -198,7 +198,7 @@ def open_same_at(session: Session, path: Path, folder: Path) -> Video:
     """As `open_video_at`; SessionError where it is not what the session was made for."""
     video = open_video_at(session, path, folder)
     try:
-        _demand_same(session, path, video)
+        _require_same(session, path, video)
     except BaseException:
         video.close()
         raise
@@ -230,7 +230,7 @@ def _exists(path: Path) -> bool:
         return False
 
 
-def _demand_same(session: Session, path: Path, video: Video) -> None:
+def _require_same(session: Session, path: Path, video: Video) -> None:
     wanted, found = session.video, video.info
     if (found.width, found.height) != (wanted.width, wanted.height):
         difference = (

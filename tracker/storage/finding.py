@@ -17,7 +17,7 @@ MOST_CAMERA_BYTES = 4 * 2**20
 NOT_FILMS = (".json", ".jsonl", ".npz", ".csv", ".txt", ".md", ".py", ".previous", ".part")
 
 
-def found_again(session: Session, session_path: Path, was: Path) -> Path | None:
+def find_moved(session: Session, session_path: Path, was: Path) -> Path | None:
     """The same film near the session or near where it was; None where there is none.
 
     Looked at are the files of three folders: the session's, the one above, and that of `was`; and
@@ -35,7 +35,7 @@ def found_again(session: Session, session_path: Path, was: Path) -> Path | None:
     return None
 
 
-def as_seen(session: Session, session_path: Path, fingerprint: str) -> Session:
+def with_present_fingerprints(session: Session, session_path: Path, fingerprint: str) -> Session:
     """With the fingerprints of meshes and cameras as they are now, for both may have been exported
     again; a session about a film as it is.
 

@@ -97,7 +97,7 @@ class Journal:
         """
         content = lines(records)
         try:
-            file = self._opened()
+            file = self._open()
             os.lseek(file, self.size, os.SEEK_SET)
             _write_all(file, content)
             if durable:
@@ -125,7 +125,7 @@ class Journal:
             os.close(self._file)
             self._file = None
 
-    def _opened(self) -> int:
+    def _open(self) -> int:
         if self._file is None:
             self._file = open_own(self.path, os.O_WRONLY | os.O_CREAT)
             os.ftruncate(self._file, self.size)

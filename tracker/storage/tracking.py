@@ -26,7 +26,7 @@ def tracker_of(
 ) -> Tracker:
     """A session made ready to be tracked; SessionError with fewer than two keyframes, or without
     the first motion that the session speaks of and its settings use."""
-    demand_first_motion(session, first_motion)
+    require_first_motion(session, first_motion)
     skeleton = Skeleton.of(session.body)
     return Tracker(
         video,
@@ -84,7 +84,7 @@ def track_session(
     yield from run(tracker, session.settings, segments, workers, cancelled)
 
 
-def demand_first_motion(session: Session, first_motion: Trajectory | None) -> None:
+def require_first_motion(session: Session, first_motion: Trajectory | None) -> None:
     """SessionError unless the motion that the settings start from is there."""
     initial, told = session.settings.initial, session.first_motion
     if initial == "import" and told is None:

@@ -65,7 +65,7 @@ class Begun:
     height_m: float
 
 
-def begun(sequence: MeshSequence, reading: Reading, rig: Rig | None = None) -> Begun:
+def choose_reading(sequence: MeshSequence, reading: Reading, rig: Rig | None = None) -> Begun:
     """How a new session reads these meshes. SurfaceError where none of them can be used.
 
     rig: the cameras, whose world is that of the meshes.
@@ -79,7 +79,7 @@ def begun(sequence: MeshSequence, reading: Reading, rig: Rig | None = None) -> B
     unmoved = Placement(units, up, np.zeros(3))
     first = _box(unmoved, mesh)
     place = _place(first, _boxes(sequence, unmoved, first, frame), camera)
-    _demand_near(place, units)
+    _require_near(place, units)
     surface = Surface(
         units=units,
         up=up,
@@ -90,7 +90,7 @@ def begun(sequence: MeshSequence, reading: Reading, rig: Rig | None = None) -> B
     return Begun(surface, camera, news, height_m=float(first[1][1] - first[0][1]))
 
 
-def _demand_near(place: tuple[float, float, float], units: Units) -> None:
+def _require_near(place: tuple[float, float, float], units: Units) -> None:
     """A camera and a body are metres away, not the Earth's radius."""
     if max(map(abs, place)) > FARTHEST_M:
         raise SurfaceError(

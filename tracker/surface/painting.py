@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tracker.body.raster import depth_of, projection_of
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, apply_transform, frozen
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 from tracker.surface.mesh import SurfaceMesh
 
 Picture: TypeAlias = NDArray[np.uint8]
@@ -32,7 +32,7 @@ _TO_LIGHT = np.array([-0.50, -0.70, -0.75]) / np.linalg.norm([-0.50, -0.70, -0.7
 """From the upper left, behind the viewer."""
 
 
-def painted(mesh: SurfaceMesh, camera: Camera, colours: Colours | None = None) -> Picture:
+def paint(mesh: SurfaceMesh, camera: Camera, colours: Colours | None = None) -> Picture:
     """A surface (camera frame, metres) as this camera, with an ideal lens, would see it.
 
     Returns (height, width, 3) RGB. colours: clay when left out.
@@ -68,30 +68,30 @@ class Layer:
     depth: NDArray[np.float32]
 
 
-def layer(mesh: SurfaceMesh, eye: Eye, colours: Colours | None = None) -> Layer:
+def layer(mesh: SurfaceMesh, view: ViewCamera, colours: Colours | None = None) -> Layer:
     """A surface (camera frame, metres) from wherever the eye is; each pixel is what its middle
     shows. colours: clay when left out."""
     from tracker.kernels.painting import colour
     from tracker.kernels.raster import fill
 
-    size = (eye.height, eye.width)
+    size = (view.height, view.width)
     nearness = np.full(size, -np.inf, dtype=np.float32)
     face = np.full(size, -1, dtype=np.int32)
     rgb = np.zeros((*size, 3), dtype=np.uint8)
-    p_eye = frozen(apply_transform(eye.T_eye_camera, mesh.vertices))
-    fill(p_eye, mesh.faces, projection_of(eye), eye.near_m, nearness, face)
-    lit = _lit(mesh.normals @ eye.T_eye_camera[:3, :3].T, eye.rays(p_eye), colours)
-    lens = np.array([*eye.focal, *eye.centre])
-    colour(_on_rays(p_eye, eye), mesh.faces, lit, lens, INSIDE, face, rgb)
-    return Layer(rgb, depth_of(nearness, eye))
+    p_eye = frozen(apply_transform(view.T_view_camera, mesh.vertices))
+    fill(p_eye, mesh.faces, projection_of(view), view.near_m, nearness, face)
+    lit = _lit(mesh.normals @ view.T_view_camera[:3, :3].T, view.rays(p_eye), colours)
+    lens = np.array([*view.focal, *view.centre])
+    colour(_on_rays(p_eye, view), mesh.faces, lit, lens, INSIDE, face, rgb)
+    return Layer(rgb, depth_of(nearness, view))
 
 
-def _on_rays(p_eye: Array, eye: Eye) -> Array:
+def _on_rays(p_eye: Array, view: ViewCamera) -> Array:
     """Where rays through the origin meet points in the pixels at which the eye sees them: along
     parallel rays all of them lie on one plane."""
-    if eye.parallel_m is None:
+    if view.parallel_m is None:
         return p_eye
-    return frozen(np.column_stack([p_eye[:, :2] / eye.parallel_m, np.ones(len(p_eye))]))
+    return frozen(np.column_stack([p_eye[:, :2] / view.parallel_m, np.ones(len(p_eye))]))
 
 
 def _enlarged(camera: Camera) -> Array:

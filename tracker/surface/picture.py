@@ -15,8 +15,8 @@ import numpy as np
 from tracker.errors import SurfaceError
 from tracker.geometry.camera import Camera
 from tracker.session.schema import Session, Surface
-from tracker.surface.painting import Picture, painted
-from tracker.surface.source import SurfaceSteps, opened_steps
+from tracker.surface.painting import Picture, paint
+from tracker.surface.source import SurfaceSteps, open_steps
 from tracker.video.damage import Examined
 from tracker.video.info import MissingFrame, VideoInfo
 from tracker.video.video import Video
@@ -40,7 +40,7 @@ class SurfaceSource:
     def approach(self, number: int, since: int) -> Iterator[tuple[int, Picture]]:
         """Gives frame `number`, or nothing when its surface cannot be used."""
         try:
-            yield number, painted(self.steps.shape(number), self._camera)
+            yield number, paint(self.steps.shape(number), self._camera)
         except SurfaceError as error:
             self._words[number] = str(error)
             self._facts = replace(self._facts, missing=tuple(sorted(self._words)))
@@ -89,7 +89,7 @@ def open_surfaces(session: Session, meshes: Path, folder: Path) -> SurfaceVideo:
     SurfaceError in one sentence where meshes or cameras cannot be used.
     """
     assert session.surface is not None
-    steps = opened_steps(session.surface, meshes, folder)
+    steps = open_steps(session.surface, meshes, folder)
     return surface_video(steps, session.surface, session.camera)
 
 

@@ -14,7 +14,7 @@ from tracker.surface.cameras.views import View
 from tracker.surface.mesh import SurfaceMesh
 
 
-def opened_footage(surface: Surface, folder: Path, frame_count: int) -> Footage | None:
+def open_footage(surface: Surface, folder: Path, frame_count: int) -> Footage | None:
     """The images of a session's cameras, in its camera frame; None where there are none.
 
     folder: what the cameras' path is relative to.  SurfaceError in one sentence where they cannot

@@ -105,9 +105,9 @@ class SurfaceSteps:
         """On a thread of its own, which opens the images when the first are wanted."""
         mesh = self._shapes.get(frame)
         if not self._looked:
-            from tracker.surface.rating import opened_footage  # loads what only this needs
+            from tracker.surface.rating import open_footage  # loads what only this needs
 
-            self._footage = opened_footage(self._surface, self._folder, self.frame_count)
+            self._footage = open_footage(self._surface, self._folder, self.frame_count)
             self._looked = True
         return mesh if self._footage is None else self._footage.judged(mesh, frame)
 
@@ -146,11 +146,11 @@ class _Latest:
         """What belongs to a frame; and where frames are asked for in a row, the next is begun."""
         if not 0 <= frame < self._count:
             raise SurfaceError(f"There is no step {frame}; the steps are 0 to {self._count - 1}.")
-        wanted = self._begun(frame)
+        wanted = self._start(frame)
         stride = frame - getattr(self._before, "frame", frame)
         self._before.frame = frame
         if abs(stride) == 1 and 0 <= frame + stride < self._count:
-            self._begun(frame + stride)
+            self._start(frame + stride)
         try:
             return wanted.result()
         except SurfaceError as error:  # raised anew: several threads may come to hear it
@@ -164,7 +164,7 @@ class _Latest:
             self._kept.clear()
         self._thread.shutdown(wait=True, cancel_futures=True)
 
-    def _begun(self, frame: int) -> Future[SurfaceMesh]:
+    def _start(self, frame: int) -> Future[SurfaceMesh]:
         with self._lock:
             if self._closed:
                 raise SurfaceError(_CLOSED)
@@ -180,7 +180,7 @@ def placement_of(surface: Surface) -> Placement:
     return Placement(surface.units, surface.up, np.array(surface.p_camera_surface))
 
 
-def opened_steps(surface: Surface, meshes: Path, folder: Path) -> SurfaceSteps:
+def open_steps(surface: Surface, meshes: Path, folder: Path) -> SurfaceSteps:
     """The surfaces at a path; the cameras' file is relative to `folder`.
 
     SurfaceError in one sentence where there are no meshes.

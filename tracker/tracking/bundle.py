@@ -82,8 +82,8 @@ class _Pictures(Problem[Poses, "_Point"]):
         slots = clip.slots(start.first_frame, start.last_frame)
         return cls(
             scene, pictures, slots,
-            _keyframe_textures(scene, pictures, slots, *start.loose(), how.of),
-            scene.information(how.of),
+            _keyframe_textures(scene, pictures, slots, *start.loose(), how.stride),
+            scene.information(how.stride),
             scene.precision(SMOOTH_TURN_RAD, SMOOTH_SHIFT_PX * scene.pixel_m),
             np.zeros((frames, len(scene.points.points)), np.uint8),
             np.full((2, frames), FIRST_SIGMA),
@@ -132,7 +132,7 @@ class _Point:
 
 
 def _keyframe_textures(
-    scene: Scene, pictures: Picture, slots: NDArray[np.int64], R: Array, t: Array, of: int
+    scene: Scene, pictures: Picture, slots: NDArray[np.int64], R: Array, t: Array, stride: int
 ) -> _Textures:
     """What the first and the last frame show of the body."""
     size, parts = len(scene.points.points), scene.skeleton.part_count
@@ -142,6 +142,6 @@ def _keyframe_textures(
     for k, j in enumerate((0, len(t) - 1)):
         view(
             scene.arrays, scene.lens, scene.sight, width, height, pictures[slots[j]],
-            of, R[j], t[j], chosen[k], grey[k], starts[k],
+            stride, R[j], t[j], chosen[k], grey[k], starts[k],
         )  # fmt: skip
     return _Textures(chosen, grey, starts)

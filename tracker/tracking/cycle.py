@@ -101,7 +101,7 @@ def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
     present, what = first.trajectory, first.what
     drift, gap, diverged = _nothing_px(scene, present)[1:], 0.0, False
     for _ in range(method.passes):
-        motions, score = robust_pass(scene, clip, present, method.of, method.inner, method.stop)
+        motions, score = robust_pass(scene, clip, present, method.stride, method.inner, method.stop)
         drift = _drift_px(scene, present, motions)
         tried.append(Pass(what, present, score))
         yield tried[-1]
@@ -111,7 +111,7 @@ def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
             break
         present, what, gap = following.trajectory, "pass", following.gap
     if present is not tried[-1].trajectory:
-        last_score = capped_score(scene, clip, present, method.of) if method.judged else None
+        last_score = capped_score(scene, clip, present, method.stride) if method.judged else None
         tried.append(Pass(what, present, last_score))
         yield tried[-1]
     best = best_of(tried)
@@ -132,7 +132,7 @@ def _refined(scene: Scene, segment: Segment, method: Keypose, start: Pass) -> Pa
     if trajectory is start.trajectory or not is_sound(scene, segment, trajectory):
         return None
     judged = method.judged
-    score = capped_score(scene, segment.clip, trajectory, method.of) if judged else None
+    score = capped_score(scene, segment.clip, trajectory, method.stride) if judged else None
     return Pass("refinement", trajectory, score)
 
 
@@ -145,7 +145,7 @@ def _is_better(
     refinement compares with the keyframes and is nearer to the truth if those are posed exactly.
     Unjudged, that alone decides.
     """
-    exact = 0.0 < keyframe_difference(scene, segment, method.of) < EXACT_KEYFRAMES
+    exact = 0.0 < keyframe_difference(scene, segment, method.stride) < EXACT_KEYFRAMES
     if refined.score is None or unrefined.score is None:
         return exact
     allowance = EXACT_ALLOWANCE if exact else PLAIN_ALLOWANCE

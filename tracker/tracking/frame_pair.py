@@ -131,15 +131,15 @@ def _printed_sum(steps: list[MotionStep]) -> float:
 
 
 def robust_pass(
-    scene: Scene, clip: Clip, trajectory: Trajectory, of: int, inner: int, stop: float
+    scene: Scene, clip: Clip, trajectory: Trajectory, stride: int, inner: int, stop: float
 ) -> tuple[Motions, float]:
     """Our pass: motions from every pose, and the trajectory's capped score (grey levels²)."""
     n, parts = len(trajectory) - 1, scene.skeleton.part_count
     R, t, doubt = np.empty((n, parts, 3, 3)), np.empty((n, 3)), Doubt.none(n, parts)
     slots: NDArray[np.int64] = clip.slots(trajectory.first_frame, trajectory.last_frame)
     score = follow_pairs(
-        scene.arrays, scene.lens, scene.sight, scene.prior(of), clip.levels[0], slots,
-        *trajectory.loose(), of, inner, stop, R, t,
+        scene.arrays, scene.lens, scene.sight, scene.prior(stride), clip.levels[0], slots,
+        *trajectory.loose(), stride, inner, stop, R, t,
         doubt.turned, doubt.shifted,
     )  # fmt: skip
     return Motions(R, t, doubt), float(score)

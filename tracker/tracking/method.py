@@ -28,7 +28,7 @@ class Refinement:
     """How to refine: solves at most, and one surface point of how many is followed."""
 
     solves: int
-    of: int
+    stride: int
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Keypose:
     """
 
     passes: int
-    of: int
+    stride: int
     chain_inner: int
     refinement: Refinement
     finest: int = 0
@@ -60,9 +60,9 @@ class Keypose:
 
 Method = Paper | Keypose
 
-FULL = Keypose(3, 4, 6, Refinement(solves=6, of=2), inner=4, templates=True)
-FAST = Keypose(2, 4, 4, Refinement(solves=2, of=2), finest=1)
-PREVIEW = Keypose(1, 3, 2, Refinement(solves=2, of=3), finest=1, judged=False, density=0.5)
+FULL = Keypose(3, 4, 6, Refinement(solves=6, stride=2), inner=4, templates=True)
+FAST = Keypose(2, 4, 4, Refinement(solves=2, stride=2), finest=1)
+PREVIEW = Keypose(1, 3, 2, Refinement(solves=2, stride=3), finest=1, judged=False, density=0.5)
 
 
 def method_of(settings: TrackSettings) -> Method:

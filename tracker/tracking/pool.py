@@ -113,7 +113,7 @@ def never() -> bool:
     return False
 
 
-class Left(Exception):
+class Cancelled(Exception):
     """Raised by who is told how it goes, to leave a segment unfinished."""
 
 
@@ -160,7 +160,7 @@ def run(
     def work(index: int) -> None:
         try:
             _one_segment(tracker, settings, index, len(chosen), events, closing)
-        except Left:
+        except Cancelled:
             events.put(None)
         except BaseException as error:  # noqa: BLE001 — raised again in the caller's thread
             events.put(error)
@@ -192,15 +192,15 @@ def _one_segment(
     events: queue.Queue[Progress | BaseException | None], closing: Event,
 ) -> None:  # fmt: skip
     if closing.is_set():
-        raise Left
+        raise Cancelled
     expected = tracker.expected_steps(index, settings)
     first, last = tracker.spans[index]
     events.put(SegmentStarted(index, count, first, last))
 
     def emit(step: Pass, number: int) -> None:
         if closing.is_set():
-            raise Left
-        events.put(PassFinished(index, number, expected, step.told_score, step.trajectory))
+            raise Cancelled
+        events.put(PassFinished(index, number, expected, step.score_or_nan, step.trajectory))
 
     result = tracker.run_segment(index, settings, emit)
     events.put(SegmentFinished(index, count, result))

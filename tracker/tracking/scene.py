@@ -81,18 +81,18 @@ class Scene:
         p_camera = np.einsum("nmab,mb->nma", T[..., :3, :3], points) + T[..., :3, 3]
         return self.camera.project(p_camera)
 
-    def prior(self, of: int, turn_rad: float = TURN_PRIOR_RAD) -> Prior:
+    def prior(self, stride: int, turn_rad: float = TURN_PRIOR_RAD) -> Prior:
         """Prior on a motion when one point of every `of` is followed."""
         shift = SHIFT_PRIOR_PX * self.pixel_m * (turn_rad / TURN_PRIOR_RAD)
-        return Prior(self.precision(turn_rad, shift), self.information(of))
+        return Prior(self.precision(turn_rad, shift), self.information(stride))
 
     def precision(self, turn_rad: float, shift_m: float) -> Array:
         """(D,) 1/σ² of every degree of freedom."""
         return np.where(self.skeleton.dof_turns == 1, turn_rad, shift_m) ** -2.0
 
-    def information(self, of: int) -> float:
+    def information(self, stride: int) -> float:
         """Independent observations that one followed point stands for."""
-        return INFORMATION_PER_PIXEL * (self.points.spacing_m / self.pixel_m) ** 2 * of
+        return INFORMATION_PER_PIXEL * (self.points.spacing_m / self.pixel_m) ** 2 * stride
 
 
 def lens_of(camera: Camera) -> Lens:

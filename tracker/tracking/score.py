@@ -14,10 +14,10 @@ from tracker.tracking.segment import Segment
 from tracker.video.pyramid import Clip
 
 
-def capped_score(scene: Scene, clip: Clip, trajectory: Trajectory, of: int) -> float:
+def capped_score(scene: Scene, clip: Clip, trajectory: Trajectory, stride: int) -> float:
     """DRIFT (4), per point and capped, of one surface point in every `of`: grey levels²."""
     slots = clip.slots(trajectory.first_frame, trajectory.last_frame)
-    return _capped(scene, clip, slots, trajectory, of)
+    return _capped(scene, clip, slots, trajectory, stride)
 
 
 def best_of(tried: Sequence[Pass]) -> int:
@@ -27,7 +27,7 @@ def best_of(tried: Sequence[Pass]) -> int:
     return int(np.argmin([np.inf if p.score is None else p.score for p in tried]))
 
 
-def keyframe_difference(scene: Scene, segment: Segment, of: int) -> float:
+def keyframe_difference(scene: Scene, segment: Segment, stride: int) -> float:
     """How unlike the textures of the two keyframes are, each laid straight onto the other one.
 
     Mean capped square: small where both are posed exactly, 0 where nothing can be compared.
@@ -41,16 +41,16 @@ def keyframe_difference(scene: Scene, segment: Segment, of: int) -> float:
             np.stack([ends[a].Rs_parent_part, ends[b].Rs_parent_part]),
             np.stack([ends[a].p_camera_root, ends[b].p_camera_root]),
         )
-        total += 0.5 * _capped(scene, segment.clip, slots, jump, of)
+        total += 0.5 * _capped(scene, segment.clip, slots, jump, stride)
     return total
 
 
 def _capped(
-    scene: Scene, clip: Clip, slots: NDArray[np.int64], trajectory: Trajectory, of: int
+    scene: Scene, clip: Clip, slots: NDArray[np.int64], trajectory: Trajectory, stride: int
 ) -> float:
     return float(
         mean_capped_square(
             scene.arrays, scene.lens, scene.sight, clip.levels[0], slots,
-            *trajectory.loose(), of, CAP,
+            *trajectory.loose(), stride, CAP,
         )
     )  # fmt: skip

@@ -18,13 +18,13 @@ from tracker.tracking.diagnostics.expected_gain import expected_gain
 from tracker.tracking.diagnostics.judge import judge
 from tracker.tracking.diagnostics.observability import observe, unobserved
 from tracker.tracking.drift import closing_error
-from tracker.tracking.initial.chains import brought
+from tracker.tracking.initial.chains import fit_to_keyframes
 from tracker.tracking.method import Method, Paper, method_of
 from tracker.tracking.pool import SegmentResult
 from tracker.tracking.scene import Scene
 from tracker.tracking.segment import Segment
 from tracker.video import Video
-from tracker.video.clip_loader import MEMORY_BYTES, ClipLoader, WorkingSize, demand_short
+from tracker.video.clip_loader import MEMORY_BYTES, ClipLoader, WorkingSize, require_short
 
 
 class _Prepared:
@@ -70,10 +70,10 @@ class Tracker:
 
     def _pose(self, skeleton: Skeleton, keyposes: Mapping[int, Pose]) -> None:
         """Take keyposes of a body; the size worked at is what their longest segment allows."""
-        _demand_two(keyposes)
+        _require_two(keyposes)
         frames = sorted(keyposes)
         for first, last in pairwise(frames):
-            demand_short(first, last)
+            require_short(first, last)
         longest = max(b - a for a, b in pairwise(frames)) + 1
         self.skeleton = skeleton
         self.keyposes = {frame: keyposes[frame] for frame in frames}
@@ -133,7 +133,7 @@ class Tracker:
         start, end = self.keyposes[first], self.keyposes[last]
         imported = None
         if self._first_motion is not None:
-            imported = brought(self._first_motion, start, end, first, last)
+            imported = fit_to_keyframes(self._first_motion, start, end, first, last)
         segment = Segment(first, last, start, end, self.loader.load(first, last), imported)
         method = method_of(settings)
         scene = self.scene((first, last), method.density)
@@ -152,7 +152,7 @@ def _result(scene: Scene, segment: Segment, outcome: Outcome, method: Method) ->
     seen = (observe if judged else unobserved)(scene, segment.clip, outcome.trajectory)
     return SegmentResult(
         trajectory=outcome.trajectory,
-        scores=tuple(step.told_score for step in outcome.passes),
+        scores=tuple(step.score_or_nan for step in outcome.passes),
         steps=tuple(step.what for step in outcome.passes),
         best_pass=outcome.best,
         closing_error=max(
@@ -176,7 +176,7 @@ def expected_steps(settings: TrackSettings) -> int:
     return method.passes + 3 + method.templates
 
 
-def _demand_two(keyposes: Mapping[int, Pose]) -> None:
+def _require_two(keyposes: Mapping[int, Pose]) -> None:
     if len(keyposes) < 2:
         have = f"one, at frame {next(iter(keyposes))}" if keyposes else "none"
         raise SessionError(

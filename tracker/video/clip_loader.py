@@ -41,7 +41,7 @@ PLATE_DIFFERENCE = 8.0
 """Grey levels by which a pixel must differ from the plate to count as the body's."""
 
 
-def demand_short(first: int, last: int) -> None:
+def require_short(first: int, last: int) -> None:
     """SessionError where a segment is longer than can be tracked."""
     if last - first > LONGEST_SEGMENT:
         raise SessionError(
@@ -106,7 +106,7 @@ class ClipLoader:
 
     def load(self, first: int, last: int) -> Clip:
         """A clip that holds the frames first … last, both included, and maybe others."""
-        demand_short(first, last)
+        require_short(first, last)
         with self._lock:
             span = self._covering(first, last)
             if span is None:

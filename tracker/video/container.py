@@ -119,7 +119,7 @@ def packets(
         ) from error
 
 
-def decoded(
+def decode_packets(
     path: Path, container: InputContainer, stream: VideoStream
 ) -> Iterator[av.VideoFrame | None]:
     """Frames from here on in the order they are shown, None where the decoder gave up on one."""

@@ -13,7 +13,7 @@ from av.container import InputContainer
 from av.video.stream import VideoStream
 
 from tracker.errors import VideoError
-from tracker.video.container import PYAV_ERRORS, decoded, open_container, picture_stream
+from tracker.video.container import PYAV_ERRORS, decode_packets, open_container, picture_stream
 from tracker.video.damage import Examined, examine
 from tracker.video.fingerprint import fingerprint_of_file
 from tracker.video.index import FrameIndex, index_from_decoding, index_from_packets, rate_of
@@ -150,7 +150,7 @@ class FileSource:
         """Frames from here on with their numbers. Until `synced`, all before a key is ignored:
         right after a seek a decoder may show pictures built on others it has not seen."""
         index = self._index
-        for count, frame in enumerate(decoded(self._path, self._container, self._stream)):
+        for count, frame in enumerate(decode_packets(self._path, self._container, self._stream)):
             if frame is None:
                 continue
             number = index.number_of(frame.pts) if index.named else count
@@ -168,7 +168,7 @@ class FileSource:
     def _first_frame(self) -> av.VideoFrame:
         """The first sound frame; a damaged one where there is no other."""
         damaged: av.VideoFrame | None = None
-        for frame in decoded(self._path, self._container, self._stream):
+        for frame in decode_packets(self._path, self._container, self._stream):
             if frame is not None and not frame.is_corrupt:
                 return frame
             damaged = damaged or frame

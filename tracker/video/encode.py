@@ -62,12 +62,12 @@ class FilmWriter:
         self._place, self._time_base = place, time_base
         self._reformatter = VideoReformatter()
         self._last: int | None = None
-        with _told(place):
+        with _encoder_errors(place):
             self._container = av.open(
                 f"file:{place}", "w", format="mp4", options={"movflags": "+faststart"}
             )
         try:
-            with _told(place):
+            with _encoder_errors(place):
                 self._begin(size, rate, pixel_aspect)
         except BaseException:
             self._container.close()
@@ -101,7 +101,7 @@ class FilmWriter:
             threads=1,
         )
         frame.pts, frame.time_base = pts, self._time_base
-        with _told(self._place):
+        with _encoder_errors(self._place):
             self._container.mux(self._packets(frame))
 
     def _packets(self, frame: av.VideoFrame | None) -> list[av.Packet[av.VideoStream]]:
@@ -123,7 +123,7 @@ class FilmWriter:
             with suppress(*PYAV_ERRORS, OSError):
                 self._container.close()
             return
-        with _told(self._place):
+        with _encoder_errors(self._place):
             if self._last is not None:
                 self._container.mux(self._packets(None))
             self._container.close()
@@ -141,7 +141,7 @@ def film_file(path: Path, *, overwrite: bool) -> Iterator[Path]:
         yield beside
         with beside.open("rb") as file:
             os.fsync(file.fileno())
-        _put(beside, path, overwrite)
+        _publish(beside, path, overwrite)
     except OSError as problem:
         raise VideoError(
             f"{str(path)!r} cannot be written: {problem.strerror or problem}."
@@ -151,7 +151,7 @@ def film_file(path: Path, *, overwrite: bool) -> Iterator[Path]:
             beside.unlink()
 
 
-def _put(beside: Path, path: Path, overwrite: bool) -> None:
+def _publish(beside: Path, path: Path, overwrite: bool) -> None:
     if overwrite:
         beside.replace(path)
         return
@@ -166,7 +166,7 @@ def _put(beside: Path, path: Path, overwrite: bool) -> None:
 
 
 @contextmanager
-def _told(place: Path) -> Iterator[None]:
+def _encoder_errors(place: Path) -> Iterator[None]:
     """What the encoder throws, in one sentence."""
     try:
         yield

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Literal, TypeAlias
 from urllib.parse import quote_from_bytes, unquote_to_bytes
 
-from app.document.library.names import shown
+from app.document.library.names import printable
 from app.document.library.uploading import SURFACES
 from tracker.errors import KeyposeError
 from tracker.files import read_head
@@ -184,8 +184,8 @@ def _found(number: int, root: Path, path: Path, kind: Kind, count: int = 0) -> I
     yield Found(
         id=f"{number}/{quoted(place)}",
         kind=kind,
-        name=shown(name),
-        folder=shown(str(folder)),
+        name=printable(name),
+        folder=printable(str(folder)),
         bytes=facts.st_size,
         count=count,
         modified_s=facts.st_mtime,

@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from app.document.library.files import file_at, find_files, is_inside
-from app.document.library.names import shown
+from app.document.library.names import printable
 from app.document.library.places import SESSION, session_for
 from app.document.library.recents import Recent, Span, forget, read_recents, remember, spans_of
-from app.document.library.samples import bundled, own_copy
+from app.document.library.samples import bundled_samples, own_copy
 from app.document.library.uploading import LARGEST_BYTES, SURFACES, Upload
 from tracker.errors import KeyposeError, SessionError
 from tracker.files import read_own
@@ -62,7 +62,7 @@ class Library:
             "recents": [_recent_json(one) for one in self.recents()],
             "samples": [
                 {"id": s.name, "words": s.words, "thumb": f"/thumb/{_SAMPLE_THUMB}{s.name}.jpg"}
-                for s in bundled(self._samples)
+                for s in bundled_samples(self._samples)
             ],
             "files": [
                 {
@@ -72,7 +72,7 @@ class Library:
                 for f in listing.files
             ],
             "more": listing.more,
-            "folders": [shown(str(root)) for root in self.roots if root.is_dir()],
+            "folders": [printable(str(root)) for root in self.roots if root.is_dir()],
             "suffixes": [*SUFFIXES, SURFACES],
             "largest_upload": self._largest,
         }
@@ -87,7 +87,7 @@ class Library:
         spans: the segments as they stand; left out, they are what the session itself tells.
         KeyposeError in one sentence when the disk refuses: no reason to stop.
         """
-        if shown(str(path)) != str(path):
+        if printable(str(path)) != str(path):
             return  # a name that is no text cannot be written down
         told = spans_of(session) if spans is None else spans
         remember(self._book, Recent.of(path, session, told, time.time()))
@@ -106,7 +106,7 @@ class Library:
         if kind == "sample":
             return own_copy(self._samples, id, self.workspace)
         if kind == "upload":
-            return self._uploaded(id)
+            return self._uploaded_path(id)
         if kind == "file":
             return file_at(id, self.roots)
         path = self._recent(id)
@@ -124,7 +124,7 @@ class Library:
                 return Path(one.path)
         raise KeyposeError("This session is not there any more.")
 
-    def _uploaded(self, id: str) -> Path:
+    def _uploaded_path(self, id: str) -> Path:
         path = self.uploads / id
         is_plain = "\0" not in id and path.parent == self.uploads and path.name == id
         if is_plain and is_inside(path, [self.uploads]) and path.is_file():
@@ -154,13 +154,13 @@ class Library:
     def discard(self, id: str) -> None:
         """Remove an upload that turned out to be no video."""
         with suppress(KeyposeError, OSError):
-            self._uploaded(id).unlink()
+            self._uploaded_path(id).unlink()
 
     # --- pictures
 
     def thumb(self, id: str) -> bytes | None:
         """The JPEG behind /thumb/{id}.jpg, None when there is none; decodes, so use a thread."""
-        known = self._pictured(id)
+        known = self._session_of_thumb(id)
         if known is None:
             return None
         kept = self._thumbs / f"{id}.jpg"
@@ -173,9 +173,9 @@ class Library:
                 write_file(kept, content, overwrite=True)
         return content
 
-    def _pictured(self, id: str) -> Path | None:
+    def _session_of_thumb(self, id: str) -> Path | None:
         """The session of a picture; ids come from a page, so only known ones lead to a file."""
-        for sample in bundled(self._samples):
+        for sample in bundled_samples(self._samples):
             if id == _SAMPLE_THUMB + sample.name:
                 return self._samples / sample.name / SESSION
         return next((Path(r.path) for r in self.recents() if _thumb_id(r) == id), None)
@@ -203,9 +203,9 @@ def _recent_json(recent: Recent) -> dict[str, Any]:
     exchanged = _is_exchanged(recent)
     return {
         "id": recent.id,
-        "name": shown(recent.name),
-        "path": shown(recent.path),
-        "video": shown(Path(recent.video).name),
+        "name": printable(recent.name),
+        "path": printable(recent.path),
+        "video": printable(Path(recent.video).name),
         "keyframes": recent.keyframes,
         "frames": recent.frames,
         "strip": [list(piece) for piece in recent.strip],

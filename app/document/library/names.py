@@ -48,7 +48,7 @@ def numbered(name: str) -> Iterator[str]:
     yield from (f"{stem} {number}{suffix}" for number in count(2))
 
 
-def shown(name: str) -> str:
+def printable(name: str) -> str:
     """A name as text: bytes that are not UTF-8, and control characters, become a sign."""
     told = name.encode("utf-8", "replace").decode()
     return "".join("\N{REPLACEMENT CHARACTER}" if _is_unseen(c) else c for c in told)

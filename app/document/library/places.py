@@ -11,7 +11,7 @@ from app.document.library.files import SESSION_FOLDER
 from app.document.library.names import numbered
 from tracker.errors import KeyposeError
 from tracker.files import read_regular
-from tracker.storage.atomic import demand_folder
+from tracker.storage.atomic import require_folder
 from tracker.storage.files import LARGEST_SESSION_BYTES
 
 SESSION = "session.json"
@@ -60,7 +60,7 @@ def _is_about(session: Path, video: Path) -> bool:
 
 def _is_writable(folder: Path) -> bool:
     try:
-        demand_folder(folder, error=KeyposeError)
+        require_folder(folder, error=KeyposeError)
     except KeyposeError:
         return False
     return True

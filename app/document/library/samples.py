@@ -31,14 +31,14 @@ SAMPLES = (
 )
 
 
-def bundled(folder: Path) -> tuple[Sample, ...]:
+def bundled_samples(folder: Path) -> tuple[Sample, ...]:
     """Those that are there: a program may be installed without them."""
     return tuple(s for s in SAMPLES if (folder / s.name / "session.json").is_file())
 
 
 def own_copy(folder: Path, name: str, workspace: Path) -> Path:
     """The session of the workspace's copy of a sample, which is made when there is none yet."""
-    if name not in {sample.name for sample in bundled(folder)}:
+    if name not in {sample.name for sample in bundled_samples(folder)}:
         raise KeyposeError("There is no such sample.")
     place = workspace / name
     if not (place / "session.json").is_file():

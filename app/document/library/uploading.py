@@ -41,12 +41,12 @@ class Upload:
         self._folder = folder
         self._most = largest_bytes if size is None else size
         self._received = 0
-        self._demand_video()
-        self._demand_room(largest_bytes)
+        self._require_video()
+        self._require_room(largest_bytes)
         make_folder(folder, error=KeyposeError)
         sweep(folder, old_seconds=STALE_SECONDS)  # younger ones may be at work
         self._temporary = folder / f".{self.name}.{secrets.token_hex(6)}.part"
-        self._file: BinaryIO | None = self._opened()
+        self._file: BinaryIO | None = self._create()
 
     def __enter__(self) -> Self:
         return self
@@ -70,7 +70,7 @@ class Upload:
         try:
             self._file.write(chunk)
         except OSError as problem:
-            raise self._given_up(problem) from None
+            raise self._abort_with(problem) from None
 
     def finish(self) -> str:
         """Put the file under its name, or the next free one; that name is its id."""
@@ -83,9 +83,9 @@ class Upload:
             self._file.flush()
             os.fsync(self._file.fileno())
             self._file.close()
-            name = self._placed()
+            name = self._claim_name()
         except OSError as problem:
-            raise self._given_up(problem) from None
+            raise self._abort_with(problem) from None
         self._file = None
         return name
 
@@ -99,14 +99,14 @@ class Upload:
         with suppress(OSError):
             self._temporary.unlink()
 
-    def _demand_video(self) -> None:
+    def _require_video(self) -> None:
         if not self.name.lower().endswith((*SUFFIXES, SURFACES)):
             raise KeyposeError(
                 f"{self.name} is no video. Keypose opens MP4, MOV, MKV, WebM, AVI, TS, MPG and the "
                 "like, and GLB."
             )
 
-    def _demand_room(self, largest_bytes: int) -> None:
+    def _require_room(self, largest_bytes: int) -> None:
         wanted = self.size or 0
         if wanted > largest_bytes:
             raise KeyposeError(
@@ -122,14 +122,14 @@ class Upload:
                 f"{_gigabytes(max(free, 0))} GB are free."
             )
 
-    def _opened(self) -> BinaryIO:
+    def _create(self) -> BinaryIO:
         try:
             return self._temporary.open("xb")
         except OSError as problem:
             why = problem.strerror or problem
             raise KeyposeError(f"{self.name} cannot be copied: {why}.") from None
 
-    def _placed(self) -> str:
+    def _claim_name(self) -> str:
         """The first free name is taken by an empty file, which no one else can then take."""
         for name in numbered(self.name):
             place = self._folder / name
@@ -145,7 +145,7 @@ class Upload:
             return name
         raise AssertionError("names never end")
 
-    def _given_up(self, problem: OSError) -> KeyposeError:
+    def _abort_with(self, problem: OSError) -> KeyposeError:
         self.abort()
         return KeyposeError(f"{self.name} was not copied: {problem.strerror or problem}.")
 

@@ -12,7 +12,7 @@ from contextlib import suppress
 from threading import Event
 from typing import TYPE_CHECKING, Any
 
-from app.jobs.batch.crew import Died, News
+from app.jobs.batch.pool import Died, News
 from app.jobs.batch.task import Step, Summary, Task
 from tracker.errors import KeyposeError
 
@@ -26,16 +26,16 @@ LONGEST_REASON = 200
 
 def do_remotely(task: Task) -> Summary:
     """What a worker of the cluster runs."""
-    from app.jobs.batch.doing import do
+    from app.jobs.batch.run_one import run_task
 
-    return do(task, _unheard, Event())
+    return run_task(task, _ignore_step, Event())
 
 
-def _unheard(step: Step) -> None:
+def _ignore_step(step: Step) -> None:
     """Steps stay where they are: only the summary travels."""
 
 
-class ClusterCrew:
+class ClusterPool:
     """The workers of a cluster, however many there are just now."""
 
     def __init__(self, address: str) -> None:
@@ -49,11 +49,11 @@ class ClusterCrew:
         """One task for each thread of the cluster, so that what is not begun can be left."""
         if time.monotonic() - self._counted > LOOK_FOR_WORKERS_S:
             self._counted = time.monotonic()
-            self._threads = sum(self._asked("nthreads").values())
+            self._threads = sum(self._ask("nthreads").values())
         return self._threads - len(self._futures)
 
     def give(self, number: int, task: Task) -> None:
-        self._futures[number] = self._asked("submit", do_remotely, task, pure=False)
+        self._futures[number] = self._ask("submit", do_remotely, task, pure=False)
 
     def wait(self, seconds: float) -> list[News]:
         """Looks every so often: what happens may also be that the scheduler is gone."""
@@ -62,7 +62,7 @@ class ClusterCrew:
             done = [n for n, future in self._futures.items() if future.status != "pending"]
             if done or time.monotonic() >= until:
                 return [(number, self._ended(self._futures.pop(number))) for number in done]
-            self._demand_scheduler()
+            self._require_scheduler()
             time.sleep(0.02)
 
     def stop(self) -> None:
@@ -79,29 +79,29 @@ class ClusterCrew:
             summary: Summary = future.result()
             return summary
         if future.status == "error":
-            return Died(_how(future.exception()))
-        self._demand_scheduler()
+            return Died(_failure_in_words(future.exception()))
+        self._require_scheduler()
         return Died("The cluster lost it")
 
-    def _asked(self, what: str, *given: Any, **more: Any) -> Any:
-        self._demand_scheduler()
+    def _ask(self, what: str, *given: Any, **more: Any) -> Any:
+        self._require_scheduler()
         try:
             return getattr(self._client, what)(*given, **more)
         except (OSError, RuntimeError, ValueError) as error:
-            raise self._gone() from error
+            raise self._scheduler_gone() from error
 
-    def _demand_scheduler(self) -> None:
+    def _require_scheduler(self) -> None:
         if self._client.status != "running":
-            raise self._gone()
+            raise self._scheduler_gone()
 
-    def _gone(self) -> KeyposeError:
+    def _scheduler_gone(self) -> KeyposeError:
         return KeyposeError(
             f"The scheduler at {self._address} is gone; what is finished is kept, and the same "
             "command goes on from there."
         )
 
 
-def _how(error: BaseException) -> str:
+def _failure_in_words(error: BaseException) -> str:
     """Why a task was not done: its workers died, or it could not even be begun."""
     if type(error).__name__ == "KilledWorker":
         return "Every worker that took it up was killed"

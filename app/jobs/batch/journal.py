@@ -69,7 +69,7 @@ class Journal:
     def _add(self, line: Mapping[str, Any]) -> None:
         try:
             if self._file is None:
-                self._file = self._opened()
+                self._file = self._open()
                 first = {} if self._goes_on else {"asked": self._asked}
                 self._file.write(b"\n" + _encoded(first))  # after one that may have been cut off
             self._file.write(_encoded(line))
@@ -79,7 +79,7 @@ class Journal:
             why = problem.strerror or problem
             raise SessionError(f"{str(self._path)!r} cannot be written: {why}.") from None
 
-    def _opened(self) -> IO[bytes]:
+    def _open(self) -> IO[bytes]:
         """Emptied, unless this batch goes on, only once it is known to be the batch's own."""
         file = os.fdopen(open_own(self._path, os.O_WRONLY | os.O_CREAT | os.O_APPEND), "ab")
         if not self._goes_on:

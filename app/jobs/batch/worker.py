@@ -26,7 +26,7 @@ def serve(connection: Connection) -> None:
     hands = _Hands(connection)
     try:
         while True:
-            hands.heed(connection.recv())
+            hands.handle(connection.recv())
     except (EOFError, OSError):
         os._exit(0)  # what is at work is begun anew by whoever comes next
 
@@ -41,7 +41,7 @@ class _Hands:
     def __post_init__(self) -> None:
         self._sending = Lock()
 
-    def heed(self, message: Message) -> None:
+    def handle(self, message: Message) -> None:
         if message is None:
             if self._stop is not None:
                 self._stop.set()
@@ -50,9 +50,11 @@ class _Hands:
         Thread(target=self._work, args=(message, self._stop), daemon=True).start()
 
     def _work(self, task: Task, stop: Event) -> None:
-        from app.jobs.batch.doing import do  # heavy: the process answers before it is loaded
+        from app.jobs.batch.run_one import (
+            run_task,  # heavy: the process answers before it is loaded
+        )
 
-        self._tell(do(task, self._tell, stop))
+        self._tell(run_task(task, self._tell, stop))
 
     def _tell(self, answer: Answer) -> None:
         with self._sending:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from app.posing import handles, part_label, part_sizes, part_words
 from app.posing import lanes as lane_groups
 from app.store.sections.json_value import Json, doc_of
-from app.store.state import Outlook
+from app.store.state import AppState
 from tracker.body.body import PRESETS, Body, Part, preset
 from tracker.body.scaling import height
 
 
-def body(outlook: Outlook) -> Json:
+def body(app_state: AppState) -> Json:
     """The body's parts with all that can be changed about them."""
-    doc = doc_of(outlook)
+    doc = doc_of(app_state)
     if doc is None:
         return None
     given = doc.body

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from app.store.identity import same
+from app.store.identity import unchanged
 from app.store.sections import (
     body_values,
     motion_values,
@@ -20,55 +20,55 @@ from app.store.sections import (
     work_values,
 )
 from app.store.sections.json_value import Json
-from app.store.state import Outlook
+from app.store.state import AppState
 
 
 @dataclass(frozen=True)
 class _Section:
     """How a section is made, and what of the outlook it is made of."""
 
-    made_of: Callable[[Outlook], tuple[Any, ...]]
-    make: Callable[[Outlook], Json]
+    made_of: Callable[[AppState], tuple[Any, ...]]
+    make: Callable[[AppState], Json]
 
 
-def _doc(*names: str) -> Callable[[Outlook], tuple[Any, ...]]:
-    def parts(outlook: Outlook) -> tuple[Any, ...]:
-        doc = outlook.edit.doc if outlook.edit else None
+def _doc(*names: str) -> Callable[[AppState], tuple[Any, ...]]:
+    def parts(app_state: AppState) -> tuple[Any, ...]:
+        doc = app_state.edit.doc if app_state.edit else None
         return (doc is None, *(getattr(doc, name, None) for name in names))
 
     return parts
 
 
-def _settled(*names: str) -> Callable[[Outlook], tuple[Any, ...]]:
+def _settled(*names: str) -> Callable[[AppState], tuple[Any, ...]]:
     """As _doc, but a gesture under way does not count: these are made anew when it ends."""
 
-    def parts(outlook: Outlook) -> tuple[Any, ...]:
-        doc = outlook.edit.settled if outlook.edit else None
+    def parts(app_state: AppState) -> tuple[Any, ...]:
+        doc = app_state.edit.settled if app_state.edit else None
         return (doc is None, *(getattr(doc, name, None) for name in names))
 
     return parts
 
 
-def _edit(*names: str) -> Callable[[Outlook], tuple[Any, ...]]:
-    def parts(outlook: Outlook) -> tuple[Any, ...]:
-        edit = outlook.edit
+def _edit(*names: str) -> Callable[[AppState], tuple[Any, ...]]:
+    def parts(app_state: AppState) -> tuple[Any, ...]:
+        edit = app_state.edit
         return (edit is None, *(getattr(edit, name, None) for name in names))
 
     return parts
 
 
-def _both(*makers: Callable[[Outlook], tuple[Any, ...]]) -> Callable[[Outlook], tuple[Any, ...]]:
-    return lambda outlook: tuple(part for maker in makers for part in maker(outlook))
+def _both(*makers: Callable[[AppState], tuple[Any, ...]]) -> Callable[[AppState], tuple[Any, ...]]:
+    return lambda app_state: tuple(part for maker in makers for part in maker(app_state))
 
 
 _POSES = _doc("body", "keyframes", "drafts")
 
 
-def _curve_poses(outlook: Outlook) -> tuple[Any, ...]:
+def _curve_poses(app_state: AppState) -> tuple[Any, ...]:
     """A drag moves its point of the curve at once, but not where the curve is long to draw."""
-    long = outlook.edit is not None and outlook.edit.frame_count > LONG_CURVE
+    long = app_state.edit is not None and app_state.edit.frame_count > LONG_CURVE
     names = ("body", "keyframes", "drafts")
-    return (_settled if long else _doc)(*names)(outlook)
+    return (_settled if long else _doc)(*names)(app_state)
 
 
 LONG_CURVE = 1500
@@ -80,9 +80,9 @@ _TRACKED = _both(
 )
 
 
-def _tinted(outlook: Outlook) -> tuple[Any, ...]:
+def _tinted(app_state: AppState) -> tuple[Any, ...]:
     """What the pictures of observed surfaces are coloured by."""
-    edit = outlook.edit
+    edit = app_state.edit
     if edit is None or edit.doc.surface is None:
         return ()
     if edit.display.tint not in ("contact", "distance"):
@@ -137,15 +137,15 @@ class Sections:
         self._made_of: dict[str, tuple[Any, ...]] = {}
         self._made: dict[str, Json] = {}
 
-    def changed(self, outlook: Outlook) -> dict[str, Json]:
+    def changed(self, app_state: AppState) -> dict[str, Json]:
         """The sections that differ from those of the last call."""
         fresh: dict[str, Json] = {}
         for name, section in SECTIONS.items():
-            parts = section.made_of(outlook)
-            if same(self._made_of.get(name), parts):
+            parts = section.made_of(app_state)
+            if unchanged(self._made_of.get(name), parts):
                 continue
             self._made_of[name] = parts
-            made = section.make(outlook)
+            made = section.make(app_state)
             if name not in self._made or made != self._made[name]:
                 self._made[name] = fresh[name] = made
         return fresh

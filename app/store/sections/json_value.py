@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any, TypeAlias
 
-from app.store.state import Outlook
+from app.store.state import AppState
 from tracker.session.schema import Session
 
 Json: TypeAlias = Any
 """Whatever JSON can say."""
 
 
-def doc_of(outlook: Outlook) -> Session | None:
+def doc_of(app_state: AppState) -> Session | None:
     """The document as it stands, if one is open."""
-    return outlook.edit.doc if outlook.edit else None
+    return app_state.edit.doc if app_state.edit else None

@@ -10,7 +10,7 @@ from app.editor.suggest import suggestion
 from app.editor.suggest_surfaces import surface_suggestion
 from app.editor.verdict_words import add_keyframe, sentence, short_sentence
 from app.store.sections.json_value import Json
-from app.store.state import Outlook
+from app.store.state import AppState
 from tracker.session.verdict import Verdict
 from tracker.storage.results import SegmentTrack, Span, State, listed, observability
 
@@ -18,20 +18,20 @@ _STATE_WORDS = {"outdated": "Outdated", "none": "Not tracked"}
 _OF_SURFACES = {"outdated": "Outdated", "none": "Not fitted"}
 
 
-def segments(outlook: Outlook) -> Json:
+def segments(app_state: AppState) -> Json:
     """Every stretch between two keyframes, and how it fares."""
-    edit = outlook.edit
+    edit = app_state.edit
     if edit is None:
         return []
     states = edit.results.states(edit.settled)
     fitting = edit.results.fitting(edit.settled)
-    return [_segment(outlook, span, state, fitting.get(span)) for span, state in states.items()]
+    return [_segment(app_state, span, state, fitting.get(span)) for span, state in states.items()]
 
 
-def _segment(outlook: Outlook, span: Span, state: State, track: SegmentTrack | None) -> Json:
+def _segment(app_state: AppState, span: Span, state: State, track: SegmentTrack | None) -> Json:
     first, last = span
-    running = outlook.running.get(span)
-    surfaces = outlook.edit is not None and outlook.edit.doc.surface is not None
+    running = app_state.running.get(span)
+    surfaces = app_state.edit is not None and app_state.edit.doc.surface is not None
     value: dict[str, Json] = {
         "first": first,
         "last": last,
@@ -54,7 +54,7 @@ def _segment(outlook: Outlook, span: Span, state: State, track: SegmentTrack | N
     }
     if track is not None and track.verdict is not None:
         value |= {
-            **_verdict(outlook, span, track.verdict),
+            **_verdict(app_state, span, track.verdict),
             "scores": [_finite(score) for score in track.scores],
             "best": track.best_pass,
             "notes": list(track.notes),
@@ -73,11 +73,11 @@ def _segment(outlook: Outlook, span: Span, state: State, track: SegmentTrack | N
     return value
 
 
-def _verdict(outlook: Outlook, span: Span, verdict: Verdict) -> dict[str, Json]:
+def _verdict(app_state: AppState, span: Span, verdict: Verdict) -> dict[str, Json]:
     return {
         "words": sentence(verdict, *span),
         "short": short_sentence(verdict, *span),
-        "todo": _todo(outlook, verdict),
+        "todo": _todo(app_state, verdict),
         "cause": verdict.cause,
         "part": verdict.part,
         "frames": None if verdict.frames is None else list(verdict.frames),
@@ -85,18 +85,18 @@ def _verdict(outlook: Outlook, span: Span, verdict: Verdict) -> dict[str, Json]:
     }
 
 
-def _todo(outlook: Outlook, verdict: Verdict) -> str:
+def _todo(app_state: AppState, verdict: Verdict) -> str:
     """What to do about it; where the trouble is a keyframe itself, one only looks at it."""
-    if verdict.go is None or outlook.edit is None:
+    if verdict.go is None or app_state.edit is None:
         return ""
-    if verdict.kind == "lost" and verdict.go not in outlook.edit.keys:
+    if verdict.kind == "lost" and verdict.go not in app_state.edit.keys:
         return add_keyframe(verdict.go)
     return f"Go to {verdict.go}"
 
 
-def suggest(outlook: Outlook) -> Json:
+def suggest(app_state: AppState) -> Json:
     """The frame to key next, and why."""
-    edit = outlook.edit
+    edit = app_state.edit
     if edit is None:
         return None
     fitting = edit.results.fitting(edit.settled)
@@ -113,9 +113,9 @@ def suggest(outlook: Outlook) -> Json:
     }
 
 
-def need(outlook: Outlook) -> Json:
+def need(app_state: AppState) -> Json:
     """Pixels that a keyframe would be expected to mend, by frame."""
-    edit = outlook.edit
+    edit = app_state.edit
     if edit is None:
         return []
     table = np.full(edit.frame_count, np.nan)
@@ -125,9 +125,9 @@ def need(outlook: Outlook) -> Json:
     return listed(table, 1)
 
 
-def lanes(outlook: Outlook) -> Json:
+def lanes(app_state: AppState) -> Json:
     """How much the picture tells about each part, 0 to 1, by frame."""
-    edit = outlook.edit
+    edit = app_state.edit
     if edit is None:
         return {}
     names = edit.settled.body.names
@@ -137,9 +137,9 @@ def lanes(outlook: Outlook) -> Json:
     return {name: listed(table[:, k]) for k, name in enumerate(names) if known[k]}
 
 
-def job(outlook: Outlook) -> Json:
+def job(app_state: AppState) -> Json:
     """What the tracker is doing."""
-    given = outlook.job
+    given = app_state.job
     return {
         "state": given.state,
         "title": given.title,

@@ -10,7 +10,7 @@ from app.editor.state import EditorState
 from app.editor.trail import way
 from app.posing import at_limit, part_angles_deg
 from app.store.sections.json_value import Json, doc_of
-from app.store.state import Outlook
+from app.store.state import AppState
 from tracker.body.pose import joint_names, joint_positions, pose_transforms
 from tracker.geometry.rotations import Array, rotation_from_quaternion
 from tracker.storage.results import listed, residual, rotations
@@ -18,9 +18,9 @@ from tracker.storage.results import listed, residual, rotations
 AT_REST = (1.0, 0.0, 0.0, 0.0)
 
 
-def pose(outlook: Outlook) -> Json:
+def pose(app_state: AppState) -> Json:
     """Where every part stands at the present frame."""
-    edit = outlook.edit
+    edit = app_state.edit
     if edit is None:
         return None
     standing = shown(edit)
@@ -61,9 +61,9 @@ def _gesture(edit: EditorState) -> Json:
     }
 
 
-def keys(outlook: Outlook) -> Json:
+def keys(app_state: AppState) -> Json:
     """Frames of keyframes and drafts."""
-    doc = doc_of(outlook)
+    doc = doc_of(app_state)
     if doc is None:
         return {"frames": [], "drafts": []}
     return {
@@ -72,9 +72,9 @@ def keys(outlook: Outlook) -> Json:
     }
 
 
-def curve(outlook: Outlook) -> Json:
+def curve(app_state: AppState) -> Json:
     """The selected part's angles and error, by frame."""
-    edit = outlook.edit
+    edit = app_state.edit
     if edit is None or edit.selected is None:
         return None
     index, frames = edit.doc.body.index(edit.selected), edit.frame_count
@@ -101,9 +101,9 @@ def _angles(edit: EditorState, index: int) -> Array:
     return angles
 
 
-def trail(outlook: Outlook) -> Json:
+def trail(app_state: AppState) -> Json:
     """The way of the selected part's far end around the present frame."""
-    edit = outlook.edit
+    edit = app_state.edit
     found = way(edit) if edit is not None and edit.display.trail else None
     if found is None or len(found.frames) < 2:
         return None

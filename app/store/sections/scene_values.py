@@ -7,21 +7,21 @@ import math
 
 import numpy as np
 
-from app.editor.sights import up_of
+from app.editor.pointer_views import up_of
 from app.posing import tilt_and_roll, view_rotations
 from app.store.sections.json_value import Json, doc_of
 from app.store.sections.surface_values import surface_version
-from app.store.state import Outlook
+from app.store.state import AppState
 from tracker.surface.picture import CONTAINER
 from tracker.tracking.diagnostics.runs import runs
 
 
-def file(outlook: Outlook) -> Json:
+def file(app_state: AppState) -> Json:
     """What is open."""
-    opened = outlook.opened
+    opened = app_state.opened
     if opened is None:
         return None
-    info, doc = opened.info, doc_of(outlook)
+    info, doc = opened.info, doc_of(app_state)
     fps = info.fps if doc is None or doc.surface is None else doc.surface.fps
     return {
         "name": opened.name,
@@ -38,9 +38,9 @@ def file(outlook: Outlook) -> Json:
     }
 
 
-def damage(outlook: Outlook) -> Json:
+def damage(app_state: AppState) -> Json:
     """First and last of every run of frames that tracking leaves out: damaged or missing ones."""
-    opened = outlook.opened
+    opened = app_state.opened
     if opened is None or opened.info.container == CONTAINER:
         return []
     flags = np.zeros(opened.info.frame_count, dtype=np.bool_)
@@ -48,9 +48,9 @@ def damage(outlook: Outlook) -> Json:
     return [list(run) for run in runs(flags)]
 
 
-def camera(outlook: Outlook) -> Json:
+def camera(app_state: AppState) -> Json:
     """The calibrated camera, and what is up in its frame."""
-    doc = doc_of(outlook)
+    doc = doc_of(app_state)
     if doc is None:
         return None
     given, up = doc.camera, up_of(doc)
@@ -63,17 +63,17 @@ def camera(outlook: Outlook) -> Json:
         "up_origin": "camera" if doc.up_camera is None else "drawn",
         "tilt_deg": tilt,
         "roll_deg": roll,
-        "image_version": image_version(outlook),
+        "image_version": image_version(app_state),
     }
 
 
-def image_version(outlook: Outlook) -> str:
+def image_version(app_state: AppState) -> str:
     """What pictures are named by: they depend on the video and on the lens's distortion; those of
     observed surfaces on more.
 
     Browsers keep them by that name, also for the next video on the same port.
     """
-    edit, film = outlook.edit, outlook.opened.film if outlook.opened else ""
+    edit, film = app_state.edit, app_state.opened.film if app_state.opened else ""
     if edit is None:
         return ""
     camera = edit.doc.camera
@@ -82,17 +82,17 @@ def image_version(outlook: Outlook) -> str:
     return hashlib.sha256(repr(made_of).encode()).hexdigest()[:16] + surface_version(edit)
 
 
-def views(outlook: Outlook) -> Json:
+def views(app_state: AppState) -> Json:
     """R_view_camera of the three small views."""
-    doc = doc_of(outlook)
+    doc = doc_of(app_state)
     if doc is None:
         return None
     return {name: R.tolist() for name, R in view_rotations(up_of(doc)).items()}
 
 
-def view(outlook: Outlook) -> Json:
+def view(app_state: AppState) -> Json:
     """Where one looks, and the switches."""
-    edit = outlook.edit
+    edit = app_state.edit
     if edit is None:
         return None
     looks = edit.display

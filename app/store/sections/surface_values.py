@@ -8,12 +8,12 @@ from pathlib import PurePath
 from app.editor.state import EditorState
 from app.render.tints import LEGENDS, Tint, css_stops
 from app.store.sections.json_value import Json
-from app.store.state import Outlook
+from app.store.state import AppState
 
 
-def surface(outlook: Outlook) -> Json:
+def surface(app_state: AppState) -> Json:
     """None where the session is about a video."""
-    edit, seen = outlook.edit, outlook.surface
+    edit, seen = app_state.edit, app_state.surface
     if edit is None or edit.doc.surface is None:
         return None
     given, model = edit.doc.surface, edit.doc.model_keyframe
@@ -22,16 +22,16 @@ def surface(outlook: Outlook) -> Json:
         "cameras": PurePath(given.cameras).name if given.cameras else None,
         "model_frame": None if model is None else model.frame,
         "problem": seen.problem if seen.frame == edit.frame else "",
-        "unusable": outlook.unusable,
+        "unusable": app_state.unusable,
         "faces": seen.faces,
         "middle": None if seen.middle is None else list(seen.middle),
         "rims": seen.rims,
-        "tints": [_tint(outlook, kind) for kind in LEGENDS],
+        "tints": [_tint(app_state, kind) for kind in LEGENDS],
         "ramp": css_stops(),
     }
 
 
-def _tint(outlook: Outlook, kind: Tint) -> Json:
+def _tint(app_state: AppState, kind: Tint) -> Json:
     legend = LEGENDS[kind]
     return {
         "id": kind,
@@ -39,16 +39,16 @@ def _tint(outlook: Outlook, kind: Tint) -> Json:
         "title": legend.title,
         "low": legend.clay,
         "high": legend.plum,
-        "off": _unavailable(outlook, kind),
+        "off": _unavailable(app_state, kind),
     }
 
 
-def _unavailable(outlook: Outlook, kind: Tint) -> str:
+def _unavailable(app_state: AppState, kind: Tint) -> str:
     """Why a surface cannot be coloured so, or ''."""
-    assert outlook.edit is not None
+    assert app_state.edit is not None
     if kind == "photo":
-        return "" if outlook.surface.photo else "These surfaces come without pictures of cameras"
-    posed = kind == "clay" or bool(outlook.edit.doc.keyframes)
+        return "" if app_state.surface.photo else "These surfaces come without pictures of cameras"
+    posed = kind == "clay" or bool(app_state.edit.doc.keyframes)
     return "" if posed else "Pose the first keyframe first"
 
 

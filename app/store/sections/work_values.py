@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from app.posing import part_label
 from app.store.sections.json_value import Json, doc_of
-from app.store.state import Outlook
+from app.store.state import AppState
 from tracker.session.settings import TrackSettings
 from tracker.tracking.method import method_of
 
 
-def masks(outlook: Outlook) -> Json:
+def masks(app_state: AppState) -> Json:
     """The ignored regions."""
-    doc = doc_of(outlook)
+    doc = doc_of(app_state)
     return [
         {
             "polygon": [list(spot) for spot in mask.polygon],
@@ -23,24 +23,24 @@ def masks(outlook: Outlook) -> Json:
     ]
 
 
-def settings(outlook: Outlook) -> Json:
+def settings(app_state: AppState) -> Json:
     """How to track."""
-    doc = doc_of(outlook)
+    doc = doc_of(app_state)
     given = doc.settings if doc else TrackSettings()
     usual = method_of(given.model_copy(update={"passes": None})).passes
     source = doc.first_motion.source if doc and doc.first_motion else None
     return {**given.model_dump(), "default_passes": usual, "imported": source}
 
 
-def saved(outlook: Outlook) -> Json:
+def saved(app_state: AppState) -> Json:
     """Whether the session is on disk."""
-    given = outlook.saved
+    given = app_state.saved
     return {"state": given.state, "at": given.at_s, "words": given.words}
 
 
-def undo(outlook: Outlook) -> Json:
+def undo(app_state: AppState) -> Json:
     """What undo and redo would do."""
-    edit = outlook.edit
+    edit = app_state.edit
     past, future = (edit.history.past, edit.history.future) if edit else ((), ())
     under_way = edit.stroke.label if edit and edit.stroke else None
     return {
@@ -49,14 +49,14 @@ def undo(outlook: Outlook) -> Json:
     }
 
 
-def clipboard(outlook: Outlook) -> Json:
+def clipboard(app_state: AppState) -> Json:
     """Whether a pose can be pasted."""
-    return outlook.edit is not None and outlook.edit.clipboard is not None
+    return app_state.edit is not None and app_state.edit.clipboard is not None
 
 
-def fit(outlook: Outlook) -> Json:
+def fit(app_state: AppState) -> Json:
     """What the last fit did, until something else is edited."""
-    given = outlook.fit
+    given = app_state.fit
     if given is None:
         return None
     return {
@@ -70,9 +70,9 @@ def fit(outlook: Outlook) -> Json:
     }
 
 
-def guide(outlook: Outlook) -> Json:
+def guide(app_state: AppState) -> Json:
     """The first pose's steps."""
-    given = outlook.guide
+    given = app_state.guide
     steps = ("hips", "height", "facing", "limbs", "depth", "key")
     first = given.first and "key" not in given.done
     return {"first": first, "done": {step: step in given.done for step in steps}}

@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 
 from app.cli.main import main
-from app.jobs.batch import crew
-from app.jobs.batch.crew import Died, News
+from app.jobs.batch import pool
 from app.jobs.batch.journal import FOLDER
+from app.jobs.batch.pool import Died, News
 from app.jobs.batch.report import NAME
 from app.jobs.batch.task import Step, Stretch, Summary, Task
 from tests.app.cli_cases import refused
@@ -46,7 +46,7 @@ def meeting(monkeypatch: pytest.MonkeyPatch, befalls: Befalls) -> list[Here]:
         hired.append(Here(processes, befalls))
         return hired[-1]
 
-    monkeypatch.setattr(crew, "LocalCrew", hire)
+    monkeypatch.setattr(pool, "LocalPool", hire)
     return hired
 
 

@@ -16,7 +16,7 @@ import pytest
 
 from app.document.folder_lock import HeldElsewhere, SessionLock
 from app.document.library import Library
-from app.document.open import Workpiece, copied_session, edit_state
+from app.document.open import OpenSession, copy_session, edit_state
 from app.store import runner
 from app.store.store import Store
 from app.store.tabs import Tab
@@ -108,7 +108,7 @@ def test_undo_and_redo_survive_a_restart(path: Path) -> None:
         await done(store, turn(-10), turn(-20), {"do": "delete_key", "frame": 24}, {"do": "undo"})
 
     async def go_on(store: Store) -> None:
-        edit = store.outlook.edit
+        edit = store.app_state.edit
         assert edit is not None
         assert len(edit.history.past) == 2
         assert len(edit.history.future) == 1
@@ -205,7 +205,7 @@ def test_what_another_program_writes_meanwhile_is_kept_beside(path: Path) -> Non
 
 
 async def saved(store: Store) -> None:
-    while store.outlook.saved.state != "saved":
+    while store.app_state.saved.state != "saved":
         await asyncio.sleep(0.01)
 
 
@@ -218,7 +218,7 @@ def test_a_newer_session_is_shown_and_nothing_is_written(path: Path) -> None:
         store.receive(tab, turn(-10, n=1))
         refused = [m for m in await tab.next() if m["t"] == "refused"]
         assert "a newer Keypose" in refused[0]["words"]
-        assert store.outlook.saved.state == "readonly"
+        assert store.app_state.saved.state == "readonly"
 
     with_store(path, edit)
     assert path.read_bytes() == content
@@ -232,8 +232,8 @@ def test_a_disk_that_is_full_is_told_and_what_was_done_is_written_once_there_is_
         with monkeypatch.context() as patch:
             patch.setattr(os, "write", _full)
             await tried(store, turn(-10), turn(-20))
-            assert store.outlook.saved.state == "failed"
-            assert "No space left" in store.outlook.saved.words
+            assert store.app_state.saved.state == "failed"
+            assert "No space left" in store.app_state.saved.words
         await done(store, turn(-30))
 
     with_store(path, edit)
@@ -250,11 +250,11 @@ def test_edits_on_a_full_disk_are_acknowledged_by_themselves_once_they_are_writt
             patch.setattr(os, "fsync", _full)
             tab = await tried(store, turn(-10), {"do": "go", "frame": 3})
             assert tab._ack == 0
-            assert store.outlook.saved.state == "failed"
+            assert store.app_state.saved.state == "failed"
         await told(tab, "ack", 2)
         assert len(labels(path)) == 1
         await store._saver.settled()
-        assert store.outlook.saved.state == "saved"
+        assert store.app_state.saved.state == "saved"
 
     with_store(path, edit)
 
@@ -270,8 +270,8 @@ def test_a_folder_that_was_renamed_is_not_made_anew_and_gets_the_edits_once_it_i
         path.parent.rename(elsewhere)
         tab = await tried(store, turn(-20))
         assert not path.parent.exists()
-        assert store.outlook.saved.state == "failed"
-        assert "is gone or was renamed" in store.outlook.saved.words
+        assert store.app_state.saved.state == "failed"
+        assert "is gone or was renamed" in store.app_state.saved.words
         assert tab._ack == 0
         elsewhere.rename(path.parent)
         await told(tab, "ack", 1)
@@ -287,7 +287,7 @@ def test_another_folder_in_its_place_is_left_alone(path: Path) -> None:
         path.parent.mkdir()
         await tried(store, turn(-20))
         assert list(path.parent.iterdir()) == []
-        assert "is gone or was renamed" in store.outlook.saved.words
+        assert "is gone or was renamed" in store.app_state.saved.words
 
     with pytest.raises(SessionError, match="The last changes are lost"):
         with_store(path, edit)
@@ -300,7 +300,7 @@ def test_a_session_put_back_from_a_copy_is_gone_on_with(path: Path) -> None:
         shutil.copytree(path.parent, path.parent.with_name("copy"))
         shutil.rmtree(path.parent)
         await tried(store, turn(-20))
-        assert store.outlook.saved.state == "failed"
+        assert store.app_state.saved.state == "failed"
         path.parent.with_name("copy").rename(path.parent)
         await done(store, turn(-30))
         with pytest.raises(HeldElsewhere):
@@ -352,7 +352,7 @@ def test_one_that_opens_while_another_still_writes_reads_what_that_one_wrote_las
         await saved(first)
         loop = asyncio.get_running_loop()
 
-        def slowly(piece: Workpiece) -> Any:
+        def slowly(piece: OpenSession) -> Any:
             state = edit_state(piece)
             monkeypatch.setattr("app.store.store.edit_state", edit_state)
             asyncio.run_coroutine_threadsafe(done(first, turn(-20), turn(-30)), loop).result()
@@ -450,10 +450,10 @@ async def undo(store: Store) -> None:
 
 def test_a_copy_of_another_session_is_not_taken_for_this_one(path: Path, tmp_path: Path) -> None:
     box = ROOT / "sample_videos" / "box" / "session.json"
-    copied_session(box, tmp_path / "copy")
-    assert copied_session(box, tmp_path / "copy") == tmp_path / "copy" / "session.json"
+    copy_session(box, tmp_path / "copy")
+    assert copy_session(box, tmp_path / "copy") == tmp_path / "copy" / "session.json"
     with pytest.raises(SessionError, match="another video"):
-        copied_session(path, tmp_path / "copy")
+        copy_session(path, tmp_path / "copy")
 
 
 def test_a_killed_keypose_loses_no_edit_it_has_acknowledged(path: Path) -> None:

@@ -72,12 +72,12 @@ def test_a_disk_that_fails_at_any_step_of_a_save_loses_nothing(
                 await tried(store, turn(1 + number, part=part))
                 for _ in range(3):
                     await store._saver.settled()
-            edited = mark_of(store.outlook.edit.settled)
+            edited = mark_of(store.app_state.edit.settled)
             assert mark_of(without_results(open_session(path).session)) in (before, edited)
-            if store.outlook.saved.state == "failed":
+            if store.app_state.saved.state == "failed":
                 failures += 1
-                assert store.outlook.saved.words.endswith(".")
-                assert "Input/output error" in store.outlook.saved.words
+                assert store.app_state.saved.words.endswith(".")
+                assert "Input/output error" in store.app_state.saved.words
             else:
                 assert mark_of(without_results(load_session(path))) == edited
             await done(store, {"do": "save_again"})
@@ -105,8 +105,8 @@ def test_a_full_disk_is_told_and_every_edit_is_there_once_there_is_room(small_di
         await done(store, turn(-1))
         fill(ballast)
         await tried(store, *(turn(-x) for x in range(2, 40)))
-        assert store.outlook.saved.state == "failed"
-        assert "No space left on device" in store.outlook.saved.words
+        assert store.app_state.saved.state == "failed"
+        assert "No space left on device" in store.app_state.saved.words
         assert open_session(path).recovered.moment.history.past
         ballast.unlink()
         await done(store, {"do": "save_again"}, turn(-40))

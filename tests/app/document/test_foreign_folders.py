@@ -169,7 +169,7 @@ def test_the_page_opens_such_a_folder_to_be_looked_at_only(folder: Path, preciou
     link("symbolic", folder / LOCK, precious)
 
     async def edit(store: Any) -> None:
-        assert "not a lock of Keypose" in store.outlook.saved.words
+        assert "not a lock of Keypose" in store.app_state.saved.words
 
     with_store(folder / "session.json", edit)
     assert precious.read_bytes() == PRECIOUS

@@ -13,8 +13,8 @@ import pytest
 import trimesh
 
 from app.cli.main import main
-from app.document.new import new_surface_session, read_as_said
-from app.document.open import Workpiece, copied_session, edit_state, open_workpiece
+from app.document.new import new_surface_session, open_with_reading
+from app.document.open import OpenSession, copy_session, edit_state, open_for_editing
 from app.render.video_frames import frame_or_grey
 from tests.app import surface_cases as cases
 from tracker.body.body import preset
@@ -48,8 +48,8 @@ def closing() -> Iterator[ExitStack]:
         yield stack
 
 
-def opened(path: Path, closing: ExitStack) -> Workpiece:
-    piece = open_workpiece(path, place)
+def opened(path: Path, closing: ExitStack) -> OpenSession:
+    piece = open_for_editing(path, place)
     closing.callback(piece.video.close)
     return piece
 
@@ -225,7 +225,7 @@ def test_as_many_meshes_as_there_were_are_wanted(tmp_path: Path) -> None:
 def test_cameras_calibrated_again_are_told_too(tmp_path: Path, closing: ExitStack) -> None:
     scan, rig = cases.meshes(tmp_path / "scan"), tmp_path / "cameras.json"
     shutil.copy(cases.SAMPLE / "cameras.json", rig)
-    path, _ = read_as_said(scan, place, Reading(), rig)
+    path, _ = open_with_reading(scan, place, Reading(), rig)
     before = opened(path, closing)
     assert before.news == ()
     rig.write_text(rig.read_text(encoding="utf-8") + "\n", encoding="utf-8")
@@ -257,12 +257,12 @@ def test_meshes_with_their_textures_beside_them_are_meshes(tmp_path: Path) -> No
 
 def test_meshes_are_read_as_a_person_says_until_a_body_is_posed_in_them(tmp_path: Path) -> None:
     scan = cases.meshes(tmp_path / "scan")
-    path, news = read_as_said(scan, place, Reading("cm", "+z"), None)
+    path, news = open_with_reading(scan, place, Reading("cm", "+z"), None)
     assert news == ()
     surface = load_session(path).surface
     assert surface is not None
     assert (surface.units, surface.up) == ("cm", "+z")
-    again, news = read_as_said(scan, place, Reading("in"), None)
+    again, news = open_with_reading(scan, place, Reading("in"), None)
     assert (again, news) == (path, ())
     changed = load_session(path).surface
     assert changed is not None
@@ -270,14 +270,14 @@ def test_meshes_are_read_as_a_person_says_until_a_body_is_posed_in_them(tmp_path
     posed = cases.write_session(tmp_path / "job")
     before = posed.read_bytes()
     with pytest.raises(SessionError, match="has poses already"):
-        read_as_said(posed, place, Reading("mm"), None)
+        open_with_reading(posed, place, Reading("mm"), None)
     assert posed.read_bytes() == before
 
 
 def test_cameras_tell_units_and_what_is_up(tmp_path: Path, closing: ExitStack) -> None:
     scan, rig = cases.meshes(tmp_path / "scan"), tmp_path / "cameras.json"
     shutil.copy(cases.SAMPLE / "cameras.json", rig)
-    path, news = read_as_said(scan, place, Reading(), rig)
+    path, news = open_with_reading(scan, place, Reading(), rig)
     assert news == ()
     surface = load_session(path).surface
     assert surface is not None
@@ -288,12 +288,12 @@ def test_cameras_tell_units_and_what_is_up(tmp_path: Path, closing: ExitStack) -
 def test_what_was_said_before_stays_when_something_else_is_said(tmp_path: Path) -> None:
     scan, rig = cases.meshes(tmp_path / "scan"), tmp_path / "cameras.json"
     shutil.copy(cases.SAMPLE / "cameras.json", rig)
-    path, _ = read_as_said(scan, place, Reading("mm"), rig)
+    path, _ = open_with_reading(scan, place, Reading("mm"), rig)
     before = load_session(path)
     assert before.surface is not None
     chosen = before.surface.model_copy(update={"fps": 50.0, "weights": "contact"})
     save_session(before.model_copy(update={"surface": chosen}), path)
-    read_as_said(scan, place, Reading(up="-y"), None)
+    open_with_reading(scan, place, Reading(up="-y"), None)
     surface = load_session(path).surface
     assert surface is not None
     assert (surface.units, surface.up, surface.fps) == ("mm", "-y", 50.0)
@@ -304,7 +304,7 @@ def test_what_was_said_before_stays_when_something_else_is_said(tmp_path: Path) 
 
 def test_a_copy_of_a_session_leads_to_its_meshes(tmp_path: Path, closing: ExitStack) -> None:
     path = cases.write_session(tmp_path / "job", cameras="cameras.json")
-    copy = copied_session(path, tmp_path / "somewhere" / "else")
+    copy = copy_session(path, tmp_path / "somewhere" / "else")
     surface = load_session(copy).surface
     assert surface is not None
     assert surface.cameras == "../../job/cameras.json"
@@ -320,7 +320,7 @@ def test_meshes_of_which_none_can_be_used_are_refused_in_a_sentence(
     for number in range(3):
         (folder / f"{number}.ply").write_bytes(content)
     with pytest.raises(KeyposeError, match=r'^Step 0 \("0.ply"\) .*\.$'):
-        open_workpiece(folder, place)
+        open_for_editing(folder, place)
 
 
 def test_a_mesh_that_is_missing_is_a_frame_that_says_so(tmp_path: Path, closing: ExitStack) -> None:

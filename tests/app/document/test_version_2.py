@@ -18,7 +18,7 @@ from app.cli.main import main
 from app.editor.state import EditorState
 from app.posing import opening_pose
 from app.store.sections import Sections
-from app.store.state import Outlook
+from app.store.state import AppState
 from tests.app.serving import ROOT
 from tracker.body.skeleton import Skeleton
 from tracker.session.verdict import GOOD, Verdict
@@ -64,7 +64,7 @@ def test_its_verdicts_stand_where_they_stood(path: Path) -> None:
 
 
 def test_the_page_shows_them(path: Path) -> None:
-    sections = Sections().changed(Outlook(edit=_edit(path)))
+    sections = Sections().changed(AppState(edit=_edit(path)))
     told = [(s["state"], s["words"], s["part"], s["go"]) for s in sections["segments"]]
     assert told == [
         ("good", "Good", None, None),

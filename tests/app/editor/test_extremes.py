@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from app.editor.actions import ACTIONS
-from app.editor.documents import demand_sound
+from app.editor.documents import require_sound
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.editor.update import update
@@ -117,7 +117,7 @@ def test_a_document_that_could_not_be_read_back_is_refused_by_the_name_of_its_ac
     doc = desk().doc
     nowhere = doc.model_copy(update={"up_camera": (float("nan"), 0.0, 0.0)})
     with pytest.raises(Refused, match=r"^Up direction: not possible \(up_camera: .*finite"):
-        demand_sound(doc, nowhere, "up direction")
+        require_sound(doc, nowhere, "up direction")
 
 
 def test_poses_that_were_not_touched_are_held_against_a_body_that_was() -> None:
@@ -125,7 +125,7 @@ def test_poses_that_were_not_touched_are_held_against_a_body_that_was() -> None:
     part = doc.body.parts[1]
     far = doc.body.with_part(part.model_copy(update={"joint_m": (0.0, 0.0, -90.0)}))
     with pytest.raises(Refused, match="behind the camera"):
-        demand_sound(doc, doc.model_copy(update={"body": far}), "resize")
+        require_sound(doc, doc.model_copy(update={"body": far}), "resize")
 
 
 def test_a_session_that_could_not_be_read_back_is_not_written_over_one_that_can(

@@ -7,14 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.editor.fitted import (
-    demand_sizes_to_fit,
-    pose_to_fit,
-    with_pose_fitted,
-    with_sizes_fitted,
-)
+from app.editor.body_edits import with_body
+from app.editor.fitted import pose_to_fit, require_sizes_to_fit, with_pose_fitted, with_sizes_fitted
 from app.editor.refusal import Refused
-from app.editor.shaping import with_body
 from app.editor.shown import shown
 from app.editor.state import EditorState
 from app.posing import with_height
@@ -68,8 +63,8 @@ def test_without_a_pose_nothing_can_be_fitted() -> None:
 
 def test_sizes_want_two_keyframes() -> None:
     with pytest.raises(Refused, match="two keyframes or more"):
-        demand_sizes_to_fit(after(desk(keyframes=False), {"do": "add_key", "frame": 0}))
-    demand_sizes_to_fit(desk())
+        require_sizes_to_fit(after(desk(keyframes=False), {"do": "add_key", "frame": 0}))
+    require_sizes_to_fit(desk())
 
 
 def sized(state: EditorState, height_cm: float = 190.0, focal: float = 1.0) -> EditorState:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from app.cli.main import main
 from app.document.folder_lock import SessionLock
-from app.document.open import copied_session
+from app.document.open import copy_session
 from app.export.import_motion import drafts_of, fit_to_session
 from tests.app.cli_cases import everything_in, refused
 from tests.tracker.formats import recordings
@@ -32,7 +32,7 @@ from tracker.formats.joint_names import matched
 from tracker.formats.reading_keypoints import LAYOUTS, Keypoints
 from tracker.geometry.rotations import exp_rotation, log_rotation
 from tracker.session import Session
-from tracker.solver.body_points import Places
+from tracker.solver.body_points import BodyPoints
 from tracker.storage.files import load_session, open_video_of, save_session
 from tracker.storage.first_motion import of_session
 from tracker.storage.results import segment_keys
@@ -315,7 +315,7 @@ def test_a_copied_session_takes_its_imported_motion_along(path: Path, tmp_path: 
     file = path.parent / "motion.bvh"
     file.write_text(bvh(SKELETON, TRUTH, 1 / 30))
     _run("import", path, file)
-    copied = copied_session(path, tmp_path / "copy")
+    copied = copy_session(path, tmp_path / "copy")
     assert np.array_equal(_imported(copied).Rs_parent_part, _imported(path).Rs_parent_part)
 
 
@@ -326,7 +326,7 @@ def _keypoints(layout: int, noise: float = 0.0) -> Keypoints:
     """What a perfect detector sees of the true motion."""
     names = LAYOUTS[layout]
     known = matched(SKELETON, names, "a.json")
-    laid, rng = Places(SKELETON, tuple(known.places)), np.random.default_rng(3)
+    laid, rng = BodyPoints(SKELETON, tuple(known.places)), np.random.default_rng(3)
     frames = {}
     for frame in range(len(TRUTH)):
         uv, sure = np.full((layout, 2), np.nan), np.zeros(layout)

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from app.jobs.fits import Fit
-from app.jobs.reports import (
+from app.jobs.messages import (
     FitOrder,
     JobFailed,
     JobFinished,

@@ -7,7 +7,7 @@ from threading import Thread
 import pytest
 
 from app.jobs import PassFinished, Ready, worker
-from app.jobs.reports import Cancel, Hold, Report
+from app.jobs.messages import Cancel, Hold, Report
 from app.jobs.worker import Worker
 
 
@@ -35,12 +35,12 @@ def test_a_pass_waits_for_the_hand_and_nothing_else_does(
 ) -> None:
     monkeypatch.setattr(worker, "LONGEST_HOLD_S", 60)
     desk = Worker(None)  # type: ignore[arg-type]
-    desk._heed(Hold(True))
+    desk._handle(Hold(True))
     waiting, ready = _telling(desk, found := _pass()), Ready()
     _telling(desk, ready)
     assert told == [ready]
     assert waiting.is_alive()
-    desk._heed(release)
+    desk._handle(release)
     waiting.join()
     assert told[1] is found
 
@@ -50,7 +50,7 @@ def test_a_hand_that_never_lets_go_slows_tracking_and_does_not_stop_it(
 ) -> None:
     monkeypatch.setattr(worker, "LONGEST_HOLD_S", 0.01)
     desk = Worker(None)  # type: ignore[arg-type]
-    desk._heed(Hold(True))
+    desk._handle(Hold(True))
     for _ in range(3):
         desk._tell(_pass())
     assert len(told) == 3

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from app.jobs import PassFinished, Progress, SegmentFinished, Started
-from app.jobs.reports import JobFinished
+from app.jobs.messages import JobFinished
 from tests.app.results_cases import session, track
 from tests.tracker import session_cases as cases
 from tracker.session.settings import Quality

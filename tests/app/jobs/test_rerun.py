@@ -16,7 +16,7 @@ import app.jobs.rerun
 import sample_videos
 from app.cli.main import main
 from app.jobs import JobFailed, SegmentFinished
-from app.jobs.batch.doing import do
+from app.jobs.batch.run_one import run_task
 from app.jobs.batch.task import Task
 from app.jobs.rerun import all_segments, keep, rerun, with_settings
 from tests.app.serving import Keypose, Visitor
@@ -68,7 +68,7 @@ def by_the_command(path: Path) -> None:
 
 
 def by_a_batch(path: Path) -> None:
-    assert do(Task(path), lambda step: None, Event()).is_done
+    assert run_task(Task(path), lambda step: None, Event()).is_done
 
 
 WAYS: dict[str, Callable[[Path], None]] = {

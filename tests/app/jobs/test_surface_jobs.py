@@ -22,12 +22,12 @@ from app.jobs import (
     SegmentFinished,
     SizesOrder,
 )
-from app.jobs.bench import Bench
 from app.jobs.fits import Fit
-from app.jobs.reports import Order
+from app.jobs.messages import Order
 from app.jobs.rerun import keep
-from app.jobs.tracking import _needed
+from app.jobs.tracking import _only_needed
 from app.jobs.work import Job
+from app.jobs.worker_cache import WorkerCache
 from tests.app import surface_cases as cases
 from tests.app.serving import Keypose, Visitor
 from tests.tracker import session_cases
@@ -50,8 +50,8 @@ from tracker.video import Video
 
 
 @pytest.fixture
-def bench() -> Iterator[Bench]:
-    made = Bench()
+def bench() -> Iterator[WorkerCache]:
+    made = WorkerCache()
     yield made
     made.close()
 
@@ -62,7 +62,7 @@ def path(tmp_path: Path) -> Path:
 
 
 def done(
-    bench: Bench,
+    bench: WorkerCache,
     path: Path,
     session: Session,
     cancelled: Event | None = None,
@@ -70,7 +70,7 @@ def done(
 ) -> list[Report]:
     """All reports of a job over every segment of a session; `heard` gets each when it is told."""
     wanted = tuple((*span, key) for span, key in segment_keys(session).items())
-    content = _needed(session, wanted).model_dump_json().encode()
+    content = _only_needed(session, wanted).model_dump_json().encode()
     order = Order(7, content, str(path.parent / "meshes"), wanted, ("full",), str(path.parent))
     told: list[Report] = []
 
@@ -84,7 +84,7 @@ def done(
     return told
 
 
-def fitted(bench: Bench, path: Path, frame: int, pose: Pose) -> Report:
+def fitted(bench: WorkerCache, path: Path, frame: int, pose: Pose) -> Report:
     """What comes of a fit here."""
     content = load_session(path).model_dump_json().encode()
     meshes = str(path.parent / "meshes")
@@ -99,7 +99,7 @@ def pose_at(frame: int) -> Pose:
 
 
 def test_the_worker_counts_steps_and_tells_a_motion_of_the_whole_segment(
-    bench: Bench, path: Path, monkeypatch: pytest.MonkeyPatch
+    bench: WorkerCache, path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(segment, "TELL_S", 0.0)
     told = done(bench, path, load_session(path))
@@ -133,7 +133,7 @@ def _tracks(told: list[Report]) -> list[SegmentTrack]:
 
 
 def test_a_fit_that_is_stopped_keeps_the_steps_that_are_done_and_goes_on_after_them(
-    bench: Bench, path: Path, stopped: Callable[[int], dict[str, Any]]
+    bench: WorkerCache, path: Path, stopped: Callable[[int], dict[str, Any]]
 ) -> None:
     session = load_session(path)
     told = done(bench, path, session, **stopped(2))
@@ -146,18 +146,18 @@ def test_a_fit_that_is_stopped_keeps_the_steps_that_are_done_and_goes_on_after_t
     assert [report.number for report in again if isinstance(report, PassFinished)] == [3]
     assert again[-1] == JobFinished(7, cancelled=False)
     (whole,) = _tracks(again)
-    (at_once,) = _tracks(done(Bench(), path, session))
+    (at_once,) = _tracks(done(WorkerCache(), path, session))
     assert whole.trajectory.ps_camera_root.tobytes() == at_once.trajectory.ps_camera_root.tobytes()
     assert whole.residual.tobytes() == at_once.residual.tobytes()
     assert (whole.verdict, whole.missing) == (at_once.verdict, 0)
 
 
 def test_what_a_stopped_fit_has_done_comes_back_from_the_disk_and_yields_to_more_only(
-    bench: Bench, path: Path, stopped: Callable[[int], dict[str, Any]]
+    bench: WorkerCache, path: Path, stopped: Callable[[int], dict[str, Any]]
 ) -> None:
     session = load_session(path)
     (more,) = _tracks(done(bench, path, session, **stopped(2)))
-    (less,) = _tracks(done(Bench(), path, session, **stopped(1)))
+    (less,) = _tracks(done(WorkerCache(), path, session, **stopped(1)))
     assert (more.missing, less.missing) == (1, 2)
     save_session(save_results(session, path, Results().with_track(more)), path)
     session = load_session(path)
@@ -181,7 +181,7 @@ def test_what_a_stopped_fit_has_done_comes_back_from_the_disk_and_yields_to_more
 
 
 def test_meshes_stay_open_and_the_model_laid_out_while_nothing_of_it_is_another(
-    bench: Bench, path: Path
+    bench: WorkerCache, path: Path
 ) -> None:
     session = load_session(path)
     given = (str(path.parent / "meshes"), path.parent)
@@ -198,7 +198,7 @@ def test_meshes_stay_open_and_the_model_laid_out_while_nothing_of_it_is_another(
     assert moved is not video
 
 
-def test_meshes_that_were_exchanged_are_read_anew(bench: Bench, path: Path) -> None:
+def test_meshes_that_were_exchanged_are_read_anew(bench: WorkerCache, path: Path) -> None:
     session = load_session(path)
     given = (str(path.parent / "meshes"), path.parent)
     video = bench.video(session, *given)
@@ -208,7 +208,7 @@ def test_meshes_that_were_exchanged_are_read_anew(bench: Bench, path: Path) -> N
     assert bench.video(session, *given) is not video
 
 
-def test_a_mesh_that_was_mended_in_its_place_is_read_anew(bench: Bench, path: Path) -> None:
+def test_a_mesh_that_was_mended_in_its_place_is_read_anew(bench: WorkerCache, path: Path) -> None:
     file = path.parent / "meshes" / "step_0002.ply"
     whole = file.read_bytes()
     file.write_bytes(b"")
@@ -218,7 +218,7 @@ def test_a_mesh_that_was_mended_in_its_place_is_read_anew(bench: Bench, path: Pa
 
 
 def test_a_mesh_less_in_the_folder_is_refused_for_every_step_would_be_another_one(
-    bench: Bench, path: Path
+    bench: WorkerCache, path: Path
 ) -> None:
     session = load_session(path)
     bench.video(session, str(path.parent / "meshes"), path.parent)
@@ -244,7 +244,7 @@ def _moved_keyframe(session: Session, by_m: float) -> Session:
     "wrong", ["a pose beside the mesh", "meshes ten times too small", "meshes in millimetres"]
 )
 def test_a_body_that_does_not_lie_in_the_surface_that_moves_with_it_is_told_before_all_else(
-    bench: Bench, path: Path, wrong: str
+    bench: WorkerCache, path: Path, wrong: str
 ) -> None:
     session = cases.session(keyframes=(0, 3))
     if wrong == "a pose beside the mesh":
@@ -265,7 +265,7 @@ def test_a_body_that_does_not_lie_in_the_surface_that_moves_with_it_is_told_befo
 
 
 def test_a_body_posed_a_few_centimetres_off_its_mesh_is_not_said_to_lie_elsewhere(
-    bench: Bench, path: Path
+    bench: WorkerCache, path: Path
 ) -> None:
     (track,) = _tracks(done(bench, path, _moved_keyframe(cases.session(), 0.05)))
     assert track.verdict is not None
@@ -275,7 +275,7 @@ def test_a_body_posed_a_few_centimetres_off_its_mesh_is_not_said_to_lie_elsewher
 
 @pytest.mark.parametrize("weights", ["contact", "none"])
 def test_cameras_that_do_not_count_are_not_asked(
-    bench: Bench, path: Path, weights: Weights
+    bench: WorkerCache, path: Path, weights: Weights
 ) -> None:
     (path.parent / "rig.json").write_text("{}", encoding="utf-8")
     session = cases.session(cameras="rig.json", weights=weights)
@@ -291,12 +291,12 @@ def test_cameras_that_do_not_count_are_not_asked(
 def test_only_what_a_segment_needs_travels_with_its_order() -> None:
     session = cases.session(keyframes=(0, 1, 2, 3, 4))
     (*_, last) = ((*span, key) for span, key in segment_keys(session).items())
-    kept = [keyframe.frame for keyframe in _needed(session, [last]).keyframes]
+    kept = [keyframe.frame for keyframe in _only_needed(session, [last]).keyframes]
     assert kept == [0, 3, 4]
-    assert _needed(session, [last]).model_keyframe == session.model_keyframe
+    assert _only_needed(session, [last]).model_keyframe == session.model_keyframe
 
 
-def test_a_pose_is_laid_onto_the_surface_of_its_frame(bench: Bench, path: Path) -> None:
+def test_a_pose_is_laid_onto_the_surface_of_its_frame(bench: WorkerCache, path: Path) -> None:
     truth = pose_at(2)
     turn = exp_rotation(np.array([[0.1, 0.0, 0.05], [-0.1, 0.0, 0.1], [0.0, 0.0, 0.12]]))
     rough = Pose(truth.Rs_parent_part @ turn, truth.p_camera_root + np.array([0.05, -0.04, 0.03]))
@@ -310,7 +310,7 @@ def test_a_pose_is_laid_onto_the_surface_of_its_frame(bench: Bench, path: Path) 
 
 @pytest.mark.parametrize("keyed", [True, False])
 def test_a_first_pose_is_laid_into_its_mesh_by_the_bodys_own_solids(
-    bench: Bench, path: Path, keyed: bool
+    bench: WorkerCache, path: Path, keyed: bool
 ) -> None:
     if not keyed:
         session = load_session(path).model_copy(update={"keyframes": (), "results": None})
@@ -324,14 +324,16 @@ def test_a_first_pose_is_laid_into_its_mesh_by_the_bodys_own_solids(
     assert "moved" in report.words
 
 
-def test_a_mesh_that_cannot_be_used_fits_nothing_and_says_why(bench: Bench, path: Path) -> None:
+def test_a_mesh_that_cannot_be_used_fits_nothing_and_says_why(
+    bench: WorkerCache, path: Path
+) -> None:
     (path.parent / "meshes" / "step_0002.ply").unlink()
     report = fitted(bench, path, 2, pose_at(2))
     assert isinstance(report, JobFailed)
     assert "Step 2 is missing" in report.words
 
 
-def test_sizes_are_not_fitted_to_surfaces(bench: Bench, path: Path) -> None:
+def test_sizes_are_not_fitted_to_surfaces(bench: WorkerCache, path: Path) -> None:
     told: list[Report] = []
     content = load_session(path).model_dump_json().encode()
     Fit(SizesOrder(content, str(path.parent / "meshes"), job=4), Event(), told.append).run(bench)

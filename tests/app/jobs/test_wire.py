@@ -7,7 +7,7 @@ from multiprocessing import Pipe
 import numpy as np
 import pytest
 
-from app.jobs.reports import JobFailed, PassFinished, SegmentFinished
+from app.jobs.messages import JobFailed, PassFinished, SegmentFinished
 from app.jobs.wire import receive, send
 from tests.app.results_cases import session, track
 

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from app.jobs.reports import (
+from app.jobs.messages import (
     JobFailed,
     JobFinished,
     Order,

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from app.posing import BodyHandle, Gesture, Posed, Sight, drag, opening_pose, view_rotations
+from app.posing import BodyHandle, Gesture, PointerView, Posed, drag, opening_pose, view_rotations
 from app.posing.vectors import unit
 from tracker.body.body import Body, load_body, preset
 from tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
@@ -31,10 +31,10 @@ ARMS = load_body(SAMPLES / "bodies" / "three_arms.json")
 BOX = load_body(SAMPLES / "bodies" / "box.json")
 
 
-def sights(camera: Camera = CAMERA) -> dict[str, Sight]:
+def sights(camera: Camera = CAMERA) -> dict[str, PointerView]:
     """The four views."""
-    small = {name: Sight.parallel(name, R) for name, R in view_rotations().items()}
-    return {"main": Sight.of(camera), **small}
+    small = {name: PointerView.parallel(name, R) for name, R in view_rotations().items()}
+    return {"main": PointerView.of(camera), **small}
 
 
 def standing(body: Body) -> Pose:

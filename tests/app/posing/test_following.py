@@ -42,9 +42,9 @@ def test_an_elbow_follows_the_pointer_on_the_picture(
     posed, end, seen = pull(PERSON, pose, handle, "main", way)
     if not posed.readout.out_of_reach:
         np.testing.assert_allclose(seen, end, atol=0.5)
-    reach, sight = posed.readout.reach, sights()["main"]
+    reach, view = posed.readout.reach, sights()["main"]
     assert reach is not None
-    origin, ray = sight.ray(end)
+    origin, ray = view.ray(end)
     beside = np.linalg.norm(np.cross(reach.centre - origin, ray))
     if beside < reach.radius_m and np.hypot(*way) > 0.06:  # past where it changes sides
         np.testing.assert_allclose(seen, end, atol=1e-6)
@@ -62,11 +62,11 @@ def test_a_hand_stays_where_it_is_while_its_bent_elbow_is_dragged_around() -> No
     foot = shoulder + ((p["left_forearm"] - shoulder) @ axis) * axis
     spoke = p["left_forearm"] - foot
     assert np.linalg.norm(spoke) > 0.1
-    sight = sights()["main"]
+    view = sights()["main"]
     for angle in np.radians([-60, -30, -5, 5, 30, 60]):
         across = np.cross(axis, spoke)
         goal = foot + np.cos(angle) * spoke + np.sin(angle) * across
-        ends = sight.project(p["left_forearm"]), sight.project(goal)
+        ends = view.project(p["left_forearm"]), view.project(goal)
         sent = gesture("main", {"kind": "joint", "name": elbow.name}, *ends)
         after = points(PERSON, drag(PERSON, folded, sent, sights()).pose)
         if np.linalg.norm(after["left_forearm"] - goal) < 1e-6:  # not on the other side

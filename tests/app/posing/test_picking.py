@@ -22,7 +22,7 @@ from tracker.body.pose import Pose, pose_transforms
 from tracker.body.raster import BodyMesh, raster
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.camera import Camera
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 
 SKELETON = Skeleton.of(PERSON)
 
@@ -30,13 +30,15 @@ SKELETON = Skeleton.of(PERSON)
 @pytest.mark.parametrize("camera", [CAMERA, TELEPHOTO], ids=["perspective", "telephoto"])
 @pytest.mark.parametrize("pose", [walking(), tumbling()], ids=["walking", "tumbling"])
 def test_the_front_part_is_the_one_that_the_picture_shows(camera: Camera, pose: Pose) -> None:
-    shown = raster(BodyMesh.of(SKELETON), pose_transforms(SKELETON, pose), Eye.of(camera)).part
+    shown = raster(
+        BodyMesh.of(SKELETON), pose_transforms(SKELETON, pose), ViewCamera.of(camera)
+    ).part
     rng = np.random.default_rng(1)
     edges = cv2.dilate((cv2.Laplacian(shown.astype(np.float32), -1) != 0).astype(np.uint8), None)
     v, u = np.nonzero(cv2.dilate((shown >= 0).astype(np.uint8), np.ones((9, 9))) & (edges == 0))
-    sight = sights(camera)["main"]
+    view = sights(camera)["main"]
     for k in rng.integers(0, len(u), 120):
-        found = parts_at(SKELETON, pose, sight, (u[k], v[k]))
+        found = parts_at(SKELETON, pose, view, (u[k], v[k]))
         part = shown[v[k], u[k]]
         assert (found[0] if found else None) == (PERSON.names[part] if part >= 0 else None)
 
@@ -44,7 +46,7 @@ def test_the_front_part_is_the_one_that_the_picture_shows(camera: Camera, pose: 
 @pytest.mark.parametrize("view", ["top", "side", "front"])
 def test_the_small_views_pick_what_their_pictures_show(view: str) -> None:
     pose = walking()
-    eye = Eye.orthographic(view, pose.p_camera_root, 120.0, (240, 240))  # type: ignore[arg-type]
+    eye = ViewCamera.orthographic(view, pose.p_camera_root, 120.0, (240, 240))  # type: ignore[arg-type]
     shown = raster(BodyMesh.of(SKELETON), pose_transforms(SKELETON, pose), eye).part
     sight, middle = sights()[view], sights()[view].project(pose.p_camera_root)
     misses = 0
@@ -58,14 +60,14 @@ def test_the_small_views_pick_what_their_pictures_show(view: str) -> None:
 
 
 def test_parts_behind_one_another_are_listed_from_front_to_back() -> None:
-    skeleton, sight = Skeleton.of(DOG), sights()["side"]
+    skeleton, view = Skeleton.of(DOG), sights()["side"]
     pose = bent(DOG, 1, size=0.0)
-    at = sight.project(points(DOG, pose)["left_front_lower_leg"])
-    found = parts_at(skeleton, pose, sight, at)
+    at = view.project(points(DOG, pose)["left_front_lower_leg"])
+    found = parts_at(skeleton, pose, view, at)
     # seen from the picture's right, along −x, what has the larger x is in front
     assert set(found[:2]) == {"left_front_lower_leg", "left_front_upper_leg"}
     assert set(found[2:]) == {"right_front_lower_leg", "right_front_upper_leg"}
-    assert parts_at(skeleton, pose, sight, at + 5.0) == ()
+    assert parts_at(skeleton, pose, view, at + 5.0) == ()
 
 
 @pytest.mark.parametrize("view", ["main", "top", "side", "front"])

@@ -113,10 +113,10 @@ def test_height_and_joints_are_given_in_centimetres() -> None:
 
 def pulled(part: str, key: str, direction: np.ndarray, metres: float, **more: object) -> Body:
     """A size handle dragged on the picture along a direction of space, from beside the joint."""
-    pose, sight = walking(), sights()["front"]
+    pose, view = walking(), sights()["front"]
     p = points(PERSON, pose)[part]
     start = p + 0.05 * direction
-    ends = sight.project(start), sight.project(start + metres * direction)
+    ends = view.project(start), view.project(start + metres * direction)
     sent = gesture("front", {"kind": "size", "part": part, "key": key}, *ends, **more)
     posed = drag(PERSON, pose, sent, sights())
     assert difference(posed.pose, pose) == 0
@@ -149,14 +149,14 @@ def test_a_rim_pulled_outward_makes_a_part_thicker_on_both_sides() -> None:
 
 
 def test_a_joint_s_cross_takes_the_joint_to_the_pointer_and_mirrors_it() -> None:
-    pose, sight = walking(), sights()["main"]
+    pose, view = walking(), sights()["main"]
     for part in ("left_upper_arm", "head"):
         p = points(PERSON, pose)[part]
-        start = sight.project(p)
+        start = view.project(p)
         sent = gesture("main", {"kind": "size", "part": part, "key": "joint"}, start, start + 9)
         posed = drag(PERSON, pose, sent, sights())
         assert posed.body is not None
-        np.testing.assert_allclose(sight.project(points(posed.body, pose)[part]), start + 9)
+        np.testing.assert_allclose(view.project(points(posed.body, pose)[part]), start + 9)
         other = posed.body.parts[posed.body.index(PERSON.mirror_of(part))].joint_m
         x, y, z = posed.body.parts[posed.body.index(part)].joint_m
         assert other == pytest.approx((-x, y, z) if part != "head" else (x, y, z))

@@ -24,8 +24,8 @@ def before_the_camera(body: Body) -> Pose:
 
 def dragged(body: Body, part: str, key: str, start: np.ndarray, way_m: np.ndarray) -> Body:
     """A size's handle pulled along a direction of the camera frame, in the front view."""
-    sight = sights()["front"]
-    ends = sight.project(start), sight.project(start + way_m)
+    view = sights()["front"]
+    ends = view.project(start), view.project(start + way_m)
     sent = gesture("front", {"kind": "size", "part": part, "key": key}, *ends)
     posed = drag(body, before_the_camera(body), sent, sights())
     assert posed.body is not None

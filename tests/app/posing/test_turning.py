@@ -139,18 +139,18 @@ def test_a_ring_seen_from_its_edge_follows_its_near_side() -> None:
     # The person faces the camera: its own y ring is seen from the edge, and the near side of it
     # goes to the right when the body turns to its left, as the pointer does.
     pose = standing(PERSON)
-    sight = sights(TELEPHOTO)["main"]
+    view = sights(TELEPHOTO)["main"]
     centre = points(PERSON, pose)["waist"]
-    start = sight.project(centre)
+    start = view.project(centre)
     for metres in (0.05, -0.3, 0.4):
-        end = start + np.array([metres / sight.metres_per_unit(centre), 0])
+        end = start + np.array([metres / view.metres_per_unit(centre), 0])
         sent = gesture("main", {"kind": "ring", "part": "waist", "axis": "y"}, start, end)
         posed = drag(PERSON, pose, sent, sights(TELEPHOTO))
         turned = made_turn(pose, posed.pose, "waist")
         near_side = exp_rotation(turned * 1e-3) @ [0.0, 0.0, -1.0]
         assert np.sign(near_side[0]) == np.sign(metres)
         assert posed.readout.angle_rad == pytest.approx(-metres / 0.15)
-        across = start + np.array([0, metres / sight.metres_per_unit(centre)])
+        across = start + np.array([0, metres / view.metres_per_unit(centre)])
         sent = gesture("main", {"kind": "ring", "part": "waist", "axis": "y"}, start, across)
         assert drag(PERSON, pose, sent, sights(TELEPHOTO)).readout.angle_rad == pytest.approx(0)
 
@@ -194,8 +194,8 @@ def test_the_limit_is_reached_to_a_hundredth_of_a_degree_and_can_be_lifted() -> 
     pose = walking()
     i = PERSON.index("right_forearm")
     bend = angles_deg(SKELETON, pose)[i, 0]
-    sight = sights(TELEPHOTO)["side"]
-    assert abs(ring_axis(pose, "right_forearm", "x", "part", "side") @ sight.away) > 0.3
+    view = sights(TELEPHOTO)["side"]
+    assert abs(ring_axis(pose, "right_forearm", "x", "part", "side") @ view.away) > 0.3
     stopped = turn_ring(pose, "right_forearm", "x", 2.0, view="side", limits_on=True)
     assert angles_deg(SKELETON, stopped.pose)[i, 0] == pytest.approx(0.0, abs=0.01)
     for more in ({"limits_on": True, "free": True}, {"limits_on": False}):
@@ -224,8 +224,8 @@ def test_the_readout_names_the_angle_and_how_much_it_changed() -> None:
 
 
 def test_a_part_taken_by_its_surface_turns_as_the_pointer_goes_round_its_joint() -> None:
-    pose, sight = walking(), sights(TELEPHOTO)["main"]
-    joint = sight.project(points(PERSON, pose)["left_upper_arm"])
+    pose, view = walking(), sights(TELEPHOTO)["main"]
+    joint = view.project(points(PERSON, pose)["left_upper_arm"])
     start, end = joint + np.array([40, 0]), joint + np.array([0, 40])
     sent = gesture("main", {"kind": "surface", "part": "left_upper_arm"}, start, end)
     posed = drag(PERSON, pose, sent, sights(TELEPHOTO), limits_on=False)

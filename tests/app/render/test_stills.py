@@ -14,13 +14,13 @@ from app.render.poses import KnownPoses
 from app.render.snapshots import Look, snapshot
 from app.render.stills import Still, still
 from app.render.studio import Paint, Size, Studio
-from app.render.viewpoints import Ground, Viewpoint, calm, eye_at, least_distance
+from app.render.viewpoints import Ground, Viewpoint, calm, least_distance, view_from
 from tests.app.cli_cases import refused
 from tests.tracker import session_cases as cases
 from tracker.body.pose import pose_transforms
 from tracker.body.raster import BodyMesh, raster
 from tracker.geometry.rotations import apply_transform
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 from tracker.storage.files import load_session, open_video_of
 
 FRAME = 3
@@ -108,8 +108,10 @@ def test_the_body_on_nothing_laid_over_a_picture_is_the_body_painted_over_it(
 def test_alpha_is_nothing_away_from_the_body_all_inside_and_between_on_its_edge() -> None:
     size = (8 * cases.WIDTH, 8 * cases.HEIGHT)
     alpha = STUDIO.main_cut_out(POSE, size, Paint("solid", 1.0))[..., 3]
-    eye = Eye.of(STUDIO.camera).resized(*size)
-    mask = raster(BodyMesh.of(cases.SKELETON), pose_transforms(cases.SKELETON, POSE), eye).part >= 0
+    view = ViewCamera.of(STUDIO.camera).resized(*size)
+    mask = (
+        raster(BodyMesh.of(cases.SKELETON), pose_transforms(cases.SKELETON, POSE), view).part >= 0
+    )
     kernel = np.ones((5, 5), np.uint8)
     inside = cv2.erode(mask.astype(np.uint8), kernel) > 0
     outside = cv2.dilate(mask.astype(np.uint8), kernel) == 0
@@ -153,10 +155,10 @@ def test_from_far_away_a_viewpoint_is_the_parallel_view_of_that_side(
     viewpoint: Viewpoint, view: str
 ) -> None:
     centre = np.array([0.02, -0.1, 3.1])
-    eye = eye_at(viewpoint, 1e5, LEVEL, centre, (400, 400))
-    seen = eye.project(apply_transform(eye.T_eye_camera, POINTS))
-    flat = Eye.orthographic(view, centre, eye.focal[0] / 1e5, (400, 400))  # type: ignore[arg-type]
-    expected = flat.project(apply_transform(flat.T_eye_camera, POINTS))
+    eye = view_from(viewpoint, 1e5, LEVEL, centre, (400, 400))
+    seen = eye.project(apply_transform(eye.T_view_camera, POINTS))
+    flat = ViewCamera.orthographic(view, centre, eye.focal[0] / 1e5, (400, 400))  # type: ignore[arg-type]
+    expected = flat.project(apply_transform(flat.T_view_camera, POINTS))
     np.testing.assert_allclose(seen, expected, atol=1e-4)
 
 
@@ -169,8 +171,8 @@ def test_the_least_distance_shows_all_of_the_body_and_fills_the_picture(
     viewpoint = Viewpoint(azimuth, elevation)
     centre = POINTS.mean(axis=0)
     distance = least_distance(viewpoint, LEVEL, centre, POINTS, size)
-    eye = eye_at(viewpoint, distance, LEVEL, centre, size)
-    uv = eye.project(apply_transform(eye.T_eye_camera, POINTS))
+    view = view_from(viewpoint, distance, LEVEL, centre, size)
+    uv = view.project(apply_transform(view.T_view_camera, POINTS))
     assert (uv > -0.5).all()
     assert (uv < np.array(size) - 0.5).all()
     margins = np.concatenate([uv.min(axis=0), np.array(size) - uv.max(axis=0)])
@@ -190,8 +192,10 @@ def test_a_new_viewpoint_shows_the_silhouette_that_its_eye_sees() -> None:
     low, high = (POINTS @ LEVEL.T).min(axis=0), (POINTS @ LEVEL.T).max(axis=0)
     centre = (low + high) / 2 @ LEVEL
     distance = least_distance(viewpoint, LEVEL, centre, POINTS, size)
-    eye = eye_at(viewpoint, distance, LEVEL, centre, size)
-    seen = raster(BodyMesh.of(cases.SKELETON), pose_transforms(cases.SKELETON, POSE), eye).part >= 0
+    view = view_from(viewpoint, distance, LEVEL, centre, size)
+    seen = (
+        raster(BodyMesh.of(cases.SKELETON), pose_transforms(cases.SKELETON, POSE), view).part >= 0
+    )
     overlap = (seen & (picture[..., 3] > 127)).sum() / (seen | (picture[..., 3] > 127)).sum()
     assert overlap > 0.97
 
@@ -201,9 +205,11 @@ def test_the_worlds_up_stands_upright_from_every_side() -> None:
     tilted = SESSION.model_copy(update={"up_camera": tuple(up)})
     level = Studio.of(tilted, cases.SKELETON).Rs["front"]
     for azimuth in range(0, 360, 30):
-        eye = eye_at(Viewpoint(azimuth, 10.0), 4.0, level, np.array([0.0, 0.0, 3.0]), (400, 300))
+        view = view_from(
+            Viewpoint(azimuth, 10.0), 4.0, level, np.array([0.0, 0.0, 3.0]), (400, 300)
+        )
         foot, head = np.array([0.0, 0.0, 3.0]), np.array([0.0, 0.0, 3.0]) + 0.5 * up
-        uv = eye.project(apply_transform(eye.T_eye_camera, np.array([foot, head])))
+        uv = view.project(apply_transform(view.T_view_camera, np.array([foot, head])))
         assert uv[1, 0] == pytest.approx(uv[0, 0], abs=1e-6)
         assert uv[1, 1] < uv[0, 1] - 10
 

@@ -19,13 +19,13 @@ from app.cli.main import main
 from app.render.films import Film, film_pictures
 from app.render.form import form_of
 from app.render.palette import Picture
-from app.render.pictures import FourPlaces, Framing, middle, parallel_eye, posed_points
+from app.render.pictures import FourPlaces, Framing, middle, parallel_view, posed_points
 from app.render.poses import KnownPoses
 from app.render.snapshots import Look, snapshot
 from app.render.stills import Still, still
 from app.render.studio import Studio
-from app.render.veil import Sight, veiled
-from app.render.viewpoints import Viewpoint, eye_at, least_distance
+from app.render.surface_layer import SurfaceLayer, draw_surface
+from app.render.viewpoints import Viewpoint, least_distance, view_from
 from tests.app import surface_cases as cases
 from tests.app.cli_cases import refused
 from tests.app.serving import Keypose, Visitor
@@ -33,7 +33,7 @@ from tests.tracker import session_cases
 from tracker.body.pose import Pose, pose_transforms
 from tracker.body.raster import raster
 from tracker.geometry.rotations import Array, apply_transform
-from tracker.geometry.view import Eye, ViewName
+from tracker.geometry.view import ViewCamera, ViewName
 from tracker.session import Session
 from tracker.storage.files import load_session, open_video_of
 from tracker.storage.tracking import surfaces_of
@@ -79,10 +79,10 @@ def posed(poses: KnownPoses, frame: int = FRAME) -> Pose:
     return pose
 
 
-def covered(mesh: SurfaceMesh, eye: Eye) -> Mask:
+def covered(mesh: SurfaceMesh, view: ViewCamera) -> Mask:
     """The pixels of a picture in which any face lies, projected and filled one by one."""
-    uv = eye.project(apply_transform(eye.T_eye_camera, mesh.vertices))
-    mask = np.zeros((eye.height, eye.width), np.uint8)
+    uv = view.project(apply_transform(view.T_view_camera, mesh.vertices))
+    mask = np.zeros((view.height, view.width), np.uint8)
     for face in np.rint(uv[mesh.faces]).astype(np.int32):
         cv2.fillConvexPoly(mask, face, 1)
     return mask > 0
@@ -95,12 +95,12 @@ def grown(mask: Mask, pixels: int) -> Mask:
     return np.asarray(change(mask.astype(np.uint8), kernel) > 0)
 
 
-def body_in(poses: KnownPoses, eye: Eye) -> Mask:
+def body_in(poses: KnownPoses, view: ViewCamera) -> Mask:
     form = form_of(poses.skeleton)
-    return raster(form.mesh, pose_transforms(poses.skeleton, posed(poses)), eye).part >= 0
+    return raster(form.mesh, pose_transforms(poses.skeleton, posed(poses)), view).part >= 0
 
 
-def demand_surface_at(changed: Mask, there: Mask, body: Mask) -> None:
+def require_surface_at(changed: Mask, there: Mask, body: Mask) -> None:
     """Nothing changes away from the surface, and all of it shows where no body is before it."""
     assert not (changed & ~grown(there, 2)).any()
     bare = grown(there, -2) & ~grown(body, 2)
@@ -109,10 +109,10 @@ def demand_surface_at(changed: Mask, there: Mask, body: Mask) -> None:
     assert (changed & grown(body, -2)).sum() > 100  # the body is seen through it
 
 
-def eye_of(view: ViewName, session: Session, poses: KnownPoses) -> Eye:
+def eye_of(view: ViewName, session: Session, poses: KnownPoses) -> ViewCamera:
     studio = Studio.of(session, poses.skeleton)
     size = (session.camera.width, session.camera.height)
-    return parallel_eye(poses.skeleton, posed(poses), view, size, Framing(Rs=studio.Rs))
+    return parallel_view(poses.skeleton, posed(poses), view, size, Framing(Rs=studio.Rs))
 
 
 @pytest.mark.parametrize("view", SMALL)
@@ -123,7 +123,7 @@ def test_the_surface_is_seen_from_the_side_where_its_vertices_project(
     both = snapshot(session, video, FRAME, posed(poses), Look(view))
     eye, mesh = eye_of(view, session, poses), surfaces_of(video).shape(FRAME)
     changed = (alone != both).any(axis=2)
-    demand_surface_at(changed, covered(mesh, eye), body_in(poses, eye))
+    require_surface_at(changed, covered(mesh, eye), body_in(poses, eye))
 
 
 def test_the_surface_is_seen_from_any_viewpoint_where_its_vertices_project(
@@ -135,30 +135,34 @@ def test_the_surface_is_seen_from_any_viewpoint_where_its_vertices_project(
     studio, size = Studio.of(session, poses.skeleton), (session.camera.width, session.camera.height)
     level, points = studio.Rs["front"], posed_points(poses.skeleton, posed(poses))
     centre = middle(points @ level.T) @ level
-    eye = eye_at(CORNER, least_distance(CORNER, level, centre, points, size), level, centre, size)
+    view = view_from(
+        CORNER, least_distance(CORNER, level, centre, points, size), level, centre, size
+    )
     changed = (alone != both).any(axis=2)
-    demand_surface_at(changed, covered(surfaces_of(video).shape(FRAME), eye), body_in(poses, eye))
+    require_surface_at(
+        changed, covered(surfaces_of(video).shape(FRAME), view), body_in(poses, view)
+    )
 
 
 def test_what_lies_behind_the_body_stays_hidden() -> None:
     skeleton = session_cases.SKELETON
     pose, form = session_cases.pose(0.0), form_of(skeleton)
     Ts, points = pose_transforms(skeleton, pose), posed_points(skeleton, pose)
-    eye = Eye.orthographic("front", middle(points), 150.0, (240, 240))
-    body = raster(form.mesh, Ts, eye).part >= 0
+    view = ViewCamera.orthographic("front", middle(points), 150.0, (240, 240))
+    body = raster(form.mesh, Ts, view).part >= 0
     paper = np.full((240, 240, 3), 250, np.uint8)
     for z, hidden in ((-2.0, False), (2.0, True)):
         wall = plane(middle(points) + np.array([0.0, 0.0, z]))
-        changed = (veiled(paper, eye, wall, form, Ts) != paper).any(axis=2)
+        changed = (draw_surface(paper, view, wall, form, Ts) != paper).any(axis=2)
         assert changed[~grown(body, 2)].all()
         assert changed[grown(body, -2)].any() != hidden
 
 
-def plane(p_camera: Array) -> Sight:
+def plane(p_camera: Array) -> SurfaceLayer:
     """A wide wall of clay that faces the camera."""
     corners = np.array([[-3.0, -3, 0], [3, -3, 0], [3, 3, 0], [-3, 3, 0]]) + p_camera
     mesh = SurfaceMesh(corners, np.array([[0, 2, 1], [0, 3, 2]]))
-    return Sight(mesh, np.tile(np.array(CLAY, np.uint8), (4, 1)))
+    return SurfaceLayer(mesh, np.tile(np.array(CLAY, np.uint8), (4, 1)))
 
 
 def test_all_four_views_show_the_surface_and_the_cameras_own_is_as_it_was(

@@ -19,9 +19,9 @@ from tracker.body.shapes import SIDES, Solid
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import exp_rotation, transform
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 
-EYE = Eye.of(Camera(width=320, height=240, fx=500.0, fy=500.0, cx=159.5, cy=119.5))
+EYE = ViewCamera.of(Camera(width=320, height=240, fx=500.0, fy=500.0, cx=159.5, cy=119.5))
 TURNS = [(0.0, 0.0, 0.0), (0.4, 0.3, 0.9), (1.2, 0.0, 0.4), (np.pi / 2, 0.0, 0.0)]
 
 

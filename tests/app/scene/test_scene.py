@@ -28,7 +28,7 @@ from tracker.geometry.rotations import (
     rotation_from_quaternion,
     transform,
 )
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 
 BODY = preset("adult_male")
 
@@ -280,11 +280,11 @@ def test_outlines_lie_on_the_border_of_the_picture() -> None:
     part = BODY.parts[5].model_copy(update={"parent": None, "tracked": ()})
     body = Body(name="stick", parts=(part,))
     T = transform(exp_rotation([0.2, 0.1, 1.0]), np.array([0.0, 0.0, 2.0]))[None]
-    eye = Eye(frozen(np.eye(4)), (800.0, 800.0), (159.5, 119.5), 320, 240)
-    filled = raster(BodyMesh.of(Skeleton.of(body)), T, eye).part >= 0
+    view = ViewCamera(frozen(np.eye(4)), (800.0, 800.0), (159.5, 119.5), 320, 240)
+    filled = raster(BodyMesh.of(Skeleton.of(body)), T, view).part >= 0
     for line in Outline.of(body).lines(T).astype(np.float64):
         for share in (0.3, 0.5, 0.7):
-            u, v = np.rint(eye.project(line[0] + share * (line[1] - line[0]))).astype(int)
+            u, v = np.rint(view.project(line[0] + share * (line[1] - line[0]))).astype(int)
             around = filled[v - 2 : v + 3, u - 2 : u + 3]
             assert around.any()
             assert not around.all()

@@ -15,7 +15,7 @@ from app.editor.suggest_surfaces import surface_suggestion
 from app.editor.trail import way
 from app.posing import opening_pose
 from app.store.sections import Sections, image_version
-from app.store.state import Outlook, Running, SurfaceSeen
+from app.store.state import AppState, Running, SurfaceSeen
 from tests.app.editor.desk import after
 from tests.app.editor.desk import desk as film
 from tracker.body.pose import pose_transforms
@@ -165,7 +165,7 @@ def test_the_trail_reaches_to_where_nobody_has_posed() -> None:
 
 
 def told(state: EditorState, name: str, **more: Any) -> Any:
-    return Sections().changed(Outlook(edit=state, **more))[name]
+    return Sections().changed(AppState(edit=state, **more))[name]
 
 
 def fitted(state: EditorState, verdict: Verdict = GOOD, missing: int = 0) -> EditorState:
@@ -177,7 +177,7 @@ def fitted(state: EditorState, verdict: Verdict = GOOD, missing: int = 0) -> Edi
 
 
 def test_of_a_film_no_surface_is_told() -> None:
-    assert Sections().changed(Outlook(edit=film()))["surface"] is None
+    assert Sections().changed(AppState(edit=film()))["surface"] is None
 
 
 def test_one_keyframe_makes_a_segment_to_both_ends() -> None:
@@ -209,7 +209,7 @@ def test_a_colour_that_cannot_be_had_says_why() -> None:
 
 
 def version(state: EditorState) -> str:
-    return image_version(Outlook(edit=state))
+    return image_version(AppState(edit=state))
 
 
 def test_pictures_in_other_colours_have_other_names() -> None:

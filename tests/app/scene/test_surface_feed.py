@@ -15,13 +15,13 @@ import numpy as np
 import pytest
 
 from app.document.library import Library
-from app.document.open import Workpiece, edit_state, open_workpiece
+from app.document.open import OpenSession, edit_state, open_for_editing
 from app.editor.state import EditorState
-from app.render.veil import Sight
+from app.render.surface_layer import SurfaceLayer
 from app.scene.observed import Observed, Outdated
 from app.scene.skin import skin
 from app.server.surfaces import Surfaces
-from app.store.state import Outlook, SurfaceSeen
+from app.store.state import AppState, SurfaceSeen
 from tests.app.editor.desk import after
 from tracker.errors import VideoError
 from tracker.session.schema import Session
@@ -41,14 +41,14 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def piece(folder: Path) -> Iterator[Workpiece]:
-    made = open_workpiece(folder / "session.json", lambda path: path)
+def piece(folder: Path) -> Iterator[OpenSession]:
+    made = open_for_editing(folder / "session.json", lambda path: path)
     yield made
     made.video.close()
 
 
 @pytest.fixture
-def edit(piece: Workpiece) -> EditorState:
+def edit(piece: OpenSession) -> EditorState:
     return edit_state(piece)[0]
 
 
@@ -89,7 +89,7 @@ async def until(there: Callable[[], object]) -> None:
 
 
 def test_of_many_frames_at_once_the_newest_is_looked_at(
-    piece: Workpiece, edit: EditorState
+    piece: OpenSession, edit: EditorState
 ) -> None:
     async def work(surfaces: Surfaces, views: Views) -> None:
         for frame in range(LAST + 1):
@@ -98,11 +98,11 @@ def test_of_many_frames_at_once_the_newest_is_looked_at(
 
     views = looking(work)
     assert [seen.frame for seen in views.seen] == [LAST]
-    sight = Observed(piece).sight(edit, LAST)
-    assert views.skins == [skin(sight.mesh, sight.colours)]
+    surface = Observed(piece).sight(edit, LAST)
+    assert views.skins == [skin(surface.mesh, surface.colours)]
 
 
-def test_what_stays_the_same_is_not_sent_again(piece: Workpiece, edit: EditorState) -> None:
+def test_what_stays_the_same_is_not_sent_again(piece: OpenSession, edit: EditorState) -> None:
     edit = replace(edit, frame=3)
 
     async def work(surfaces: Surfaces, views: Views) -> None:
@@ -122,7 +122,7 @@ def test_what_stays_the_same_is_not_sent_again(piece: Workpiece, edit: EditorSta
 
 
 def test_a_step_that_cannot_be_used_leaves_nothing_and_says_why(
-    piece: Workpiece, edit: EditorState
+    piece: OpenSession, edit: EditorState
 ) -> None:
     async def work(surfaces: Surfaces, views: Views) -> None:
         surfaces.follow(piece, replace(edit, frame=4))
@@ -135,11 +135,11 @@ def test_a_step_that_cannot_be_used_leaves_nothing_and_says_why(
 
 
 def test_a_surface_does_not_stand_where_the_body_has_long_gone_on(
-    piece: Workpiece, edit: EditorState, monkeypatch: pytest.MonkeyPatch
+    piece: OpenSession, edit: EditorState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     read, usual = threading.Event(), Observed.sight
 
-    def slow(observed: Observed, state: EditorState, frame: int) -> Sight:
+    def slow(observed: Observed, state: EditorState, frame: int) -> SurfaceLayer:
         assert frame == 0 or read.wait(60)
         return usual(observed, state, frame)
 
@@ -158,7 +158,7 @@ def test_a_surface_does_not_stand_where_the_body_has_long_gone_on(
     looking(work)
 
 
-def test_another_session_takes_the_surface_away(piece: Workpiece, edit: EditorState) -> None:
+def test_another_session_takes_the_surface_away(piece: OpenSession, edit: EditorState) -> None:
     async def work(surfaces: Surfaces, views: Views) -> None:
         surfaces.follow(piece, edit)
         await until(lambda: views.seen)
@@ -174,15 +174,15 @@ def pixels(content: bytes | None) -> np.ndarray[Any, Any]:
     return picture.astype(float)
 
 
-def test_the_large_picture_has_the_colours_too(piece: Workpiece, edit: EditorState) -> None:
+def test_the_large_picture_has_the_colours_too(piece: OpenSession, edit: EditorState) -> None:
     found: dict[str, np.ndarray[Any, Any]] = {}
 
     async def work(surfaces: Surfaces, _: Views) -> None:
         for tint in ("clay", "photo", "distance"):
             state = replace(after(edit, {"do": "display", "tint": tint}), frame=9)
             surfaces.follow(piece, state)
-            found[tint] = pixels(await surfaces.jpeg(9, Outlook(edit=state)))
-        found["none"] = pixels(await surfaces.jpeg(4, Outlook(edit=state)))
+            found[tint] = pixels(await surfaces.jpeg(9, AppState(edit=state)))
+        found["none"] = pixels(await surfaces.jpeg(4, AppState(edit=state)))
 
     looking(work)
     assert isinstance(piece.video, SurfaceVideo)
@@ -195,18 +195,18 @@ def test_the_large_picture_has_the_colours_too(piece: Workpiece, edit: EditorSta
 
 
 def test_a_rate_reaches_pictures_and_what_is_made_of_them(
-    piece: Workpiece, edit: EditorState
+    piece: OpenSession, edit: EditorState
 ) -> None:
     faster = observe(edit, fps=50)
 
     async def work(surfaces: Surfaces, _: Views) -> None:
         surfaces.follow(piece, edit)
-        usual = await surfaces.jpeg(9, Outlook(edit=edit))
+        usual = await surfaces.jpeg(9, AppState(edit=edit))
         surfaces.follow(piece, faster)
         video = await surfaces.video(faster)
         assert video is not None
         assert video.info.fps == 50
-        assert await surfaces.jpeg(9, Outlook(edit=faster)) == usual
+        assert await surfaces.jpeg(9, AppState(edit=faster)) == usual
 
     looking(work)
 
@@ -215,7 +215,7 @@ def test_a_rate_reaches_pictures_and_what_is_made_of_them(
 
 
 def test_what_asks_for_an_older_reading_does_not_bring_it_back(
-    piece: Workpiece, edit: EditorState
+    piece: OpenSession, edit: EditorState
 ) -> None:
     older, newer = observe(edit, units="dm"), observe(edit, units="mm")
     observed = Observed(piece)
@@ -234,23 +234,23 @@ def test_what_asks_for_an_older_reading_does_not_bring_it_back(
 
 
 def test_a_reading_that_is_undone_and_done_again_is_still_seen(
-    piece: Workpiece, edit: EditorState
+    piece: OpenSession, edit: EditorState
 ) -> None:
     moved, other = observe(edit, p_camera_surface=(0.1, 0, 2.2)), observe(edit, units="mm")
 
     async def work(surfaces: Surfaces, _: Views) -> None:
         surfaces.follow(piece, moved)
-        await surfaces.jpeg(9, Outlook(edit=moved))
+        await surfaces.jpeg(9, AppState(edit=moved))
         surfaces.follow(piece, other)
         await surfaces.video(other)
         surfaces.follow(piece, moved)
-        assert np.ptp(pixels(await surfaces.jpeg(10, Outlook(edit=moved)))) > 50
+        assert np.ptp(pixels(await surfaces.jpeg(10, AppState(edit=moved)))) > 50
 
     looking(work)
 
 
 def test_the_views_see_the_newest_reading_though_an_older_look_was_under_way(
-    piece: Workpiece, edit: EditorState, monkeypatch: pytest.MonkeyPatch
+    piece: OpenSession, edit: EditorState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     older, newer = observe(edit, units="mm"), observe(edit, p_camera_surface=(0.3, 0, 2.2))
     under_way, go_on, usual = threading.Event(), threading.Event(), Observed.rims
@@ -267,39 +267,39 @@ def test_the_views_see_the_newest_reading_though_an_older_look_was_under_way(
         surfaces.follow(piece, older)
         await until(under_way.is_set)
         surfaces.follow(piece, newer)
-        picture = asyncio.create_task(surfaces.jpeg(9, Outlook(edit=newer)))
+        picture = asyncio.create_task(surfaces.jpeg(9, AppState(edit=newer)))
         assert np.ptp(pixels(await picture)) > 50
         go_on.set()
         await until(lambda: views.seen)
-        assert np.ptp(pixels(await surfaces.jpeg(10, Outlook(edit=newer)))) > 50
+        assert np.ptp(pixels(await surfaces.jpeg(10, AppState(edit=newer)))) > 50
 
     views = looking(work)
-    sight = Observed(piece).sight(edit, 0)
+    surface = Observed(piece).sight(edit, 0)
     assert [seen.problem for seen in views.seen] == [""]
     assert views.seen[0].middle is not None
-    assert views.seen[0].middle[0] > sight.mesh.vertices[:, 0].mean() + 0.05
+    assert views.seen[0].middle[0] > surface.mesh.vertices[:, 0].mean() + 0.05
 
 
 def test_of_meshes_that_have_been_closed_no_picture_is_made(folder: Path) -> None:
-    piece = open_workpiece(folder / "session.json", lambda path: path)
-    edit = edit_state(piece)[0]
+    opened = open_for_editing(folder / "session.json", lambda path: path)
+    edit = edit_state(opened)[0]
 
     async def work(surfaces: Surfaces, _: Views) -> None:
-        surfaces.follow(piece, edit)
-        await surfaces.jpeg(9, Outlook(edit=edit))
-        piece.video.close()
+        surfaces.follow(opened, edit)
+        await surfaces.jpeg(9, AppState(edit=edit))
+        opened.video.close()
         with pytest.raises(VideoError, match="closed"):
-            await surfaces.jpeg(10, Outlook(edit=edit))
+            await surfaces.jpeg(10, AppState(edit=edit))
 
     looking(work)
 
 
 def test_after_a_fault_the_next_wish_is_looked_at(
-    piece: Workpiece, edit: EditorState, monkeypatch: pytest.MonkeyPatch
+    piece: OpenSession, edit: EditorState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     usual = Observed.sight
 
-    def faulty(observed: Observed, state: EditorState, frame: int) -> Sight:
+    def faulty(observed: Observed, state: EditorState, frame: int) -> SurfaceLayer:
         if frame == 3:
             raise OSError
         return usual(observed, state, frame)
@@ -318,7 +318,7 @@ def test_after_a_fault_the_next_wish_is_looked_at(
 
 
 def test_the_page_goes_on_while_surfaces_are_read(
-    piece: Workpiece, edit: EditorState, monkeypatch: pytest.MonkeyPatch
+    piece: OpenSession, edit: EditorState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     read, usual = threading.Event(), Observed.video
 
@@ -361,7 +361,7 @@ def test_an_animated_file_can_be_dropped(tmp_path: Path) -> None:
 
 
 def test_steps_that_cannot_be_used_are_told_once_before_they_are_met(
-    piece: Workpiece, edit: EditorState
+    piece: OpenSession, edit: EditorState
 ) -> None:
     async def work(surfaces: Surfaces, views: Views) -> None:
         surfaces.follow(piece, edit)
@@ -376,7 +376,7 @@ def test_steps_that_cannot_be_used_are_told_once_before_they_are_met(
 
 def test_of_meshes_that_are_closed_meanwhile_nothing_is_asked_any_more(folder: Path) -> None:
     """The process that reads is not started anew."""
-    opened = open_workpiece(folder / "session.json", lambda path: path)
+    opened = open_for_editing(folder / "session.json", lambda path: path)
     assert isinstance(opened.video, SurfaceVideo)
     opened.video.close()
     assert Observed(opened).unusable() == ""

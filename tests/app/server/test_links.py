@@ -19,7 +19,7 @@ import pytest
 
 from app.cli import open as open_command
 from app.server.addresses import reachable
-from app.server.listening import bound
+from app.server.listening import bind
 from tests.app.serving import ROOT, Entered, Keypose, Visitor, enter
 from tracker.errors import KeyposeError
 
@@ -87,14 +87,14 @@ def test_a_browser_that_was_let_in_comes_back_to_a_restarted_server(tmp_path: Pa
 def ports(monkeypatch: pytest.MonkeyPatch) -> int:
     """The first of the usual ports, moved to where nobody else is: it and the next are free."""
     for first in range(20000, 30000, 97):
-        with suppress(KeyposeError), bound("127.0.0.1", first), bound("127.0.0.1", first + 1):
+        with suppress(KeyposeError), bind("127.0.0.1", first), bind("127.0.0.1", first + 1):
             break
     monkeypatch.setattr(open_command, "PORT", first)
     return first
 
 
 def test_where_the_usual_port_is_taken_the_next_one_is_it_each_time(ports: int) -> None:
-    with bound("127.0.0.1", ports):
+    with bind("127.0.0.1", ports):
         for _ in range(2):
             with open_command._listener("127.0.0.1", None) as listener:
                 assert listener.getsockname()[1] == ports + 1

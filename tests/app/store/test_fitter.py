@@ -117,7 +117,7 @@ class Desk:
 
     @property
     def edit(self) -> EditorState:
-        edit = self.store.outlook.edit
+        edit = self.store.app_state.edit
         assert edit is not None
         return edit
 
@@ -132,7 +132,7 @@ class Desk:
 
     def section(self, name: str) -> Any:
         """What the tabs are told."""
-        return Sections().changed(self.store.outlook.as_looked_at)[name]
+        return Sections().changed(self.store.app_state.as_looked_at)[name]
 
     async def words(self) -> list[str]:
         """What the tab was noted or refused since it was asked last."""
@@ -424,7 +424,7 @@ def test_a_session_that_is_closed_during_a_fit_stays_as_it_was(path: Path) -> No
         desk.do(FIT)
         await desk.store.close_session()
         desk.worker.find()
-        assert desk.store.outlook.edit is None
+        assert desk.store.app_state.edit is None
         await desk.store.open(path)
         desk.worker.find()
         assert desk.section("fit") is None

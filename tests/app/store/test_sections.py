@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from app.store.sections import Sections
-from app.store.state import Outlook
+from app.store.state import AppState
 from tests.app.editor.desk import desk
 from tracker.body.trajectory import interpolate
 from tracker.geometry.rotations import Array
@@ -15,14 +15,14 @@ from tracker.session.verdict import GOOD
 from tracker.storage.results import Results, SegmentTrack, segment_keys
 
 
-def seen(need: Array | None = None, notes: tuple[str, ...] = ()) -> Outlook:
+def seen(need: Array | None = None, notes: tuple[str, ...] = ()) -> AppState:
     """The sample with 0–24 tracked and expected to gain so much, the rest not tracked."""
     edit = desk()
     one, other = (keyframe.pose(edit.skeleton) for keyframe in edit.doc.keyframes[:2])
     key, path = segment_keys(edit.doc)[0, 24], interpolate(one, other, 0, 24)
     passing = SegmentTrack.on_the_way(key, "full", path, 1.0)
     found = replace(passing, verdict=GOOD, need=need, notes=notes)
-    return Outlook(edit=replace(edit, results=Results({key: found})))
+    return AppState(edit=replace(edit, results=Results({key: found})))
 
 
 def test_what_a_keyframe_would_mend_is_told_frame_by_frame() -> None:

@@ -114,8 +114,8 @@ async def worked(path: Path, work: list[dict[str, Any]], page: Page) -> Session:
     library = Library(path.parents[2] / "workspace", [path.parent])
     store = Store(asyncio.get_running_loop(), lambda *_: None, library)
     await store.open(path)
-    assert store.piece is not None
-    session_path = store.piece.session_path
+    assert store.opened is not None
+    session_path = store.opened.session_path
     tab = store.join()
 
     def heard(number: int) -> None:

@@ -162,8 +162,8 @@ def test_what_a_stopped_fit_of_surfaces_has_done_is_kept_saved_and_gone_on_with(
         doc, wanted = _Tracking.newest.orders[0]
         _Tracking.newest.report(SegmentFinished(1, _stopped(doc, *wanted[0])))
         _Tracking.newest.report(JobFinished(1, cancelled=True))
-        assert desk.outlook.job.title == "Cancelled"
-        assert desk.outlook.job.words == "what was done is kept; Fit goes on from there"
+        assert desk.app_state.job.title == "Cancelled"
+        assert desk.app_state.job.words == "what was done is kept; Fit goes on from there"
         desk.receive(tab, {"do": "track", "what": "changed"})
         assert len(_Tracking.newest.orders) == 2
 
@@ -225,12 +225,12 @@ def test_what_a_job_tells_after_its_session_was_closed_does_not_reach_the_next_o
     async def work(desk: Store) -> None:
         desk.receive(desk.join(), {"do": "track", "what": "all"})
         await desk.open(box)
-        assert desk.outlook.job.state == "idle"
+        assert desk.app_state.job.state == "idle"
         _Tracking.newest.finish(0)
         _Tracking.newest.report(JobFinished(1, cancelled=True))
-        assert desk.outlook.edit is not None
-        assert len(desk.outlook.edit.results) == 0
-        assert desk.outlook.job.state == "idle"
+        assert desk.app_state.edit is not None
+        assert len(desk.app_state.edit.results) == 0
+        assert desk.app_state.job.state == "idle"
 
     _with_store(path, work)
 
@@ -259,9 +259,9 @@ def test_what_cannot_be_saved_is_not_closed_before_a_person_knows(
         desk.receive(desk.join(), EDIT)
         with pytest.raises(SessionError, match=r"The disk is full\. Ask once more"):
             await desk.close_session()
-        assert desk.outlook.edit is not None
+        assert desk.app_state.edit is not None
         await desk.close_session()
-        assert desk.outlook.edit is None
+        assert desk.app_state.edit is None
         await desk.open(path)
         desk.receive(desk.join(), EDIT)
 
@@ -281,10 +281,10 @@ def test_what_could_not_be_saved_is_tried_once_more_at_the_end(
             patch.setattr("app.document.edit_log.save_session", odd)
             desk.receive(desk.join(), EDIT)
             await asyncio.sleep(0)
-            while desk.outlook.saved.state == "saving":
+            while desk.app_state.saved.state == "saving":
                 await asyncio.sleep(0.01)
-        assert desk.outlook.saved.state == "failed"
-        assert "ValueError" in desk.outlook.saved.words
+        assert desk.app_state.saved.state == "failed"
+        assert "ValueError" in desk.app_state.saved.words
 
     _with_store(path, work)
     assert _forearm(load_session(path)) == pytest.approx(np.cos(np.radians(15)))

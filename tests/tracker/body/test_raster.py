@@ -13,7 +13,7 @@ from tracker.body.shapes import Box, Cylinder, Shape
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import apply_transform, rotation_from_euler, transform
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 
 CAMERA = Camera(width=200, height=160, fx=300.0, fy=310.0, cx=97.3, cy=81.6)
 TELEPHOTO = CAMERA.model_copy(update={"projection": "telephoto", "telephoto_distance_m": 4.0})
@@ -30,10 +30,12 @@ def two_cubes(p_second: tuple[float, float, float]) -> Skeleton:
     return Skeleton.of(Body(name="two", parts=(first, second)))
 
 
-def seen(skeleton: Skeleton, eye: Eye, R: NDArray[np.float64], p: tuple[float, ...]) -> Raster:
+def seen(
+    skeleton: Skeleton, view: ViewCamera, R: NDArray[np.float64], p: tuple[float, ...]
+) -> Raster:
     rotations = np.concatenate([R[None], np.tile(np.eye(3), (skeleton.part_count - 1, 1, 1))])
     pose = Pose(rotations, np.array(p))
-    return raster(BodyMesh.of(skeleton), pose_transforms(skeleton, pose), eye)
+    return raster(BodyMesh.of(skeleton), pose_transforms(skeleton, pose), view)
 
 
 def convex_hull_mask(uv: NDArray[np.float64], width: int, height: int) -> NDArray[np.bool_]:
@@ -59,7 +61,7 @@ def corners(low: float, high: float) -> NDArray[np.float64]:
 @pytest.mark.parametrize("camera", [CAMERA, TELEPHOTO])
 def test_a_turned_box_covers_exactly_the_hull_of_its_projected_corners(camera: Camera) -> None:
     R, p = rotation_from_euler(0.4, 0.7, -0.3), (0.1, -0.1, 3.5)
-    part = seen(single(CUBE), Eye.of(camera), R, p).part
+    part = seen(single(CUBE), ViewCamera.of(camera), R, p).part
     p_camera = apply_transform(transform(R, np.array(p)), corners(-0.3, 0.3))
     expected = convex_hull_mask(camera.project(p_camera), camera.width, camera.height)
     np.testing.assert_array_equal(part == 0, expected)
@@ -69,7 +71,7 @@ def test_a_turned_box_covers_exactly_the_hull_of_its_projected_corners(camera: C
 @pytest.mark.parametrize("camera", [CAMERA, TELEPHOTO])
 def test_depth_is_that_of_the_plane_hit_by_the_pixels_ray(camera: Camera) -> None:
     R, p = rotation_from_euler(0.0, 0.6, 0.2), np.array([0.0, 0.0, 3.0])
-    picture = seen(single(CUBE), Eye.of(camera), R, tuple(p))
+    picture = seen(single(CUBE), ViewCamera.of(camera), R, tuple(p))
     rows, columns = np.nonzero(picture.part == 0)
     depth = picture.depth[rows, columns].astype(float)
     p_part = (camera.back_project(np.column_stack([columns, rows]), depth) - p) @ R
@@ -79,16 +81,16 @@ def test_depth_is_that_of_the_plane_hit_by_the_pixels_ray(camera: Camera) -> Non
 def test_a_long_cylinder_seen_from_the_side_is_as_wide_as_its_tangents_say() -> None:
     radius, distance = 0.2, 3.0
     skeleton = single(Cylinder(start_m=-2.0, end_m=2.0, radius_m=radius))
-    part = seen(skeleton, Eye.of(CAMERA), np.eye(3), (0.0, 0.0, distance)).part
+    part = seen(skeleton, ViewCamera.of(CAMERA), np.eye(3), (0.0, 0.0, distance)).part
     tangent = radius / np.sqrt(distance**2 - radius**2)
     width = (part[80] == 0).sum()
     assert width == pytest.approx(2 * CAMERA.fx * tangent, abs=1.5)
 
 
 def test_the_nearer_part_hides_the_farther_one_whatever_their_order() -> None:
-    eye = Eye.of(CAMERA)
+    view = ViewCamera.of(CAMERA)
     for z, nearer in ((1.0, 0), (-1.0, 1)):
-        picture = seen(two_cubes((0.1, 0.0, z)), eye, np.eye(3), (0.0, 0.0, 4.0))
+        picture = seen(two_cubes((0.1, 0.0, z)), view, np.eye(3), (0.0, 0.0, 4.0))
         row, column = round(CAMERA.cy), round(CAMERA.cx)
         assert picture.part[row, column] == nearer
         assert picture.depth[row, column] == pytest.approx(3.7 + min(z, 0.0), abs=1e-4)
@@ -96,7 +98,7 @@ def test_the_nearer_part_hides_the_farther_one_whatever_their_order() -> None:
 
 def test_faces_belong_to_the_part_that_is_seen() -> None:
     skeleton = two_cubes((0.7, 0.0, 0.2))
-    picture = seen(skeleton, Eye.of(CAMERA), np.eye(3), (-0.3, 0.0, 4.0))
+    picture = seen(skeleton, ViewCamera.of(CAMERA), np.eye(3), (-0.3, 0.0, 4.0))
     drawn = picture.part >= 0
     face_part = BodyMesh.of(skeleton).face_part
     np.testing.assert_array_equal(face_part[picture.face[drawn]], picture.part[drawn])
@@ -107,9 +109,9 @@ def test_faces_belong_to_the_part_that_is_seen() -> None:
 
 def test_an_orthographic_view_does_not_depend_on_distance() -> None:
     R = rotation_from_euler(0.3, 0.5, 0.1)
-    eye = Eye.orthographic("front", np.array([0.0, 0.0, 3.0]), 100.0, (120, 100))
-    near = seen(single(CUBE), eye, R, (0.05, 0.0, 3.0))
-    far = seen(single(CUBE), eye, R, (0.05, 0.0, 40.0))
+    view = ViewCamera.orthographic("front", np.array([0.0, 0.0, 3.0]), 100.0, (120, 100))
+    near = seen(single(CUBE), view, R, (0.05, 0.0, 3.0))
+    far = seen(single(CUBE), view, R, (0.05, 0.0, 40.0))
     np.testing.assert_array_equal(near.part, far.part)
     drawn = near.part >= 0
     np.testing.assert_allclose(far.depth[drawn] - near.depth[drawn], 37.0, atol=1e-4)
@@ -127,20 +129,20 @@ def test_every_view_looks_along_its_axis(
     view: str, axis: int, sign: int, right: tuple[int, int], down: tuple[int, int]
 ) -> None:
     centre = np.array([0.3, -0.2, 5.0])
-    eye = Eye.orthographic(view, centre, 100.0, (81, 61))  # type: ignore[arg-type]
+    eye = ViewCamera.orthographic(view, centre, 100.0, (81, 61))  # type: ignore[arg-type]
     for (named, direction), expected in ((right, (1.0, 0.0)), (down, (0.0, 1.0))):
         step = np.eye(3)[named] * direction
-        p_eye = apply_transform(eye.T_eye_camera, np.array([centre, centre + 0.1 * step]))
+        p_eye = apply_transform(eye.T_view_camera, np.array([centre, centre + 0.1 * step]))
         uv = eye.project(p_eye)
         np.testing.assert_allclose(uv[0], (40.0, 30.0), atol=1e-9)
         np.testing.assert_allclose(uv[1] - uv[0], 10.0 * np.array(expected), atol=1e-9)
-    ahead = apply_transform(eye.T_eye_camera, (centre + sign * np.eye(3)[axis])[None])[0]
+    ahead = apply_transform(eye.T_view_camera, (centre + sign * np.eye(3)[axis])[None])[0]
     np.testing.assert_allclose(ahead, (0.0, 0.0, 1.0), atol=1e-12)
 
 
 def test_a_body_partly_behind_the_camera_is_cut_off_and_the_rest_is_drawn() -> None:
     skeleton = single(Box(low_m=(-0.2, 0.1, -3.0), high_m=(0.2, 0.2, 3.0)))
-    picture = seen(skeleton, Eye.of(CAMERA), np.eye(3), (0.0, 0.0, 1.0))
+    picture = seen(skeleton, ViewCamera.of(CAMERA), np.eye(3), (0.0, 0.0, 1.0))
     drawn = picture.part >= 0
     horizon = np.nonzero(drawn.any(axis=1))[0].min()
     assert horizon == np.ceil(CAMERA.cy + CAMERA.fy * 0.1 / 4.0)
@@ -150,26 +152,26 @@ def test_a_body_partly_behind_the_camera_is_cut_off_and_the_rest_is_drawn() -> N
 
 @pytest.mark.parametrize("p", [(50.0, 0.0, 4.0), (0.0, 0.0, -4.0), (0.0, -1e6, 4.0)])
 def test_a_body_out_of_the_picture_leaves_it_empty(p: tuple[float, float, float]) -> None:
-    picture = seen(single(CUBE), Eye.of(CAMERA), np.eye(3), p)
+    picture = seen(single(CUBE), ViewCamera.of(CAMERA), np.eye(3), p)
     assert (picture.part == -1).all()
     assert np.isinf(picture.depth).all()
 
 
 def test_the_camera_inside_a_part_sees_its_inner_side() -> None:
-    picture = seen(single(CUBE), Eye.of(CAMERA), np.eye(3), (0.0, 0.0, 0.0))
+    picture = seen(single(CUBE), ViewCamera.of(CAMERA), np.eye(3), (0.0, 0.0, 0.0))
     assert picture.depth[80, 97] == pytest.approx(0.3, abs=1e-5)
 
 
 def test_sizes_and_types_are_as_promised() -> None:
-    picture = seen(single(CUBE), Eye.of(CAMERA), np.eye(3), (0.0, 0.0, 4.0))
+    picture = seen(single(CUBE), ViewCamera.of(CAMERA), np.eye(3), (0.0, 0.0, 4.0))
     for values, dtype in ((picture.part, "i2"), (picture.face, "i4"), (picture.depth, "f4")):
         assert values.shape == (160, 200)
         assert values.dtype == np.dtype(dtype)
 
 
 def test_an_eye_resampled_or_cropped_sees_the_same_directions() -> None:
-    eye = Eye.of(CAMERA)
+    view = ViewCamera.of(CAMERA)
     p = np.array([[0.2, -0.1, 2.0], [-0.3, 0.2, 3.0]])
-    fine = eye.resized(600, 480).cropped(30, 60, 100, 100)
-    np.testing.assert_allclose(fine.project(p), (eye.project(p) + 0.5) * 3 - 0.5 - (30, 60))
+    fine = view.resized(600, 480).cropped(30, 60, 100, 100)
+    np.testing.assert_allclose(fine.project(p), (view.project(p) + 0.5) * 3 - 0.5 - (30, 60))
     np.testing.assert_allclose(fine.back_project(fine.project(p), p[:, 2]), p)

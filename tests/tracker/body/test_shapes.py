@@ -32,7 +32,7 @@ from tracker.errors import BodyError
 from tracker.fitting.sizes.proportions import Proportions
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import apply_transform, exp_rotation, transform
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 
 CAMERA = Camera(width=320, height=240, fx=300.0, fy=300.0, cx=159.5, cy=119.5)
 ROOT = Path(__file__).parents[3]
@@ -202,7 +202,7 @@ def test_points_can_be_laid_all_over_it(shape: Solid) -> None:
 def test_a_picture_of_it_is_filled_as_its_outline_says(shape: Solid) -> None:
     skeleton = Skeleton.of(pair_of(shape))
     Ts = pose_transforms(skeleton, Pose.rest(skeleton, (0.0, 0.0, 3.0)))
-    shown = raster(BodyMesh.of(skeleton), Ts, Eye.of(CAMERA)).part
+    shown = raster(BodyMesh.of(skeleton), Ts, ViewCamera.of(CAMERA)).part
     assert set(np.unique(shown)) == {-1, 0, 1, 2}
     filled = np.zeros(shown.shape, np.uint8)
     for T in Ts:

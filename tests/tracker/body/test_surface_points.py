@@ -19,7 +19,7 @@ from tracker.body.shapes import Box, Cylinder, Frustum, Shape
 from tracker.body.skeleton import Skeleton
 from tracker.body.surface_points import SurfacePoints, lay_points, surface_area
 from tracker.geometry.camera import Camera
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 from tracker.kernels.chain import place_parts
 from tracker.kernels.seeing import see
 from tracker.tracking.scene import FEWEST_POINTS, MOST_POINTS, Scene
@@ -129,8 +129,8 @@ def test_points_are_seen_where_their_part_owns_the_pixel(name: str, projection: 
         pose = made.truth.pose(frame)
         here = Scene.of(made.skeleton, camera, [pose])
         shown = looked_at(here, pose)
-        eye = Eye.of(camera)
-        drawn = raster(BodyMesh.of(made.skeleton), pose_transforms(made.skeleton, pose), eye)
+        view = ViewCamera.of(camera)
+        drawn = raster(BodyMesh.of(made.skeleton), pose_transforms(made.skeleton, pose), view)
         owners = drawn.part.astype(np.float32)
         inner = cv2.dilate(owners, np.ones((5, 5))) == cv2.erode(owners, np.ones((5, 5)))
         columns, rows = np.rint(np.where(shown.inside, shown.uv.T, 0.0)).astype(int)

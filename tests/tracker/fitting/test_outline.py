@@ -9,7 +9,7 @@ from tests.tracker.tracking_cases import CAMERAS, Case, case, random_body, rando
 from tracker.body.joint_limits import Limits
 from tracker.body.pose import Pose, moved, pose_transforms
 from tracker.fitting.pose.outline import Edges, Outline, edge_equations, gain, separation, slopes
-from tracker.fitting.pose.settling import Hand, decided, settle
+from tracker.fitting.pose.settling import Hand, decided_share, settle
 from tracker.solver.posed import Posed
 from tracker.tracking.scene import Scene
 
@@ -111,8 +111,8 @@ def test_a_motion_between_two_poses_leads_from_one_to_the_other() -> None:
 @pytest.mark.parametrize("shift_px", [-4, 4])
 def test_edges_lie_where_the_picture_has_them(box: Case, shift_px: int) -> None:
     outline = outline_of(box)
-    true = outline.drawn(box.truth.pose(0))
-    shown = outline.drawn(aside(box, shift_px * outline.pixel_m))
+    true = outline.draw(box.truth.pose(0))
+    shown = outline.draw(aside(box, shift_px * outline.pixel_m))
     edges = outline.edges(shown, outline.colours(true), 0.1)
     sideways = edges.told & (np.abs(edges.normal[:, 0]) > 0.9)
     away = (edges.away_px * np.sign(edges.normal[:, 0]))[sideways]
@@ -125,7 +125,7 @@ def test_a_box_beside_its_outline_is_laid_into_it(box: Case) -> None:
     found = settle(hand, pose, None, outline, lambda: False)
     off = found.pose.p_camera_root - box.truth.pose(0).p_camera_root
     assert abs(off[0]) < 0.01
-    share = decided(hand, found)
+    share = decided_share(hand, found)
     assert share.shape == (1,)
     assert 0.2 < share[0] <= 1.0
 
@@ -133,7 +133,7 @@ def test_a_box_beside_its_outline_is_laid_into_it(box: Case) -> None:
 def test_depth_is_not_taken_from_the_thickness_of_the_outline(person: Case) -> None:
     """A body wider than it is modelled: the hips stay about as far away as they were posed."""
     outline, pose = outline_of(person), person.truth.pose(0)
-    shown = outline.drawn(pose)
+    shown = outline.draw(pose)
     edges = outline.edges(shown, outline.colours(shown), 0.05)
     wider = Edges(
         edges.p_camera, edges.part, edges.normal, np.full(len(edges.part), 2.0),
@@ -151,7 +151,7 @@ def test_depth_is_not_taken_from_the_thickness_of_the_outline(person: Case) -> N
 
 def test_hands_and_feet_do_not_pull_at_what_carries_them(person: Case) -> None:
     outline, pose = outline_of(person), person.truth.pose(0)
-    shown = outline.drawn(pose)
+    shown = outline.draw(pose)
     edges = outline.edges(shown, outline.colours(shown), 0.05)
     own = np.isin(edges.part, person.skeleton.dof_part)
     assert not own.all()
@@ -184,7 +184,7 @@ def test_what_may_not_be_used_has_no_say(person: Case) -> None:
         rgb = person.pictures[0].copy()
         rgb[:, 150:175] = value
         outline = outline_of(person, usable, rgb)
-        shown = outline.drawn(aside(person, 0.03))
+        shown = outline.draw(aside(person, 0.03))
         edges = outline.edges(shown, outline.colours(shown), 0.05)
         found.append(edge_equations(outline, aside(person, 0.03), edges))
     np.testing.assert_array_equal(found[0][0], found[1][0])

@@ -18,7 +18,7 @@ from tracker.body.shapes import Box, Cylinder
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.fitting.pose import Fitted, fit_here
-from tracker.fitting.pose.words import Moves, told
+from tracker.fitting.pose.words import Moves, describe_moves
 from tracker.geometry.rotations import exp_rotation
 from tracker.session.settings import IgnoreMask
 
@@ -284,7 +284,7 @@ def test_a_part_that_is_hidden_is_not_told_to_have_moved() -> None:
     moves = Moves(
         names, np.array([4.2, 9.0, 6.1]), np.array([0.9, 0.0, 0.8]), np.ones(3, bool), hidden
     )
-    assert told(moves) == (
+    assert describe_moves(moves) == (
         "Right shin moved 6 px, chest 4 px. Left forearm is hidden and stays as posed."
     )
 
@@ -292,4 +292,4 @@ def test_a_part_that_is_hidden_is_not_told_to_have_moved() -> None:
 def test_where_nothing_moved_it_says_so() -> None:
     still = np.zeros(2, bool)
     moves = Moves(("chest", "head"), np.array([0.2, 0.4]), np.ones(2), ~still, still)
-    assert told(moves) == "No part moved by more than a pixel."
+    assert describe_moves(moves) == "No part moved by more than a pixel."

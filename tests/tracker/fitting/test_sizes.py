@@ -23,12 +23,12 @@ from tracker.body.trajectory import Trajectory
 from tracker.errors import SessionError
 from tracker.fitting.sizes import SizesFitted, fit_sizes
 from tracker.fitting.sizes.contours import contour_of, offsets
-from tracker.fitting.sizes.grounds import learnt
+from tracker.fitting.sizes.grounds import learn_grounds
 from tracker.fitting.sizes.proportions import Proportions
-from tracker.fitting.sizes.rows import Pictures
+from tracker.fitting.sizes.residuals import Pictures
 from tracker.geometry.camera import Camera
 from tracker.session.settings import IgnoreMask
-from tracker.solver.body_points import Place
+from tracker.solver.body_points import BodyPoint
 from tracker.solver.fit_joints import fit_picture
 from tracker.video import Video
 from tracker.video.clip_loader import WorkingSize
@@ -61,9 +61,9 @@ def _joints(body: Body, pose: Pose) -> NDArray[np.float64]:
     return CAMERA.project(joint_positions(skeleton, pose_transforms(skeleton, pose)))
 
 
-def _places(body: Body) -> list[Place]:
-    own: list[Place] = [((i, (0.0, 0.0, 0.0)),) for i in range(len(body.parts))]
-    marks: list[Place] = [
+def _places(body: Body) -> list[BodyPoint]:
+    own: list[BodyPoint] = [((i, (0.0, 0.0, 0.0)),) for i in range(len(body.parts))]
+    marks: list[BodyPoint] = [
         ((i, p),) for i, part in enumerate(body.parts) for p in part.landmarks.values()
     ]
     return own + marks
@@ -260,7 +260,7 @@ def test_a_contour_is_seen_to_a_share_of_a_pixel() -> None:
     Ts = [pose_transforms(skeleton, case.truth.pose(k)) for k in case.keyposes]
     pictures = Pictures.of(case.video, CAMERA, WorkingSize(0), sorted(case.keyposes), ())
     seen = [contour_of(BodyMesh.of(skeleton), T, CAMERA) for T in Ts]
-    grounds = learnt(
+    grounds = learn_grounds(
         pictures.rgb, pictures.usable, pictures.cells, [contour.shown for contour in seen],
         np.arange(skeleton.part_count), pictures.plates,
     )  # fmt: skip

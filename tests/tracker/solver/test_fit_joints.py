@@ -15,7 +15,7 @@ from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import exp_rotation, log_rotation, rotation_from_euler, transpose
-from tracker.solver.body_points import Place, Places, freed
+from tracker.solver.body_points import BodyPoint, BodyPoints, free_skeleton
 from tracker.solver.fit_joints import fit_motion, fit_picture, rigid
 from tracker.solver.posed import Posed
 
@@ -24,8 +24,8 @@ Floats = NDArray[np.float64]
 BODY = preset("adult_female")
 SKELETON = Skeleton.of(BODY)
 LIMITS = Limits.of(BODY)
-JOINTS: list[Place] = [((i, (0.0, 0.0, 0.0)),) for i in range(SKELETON.part_count)]
-LANDMARKS: list[Place] = [
+JOINTS: list[BodyPoint] = [((i, (0.0, 0.0, 0.0)),) for i in range(SKELETON.part_count)]
+LANDMARKS: list[BodyPoint] = [
     ((i, p),) for i, part in enumerate(BODY.parts) for p in part.landmarks.values()
 ]
 CAMERA = Camera(width=640, height=480, fx=700, fy=710, cx=322, cy=235)
@@ -118,9 +118,9 @@ def test_a_rigid_transform_is_recovered_past_missing_points() -> None:
 
 
 def test_the_slopes_of_places_and_limits_are_those_of_small_motions() -> None:
-    skeleton = freed(BODY)
-    place: Place = ((5, (0.0, 0.1, 0.02)), (9, (0.01, 0.0, 0.0)))
-    laid = Places(skeleton, (*JOINTS, place))
+    skeleton = free_skeleton(BODY)
+    place: BodyPoint = ((5, (0.0, 0.1, 0.02)), (9, (0.01, 0.0, 0.0)))
+    laid = BodyPoints(skeleton, (*JOINTS, place))
     pose = _motion().pose(50)
     _, slopes = laid.jacobian(Posed.of(skeleton, pose))
     narrow = Limits(np.full_like(LIMITS.low, 0.0), np.full_like(LIMITS.high, 0.0))
@@ -151,10 +151,12 @@ def test_the_slopes_of_places_and_limits_are_those_of_small_motions() -> None:
 def test_a_pose_is_found_from_exact_pixels_through_every_lens(camera: Camera) -> None:
     truth = _motion().pose(46)
     truth = Pose(truth.Rs_parent_part, np.array([0.1, 0.0, 4.0]))
-    laid = Places(SKELETON, tuple(JOINTS))
+    laid = BodyPoints(SKELETON, tuple(JOINTS))
     uv = camera.project(laid.at(pose_transforms(SKELETON, truth)))
     start = moved(
-        freed(BODY), truth, np.random.default_rng(2).normal(0, 0.1, 3 * SKELETON.part_count + 3)
+        free_skeleton(BODY),
+        truth,
+        np.random.default_rng(2).normal(0, 0.1, 3 * SKELETON.part_count + 3),
     )
     solved = fit_picture(BODY, camera, JOINTS, uv, np.ones(len(JOINTS)), [start], start)
     away = camera.project(laid.at(pose_transforms(SKELETON, solved.pose))) - uv
@@ -165,7 +167,7 @@ def test_a_pose_is_found_from_exact_pixels_through_every_lens(camera: Camera) ->
 def test_of_several_starts_the_one_that_ends_best_is_kept() -> None:
     """A start with its back to the camera ends badly; the other one is right."""
     truth = Pose.rest(SKELETON, (0.0, 0.0, 4.0))
-    laid = Places(SKELETON, (*JOINTS, *LANDMARKS))
+    laid = BodyPoints(SKELETON, (*JOINTS, *LANDMARKS))
     uv = CAMERA.project(laid.at(pose_transforms(SKELETON, truth)))
     Rs = truth.Rs_parent_part.copy()
     Rs[0] = exp_rotation([0.0, np.pi, 0.0])
@@ -173,7 +175,7 @@ def test_of_several_starts_the_one_that_ends_best_is_kept() -> None:
 
     def turn(starts: list[Pose]) -> float:
         weights = np.ones(len(uv))
-        solved = fit_picture(BODY, CAMERA, laid.places, uv, weights, starts)
+        solved = fit_picture(BODY, CAMERA, laid.points, uv, weights, starts)
         return float(np.linalg.norm(log_rotation(solved.pose.Rs_parent_part[0])))
 
     assert turn([away, truth]) < 0.1

@@ -15,7 +15,7 @@ from tracker.body.pose import Pose, moved
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import exp_rotation
-from tracker.solver.body_points import Place, Places, freed
+from tracker.solver.body_points import BodyPoint, BodyPoints, free_skeleton
 from tracker.solver.posed import Posed
 from tracker.solver.robust import Cauchy, Huber, Kernel
 from tracker.solver.terms import (
@@ -32,10 +32,10 @@ from tracker.solver.terms import (
 
 Floats = NDArray[np.float64]
 
-SKELETON = freed(preset("adult_male"))
+SKELETON = free_skeleton(preset("adult_male"))
 TRACKED = Skeleton.of(preset("adult_male"))
 PARTS = SKELETON.part_count
-POINTS: tuple[Place, ...] = (
+POINTS: tuple[BodyPoint, ...] = (
     *(((i, (0.0, 0.02, 0.01)),) for i in range(PARTS)),
     ((5, (0.0, 0.1, 0.02)), (9, (0.01, 0.0, 0.0))),
 )
@@ -51,23 +51,23 @@ def _random(seed: int, turn_rad: float) -> Pose:
     return Pose(Rs, np.array([0.2, -0.1, 4.0]))
 
 
-def _in_space(points: Places) -> Term:
+def _in_space(points: BodyPoints) -> Term:
     rng = np.random.default_rng(1)
     return PointsInSpace(points, rng.normal((0, 0, 4), 0.4, (len(POINTS), 3)), 0.005)
 
 
-def _in_picture(camera: Camera, kernel: Kernel) -> Callable[[Places], Term]:
+def _in_picture(camera: Camera, kernel: Kernel) -> Callable[[BodyPoints], Term]:
     rng = np.random.default_rng(2)
     uv, scale = rng.normal((320, 240), 90, (len(POINTS), 2)), rng.uniform(0, 0.5, len(POINTS))
     return lambda points: PointsInPicture(points, camera, uv, scale, 0.05, kernel)
 
 
-def _limits(allowed: Floats | None) -> Callable[[Places], Term]:
+def _limits(allowed: Floats | None) -> Callable[[BodyPoints], Term]:
     width = np.tile(1e-4, (PARTS, 3))
     return lambda points: JointLimits(Limits(-width, width), 0.03, allowed)
 
 
-TERMS: dict[str, Callable[[Places], Term]] = {
+TERMS: dict[str, Callable[[BodyPoints], Term]] = {
     "points in space": _in_space,
     "points in a picture": _in_picture(FLAT, Huber(1e9)),
     "points in a picture, far ones pulling no harder": _in_picture(FLAT, Huber()),
@@ -108,7 +108,7 @@ def _difference(value: Callable[[Posed], Any], pose: Pose, skeleton: Skeleton = 
 @pytest.mark.parametrize("turn_rad", [1e-3, 0.3, 1.0], ids=["near identity", "bent", "large"])
 @pytest.mark.parametrize("name", TERMS)
 def test_the_gradient_of_every_term_is_that_of_its_cost(name: str, turn_rad: float) -> None:
-    term = TERMS[name](Places(SKELETON, POINTS))
+    term = TERMS[name](BodyPoints(SKELETON, POINTS))
     pose = _random(3, turn_rad)
     found = term.equations(Posed.of(SKELETON, pose))
     expected = _difference(term.cost, pose)
@@ -126,7 +126,7 @@ def test_the_gradient_of_every_term_is_that_of_its_cost(name: str, turn_rad: flo
 def test_the_jacobian_of_every_residual_is_that_of_small_motions(
     skeleton: Skeleton, name: str, turn_rad: float
 ) -> None:
-    term = TERMS[name](Places(skeleton, POINTS))
+    term = TERMS[name](BodyPoints(skeleton, POINTS))
     assert isinstance(term, RowTerm)
     pose = _random(4, turn_rad)
     J = term.rows(Posed.of(skeleton, pose)).J
@@ -148,7 +148,7 @@ def test_a_prior_that_holds_axes_unevenly_has_the_gradient_of_small_deviations(
 
 @pytest.mark.parametrize("name", TERMS)
 def test_many_poses_at_once_are_as_each_by_itself(name: str) -> None:
-    term = TERMS[name](Places(SKELETON, POINTS))
+    term = TERMS[name](BodyPoints(SKELETON, POINTS))
     poses = [_random(seed, 0.4) for seed in range(3)]
     Rs, ps = (np.stack([_arrays(pose)[k] for pose in poses]) for k in range(2))
     together = Posed(SKELETON, Rs, ps)
@@ -162,7 +162,7 @@ def test_many_poses_at_once_are_as_each_by_itself(name: str) -> None:
 
 
 def test_terms_add_up() -> None:
-    terms = [make(Places(SKELETON, POINTS)) for make in TERMS.values()]
+    terms = [make(BodyPoints(SKELETON, POINTS)) for make in TERMS.values()]
     posed = Posed.of(SKELETON, _random(8, 0.5))
     found = total_equations(terms, posed)
     parts = [term.equations(posed) for term in terms]
@@ -172,7 +172,7 @@ def test_terms_add_up() -> None:
 
 
 def test_no_pose_has_a_point_behind_the_camera() -> None:
-    term = TERMS["points in a picture"](Places(SKELETON, POINTS))
+    term = TERMS["points in a picture"](BodyPoints(SKELETON, POINTS))
     pose = _random(9, 0.1)
     assert np.isfinite(term.cost(Posed.of(SKELETON, pose)))
     behind = Pose(pose.Rs_parent_part, np.array([0.0, 0.0, -0.3]))

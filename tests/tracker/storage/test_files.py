@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from tests.tracker import session_cases as cases
 from tracker.errors import FormatError, SessionError
 from tracker.session import Session
-from tracker.storage.atomic import demand_absent, demand_folder, write_file
+from tracker.storage.atomic import require_absent, require_folder, write_file
 from tracker.storage.changes import changed
 from tracker.storage.files import (
     load_session,
@@ -128,7 +128,7 @@ def test_a_file_that_is_there_is_not_overwritten_unless_asked(tmp_path: Path) ->
     with pytest.raises(FormatError, match="exists already"):
         write_file(path, b"new")
     with pytest.raises(FormatError, match="exists already"):
-        demand_absent([tmp_path / "other", path])
+        require_absent([tmp_path / "other", path])
     assert path.read_bytes() == b"mine"
     write_file(path, b"new", overwrite=True)
     assert path.read_bytes() == b"new"
@@ -136,11 +136,11 @@ def test_a_file_that_is_there_is_not_overwritten_unless_asked(tmp_path: Path) ->
 
 
 def test_asking_whether_a_folder_can_be_written_leaves_nothing(tmp_path: Path) -> None:
-    demand_folder(tmp_path / "not" / "yet" / "made")
+    require_folder(tmp_path / "not" / "yet" / "made")
     assert not list(tmp_path.iterdir())
     (tmp_path / "file").write_text("")
     with pytest.raises(FormatError, match="cannot be written to"):
-        demand_folder(tmp_path / "file" / "folder")
+        require_folder(tmp_path / "file" / "folder")
 
 
 REFUSED: dict[str, tuple[Change, str]] = {

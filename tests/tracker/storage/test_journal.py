@@ -24,7 +24,7 @@ from tracker.storage.chronicle import (
     Received,
     edit_record,
     mark_of,
-    recovered,
+    recover,
     saved_record,
     whole_record,
 )
@@ -225,7 +225,7 @@ def test_whose_edits_a_document_holds_comes_back_also_when_the_journal_is_begun_
     newest = moments[-1]
     for records in (_records(moments), list(whole_record(newest))):
         for file in (newest.doc, moments[0].doc):
-            found = recovered(file, records).moment.received
+            found = recover(file, records).moment.received
             assert found == newest.received
 
 
@@ -233,14 +233,14 @@ def test_what_another_program_wrote_is_no_revision_of_a_client() -> None:
     moments = _received()
     mask = IgnoreMask(polygon=((1, 1), (7, 1), (7, 7)), first_frame=1, last_frame=2)
     theirs = VERSIONS[0].model_copy(update={"ignore_masks": (mask,)})
-    found = recovered(theirs, _records(moments)).moment.received
+    found = recover(theirs, _records(moments)).moment.received
     assert found == Received(moments[-1].received.clients, "")
 
 
 def test_a_journal_that_names_no_clients_is_read_as_ever() -> None:
     records = _records(_moments([0, 1]))
     assert not any("clients" in record or "revision" in record for record in records)
-    assert recovered(VERSIONS[1], records).moment.received == Received()
+    assert recover(VERSIONS[1], records).moment.received == Received()
 
 
 @given(edits=Edits, data=st.data())
@@ -250,7 +250,7 @@ def test_whatever_moment_the_file_holds_the_newest_and_its_whole_history_come_ba
     moments = _moments(edits)
     records = _on_disk(_records(moments), tmp_path_factory.mktemp("j"))
     at = data.draw(st.integers(0, len(moments) - 1))
-    found = recovered(moments[at].doc, records)
+    found = recover(moments[at].doc, records)
     assert found.follows
     assert found.ahead <= len(moments) - 1 - at
     _agree(found.moment, moments[-1])
@@ -262,7 +262,7 @@ def test_a_journal_begun_anew_says_the_same(
 ) -> None:
     last = _moments(edits)[-1]
     records = _on_disk(list(whole_record(last)), tmp_path_factory.mktemp("j"))
-    found = recovered(last.doc, records)
+    found = recover(last.doc, records)
     _agree(found.moment, last)
     assert found.ahead == 0
 
@@ -275,14 +275,14 @@ def test_steps_that_were_forgotten_are_forgotten_in_the_journal() -> None:
         after = Moment(VERSIONS[1 + number % 2], history)
         records.append(edit_record(now, after))
         now = after
-    found = recovered(now.doc, records)
+    found = recover(now.doc, records)
     assert len(found.moment.history.past) == MOST_STEPS
     assert found.moment.history.past[0].label == "3"
 
 
 def test_a_file_another_program_changed_counts_and_can_be_undone() -> None:
     moments = _moments([1, 2])
-    found = recovered(VERSIONS[4], _records(moments))
+    found = recover(VERSIONS[4], _records(moments))
     assert found.moment.doc == VERSIONS[4]
     assert not found.follows
     step = found.moment.history.past[-1]
@@ -294,7 +294,7 @@ def test_a_file_another_program_changed_counts_and_can_be_undone() -> None:
 def test_an_older_file_put_back_by_a_person_counts() -> None:
     moments = _moments([1, 2])
     records = [*_records(moments), saved_record(mark_of(moments[-1].doc))]
-    found = recovered(moments[1].doc, records)
+    found = recover(moments[1].doc, records)
     assert found.moment.doc == moments[1].doc
     assert found.moment.history.past[-1].label == OUTSIDE
 
@@ -302,7 +302,7 @@ def test_an_older_file_put_back_by_a_person_counts() -> None:
 def test_the_journal_of_another_film_is_not_followed() -> None:
     other = VERSIONS[0].video.model_copy(update={"frame_count": 12})
     doc = VERSIONS[0].model_copy(update={"video": other})
-    found = recovered(doc, _records(_moments([1, 2])))
+    found = recover(doc, _records(_moments([1, 2])))
     assert found.moment.doc is doc
     assert found.moment.history.past == ()
 
@@ -310,7 +310,7 @@ def test_the_journal_of_another_film_is_not_followed() -> None:
 def test_a_moved_video_is_where_the_file_says_for_every_step() -> None:
     moments = _moments([1, 2, "undo"])
     there = moments[-1].doc.video.model_copy(update={"path": "elsewhere/frames"})
-    found = recovered(moments[-1].doc.model_copy(update={"video": there}), _records(moments))
+    found = recover(moments[-1].doc.model_copy(update={"video": there}), _records(moments))
     assert found.follows
     history = found.moment.history
     docs = [found.moment.doc, *(step.doc for step in (*history.past, *history.future))]
@@ -334,7 +334,7 @@ NONSENSE: dict[str, dict[str, Any]] = {
 
 @pytest.mark.parametrize("kind", NONSENSE)
 def test_a_journal_of_nonsense_is_as_good_as_none(kind: str) -> None:
-    found = recovered(VERSIONS[1], [NONSENSE[kind]])
+    found = recover(VERSIONS[1], [NONSENSE[kind]])
     assert found.moment.doc == VERSIONS[1]
     assert not found.follows
 

@@ -25,7 +25,7 @@ from tracker.surface.beginning import (
     WIDTH,
     Begun,
     Reading,
-    begun,
+    choose_reading,
     first_mesh,
 )
 from tracker.surface.mesh import SurfaceMesh
@@ -63,7 +63,7 @@ def box(size: Sequence[float] = PERSON, at: Sequence[float] = (0, 0, 0)) -> Surf
 
 
 def opened(*steps: SurfaceMesh | None, reading: Reading = AS_IT_IS, **said: Any) -> Begun:
-    return begun(Meshes(steps, **said), reading)  # type: ignore[arg-type]
+    return choose_reading(Meshes(steps, **said), reading)  # type: ignore[arg-type]
 
 
 def seen(how: Begun, mesh: SurfaceMesh) -> tuple[Array, Array]:
@@ -205,10 +205,10 @@ def test_the_size_is_told_in_metres_whatever_the_units() -> None:
 
 def test_where_neither_a_person_nor_the_files_say_it_the_cameras_do() -> None:
     rig: Any = SimpleNamespace(units="cm", up="-z")
-    how = begun(Meshes([box()]), Reading(), rig)  # type: ignore[arg-type]
+    how = choose_reading(Meshes([box()]), Reading(), rig)  # type: ignore[arg-type]
     assert (how.surface.units, how.surface.up, how.news) == ("cm", "-z", ())
     stated = Meshes([box()], stated_units="mm", stated_up="+x")
-    how = begun(stated, Reading(), rig)  # type: ignore[arg-type]
+    how = choose_reading(stated, Reading(), rig)  # type: ignore[arg-type]
     assert (how.surface.units, how.surface.up) == ("mm", "+x")
 
 

@@ -15,7 +15,7 @@ from tracker.body.pose import pose_transforms
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import Array
 from tracker.surface.cameras import carve
-from tracker.surface.cameras.carve import STRIDE, carved, depth_maps, seen_through
+from tracker.surface.cameras.carve import STRIDE, carve_field, depth_maps, seen_through
 from tracker.surface.cameras.hull import hull_field, hull_mesh
 
 VOXEL_M = 0.02
@@ -41,7 +41,7 @@ def test_phantom_volume_that_cameras_see_through_is_carved_and_the_arms_stay(
     views = ring_of(15, P_CENTRE)
     shots = shots_of("tripod", arm_poses("tripod")[STEP], views, [0, STEP])
     visual = hull_field(views, silhouettes(shots), VOXEL_M)
-    photo = carved(visual, views, pictures(shots))
+    photo = carve_field(visual, views, pictures(shots))
     far = [(far_from_arms(hull_mesh(field).vertices) > 0.02).sum() for field in (visual, photo)]
     assert far[0] > 100
     assert far[1] < 0.5 * far[0]

@@ -14,9 +14,9 @@ from tracker.geometry.rotations import Array
 from tracker.surface.cameras.hull import (
     LIMIT_VOXELS,
     Silhouette,
+    focus_of,
     hull_field,
     hull_mesh,
-    looked_at,
     outline_distances,
     touching,
 )
@@ -123,7 +123,7 @@ def test_voxels_too_fine_for_the_memory_are_refused_before_it_is_taken() -> None
 
 def test_the_place_looked_at_is_where_the_axes_meet() -> None:
     views, _ = studio(9)
-    p, reach_m = looked_at(views)
+    p, reach_m = focus_of(views)
     np.testing.assert_allclose(p, P_BALL, atol=1e-4)
     assert reach_m == pytest.approx(3.4, rel=0.1)
 

@@ -16,7 +16,7 @@ from tracker.kernels.painting import colour
 from tracker.kernels.raster import PERSPECTIVE, fill
 from tracker.session.schema import Surface
 from tracker.surface.mesh import SurfaceMesh
-from tracker.surface.painting import CLAY, GROUND, painted
+from tracker.surface.painting import CLAY, GROUND, paint
 from tracker.surface.picture import SurfaceVideo, surface_video
 from tracker.surface.source import KEPT, SurfaceSteps
 from tracker.video import MissingFrame
@@ -71,7 +71,7 @@ def video(meshes: Meshes) -> SurfaceVideo:
 
 def test_a_surface_is_seen_where_the_camera_projects_it() -> None:
     mesh = box()
-    seen = ~is_ground(painted(mesh, CAMERA))
+    seen = ~is_ground(paint(mesh, CAMERA))
     rows, columns = np.nonzero(seen)
     uv = CAMERA.project(mesh.vertices)
     np.testing.assert_allclose(
@@ -84,27 +84,27 @@ def test_a_surface_is_seen_where_the_camera_projects_it() -> None:
 def test_nothing_before_the_camera_is_an_empty_picture() -> None:
     mesh = box()
     behind = SurfaceMesh(mesh.vertices - 3 * AWAY, mesh.faces)
-    assert is_ground(painted(behind, CAMERA)).all()
+    assert is_ground(paint(behind, CAMERA)).all()
 
 
 def test_the_light_comes_from_above_and_a_hole_shows_the_darker_inside() -> None:
     ball = trimesh.creation.icosphere(3, 0.5)
     vertices, faces = np.array(ball.vertices) + AWAY, np.array(ball.faces)
-    whole = painted(SurfaceMesh(vertices, faces), CAMERA).mean(axis=2)
+    whole = paint(SurfaceMesh(vertices, faces), CAMERA).mean(axis=2)
     assert whole[45, 80] > whole[75, 80] + 10
     middles = vertices[faces].mean(axis=1)
     front = (np.abs(middles[:, :2]).max(axis=1) < 0.15) & (middles[:, 2] < 3)
-    open_ = painted(SurfaceMesh(vertices, faces[~front]), CAMERA).mean(axis=2)
+    open_ = paint(SurfaceMesh(vertices, faces[~front]), CAMERA).mean(axis=2)
     assert 10 < open_[60, 80] < 0.7 * whole[60, 80]
 
 
 def test_colours_are_those_of_the_vertices() -> None:
     mesh = box()
     red = np.tile(np.array([255, 0, 0], np.uint8), (len(mesh.vertices), 1))
-    middle = painted(mesh, CAMERA, red)[60, 80]
+    middle = paint(mesh, CAMERA, red)[60, 80]
     assert middle[0] > 100
     assert middle[1] == middle[2] == 0
-    clay = painted(mesh, CAMERA)[60, 80] / np.array(CLAY)
+    clay = paint(mesh, CAMERA)[60, 80] / np.array(CLAY)
     assert np.ptp(clay) < 0.02
 
 

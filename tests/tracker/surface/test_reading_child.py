@@ -346,6 +346,6 @@ def test_nonsense_of_a_spoilt_child_is_known_as_such(text: str) -> None:
 def test_a_number_of_steps_that_cannot_be_is_refused(
     facts: dict[str, object], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(MeshReader, "_asked", lambda *_: ({"animated": True, **facts}, {}))
+    monkeypatch.setattr(MeshReader, "_ask", lambda *_: ({"animated": True, **facts}, {}))
     with pytest.raises(Refused, match="export it again"):
         MeshReader().steps(Path("film.glb"))

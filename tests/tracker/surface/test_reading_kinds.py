@@ -29,7 +29,7 @@ from tracker.surface.files.parsing.obj import read_obj
 from tracker.surface.files.parsing.off import read_off
 from tracker.surface.files.parsing.ply import read_ply
 from tracker.surface.files.parsing.raw import RawMesh, Refused
-from tracker.surface.files.parsing.tidying import tidied
+from tracker.surface.files.parsing.tidying import tidy
 
 READERS = {"ply": read_ply, "obj": read_obj, "off": read_off, "glb": read_resting}
 
@@ -127,7 +127,7 @@ def test_how_well_cameras_agree_is_read_from_the_vertices(name: str, form: str) 
 
 def test_agreement_that_is_no_number_is_that_of_a_place_no_two_cameras_see() -> None:
     agreement = np.array([np.nan, 7.0, -3.0, 0.5, 0.5, 0.5, 0.5, 0.5])
-    mesh = tidied(read("ply", ply(extra={"zncc": agreement})))
+    mesh = tidy(read("ply", ply(extra={"zncc": agreement})))
     assert mesh.consistency is not None
     assert mesh.consistency[:4].tolist() == [-1.0, 1.0, -1.0, 0.5]
 
@@ -167,7 +167,7 @@ def test_an_off_may_hold_comments_and_colours() -> None:
 def test_vertices_that_a_file_repeats_are_one(kind: str) -> None:
     soup = CORNERS[BOX.ravel()]  # every face has corners of its own, as at the seams of a texture
     write = {"ply": ply, "obj": obj, "off": off}[kind]
-    mesh = tidied(read(kind, write(soup, np.arange(36).reshape(12, 3))))
+    mesh = tidy(read(kind, write(soup, np.arange(36).reshape(12, 3))))
     assert mesh.vertices.shape == (8, 3)
     assert_closed(mesh.faces)
     np.testing.assert_allclose(corners(mesh), CORNERS[BOX], atol=1e-6)
@@ -176,7 +176,7 @@ def test_vertices_that_a_file_repeats_are_one(kind: str) -> None:
 def test_faces_without_extent_and_vertices_without_faces_are_left_out() -> None:
     vertices = np.vstack([[[9.0, 9, 9]], CORNERS, [[np.nan, 0, 0]]])
     faces = np.vstack([BOX + 1, [[1, 1, 2], [3, 3, 3]]])
-    mesh = tidied(RawMesh(vertices, faces))
+    mesh = tidy(RawMesh(vertices, faces))
     assert mesh.vertices.tolist() == CORNERS.tolist()
     assert mesh.faces.tolist() == BOX.tolist()
 
@@ -184,19 +184,19 @@ def test_faces_without_extent_and_vertices_without_faces_are_left_out() -> None:
 def test_thin_faces_stay_for_without_them_there_would_be_holes() -> None:
     middle = (CORNERS[0] + CORNERS[1]) / 2  # on the edge between two faces, of one of them only
     faces = [*BOX[1:].tolist(), [0, 2, 8], [8, 2, 1], [0, 8, 1]]
-    mesh = tidied(RawMesh(np.vstack([CORNERS, middle]), np.array(faces)))
+    mesh = tidy(RawMesh(np.vstack([CORNERS, middle]), np.array(faces)))
     assert_closed(mesh.faces)
 
 
 def test_an_edge_of_three_faces_is_no_reason_to_refuse() -> None:
     fin = np.vstack([CORNERS, [[0.2, -1.0, 0.0]]])
-    mesh = tidied(RawMesh(fin, np.vstack([BOX, [[0, 1, 8]]])))
+    mesh = tidy(RawMesh(fin, np.vstack([BOX, [[0, 1, 8]]])))
     assert len(mesh.faces) == 13
 
 
 def test_the_order_of_vertices_and_faces_is_kept() -> None:
     sphere = trimesh.creation.icosphere(subdivisions=2)
-    mesh = tidied(RawMesh(np.array(sphere.vertices), np.array(sphere.faces)))
+    mesh = tidy(RawMesh(np.array(sphere.vertices), np.array(sphere.faces)))
     assert mesh.vertices.tolist() == sphere.vertices.tolist()
     assert mesh.faces.tolist() == sphere.faces.tolist()
 
@@ -204,7 +204,7 @@ def test_the_order_of_vertices_and_faces_is_kept() -> None:
 def test_agreement_of_vertices_that_become_one_is_averaged() -> None:
     soup = np.vstack([CORNERS, CORNERS])
     faces = np.vstack([BOX[:6], BOX[6:] + 8])
-    mesh = tidied(RawMesh(soup, faces, np.r_[np.full(8, 0.2), np.full(8, 0.6)]))
+    mesh = tidy(RawMesh(soup, faces, np.r_[np.full(8, 0.2), np.full(8, 0.6)]))
     assert mesh.consistency is not None
     np.testing.assert_allclose(mesh.consistency, 0.4)
 
@@ -272,7 +272,7 @@ def test_what_is_no_mesh_is_refused_in_a_sentence(kind: str, content: bytes, wor
 )
 def test_a_surface_that_is_nonsense_is_refused_in_a_sentence(mesh: RawMesh, words: str) -> None:
     with np.errstate(invalid="ignore"):
-        assert words in refusal(lambda: tidied(mesh))
+        assert words in refusal(lambda: tidy(mesh))
 
 
 @given(
@@ -292,7 +292,7 @@ def test_damage_gives_a_mesh_or_a_failure_and_never_a_face_without_vertices(
         damaged[start : start + len(content)] = content
     try:
         with np.errstate(all="ignore"):
-            mesh = tidied(
+            mesh = tidy(
                 read("ply" if kind == "text" else kind, bytes(damaged[: int(kept * len(whole))]))
             )
     except Exception:  # noqa: BLE001 — the child answers whatever is raised with a sentence

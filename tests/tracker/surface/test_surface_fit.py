@@ -14,16 +14,16 @@ from tracker.body.shapes import Box, Frustum
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import Array, exp_rotation, log_rotation
 from tracker.kernels.surface import pull
-from tracker.surface.fit.certainty import UNSEEN
 from tracker.surface.fit.fit_here import lay_body
-from tracker.surface.fit.looking import look
 from tracker.surface.fit.measuring import measure
 from tracker.surface.fit.model import SurfaceModel
+from tracker.surface.fit.normal_offset import normal_equations
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.pairing import Observed, pairs_of
+from tracker.surface.fit.point_reliability import PointReliability
+from tracker.surface.fit.rotation_observability import UNSEEN
 from tracker.surface.fit.solving import _jacobians, fit_pose
-from tracker.surface.fit.swelling import normal_equations
-from tracker.surface.fit.trusting import Record
+from tracker.surface.fit.vertex_scalars import look
 from tracker.surface.fit.weights import in_agreement
 from tracker.surface.mesh import SurfaceMesh
 
@@ -178,10 +178,10 @@ def test_what_of_the_first_surface_the_steps_do_not_bear_out_counts_less() -> No
     mesh = surface_of(BODY, START)
     still = replace(OPTIONS, mutual=False, solves=0)
     fit = fit_pose(model, Observed.of(mesh, OPTIONS), START, still)
-    record = Record.of(model)
+    record = PointReliability.of(model)
     for _ in range(5):
         record = record.after(model, fit)
-    trust = record.trusted(model).trust
+    trust = record.apply_to(model).trust
     far = np.sqrt(fit.pairs.square[: fit.pairs.forward])
     assert trust[far < 0.01].mean() > 0.95
     assert np.median(trust[(far > 0.03) & (record.steps > 0)]) < 0.2

@@ -15,7 +15,7 @@ from tracker.body.skeleton import Skeleton
 from tracker.kernels.cells import grid_of
 from tracker.session.settings import UpAxis
 from tracker.surface.fit.binding import distances_to_parts, shares_of
-from tracker.surface.fit.model import SurfaceModel, freed
+from tracker.surface.fit.model import SurfaceModel, with_all_rotations
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.pairing import clear_of
 from tracker.surface.fit.points import SurfaceSamples
@@ -134,7 +134,7 @@ def test_the_model_lies_on_the_mesh_it_was_made_of_and_moves_with_its_parts() ->
 
 
 def test_every_part_of_a_freed_body_turns_in_every_way() -> None:
-    skeleton = Skeleton.of(freed(two_bars()))
+    skeleton = Skeleton.of(with_all_rotations(two_bars()))
     assert skeleton.dof_count == 9
 
 

@@ -18,7 +18,7 @@ from tracker.session.verdict import Verdict
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.segment import SurfaceTracker
 from tracker.surface.mesh import SurfaceMesh
-from tracker.tracking.pool import Left, SegmentResult
+from tracker.tracking.pool import Cancelled, SegmentResult
 
 BODY = two_bars()
 OPTIONS = Options(points=700)
@@ -128,7 +128,7 @@ def told_all(monkeypatch: pytest.MonkeyPatch) -> None:
 def _stop_at(step: int) -> Callable[[Pass, int], None]:
     def emit(path: Pass, done: int) -> None:
         if done == step:
-            raise Left
+            raise Cancelled
 
     return emit
 
@@ -206,16 +206,16 @@ def test_a_stopped_fit_that_was_lost_before_says_so() -> None:
 
 def test_what_is_stopped_before_the_first_step_is_left_as_it_was() -> None:
     def stop(step: Pass, done: int) -> None:
-        raise Left
+        raise Cancelled
 
     class Stopped(Given):
         def mesh(self, frame: int) -> SurfaceMesh:
             if frame == 1:
-                raise Left
+                raise Cancelled
             return super().mesh(frame)
 
     tracker = SurfaceTracker(Stopped(list(MESHES)), BODY, {0: TRUE[0]}, 0, OPTIONS)
-    with pytest.raises(Left):
+    with pytest.raises(Cancelled):
         tracker.run_segment((0, 8), stop)
 
 

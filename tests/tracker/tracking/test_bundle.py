@@ -14,7 +14,7 @@ from tracker.tracking.bundle import refine
 from tracker.tracking.method import Refinement
 from tracker.video.pyramid import IGNORED
 
-HOW = Refinement(solves=4, of=2)
+HOW = Refinement(solves=4, stride=2)
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +50,7 @@ def test_a_disturbed_path_is_brought_back_to_the_truth(
 ) -> None:
     shown: Case = request.getfixturevalue(name)
     start = disturbed(shown, 0.02)
-    how = Refinement(solves=6, of=2)
+    how = Refinement(solves=6, stride=2)
     found = refine(shown.scene(), shown.clip(), start, how)
     assert shown.error_cm(found) < 0.45 * shown.error_cm(start)
     same_ends(found, start)
@@ -70,7 +70,7 @@ def test_one_and_two_inner_frames_are_refined(box: Case, frames: int) -> None:
     R, t = whole.Rs_parent_part[:frames].copy(), whole.ps_camera_root[:frames].copy()
     R[-1], t[-1] = box.truth.Rs_parent_part[frames - 1], box.truth.ps_camera_root[frames - 1]
     start = Trajectory(0, R, t)
-    found = refine(box.scene(), box.clip(), start, Refinement(solves=6, of=2))
+    found = refine(box.scene(), box.clip(), start, Refinement(solves=6, stride=2))
     assert box.error_cm(found) < 0.6 * box.error_cm(start)
     same_ends(found, start)
 

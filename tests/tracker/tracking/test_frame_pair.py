@@ -30,7 +30,7 @@ from tracker.tracking.frame_pair import (
     robust_pass,
     solve_with_cut,
 )
-from tracker.tracking.initial.chains import Chain, blended, follow
+from tracker.tracking.initial.chains import Chain, blend_chains, follow
 from tracker.tracking.scene import Scene
 from tracker.video.pyramid import IGNORED, Clip, Picture
 
@@ -321,7 +321,7 @@ def test_following_runs_both_ways_and_the_blend_starts_at_each_keyframe(box: Cas
             0, box.truth.Rs_parent_part[[start] * 5], box.truth.ps_camera_root[[start] * 5]
         )
         assert box.error_cm(chain) < 0.3 * box.error_cm(still)
-    middle = blended(scene, there, back)
+    middle = blend_chains(scene, there, back)
     for k in (0, 4):
         np.testing.assert_allclose(
             middle.Rs_parent_part[k], box.truth.Rs_parent_part[k], atol=1e-12
@@ -343,12 +343,12 @@ def test_a_limb_that_one_chain_has_lost_is_taken_from_the_other(person: Case) ->
 
     right = Chain.even(truth)
     for chains in ((strayed(away), right), (right, strayed(away[::-1]))):
-        whole = blended(scene, *chains)
+        whole = blend_chains(scene, *chains)
         assert person.error_cm(whole) < 0.1 * person.error_cm(strayed(away))
         for k in (0, -1):
             np.testing.assert_allclose(whole.Rs_parent_part[k], truth.Rs_parent_part[k], atol=1e-9)
     np.testing.assert_allclose(
-        blended(scene, right, right).Rs_parent_part, truth.Rs_parent_part, atol=1e-9
+        blend_chains(scene, right, right).Rs_parent_part, truth.Rs_parent_part, atol=1e-9
     )
 
 
@@ -369,7 +369,7 @@ def test_the_way_from_one_chain_to_the_other_is_made_where_a_part_is_hidden(pers
 
     chains = lost(after=True), lost(after=False)
     alike = tuple(Chain.even(chain) for chain in chains)
-    told, untold = blended(scene, *chains), blended(scene, *alike)
+    told, untold = blend_chains(scene, *chains), blend_chains(scene, *alike)
     assert person.error_cm(told) < 0.5 * person.error_cm(untold)
 
 

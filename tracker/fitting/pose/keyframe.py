@@ -17,17 +17,17 @@ from numpy.typing import NDArray
 from tracker.body.pose import Pose, moved
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
-from tracker.fitting.pose.desk import (
-    Desk,
+from tracker.fitting.pose.inputs import (
+    FitInputs,
+    align_textures,
+    fit_to_outlines,
     keyframes_near,
-    laid_into_outlines,
-    laid_on_one_another,
     textures_near,
 )
-from tracker.fitting.pose.likeness import Likeness, Texture, shown_by
+from tracker.fitting.pose.likeness import Likeness, Texture, visible_points
 from tracker.fitting.pose.outline import Outline, gain
-from tracker.fitting.pose.settling import Settled, decided, settle
-from tracker.fitting.pose.words import Moves, told
+from tracker.fitting.pose.settling import Settled, decided_share, settle
+from tracker.fitting.pose.words import Moves, describe_moves
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
 from tracker.session.settings import IgnoreMask
@@ -90,11 +90,11 @@ def fit_here(
     unchanged = _unchanged(skeleton, pose)
     if not skeleton.dof_count:
         return unchanged("No motion of this body is tracked: the pose is unchanged.")
-    desk = Desk.of(video, camera, skeleton, frame, pose, masks)
-    if not (desk.pictures[0][..., 3] != IGNORED).any():
+    inputs = FitInputs.of(video, camera, skeleton, frame, pose, masks)
+    if not (inputs.pictures[0][..., 3] != IGNORED).any():
         return unchanged("Nothing of this frame may be used: the pose is unchanged.")
-    outline = desk.outline()
-    found = _found(desk, outline, keyframes_near(desk, keyposes), tracked, cancelled)
+    outline = inputs.outline()
+    found = _found(inputs, outline, keyframes_near(inputs, keyposes), tracked, cancelled)
     if cancelled():
         return unchanged("Stopped: the pose is unchanged.")
     if found is None:
@@ -102,9 +102,9 @@ def fit_here(
             "No other keyframe is near, and colour does not part the body from what is behind it: "
             "the pose is unchanged."
         )
-    if not _is_better(desk, found.likeness, outline, found.settled.pose):
+    if not _is_better(inputs, found.likeness, outline, found.settled.pose):
         return unchanged("The picture shows nothing that fits better: the pose is unchanged.")
-    return _fitted(desk, found.settled, "outline" if found.likeness is None else "neighbours")
+    return _fitted(inputs, found.settled, "outline" if found.likeness is None else "neighbours")
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,7 +117,7 @@ class _Found:
 
 
 def _found(
-    desk: Desk,
+    inputs: FitInputs,
     outline: Outline | None,
     near: Mapping[int, Pose],
     tracked: Mapping[int, Pose],
@@ -130,35 +130,37 @@ def _found(
     another once; that counts where this frame then fits them clearly better.
     """
     outlined = (
-        None if outline is None else settle(desk.hand, desk.hand.pose, None, outline, cancelled)
+        None if outline is None else settle(inputs.hand, inputs.hand.pose, None, outline, cancelled)
     )
-    textures = textures_near(desk, near, tracked)
+    textures = textures_near(inputs, near, tracked)
     if not textures:
         return None if outlined is None else _Found(outlined, None, 0.0)
-    given = _on(desk, outline, outlined, textures, tracked, cancelled)
-    if outline is None or outlined is None or not near or _agree(desk, outline, outlined, given):
+    given = _on(inputs, outline, outlined, textures, tracked, cancelled)
+    if outline is None or outlined is None or not near or _agree(inputs, outline, outlined, given):
         return given
-    tidy = laid_into_outlines(desk, near, cancelled)
-    tidied = _on(desk, outline, outlined, textures_near(desk, tidy, tracked), tracked, cancelled)
+    tidy = fit_to_outlines(inputs, near, cancelled)
+    tidied = _on(
+        inputs, outline, outlined, textures_near(inputs, tidy, tracked), tracked, cancelled
+    )
     drawn_better = gain(outline, given.settled.pose, tidied.settled.pose) > OTHER_OUTLINE
     if tidied.cost > (1.0 if drawn_better else BETTER_TIDIED) * given.cost:
         return given
-    tidy = laid_on_one_another(desk, near, tidy, tidied.settled.pose, cancelled)
-    likeness = Likeness(desk.scene, desk.pictures, textures_near(desk, tidy, tracked))
-    settled = settle(desk.hand, tidied.settled.pose, likeness, outline, cancelled, coarsest=0)
-    return _Found(settled, likeness, _cost(desk, likeness, settled.pose))
+    tidy = align_textures(inputs, near, tidy, tidied.settled.pose, cancelled)
+    likeness = Likeness(inputs.scene, inputs.pictures, textures_near(inputs, tidy, tracked))
+    settled = settle(inputs.hand, tidied.settled.pose, likeness, outline, cancelled, coarsest=0)
+    return _Found(settled, likeness, _cost(inputs, likeness, settled.pose))
 
 
-def _agree(desk: Desk, outline: Outline, outlined: Settled, given: _Found) -> bool:
+def _agree(inputs: FitInputs, outline: Outline, outlined: Settled, given: _Found) -> bool:
     """Whether a pose fits the frames beside it so well that their poses are beyond doubt, and the
     outline does not gainsay it."""
-    if given.cost > AGREEING * _cost(desk, given.likeness, desk.hand.pose):
+    if given.cost > AGREEING * _cost(inputs, given.likeness, inputs.hand.pose):
         return False
     return gain(outline, given.settled.pose, outlined.pose) < OTHER_OUTLINE
 
 
 def _on(
-    desk: Desk,
+    inputs: FitInputs,
     outline: Outline | None,
     outlined: Settled | None,
     textures: Sequence[Texture],
@@ -169,66 +171,70 @@ def _on(
 
     Textures have many wrong places close by: the search begins at several.
     """
-    likeness = Likeness(desk.scene, desk.pictures, textures)
-    starts = _starts(desk, tracked) + ([] if outlined is None else [outlined.pose])
-    alone = [settle(desk.hand, start, likeness, None, cancelled).pose for start in starts]
-    starts = [min(alone, key=lambda pose: _cost(desk, likeness, pose))]
+    likeness = Likeness(inputs.scene, inputs.pictures, textures)
+    starts = _starts(inputs, tracked) + ([] if outlined is None else [outlined.pose])
+    alone = [settle(inputs.hand, start, likeness, None, cancelled).pose for start in starts]
+    starts = [min(alone, key=lambda pose: _cost(inputs, likeness, pose))]
     starts += [] if outlined is None else [outlined.pose]
-    found = [settle(desk.hand, s, likeness, outline, cancelled, coarsest=1) for s in starts]
-    costs = [_cost(desk, likeness, settled.pose) for settled in found]
+    found = [settle(inputs.hand, s, likeness, outline, cancelled, coarsest=1) for s in starts]
+    costs = [_cost(inputs, likeness, settled.pose) for settled in found]
     least = int(np.argmin(costs))
     return _Found(found[least], likeness, costs[least])
 
 
-def _starts(desk: Desk, tracked: Mapping[int, Pose]) -> list[Pose]:
+def _starts(inputs: FitInputs, tracked: Mapping[int, Pose]) -> list[Pose]:
     """The tracked pose, as far as it may move the hand's, and some poses about the hand's."""
-    hand, rng = desk.hand, np.random.default_rng(desk.frame)
-    motions = [hand.away(tracked[desk.frame])] if desk.frame in tracked else []
+    hand, rng = inputs.hand, np.random.default_rng(inputs.frame)
+    motions = [hand.away(tracked[inputs.frame])] if inputs.frame in tracked else []
     spread = START_SHARE * hand.precision**-0.5
     motions += [rng.normal(0.0, 1.0, len(spread)) * spread for _ in range(OTHER_STARTS)]
-    return [hand.pose, *(moved(desk.scene.skeleton, hand.pose, motion) for motion in motions)]
+    return [hand.pose, *(moved(inputs.scene.skeleton, hand.pose, motion) for motion in motions)]
 
 
-def _cost(desk: Desk, likeness: Likeness | None, pose: Pose) -> float:
+def _cost(inputs: FitInputs, likeness: Likeness | None, pose: Pose) -> float:
     """By which one of several settled poses is chosen; lower is better."""
-    away = desk.hand.away(pose) ** 2 @ desk.hand.precision
+    away = inputs.hand.away(pose) ** 2 @ inputs.hand.precision
     if likeness is None:
         return float(away)
-    likeness.look(desk.hand.pose)
-    return likeness.score(pose) * (1.0 + PRIOR_SHARE * float(away) / len(desk.hand.precision))
+    likeness.look(inputs.hand.pose)
+    return likeness.score(pose) * (1.0 + PRIOR_SHARE * float(away) / len(inputs.hand.precision))
 
 
-def _is_better(desk: Desk, likeness: Likeness | None, outline: Outline | None, pose: Pose) -> bool:
+def _is_better(
+    inputs: FitInputs, likeness: Likeness | None, outline: Outline | None, pose: Pose
+) -> bool:
     """Whether a pose fits the picture clearly better than the hand's, on the same pixels."""
     if likeness is not None:
-        likeness.look(desk.hand.pose)
-        before, after = (likeness.score(p) for p in (desk.hand.pose, pose))
+        likeness.look(inputs.hand.pose)
+        before, after = (likeness.score(p) for p in (inputs.hand.pose, pose))
         if after < BETTER_LIKENESS * before:
             return True
         if after > before:
             return False
     if outline is None:
         return False
-    return gain(outline, desk.hand.pose, pose) > BETTER_OUTLINE
+    return gain(outline, inputs.hand.pose, pose) > BETTER_OUTLINE
 
 
-def _fitted(desk: Desk, settled: Settled, way: Way) -> Fitted:
-    skeleton, hand = desk.scene.skeleton, desk.hand.pose
-    share = decided(desk.hand, settled)
+def _fitted(inputs: FitInputs, settled: Settled, way: Way) -> Fitted:
+    skeleton, hand = inputs.scene.skeleton, inputs.hand.pose
+    share = decided_share(inputs.hand, settled)
     turned = np.where(share[:, None, None] > 0, settled.pose.Rs_parent_part, hand.Rs_parent_part)
     pose = Pose(turned, settled.pose.p_camera_root)  # what is not told stays to the last digit
-    moved_px = _moved_px(desk, pose)
+    moved_px = _moved_px(inputs, pose)
     tracked = np.isin(np.arange(skeleton.part_count), skeleton.dof_part)
-    words = told(Moves(skeleton.body.names, moved_px, share, tracked, _hidden(desk, pose)))
+    words = describe_moves(
+        Moves(skeleton.body.names, moved_px, share, tracked, _hidden(inputs, pose))
+    )
     return Fitted(pose, moved_px, share, way, words)
 
 
-def _moved_px(desk: Desk, pose: Pose) -> Array:
+def _moved_px(inputs: FitInputs, pose: Pose) -> Array:
     """(P,) mean distance in the video's picture that the marks of each part have moved."""
-    scene = desk.scene
-    poses = (desk.hand.pose, pose)
+    scene = inputs.scene
+    poses = (inputs.hand.pose, pose)
     both = Trajectory(
-        desk.frame,
+        inputs.frame,
         np.stack([p.Rs_parent_part for p in poses]),
         np.stack([p.p_camera_root for p in poses]),
     )
@@ -237,14 +243,14 @@ def _moved_px(desk: Desk, pose: Pose) -> Array:
     parts, size = scene.marks[1], scene.skeleton.part_count
     total = np.bincount(parts, weights=px, minlength=size)
     mean = total / np.bincount(parts, minlength=size)
-    return np.asarray(mean * 2.0**desk.loader.size.halvings)
+    return np.asarray(mean * 2.0**inputs.loader.size.halvings)
 
 
-def _hidden(desk: Desk, pose: Pose) -> NDArray[np.bool_]:
+def _hidden(inputs: FitInputs, pose: Pose) -> NDArray[np.bool_]:
     """(P,) parts of which the pose shows hardly anything."""
-    height, width = desk.pictures[0].shape[:2]
-    seen = shown_by(desk.scene, (height, width), pose)[0]
-    starts = desk.scene.points.starts
+    height, width = inputs.pictures[0].shape[:2]
+    seen = visible_points(inputs.scene, (height, width), pose)[0]
+    starts = inputs.scene.points.starts
     shown = np.add.reduceat(seen.astype(np.int64), starts[:-1])
     return np.asarray(shown < HIDDEN * np.diff(starts))
 

@@ -56,7 +56,9 @@ class Texture:
     weight: float
 
 
-def shown_by(scene: Scene, size: tuple[int, int], pose: Pose) -> tuple[NDArray[np.uint8], Picture]:
+def visible_points(
+    scene: Scene, size: tuple[int, int], pose: Pose
+) -> tuple[NDArray[np.uint8], Picture]:
     """Which surface points (S,) a pose shows in a picture of (height, width), and uvz (S, 3)."""
     HR, Ho, uvz, seen, depth, owner = room(scene.arrays, scene.sight, size[1], size[0])[:6]
     place_parts(scene.arrays, *pose.loose(), HR, Ho)
@@ -66,7 +68,7 @@ def shown_by(scene: Scene, size: tuple[int, int], pose: Pose) -> tuple[NDArray[n
 
 def texture_of(scene: Scene, pictures: Sequence[Picture], pose: Pose, weight: float) -> Texture:
     """The texture of a frame, its pyramid `pictures` finest first, each (h, w, 4)."""
-    seen, uvz = shown_by(scene, pictures[0].shape[:2], pose)
+    seen, uvz = visible_points(scene, pictures[0].shape[:2], pose)
     chosen, grey, starts = [], [], []
     for level, picture in enumerate(pictures):
         points, brightness = np.empty(len(seen) + 1, np.int32), np.empty(len(seen) + 1, np.float32)
@@ -106,7 +108,7 @@ class Likeness:
 
     def look(self, pose: Pose) -> None:
         """Find anew which points the pose shows."""
-        self._seen = shown_by(self.scene, self.pictures[0].shape[:2], pose)[0]
+        self._seen = visible_points(self.scene, self.pictures[0].shape[:2], pose)[0]
 
     def begin(self, level: int) -> None:
         """Forget the noise: a level of the pyramid begins."""

@@ -20,7 +20,7 @@ from tracker.body.raster import BodyMesh, Raster, raster
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 from tracker.solver.posed import Posed, image_jacobian
 
 SIDE = 16
@@ -93,7 +93,7 @@ class Outline:
     skeleton: Skeleton
     camera: Camera
     mesh: BodyMesh
-    eye: Eye
+    view: ViewCamera
     pixel_m: float
     corner: tuple[int, int]
     steps: NDArray[np.int64]
@@ -105,8 +105,8 @@ class Outline:
         usable: NDArray[np.bool_], pose: Pose,
     ) -> Outline | None:  # fmt: skip
         """The cut of a picture (H, W, 3) about a pose; None where the body is not within it."""
-        mesh, eye = BodyMesh.of(skeleton), Eye.of(camera)
-        uv = eye.project(mesh.posed(pose_transforms(skeleton, pose)))
+        mesh, view = BodyMesh.of(skeleton), ViewCamera.of(camera)
+        uv = view.project(mesh.posed(pose_transforms(skeleton, pose)))
         if not np.isfinite(uv).all():
             return None
         size = (camera.width, camera.height)
@@ -116,19 +116,19 @@ class Outline:
         if min(right - left, bottom - top) < 2 * AROUND_PX:
             return None
         cut = (slice(top, bottom), slice(left, right))
-        eye = eye.cropped(left, top, right - left, bottom - top)
+        view = view.cropped(left, top, right - left, bottom - top)
         depth = float(camera.depth(pose.p_camera_root))
         pixel_m = depth / float(np.sqrt(camera.fx * camera.fy))
         steps = colour_steps(rgb[cut])
-        return cls(skeleton, camera, mesh, eye, pixel_m, (left, top), steps, usable[cut])
+        return cls(skeleton, camera, mesh, view, pixel_m, (left, top), steps, usable[cut])
 
     def pixels(self, length_m: float) -> int:
         """A length at the body's distance, two pixels at least."""
         return max(2, round(length_m / self.pixel_m))
 
-    def drawn(self, pose: Pose) -> Raster:
+    def draw(self, pose: Pose) -> Raster:
         """The body as posed."""
-        return raster(self.mesh, pose_transforms(self.skeleton, pose), self.eye)
+        return raster(self.mesh, pose_transforms(self.skeleton, pose), self.view)
 
     def colours(self, shown: Raster) -> Colours:
         """The colours of each part and of what lies behind, where the body is drawn."""
@@ -214,7 +214,7 @@ def edge_equations(outline: Outline, pose: Pose, edges: Edges) -> tuple[Array, A
 
 def separation(outline: Outline, pose: Pose) -> float:
     """Share of the edges of a pose, hands and feet left out, that colour can place."""
-    shown = outline.drawn(pose)
+    shown = outline.draw(pose)
     edges = outline.edges(shown, outline.colours(shown), CLEAR_REACH_M)
     own = np.isin(edges.part, outline.skeleton.dof_part)
     clear = edges.told & (edges.variance < (CLEAR_M / outline.pixel_m) ** 2)
@@ -226,7 +226,7 @@ def gain(outline: Outline, before: Pose, after: Pose) -> float:
 
     Colours are learnt from both alike, so that neither is judged by its own.
     """
-    first, second = outline.drawn(before), outline.drawn(after)
+    first, second = outline.draw(before), outline.draw(after)
     likely = 0.5 * (outline.colours(first).likely + outline.colours(second).likely) + LEAST_LIKELY
     either = ((first.part >= 0) | (second.part >= 0)) & outline.usable
     if not either.any():

@@ -90,7 +90,7 @@ class _Outlined:
         self._colours: Colours | None = None
 
     def equations(self, pose: Pose, level: int, solve: int) -> Equations:
-        shown = self._outline.drawn(pose)
+        shown = self._outline.draw(pose)
         if self._colours is None or solve % LEARN_AGAIN == 0:
             self._colours = self._outline.colours(shown)
         edges = self._outline.edges(shown, self._colours, REACH_M[level])
@@ -191,7 +191,7 @@ def _step(hand: Hand, pose: Pose, told: Equations, only_told: bool) -> Array:
     return np.asarray(sigma * (V @ along))
 
 
-def decided(hand: Hand, settled: Settled) -> Array:
+def decided_share(hand: Hand, settled: Settled) -> Array:
     """(P,) share of each part's own motions that the picture decides; 0 where none is tracked."""
     skeleton = hand.scene.skeleton
     sigma = hand.precision**-0.5

@@ -28,7 +28,7 @@ class Moves:
     hidden: NDArray[np.bool_]
 
 
-def told(moves: Moves) -> str:
+def describe_moves(moves: Moves) -> str:
     """Such as "Right forearm moved 6 px. Left hand is hidden and stays as posed."."""
     sentences = [_moved(moves)]
     hidden = np.flatnonzero(moves.hidden)
@@ -47,14 +47,14 @@ def _moved(moves: Moves) -> str:
     most = [i for i in np.argsort(-px, kind="stable")[:MOST] if px[i] >= WORTH_A_WORD_PX]
     if not most:
         return "No part moved by more than a pixel."
-    words = [f"{_spoken(moves.names[i])} {moves.moved_px[i]:.0f} px" for i in most]
-    words[0] = f"{_spoken(moves.names[most[0]])} moved {moves.moved_px[most[0]]:.0f} px"
+    words = [f"{_plain_name(moves.names[i])} {moves.moved_px[i]:.0f} px" for i in most]
+    words[0] = f"{_plain_name(moves.names[most[0]])} moved {moves.moved_px[most[0]]:.0f} px"
     return f"{_capital(', '.join(words))}."
 
 
 def _staying(moves: Moves, which: NDArray[np.intp], why: str) -> str:
     """That some parts stay, and why."""
-    names = [_spoken(moves.names[i]) for i in which[:MOST]]
+    names = [_plain_name(moves.names[i]) for i in which[:MOST]]
     more = len(which) - len(names)
     if more:
         names.append(f"{more} more")
@@ -63,7 +63,7 @@ def _staying(moves: Moves, which: NDArray[np.intp], why: str) -> str:
     return f"{_capital(listed)} {verbs[0]} {why} and {verbs[1]} as posed."
 
 
-def _spoken(name: str) -> str:
+def _plain_name(name: str) -> str:
     return name.replace("_", " ")
 
 

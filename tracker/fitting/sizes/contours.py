@@ -17,7 +17,7 @@ from tracker.body.raster import BodyMesh, raster
 from tracker.fitting.sizes.grounds import Grounds
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 
 FINE = 3
 """The contour is drawn so many times finer than the picture."""
@@ -49,13 +49,13 @@ class Contour:
 
 def contour_of(mesh: BodyMesh, Ts_camera_part: Array, camera: Camera) -> Contour:
     """The outer contours, and those of gaps between limbs, of parts at Ts_camera_part (P, 4, 4)."""
-    eye = Eye.of(camera)
+    view = ViewCamera.of(camera)
     shown = np.full((camera.height, camera.width), -1, np.int16)
-    left, top, width, height = _frame(eye.project(mesh.posed(Ts_camera_part)), camera)
+    left, top, width, height = _frame(view.project(mesh.posed(Ts_camera_part)), camera)
     if width < 3 or height < 3:
         nothing = np.zeros((0, 2))
         return Contour(np.zeros(0, np.int64), np.zeros((0, 3)), nothing, nothing, shown)
-    fine = eye.cropped(left, top, width, height).resized(FINE * width, FINE * height)
+    fine = view.cropped(left, top, width, height).resized(FINE * width, FINE * height)
     drawn = raster(mesh, Ts_camera_part, fine)
     shown[top : top + height, left : left + width] = drawn.part[
         FINE // 2 :: FINE, FINE // 2 :: FINE

@@ -81,7 +81,7 @@ def cells_of(rgb: Picture) -> NDArray[np.int32]:
     return np.asarray((light * BINS[1] + a) * BINS[2] + b, dtype=np.int32)
 
 
-def learnt(
+def learn_grounds(
     rgb: Sequence[Picture],
     usable: Sequence[NDArray[np.bool_]],
     cells: Sequence[NDArray[np.int32]],
@@ -146,7 +146,7 @@ def plates_of(rgb: Sequence[Picture], others: Sequence[Picture]) -> list[Map]:
 
     The empty scene is every pixel's median over all the pictures. It holds where most of the
     pictures agree with it; where the body never leaves a place, it is in the plate itself, which
-    `learnt` notices.
+    `learn_grounds` notices.
     """
     every = np.stack([*rgb, *others])
     plate = np.median(every, axis=0)

@@ -15,7 +15,7 @@ from tracker.body.body import Body
 from tracker.body.scaling import resized
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import Array
-from tracker.solver.body_points import freed
+from tracker.solver.body_points import free_skeleton
 
 SIDES = ("left_", "right_")
 
@@ -37,7 +37,7 @@ class Proportions:
         groups: dict[str, list[int]] = {}
         for i, name in enumerate(body.names):
             groups.setdefault(_kind(body, name), []).append(i)
-        return cls(body, freed(body), tuple(tuple(group) for group in groups.values()))
+        return cls(body, free_skeleton(body), tuple(tuple(group) for group in groups.values()))
 
     @property
     def count(self) -> int:

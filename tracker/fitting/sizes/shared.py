@@ -37,7 +37,7 @@ PIECE = 32
 
 
 @dataclass(frozen=True, eq=False)
-class Rows:
+class Residuals:
     """M statements about one picture: `normals` (M, 2) times a point's pixel is `target` (M,).
 
     parts (M,); points (M, 3) in the parts' frames at sizes that change nothing, metres.
@@ -55,10 +55,12 @@ class Rows:
         return np.asarray((self.normals * uv).sum(-1))
 
     @classmethod
-    def joined(cls, some: Sequence[Rows]) -> Rows:
+    def joined(cls, some: Sequence[Residuals]) -> Residuals:
         """All of them."""
         names = ("parts", "points", "normals", "target", "sigma_px")
-        return cls(*(np.concatenate([getattr(rows, name) for rows in some]) for name in names))
+        return cls(
+            *(np.concatenate([getattr(residuals, name) for residuals in some]) for name in names)
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,15 +123,15 @@ class SharedFit:
         skeleton = self.proportions.skeleton_at(shared.sizes)
         return part_transforms(skeleton, pose.Rs_parent_part, pose.p_camera_root)
 
-    def places(self, shared: Shared, k: int, rows: Rows) -> Array:
+    def places(self, shared: Shared, k: int, residuals: Residuals) -> Array:
         """(M, 3) the points of the rows in the camera's frame."""
-        T = self.transforms(shared, k)[rows.parts]
-        points = rows.points * self.proportions.ratios(shared.sizes)[rows.parts]
+        T = self.transforms(shared, k)[residuals.parts]
+        points = residuals.points * self.proportions.ratios(shared.sizes)[residuals.parts]
         return np.asarray((T[:, :3, :3] @ points[..., None])[..., 0] + T[:, :3, 3])
 
-    def pixels(self, shared: Shared, k: int, rows: Rows) -> Array:
+    def pixels(self, shared: Shared, k: int, residuals: Residuals) -> Array:
         """(M, 2) where the points of the rows are seen."""
-        return self.camera_at(shared).project(self.places(shared, k, rows))
+        return self.camera_at(shared).project(self.places(shared, k, residuals))
 
     def changed(self, shared: Shared, step: Array) -> Shared:
         """The shared values changed by a step (S + 2,), and where the poses are along with it."""
@@ -146,7 +148,7 @@ class Solved:
     spread: Array
 
 
-def solved(fit: SharedFit, start: Shared, rows: Sequence[Rows], steps: int) -> Solved:
+def solve(fit: SharedFit, start: Shared, rows: Sequence[Residuals], steps: int) -> Solved:
     """A few steps downhill from a start; one that makes things worse is shortened or not taken."""
     found = least_squares(_Pictures(fit, rows), start, replace(CRITERIA, most_steps=steps))
     last = found.solved
@@ -159,7 +161,7 @@ class _Pictures(Problem[Shared, "_Point"]):
     """A step is that of what is shared (S + 2,), and then the motion (D,) of every pose."""
 
     fit: SharedFit
-    rows: Sequence[Rows]
+    rows: Sequence[Residuals]
 
     def at(self, state: Shared, count: int) -> _Point:
         return _Point(self.fit, state, self.rows)
@@ -175,7 +177,7 @@ class _Point:
 
     fit: SharedFit
     shared: Shared
-    rows: Sequence[Rows]
+    rows: Sequence[Residuals]
 
     @cached_property
     def cost(self) -> float:
@@ -201,19 +203,19 @@ def _stepped(fit: SharedFit, shared: Shared, step: Array, motions: Array) -> Sha
     return fit.changed(replace(shared, poses=poses), step)
 
 
-def _block(fit: SharedFit, shared: Shared, k: int, rows: Rows) -> Array:
+def _block(fit: SharedFit, shared: Shared, k: int, residuals: Residuals) -> Array:
     """(D + S + 3, D + S + 3) JᵀJ of one picture over its pose, what is shared, the residual."""
     dofs, sizes = fit.proportions.skeleton.dof_count, len(fit.free)
-    r, J_pose = _kept(fit, shared, k)
-    there = fit.pixels(shared, k, rows)
-    away = (rows.along(there) - rows.target) / rows.sigma_px
+    r, J_pose = _prior_residuals(fit, shared, k)
+    there = fit.pixels(shared, k, residuals)
+    away = (residuals.along(there) - residuals.target) / residuals.sigma_px
     weight = np.sqrt(KERNEL.weight(away))
     J = np.zeros((len(r) + len(away), dofs + sizes + 1))
     J[: len(r), :dofs], J[: len(r), -1] = J_pose, r
     told = J[len(r) :]
-    told[:, :dofs] = _pose_slopes(fit, shared, k, rows)
-    told[:, dofs:-1] = _size_slopes(fit, shared, k, rows, there)
-    told[:, :-1] *= (weight / rows.sigma_px)[:, None]
+    told[:, :dofs] = _pose_slopes(fit, shared, k, residuals)
+    told[:, dofs:-1] = _size_slopes(fit, shared, k, residuals, there)
+    told[:, :-1] *= (weight / residuals.sigma_px)[:, None]
     told[:, -1] = away * weight
     return _products(J)
 
@@ -250,11 +252,11 @@ def _arrow(free: NDArray[np.bool_], A: Array, b: Array, shares: Sequence[Array])
     return np.concatenate([step, *(-share[:, -1] - share[:, :-1] @ step for share in shares)])
 
 
-def _cost(fit: SharedFit, shared: Shared, rows: Sequence[Rows]) -> float:
+def _cost(fit: SharedFit, shared: Shared, rows: Sequence[Residuals]) -> float:
     """Half the sum of squares, those of the rows robust; infinite behind the camera."""
     total = shared.values @ fit.precision @ shared.values
     for k, some in enumerate(rows):
-        r, _ = _kept(fit, shared, k)
+        r, _ = _prior_residuals(fit, shared, k)
         away = (some.along(fit.pixels(shared, k, some)) - some.target) / some.sigma_px
         if not np.isfinite(away).all():
             return np.inf
@@ -262,27 +264,29 @@ def _cost(fit: SharedFit, shared: Shared, rows: Sequence[Rows]) -> float:
     return 0.5 * float(total)
 
 
-def _pose_slopes(fit: SharedFit, shared: Shared, k: int, rows: Rows) -> Array:
+def _pose_slopes(fit: SharedFit, shared: Shared, k: int, residuals: Residuals) -> Array:
     """(M, D) how the rows change with small motions of the pose."""
     pose, skeleton = shared.poses[k], fit.proportions.skeleton_at(shared.sizes)
-    p = fit.places(shared, k, rows)
-    J = Posed.of(skeleton, pose).point_jacobian(rows.parts, p)
+    p = fit.places(shared, k, residuals)
+    J = Posed.of(skeleton, pose).point_jacobian(residuals.parts, p)
     uv = image_jacobian(fit.camera_at(shared), p, J)
-    return np.asarray(np.einsum("mdc,mc->md", uv, rows.normals))
+    return np.asarray(np.einsum("mdc,mc->md", uv, residuals.normals))
 
 
-def _size_slopes(fit: SharedFit, shared: Shared, k: int, rows: Rows, there: Array) -> Array:
+def _size_slopes(
+    fit: SharedFit, shared: Shared, k: int, residuals: Residuals, there: Array
+) -> Array:
     """(M, S + 2) how they change with what is shared, by small differences."""
-    slopes = np.zeros((len(rows.parts), len(fit.free)))
+    slopes = np.zeros((len(residuals.parts), len(fit.free)))
     for s in np.flatnonzero(fit.free):
         step = np.zeros(len(fit.free))
         step[s] = SMALL
-        beside = fit.pixels(fit.changed(shared, step), k, rows)
-        slopes[:, s] = rows.along(beside - there) / SMALL
+        beside = fit.pixels(fit.changed(shared, step), k, residuals)
+        slopes[:, s] = residuals.along(beside - there) / SMALL
     return slopes
 
 
-def _kept(fit: SharedFit, shared: Shared, k: int) -> tuple[Array, Array]:
+def _prior_residuals(fit: SharedFit, shared: Shared, k: int) -> tuple[Array, Array]:
     """Residuals and slopes (…, D) of staying near what was posed, and within the joints' limits."""
     skeleton, pose, posed = fit.proportions.skeleton, shared.poses[k], fit.posed[k]
     turns = np.flatnonzero(skeleton.dof_turns == 1)

@@ -21,8 +21,8 @@ from tracker.body.joint_limits import Limits
 from tracker.body.pose import Pose
 from tracker.errors import SessionError
 from tracker.fitting.sizes.proportions import Proportions
-from tracker.fitting.sizes.rows import Pictures, contours, joint_rows, looked_up
-from tracker.fitting.sizes.shared import Rows, Shared, SharedFit, solved
+from tracker.fitting.sizes.residuals import Pictures, contours, joint_rows, residuals_by_pose
+from tracker.fitting.sizes.shared import Residuals, Shared, SharedFit, solve
 from tracker.fitting.sizes.words import Found, changes_of, words_of
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
@@ -182,12 +182,12 @@ def _rounds(
             return None
         if number:
             seen = contours(fit, shared, looked)
-        found = looked_up(fit, shared, looked, seen, grounds, reach)
+        found = residuals_by_pose(fit, shared, looked, seen, grounds, reach)
         rows = [
-            Rows.joined([joints[k], *([found[k]] if k in found else [])])
+            Residuals.joined([joints[k], *([found[k]] if k in found else [])])
             for k in range(len(joints))
         ]
-        result = solved(fit, shared, rows, STEPS)
+        result = solve(fit, shared, rows, STEPS)
         shared, spread = result.shared, result.spread
         if not number:
             told = spread < TOLD_SHARE

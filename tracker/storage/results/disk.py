@@ -47,7 +47,7 @@ def load_results(session: Session, session_path: Path) -> Results:
         if path is None:
             continue
         key = summary.key or _key(session, keys, path)
-        track = _loaded(session, tracks, summary, frames, path, key)
+        track = _load(session, tracks, summary, frames, path, key)
         results = results.with_track(track, keep=results.tracks)
     return results
 
@@ -146,7 +146,7 @@ def _path(tracks: Tracks, span: Span, frames: slice, unreached: Span | None) -> 
     return Trajectory(span[0], tracks.Rs_parent_part[rows], tracks.ps_camera_root[rows])
 
 
-def _loaded(
+def _load(
     session: Session, tracks: Tracks, summary: SegmentSummary, frames: slice, path: Trajectory,
     key: str,
 ) -> SegmentTrack:  # fmt: skip

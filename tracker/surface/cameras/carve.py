@@ -35,7 +35,7 @@ THROUGH_PX = 4.0
 """A place is seen through where what is seen lies farther by this, in the same measure."""
 
 
-def carved(field: Field, views: Sequence[View], pictures: Sequence[Grey]) -> Field:
+def carve_field(field: Field, views: Sequence[View], pictures: Sequence[Grey]) -> Field:
     """The field without what the pictures (H, W) show to be empty."""
     if len(views) < 3 or not (field.depths > 0).any():
         return field

@@ -91,7 +91,7 @@ class Footage:
                 continue
             # One picture each: the steps are gone through once.
             video = self._open.enter_context(Video.open(rig.folder / name, cache_bytes=0))
-            _demand_size(camera, video, self._what)
+            _require_size(camera, video, self._what)
             ideal = replace(view, camera=view.camera.without_distortion())
             taken.append(_Taken(ideal, view.camera, video))
         if len(taken) < 2:
@@ -122,7 +122,7 @@ def _silhouette(lens: Camera, grey: Grey) -> Silhouette:
     return Silhouette((lens.rectify(mask) > 127) & known, known)
 
 
-def _demand_size(camera: RigCamera, video: Video, what: What) -> None:
+def _require_size(camera: RigCamera, video: Video, what: What) -> None:
     width, height = video.info.width, video.info.height
     if (width, height) != (camera.width, camera.height):
         raise SurfaceError(

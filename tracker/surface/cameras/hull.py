@@ -73,7 +73,7 @@ def hull_field(
     )  # fmt: skip
     filled = (measured > 0).reshape(len(cells), -1).sum(axis=1)
     low, high = _bounds(cells, filled)
-    _demand_affordable(int(np.prod(high - low)), voxel_m)
+    _require_affordable(int(np.prod(high - low)), voxel_m)
     depths = np.full(high - low, -limit, np.float32)
     for cell in np.nonzero(((cells >= low) & (cells + CELL <= high)).all(axis=1))[0]:
         i, j, k = cells[cell] - low
@@ -131,7 +131,7 @@ def _cells(
 
     An octree: cells that surely hold nothing are let go, the others cut into eight.
     """
-    p_centre, reach_m = looked_at(views)
+    p_centre, reach_m = focus_of(views)
     side = CELL * 2 ** int(np.ceil(np.log2(max(2 * reach_m / voxel_m / CELL, 1.0))))
     p_origin, cells = p_centre - voxel_m * side / 2, np.zeros((1, 3), np.int64)
     while True:
@@ -141,14 +141,14 @@ def _cells(
         judge_cells(centres, radius, lenses.Ts, lenses.lenses, lenses.sizes, maps, least, outside)
         cells = cells[~outside]
         if side == CELL:
-            _demand_affordable(len(cells) * CELL**3, voxel_m)
+            _require_affordable(len(cells) * CELL**3, voxel_m)
             return p_origin, cells
         side //= 2
-        _demand_affordable(8 * len(cells) * CELL_COSTS, voxel_m)
+        _require_affordable(8 * len(cells) * CELL_COSTS, voxel_m)
         cells = (cells[:, None] + side * _CORNERS).reshape(-1, 3)
 
 
-def looked_at(views: Sequence[View]) -> tuple[Array, float]:
+def focus_of(views: Sequence[View]) -> tuple[Array, float]:
     """The place (3,) nearest to all optical axes, and how far the farthest view is from it."""
     places = np.stack([view.p_world_view for view in views])
     axes = np.stack([view.T_view_world[2, :3] for view in views])
@@ -196,7 +196,7 @@ def touching(cells: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.asarray(sparse.csgraph.connected_components(graph, directed=False)[1], np.int64)
 
 
-def _demand_affordable(points: int, voxel_m: float) -> None:
+def _require_affordable(points: int, voxel_m: float) -> None:
     if points > MOST_POINTS:
         raise SurfaceError(
             f"Voxels of {100 * voxel_m:g} cm make a grid of more than {MOST_POINTS // 10**6} "

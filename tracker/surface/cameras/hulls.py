@@ -35,7 +35,7 @@ class Hulls:
             self._images: Footage | None = None
             if self.has_images:
                 self._images = opening.enter_context(Footage(rig, "images", _NOWHERE))
-                _demand_same_count(self._silhouettes, self._images)
+                _require_same_count(self._silhouettes, self._images)
             self._open = opening.pop_all()
 
     @property
@@ -49,9 +49,9 @@ class Hulls:
             return self._rig.in_file(hull_mesh(field), _NOWHERE)
         views, pictures = self._images.pictures(step)
         if self._carve:
-            from tracker.surface.cameras.carve import carved
+            from tracker.surface.cameras.carve import carve_field
 
-            field = carved(field, views, pictures)
+            field = carve_field(field, views, pictures)
         mesh = hull_mesh(field)
         mesh = replace(mesh, consistency=consistency(mesh, views, pictures))
         return self._rig.in_file(mesh, _NOWHERE)
@@ -72,7 +72,7 @@ class Hulls:
         self.close()
 
 
-def _demand_same_count(silhouettes: Footage, images: Footage) -> None:
+def _require_same_count(silhouettes: Footage, images: Footage) -> None:
     if silhouettes.frame_count != images.frame_count:
         raise SurfaceError(
             f"There are {silhouettes.frame_count} silhouettes and {images.frame_count} images of "

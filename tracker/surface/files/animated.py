@@ -16,7 +16,7 @@ from tracker.surface.files.parsing.glb import Glb
 from tracker.surface.files.parsing.nodes import Nodes
 from tracker.surface.files.parsing.pieces import Piece, pieces_of
 from tracker.surface.files.parsing.raw import RawMesh, Refused
-from tracker.surface.files.parsing.tidying import demand_surface, same_rows, tidied
+from tracker.surface.files.parsing.tidying import require_surface, same_rows, tidy
 
 FPS: Final = 30.0
 """Steps a second at which an animation is looked at."""
@@ -75,7 +75,7 @@ class AnimatedScene:
         Vertices of an animation keep their numbers through all steps, also where they meet.
         """
         mesh = self.mesh(step)
-        return demand_surface(mesh) if self.animated else tidied(mesh)
+        return require_surface(mesh) if self.animated else tidy(mesh)
 
     @property
     def _start_s(self) -> float:

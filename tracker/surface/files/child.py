@@ -17,13 +17,13 @@ from pathlib import Path
 from typing import Any, BinaryIO, Final
 
 from tracker.surface.files.animated import AnimatedScene, read_resting
-from tracker.surface.files.parsing.beginning import demand_good_beginning
+from tracker.surface.files.parsing.beginning import require_good_beginning
 from tracker.surface.files.parsing.obj import read_obj
 from tracker.surface.files.parsing.off import read_off
-from tracker.surface.files.parsing.opening import opened
+from tracker.surface.files.parsing.opening import open_mesh_file
 from tracker.surface.files.parsing.ply import read_ply
 from tracker.surface.files.parsing.raw import RawMesh, Refused
-from tracker.surface.files.parsing.tidying import tidied
+from tracker.surface.files.parsing.tidying import tidy
 from tracker.surface.files.wire import answer, question_of
 
 READERS: Final[dict[str, Callable[[BinaryIO], RawMesh]]] = {
@@ -40,11 +40,11 @@ def main() -> None:
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     limit_memory(memory)
-    desk = Desk()
+    server = MeshServer()
     for line in sys.stdin.buffer:
         limit_time(seconds)
         try:
-            desk.answer(question_of(line), answers)
+            server.answer(question_of(line), answers)
         except Refused as why:
             answer(answers, {"refused": str(why)})
         except MemoryError:
@@ -56,7 +56,7 @@ def main() -> None:
             answer(answers, {"refused": "cannot be read: export it again."})
 
 
-class Desk:
+class MeshServer:
     """Answers questions. The animated file that was asked for last stays open."""
 
     def __init__(self) -> None:
@@ -66,12 +66,12 @@ class Desk:
         path = str(question["path"])
         match question["wanted"]:
             case "mesh":
-                with opened(Path(path)) as file:
+                with open_mesh_file(Path(path)) as file:
                     mesh = READERS[str(question["kind"])](file)
-                _send(answers, tidied(mesh))
+                _send(answers, tidy(mesh))
             case "beginning":
-                with opened(Path(path)) as file:
-                    demand_good_beginning(file, str(question["kind"]))
+                with open_mesh_file(Path(path)) as file:
+                    require_good_beginning(file, str(question["kind"]))
                 answer(answers, {})
             case "steps":
                 scene = self._scene(path)
@@ -80,7 +80,7 @@ class Desk:
                 _send(answers, self._scene(path).tidy_mesh(int(question["step"])))
 
     def _scene(self, path: str) -> AnimatedScene:
-        with opened(Path(path)) as file:
+        with open_mesh_file(Path(path)) as file:
             facts = os.fstat(file.fileno())
             state = (path, facts.st_ino, facts.st_size, facts.st_mtime_ns)
             if self._film is None or self._film[0] != state:

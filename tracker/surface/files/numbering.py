@@ -48,7 +48,7 @@ def by_steps(paths: Sequence[Path]) -> tuple[Path | None, ...]:
     return tuple(files.get(step) for step in range(first, last + 1, stride))
 
 
-def shown(path: Path) -> str:
+def printable(path: Path) -> str:
     """A file's name as it can be printed on one line, whatever bytes it is made of."""
     name = os.fsencode(path.name).decode("utf-8", "replace")
     return "".join(
@@ -75,6 +75,6 @@ def _twice(paths: list[Path], steps: list[int]) -> SurfaceError:
     order = sorted(zip(steps, paths, strict=True), key=lambda pair: pair[0])
     one, other = next((a, b) for (i, a), (j, b) in pairwise(order) if i == j)
     return SurfaceError(
-        f'"{shown(one)}" and "{shown(other)}" have the same number: '
+        f'"{printable(one)}" and "{printable(other)}" have the same number: '
         "keep one mesh per time step in the folder."
     )

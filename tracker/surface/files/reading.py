@@ -50,15 +50,15 @@ class MeshReader:
     def mesh(self, path: Path) -> SurfaceMesh:
         """The mesh of a file, in the file's frame and units."""
         question = {"wanted": "mesh", "path": str(path), "kind": path.suffix.lower()}
-        return _mesh(self._asked(question)[1])
+        return _mesh(self._ask(question)[1])
 
     def glance(self, path: Path) -> None:
         """Refused where already the beginning of a file tells that it cannot be used."""
-        self._asked({"wanted": "beginning", "path": str(path), "kind": path.suffix.lower()})
+        self._ask({"wanted": "beginning", "path": str(path), "kind": path.suffix.lower()})
 
     def steps(self, path: Path) -> tuple[int, bool]:
         """How many steps a GLB file has, and whether it is animated."""
-        facts, _ = self._asked({"wanted": "steps", "path": str(path)})
+        facts, _ = self._ask({"wanted": "steps", "path": str(path)})
         steps = facts.get("steps")
         if type(steps) is not int or not 0 < steps <= MOST_STEPS:
             raise Refused("cannot be read: export it again.")
@@ -66,7 +66,7 @@ class MeshReader:
 
     def step(self, path: Path, step: int) -> SurfaceMesh:
         """The mesh of an animated GLB file at one step."""
-        return _mesh(self._asked({"wanted": "step", "path": str(path), "step": step})[1])
+        return _mesh(self._ask({"wanted": "step", "path": str(path), "step": step})[1])
 
     def close(self) -> None:
         """End the child. A later question starts another."""
@@ -79,16 +79,16 @@ class MeshReader:
     def __exit__(self, *exception: object) -> None:
         self.close()
 
-    def _asked(self, question: dict[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+    def _ask(self, question: dict[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         with self._lock:
-            facts, arrays = self._answered(question)
+            facts, arrays = self._exchange(question)
             if facts.get("leaving"):
                 self._stop()
             if "refused" in facts:
                 raise Refused(str(facts["refused"])[:_LONGEST_REFUSAL])
             return facts, arrays
 
-    def _answered(self, question: dict[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+    def _exchange(self, question: dict[str, Any]) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         child = self._running()
         assert child.stdin is not None
         assert child.stdout is not None
@@ -119,7 +119,7 @@ class MeshReader:
             return self._child
         self._stop()
         try:
-            self._child = _started(*self._limits)
+            self._child = _start(*self._limits)
         except OSError as error:
             raise SurfaceError(
                 "The process that reads meshes could not be started: close other programs."
@@ -133,7 +133,7 @@ class MeshReader:
         self._child = self._end = None
 
 
-def _started(memory_bytes: int, seconds: int) -> subprocess.Popen[bytes]:
+def _start(memory_bytes: int, seconds: int) -> subprocess.Popen[bytes]:
     paths = [str(_ROOT), *filter(None, [os.environ.get("PYTHONPATH")])]
     return subprocess.Popen(
         # -P: nothing that lies in the present folder may pass for a module.

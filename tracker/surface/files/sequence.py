@@ -107,7 +107,7 @@ class MeshSequence:
         if frame in self.missing:
             raise SurfaceError(self.missing[frame])
         mesh = self._read(frame)
-        self._demand_usual_size(frame)
+        self._require_usual_size(frame)
         return mesh
 
     def glance(
@@ -159,7 +159,7 @@ class MeshSequence:
     def _sentence(self, frame: int, why: str) -> str:
         return f'Step {frame} ("{self._source.name(frame)}") {why}'
 
-    def _demand_usual_size(self, frame: int) -> None:
+    def _require_usual_size(self, frame: int) -> None:
         """One of the first ones that is odd itself does not decide: their median does."""
         size = self._sizes[frame]
         usual = median_low(self._first_sizes() or [size])

@@ -11,8 +11,8 @@ from typing import Final, Protocol
 from tracker.errors import SurfaceError
 from tracker.session.settings import Units, UpAxis
 from tracker.surface.files.animated import FPS
-from tracker.surface.files.numbering import by_steps, shown
-from tracker.surface.files.parsing.opening import opened
+from tracker.surface.files.numbering import by_steps, printable
+from tracker.surface.files.parsing.opening import open_mesh_file
 from tracker.surface.files.parsing.raw import Refused
 from tracker.surface.files.reading import MeshReader
 from tracker.surface.mesh import SurfaceMesh
@@ -61,7 +61,7 @@ class FolderSource:
 
     def name(self, frame: int) -> str:
         file = self._files[frame]
-        return "" if file is None else shown(file)
+        return "" if file is None else printable(file)
 
     def read(self, reader: MeshReader, frame: int) -> SurfaceMesh:
         file = self._files[frame]
@@ -93,12 +93,12 @@ class GlbSource:
         try:
             self.frame_count, animated = reader.steps(path)
         except Refused as refusal:
-            raise SurfaceError(f'"{shown(path)}" {refusal}') from refusal
+            raise SurfaceError(f'"{printable(path)}" {refusal}') from refusal
         self.fps: float | None = FPS if animated else None
         self.missing: dict[int, str] = {}
 
     def name(self, frame: int) -> str:
-        return shown(self._path)
+        return printable(self._path)
 
     def read(self, reader: MeshReader, frame: int) -> SurfaceMesh:
         return reader.step(self._path, frame)
@@ -113,7 +113,7 @@ class GlbSource:
 
 def _gaps(files: tuple[Path | None, ...]) -> dict[int, str]:
     """Per step without a file, one sentence. The first and the last have one."""
-    there = [(frame, shown(file)) for frame, file in enumerate(files) if file is not None]
+    there = [(frame, printable(file)) for frame, file in enumerate(files) if file is not None]
     return {
         frame: f'Step {frame} is missing between "{before}" and "{behind}": '
         "put its mesh into the folder."
@@ -130,15 +130,15 @@ def source_at(path: Path, reader: MeshReader) -> Source:
             return FolderSource(by_steps(files))
         path = files[0]
     if not path.exists():
-        raise SurfaceError(f'There is no "{shown(path)}": choose a folder of meshes.')
+        raise SurfaceError(f'There is no "{printable(path)}": choose a folder of meshes.')
     if path.suffix.lower() == GLB:
         return GlbSource(path, reader)
     if path.suffix.lower() in SUFFIXES:
         raise SurfaceError(
-            f'"{shown(path)}" is the mesh of a single step: choose the folder it lies in.'
+            f'"{printable(path)}" is the mesh of a single step: choose the folder it lies in.'
         )
     raise SurfaceError(
-        f'"{shown(path)}" holds no meshes over time: choose a folder of PLY, OBJ, GLB or OFF '
+        f'"{printable(path)}" holds no meshes over time: choose a folder of PLY, OBJ, GLB or OFF '
         "files, one per time step, or an animated GLB file."
     )
 
@@ -156,11 +156,11 @@ def _meshes_in(folder: Path) -> list[Path]:
         ]
     except OSError as error:
         raise SurfaceError(
-            f'The folder "{shown(folder)}" may not be read by you: change its permissions.'
+            f'The folder "{printable(folder)}" may not be read by you: change its permissions.'
         ) from error
     if not found:
         raise SurfaceError(
-            f'The folder "{shown(folder)}" holds no meshes (PLY, OBJ, GLB, OFF): '
+            f'The folder "{printable(folder)}" holds no meshes (PLY, OBJ, GLB, OFF): '
             "choose a folder with one mesh per time step, or an animated GLB file."
         )
     return found
@@ -169,7 +169,7 @@ def _meshes_in(folder: Path) -> list[Path]:
 def _ends(path: Path, chunk: int) -> bytes:
     """Size, head and tail of a file; nothing of what cannot be read."""
     try:
-        with opened(path) as file:
+        with open_mesh_file(path) as file:
             size = file.seek(0, os.SEEK_END)
             file.seek(0)
             head = file.read(chunk)

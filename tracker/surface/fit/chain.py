@@ -12,8 +12,8 @@ from tracker.surface.fit.measuring import StepFit, measure, misfit
 from tracker.surface.fit.model import SurfaceModel
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.pairing import Observed
+from tracker.surface.fit.point_reliability import PointReliability
 from tracker.surface.fit.solving import Fit, fit_pose
-from tracker.surface.fit.trusting import Record
 from tracker.surface.steps import Steps
 
 TROUBLE = 0.05
@@ -34,10 +34,12 @@ class Link:
     pose: Pose
     step: StepFit | None
     problem: str = ""
-    record: Record | None = None
+    record: PointReliability | None = None
 
 
-def keyed(model: SurfaceModel, steps: Steps, frame: int, pose: Pose, options: Options) -> Link:
+def keyframe_link(
+    model: SurfaceModel, steps: Steps, frame: int, pose: Pose, options: Options
+) -> Link:
     """A keyframe as it was posed, measured but not moved: where a chain begins."""
     still = replace(options, solves=0, trust=False)
     return next(follow(model, steps, [Link(frame, pose, None)], [frame], still))
@@ -57,17 +59,17 @@ def follow(
     """
     usable = [link.pose for k, link in enumerate(before) if k == 0 or link.step is not None]
     pose = usable[-1]
-    ahead = _gone_on(*usable[-2:]) if len(usable) > 1 else None
-    record = before[-1].record or Record.of(model)
+    ahead = _extrapolated(*usable[-2:]) if len(usable) > 1 else None
+    record = before[-1].record or PointReliability.of(model)
     for frame in frames:
         try:
             observed = Observed.of(steps.mesh(frame), options)
         except SurfaceError as error:
             yield Link(frame, pose, None, str(error), record)
             continue
-        trusted = record.trusted(model)
+        trusted = record.apply_to(model)
         fit, step = _fitted(trusted, observed, pose, ahead, options)
-        pose, ahead = fit.pose, _gone_on(pose, fit.pose)
+        pose, ahead = fit.pose, _extrapolated(pose, fit.pose)
         record = record.after(trusted, fit) if options.trust else record
         yield Link(frame, pose, step, "", record)
 
@@ -87,7 +89,7 @@ def _fitted(
     return other, measure(model, observed, other)
 
 
-def _gone_on(before: Pose, now: Pose) -> Pose:
+def _extrapolated(before: Pose, now: Pose) -> Pose:
     """The pose after as much motion again."""
     turn = transpose(before.Rs_parent_part) @ now.Rs_parent_part
     return Pose(now.Rs_parent_part @ turn, 2 * now.p_camera_root - before.p_camera_root)

@@ -43,7 +43,7 @@ class Found:
 def fit_here(fitter: SurfaceFitter, frame: int, pose: Pose) -> Found:
     """Lay a pose onto the surface of a frame; SurfaceError where that cannot be used."""
     fitted = fitter.fit_frame(frame, pose)
-    return Found(fitted, _told(fitter.skeleton, pose, fitted))
+    return Found(fitted, _describe_moves(fitter.skeleton, pose, fitted))
 
 
 def lay_body(mesh: SurfaceMesh, skeleton: Skeleton, pose: Pose) -> Found:
@@ -56,10 +56,12 @@ def lay_body(mesh: SurfaceMesh, skeleton: Skeleton, pose: Pose) -> Found:
     observed = Observed.of(mesh, OPTIONS)
     fit = fit_pose(model, observed, pose, OPTIONS)
     left = measure(model, observed, fit).unexplained
-    return Found(fit.pose, _told(skeleton, pose, fit.pose) + (_NOT_YET if left > MUCH else ""))
+    return Found(
+        fit.pose, _describe_moves(skeleton, pose, fit.pose) + (_NOT_YET if left > MUCH else "")
+    )
 
 
-def _told(skeleton: Skeleton, before: Pose, after: Pose) -> str:
+def _describe_moves(skeleton: Skeleton, before: Pose, after: Pose) -> str:
     """Such as "Right forearm moved 6 cm, head 2 cm."."""
     moved = np.linalg.norm(_middles(skeleton, after) - _middles(skeleton, before), axis=1)
     most = [i for i in np.argsort(-moved, kind="stable")[:MOST] if moved[i] >= WORTH_A_WORD_M]

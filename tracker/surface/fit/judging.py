@@ -16,9 +16,9 @@ from tracker.body.pose import Pose
 from tracker.errors import listed, spoken
 from tracker.geometry.rotations import Array
 from tracker.session.verdict import GOOD, Cause, Verdict
-from tracker.surface.fit.certainty import UNSEEN
 from tracker.surface.fit.chain import Link
 from tracker.surface.fit.model import SurfaceModel
+from tracker.surface.fit.rotation_observability import UNSEEN
 from tracker.tracking.diagnostics.runs import runs
 
 LOST_UNEXPLAINED, LOST_UNCOVERED = 0.25, 0.45

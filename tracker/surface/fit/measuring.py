@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracker.geometry.rotations import Array, frozen
-from tracker.surface.fit.certainty import turns_seen
 from tracker.surface.fit.model import SurfaceModel
 from tracker.surface.fit.pairing import Observed, Pairs
+from tracker.surface.fit.rotation_observability import turns_seen
 from tracker.surface.fit.solving import Fit
 
 FAR_SHARE = 0.02

@@ -34,7 +34,7 @@ FAR_SHARE = 0.1
 """Of the surface's size: a place so far from every solid may be of something else."""
 
 
-def freed(body: Body) -> Body:
+def with_all_rotations(body: Body) -> Body:
     """The body with every part free to turn in every way: a surface shows more than a picture."""
     parts = (
         part.model_copy(update={"tracked": ALL_DOFS if part.parent is None else ROTATIONS})
@@ -75,13 +75,13 @@ class SurfaceModel:
         cls, mesh: SurfaceMesh, body: Body, pose: Pose, count: int, smooth: bool = False
     ) -> SurfaceModel:
         """The mesh (camera frame, metres) of the step at which the body has this pose."""
-        skeleton = Skeleton.of(freed(body))
+        skeleton = Skeleton.of(with_all_rotations(body))
         samples = SurfaceSamples.of(mesh, count)
         size = float(np.linalg.norm(mesh.extent))
         Ts = pose_transforms(skeleton, pose)
         distances = distances_to_parts(skeleton, Ts, samples.p)
         parts, shares = shares_of(distances, skeleton.parents, BLEND_SHARE * size * smooth)
-        return cls._laid(skeleton, samples, pose, Ts, parts, shares, size)
+        return cls._bind(skeleton, samples, pose, Ts, parts, shares, size)
 
     @classmethod
     def of_solids(cls, body: Body, pose: Pose, count: int, size_m: float) -> SurfaceModel:
@@ -89,7 +89,7 @@ class SurfaceModel:
 
         size_m: of the surface that it is to be laid into.
         """
-        skeleton = Skeleton.of(freed(body))
+        skeleton = Skeleton.of(with_all_rotations(body))
         Ts = pose_transforms(skeleton, pose)
         mesh, part_of_face = _solids(skeleton, Ts)
         samples = SurfaceSamples.of(mesh, count)
@@ -99,10 +99,10 @@ class SurfaceModel:
         bare = others.min(axis=1) > 0.0
         parts = np.stack([own, own], axis=1)[bare]
         shares = np.tile([1.0, 0.0], (len(parts), 1))
-        return cls._laid(skeleton, samples.only(bare), pose, Ts, parts, shares, size_m)
+        return cls._bind(skeleton, samples.only(bare), pose, Ts, parts, shares, size_m)
 
     @classmethod
-    def _laid(
+    def _bind(
         cls, skeleton: Skeleton, samples: SurfaceSamples, pose: Pose, Ts_camera_part: Array,
         parts: NDArray[np.int64], shares: Array, size_m: float,
     ) -> SurfaceModel:  # fmt: skip

@@ -17,8 +17,8 @@ from tracker.body.pose import Pose
 from tracker.body.trajectory import Pass, Trajectory
 from tracker.errors import SessionError
 from tracker.session.verdict import Verdict
-from tracker.surface.fit.chain import Link, follow, keyed
-from tracker.surface.fit.joining import Joined, joined
+from tracker.surface.fit.blend_chains import Joined, join_chains
+from tracker.surface.fit.chain import Link, follow, keyframe_link
 from tracker.surface.fit.judging import (
     judge_links,
     not_reached,
@@ -30,7 +30,7 @@ from tracker.surface.fit.options import Options
 from tracker.surface.fit.pairing import Observed
 from tracker.surface.fit.solving import fit_pose
 from tracker.surface.steps import Steps
-from tracker.tracking.pool import Left, SegmentResult
+from tracker.tracking.pool import Cancelled, SegmentResult
 
 TELL_S = 0.25
 """Between two trajectories on the way."""
@@ -103,10 +103,10 @@ class SurfaceTracker:
         try:
             for chain in chains:
                 self._extend(chain, span, teller)
-        except Left:
+        except Cancelled:
             if all(len(chain) == 1 for chain in chains):
                 raise
-        every = joined(self.model.skeleton, span, chains, self.keyposes)
+        every = join_chains(self.model.skeleton, span, chains, self.keyposes)
         if every.missing:
             self._left[span] = chains
         return _result(self.model, every, keys)
@@ -134,7 +134,7 @@ class SurfaceTracker:
             teller.tell(chain)
 
     def _keyed(self, frame: int) -> Link:
-        return keyed(self.model, self._steps, frame, self.keyposes[frame], self._options)
+        return keyframe_link(self.model, self._steps, frame, self.keyposes[frame], self._options)
 
 
 def _result(model: SurfaceModel, every: Joined, keys: Sequence[int]) -> SegmentResult:

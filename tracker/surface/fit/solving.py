@@ -23,11 +23,11 @@ from tracker.solver.least_squares import (
     least_squares,
 )
 from tracker.solver.posed import Posed
-from tracker.surface.fit.certainty import turns_seen
 from tracker.surface.fit.model import PosedSurface, SurfaceModel
+from tracker.surface.fit.normal_offset import SWELLINGS, normal_equations
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.pairing import Observed, Pairs, pairs_of
-from tracker.surface.fit.swelling import SWELLINGS, normal_equations
+from tracker.surface.fit.rotation_observability import turns_seen
 
 STIFFNESS = 3e-6
 """Of the weak pull, per radian² and per (surface size)²: a step turns a part by a tenth of a radian

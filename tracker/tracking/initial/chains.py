@@ -38,9 +38,16 @@ class Chain(Trajectory):
 
 
 def follow(
-    scene: Scene, clip: Clip, start: Pose, first: int, last: int, of: int, inner: int, stop: float,
+    scene: Scene,
+    clip: Clip,
+    start: Pose,
+    first: int,
+    last: int,
+    stride: int,
+    inner: int,
+    stop: float,
     finest: int = 0,
-) -> Chain:  # fmt: skip
+) -> Chain:
     """Follow the body from `start`, posed at frame `first`, to `last`, which may lie before it.
 
     Constant velocity, from coarse down to the pyramid level `finest`, no drift correction. The
@@ -52,8 +59,8 @@ def follow(
     R[0], t[0] = start.Rs_parent_part, start.p_camera_root
     doubt = Doubt.none(len(slots) - 1, R.shape[1])
     follow_chain(
-        scene.arrays, scene.lens, scene.sight, scene.prior(of), clip.levels, finest,
-        slots if forward else slots[::-1].copy(), R, t, of, inner, stop,
+        scene.arrays, scene.lens, scene.sight, scene.prior(stride), clip.levels, finest,
+        slots if forward else slots[::-1].copy(), R, t, stride, inner, stop,
         doubt.turned, doubt.shifted,
     )  # fmt: skip
     step = 1 if forward else -1
@@ -61,7 +68,7 @@ def follow(
     return Chain(min(first, last), R[::step], t[::step], doubt)
 
 
-def blended(scene: Scene, forward: Chain, backward: Chain) -> Trajectory:
+def blend_chains(scene: Scene, forward: Chain, backward: Chain) -> Trajectory:
     """From the forward chain to the backward one, each part's rotation along one axis.
 
     Both start exactly at their keyframes, so the blend meets both. A chain's variance grows with
@@ -85,7 +92,9 @@ def blended(scene: Scene, forward: Chain, backward: Chain) -> Trajectory:
     return _mixed(forward, backward, turned, shifted)
 
 
-def brought(motion: Trajectory, start: Pose, end: Pose, first: int, last: int) -> Trajectory | None:
+def fit_to_keyframes(
+    motion: Trajectory, start: Pose, end: Pose, first: int, last: int
+) -> Trajectory | None:
     """A motion from elsewhere made to meet both keyframes; None where it does not reach both.
 
     Its jitter is evened out. Its turns are carried on from the first keyframe, and drift correction

@@ -8,8 +8,8 @@ import numpy as np
 
 from tracker.body.trajectory import Pass, Trajectory, interpolate
 from tracker.tracking.frame_pair import printed_score
-from tracker.tracking.initial.chains import Chain, blended, follow
-from tracker.tracking.initial.lifting import lifted
+from tracker.tracking.initial.chains import Chain, blend_chains, follow
+from tracker.tracking.initial.lifting import lift
 from tracker.tracking.initial.planar import planar_start
 from tracker.tracking.initial.templates import limb_tracks
 from tracker.tracking.method import FULL, Keypose, Paper
@@ -54,7 +54,7 @@ def starts(scene: Scene, segment: Segment, method: Keypose) -> Starts:
         return Starts((plain,), chains)
     ways, notes = [plain], [CHAIN_LOST]
     if chains is not None:
-        both = Pass("both ways", blended(scene, *chains), None)
+        both = Pass("both ways", blend_chains(scene, *chains), None)
         in_doubt = _is_doubtful(scene, chains, plain.trajectory, both.trajectory)
         ways, notes = [both, plain] if in_doubt and method.judged else [both], []
     found = [_by_templates(scene, segment, method, chains, ways[0].trajectory)]
@@ -81,7 +81,7 @@ def printed_start(scene: Scene, segment: Segment, method: Paper) -> Starts:
             chains = _chains(scene, segment, FULL)
             if chains is None:
                 return Starts((plain,), None, (CHAIN_LOST,))
-            return Starts((Pass("both ways", blended(scene, *chains), None),))
+            return Starts((Pass("both ways", blend_chains(scene, *chains), None),))
         case "import":
             found = _imported(scene, segment, method)
             return Starts((*found.ways, plain)[:1], None, found.notes)
@@ -104,7 +104,7 @@ def _ranked(
     """The ways by their scores, what was asked for by name before all others."""
     if len(ways) > 1:
         ways = [
-            replace(way, score=capped_score(scene, segment.clip, way.trajectory, method.of))
+            replace(way, score=capped_score(scene, segment.clip, way.trajectory, method.stride))
             for way in ways
         ]
     asked = {"templates": "templates", "import": "import", "both-ways": "both ways"}.get(
@@ -128,7 +128,7 @@ def _by_templates(
     notes = tracks.notes if asked else ()
     if not np.isfinite(tracks.uv).any():
         return Starts((), None, (*notes, NO_TEMPLATES) if asked else ())
-    found = lifted(scene, segment, base, tracks)
+    found = lift(scene, segment, base, tracks)
     if not is_sound(scene, segment, found):
         return Starts((), None, (f"{TEMPLATES_LOST}: followed from both keyframes instead",))
     return Starts((Pass("templates", found, None),), None, notes)
@@ -146,7 +146,7 @@ def _imported(scene: Scene, segment: Segment, method: Keypose | Paper) -> Starts
 
 def _chains(scene: Scene, segment: Segment, method: Keypose) -> Chains | None:
     """The chains from both keyframes, or None where one of them leaves the scene."""
-    how = (method.of, method.chain_inner, method.stop, method.finest)
+    how = (method.stride, method.chain_inner, method.stop, method.finest)
     first, last = segment.first_frame, segment.last_frame
     forward = follow(scene, segment.clip, segment.start, first, last, *how)
     backward = follow(scene, segment.clip, segment.end, last, first, *how)

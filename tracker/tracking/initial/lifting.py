@@ -21,7 +21,7 @@ from tracker.body.trajectory import Trajectory
 from tracker.geometry.rotations import Array
 from tracker.kernels.whole import move_inner
 from tracker.solver.banded import banded_step, with_frames
-from tracker.solver.body_points import Places
+from tracker.solver.body_points import BodyPoints
 from tracker.solver.least_squares import Criteria, Damping, Problem, least_squares
 from tracker.solver.posed import Posed
 from tracker.solver.robust import Cauchy, Huber, Kernel
@@ -58,7 +58,7 @@ CRITERIA = Criteria(
 """Solves come from far at first, with Huber's kernel, and then sort out, with Cauchy's."""
 
 
-def lifted(scene: Scene, segment: Segment, base: Trajectory, tracks: LimbTracks) -> Trajectory:
+def lift(scene: Scene, segment: Segment, base: Trajectory, tracks: LimbTracks) -> Trajectory:
     """The motion near `base` whose limbs fall on their tracks; its ends are the keyframes.
 
     It never fits worse than `base`, which comes back where there is nothing to fit.
@@ -102,7 +102,7 @@ class _Fit(Problem[Trajectory, "_Point"]):
         told = _is_told(tracks)
         sigma = np.maximum(np.where(told, tracks.sigma_px[:, 1:-1], 1.0), LEAST_SIGMA_PX)
         uv = np.swapaxes(np.where(told[..., None], tracks.uv[:, 1:-1], 0.0), 0, 1)
-        points = Places.single(skeleton, tracks.parts, tracks.points)
+        points = BodyPoints.single(skeleton, tracks.parts, tracks.points)
         keyed = [pose.Rs_parent_part for pose in (segment.start, segment.end)]
         start = base.Rs_parent_part[1:-1], base.ps_camera_root[1:-1]
         smooth = scene.precision(SMOOTH_TURN_RAD, SMOOTH_SHIFT_PX * scene.pixel_m)

@@ -64,7 +64,7 @@ def planar_start(scene: Scene, segment: Segment, left_out: Collection[str] = ())
     if not limbs:
         return Start(plain, (f"the body has no limbs of two links: {INSTEAD}",))
     keyed = FirstKeyed.of(scene, segment)
-    carried, notes = _carried(keyed, plain, _head(scene, limbs), left_out)
+    carried, notes = _carry_root(keyed, plain, _head(scene, limbs), left_out)
     Rs, ps = carried.loose()
     for limb in limbs:
         if is_left_out(scene.skeleton, limb.leaf, left_out):
@@ -86,7 +86,7 @@ def _head(scene: Scene, limbs: list[TwoLinks]) -> int | None:
     return next((i for i in leaves(scene.skeleton) if i not in ends and parents[i] > 0), None)
 
 
-def _carried(
+def _carry_root(
     keyed: FirstKeyed, plain: Trajectory, head: int | None, left_out: Collection[str]
 ) -> tuple[Trajectory, list[str]]:
     """Interpolation with the root carried by the hips and the trunk leant by the head.
@@ -106,7 +106,7 @@ def _carried(
     except NotFollowed as reason:
         return motion, [*notes, f"{reason}: {INSTEAD}"]
     if has_hips:
-        return _leant(keyed, motion, head, beside), notes
+        return _lean_trunk(keyed, motion, head, beside), notes
     return _shifted(keyed.scene, motion, beside), notes
 
 
@@ -126,7 +126,7 @@ def _shifted(scene: Scene, motion: Trajectory, uv: Array) -> Trajectory:
     return Trajectory(motion.first_frame, Rs, ps)
 
 
-def _leant(keyed: FirstKeyed, motion: Trajectory, head: int, beside: Array) -> Trajectory:
+def _lean_trunk(keyed: FirstKeyed, motion: Trajectory, head: int, beside: Array) -> Trajectory:
     """The part that the head hangs from, next to the root, turned until the head is in place."""
     skeleton = keyed.scene.skeleton
     trunk = head

@@ -7,8 +7,8 @@ from pathlib import Path
 from threading import Event
 from typing import Any
 
-from app.jobs.batch.crew import News
-from app.jobs.batch.doing import do
+from app.jobs.batch.pool import News
+from app.jobs.batch.run_one import run_task
 from app.jobs.batch.task import Step, Task
 from tests.tracker import session_cases as cases
 
@@ -62,7 +62,7 @@ class Here:
         def tell(step: Step) -> None:
             news.append((number, step))
 
-        end = self._befalls(number, task) or (number, do(task, tell, self._stop))
+        end = self._befalls(number, task) or (number, run_task(task, tell, self._stop))
         return [*news, end]
 
     def stop(self) -> None:

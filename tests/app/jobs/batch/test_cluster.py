@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 
 from app.cli.main import main
-from app.jobs.batch.cluster import ClusterCrew
-from app.jobs.batch.course import Begun, Ended, run
-from app.jobs.batch.doing import do
+from app.jobs.batch.cluster import ClusterPool
+from app.jobs.batch.run_one import run_task
+from app.jobs.batch.scheduler import Begun, Ended, run
 from app.jobs.batch.task import Task
 from tests.app.jobs.batch.batch_cases import bytes_of, write_sessions
 from tests.app.jobs.batch.dask_cases import cluster, holders, kill_at_work
@@ -27,7 +27,7 @@ def test_a_killed_worker_s_session_is_done_by_another_with_the_same_bytes(tmp_pa
     paths, alone = (write_sessions(tmp_path / where, *NAMES) for where in ("many", "alone"))
     begun, ended = [], {}
     with cluster(tmp_path, 2) as (address, (victim, survivor)):
-        crew = ClusterCrew(address)
+        crew = ClusterPool(address)
         try:
             for event in run([Task(path) for path in paths], crew, Event()):
                 if isinstance(event, Begun):
@@ -41,7 +41,7 @@ def test_a_killed_worker_s_session_is_done_by_another_with_the_same_bytes(tmp_pa
         assert set(holders(paths)) == {survivor}
     assert ended == dict.fromkeys(range(len(NAMES)), "tracked")
     for path in alone:
-        do(Task(path), lambda step: None, Event())
+        run_task(Task(path), lambda step: None, Event())
     assert bytes_of(paths) == bytes_of(alone)
 
 
@@ -53,7 +53,7 @@ def test_the_command_works_on_a_cluster_and_one_that_goes_away_is_told(
         assert main(["batch", str(tmp_path / "all"), "--scheduler", address, "--json"]) == 0
         told = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
         assert {s["state"] for s in told[-1]["sessions"]} == {"tracked"}
-        crew = ClusterCrew(address)
+        crew = ClusterPool(address)
     try:
         with pytest.raises(KeyposeError, match="is gone; what is finished is kept"):
             _go_on(crew)

@@ -19,7 +19,7 @@ from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory, interpolate
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import exp_rotation
-from tracker.tracking.initial.lifting import lifted
+from tracker.tracking.initial.lifting import lift
 from tracker.tracking.scene import Scene
 from tracker.tracking.segment import Segment
 
@@ -82,7 +82,7 @@ def _scene(truth: Trajectory, lens: Camera = CAMERA, skeleton: Skeleton = SKELET
 
 
 def _fitted(truth: Trajectory, tracks: Any, base: Trajectory, lens: Camera = CAMERA) -> Trajectory:
-    return lifted(_scene(truth, lens), _segment(truth), base, tracks)
+    return lift(_scene(truth, lens), _segment(truth), base, tracks)
 
 
 def _miss(found: Trajectory, truth: Trajectory, lens: Camera = CAMERA) -> tuple[float, float]:
@@ -243,7 +243,7 @@ def test_a_body_of_one_part_follows_its_point() -> None:
     uv = CAMERA.project(path)
     tracks: Any = Tracks(np.array([0]), np.zeros((1, 3)), uv[None], np.ones((1, 20)))
     base = _plain(truth)
-    found = lifted(_scene(truth, CAMERA, skeleton), _segment(truth), base, tracks)
+    found = lift(_scene(truth, CAMERA, skeleton), _segment(truth), base, tracks)
 
     def away(path: Trajectory) -> float:
         return float(np.linalg.norm(CAMERA.project(path.ps_camera_root) - uv, axis=-1).mean())
@@ -256,5 +256,5 @@ def test_a_body_that_is_not_tracked_stays() -> None:
     truth = random_trajectory(skeleton, 3, 6)
     tracks: Any = Tracks(np.array([0]), np.zeros((1, 3)), np.full((1, 6, 2), 9.0), np.ones((1, 6)))
     base = _plain(truth)
-    found = lifted(_scene(truth, CAMERA, skeleton), _segment(truth), base, tracks)
+    found = lift(_scene(truth, CAMERA, skeleton), _segment(truth), base, tracks)
     np.testing.assert_array_equal(found.Rs_parent_part, base.Rs_parent_part)

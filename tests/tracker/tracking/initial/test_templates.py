@@ -13,7 +13,7 @@ from tests.tracker import tracking_cases as cases
 from tracker.tracking.initial.templates import LimbTracks, limb_tracks
 from tracker.tracking.initial.templates.course import Course
 from tracker.tracking.initial.templates.ends import followed_points, two_link_limbs
-from tracker.tracking.initial.templates.meeting import met
+from tracker.tracking.initial.templates.meeting import combine_courses
 from tracker.tracking.scene import Scene
 from tracker.tracking.segment import Segment
 
@@ -128,7 +128,7 @@ def straight(count: int = 20) -> Floats:
 def test_courses_that_meet_bear_each_other_out_and_offset_points_still_meet() -> None:
     offset = np.tile([7.0, -4.0], (20, 1))
     forward, backward = course(straight(), [0]), course(straight() + offset, [19])
-    uv, sigma = met(forward, backward, offset)
+    uv, sigma = combine_courses(forward, backward, offset)
     np.testing.assert_array_equal(uv[0], straight())
     np.testing.assert_array_equal(uv[1], straight() + offset)
     assert np.isfinite(sigma).all()
@@ -140,7 +140,7 @@ def test_a_course_that_slips_is_believed_as_far_as_it_was_borne_out() -> None:
     astray = straight()
     astray[8:, 1] += 30.0
     forward, backward = course(astray, [0, 1, 2, 3]), course(straight(), [19])
-    uv, sigma = met(forward, backward, np.zeros((20, 2)))
+    uv, sigma = combine_courses(forward, backward, np.zeros((20, 2)))
     assert np.isfinite(uv[0, :8]).all()
     assert np.isnan(uv[0, 12:]).all()  # a few frames beyond are believed a little
     np.testing.assert_array_equal(uv[1, 12:], straight()[12:])
@@ -151,7 +151,9 @@ def test_two_courses_known_to_be_right_that_contradict_each_other_are_neither_be
     other = straight()
     other[5:15, 1] += 20.0
     everywhere = list(range(20))
-    uv, _ = met(course(straight(), everywhere), course(other, everywhere), np.zeros((20, 2)))
+    uv, _ = combine_courses(
+        course(straight(), everywhere), course(other, everywhere), np.zeros((20, 2))
+    )
     assert np.isnan(uv[:, 5:15]).all()
     assert np.isfinite(uv[:, :5]).all()
 
@@ -159,14 +161,14 @@ def test_two_courses_known_to_be_right_that_contradict_each_other_are_neither_be
 def test_a_point_that_only_its_keyframe_shows_is_told_there_alone() -> None:
     alone = Course.at_its_start(np.array([3.0, 4.0]), 12)
     gone = Course.at_its_start(np.array([9.0, 4.0]), 12).reversed()
-    uv, _ = met(alone, gone, np.zeros((12, 2)))
+    uv, _ = combine_courses(alone, gone, np.zeros((12, 2)))
     assert np.isfinite(uv[0, :, 0]).sum() == 1
     assert np.isfinite(uv[1, :, 0]).sum() == 1
 
 
 def test_a_point_that_its_keyframe_cannot_show_is_told_nowhere() -> None:
     nowhere = Course(np.full((6, 2), np.nan), np.full(6, np.inf), np.zeros(6, bool))
-    uv, sigma = met(nowhere, course(straight(6), [5]), np.zeros((6, 2)))
+    uv, sigma = combine_courses(nowhere, course(straight(6), [5]), np.zeros((6, 2)))
     assert np.isnan(uv[0]).all()
     assert np.isinf(sigma[0]).all()
 

@@ -12,22 +12,22 @@ from typing import BinaryIO, Final
 
 import numpy as np
 
-from tracker.surface.files.parsing.glb import demand_whole
-from tracker.surface.files.parsing.obj import demand_beginning_of_text
-from tracker.surface.files.parsing.off import demand_header
+from tracker.surface.files.parsing.glb import require_whole
+from tracker.surface.files.parsing.obj import require_beginning_of_text
+from tracker.surface.files.parsing.off import require_header
 from tracker.surface.files.parsing.ply_header import Element, read_header
 from tracker.surface.files.parsing.ply_rows import cut_short
 
 _ROWS_LOOKED_AT: Final = 12
 
 
-def demand_good_beginning(file: BinaryIO, kind: str) -> None:
+def require_good_beginning(file: BinaryIO, kind: str) -> None:
     """Refused where an open file of this kind, such as ".ply", begins as no mesh does, announces
     too much or no faces, or is shorter than what it announces."""
     _DEMANDS[kind](file)
 
 
-def _demand_ply(file: BinaryIO) -> None:
+def _require_ply(file: BinaryIO) -> None:
     header = read_header(file)
     if header.form == "text":
         return
@@ -80,8 +80,8 @@ def _row(file: BinaryIO, element: Element, order: str, start: int) -> list[int] 
 
 
 _DEMANDS: Final[dict[str, Callable[[BinaryIO], None]]] = {
-    ".ply": _demand_ply,
-    ".obj": demand_beginning_of_text,
-    ".off": demand_header,
-    ".glb": demand_whole,
+    ".ply": _require_ply,
+    ".obj": require_beginning_of_text,
+    ".off": require_header,
+    ".glb": require_whole,
 }

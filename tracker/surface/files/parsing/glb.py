@@ -51,7 +51,7 @@ class Glb:
     @classmethod
     def read(cls, file: BinaryIO) -> Glb:
         """Refused where it is no GLB file of version 2, or is cut short."""
-        length = _demand_head(file)
+        length = _require_head(file)
         document = json.loads(_chunk(file, _JSON, _LONGEST_DOCUMENT) or b"null")
         block = _chunk(file, _BINARY, length)
         if not isinstance(document, dict):
@@ -123,9 +123,9 @@ class Glb:
         return np.ndarray(shape, kind, self.block, start + offset, strides)
 
 
-def demand_whole(file: BinaryIO) -> None:
+def require_whole(file: BinaryIO) -> None:
     """Refused where the file is no GLB file of version 2, or ends before what it announces."""
-    whole = _demand_head(file)
+    whole = _require_head(file)
     for wanted, longest in ((_JSON, _LONGEST_DOCUMENT), (_BINARY, whole)):
         head = file.read(8)
         length = _length(head, wanted, longest) if head else 0
@@ -138,7 +138,7 @@ def _cut_short() -> Refused:
     return Refused("is cut short: export it again.")
 
 
-def _demand_head(file: BinaryIO) -> int:
+def _require_head(file: BinaryIO) -> int:
     """How long the file says it is."""
     head = file.read(12)
     if head[:4] != b"glTF" or len(head) < 12:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracker.surface.files.parsing.polygons import fan, runs
-from tracker.surface.files.parsing.raw import RawMesh, Refused, demand_counts
+from tracker.surface.files.parsing.raw import RawMesh, Refused, require_counts
 from tracker.surface.files.parsing.text import numbers, table
 
 _VERTEX_OR_FACE = re.compile(rb"^[ \t]*([vf][ \t][^\n]*)", re.MULTILINE)
@@ -19,13 +19,13 @@ _PIECE = 16 * 2**20
 
 def read_obj(file: BinaryIO) -> RawMesh:
     """The mesh of an open OBJ file. Refused where it is none or too large."""
-    _demand_text(file)
+    _require_text(file)
     content = file.read().replace(b"\\\r\n", b" ").replace(b"\\\n", b" ").replace(b"\r", b"\n")
     lines = _VERTEX_OR_FACE.findall(content)
     del content
     is_face = np.array([line.startswith(b"f") for line in lines], dtype=bool)
     is_vertex = ~is_face
-    demand_counts(int(is_vertex.sum()), int(is_face.sum()))
+    require_counts(int(is_vertex.sum()), int(is_face.sum()))
     vertices = table(_arguments(lines, is_vertex), 3)[:, :3]
     corners, counts, face = _corners(_arguments(lines, is_face))
     before = np.cumsum(is_vertex)[is_face][face]
@@ -34,15 +34,15 @@ def read_obj(file: BinaryIO) -> RawMesh:
     return RawMesh(vertices, fan(corners, counts, len(vertices)))
 
 
-def demand_beginning_of_text(file: BinaryIO) -> None:
+def require_beginning_of_text(file: BinaryIO) -> None:
     """Refused where the file does not begin as text."""
     if b"\0" in file.read(_BEGINNING):
         raise Refused("is no text as an OBJ file is: export it again.")
 
 
-def _demand_text(file: BinaryIO) -> None:
+def _require_text(file: BinaryIO) -> None:
     """Refused where the file is no text, or has too many faces: before anything is kept of it."""
-    demand_beginning_of_text(file)
+    require_beginning_of_text(file)
     file.seek(0)
     vertices = faces = 0
     last = b"\n"
@@ -51,7 +51,7 @@ def _demand_text(file: BinaryIO) -> None:
         vertices += joined.count(b"\nv ")
         faces += joined.count(b"\nf ")
         last = joined[-2:]
-    demand_counts(max(vertices, 1), max(faces, 1))
+    require_counts(max(vertices, 1), max(faces, 1))
     file.seek(0)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from tracker.surface.files.parsing.ply_rows import cut_short
 from tracker.surface.files.parsing.polygons import fan, runs
-from tracker.surface.files.parsing.raw import RawMesh, Refused, demand_counts
+from tracker.surface.files.parsing.raw import RawMesh, Refused, require_counts
 from tracker.surface.files.parsing.text import numbers, table
 
 _HEADERS: Final = (b"OFF", b"COFF", b"NOFF", b"CNOFF", b"STOFF", b"STCOFF", b"STNOFF")
@@ -17,7 +17,7 @@ _BEGINNING: Final = 64 * 1024
 
 def read_off(file: BinaryIO) -> RawMesh:
     """The mesh of an open OFF file. Refused where it is none, cut short or too large."""
-    demand_header(file)
+    require_header(file)
     file.seek(0)
     lines = _lines(file.read())
     vertex_count, face_count, rest = _counts(lines)
@@ -38,7 +38,7 @@ def read_off(file: BinaryIO) -> RawMesh:
     return RawMesh(vertices, fan(runs(values, starts + 2, counts), counts, vertex_count))
 
 
-def demand_header(file: BinaryIO) -> None:
+def require_header(file: BinaryIO) -> None:
     """Refused where the file does not begin as such a file does, or announces too much."""
     _counts(_lines(file.read(_BEGINNING)))
 
@@ -60,5 +60,5 @@ def _counts(lines: list[bytes]) -> tuple[int, int, list[bytes]]:
     if len(words) < 2 or not all(word.isdigit() for word in words[:2]):
         raise Refused("does not say how many vertices and faces it has: export it again.")
     vertices, faces = (int(word[:18]) for word in words[:2])
-    demand_counts(vertices, faces)
+    require_counts(vertices, faces)
     return vertices, faces, lines[1 if same_line else 2 :]

@@ -22,7 +22,7 @@ _ARCHIVES: Final = {
 }
 
 
-def opened(path: Path) -> BinaryIO:
+def open_mesh_file(path: Path) -> BinaryIO:
     """The file, open for reading. Refused where it is none, empty, huge or an archive."""
     try:
         file = open_regular(path)
@@ -35,15 +35,15 @@ def opened(path: Path) -> BinaryIO:
     except OSError as error:
         raise Refused("cannot be read: check the disk or connection it is on.") from error
     try:
-        _demand_sensible_size(os.fstat(file.fileno()).st_size)
-        _demand_no_archive(file)
+        _require_sensible_size(os.fstat(file.fileno()).st_size)
+        _require_no_archive(file)
     except BaseException:
         file.close()
         raise
     return file
 
 
-def _demand_sensible_size(size: int) -> None:
+def _require_sensible_size(size: int) -> None:
     if size == 0:
         raise Refused("is empty: export it again.")
     if size > LARGEST_BYTES:
@@ -53,7 +53,7 @@ def _demand_sensible_size(size: int) -> None:
         )
 
 
-def _demand_no_archive(file: BinaryIO) -> None:
+def _require_no_archive(file: BinaryIO) -> None:
     head = file.read(8)
     file.seek(0)
     for start, what in _ARCHIVES.items():

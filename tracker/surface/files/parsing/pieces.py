@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from tracker.geometry.rotations import Array
 from tracker.surface.files.parsing.channels import Channel
 from tracker.surface.files.parsing.glb import Glb, at, damaged
-from tracker.surface.files.parsing.raw import Refused, demand_counts
-from tracker.surface.files.parsing.tidying import demand_range
+from tracker.surface.files.parsing.raw import Refused, require_counts
+from tracker.surface.files.parsing.tidying import require_range
 
 _MOST_TARGETS: Final = 500
 
@@ -96,7 +96,7 @@ class Piece:
 def pieces_of(glb: Glb) -> list[Piece]:
     """The pieces of the scene that is shown. Refused where there are none, or too many faces."""
     shown = _shown(glb)
-    _demand_counts(glb, shown)
+    _require_counts(glb, shown)
     pieces = []
     for number in shown:
         node = glb.items("nodes")[number]
@@ -122,7 +122,7 @@ def _shown(glb: Glb) -> list[int]:
     return sorted(number for number in seen if "mesh" in nodes[number])
 
 
-def _demand_counts(glb: Glb, shown: list[int]) -> None:
+def _require_counts(glb: Glb, shown: list[int]) -> None:
     """Before any number is read: a document may name one array a million times."""
     vertices = faces = 0
     for number in shown:
@@ -138,7 +138,7 @@ def _demand_counts(glb: Glb, shown: list[int]) -> None:
             corners = glb.count(primitive["indices"]) if "indices" in primitive else count
             vertices += count
             faces += corners // 3 if _mode(primitive) == 4 else max(corners - 2, 0)
-    demand_counts(vertices, faces)
+    require_counts(vertices, faces)
 
 
 def _mode(primitive: dict[str, Any]) -> Any:
@@ -154,7 +154,7 @@ def _piece(
     if "indices" in primitive:
         corners = glb.numbers(primitive["indices"], 1)[:, 0].astype(np.int64)
     faces = _CORNERS_TO_FACES[_mode(primitive)](corners)
-    demand_range(faces, len(p_mesh))
+    require_range(faces, len(p_mesh))
     targets = [
         glb.numbers(t["POSITION"], 3) for t in primitive.get("targets", []) if "POSITION" in t
     ]

@@ -7,7 +7,7 @@ from typing import BinaryIO, Final, Literal, TypeAlias
 
 import numpy as np
 
-from tracker.surface.files.parsing.raw import Refused, demand_counts
+from tracker.surface.files.parsing.raw import Refused, require_counts
 
 Form: TypeAlias = Literal["text", "<", ">"]
 
@@ -66,7 +66,7 @@ def read_header(file: BinaryIO) -> Header:
     counts = {element.name: element.rows for element in elements}
     if "tristrips" in counts:
         raise Refused("holds strips of triangles: export it with single faces.")
-    demand_counts(counts.get("vertex", 0), counts.get("face", 0))
+    require_counts(counts.get("vertex", 0), counts.get("face", 0))
     if sum(counts.values()) - counts["vertex"] - counts["face"] > _MOST_OTHER_ROWS:
         raise Refused("holds much besides vertices and faces: export it with these alone.")
     return Header(form, elements)

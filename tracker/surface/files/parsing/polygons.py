@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.surface.files.parsing.raw import demand_counts
+from tracker.surface.files.parsing.raw import require_counts
 
 
 def fan(corners: NDArray[np.int64], counts: NDArray[np.int64], vertices: int) -> NDArray[np.int64]:
@@ -16,7 +16,7 @@ def fan(corners: NDArray[np.int64], counts: NDArray[np.int64], vertices: int) ->
     """
     triangles = np.maximum(counts - 2, 0)
     total = int(triangles.sum())
-    demand_counts(vertices, total)
+    require_counts(vertices, total)
     first = np.repeat(np.cumsum(counts) - counts, triangles)
     place = np.arange(total) - np.repeat(np.cumsum(triangles) - triangles, triangles)
     return np.stack(

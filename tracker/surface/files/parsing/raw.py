@@ -30,7 +30,7 @@ class RawMesh:
     consistency: Array | None = None
 
 
-def demand_counts(vertices: int, faces: int) -> None:
+def require_counts(vertices: int, faces: int) -> None:
     """Refused where a file announces more than is read, or no surface at all."""
     if faces > MOST_FACES:
         raise Refused(f"has {faces:,} faces: simplify it to {MOST_FACES:,} at most.")

@@ -16,29 +16,29 @@ LEAST_AREA = 1e-9
 """Of the square of its longest side: less is a line."""
 
 
-def tidied(raw: RawMesh) -> RawMesh:
+def tidy(raw: RawMesh) -> RawMesh:
     """The same surface without what is none. Refused where nothing is left, or it is nonsense.
 
     Vertices at one place become one: files split them at the seams of a texture, which are no
     holes. Faces that then have no three corners go, and vertices of no face; both keep their order.
     Thin faces stay, for without them there would be holes.
     """
-    demand_range(raw.faces, len(raw.vertices))
+    require_range(raw.faces, len(raw.vertices))
     raw = _used(raw)
-    _demand_sense(raw.vertices)
+    _require_sense(raw.vertices)
     merged = _used(merge(raw, same_rows(raw.vertices)))
-    return demand_surface(replace(merged, consistency=_as_zncc(merged.consistency)))
+    return require_surface(replace(merged, consistency=_as_zncc(merged.consistency)))
 
 
-def demand_range(faces: NDArray[np.int64], vertices: int) -> None:
+def require_range(faces: NDArray[np.int64], vertices: int) -> None:
     """Refused where a face names a vertex that is not there."""
     if len(faces) and (faces.min() < 0 or faces.max() >= vertices):
         raise Refused("has faces whose corners are not among its vertices: export it again.")
 
 
-def demand_surface(mesh: RawMesh) -> RawMesh:
+def require_surface(mesh: RawMesh) -> RawMesh:
     """The mesh. Refused where its vertices are nonsense, or its faces have no extent."""
-    _demand_sense(mesh.vertices)
+    _require_sense(mesh.vertices)
     longest = float(np.ptp(mesh.vertices, axis=0).max()) if len(mesh.faces) else 0.0
     if longest < SMALLEST:
         raise Refused("has no face that is larger than a point: export it again.")
@@ -91,7 +91,7 @@ def _used(raw: RawMesh) -> RawMesh:
     )
 
 
-def _demand_sense(vertices: Array) -> None:
+def _require_sense(vertices: Array) -> None:
     if not np.isfinite(vertices).all():
         raise Refused("has vertices that are not finite numbers: export it again.")
     if (np.abs(vertices) > FARTHEST).any():

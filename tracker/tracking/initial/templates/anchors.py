@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tracker.body.raster import BodyMesh, Raster, raster
 from tracker.body.trajectory import Trajectory
 from tracker.geometry.rotations import Array
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 from tracker.tracking.initial.templates.ends import Followed
 from tracker.tracking.scene import Scene
 
@@ -37,7 +37,7 @@ class Anchor:
     is_seen: bool
 
 
-def anchored(scene: Scene, point: Followed, T: Array, seen: Raster, half: int) -> Anchor:
+def find_anchor(scene: Scene, point: Followed, T: Array, seen: Raster, half: int) -> Anchor:
     """Where a keyframe shows the part about a point.
 
     T (4, 4): the part in the camera frame. The pixel nearest to where the point would be seen
@@ -70,11 +70,11 @@ def hidden(
 
     anchors: each with whether the first frame of the motion shows it, or else the last one.
     """
-    mesh, eye = BodyMesh.of(scene.skeleton), Eye.of(scene.camera)
+    mesh, view = BodyMesh.of(scene.skeleton), ViewCamera.of(scene.camera)
     seen = np.zeros((len(anchors), len(motion)))
     about = [_about(scene, anchor) for anchor, _ in anchors]
     for n, T in enumerate(motion.transforms(scene.skeleton)):
-        depth = raster(mesh, T, eye).depth
+        depth = raster(mesh, T, view).depth
         for a, ((anchor, _), chosen) in enumerate(zip(anchors, about, strict=True)):
             seen[a, n] = _seen_count(scene, T[anchor.part], chosen, depth)
     shown = np.array(

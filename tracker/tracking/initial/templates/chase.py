@@ -9,7 +9,7 @@ from typing import TypeAlias
 import numpy as np
 
 from tracker.geometry.rotations import Array
-from tracker.tracking.initial.templates.search import Match, Shown, found
+from tracker.tracking.initial.templates.search import Match, Shown, find_match
 from tracker.tracking.initial.templates.turned import Turned
 
 TurnAt: TypeAlias = Callable[[int, Array], float]
@@ -78,7 +78,7 @@ def _found(template: Turned, shown: Shown, uv: Array, turn: float, reach: int) -
     piece = template.at(turn)
     if piece is None:
         return None
-    match = found(piece, shown, uv, reach)
+    match = find_match(piece, shown, uv, reach)
     poor = match.miss > piece.contrast + POOR_GREY or not _is_inside(shown, np.array(match.uv))
     return None if poor else match
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from tracker.geometry.rotations import Array
 from tracker.tracking.initial.templates.patch import Patch, Place, Settled
-from tracker.tracking.initial.templates.search import Match, Shown, found
+from tracker.tracking.initial.templates.search import Match, Shown, find_match
 from tracker.video.pyramid import Picture
 
 SPREAD_RAD = np.radians(9.0)
@@ -161,7 +161,7 @@ def _searched(patch: Patch, shown: Shown, expected: Place, reach: int) -> Place 
     for turn in (expected[2], expected[2] - SPREAD_RAD, expected[2] + SPREAD_RAD):
         template = patch.turned.at(turn)
         if template is not None:
-            matches.append((found(template, shown, uv, reach), turn))
+            matches.append((find_match(template, shown, uv, reach), turn))
     if not matches:
         return None
     best, turn = min(matches, key=lambda m: m[0].miss)

@@ -13,7 +13,7 @@ from tracker.body.pose import pose_transforms
 from tracker.body.raster import BodyMesh, raster
 from tracker.body.trajectory import Trajectory
 from tracker.geometry.rotations import Array
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 from tracker.tracking.initial.templates.chase import TurnAt, chase
 from tracker.tracking.initial.templates.ends import plain_name
 from tracker.tracking.initial.templates.search import Shown
@@ -49,7 +49,7 @@ class FirstKeyed:
         slots = segment.clip.slots(segment.first_frame, segment.last_frame)
         shown = [Shown.of(segment.clip.levels[0][slot]) for slot in slots]
         Ts = pose_transforms(scene.skeleton, segment.start)
-        seen = raster(BodyMesh.of(scene.skeleton), Ts, Eye.of(scene.camera))
+        seen = raster(BodyMesh.of(scene.skeleton), Ts, ViewCamera.of(scene.camera))
         return cls(scene, segment, shown, seen.part)
 
     def name(self, part: int) -> str:

@@ -21,7 +21,7 @@ DISAGREED = 0.35
 """What their distance says of two courses' mean."""
 
 
-def met(forward: Course, backward: Course, offset: Array) -> tuple[Array, Array]:
+def combine_courses(forward: Course, backward: Course, offset: Array) -> tuple[Array, Array]:
     """Both courses (2, N, 2), NaN where lost, and (2, N) their sigmas; all in frame order.
 
     offset: (N, 2) where the second course's point is seen beside the first one's.

@@ -89,7 +89,7 @@ def cut(
     return Template(grey, counts, rows, offset, float(away.sum() / counts.sum()))
 
 
-def found(template: Template, shown: Shown, uv: Array, reach: int) -> Match:
+def find_match(template: Template, shown: Shown, uv: Array, reach: int) -> Match:
     """Where a template fits best within `reach` pixels of a predicted place."""
     column, row = np.rint(np.asarray(uv) - template.offset).astype(int)
     v, u, total, _ = find_sequentially(

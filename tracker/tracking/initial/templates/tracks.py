@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from tracker.body.raster import BodyMesh, Raster, raster
 from tracker.body.trajectory import Trajectory, interpolate
 from tracker.geometry.rotations import Array
-from tracker.geometry.view import Eye
-from tracker.tracking.initial.chains import Chain, blended, follow
-from tracker.tracking.initial.templates.anchors import Anchor, anchored, hidden, places
+from tracker.geometry.view import ViewCamera
+from tracker.tracking.initial.chains import Chain, blend_chains, follow
+from tracker.tracking.initial.templates.anchors import Anchor, find_anchor, hidden, places
 from tracker.tracking.initial.templates.course import Course, Guide, follow_point
 from tracker.tracking.initial.templates.ends import Followed, followed_points, plain_name
 from tracker.tracking.initial.templates.given import LimbTracks
-from tracker.tracking.initial.templates.meeting import met
+from tracker.tracking.initial.templates.meeting import combine_courses
 from tracker.tracking.initial.templates.patch import Patch
 from tracker.tracking.initial.templates.search import Shown
 from tracker.tracking.method import FULL
@@ -63,7 +63,7 @@ def limb_tracks(
         pair = slice(i, i + 2)
         courses = [view.course(anchors[k], covered[k], forward=k == i) for k in (i, i + 1)]
         offset = places(scene, view.base, anchors[i + 1]) - places(scene, view.base, anchors[i])
-        uv[pair], sigma[pair] = met(courses[0], courses[1], offset)
+        uv[pair], sigma[pair] = combine_courses(courses[0], courses[1], offset)
         notes += _words(view, points[i // 2], uv[pair])
     return LimbTracks(
         np.array([anchor.part for anchor in anchors], np.int64),
@@ -91,17 +91,17 @@ class _View:
         """Of one segment."""
         slots = segment.clip.slots(segment.first_frame, segment.last_frame)
         pictures = [segment.clip.levels[0][slot] for slot in slots]
-        base = blended(scene, *chains)
-        mesh, eye = BodyMesh.of(scene.skeleton), Eye.of(scene.camera)
+        base = blend_chains(scene, *chains)
+        mesh, view = BodyMesh.of(scene.skeleton), ViewCamera.of(scene.camera)
         Ts = base.transforms(scene.skeleton)
-        ends = (raster(mesh, Ts[0], eye), raster(mesh, Ts[-1], eye))
+        ends = (raster(mesh, Ts[0], view), raster(mesh, Ts[-1], view))
         return cls(scene, pictures, [Shown.of(p) for p in pictures], chains, base, ends)
 
     def anchor(self, point: Followed, forward: bool) -> Anchor:
         """The point as the first keyframe shows it, or the last one."""
         seen, slot = (self.ends[0], 0) if forward else (self.ends[1], -1)
         T = self.base.transforms(self.scene.skeleton)[slot, point.part]
-        return anchored(self.scene, point, T, seen, self._half(point.size_m))
+        return find_anchor(self.scene, point, T, seen, self._half(point.size_m))
 
     def course(self, anchor: Anchor, covered: NDArray[np.bool_], forward: bool) -> Course:
         """An anchor followed from its keyframe on, in frame order."""
@@ -129,7 +129,7 @@ class _View:
 def _followed(scene: Scene, segment: Segment) -> Chains:
     """The body followed from both keyframes; interpolation where that gets lost."""
     first, last = segment.first_frame, segment.last_frame
-    how = (FULL.of, FULL.chain_inner, FULL.stop, 1)
+    how = (FULL.stride, FULL.chain_inner, FULL.stop, 1)
     chains = (
         follow(scene, segment.clip, segment.start, first, last, *how),
         follow(scene, segment.clip, segment.end, last, first, *how),

@@ -24,7 +24,7 @@ FORETRUST = 3.0
 
 
 @dataclass(frozen=True, eq=False)
-class Record:
+class PointReliability:
     """What the steps so far showed of V points; read-only.
 
     off:   (V,) how far each was from the observed surface, metres, summed over the steps.
@@ -35,12 +35,12 @@ class Record:
     steps: Array
 
     @classmethod
-    def of(cls, model: SurfaceModel) -> Record:
+    def of(cls, model: SurfaceModel) -> PointReliability:
         """Before the first step."""
         nothing = frozen(np.zeros(len(model.own)))
         return cls(nothing, nothing)
 
-    def after(self, model: SurfaceModel, fit: Fit) -> Record:
+    def after(self, model: SurfaceModel, fit: Fit) -> PointReliability:
         """With one more step, fitted with that model."""
         pairs = fit.pairs
         there = slice(pairs.forward)
@@ -48,9 +48,9 @@ class Record:
         off = np.abs(np.einsum("vi,vi->v", gap, pairs.normals[there]))
         counted = counting(model, pairs)
         capped = np.minimum(off, OFF_MOST_SHARE * model.size_m)
-        return Record(frozen(self.off + counted * capped), frozen(self.steps + counted))
+        return PointReliability(frozen(self.off + counted * capped), frozen(self.steps + counted))
 
-    def trusted(self, model: SurfaceModel) -> SurfaceModel:
+    def apply_to(self, model: SurfaceModel) -> SurfaceModel:
         """The model with its points trusted as the record has it."""
         mean = self.off / (self.steps + FORETRUST)
         return model.trusting(1.0 / (1.0 + (mean / (OFF_SHARE * model.size_m)) ** 2))

@@ -12,15 +12,15 @@ from tracker.session.schema import Session
 from tracker.session.settings import IgnoreMask, TrackSettings
 
 
-def mask_added(state: EditorState, action: do.AddMask) -> Session:
+def add_mask(state: EditorState, action: do.AddMask) -> Session:
     """One more ignored region."""
     mask = _mask(state, action.polygon, action.first, action.last, "")
     return _with_masks(state, (*state.doc.ignore_masks, mask))
 
 
-def mask_changed(state: EditorState, action: do.ChangeMask) -> Session:
+def change_mask(state: EditorState, action: do.ChangeMask) -> Session:
     """Another outline, range or note; what is left out stays."""
-    old = _demand(state, action.index)
+    old = _require(state, action.index)
     new = _mask(
         state,
         old.polygon if action.polygon is None else action.polygon,
@@ -33,23 +33,23 @@ def mask_changed(state: EditorState, action: do.ChangeMask) -> Session:
     return _with_masks(state, tuple(masks))
 
 
-def mask_deleted(state: EditorState, action: do.DeleteMask) -> Session:
+def delete_mask(state: EditorState, action: do.DeleteMask) -> Session:
     """One ignored region fewer."""
-    _demand(state, action.index)
+    _require(state, action.index)
     masks = list(state.doc.ignore_masks)
     del masks[action.index]
     return _with_masks(state, tuple(masks))
 
 
-def chosen(state: EditorState, action: do.Settings) -> Session:
+def set_settings(state: EditorState, action: do.Settings) -> Session:
     """Settings; only the fields that were named change."""
     named = action.model_dump(include=action.model_fields_set - {"do", "stroke"})
-    _demand_startable(state, action)
+    _require_startable(state, action)
     settings = TrackSettings.model_validate({**state.doc.settings.model_dump(), **named})
     return state.doc.model_copy(update={"settings": settings})
 
 
-def _demand_startable(state: EditorState, action: do.Settings) -> None:
+def _require_startable(state: EditorState, action: do.Settings) -> None:
     """Refused when a start needs what this session does not have."""
     if action.initial == "import" and state.doc.first_motion is None:
         raise Refused("No motion has been imported: `keypose import` takes one in.")
@@ -68,7 +68,7 @@ def _mask(
         raise Refused(one_sentence(error)) from None
 
 
-def _demand(state: EditorState, index: int) -> IgnoreMask:
+def _require(state: EditorState, index: int) -> IgnoreMask:
     if index >= len(state.doc.ignore_masks):
         raise Refused("This mask does not exist any more.")
     return state.doc.ignore_masks[index]

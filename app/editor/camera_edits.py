@@ -19,13 +19,13 @@ from tracker.session.schema import Session
 _DISTORTION = ("k1", "k2", "p1", "p2", "k3")
 
 
-def focused(state: EditorState, action: do.Intrinsics) -> Session:
+def set_intrinsics(state: EditorState, action: do.Intrinsics) -> Session:
     """Focal lengths and principal point."""
     changes = action.model_dump(include={"fx", "fy", "cx", "cy"}, exclude_none=True)
     return _with_camera(state, {**changes, "origin": "intrinsics"})
 
 
-def widened(state: EditorState, action: do.FieldOfView) -> Session:
+def set_fov(state: EditorState, action: do.FieldOfView) -> Session:
     """An ideal lens whose longer side spans this angle; the distortion stays."""
     old = state.doc.camera
     new = Camera.from_field_of_view(old.width, old.height, math.radians(action.deg))
@@ -35,7 +35,7 @@ def widened(state: EditorState, action: do.FieldOfView) -> Session:
     )
 
 
-def bent(state: EditorState, action: do.Distortion) -> Session:
+def set_distortion(state: EditorState, action: do.Distortion) -> Session:
     """The lens's distortion."""
     wanted = action.model_dump()
     old = dict(zip(_DISTORTION, state.doc.camera.distortion, strict=True))
@@ -43,7 +43,7 @@ def bent(state: EditorState, action: do.Distortion) -> Session:
     return _with_camera(state, {"distortion": values})
 
 
-def righted(state: EditorState, action: do.Vertical) -> Session:
+def set_up(state: EditorState, action: do.Vertical) -> Session:
     """Up along a line drawn on the picture."""
     if math.dist(action.a, action.b) < 5:
         raise Refused("Draw a longer line along something upright.")
@@ -54,7 +54,7 @@ def righted(state: EditorState, action: do.Vertical) -> Session:
     return state.doc.model_copy(update={"up_camera": (x, y, z)})
 
 
-def up_reset(state: EditorState) -> Session:
+def reset_up(state: EditorState) -> Session:
     """The camera's own up again."""
     return state.doc.model_copy(update={"up_camera": None})
 

@@ -41,7 +41,7 @@ CLEAR_COLOURS = 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class Desk:
+class FitInputs:
     """All that lies ready: the hand's pose, the scene, the frame's pictures and its colours."""
 
     hand: Hand
@@ -55,7 +55,7 @@ class Desk:
     def of(
         cls, video: Video, camera: Camera, skeleton: Skeleton, frame: int, pose: Pose,
         masks: Sequence[IgnoreMask],
-    ) -> Desk:  # fmt: skip
+    ) -> FitInputs:  # fmt: skip
         """Load one frame."""
         size = WorkingSize.for_camera(camera, AT_ONCE)
         loader = ClipLoader(video, camera, size, masks)
@@ -64,7 +64,7 @@ class Desk:
         hand = Hand(scene, pose, Limits.of(skeleton.body))
         return cls(hand, scene, frame, loader, pictures, _colours(loader, frame))
 
-    def at(self, frame: int, pose: Pose) -> Desk:
+    def at(self, frame: int, pose: Pose) -> FitInputs:
         """The same for another keyframe."""
         hand = Hand(self.scene, pose, self.hand.limits)
         pictures, rgb = _pictures(self.loader, frame), _colours(self.loader, frame)
@@ -107,29 +107,29 @@ def _without_border(picture: Picture) -> Picture:
     return kept
 
 
-def keyframes_near(desk: Desk, keyposes: Mapping[int, Pose]) -> dict[int, Pose]:
+def keyframes_near(inputs: FitInputs, keyposes: Mapping[int, Pose]) -> dict[int, Pose]:
     """The keyframes next to this one, as far as they are within reach."""
-    before = [f for f in keyposes if 0 < desk.frame - f <= REACH]
-    after = [f for f in keyposes if 0 < f - desk.frame <= REACH]
+    before = [f for f in keyposes if 0 < inputs.frame - f <= REACH]
+    after = [f for f in keyposes if 0 < f - inputs.frame <= REACH]
     return {f: keyposes[f] for f in (*sorted(before)[-1:], *sorted(after)[:1])}
 
 
-def laid_into_outlines(
-    desk: Desk, near: Mapping[int, Pose], cancelled: Callable[[], bool]
+def fit_to_outlines(
+    inputs: FitInputs, near: Mapping[int, Pose], cancelled: Callable[[], bool]
 ) -> dict[int, Pose]:
     """The same keyframes, each laid into its own outline: they were posed by hand as well."""
     tidy = {}
     for frame, pose in near.items():
-        outline = desk.at(frame, pose).outline()
+        outline = inputs.at(frame, pose).outline()
         tidy[frame] = pose
         if outline is not None:
-            hand = Hand(desk.scene, pose, desk.hand.limits)
+            hand = Hand(inputs.scene, pose, inputs.hand.limits)
             tidy[frame] = settle(hand, pose, None, outline, cancelled).pose
     return tidy
 
 
-def laid_on_one_another(
-    desk: Desk,
+def align_textures(
+    inputs: FitInputs,
     near: Mapping[int, Pose],
     tidy: Mapping[int, Pose],
     pose: Pose,
@@ -139,13 +139,14 @@ def laid_on_one_another(
     show, and on their own outlines: what each outline has wrong is evened out."""
     settled = dict(tidy)
     for frame in near:
-        there = desk.at(frame, near[frame])
-        others = {desk.frame: pose, **{f: p for f, p in settled.items() if f != frame}}
+        there = inputs.at(frame, near[frame])
+        others = {inputs.frame: pose, **{f: p for f, p in settled.items() if f != frame}}
         weight = 1.0 / len(others)
         textures = [
-            texture_of(desk.scene, _pictures(desk.loader, f), p, weight) for f, p in others.items()
+            texture_of(inputs.scene, _pictures(inputs.loader, f), p, weight)
+            for f, p in others.items()
         ]
-        likeness = Likeness(desk.scene, there.pictures, textures)
+        likeness = Likeness(inputs.scene, there.pictures, textures)
         settled[frame] = settle(
             there.hand, settled[frame], likeness, there.outline(), cancelled, coarsest=0
         ).pose
@@ -153,38 +154,38 @@ def laid_on_one_another(
 
 
 def textures_near(
-    desk: Desk, near: Mapping[int, Pose], tracked: Mapping[int, Pose]
+    inputs: FitInputs, near: Mapping[int, Pose], tracked: Mapping[int, Pose]
 ) -> list[Texture]:
     """What keyframes and tracked frames near show of the body; together they weigh one."""
     asked = [(pose, frame) for frame, pose in near.items()]
-    foreign = np.zeros(desk.scene.skeleton.part_count, np.bool_)
-    if _is_own_word(desk, tracked):
-        if desk.frame in tracked:
-            foreign = _foreign(desk, tracked[desk.frame])
-        beside = {desk.frame + side * n for n in BESIDE for side in (-1, 1)}
+    foreign = np.zeros(inputs.scene.skeleton.part_count, np.bool_)
+    if _is_own_word(inputs, tracked):
+        if inputs.frame in tracked:
+            foreign = _foreign(inputs, tracked[inputs.frame])
+        beside = {inputs.frame + side * n for n in BESIDE for side in (-1, 1)}
         tracked_near = [(tracked[f], f) for f in sorted(beside) if f in tracked and f not in near]
     else:
         tracked_near = []
     weight = 1.0 / max(1, len(asked) + len(tracked_near))
-    found = [texture_of(desk.scene, _pictures(desk.loader, f), p, weight) for p, f in asked]
+    found = [texture_of(inputs.scene, _pictures(inputs.loader, f), p, weight) for p, f in asked]
     for pose, frame in tracked_near:
-        texture = texture_of(desk.scene, _pictures(desk.loader, frame), pose, weight)
+        texture = texture_of(inputs.scene, _pictures(inputs.loader, frame), pose, weight)
         found.append(without_parts(texture, foreign))
     return [texture for texture in found if texture.starts[0][-1] > 0]
 
 
-def _is_own_word(desk: Desk, tracked: Mapping[int, Pose]) -> bool:
+def _is_own_word(inputs: FitInputs, tracked: Mapping[int, Pose]) -> bool:
     """Whether tracking speaks for itself here: had it been led through this very keyframe, its
     poses beside would lean on the keyframe's error."""
-    if desk.frame not in tracked:
+    if inputs.frame not in tracked:
         return bool(tracked)
-    away = desk.hand.away(tracked[desk.frame]) * np.sqrt(desk.hand.precision)
+    away = inputs.hand.away(tracked[inputs.frame]) * np.sqrt(inputs.hand.precision)
     return bool(np.abs(away).max(initial=0.0) > OWN_WORD)
 
 
-def _foreign(desk: Desk, tracked: Pose) -> NDArray[np.bool_]:
+def _foreign(inputs: FitInputs, tracked: Pose) -> NDArray[np.bool_]:
     """(P,) parts that tracking has elsewhere than a hand could have missed by, and what hangs on
     them."""
-    skeleton = desk.scene.skeleton
-    far = np.abs(desk.hand.away(tracked)) * np.sqrt(desk.hand.precision) > FOREIGN
+    skeleton = inputs.scene.skeleton
+    far = np.abs(inputs.hand.away(tracked)) * np.sqrt(inputs.hand.precision) > FOREIGN
     return np.asarray(skeleton.below[:, skeleton.dof_part[far]].any(axis=1))

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from threading import Condition, Event
 
-from app.jobs.reports import AnyOrder
+from app.jobs.messages import AnyOrder
 
 
-class Desk:
+class LatestOrder:
     """For one thread that puts orders down and one that takes them up."""
 
     def __init__(self) -> None:

@@ -9,9 +9,9 @@ from typing import Any
 
 import pytest
 
-from app.jobs.batch import doing
-from app.jobs.batch.doing import do
+from app.jobs.batch import run_one
 from app.jobs.batch.exporting import TABLES, export_of, formats_of, places
+from app.jobs.batch.run_one import run_task
 from app.jobs.batch.task import Step, Summary, Task
 from app.jobs.rerun import rerun
 from tests.app.document.test_folder_lock import holder
@@ -29,7 +29,7 @@ def path(tmp_path: Path) -> Path:
 
 def done(path: Path, stop: Event | None = None, **how: Any) -> tuple[Summary, list[Step]]:
     steps: list[Step] = []
-    return do(Task(path, **how), steps.append, stop or Event()), steps
+    return run_task(Task(path, **how), steps.append, stop or Event()), steps
 
 
 def with_quality(path: Path, quality: Quality) -> None:
@@ -107,7 +107,7 @@ def test_what_a_person_edits_meanwhile_stays_and_is_told(
         save_session(session.model_copy(update={"keyframes": session.keyframes[:2]}), path)
         cases.altered(path, lambda data: data["camera"].update(fx=61.0))
 
-    monkeypatch.setattr(doing, "rerun", edited)
+    monkeypatch.setattr(run_one, "rerun", edited)
     summary, _ = done(path)
     session = load_session(path)
     assert (len(session.keyframes), session.camera.fx) == (2, 61.0)
@@ -149,7 +149,7 @@ def test_a_fault_of_the_program_fails_its_session_and_is_logged(
     def broken(*_: object, **__: object) -> Iterator[Any]:
         raise ZeroDivisionError
 
-    monkeypatch.setattr(doing, "rerun", broken)
+    monkeypatch.setattr(run_one, "rerun", broken)
     summary, _ = done(path)
     assert summary.words == "This met a fault of Keypose itself (ZeroDivisionError)."
     assert "Traceback" in capfd.readouterr().err
@@ -167,7 +167,7 @@ def test_stopped_midway_the_finished_segments_are_kept_beside_those_that_still_f
             if getattr(report, "track", None) is not None and report.track.finished:
                 stop.set()
 
-    monkeypatch.setattr(doing, "rerun", stopped)
+    monkeypatch.setattr(run_one, "rerun", stopped)
     summary, _ = done(path, stop, quality="full")
     assert summary.state == "interrupted"
     assert [(s.first, s.quality) for s in summary.segments] == [(0, "full"), (4, "preview")]

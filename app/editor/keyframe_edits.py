@@ -6,8 +6,8 @@ from collections.abc import Iterable
 
 from app.editor import actions as do
 from app.editor.documents import (
-    demand_before_camera,
     keyframe_of,
+    require_before_camera,
     with_drafts,
     with_keyframes,
     without,
@@ -18,30 +18,30 @@ from app.editor.state import EditorState
 from tracker.session.schema import Keyframe, Session
 
 
-def added(state: EditorState, frame: int) -> Session:
+def add_keyframe(state: EditorState, frame: int) -> Session:
     """The pose that stands at a frame made its keyframe, unless it is that already."""
     stands = shown(state, frame)
     if stands.source == "keyframe":
         return state.doc
     pose = stands.pose
-    demand_before_camera(state.skeleton, pose)
+    require_before_camera(state.skeleton, pose)
     keyframe = keyframe_of(state.skeleton, pose, frame, state.times_s)
     doc = with_keyframes(state.doc, (*without(state.doc.keyframes, frame), keyframe))
     return with_drafts(doc, without(doc.drafts, frame))
 
 
-def deleted(state: EditorState, frame: int) -> Session:
+def delete_keyframe(state: EditorState, frame: int) -> Session:
     """Without the keyframe at a frame."""
-    _demand(state, frame)
+    _require(state, frame)
     return with_keyframes(state.doc, without(state.doc.keyframes, frame))
 
 
-def moved(state: EditorState, action: do.MoveKey) -> Session:
+def move_keyframe(state: EditorState, action: do.MoveKey) -> Session:
     """The keyframe at another frame."""
     if action.to == action.frame:
         return state.doc
-    keyframe = _demand(state, action.frame)
-    _demand_free(state, action.to)
+    keyframe = _require(state, action.frame)
+    _require_free(state, action.to)
     rest = without(state.doc.keyframes, action.frame)
     doc = _keyed(state, rest, _at(state, keyframe, action.to))
     if doc.surface is None or doc.surface.model_frame != action.frame:
@@ -50,10 +50,10 @@ def moved(state: EditorState, action: do.MoveKey) -> Session:
     return doc.model_copy(update={"surface": surface})
 
 
-def duplicated(state: EditorState, action: do.DuplicateKey) -> Session:
+def duplicate_keyframe(state: EditorState, action: do.DuplicateKey) -> Session:
     """The same pose as a keyframe of another frame, too."""
-    keyframe = _demand(state, action.frame)
-    _demand_free(state, action.to)
+    keyframe = _require(state, action.frame)
+    _require_free(state, action.to)
     return _keyed(state, state.doc.keyframes, _at(state, keyframe, action.to))
 
 
@@ -68,13 +68,13 @@ def _at(state: EditorState, keyframe: Keyframe, frame: int) -> Keyframe:
     return keyframe.model_copy(update={"frame": frame, "time_s": time_s})
 
 
-def _demand(state: EditorState, frame: int) -> Keyframe:
+def _require(state: EditorState, frame: int) -> Keyframe:
     found = find(state.doc.keyframes, frame)
     if found is None:
         raise Refused(f"Frame {frame} has no keyframe.")
     return found
 
 
-def _demand_free(state: EditorState, frame: int) -> None:
+def _require_free(state: EditorState, frame: int) -> None:
     if find(state.doc.keyframes, frame) is not None:
         raise Refused(f"Frame {frame} has a keyframe already. Delete that one first.")

@@ -33,7 +33,7 @@ News: TypeAlias = tuple[int, Step | Summary | Died]
 """The number of a task and what became of it."""
 
 
-class Crew(Protocol):
+class WorkerPool(Protocol):
     """Workers. `room`: how many more tasks can be begun now."""
 
     def room(self) -> int: ...
@@ -71,7 +71,7 @@ class _Worker:
             self.process.join()
 
 
-class LocalCrew:
+class LocalPool:
     """Up to so many processes of this computer."""
 
     def __init__(self, processes: int) -> None:
@@ -104,7 +104,7 @@ class LocalCrew:
         news = []
         for line in connections.wait(list(lines), seconds):
             assert isinstance(line, Connection)
-            news += self._heard(lines[line])
+            news += self._receive(lines[line])
         return news
 
     def stop(self) -> None:
@@ -117,20 +117,20 @@ class LocalCrew:
         for worker in workers:
             worker.end()
 
-    def _heard(self, worker: _Worker) -> list[News]:
+    def _receive(self, worker: _Worker) -> list[News]:
         number = worker.number
         try:
             answer = worker.line.recv()
         except (EOFError, OSError):
             self._workers.remove(worker)
             worker.end()
-            return [] if number is None else [(number, Died(_how(worker.process)))]
+            return [] if number is None else [(number, Died(_death_in_words(worker.process)))]
         if isinstance(answer, Summary):
             worker.number = None
         return [] if number is None else [(number, answer)]
 
 
-def _how(process: BaseProcess) -> str:
+def _death_in_words(process: BaseProcess) -> str:
     code = process.exitcode or 0
     ended = f"killed by signal {-code}" if code < 0 else f"ended with code {code}"
     return f"Its worker process was {ended}" if code < 0 else f"Its worker process {ended}"

@@ -7,14 +7,19 @@ import math
 import numpy as np
 
 from app.posing.moving import Aim
-from app.posing.sight import Sight
+from app.posing.pointer_view import PointerView
 from app.posing.swinging import in_level
 from app.posing.vectors import length, unit
 from tracker.geometry.rotations import Array
 
 
 def within_reach(
-    sight: Sight, goal: Aim, centre: Array, nearest_m: float, farthest_m: float, p_before: Array
+    view: PointerView,
+    goal: Aim,
+    centre: Array,
+    nearest_m: float,
+    farthest_m: float,
+    p_before: Array,
 ) -> Array:
     """(3,) the goal, or the nearest place to it whose distance from the centre can be.
 
@@ -30,17 +35,17 @@ def within_reach(
         found = _on_line(goal.line, goal.p_camera, p_before, centre, radius)
     else:
         if away < nearest_m:
-            return _pushed_out(sight, goal, centre, radius)
-        level = in_level(sight, goal, centre, radius, p_before)
+            return _pushed_out(view, goal, centre, radius)
+        level = in_level(view, goal, centre, radius, p_before)
         if level is not None:
             return level
-        found = _under_pointer(sight, goal, centre, radius)
+        found = _under_pointer(view, goal, centre, radius)
     return np.asarray(centre + radius * unit(found - centre))
 
 
-def _under_pointer(sight: Sight, goal: Aim, centre: Array, radius: float) -> Array:
+def _under_pointer(view: PointerView, goal: Aim, centre: Array, radius: float) -> Array:
     """(3,) where the line of sight meets the sphere, on the side, near or far, of the goal."""
-    origin, ray = sight.ray(goal.at)
+    origin, ray = view.ray(goal.at)
     foot = origin + float((centre - origin) @ ray) * ray
     gap = length(foot - centre)
     if gap >= radius:
@@ -49,14 +54,14 @@ def _under_pointer(sight: Sight, goal: Aim, centre: Array, radius: float) -> Arr
     return np.asarray(foot + sign * math.sqrt(radius**2 - gap**2) * ray)
 
 
-def _pushed_out(sight: Sight, goal: Aim, centre: Array, radius: float) -> Array:
+def _pushed_out(view: PointerView, goal: Aim, centre: Array, radius: float) -> Array:
     """(3,) the goal pushed straight nearer or farther, whichever it is of the centre, until it
     leaves the sphere around it."""
     way = goal.p_camera - centre
-    height = float(way @ sight.away)
-    beside = way - height * sight.away
+    height = float(way @ view.away)
+    beside = way - height * view.away
     depth = math.sqrt(radius**2 - float(beside @ beside))
-    return np.asarray(centre + beside + math.copysign(depth, height) * sight.away)
+    return np.asarray(centre + beside + math.copysign(depth, height) * view.away)
 
 
 def _on_line(direction: Array, place: Array, before: Array, centre: Array, radius: float) -> Array:

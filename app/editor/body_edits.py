@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from app.editor import actions as do
-from app.editor.documents import demand_before_camera
+from app.editor.documents import require_before_camera
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.posing import with_height, with_joint, with_size
@@ -13,13 +13,13 @@ from tracker.session.schema import Keyframe, Session
 from tracker.session.settings import TrackSettings
 
 
-def resized(state: EditorState, action: do.Size) -> Session:
+def set_size(state: EditorState, action: do.Size) -> Session:
     """One size of a part."""
     body = with_size(state.doc.body, action.part, action.key, action.cm, linked=state.display.link)
     return with_body(state, body)
 
 
-def joint_moved(state: EditorState, action: do.Joint) -> Session:
+def set_joint(state: EditorState, action: do.Joint) -> Session:
     """Where a part hangs on its parent."""
     part = state.doc.body.parts[state.doc.body.index(action.part)]
     wanted = (action.x, action.y, action.z)
@@ -30,17 +30,17 @@ def joint_moved(state: EditorState, action: do.Joint) -> Session:
     return with_body(state, with_joint(state.doc.body, action.part, (x, y, z), linked=linked))
 
 
-def stretched(state: EditorState, action: do.Height) -> Session:
+def set_height(state: EditorState, action: do.Height) -> Session:
     """The whole body made this high."""
     return with_body(state, with_height(state.doc.body, action.cm))
 
 
-def preset_taken(state: EditorState, action: do.Preset) -> Session:
+def set_preset(state: EditorState, action: do.Preset) -> Session:
     """One of the bodies that come with the product."""
     return with_body(state, preset(action.name))
 
 
-def body_reset(state: EditorState) -> Session:
+def reset_body(state: EditorState) -> Session:
     """The preset's own sizes again."""
     name = state.doc.body.name
     if name not in PRESETS:
@@ -48,7 +48,7 @@ def body_reset(state: EditorState) -> Session:
     return with_body(state, preset(name))
 
 
-def freed(state: EditorState, action: do.Tracked) -> Session:
+def set_tracked(state: EditorState, action: do.Tracked) -> Session:
     """Which motions of a part are tracked."""
     body = state.doc.body
     part = body.parts[body.index(action.part)]
@@ -69,7 +69,7 @@ def with_body(state: EditorState, body: Body) -> Session:
         }
     )
     for keyframe in (*doc.keyframes, *doc.drafts):
-        demand_before_camera(skeleton, keyframe.pose(skeleton))
+        require_before_camera(skeleton, keyframe.pose(skeleton))
     return doc
 
 

@@ -17,7 +17,7 @@ from tracker.geometry.rotations import Array, frozen
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
+class PointerView:
     """The main view through a camera with an ideal lens, or a view along parallel rays.
 
     R_view_camera: (3, 3) the view's axes, right, down and away, in the camera frame, as rows.
@@ -28,12 +28,12 @@ class Sight:
     camera: Camera | None = None
 
     @classmethod
-    def of(cls, camera: Camera) -> Sight:
+    def of(cls, camera: Camera) -> PointerView:
         """The main view: the picture as `rectify` shows it."""
         return cls("main", frozen(np.eye(3)), camera.without_distortion())
 
     @classmethod
-    def parallel(cls, name: str, R_view_camera: ArrayLike) -> Sight:
+    def parallel(cls, name: str, R_view_camera: ArrayLike) -> PointerView:
         """A small view."""
         return cls(name, frozen(R_view_camera))
 

@@ -15,29 +15,29 @@ from app.document.folder_lock import HeldElsewhere, SessionLock
 from app.jobs import JobFinished, Progress, Report, SegmentFinished, Started, Wanted
 from app.jobs.batch.exporting import export_motion
 from app.jobs.batch.task import State, Step, Stretch, Summary, Task
-from app.jobs.rerun import all_segments, demand_trackable, keep, rerun, with_settings
+from app.jobs.rerun import all_segments, keep, require_trackable, rerun, with_settings
 from tracker.errors import FormatError, KeyposeError, SessionError
 from tracker.formats.verdict_words import verdict_words
 from tracker.session import Session
 from tracker.storage.files import load_session, open_video_of
-from tracker.storage.finding import as_seen
+from tracker.storage.finding import with_present_fingerprints
 from tracker.storage.results import Results, SegmentTrack, load_results
 from tracker.video import Video
 
 Tell: TypeAlias = Callable[[Step], None]
 
 
-def do(task: Task, tell: Tell, stop: Event) -> Summary:
+def run_task(task: Task, tell: Tell, stop: Event) -> Summary:
     """Do it. `stop` set ends it within one pass; what was finished is kept."""
     began = time.monotonic()
-    return _told(task, tell, stop).after(time.monotonic() - began)
+    return _failure_as_summary(task, tell, stop).after(time.monotonic() - began)
 
 
-def _told(task: Task, tell: Tell, stop: Event) -> Summary:
+def _failure_as_summary(task: Task, tell: Tell, stop: Event) -> Summary:
     name = str(task.session)
     try:
         with SessionLock.take(task.session.parent):
-            return _done(task, tell, stop)
+            return _track_missing(task, tell, stop)
     except HeldElsewhere as held:
         return Summary(name, "open", f"{str(held)[:1].upper()}{str(held)[1:]}: left alone.")
     except KeyposeError as error:
@@ -59,10 +59,10 @@ class _Found:
     error: KeyposeError | None = None
 
 
-def _done(task: Task, tell: Tell, stop: Event) -> Summary:
+def _track_missing(task: Task, tell: Tell, stop: Event) -> Summary:
     session = load_session(task.session)
-    demand_trackable(session, task.session)
-    session = _seen(session, task.session)
+    require_trackable(session, task.session)
+    session = _with_present_surfaces(session, task.session)
     asked = with_settings(session, task.method, task.quality)
     wanted = _missing(asked, task.session) if task.missing_only else all_segments(asked)
     found = _Found([])
@@ -79,12 +79,12 @@ def _done(task: Task, tell: Tell, stop: Event) -> Summary:
         return replace(summary, state="failed", words=str(error))
 
 
-def _seen(session: Session, path: Path) -> Session:
+def _with_present_surfaces(session: Session, path: Path) -> Session:
     """With the surfaces it is about as they are now."""
     if session.surface is None:
         return session
     with open_video_of(session, path) as video:
-        return as_seen(session, path, video.fingerprint())
+        return with_present_fingerprints(session, path, video.fingerprint())
 
 
 def _missing(asked: Session, path: Path) -> Sequence[Wanted]:
@@ -133,13 +133,13 @@ class _Telling:
         self._progress = self._progress.after(report)
         percent = self._progress.percent
         if isinstance(report, SegmentFinished):
-            self._tell(Step(percent, _told_of(report.track)))
+            self._tell(Step(percent, _segment_json(report.track)))
         elif percent != self._percent:
             self._tell(Step(percent))
         self._percent = percent
 
 
-def _told_of(track: SegmentTrack) -> dict[str, object]:
+def _segment_json(track: SegmentTrack) -> dict[str, object]:
     return {
         "first_frame": track.first,
         "last_frame": track.last,

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from threading import Event
 
-from app.jobs.batch.course import Begun, Ended, Stepped, Told, run
-from app.jobs.batch.crew import Died, News
+from app.jobs.batch.pool import Died, News
+from app.jobs.batch.scheduler import Begun, Ended, Stepped, Told, run
 from app.jobs.batch.task import Step, Summary, Task
 
 

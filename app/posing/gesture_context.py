@@ -14,7 +14,7 @@ from tracker.geometry.rotations import Array, nearest_rotation
 
 
 @dataclass(frozen=True, eq=False)
-class Standing:
+class GestureContext:
     """The pose before a gesture.
 
     Ts_camera_part: (P, 4, 4).
@@ -27,7 +27,7 @@ class Standing:
     limits_on: bool
 
     @classmethod
-    def of(cls, skeleton: Skeleton, pose: Pose, limits_on: bool) -> Standing:
+    def of(cls, skeleton: Skeleton, pose: Pose, limits_on: bool) -> GestureContext:
         return cls(skeleton, pose, pose_transforms(skeleton, pose), limits_on)
 
     def joint(self, part: int) -> Array:

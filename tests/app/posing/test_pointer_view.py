@@ -9,13 +9,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.posing import CAMERA_UP, Sight, tilt_and_roll, up_from_vertical, view_rotations
+from app.posing import CAMERA_UP, PointerView, tilt_and_roll, up_from_vertical, view_rotations
 from app.posing.vectors import unit
 from tests.app.posing.posing_cases import CAMERA, TELEPHOTO, VIEWS, off_axis, sights
 from tracker.errors import CameraError
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import exp_rotation
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 
 numbers = st.floats(-1, 1)
 cameras = pytest.mark.parametrize("camera", [CAMERA, TELEPHOTO], ids=["perspective", "telephoto"])
@@ -62,15 +62,15 @@ def test_the_slope_is_what_a_small_motion_of_the_point_shows(camera: Camera, vie
 def test_the_main_view_is_the_picture_that_the_eye_draws_without_distortion() -> None:
     bent = CAMERA.model_copy(update={"distortion": (0.1, 0.0, 0.0, 0.0, 0.0)})
     p = np.array([[0.3, -0.4, 3.0], [-0.2, 0.1, 5.0]])
-    np.testing.assert_allclose(Sight.of(bent).project(p), Eye.of(bent).project(p))
+    np.testing.assert_allclose(PointerView.of(bent).project(p), ViewCamera.of(bent).project(p))
 
 
 @pytest.mark.parametrize("view", ["top", "side", "front"])
 def test_upright_the_small_views_are_those_of_the_pictures(view: str) -> None:
-    eye = Eye.orthographic(view, np.zeros(3), 100.0, (201, 201))  # type: ignore[arg-type]
-    np.testing.assert_array_equal(view_rotations()[view], eye.T_eye_camera[:3, :3])  # type: ignore[index]
+    eye = ViewCamera.orthographic(view, np.zeros(3), 100.0, (201, 201))  # type: ignore[arg-type]
+    np.testing.assert_array_equal(view_rotations()[view], eye.T_view_camera[:3, :3])  # type: ignore[index]
     p = np.array([0.3, -0.4, 3.0])
-    at = eye.project(eye.T_eye_camera[:3, :3] @ p)
+    at = eye.project(eye.T_view_camera[:3, :3] @ p)
     np.testing.assert_allclose(100 * sights()[view].project(p) + 100, at)
 
 
@@ -104,13 +104,13 @@ def test_up_projects_along_the_drawn_line_and_leans_as_little_as_it_can(
     b = (a[0] + size * math.cos(angle), a[1] + size * math.sin(angle))
     up = up_from_vertical(camera, a, b)
     np.testing.assert_allclose(up, up_from_vertical(camera, b, a), atol=1e-9)
-    sight = Sight.of(camera)
-    p = sight.at_depth(a, np.array([0, 0, 5.0]))
-    seen = sight.project(p + 0.3 * up) - a
+    view = PointerView.of(camera)
+    p = view.at_depth(a, np.array([0, 0, 5.0]))
+    seen = view.project(p + 0.3 * up) - a
     line = np.array(b) - a
     assert abs(seen[0] * line[1] - seen[1] * line[0]) <= 1e-6 * size * (1 + np.abs(seen).max())
     # of all directions that do so, none is nearer to the picture's own up
-    normal = unit(np.cross(sight.at_depth(b, p) - p, sight.ray_through(p)))
+    normal = unit(np.cross(view.at_depth(b, p) - p, view.ray_through(p)))
     others = exp_rotation(np.linspace(0, 2 * math.pi, 720)[:, None] * normal) @ up
     assert up @ CAMERA_UP >= (others @ CAMERA_UP).max() - 1e-6
 

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from app.editor import actions as do
-from app.editor.documents import demand_before_camera
+from app.editor.documents import require_before_camera
 from app.editor.refusal import Refused
 from app.editor.shown import find
 from app.editor.state import EditorState
@@ -23,13 +23,13 @@ from tracker.surface.placing import METRES, Placement
 _PLAIN = ("weights", "distance", "binding", "model_frame", "fps", "units", "up")
 
 
-def observed(state: EditorState, action: do.Observe) -> Session:
+def set_surface(state: EditorState, action: do.Observe) -> Session:
     """Only the fields that were named change; where the surfaces lie follows from units and up."""
     before = state.doc.surface
     if before is None:
         raise Refused("This session is about a video: it has no surfaces.")
     named = _named(action)
-    _demand_keyframe(state, named.get("model_frame"))
+    _require_keyframe(state, named.get("model_frame"))
     doc = state.doc
     if "units" in named:
         doc = _scaled(state, METRES[named["units"]] / METRES[before.units])
@@ -46,7 +46,7 @@ def _named(action: do.Observe) -> dict[str, Any]:
     return {name: v for name, v in given.items() if v is not None or name == "model_frame"}
 
 
-def _demand_keyframe(state: EditorState, frame: int | None) -> None:
+def _require_keyframe(state: EditorState, frame: int | None) -> None:
     if frame is not None and find(state.doc.keyframes, frame) is None:
         raise Refused(f"Frame {frame} has no keyframe: pose the body in its surface first.")
 
@@ -70,7 +70,7 @@ def _with_poses(doc: Session, skeleton: Skeleton, moved: Callable[[Keyframe], Ke
     """With every pose moved. Refused where one comes to lie behind the camera."""
     keyframes, drafts = (tuple(map(moved, poses)) for poses in (doc.keyframes, doc.drafts))
     for pose in (*keyframes, *drafts):
-        demand_before_camera(skeleton, pose.pose(skeleton))
+        require_before_camera(skeleton, pose.pose(skeleton))
     return doc.model_copy(update={"keyframes": keyframes, "drafts": drafts})
 
 

@@ -15,21 +15,21 @@ from tracker.body.pose import Pose, pose_transforms
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, exp_rotation
-from tracker.solver.body_points import Place, Places
+from tracker.solver.body_points import BodyPoint, BodyPoints
 from tracker.solver.fit_joints import fit_picture
 
 HALF_TURN = np.array([0.0, np.pi, 0.0])
 """About the root's own y."""
 
 
-def exchanged(skeleton: Skeleton, camera: Camera, pose: Pose) -> Pose:
+def sides_swapped(skeleton: Skeleton, camera: Camera, pose: Pose) -> Pose:
     """The pose whose left joints are seen where the right ones of this pose are, and so on.
 
     Of poses that are seen alike it is the best of those found from this pose, its mirror image and
     both of them turned around; its distance stays about the same.
     """
     places, others = _pairs(skeleton.body)
-    uv = camera.project(Places(skeleton, others).at(pose_transforms(skeleton, pose)))
+    uv = camera.project(BodyPoints(skeleton, others).at(pose_transforms(skeleton, pose)))
     flipped = mirrored(skeleton, pose)
     starts = [pose, flipped, _turned(pose), _turned(flipped)]
     weights = np.ones(len(places))
@@ -42,12 +42,12 @@ def _turned(pose: Pose) -> Pose:
     return Pose(Rs, pose.p_camera_root)
 
 
-def _pairs(body: Body) -> tuple[tuple[Place, ...], tuple[Place, ...]]:
+def _pairs(body: Body) -> tuple[tuple[BodyPoint, ...], tuple[BodyPoint, ...]]:
     """Every joint and landmark, and beside it the one on the other side.
 
     Landmarks of two sides belong together by their order, and only where both have as many.
     """
-    pairs: list[tuple[Place, Place]] = []
+    pairs: list[tuple[BodyPoint, BodyPoint]] = []
     for i, part in enumerate(body.parts):
         k = body.index(body.mirror_of(part.name))
         origin = (0.0, 0.0, 0.0)

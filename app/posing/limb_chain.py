@@ -6,29 +6,29 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.posing.standing import Standing
+from app.posing.gesture_context import GestureContext
 from tracker.geometry.rotations import Array
 
 
 @dataclass(frozen=True, eq=False)
-class Pulled:
+class LimbChain:
     """Parts that follow one another; tip (3,) is their end in the last part's frame."""
 
-    standing: Standing
+    context: GestureContext
     parts: tuple[int, ...]
     tip: Array
 
     @property
     def centre(self) -> Array:
         """(3,) the first joint, in the camera frame."""
-        return self.standing.joint(self.parts[0])
+        return self.context.joint(self.parts[0])
 
     @property
     def end(self) -> Array:
         """(3,) the tip before the drag, in the camera frame."""
-        return self.standing.placed(self.parts[-1], self.tip)
+        return self.context.placed(self.parts[-1], self.tip)
 
     def levers(self) -> Array:
         """(K, 3) from each part's joint to the next one's, at last to the tip, camera frame."""
-        points = [self.standing.joint(part) for part in self.parts]
+        points = [self.context.joint(part) for part in self.parts]
         return np.diff(np.stack([*points, self.end]), axis=0)

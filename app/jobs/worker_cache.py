@@ -12,7 +12,7 @@ from tracker.session import Session
 from tracker.storage.files import open_same_at, open_video_at
 from tracker.storage.first_motion import of_session
 from tracker.storage.results import Span
-from tracker.storage.tracking import demand_first_motion, fitter_of, steps_of
+from tracker.storage.tracking import fitter_of, require_first_motion, steps_of
 from tracker.surface.files.sources import SUFFIXES
 from tracker.surface.fit.fitter import SurfaceFitter
 from tracker.surface.steps import Steps
@@ -21,7 +21,7 @@ from tracker.tracking.tracker import Tracker
 from tracker.video import Video
 
 
-class Bench:
+class WorkerCache:
     """The open video, its prepared pictures, the body laid out.
 
     Pictures stay prepared while video, camera, masks and the plate setting are the same; what is
@@ -70,7 +70,7 @@ class Bench:
         skeleton = self._skeleton(session)
         poses = _ends(session, skeleton, first, last)
         start = of_session(session, folder)
-        demand_first_motion(session, start)
+        require_first_motion(session, start)
         if self._tracker is None:
             self._tracker = Tracker(
                 video, session.camera, skeleton, poses, masks, static, first_motion=start

@@ -10,26 +10,26 @@ from threading import Event
 
 import pytest
 
-from app.jobs.batch.course import Begun, Ended, Stepped, Told, run
-from app.jobs.batch.crew import LocalCrew
-from app.jobs.batch.doing import do
+from app.jobs.batch.pool import LocalPool
+from app.jobs.batch.run_one import run_task
+from app.jobs.batch.scheduler import Begun, Ended, Stepped, Told, run
 from app.jobs.batch.task import Summary, Task
 from tests.app.jobs.batch.batch_cases import bytes_of, write_sessions
 
 
 @pytest.fixture
-def crew() -> Iterator[LocalCrew]:
-    hired = LocalCrew(2)
+def crew() -> Iterator[LocalPool]:
+    hired = LocalPool(2)
     yield hired
     hired.close()
 
 
-def kill(crew: LocalCrew, number: int) -> None:
+def kill(crew: LocalPool, number: int) -> None:
     os.kill(crew.pids[number], signal.SIGKILL)
 
 
 def test_of_several_processes_one_is_killed_and_all_is_as_one_alone_would_do_it(
-    tmp_path: Path, crew: LocalCrew
+    tmp_path: Path, crew: LocalPool
 ) -> None:
     names = ("a", "b", "c", "d")
     paths, alone = (write_sessions(tmp_path / where, *names) for where in ("many", "alone"))
@@ -44,12 +44,12 @@ def test_of_several_processes_one_is_killed_and_all_is_as_one_alone_would_do_it(
     assert states == dict.fromkeys(range(4), "tracked")
     assert any(isinstance(event, Stepped) for event in told)
     for path in alone:
-        do(Task(path), lambda step: None, Event())
+        run_task(Task(path), lambda step: None, Event())
     assert bytes_of(paths) == bytes_of(alone)
 
 
 def test_a_session_that_is_killed_every_time_fails_by_itself(
-    tmp_path: Path, crew: LocalCrew
+    tmp_path: Path, crew: LocalPool
 ) -> None:
     paths = write_sessions(tmp_path, "a", "b")
     ended: dict[int, Summary] = {}
@@ -62,7 +62,7 @@ def test_a_session_that_is_killed_every_time_fails_by_itself(
     assert ended[1].state == "tracked"
 
 
-def test_closed_it_leaves_no_process_behind(tmp_path: Path, crew: LocalCrew) -> None:
+def test_closed_it_leaves_no_process_behind(tmp_path: Path, crew: LocalPool) -> None:
     crew.give(0, Task(write_sessions(tmp_path, "a")[0]))
     pid = crew.pids[0]
     crew.close()

@@ -18,7 +18,7 @@ from app.render.painting import FINE, box_of
 from app.render.palette import INK, Canvas, Picture
 from tracker.body.raster import raster
 from tracker.geometry.rotations import Array, apply_transform
-from tracker.geometry.view import Eye
+from tracker.geometry.view import ViewCamera
 from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.painting import Colours, Layer, layer
 
@@ -33,24 +33,30 @@ RIM = 0.35
 
 
 @dataclass(frozen=True, eq=False)
-class Sight:
+class SurfaceLayer:
     """A step's surface (camera frame, metres) and the colours (V, 3) of its vertices."""
 
     mesh: SurfaceMesh
     colours: Colours
 
 
-def veiled(
-    picture: Picture, eye: Eye, sight: Sight, form: Form, Ts_camera_part: Array | None
+def draw_surface(
+    picture: Picture,
+    view: ViewCamera,
+    surface: SurfaceLayer,
+    form: Form,
+    Ts_camera_part: Array | None,
 ) -> Picture:
     """The surface over a picture of the eye's size that shows the body solid, or None."""
     result = picture.copy()
-    left, top, right, bottom = box_of(apply_transform(eye.T_eye_camera, sight.mesh.vertices), eye)
+    left, top, right, bottom = box_of(
+        apply_transform(view.T_view_camera, surface.mesh.vertices), view
+    )
     if right <= left or bottom <= top:
         return result
     width, height = right - left, bottom - top
-    fine = eye.cropped(left, top, width, height).resized(FINE * width, FINE * height)
-    seen = layer(sight.mesh, fine, sight.colours)
+    fine = view.cropped(left, top, width, height).resized(FINE * width, FINE * height)
+    seen = layer(surface.mesh, fine, surface.colours)
     below = picture[top:bottom, left:right].astype(np.float32)
     canvas = below.repeat(FINE, axis=0).repeat(FINE, axis=1)
     _lay(canvas, seen, _body_depth(form, Ts_camera_part, fine))
@@ -59,10 +65,10 @@ def veiled(
     return result
 
 
-def _body_depth(form: Form, Ts_camera_part: Array | None, eye: Eye) -> Depth:
+def _body_depth(form: Form, Ts_camera_part: Array | None, view: ViewCamera) -> Depth:
     if Ts_camera_part is None:
-        return np.full((eye.height, eye.width), np.inf, dtype=np.float32)
-    return raster(form.mesh, Ts_camera_part, eye).depth
+        return np.full((view.height, view.width), np.inf, dtype=np.float32)
+    return raster(form.mesh, Ts_camera_part, view).depth
 
 
 def _lay(canvas: Canvas, seen: Layer, body: Depth) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.posing import CAMERA_UP, Sight, view_rotations
+from app.posing import CAMERA_UP, PointerView, view_rotations
 from tracker.session.schema import Session
 
 
@@ -11,9 +11,9 @@ def up_of(doc: Session) -> tuple[float, float, float]:
     return CAMERA_UP if doc.up_camera is None else doc.up_camera
 
 
-def sights(doc: Session) -> dict[str, Sight]:
+def pointer_views(doc: Session) -> dict[str, PointerView]:
     """main, top, side and front."""
-    views: dict[str, Sight] = {"main": Sight.of(doc.camera)}
+    views: dict[str, PointerView] = {"main": PointerView.of(doc.camera)}
     for name, R in view_rotations(up_of(doc)).items():
-        views[name] = Sight.parallel(name, R)
+        views[name] = PointerView.parallel(name, R)
     return views

@@ -10,12 +10,12 @@ from app.editor import actions as do
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.editor.update import update
-from app.posing import exchanged, opening_pose
+from app.posing import opening_pose, sides_swapped
 from tests.tracker.formats import recordings
 from tracker.body.pose import Pose, joint_names, pose_transforms
 from tracker.body.skeleton import Skeleton
 from tracker.session import Session
-from tracker.solver.body_points import Places
+from tracker.solver.body_points import BodyPoints
 from tracker.storage.results import Results
 
 Floats = NDArray[np.float64]
@@ -28,7 +28,9 @@ def _seen(session: Session, pose: Pose) -> dict[str, Floats]:
     places += [
         ((i, p),) for i, part in enumerate(session.body.parts) for p in part.landmarks.values()
     ]
-    uv = session.camera.project(Places(skeleton, tuple(places)).at(pose_transforms(skeleton, pose)))
+    uv = session.camera.project(
+        BodyPoints(skeleton, tuple(places)).at(pose_transforms(skeleton, pose))
+    )
     return dict(zip(joint_names(skeleton), uv, strict=True))
 
 
@@ -44,7 +46,7 @@ def test_the_left_limbs_are_seen_where_the_right_ones_were(frame: int) -> None:
     skeleton = Skeleton.of(session.body)
     pose = next(k for k in session.keyframes if k.frame == frame).pose(skeleton)
     before = _seen(session, pose)
-    after = _seen(session, exchanged(skeleton, session.camera, pose))
+    after = _seen(session, sides_swapped(skeleton, session.camera, pose))
     away = [np.linalg.norm(after[_other(name)] - uv) for name, uv in before.items()]
     stayed = [np.linalg.norm(after[name] - uv) for name, uv in before.items()]
     assert np.mean(away) < 1.5
@@ -55,7 +57,7 @@ def test_a_really_filmed_man_is_turned_around_at_about_his_distance() -> None:
     session = recordings.session("balance")
     skeleton = Skeleton.of(session.body)
     pose = session.keyframes[0].pose(skeleton)
-    found = exchanged(skeleton, session.camera, pose)
+    found = sides_swapped(skeleton, session.camera, pose)
     assert found.p_camera_root[2] == pytest.approx(pose.p_camera_root[2], rel=0.1)
     before, after = _seen(session, pose), _seen(session, found)
     assert np.mean([np.linalg.norm(after[_other(n)] - uv) for n, uv in before.items()]) < 8.0

@@ -8,7 +8,7 @@ from pathlib import Path
 from threading import Event
 from typing import TypeAlias
 
-from app.jobs.batch.crew import Crew, Died, News
+from app.jobs.batch.pool import Died, News, WorkerPool
 from app.jobs.batch.task import Step, Summary, Task
 
 TRIES = 2
@@ -43,24 +43,24 @@ class Ended:
 Told: TypeAlias = Begun | Stepped | Ended
 
 
-def run(tasks: Sequence[Task], crew: Crew, stop: Event) -> Iterator[Told]:
+def run(tasks: Sequence[Task], pool: WorkerPool, stop: Event) -> Iterator[Told]:
     """Do all tasks and tell how it goes. `stop` set: nothing new is begun, and what is at work
     ends soon. The crew is the caller's to close."""
-    course = _Course(tasks)
+    course = _Scheduler(tasks)
     asked_to_stop = False
     while course.at_work or (course.waiting and not stop.is_set()):
         if stop.is_set() and not asked_to_stop:
             asked_to_stop = True
-            crew.stop()
-        while not stop.is_set() and crew.room() > 0 and (begun := course.next()) is not None:
-            crew.give(begun.number, tasks[begun.number])
+            pool.stop()
+        while not stop.is_set() and pool.room() > 0 and (begun := course.next()) is not None:
+            pool.give(begun.number, tasks[begun.number])
             yield begun
-        for news in crew.wait(LOOK_S):
-            yield from course.heard(news, stop)
+        for news in pool.wait(LOOK_S):
+            yield from course.receive(news, stop)
 
 
 @dataclass(eq=False)
-class _Course:
+class _Scheduler:
     """What waits, what is at work, and how often each has been tried.
 
     Two sessions of one folder are never at work together: the lock is the folder's.
@@ -86,7 +86,7 @@ class _Course:
                 return Begun(number, again=self.tries[number] > 1)
         return None
 
-    def heard(self, news: News, stop: Event) -> Iterator[Told]:
+    def receive(self, news: News, stop: Event) -> Iterator[Told]:
         number, what = news
         if isinstance(what, Step):
             yield Stepped(number, what)
@@ -97,8 +97,8 @@ class _Course:
         elif self.tries[number] < TRIES and not stop.is_set():
             self.waiting.insert(0, number)
         else:
-            yield Ended(number, self._given_up(number, what))
+            yield Ended(number, self._failed_summary(number, what))
 
-    def _given_up(self, number: int, died: Died) -> Summary:
+    def _failed_summary(self, number: int, died: Died) -> Summary:
         twice = ", twice" if self.tries[number] > 1 else ""
         return Summary(str(self.tasks[number].session), "failed", f"{died.words}{twice}.")

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from tracker.body.pose import Pose, pose_transforms
 from tracker.body.raster import BodyMesh
 from tracker.fitting.sizes.contours import Contour, contour_of, offsets
-from tracker.fitting.sizes.grounds import Grounds, cells_of, learnt, plates_of
-from tracker.fitting.sizes.shared import Rows, Shared, SharedFit
+from tracker.fitting.sizes.grounds import Grounds, cells_of, learn_grounds, plates_of
+from tracker.fitting.sizes.shared import Residuals, Shared, SharedFit
 from tracker.geometry.camera import Camera
 from tracker.session.settings import IgnoreMask
 from tracker.video.clip_loader import ClipLoader, WorkingSize
@@ -62,7 +62,7 @@ class Pictures:
         """What the pictures tell of parts that show where the contours say."""
         shown = [contour.shown for contour in seen]
         groups = fit.proportions.group_of
-        return learnt(self.rgb, self.usable, self.cells, shown, groups, self.plates)
+        return learn_grounds(self.rgb, self.usable, self.cells, shown, groups, self.plates)
 
 
 def _colours(video: Video, camera: Camera, size: WorkingSize, frame: int) -> NDArray[np.uint8]:
@@ -83,17 +83,19 @@ def contours(fit: SharedFit, shared: Shared, looked: Sequence[int]) -> list[Cont
 
 def contour_rows(
     fit: SharedFit, shared: Shared, k: int, contour: Contour, away: NDArray[np.float64]
-) -> Rows:
+) -> Residuals:
     """Pose k's contour points, to be moved outward by these pixels (M,), not where that is NaN."""
     known = np.isfinite(away)
     parts, normals = contour.parts[known], contour.normals[known]
     points = contour.points[known] / fit.proportions.ratios(shared.sizes)[parts]
     sigma = CONTOUR_PX * np.sqrt(np.maximum(1.0, np.bincount(parts)[parts] / ALONE))
-    rows = Rows(parts, points, normals, np.zeros(len(parts)), sigma)
-    return replace(rows, target=rows.along(fit.pixels(shared, k, rows)) + away[known])
+    residuals = Residuals(parts, points, normals, np.zeros(len(parts)), sigma)
+    return replace(
+        residuals, target=residuals.along(fit.pixels(shared, k, residuals)) + away[known]
+    )
 
 
-def joint_rows(fit: SharedFit, posed: Pose) -> Rows:
+def joint_rows(fit: SharedFit, posed: Pose) -> Residuals:
     """Joints and landmarks stay about where they were posed in the picture."""
     places = [
         (i, point)
@@ -106,13 +108,13 @@ def joint_rows(fit: SharedFit, posed: Pose) -> Rows:
     uv = fit.camera.project((T[:, :3, :3] @ points[..., None])[..., 0] + T[:, :3, 3])
     normals = np.repeat(np.eye(2), len(parts), axis=0)
     sigma = np.full(2 * len(parts), JOINT_PX)
-    return Rows(np.tile(parts, 2), np.tile(points, (2, 1)), normals, uv.T.ravel(), sigma)
+    return Residuals(np.tile(parts, 2), np.tile(points, (2, 1)), normals, uv.T.ravel(), sigma)
 
 
-def looked_up(
+def residuals_by_pose(
     fit: SharedFit, shared: Shared, looked: Sequence[int], seen: Sequence[Contour],
     grounds: Grounds, reach_px: float,
-) -> dict[int, Rows]:  # fmt: skip
+) -> dict[int, Residuals]:  # fmt: skip
     """The contour rows of the poses that are looked at."""
     return {
         k: contour_rows(fit, shared, k, contour, offsets(contour, grounds, j, reach_px))

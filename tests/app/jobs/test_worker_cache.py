@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from app.jobs.bench import Bench
+from app.jobs.worker_cache import WorkerCache
 from tests.tracker import session_cases as cases
 from tracker.errors import SessionError, VideoError
 from tracker.session import IgnoreMask, Session
@@ -24,14 +24,14 @@ def place(tmp_path: Path) -> Place:
 
 
 @pytest.fixture
-def bench() -> Iterator[Bench]:
-    made = Bench()
+def bench() -> Iterator[WorkerCache]:
+    made = WorkerCache()
     yield made
     made.close()
 
 
 def test_pictures_stay_prepared_when_keyframes_or_the_body_change(
-    bench: Bench, place: Place
+    bench: WorkerCache, place: Place
 ) -> None:
     of, video = place
     one = bench.tracker(of, video, 0, 4)
@@ -50,7 +50,7 @@ def test_pictures_stay_prepared_when_keyframes_or_the_body_change(
     assert one.loader.load(0, 4) is clip
 
 
-def test_the_body_is_laid_out_once(bench: Bench, place: Place) -> None:
+def test_the_body_is_laid_out_once(bench: WorkerCache, place: Place) -> None:
     of, video = place
     again = Session.model_validate_json(of.model_dump_json())
     one, other = bench.tracker(of, video, 0, 4), bench.tracker(again, video, 4, 8)
@@ -71,7 +71,7 @@ def mask() -> IgnoreMask:
     ids=["camera", "mask", "static"],
 )
 def test_pictures_are_prepared_anew_for_another_camera_mask_or_plate(
-    bench: Bench, place: Place, change: dict[str, Any]
+    bench: WorkerCache, place: Place, change: dict[str, Any]
 ) -> None:
     of, video = place
     one = bench.tracker(of, video, 0, 4)
@@ -81,7 +81,7 @@ def test_pictures_are_prepared_anew_for_another_camera_mask_or_plate(
 
 
 def test_another_video_at_the_same_place_is_opened(
-    bench: Bench, place: Place, tmp_path: Path
+    bench: WorkerCache, place: Place, tmp_path: Path
 ) -> None:
     of, video = place
     one = bench.tracker(of, video, 0, 4)
@@ -92,7 +92,7 @@ def test_another_video_at_the_same_place_is_opened(
     assert other.loader.video is not one.loader.video
 
 
-def test_a_video_that_is_gone_is_told_in_one_sentence(bench: Bench, place: Place) -> None:
+def test_a_video_that_is_gone_is_told_in_one_sentence(bench: WorkerCache, place: Place) -> None:
     of, video = place
     bench.tracker(of, video, 0, 4)
     shutil.rmtree(video)
@@ -100,7 +100,7 @@ def test_a_video_that_is_gone_is_told_in_one_sentence(bench: Bench, place: Place
         bench.tracker(of, video, 0, 4)
 
 
-def test_a_segment_without_its_keyframe_is_refused(bench: Bench, place: Place) -> None:
+def test_a_segment_without_its_keyframe_is_refused(bench: WorkerCache, place: Place) -> None:
     of, video = place
     with pytest.raises(SessionError, match=r"^Frame 3 has no keyframe"):
         bench.tracker(of, video, 0, 3)

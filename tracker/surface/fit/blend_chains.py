@@ -36,7 +36,7 @@ class Joined:
     missing: int = 0
 
 
-def joined(
+def join_chains(
     skeleton: Skeleton,
     span: tuple[int, int],
     chains: Sequence[Sequence[Link]],
@@ -60,7 +60,7 @@ def joined(
 def _whole(chain: Sequence[Link], keyposes: Mapping[int, Pose]) -> list[Link]:
     """One chain in the order of the frames; a keyframe at its far end is never changed."""
     far = chain[-1].frame
-    links = filled(sorted(chain, key=lambda link: link.frame))
+    links = fill_gaps(sorted(chain, key=lambda link: link.frame))
     if far in keyposes:
         place = 0 if links[0].frame == far else -1
         links[place] = replace(links[place], pose=keyposes[far])
@@ -80,7 +80,9 @@ def _as_far_as(
         if frame in keyed:
             known[frame] = keyed[frame]
         elif len(there) == 2:
-            known[frame] = blended(skeleton, there[0], there[1], (frame - first) / (last - first))
+            known[frame] = blend_links(
+                skeleton, there[0], there[1], (frame - first) / (last - first)
+            )
         elif there:
             known[frame] = there[0]
     pose = known[min(known)].pose
@@ -91,10 +93,10 @@ def _as_far_as(
         pose = link.pose
     beyond = [frame for frame in range(first, last + 1) if frame not in known]
     unreached = (beyond[0], beyond[-1]) if beyond else None
-    return Joined(tuple(filled(links)), None, unreached, missing)
+    return Joined(tuple(fill_gaps(links)), None, unreached, missing)
 
 
-def filled(links: Sequence[Link]) -> list[Link]:
+def fill_gaps(links: Sequence[Link]) -> list[Link]:
     """Links of consecutive frames; where a step could not be used, its pose leads over evenly."""
     good = [k for k, link in enumerate(links) if link.step is not None]
     whole = list(links)
@@ -106,7 +108,7 @@ def filled(links: Sequence[Link]) -> list[Link]:
     return whole
 
 
-def blended(skeleton: Skeleton, forward: Link, backward: Link, share: float) -> Link:
+def blend_links(skeleton: Skeleton, forward: Link, backward: Link, share: float) -> Link:
     """One link of the two that chains from both keyframes have at a frame.
 
     share: how far the frame lies from the first keyframe to the second, 0 to 1. Each part leans to
@@ -143,7 +145,7 @@ def _mixed(one: Pose, other: Pose, share: Array | float) -> Pose:
 def _both(skeleton: Skeleton, one: Sequence[Link], two: Sequence[Link]) -> list[Link]:
     """Two chains as one; the keyframes at both ends stay as they are."""
     inner = [
-        blended(skeleton, ahead, behind, k / (len(one) - 1))
+        blend_links(skeleton, ahead, behind, k / (len(one) - 1))
         for k, (ahead, behind) in enumerate(zip(one, two, strict=True))
     ]
     return [one[0], *inner[1:-1], two[-1]]
