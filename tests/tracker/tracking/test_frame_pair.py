@@ -311,7 +311,7 @@ def test_a_path_out_of_the_picture_scores_worse_than_the_truth(box: Case, score:
 
 def test_following_runs_both_ways_and_the_blend_starts_at_each_keyframe(box: Case) -> None:
     scene, clip = box.scene(), box.clip()
-    how = {"of": 4, "inner": 4, "stop": 1e-3}
+    how = {"stride": 4, "inner": 4, "stop": 1e-3}
     there = follow(scene, clip, box.truth.pose(0), 0, 4, **how)
     back = follow(scene, clip, box.truth.pose(4), 4, 0, **how)
     for chain, start in ((there, 0), (back, 4)):
