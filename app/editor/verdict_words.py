@@ -33,11 +33,14 @@ def sentence(verdict: Verdict, first: int, last: int) -> str:
     said = short_sentence(verdict, first, last)
     if verdict.cause == "not_followed" and verdict.go is not None:
         return f"{said}. {add_keyframe(verdict.go)}"
+    if verdict.kind == "check" and verdict.cause != "other":
+        return f"Check: {_checked(verdict, first, last)}"
     return said
 
 
 def short_sentence(verdict: Verdict, first: int, last: int) -> str:
-    """The same without the keyframe to add, for places that say this by themselves: "Lost"."""
+    """The same for places whose sign says "check", and whose button the keyframe to add: "Right
+    hand hidden, frames 31–36", "Lost"."""
     if verdict.cause == "good":
         return "Good"
     if verdict.cause == "other":
@@ -46,8 +49,13 @@ def short_sentence(verdict: Verdict, first: int, last: int) -> str:
         return "Lost"
     if verdict.kind == "lost":
         return f"Lost. {reason(verdict, capital=True)}"
+    return _checked(verdict, first, last, capital=True)
+
+
+def _checked(verdict: Verdict, first: int, last: int, capital: bool = False) -> str:
+    """Why, with the frames unless they are all."""
     is_all = verdict.frames is None or _is_all(verdict.frames, first, last)
-    return f"Check: {reason(verdict) if is_all else reason_with_frames(verdict)}"
+    return reason(verdict, capital) if is_all else reason_with_frames(verdict, capital)
 
 
 def reason(verdict: Verdict, capital: bool = False) -> str:

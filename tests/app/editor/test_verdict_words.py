@@ -50,8 +50,13 @@ def test_there_is_a_sentence_for_every_cause() -> None:
 
 def test_beside_a_button_that_adds_the_keyframe_the_sentence_is_short() -> None:
     assert short_sentence(Verdict.not_followed(37), 24, 48) == "Lost"
+
+
+def test_beside_the_sign_for_check_the_sentence_does_not_say_check_again() -> None:
     others = [verdict for verdict in SAID.values() if verdict.cause != "not_followed"]
-    assert [short_sentence(v, 24, 48) for v in others] == [sentence(v, 24, 48) for v in others]
+    short = [short_sentence(verdict, 24, 48) for verdict in others]
+    whole = [sentence(verdict, 24, 48).removeprefix("Check: ") for verdict in others]
+    assert short == [words[:1].upper() + words[1:] for words in whole]
 
 
 def test_as_a_reason_a_verdict_always_names_its_frames() -> None:
