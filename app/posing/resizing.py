@@ -6,13 +6,12 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from pydantic import ValidationError
-
 from app.posing.words import kind_of
 from tracker.body import scaling
 from tracker.body.body import Body, Part, Point
+from tracker.body.scaling import with_parts
 from tracker.body.shapes import Shape
-from tracker.errors import BodyError, one_sentence
+from tracker.errors import BodyError
 
 SMALLEST_CM = 0.2
 LARGEST_CM = 1000.0
@@ -85,7 +84,7 @@ def with_size(body: Body, part: str, key: str, cm: float, *, linked: bool = True
             update["joint_m"] = _carrier(parent, parent.with_size(key, cm / 100))(given.joint_m)
         return given.model_copy(update=update) if update else given
 
-    return _validated(body, tuple(map(change, body.parts)))
+    return with_parts(body, tuple(map(change, body.parts)))
 
 
 def with_joint(
@@ -140,11 +139,3 @@ def _carrier(before: Shape, after: Shape) -> Callable[[Point], Point]:
         return x * wide, y * along, z * deep
 
     return carried
-
-
-def _validated(body: Body, parts: tuple[Part, ...]) -> Body:
-    # model_copy does not validate, so the whole body is read again: sizes have bounds.
-    try:
-        return Body.model_validate({**body.model_dump(), "parts": [p.model_dump() for p in parts]})
-    except ValidationError as error:
-        raise BodyError(f"This size is not possible: {one_sentence(error)}") from None

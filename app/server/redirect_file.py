@@ -44,12 +44,10 @@ class RedirectFile:
 
 
 def _private_folder(workspace: Path) -> Path:
-    try:
+    with suppress(KeyposeError, OSError):  # a workspace that cannot be written to
         make_folder(workspace, error=KeyposeError)
         _sweep(workspace)
         return Path(tempfile.mkdtemp(prefix=_PREFIX, dir=workspace))
-    except (KeyposeError, OSError):
-        pass
     try:
         return Path(tempfile.mkdtemp(prefix="keypose-"))
     except OSError as problem:

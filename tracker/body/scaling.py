@@ -21,7 +21,7 @@ from tracker.errors import BodyError, one_sentence
 def scaled(body: Body, factor: float) -> Body:
     """The body with every length, joint and landmark multiplied by `factor` (a ratio above 0)."""
     _require_ratio("factor", factor)
-    return _rebuilt(body, (_stretched(part, factor, factor, factor) for part in body.parts))
+    return with_parts(body, (_stretched(part, factor, factor, factor) for part in body.parts))
 
 
 def height(body: Body) -> float:
@@ -65,7 +65,7 @@ def resized(
             return part.model_copy(update={"joint_m": joint})
         return part
 
-    return _rebuilt(body, map(change, body.parts))
+    return with_parts(body, map(change, body.parts))
 
 
 def joint_moved(body: Body, part_name: str, joint_m: Point, *, linked: bool = True) -> Body:
@@ -85,7 +85,7 @@ def joint_moved(body: Body, part_name: str, joint_m: Point, *, linked: bool = Tr
         place = (x, y, z) if part.name == part_name else (-x, y, z)
         return part.model_copy(update={"joint_m": place})
 
-    return _rebuilt(body, map(change, body.parts))
+    return with_parts(body, map(change, body.parts))
 
 
 def _sides(body: Body, name: str, linked: bool) -> set[str]:
@@ -113,7 +113,8 @@ def _require_ratio(name: str, value: float) -> None:
         raise BodyError(f"The {name} is {value}; it must be a number above 0.")
 
 
-def _rebuilt(body: Body, parts: Iterable[Part]) -> Body:
+def with_parts(body: Body, parts: Iterable[Part]) -> Body:
+    """The body with these parts instead; BodyError in one sentence where they make none."""
     # model_copy does not validate, so the whole body is read again: sizes have bounds.
     try:
         return Body.model_validate({**body.model_dump(), "parts": [p.model_dump() for p in parts]})
