@@ -36,7 +36,8 @@ check: .venv/.ready-dev
 	@if node -e 'process.exit(parseInt(process.version.slice(1)) < 18 ? 1 : 0)' 2> /dev/null && command -v npm > /dev/null; then \
 	    $(MAKE) --silent --no-print-directory $(NODE_TOOLS)/.ready && \
 	    $(NODE_TOOLS)/.bin/eslint --config tests/page/eslint.config.js --max-warnings 0 static tests/page && \
-	    $(NODE_TOOLS)/.bin/tsc --project tests/page; \
+	    $(NODE_TOOLS)/.bin/tsc --project tests/page && \
+	    $(NODE_TOOLS)/.bin/tsc --project tests/page/tsconfig.strict.json; \
 	else \
 	    echo "There is no Node 18 or newer with npm: eslint and tsc are skipped."; \
 	fi

@@ -1,8 +1,8 @@
 // The page's rooms, put together.
 
 import { connect } from './store/link.js';
-import { mount as mountMemory } from './store/remember.js';
 import { server, ui, watch } from './store/state.js';
+import { mountMemory } from './store/storage.js';
 import { mount as mountViews, view } from './views/views.js';
 import { mount as mountHandles } from './handles/handles.js';
 import { mount as mountInspector } from './inspector/inspector.js';

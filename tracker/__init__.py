@@ -17,7 +17,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import Any
 
-_HOMES = {
+_MODULES = {
     "Body": "tracker.body.body",
     "Camera": "tracker.geometry.camera",
     "Keyframe": "tracker.session",
@@ -25,12 +25,12 @@ _HOMES = {
     "PassFinished": "tracker.tracking.pool",
     "Pose": "tracker.body.pose",
     "SegmentFinished": "tracker.tracking.pool",
-    "SegmentResult": "tracker.tracking.pool",
+    "SegmentResult": "tracker.tracking.result",
     "SegmentStarted": "tracker.tracking.pool",
     "Session": "tracker.session",
     "Skeleton": "tracker.body.skeleton",
     "TrackFinished": "tracker.tracking.pool",
-    "TrackResult": "tracker.tracking.pool",
+    "TrackResult": "tracker.tracking.result",
     "TrackSettings": "tracker.session",
     "Tracker": "tracker.tracking.tracker",
     "Trajectory": "tracker.body.trajectory",
@@ -48,13 +48,13 @@ _HOMES = {
     "verdict_words": "tracker.formats.verdict_words",
 }
 
-__all__ = sorted(_HOMES)
+__all__ = sorted(_MODULES)
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
+    if name not in _MODULES:
         raise AttributeError(f"module 'tracker' has no attribute {name!r}")
-    return getattr(import_module(_HOMES[name]), name)
+    return getattr(import_module(_MODULES[name]), name)
 
 
 def __dir__() -> list[str]:

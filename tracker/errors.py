@@ -1,4 +1,4 @@
-"""The exceptions a caller may meet. Every text is one plain sentence: what was wrong, what to do.
+"""The exceptions of the package. Every message is one sentence: what was wrong, what to do.
 
 KeyposeError
 ├── VideoError      a video that cannot be read, or a frame that is not there
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class KeyposeError(Exception):
-    """Something the user can mend; the text is one sentence and needs no traceback."""
+    """Something the user can fix; the message is one sentence and needs no traceback."""
 
 
 class VideoError(KeyposeError):

@@ -59,7 +59,7 @@ class Measure:
 
 @dataclass(frozen=True)
 class Errors:
-    """The errors of one motion; None where the reference does not tell.
+    """The errors of one motion; None where the reference does not have them.
 
     pixels:     distance in the picture, of the joints.
     distance_m: distance in space, of the joints.
@@ -115,7 +115,7 @@ def evaluate(
 ) -> Evaluation:
     """Errors against known poses of the same body.
 
-    open_ends: those of the keyframes' frames at which nobody set a pose.
+    open_ends: those of the keyframes' frames without a posed keyframe.
     FormatError when the reference is of another body, or has no frame between two keyframes.
     """
     if truth.Rs_parent_part.shape[1] != skeleton.part_count:
@@ -153,7 +153,9 @@ def evaluate_joints(
     known = reference.positions[np.searchsorted(reference.frames, frames)]
 
     def errors(motion: Trajectory) -> Errors:
-        ours = _located(motion.transforms(skeleton)[frames - motion.first_frame], reference.places)
+        ours = _positions(
+            motion.transforms(skeleton)[frames - motion.first_frame], reference.places
+        )
         if reference.has_depth:
             return _spatial(camera, ours, known, reference.names)
         return Errors(Measure.of(_distance(camera.project(ours), known), reference.names))
@@ -179,7 +181,7 @@ def _frames_and_interpolation(
     return available[inside], joined(pieces)
 
 
-def _located(Ts_camera_part: Array, places: Sequence[BodyPoint]) -> Array:
+def _positions(Ts_camera_part: Array, places: Sequence[BodyPoint]) -> Array:
     """Places (F, J, 3) in the camera frame of parts at T (F, P, 4, 4)."""
     joints = []
     for place in places:

@@ -1,4 +1,4 @@
-"""Opening files that somebody else may have put there.
+"""Opening files that another program or person may have put there.
 
 A name in a folder from elsewhere may be a link to any file of the user, a pipe that waits for ever
 or a device that never ends. Foreign files are read as regular files of at most so many bytes. Files
@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import BinaryIO
 
 _ALWAYS = getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_NONBLOCK", 0)
-"""Without waiting: a pipe put there after it was looked at would hang."""
+"""Does not block: a pipe put there after the check would hang."""
 
 
 class NotRegular(OSError):
@@ -35,7 +35,7 @@ class TooLarge(OSError):
 
 def open_regular(path: Path) -> BinaryIO:
     """A file open for reading. OSError, NotRegular among them, with a reason in `strerror`."""
-    # Looked at before it is opened: opening a device may already do something.
+    # Checked before it is opened: opening a device may already do something.
     _require_regular(path, path.stat())
     file = os.fdopen(os.open(path, os.O_RDONLY | _ALWAYS), "rb")
     try:
@@ -49,7 +49,7 @@ def open_regular(path: Path) -> BinaryIO:
 def read_regular(path: Path, most_bytes: int) -> bytes:
     """All of a file. OSError as `open_regular`, and TooLarge where it has more bytes than that."""
     with open_regular(path) as file:
-        return _bounded(path, file, most_bytes)
+        return _read_at_most(path, file, most_bytes)
 
 
 def read_head(path: Path, most_bytes: int) -> bytes:
@@ -83,7 +83,7 @@ def open_own(path: Path, flags: int, mode: int = 0o644, *, one_name: bool = True
 def read_own(path: Path, most_bytes: int) -> bytes:
     """All of a file that Keypose keeps for itself, through no link. OSError as `read_regular`.
 
-    A second name, as a backup of hard links gives it, does no harm to what is only read.
+    A second name, as in a backup with hard links, is harmless for reading.
     """
     _require_no_link(path, path.lstat())
     return read_regular(path, most_bytes)
@@ -97,7 +97,7 @@ def read_private(path: Path, most_bytes: int) -> bytes:
         # A home folder is its owner's on systems without POSIX, and modes say nothing there.
         if os.name == "posix" and (facts.st_uid != os.getuid() or facts.st_mode & 0o077):
             raise NotRegular(path, "others may read or change it")
-        return _bounded(path, file, most_bytes)
+        return _read_at_most(path, file, most_bytes)
 
 
 def require_own(path: Path, facts: os.stat_result, *, one_name: bool = True) -> None:
@@ -109,8 +109,8 @@ def require_own(path: Path, facts: os.stat_result, *, one_name: bool = True) -> 
         raise NotRegular(path, "the same file has another name elsewhere")
 
 
-def _bounded(path: Path, file: BinaryIO, most_bytes: int) -> bytes:
-    """The size a file claims is not believed: one in /proc claims none, another may grow."""
+def _read_at_most(path: Path, file: BinaryIO, most_bytes: int) -> bytes:
+    """Reads at most the limit: the size of a file may be wrong (0 in /proc) or grow."""
     content = file.read(most_bytes + 1)
     if len(content) > most_bytes:
         raise TooLarge(path, most_bytes)

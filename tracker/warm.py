@@ -1,8 +1,8 @@
 """Getting the compiled loops ready before they are needed.
 
 The first run on a machine compiles them, which takes about a minute; later runs load them from
-disk. `warm` does either by tracking a tiny grey box, so that whoever serves a person can do it
-while the person's video is still being read.
+disk. `warm` does either by tracking a tiny grey box, so that it can be done while a
+person's video is still being read.
 """
 
 from __future__ import annotations
@@ -20,14 +20,16 @@ from tracker.body.pose import Pose, pose_transforms
 from tracker.body.raster import BodyMesh, raster
 from tracker.body.shapes import Box
 from tracker.body.skeleton import Skeleton
-from tracker.fitting.pose.likeness import Likeness, texture_of
+from tracker.fitting.pose.likeness import Likeness
+from tracker.fitting.pose.texture import texture_of
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import transform
 from tracker.geometry.view import ViewCamera
+from tracker.solver.posed import Posed
 from tracker.tracking.cycle import track_segment
 from tracker.tracking.diagnostics.observability import observe
 from tracker.tracking.initial.templates.patch import Patch
-from tracker.tracking.initial.templates.search import Shown, cut, find_match
+from tracker.tracking.initial.templates.search import GreyPicture, cut, find_match
 from tracker.tracking.method import FULL, PREVIEW
 from tracker.tracking.scene import Scene
 from tracker.tracking.segment import Segment
@@ -93,12 +95,12 @@ def warm_hulls() -> None:
 
 
 def _surface(body: Body, pose: Pose, camera: Camera) -> None:
-    """A surface laid onto itself, and drawn."""
+    """A surface compared with itself, and drawn."""
     from tracker.surface.fit.model import SurfaceModel
     from tracker.surface.fit.options import Options
     from tracker.surface.fit.pairing import Observed
     from tracker.surface.fit.solving import fit_pose
-    from tracker.surface.fit.vertex_scalars import look
+    from tracker.surface.fit.vertex_scalars import vertex_scalars
     from tracker.surface.mesh import SurfaceMesh
     from tracker.surface.painting import paint
 
@@ -107,17 +109,18 @@ def _surface(body: Body, pose: Pose, camera: Camera) -> None:
     options = Options(points=50)
     model = SurfaceModel.of(mesh, body, pose, options.points)
     fit_pose(model, Observed.of(mesh, options), pose, options)
-    look(model, mesh, pose, "distance")
+    vertex_scalars(model, mesh, pose, "distance")
     paint(mesh, camera)
 
 
 def _compare(scene: Scene, pictures: Sequence[Picture], pose: Pose) -> None:
     """A frame beside its own texture."""
     likeness = Likeness(scene, pictures, [texture_of(scene, pictures, pose, 1.0)])
-    likeness.look(pose)
+    likeness.update_visibility(pose)
+    posed = Posed.of(scene.skeleton, pose)
     for level in range(len(pictures)):
         for fine in (False, True):
-            likeness.equations(pose, level, fine)
+            likeness.term(posed, level, fine).equations(posed)
     likeness.score(pose)
 
 
@@ -127,13 +130,13 @@ def _match(picture: Picture) -> None:
     patch = Patch.cut(picture, (24.0, 24.0, 0.0, 0.0), 6, picture[..., 3] > 0)
     assert template is not None
     assert patch is not None
-    find_match(template, Shown.of(picture), np.array([25.0, 23.0]), 3)
-    patch.settled(picture, (25.0, 23.0, 0.0, 0.0))
+    find_match(template, GreyPicture.of(picture), np.array([25.0, 23.0]), 3)
+    patch.refine(picture, (25.0, 23.0, 0.0, 0.0))
 
 
 def _mark(name: str) -> Path:
-    """A mark in the cache that holds for the loops as they lie here: numba compiles them anew
-    where their files lie elsewhere or were written again, even with the same text."""
+    """A mark in the cache, valid for the loops' present files: numba compiles them again where
+    their files are elsewhere or were rewritten, even with the same text."""
     files = sorted(Path(kernels.__file__).absolute().parent.glob("*.py"))
     stamps = [(str(file), (facts := file.stat()).st_mtime_ns, facts.st_size) for file in files]
     stamp = hashlib.sha256(repr(stamps).encode()).hexdigest()[:12]

@@ -11,6 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypeAlias
 
+from app.export.motion_formats import MotionFormat, formats_of
+
 Subcommands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 UNITS = ("m", "dm", "cm", "mm", "in", "ft")
@@ -25,14 +27,15 @@ def add_command(
     commands: Subcommands,
     name: str,
     run: Callable[[argparse.Namespace], int],
-    description: str,
+    summary: str,
+    details: str,
     examples: str,
 ) -> argparse.ArgumentParser:
-    """A new command; the first sentence of its description stands in the list of commands."""
+    """A new command; its summary, without a full stop, is shown in the list of commands, too."""
     command = commands.add_parser(
         name,
-        help=description.split(". ")[0].rstrip("."),
-        description=textwrap.fill(description, WIDTH),
+        help=summary,
+        description=textwrap.fill(f"{summary}. {details}", WIDTH),
         epilog=f"examples:\n{examples}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -46,16 +49,21 @@ def add_session(command: argparse.ArgumentParser) -> None:
     )
 
 
-def add_json(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "--json", action="store_true", help="print JSON on stdout, and nothing else"
-    )
+def add_json(
+    command: argparse.ArgumentParser, what: str = "print JSON on stdout, and nothing else"
+) -> None:
+    command.add_argument("--json", action="store_true", help=what)
 
 
 def add_overwrite(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "--overwrite", action="store_true", help="exchange files that are there already"
-    )
+    command.add_argument("--overwrite", action="store_true", help="overwrite existing files")
+
+
+def add_output(command: argparse.ArgumentParser, name: str, more: str | None = None) -> None:
+    """The file or folder that the command writes, and how that is reported."""
+    command.add_argument("--out", metavar=name, type=file_name, required=True, help=more)
+    add_json(command)
+    add_overwrite(command)
 
 
 def note(words: str | None) -> None:
@@ -112,14 +120,20 @@ def whole_number(least: int, most: int | None = None) -> Callable[[str], int]:
 
 
 def add_work(command: argparse.ArgumentParser) -> None:
-    """Of work on a session's segments: where results go, how many at a time, how it is told."""
+    """Of work on a session's segments: where results go, how many at a time, how it is printed."""
     command.add_argument(
         "--out", metavar="DIR", type=file_name, help="folder for session and results"
     )
     command.add_argument(
         "--workers", metavar="N", type=whole_number(1), default=1, help="segments at a time"
     )
-    command.add_argument(
-        "--json", action="store_true", help="print JSON lines: events, the summary last"
-    )
+    add_json(command, "print JSON lines: events, the summary last")
     add_overwrite(command)
+
+
+def motion_formats(text: str) -> tuple[MotionFormat, ...]:
+    """File formats of motion, with commas between."""
+    try:
+        return formats_of(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(f"invalid choice: {error}") from None

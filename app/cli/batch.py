@@ -14,17 +14,25 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.arguments import Subcommands, add_command, add_overwrite, file_name, whole_number
-from app.cli.batch_telling import Telling, telling
-from app.cli.interrupting import set_when_interrupted
-from app.cli.preparing import prepare_loops
+from app.cli.arguments import (
+    Subcommands,
+    add_command,
+    add_json,
+    add_overwrite,
+    file_name,
+    motion_formats,
+    whole_number,
+)
+from app.cli.batch_progress import BatchReporter, batch_reporter
+from app.cli.interrupts import set_when_interrupted
+from app.cli.warm_up import warm_tracker
 from tracker.errors import FormatError, KeyposeError, SessionError
 
 if TYPE_CHECKING:
     from app.jobs.batch.journal import Journal
     from app.jobs.batch.pool import WorkerPool
     from app.jobs.batch.report import Entry
-    from app.jobs.batch.scheduler import Told
+    from app.jobs.batch.scheduler import TaskEvent
     from app.jobs.batch.task import Summary, Task
 
 DONE, NOT_ALL, INTERRUPTED = 0, 1, 130
@@ -45,16 +53,16 @@ no password: keep them to a network you trust.
 
 
 def add(commands: Subcommands) -> None:
-    text = (
-        "Track saved sessions anew, many at a time, as the page would. Results are written beside "
-        "each session; keyframes are never changed, and a session that is open in the page is left "
-        "alone. What goes wrong with one does not stop the others. A table and a page, "
-        "batch-report.html, tell the outcome. Ctrl+C or SIGTERM keeps the segments that are "
-        "finished; the same command given again goes on with the sessions that were not done, and "
-        "once all have had their turn it begins anew. The exit code is 1 when tracking was lost "
-        "somewhere or a session was not done."
+    summary = "Track saved sessions anew, many at a time, as the page would"
+    details = (
+        "Results are written beside each session; keyframes are never changed, and a session that "
+        "is open in the page is left alone. What goes wrong with one does not stop the others. A "
+        "table and a page, batch-report.html, show the outcome. Ctrl+C or SIGTERM keeps the "
+        "segments that are finished; the same command given again continues with the sessions that "
+        "were not done, and once all have had their turn it begins anew. The exit code is 1 when "
+        "tracking was lost somewhere or a session was not done."
     )
-    command = add_command(commands, "batch", run, text, _EXAMPLES)
+    command = add_command(commands, "batch", run, summary, details, _EXAMPLES)
     command.add_argument(
         "paths",
         metavar="PATH",
@@ -74,7 +82,7 @@ def add(commands: Subcommands) -> None:
     command.add_argument(
         "--export",
         metavar="FORMAT[,FORMAT]",
-        type=_formats,
+        type=motion_formats,
         default=(),
         help="write the motion, too, beside each session or below --out; formats as of keypose "
         "export",
@@ -96,9 +104,7 @@ def add(commands: Subcommands) -> None:
     command.add_argument(
         "--scheduler", metavar="ADDRESS", help="work on the Dask cluster of this scheduler instead"
     )
-    command.add_argument(
-        "--json", action="store_true", help="print JSON lines: events, the summary last"
-    )
+    add_json(command, "print JSON lines: events, the summary last")
     add_overwrite(command)
 
 
@@ -119,15 +125,15 @@ def run(arguments: argparse.Namespace) -> int:
         processes = min(_workers(arguments), len(sessions))
         with (
             _pool(arguments, processes) as pool,
-            telling(batch.names, [str(s) for s in sessions], arguments.json) as told,
+            batch_reporter(batch.names, [str(s) for s in sessions], arguments.json) as reporter,
         ):
-            told.start(len(journal.done & {str(session) for session in sessions}))
-            whole = batch.run(pool, told)
+            reporter.start(len(journal.done & {str(session) for session in sessions}))
+            whole = batch.run(pool, reporter)
         if whole:
             batch.note(journal.end)
     seconds = time.monotonic() - began
     report = _report(batch, place, seconds) if whole else None
-    told.finish(batch.entries, report, seconds, interrupted=not whole)
+    reporter.finish(batch.entries, report, seconds, interrupted=not whole)
     return _code(batch, whole)
 
 
@@ -151,15 +157,6 @@ def _code(batch: _Batch, whole: bool) -> int:
     if batch.problem is not None:
         raise batch.problem
     return DONE
-
-
-def _formats(text: str) -> tuple[str, ...]:
-    from app.jobs.batch.exporting import formats_of
-
-    try:
-        return formats_of(text)
-    except ValueError as problem:
-        raise argparse.ArgumentTypeError(f"invalid choice: {problem}") from None
 
 
 def _require_place(out: Path) -> None:
@@ -194,12 +191,12 @@ def _pool(arguments: argparse.Namespace, processes: int) -> Iterator[WorkerPool]
         from app.jobs.batch.cluster import ClusterPool
 
         pool = ClusterPool(arguments.scheduler)
-        if not pool.room():
+        if not pool.free_slots():
             print("The cluster has no workers yet: waiting for one.", file=sys.stderr)
     else:
         from app.jobs.batch.pool import LocalPool
 
-        prepare_loops()  # here, before several processes would do it at the same time
+        warm_tracker()  # here, before several processes would do it at the same time
         pool = LocalPool(processes)
     try:
         yield pool
@@ -249,10 +246,10 @@ def _tasks(
     return tasks
 
 
-def _tell(telling: Telling, event: Told) -> None:
-    """KeyposeError where it cannot be told, but for want of a reader."""
+def _report_event(reporter: BatchReporter, event: TaskEvent) -> None:
+    """KeyposeError where it cannot be printed, unless nobody reads the output."""
     try:
-        telling.tell(event)
+        reporter.event(event)
     except BrokenPipeError:
         raise
     except OSError as error:
@@ -281,21 +278,21 @@ class _Batch:
             return False
         return True
 
-    def run(self, pool: WorkerPool, telling: Telling) -> bool:
+    def run(self, pool: WorkerPool, reporter: BatchReporter) -> bool:
         """Do all; False when it was interrupted."""
-        from app.jobs.batch.scheduler import Begun, Ended, run
+        from app.jobs.batch.scheduler import TaskFinished, TaskStarted, run
 
         stop = threading.Event()
         with set_when_interrupted(stop):
             for event in run(self.tasks, pool, stop):
                 session = self.tasks[event.number].session
-                if isinstance(event, Begun):
+                if isinstance(event, TaskStarted):
                     self.note(partial(self.journal.begin, session))
-                elif isinstance(event, Ended):
+                elif isinstance(event, TaskFinished):
                     self.summaries[event.number] = event.summary
                     if event.summary.is_done:
                         self.note(partial(self.journal.finish, session))
-                self.note(partial(_tell, telling, event))
+                self.note(partial(_report_event, reporter, event))
         had_all = len(self.summaries) == len(self.tasks)
         return had_all and all(s.state != "interrupted" for s in self.summaries.values())
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.cli.arguments import Subcommands, add_command, add_json, add_session, file_name, note
-from app.cli.json_output import plain, print_json
+from app.cli.json_output import json_value, print_json
 
 if TYPE_CHECKING:
     from tracker.evaluate import Evaluation, Measure, Spread
@@ -27,13 +27,13 @@ _KINDS = {
 
 
 def add(commands: Subcommands) -> None:
-    text = (
-        "Measure the tracked motion against a reference. Only frames strictly between keyframes "
-        "count, those that the motion was tracked with, and their linear interpolation stands "
-        "beside. A reference is an .npz file of poses or joint positions, or a .json file of "
-        "marked joints in pixels."
+    summary = "Measure the tracked motion against a reference"
+    details = (
+        "Only frames strictly between keyframes count, those that the motion was tracked with; "
+        "their linear interpolation is shown for comparison. A reference is an .npz file of poses "
+        "or joint positions, or a .json file of marked joints in pixels."
     )
-    command = add_command(commands, "evaluate", run, text, _EXAMPLES)
+    command = add_command(commands, "evaluate", run, summary, details, _EXAMPLES)
     add_session(command)
     command.add_argument("--reference", metavar="FILE", type=file_name, required=True)
     add_json(command)
@@ -42,7 +42,7 @@ def add(commands: Subcommands) -> None:
 def run(arguments: argparse.Namespace) -> int:
     evaluation = _evaluation(arguments.session, arguments.reference)
     if arguments.json:
-        print_json({"reference": str(arguments.reference), **plain(evaluation)}, indent=2)
+        print_json({"reference": str(arguments.reference), **json_value(evaluation)}, indent=2)
         return 0
     print(f"{arguments.reference.name}: {len(evaluation.frames)} frames between keyframes")
     for line in _lines(evaluation):

@@ -9,18 +9,18 @@ from typing import TYPE_CHECKING
 from app.cli.arguments import (
     Subcommands,
     add_command,
-    add_json,
-    add_overwrite,
+    add_output,
     add_session,
-    file_name,
+    motion_formats,
     note,
 )
 from app.cli.json_output import print_written
 from app.cli.views import video_if_there
+from app.export.motion_formats import FORMATS
 from tracker.errors import FormatError
 
 if TYPE_CHECKING:
-    from app.export.motion_files import MotionFormat
+    from app.export.motion_formats import MotionFormat
     from tracker.geometry.rotations import Array
     from tracker.session import Session
     from tracker.storage.tracks import Tracks
@@ -32,34 +32,23 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    text = (
-        "Write the tracked motion for other programs. bvh: motion.bvh for animation programs, "
-        "centimetres and degrees. glb: motion.glb, the moving body for any 3D viewer, metres. "
-        "trc and c3d: motion.trc and motion.c3d, joints as markers for OpenSim and motion "
-        "laboratories, millimetres. All four have x right, y up, z toward the camera. csv: "
-        "joints.csv, metres in the camera frame (x right, y down, z forward), angles.csv, degrees, "
-        "and frames.csv, how far to trust every frame. npz: motion.npz, all of this and the camera "
-        "for NumPy, metres and radians. Frames that are not tracked stay empty in csv, npz, trc "
-        "and c3d; bvh and glb hold no gaps."
+    kinds = (f"{name}: {', '.join(kind.names)}, {kind.words}." for name, kind in FORMATS.items())
+    details = (
+        f"{' '.join(kinds)} Frames that are not "
+        "tracked stay empty in csv, npz, trc and c3d; bvh and glb hold no gaps."
     )
-    command = add_command(commands, "export", run, text, _EXAMPLES)
+    command = add_command(
+        commands, "export", run, "Write the tracked motion for other programs", details, _EXAMPLES
+    )
     add_session(command)
     command.add_argument(
         "--format",
         metavar="FORMAT[,FORMAT]",
-        type=_formats,
+        type=motion_formats,
         required=True,
-        help="one or several of bvh, glb, trc, c3d, csv, npz",
+        help=f"one or several of {', '.join(FORMATS)}",
     )
-    command.add_argument(
-        "--out",
-        metavar="DIR",
-        type=file_name,
-        required=True,
-        help="folder; made when it is missing",
-    )
-    add_json(command)
-    add_overwrite(command)
+    add_output(command, "DIR", "folder; made when it is missing")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -83,21 +72,6 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _formats(text: str) -> tuple[MotionFormat, ...]:
-    """The formats of a list with commas between, each once."""
-    from app.export.motion_files import FORMATS
-
-    names = dict.fromkeys(name.strip().lower() for name in text.split(","))
-    known = tuple(name for name in FORMATS if name in names)
-    unknown = [name for name in names if name not in FORMATS]
-    if unknown:
-        choices = ", ".join(FORMATS)
-        raise argparse.ArgumentTypeError(
-            f"invalid choice: {unknown[0][:40]!r} (choose from {choices})"
-        )
-    return known
-
-
 def _files(
     formats: tuple[MotionFormat, ...], session: Session, session_path: Path, tracks: Tracks
 ) -> dict[str, bytes]:
@@ -119,8 +93,9 @@ def _times_s(session: Session, session_path: Path) -> Array:
     with video_if_there(session, session_path, "times are those between keyframes") as video:
         if video is not None:
             return np.asarray(video.info.times_s)
-    if session.surface is not None:
-        return np.arange(session.video.frame_count) / session.surface.fps
+    stated = session.evidence.times_s()
+    if stated is not None:
+        return stated
     frames = [keyframe.frame for keyframe in session.keyframes]
     times_s = [keyframe.time_s for keyframe in session.keyframes]
     if len(frames) < 2 or min(np.diff(times_s)) <= 0:

@@ -13,22 +13,20 @@ from typing import TYPE_CHECKING, Any
 from app.cli.arguments import (
     Subcommands,
     add_command,
-    add_json,
-    add_overwrite,
+    add_output,
     add_session,
-    file_name,
     note,
 )
 from app.cli.json_output import print_json, print_written
 from app.cli.views import (
-    add_style,
-    add_tint,
+    add_look,
     film_view,
+    frame_range,
     rate,
+    require_frame,
     require_tint,
     session_to_draw,
     size,
-    stretch,
     video_if_there,
 )
 from tracker.errors import SessionError
@@ -41,7 +39,7 @@ if TYPE_CHECKING:
     from tracker.video import Video
 
 USUAL_FPS = 25.0
-"""Where neither the video nor two keyframes tell the pace."""
+"""Where neither the video nor two keyframes give the pace."""
 
 _EXAMPLES = """\
   keypose film session.json --out overlay.mp4
@@ -52,15 +50,15 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    text = (
-        "Film the body into an MP4 file (H.264, without sound). main lays it over the video, all "
-        "adds the views from the top, the side and the front; orbit goes once round the body "
-        "while it moves, camera stands still at an azimuth and an elevation about it, both on a "
-        "floor: an azimuth of 0 looks as the video's camera does, 90 from the right of its "
-        "picture. Frames keep their times; where one has no pose, it is shown without the body. "
-        "An observed surface is seen in every view."
+    summary = "Film the body into an MP4 file (H.264, without sound)"
+    details = (
+        "main draws it over the video, all adds the views from the top, the side and the front; "
+        "orbit goes once round the body while it moves, camera stands still at an azimuth and an "
+        "elevation about it, both on a floor: an azimuth of 0 looks as the video's camera does, 90 "
+        "from the right of its picture. Frames keep their times; where one has no pose, it is "
+        "shown without the body. An observed surface is seen in every view."
     )
-    command = add_command(commands, "film", run, text, _EXAMPLES)
+    command = add_command(commands, "film", run, summary, details, _EXAMPLES)
     add_session(command)
     command.add_argument(
         "--view",
@@ -73,20 +71,17 @@ def add(commands: Subcommands) -> None:
     command.add_argument(
         "--frames",
         metavar="A-B",
-        type=stretch,
+        type=frame_range,
         help="default: from the first that has a pose to the last",
     )
-    add_style(command)
-    add_tint(command)
+    add_look(command)
     command.add_argument(
         "--size", metavar="WxH", type=size, help="of the film, pixels; default: the video's"
     )
     command.add_argument(
         "--fps", metavar="N", type=rate, help="frames a second; default: the video's own times"
     )
-    command.add_argument("--out", metavar="FILE.mp4", type=file_name, required=True)
-    add_json(command)
-    add_overwrite(command)
+    add_output(command, "FILE.mp4")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -121,12 +116,11 @@ def _film(session: Session, poses: KnownPoses, arguments: argparse.Namespace) ->
     from app.render.films import Film
     from app.render.studio import Paint
 
-    known, count = poses.frames, session.video.frame_count
+    known = poses.frames
     if not known:
         raise SessionError(f"{arguments.session.name} has no pose to film: set a keyframe first.")
     first, last = arguments.frames or (known[0], known[-1])
-    if last >= count:
-        raise SessionError(f"There is no frame {last}; the video's frames are 0 to {count - 1}.")
+    require_frame(session, last)
     paint = Paint(arguments.style, arguments.opacity / 100)
     return Film(arguments.view, first, last, paint, arguments.size, arguments.tint)
 
@@ -137,7 +131,7 @@ def _video(session: Session, session_path: Path, film: Film) -> Any:
 
     if film.needs_video:
         return open_video_of(session, session_path)
-    if session.surface is not None:  # which knows the pace
+    if session.evidence.has_surface:  # and the session knows the pace
         return video_if_there(session, session_path, "the body is filmed without its surface")
     paced = len(session.keyframes) > 1
     pace = (
@@ -160,8 +154,8 @@ def _clock(session: Session, video: Video | None, film: Film, fps: Fraction | No
 
 
 def _fps_of_keyframes(session: Session) -> float:
-    if session.surface is not None:
-        return session.surface.fps
+    if session.evidence.fps is not None:
+        return session.evidence.fps
     keys = session.keyframes
     seconds = keys[-1].time_s - keys[0].time_s if keys else 0.0
     return (keys[-1].frame - keys[0].frame) / seconds if seconds > 0 else USUAL_FPS

@@ -1,4 +1,4 @@
-"""`keypose fit`: the motion of a body by observed surfaces, kept beside the session."""
+"""`keypose fit`: the motion of a body by observed surfaces, saved beside the session."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ _EXAMPLES = """\
   keypose fit scan --session scan.keypose/session.json
   keypose fit --session session.json --weights contact --out try --json > events.jsonl
 """
+_DETAILS = (
+    "The body is posed in the mesh of one step at least, in the page that `keypose open "
+    "MESHES` shows; that surface then moves with it. Results are written beside the session, "
+    "which then refers to them and keeps how it was fitted; with --out, a copy of the session "
+    "and the results go to that folder and the session stays as it is. An unusable mesh is "
+    "left out and reported. Ctrl+C or SIGTERM keeps the steps that are done. The exit code is "
+    "1 when the body was lost somewhere."
+)
 
 
 def add(commands: Subcommands) -> None:
-    text = (
-        "Fit the body to observed surfaces, one mesh per time step. The body is posed in the mesh "
-        "of one step at least, in the page that `keypose open MESHES` shows; that surface then "
-        "moves with it. Results are written beside the session, which then refers to them and "
-        "keeps how it was fitted; with --out, a copy of the session and the results go to that "
-        "folder and the session stays as it is. A mesh that cannot be used is left out, and told. "
-        "Ctrl+C or SIGTERM keeps the steps that are done. The exit code is 1 when the body was "
-        "lost somewhere."
-    )
-    command = add_command(commands, "fit", run, text, _EXAMPLES)
+    summary = "Fit the body to observed surfaces, one mesh per time step"
+    command = add_command(commands, "fit", run, summary, _DETAILS, _EXAMPLES)
     command.add_argument(
         "meshes",
         metavar="MESHES",
@@ -60,7 +60,7 @@ def add(commands: Subcommands) -> None:
         "--cameras",
         metavar="FILE",
         type=file_name,
-        help="the calibrated cameras whose images tell what of the surfaces is to be believed"
+        help="the calibrated cameras whose images show which parts of the surfaces are reliable"
         f"{of_session}",
     )
     command.add_argument(
@@ -93,14 +93,14 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from app.cli.outcome import tracked
+    from app.cli.outcome import track_and_save
     from app.jobs.rerun import require_trackable, with_settings
 
     session = _with_meshes(_session(arguments), arguments)
     require_trackable(session, arguments.session)
     surface = _surface(session, arguments)
     session = session.model_copy(update={"surface": surface})
-    return tracked(session, with_settings(session, None, arguments.quality), arguments)
+    return track_and_save(session, with_settings(session, None, arguments.quality), arguments)
 
 
 def _session(arguments: argparse.Namespace) -> Session:
@@ -145,10 +145,10 @@ def _with_meshes(session: Session, arguments: argparse.Namespace) -> Session:
 def _surface(session: Session, arguments: argparse.Namespace) -> Surface:
     """How the surfaces are to be fitted. What the poses were set by is not changed."""
     from app.document.new import path_from
+    from tracker.session.evidence import surface_of
     from tracker.surface.cameras.rig import Rig
 
-    surface = session.surface
-    assert surface is not None
+    surface = surface_of(session)
     for name, what in (("units", "in {}"), ("up", "with {} up")):
         said, known = getattr(arguments, name), getattr(surface, name)
         if said not in (None, known):

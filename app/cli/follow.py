@@ -1,4 +1,4 @@
-"""Following a track run: what it tells on the way, and what is left of it when interrupted."""
+"""Following a track run: its progress, and what is left of it when interrupted."""
 
 from __future__ import annotations
 
@@ -10,18 +10,19 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from app.cli.interrupting import set_when_interrupted
+from app.cli.interrupts import set_when_interrupted
 from app.cli.json_output import print_json, verdict_fields
 from app.jobs import JobFinished, PassFinished, Report, SegmentFinished
 from app.jobs.rerun import all_segments, rerun
 from tracker.errors import KeyposeError
-from tracker.storage.results import SegmentTrack, Span
+from tracker.storage.results import Span
+from tracker.tracking.result import SegmentResult
 
 if TYPE_CHECKING:
     from tracker.session import Session
     from tracker.video import Video
 
-Telling: TypeAlias = Callable[[Report], None]
+Send: TypeAlias = Callable[[Report], None]
 Places: TypeAlias = Mapping[Span, int]
 """Of every segment, its number among all."""
 
@@ -31,29 +32,29 @@ class Run:
     """The finished segments; `interrupted` when the person stopped before all were, and `error`
     what else ended the run early."""
 
-    found: tuple[SegmentTrack, ...]
+    found: tuple[SegmentResult, ...]
     interrupted: bool = False
     error: KeyposeError | None = None
 
 
 def follow(session: Session, session_path: Path, video: Video, workers: int, as_json: bool) -> Run:
-    """Track, and tell on the way: JSON lines, a bar at a terminal, or a line per segment.
+    """Track and report the progress: JSON lines, a bar at a terminal, or a line per segment.
 
     However the run ends, the segments finished by then are in it. The first Ctrl+C or SIGTERM
     lets the tracker come to rest and say all it has finished; a second one breaks off even that.
     """
     stop = threading.Event()
     given = (session, session_path, video, all_segments(session))
-    finished: dict[Span, SegmentTrack] = {}
+    finished: dict[Span, SegmentResult] = {}
     cancelled = False
-    with set_when_interrupted(stop), _telling(session, as_json) as tell:
+    with set_when_interrupted(stop), _reporter(session, as_json) as send:
         try:
             for report in rerun(*given, workers=workers, stop=stop):
                 if isinstance(report, SegmentFinished):
-                    finished[report.track.span] = report.track
+                    finished[report.result.span] = report.result
                 if isinstance(report, JobFinished):
                     cancelled = report.cancelled
-                _tell(tell, report, stop)
+                _send_or_stop(send, report, stop)
         except KeyboardInterrupt:
             return Run(_in_order(finished), interrupted=True)
         except KeyposeError as error:
@@ -61,25 +62,25 @@ def follow(session: Session, session_path: Path, video: Video, workers: int, as_
     return Run(_in_order(finished), interrupted=cancelled)
 
 
-def _tell(tell: Telling, report: Report, stop: threading.Event) -> None:
+def _send_or_stop(send: Send, report: Report, stop: threading.Event) -> None:
     try:
-        tell(report)
+        send(report)
     except OSError:  # nobody listens any more
         stop.set()
 
 
-def _in_order(finished: Mapping[Span, SegmentTrack]) -> tuple[SegmentTrack, ...]:
+def _in_order(finished: Mapping[Span, SegmentResult]) -> tuple[SegmentResult, ...]:
     return tuple(finished[span] for span in sorted(finished))
 
 
 @contextmanager
-def _telling(session: Session, as_json: bool) -> Iterator[Telling]:
+def _reporter(session: Session, as_json: bool) -> Iterator[Send]:
     places = {wanted[:2]: index for index, wanted in enumerate(all_segments(session))}
     if as_json:
-        yield _JsonLines(places).tell
+        yield _JsonReporter(places).send
     elif sys.stderr.isatty():
-        with _bar(session) as tell:
-            yield tell
+        with _bar(session) as send:
+            yield send
     else:
         yield lambda report: _line(report, places)
 
@@ -87,7 +88,7 @@ def _telling(session: Session, as_json: bool) -> Iterator[Telling]:
 def _line(report: Report, places: Places) -> None:
     """One quiet line for each finished segment, for logs."""
     if isinstance(report, SegmentFinished):
-        track = report.track
+        track = report.result
         print(
             f"segment {places[track.span] + 1} of {len(places)}, frames "
             f"{track.first}–{track.last}: {track.kind}",
@@ -97,7 +98,7 @@ def _line(report: Report, places: Places) -> None:
 
 
 @contextmanager
-def _bar(session: Session) -> Iterator[Telling]:
+def _bar(session: Session) -> Iterator[Send]:
     """A bar that counts frames: a segment's share of passes done is that share of its frames."""
     from tqdm import tqdm
 
@@ -105,32 +106,32 @@ def _bar(session: Session) -> Iterator[Telling]:
     done: dict[Span, float] = {}
     with tqdm(total=total, unit="frame", file=sys.stderr, dynamic_ncols=True) as bar:
 
-        def tell(report: Report) -> None:
+        def send(report: Report) -> None:
             if isinstance(report, PassFinished):
                 share = min((report.number + 1) / max(report.of, 1), 1.0)  # numbers start at 0
-                done[report.span] = (report.last - report.first) * share
-            elif isinstance(report, SegmentFinished) and not report.track.missing:
-                done[report.track.span] = report.track.last - report.track.first
+                done[report.result.span] = (report.result.last - report.result.first) * share
+            elif isinstance(report, SegmentFinished) and not report.result.missing:
+                done[report.result.span] = report.result.last - report.result.first
             bar.n = min(round(sum(done.values())), total)
             bar.refresh()
 
-        yield tell
+        yield send
 
 
-class _JsonLines:
+class _JsonReporter:
     """Reports without their arrays, a line each; a segment's first is preceded by its beginning."""
 
     def __init__(self, places: Places) -> None:
         self._places = places
         self._begun: set[Span] = set()
 
-    def tell(self, report: Report) -> None:
+    def send(self, report: Report) -> None:
         if isinstance(report, PassFinished):
-            self._begin(report.span)
+            self._begin(report.result.span)
             print_json(self._passed(report))
         elif isinstance(report, SegmentFinished):
-            self._begin(report.track.span)
-            print_json(self._finished(report.track))
+            self._begin(report.result.span)
+            print_json(self._finished(report.result))
 
     def _begin(self, span: Span) -> None:
         if span not in self._begun:
@@ -141,13 +142,13 @@ class _JsonLines:
 
     def _passed(self, report: PassFinished) -> dict[str, Any]:
         return {
-            **self._head("pass_finished", report.span),
+            **self._head("pass_finished", report.result.span),
             "pass": report.number,
             "of": report.of,
-            "score": report.score,
+            "score": report.result.scores[-1],
         }
 
-    def _finished(self, track: SegmentTrack) -> dict[str, Any]:
+    def _finished(self, track: SegmentResult) -> dict[str, Any]:
         return {
             **self._head("segment_finished", track.span),
             "of": len(self._places),

@@ -12,9 +12,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from app.cli.arguments import Subcommands, add_command, add_json, add_overwrite, file_name, note
-from app.cli.interrupting import set_when_interrupted
+from app.cli.interrupts import set_when_interrupted
 from app.cli.json_output import print_json
-from app.cli.preparing import prepare_hull_loops
+from app.cli.warm_up import warm_hull_kernels
 from tracker.errors import SurfaceError
 
 if TYPE_CHECKING:
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 DONE, FAILED, INTERRUPTED = 0, 1, 130
 
-Telling: TypeAlias = Callable[[int, str], None]
-"""Is told a step that is done, and what became of it."""
+OnStep: TypeAlias = Callable[[int, str], None]
+"""Receives a step that is done, and its outcome."""
 
 _EXAMPLES = """\
   keypose hull cameras.json --out meshes
@@ -32,14 +32,16 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    text = (
+    summary = (
         "Make a surface of every step from the silhouettes of calibrated cameras: their visual "
-        "hull, as step_0000.ply and so on, in the units and axes of the cameras' file. Where it "
-        "also names images, each vertex tells as zncc how well the cameras that see it agree: "
-        "fitting needs that to disbelieve phantom volume. A step that cannot be made is told and "
-        "left out; Ctrl+C keeps what is done."
+        "hull, as step_0000.ply and so on, in the units and axes of the cameras' file"
     )
-    command = add_command(commands, "hull", run, text, _EXAMPLES)
+    details = (
+        "Where it also names images, the zncc of each vertex says how well the cameras that see it "
+        "agree: fitting needs that to ignore false volume. A step that cannot be made is reported "
+        "and left out; Ctrl+C keeps what is done."
+    )
+    command = add_command(commands, "hull", run, summary, details, _EXAMPLES)
     command.add_argument("rig", metavar="CAMERAS", type=file_name, help="the cameras' file, JSON")
     command.add_argument(
         "--out", metavar="DIR", type=file_name, required=True, help="folder for the surfaces"
@@ -74,13 +76,13 @@ def run(arguments: argparse.Namespace) -> int:
         make_folder(out, error=SurfaceError)
         if not hulls.has_images:
             note(
-                "The cameras' file names no images: the surfaces do not tell what of them is to "
-                "be believed."
+                "The cameras' file names no images: the surfaces do not say which of their "
+                "parts are reliable."
             )
-        prepare_hull_loops()
+        warm_hull_kernels()
         stack.enter_context(set_when_interrupted(stop))
         written, refused = _make(hulls, places, stop, arguments)
-    _tell(written, refused, len(places), stop.is_set(), arguments.json)
+    _print_outcome(written, refused, len(places), stop.is_set(), arguments.json)
     if stop.is_set():
         return INTERRUPTED
     return FAILED if refused else DONE
@@ -105,7 +107,7 @@ def _make(
 
     written: list[Path] = []
     refused: dict[int, str] = {}
-    with _telling(len(places), arguments.json) as tell:
+    with _progress(len(places), arguments.json) as on_step:
         for step, place in enumerate(places):
             if stop.is_set():
                 break
@@ -115,19 +117,19 @@ def _make(
                 refused[step] = str(error)
                 if arguments.overwrite:
                     place.unlink(missing_ok=True)  # of another run: it is not this step's any more
-                tell(step, "left out")
+                on_step(step, "left out")
                 continue
             content = ply_bytes(mesh)
             write_file(place, content, overwrite=arguments.overwrite, error=SurfaceError)
             written.append(place)
-            tell(step, f"{len(mesh.faces):,} faces")
+            on_step(step, f"{len(mesh.faces):,} faces")
     if refused and not written:
         raise SurfaceError(next(iter(refused.values())))
     return written, refused
 
 
 @contextmanager
-def _telling(count: int, as_json: bool) -> Iterator[Telling]:
+def _progress(count: int, as_json: bool) -> Iterator[OnStep]:
     """At a terminal, how far it is and how long it will take; else a quiet line for each step, for
     logs, unless what is written is for a program."""
     if sys.stderr.isatty():
@@ -147,7 +149,7 @@ def _telling(count: int, as_json: bool) -> Iterator[Telling]:
         )
 
 
-def _tell(
+def _print_outcome(
     written: list[Path], refused: dict[int, str], count: int, interrupted: bool, as_json: bool
 ) -> None:
     if as_json:

@@ -31,9 +31,9 @@ EVERY = 24
 """Frames from one draft to the next, when none are named."""
 
 UNLIKE = 0.05
-"""Share by which bodies differ in size before it is told."""
-TOLD = 12
-"""Names that are left out and told; JSON has all of them."""
+"""Share by which bodies differ in size before it is reported."""
+MOST_NAMES = 12
+"""Names that are listed as left out; JSON has all of them."""
 
 _EXAMPLES = """\
   keypose import session.json walk.bvh
@@ -43,13 +43,14 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    text = (
-        "Bring in a motion recorded elsewhere, or keypoints seen in the pictures. BVH, TRC, C3D or "
-        "CSV: the motion is fitted to the session's body, laid on its keyframes and kept as a "
-        "start for tracking, used where it scores better than the tracker's own. With --keypoints, "
-        "COCO or OpenPose: drafts of poses at some frames. Keyframes are never changed."
+    summary = "Bring in a motion recorded elsewhere, or keypoints seen in the pictures"
+    details = (
+        "BVH, TRC, C3D or CSV: the motion is fitted to the session's body, aligned with its "
+        "keyframes, saved as a start for tracking, used where it scores better than the tracker's "
+        "own. With --keypoints, COCO or OpenPose: drafts of poses at some frames. Keyframes are "
+        "never changed."
     )
-    command = add_command(commands, "import", run, text, _EXAMPLES)
+    command = add_command(commands, "import", run, summary, details, _EXAMPLES)
     add_session(command)
     what = "motion file; with --keypoints a COCO file or a folder of OpenPose files"
     command.add_argument("file", metavar="FILE", type=file_name, help=what)
@@ -73,7 +74,7 @@ def add(commands: Subcommands) -> None:
     motion.add_argument("--fps", metavar="X", type=_rate, help="the file's frames a second")
     points = command.add_argument_group("keypoints")
     points.add_argument("--keypoints", action="store_true", help="the file holds 2D keypoints")
-    points.add_argument("--exchange", action="store_true", help="exchange left and right of them")
+    points.add_argument("--exchange", action="store_true", help="swap left and right of them")
     points.add_argument("--frames", metavar="N,N,…", type=_frames, help="frames to make drafts at")
     points.add_argument(
         "--every",
@@ -92,7 +93,7 @@ def run(arguments: argparse.Namespace) -> int:
     keypoints = _keypoints(arguments) if arguments.keypoints else None
     motion = None if arguments.keypoints else _motion(arguments)
     path: Path = arguments.session
-    # One that is not there is told of by reading it.
+    # Reading it reports one that is not there.
     with locked(path, "close it there first") if path.is_file() else nullcontext():
         session = load_session(arguments.session)
         with open_video_of(session, arguments.session) as video:
@@ -154,7 +155,7 @@ def _import_motion(
     save_session(saved, arguments.session)
     assert saved.first_motion is not None
     written = arguments.session.parent / saved.first_motion.file
-    _tell_motion(_facts(found, theirs, written), arguments.json)
+    _print_motion(_facts(found, theirs, written), arguments.json)
     if found.scale == 1.0 and abs(found.size - 1.0) > UNLIKE:
         percent, word = 100 * abs(1 / found.size - 1), "larger" if found.size < 1 else "smaller"
         note(f"its body is {percent:.0f} % {word} than the session's; --unit auto would scale it.")
@@ -197,7 +198,7 @@ def _facts(found: ImportedMotion, theirs: dict[str, str], written: Path) -> dict
     }
 
 
-def _tell_motion(facts: dict[str, Any], as_json: bool) -> None:
+def _print_motion(facts: dict[str, Any], as_json: bool) -> None:
     if as_json:
         print_json(facts)
         return
@@ -205,21 +206,21 @@ def _tell_motion(facts: dict[str, Any], as_json: bool) -> None:
     print(f"Frames {facts['first_frame']}–{facts['last_frame']}.")
     print(f"Matched {len(facts['matched'])} joints ({facts['convention']}): {pairs}")
     if facts["left_out"]:
-        count, more = len(facts["left_out"]), ", …" if len(facts["left_out"]) > TOLD else ""
-        print(f"Left out {count}: {', '.join(facts['left_out'][:TOLD])}{more}")
+        count, more = len(facts["left_out"]), ", …" if len(facts["left_out"]) > MOST_NAMES else ""
+        print(f"Left out {count}: {', '.join(facts['left_out'][:MOST_NAMES])}{more}")
     if facts["scale"] != 1.0:
         print(f"Scaled to the body's size: × {facts['scale']:.4g}")
     print(
-        f"The body meets the joints to {facts['rms_cm']:.2f} cm (rms), at worst "
+        f"Joint error {facts['rms_cm']:.2f} cm (rms), at most "
         f"{facts['worst_rms_cm']:.2f} cm at frame {facts['worst_frame']}."
     )
     if facts["keyframes"]:
         frames = ", ".join(str(frame) for frame in facts["keyframes"])
-        print(f"Laid on the keyframes {frames}: {facts['from_keyframes_cm']:.1f} cm from them.")
+        print(f"Aligned with keyframes {frames}: {facts['from_keyframes_cm']:.1f} cm from them.")
     else:
-        print("No keyframe overlaps: it stands before the camera, and keyframes will settle where.")
+        print("No keyframe overlaps: the motion is placed before the camera for now.")
     if facts["not_converged"]:
-        note(f"the fit did not come to rest at {len(facts['not_converged'])} frames.")
+        note(f"the fit did not converge at {len(facts['not_converged'])} frames.")
     print(f"Written: {facts['written']}")
 
 
@@ -245,7 +246,7 @@ def _import_keypoints(
         every = (*session.drafts, *(draft.keyframe for draft in drafts))
         ordered = tuple(sorted(every, key=lambda draft: draft.frame))
         save_session(session.model_copy(update={"drafts": ordered}), arguments.session)
-    _tell_drafts(session, drafts, frames, arguments)
+    _print_drafts(session, drafts, frames, arguments)
 
 
 def _wanted_frames(
@@ -266,7 +267,7 @@ def _wanted_frames(
     return [frame for frame in there if (frame - there[0]) % every == 0]
 
 
-def _tell_drafts(
+def _print_drafts(
     session: Session,
     drafts: tuple[Draft, ...],
     frames: list[int],
@@ -277,7 +278,7 @@ def _tell_drafts(
     kept = [frame for frame in frames if frame in posed]
     empty = [frame for frame in frames if frame not in posed and frame not in made]
     if arguments.json:
-        told = [
+        drafts_json = [
             {
                 "frame": draft.keyframe.frame,
                 "keypoints": draft.keypoints,
@@ -287,7 +288,7 @@ def _tell_drafts(
             }
             for draft in drafts
         ]
-        print_json({"drafts": told, "kept": kept, "without_keypoints": empty})
+        print_json({"drafts": drafts_json, "kept": kept, "without_keypoints": empty})
         return
     for draft in drafts:
         doubt = "; look at it closely" if draft.doubtful or not draft.converged else ""

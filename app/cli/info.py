@@ -14,7 +14,7 @@ from tracker.errors import SurfaceError
 if TYPE_CHECKING:
     from tracker.video import Video
 
-Told: TypeAlias = tuple[dict[str, Any], list[str]]
+Description: TypeAlias = tuple[dict[str, Any], list[str]]
 """The facts, and the same in lines for a person."""
 
 _EXAMPLES = """\
@@ -26,17 +26,17 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    text = (
-        "Tell size, frames, rate and fingerprint of a video file or a folder of images. Of meshes, "
-        "one for every time step, it tells steps and size, whether the first one has holes, and "
-        "which steps cannot be used as far as the beginnings of their files tell."
+    summary = "Show size, frames, rate and fingerprint of a video file or a folder of images"
+    details = (
+        "Of meshes, one for every time step, it shows steps and size, whether the first one has "
+        "holes, and which steps cannot be used as far as the beginnings of their files show."
     )
-    command = add_command(commands, "info", run, text, _EXAMPLES)
+    command = add_command(commands, "info", run, summary, details, _EXAMPLES)
     command.add_argument("video", metavar="VIDEO|MESHES", type=file_name, help="the video")
     command.add_argument(
         "--check",
         action="store_true",
-        help="decode every frame of a video, and tell which are damaged",
+        help="decode every frame of a video, and list which are damaged",
     )
     add_json(command)
 
@@ -58,7 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _of_video(path: Path, check: bool) -> Told:
+def _of_video(path: Path, check: bool) -> Description:
     from tracker.video import Video
 
     with Video.open(path) as video:
@@ -78,9 +78,9 @@ def _examine(video: Video) -> None:
             bar.update(reached + 1 - bar.n)
 
 
-def _of_meshes(path: Path) -> Told:
-    from tracker.surface.beginning import first_mesh
+def _of_meshes(path: Path) -> Description:
     from tracker.surface.files.sequence import MeshSequence
+    from tracker.surface.new_session import first_mesh
     from tracker.surface.picture import CONTAINER
 
     with MeshSequence.open(path) as meshes:
@@ -108,21 +108,21 @@ def _of_meshes(path: Path) -> Told:
 
 
 def _mesh_lines(facts: dict[str, Any]) -> list[str]:
-    from tracker.surface.files.unusable import unusable_words
+    from tracker.surface.files.unusable import describe_unusable
 
     size = " × ".join(f"{length:.4g}" for length in facts["extent"])
-    units = facts["units"] or "units, which the files do not tell"
+    units = facts["units"] or "units, which the files do not state"
     lines = [
         facts["path"],
         f"  meshes       0 to {facts['frame_count'] - 1}",
         *([f"  rate         {facts['fps']:.3f} meshes/s"] if facts["fps"] else []),
         f"  mesh {facts['first_mesh']:<8}{facts['vertices']} vertices, {facts['faces']} faces",
         f"  size         {size} {units}",
-        f"  up           {facts['up'] or 'not told by the files'}",
+        f"  up           {facts['up'] or 'not stated by the files'}",
         f"  fingerprint  {facts['fingerprint']}",
     ]
     rims, looked_at = facts["rim_edges"], facts["looked_at"]
-    unusable = unusable_words({int(step): words for step, words in facts["missing"].items()})
+    unusable = describe_unusable({int(step): words for step, words in facts["missing"].items()})
     notes = {
         f"it has holes: {rims} edges have a face on one side only": rims,
         unusable: unusable,

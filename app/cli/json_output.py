@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 def print_json(value: object, *, indent: int | None = None) -> None:
     """One document on a line of its own (or indented), sent at once."""
-    print(json.dumps(plain(value), allow_nan=False, indent=indent), flush=True)
+    print(json.dumps(json_value(value), allow_nan=False, indent=indent), flush=True)
 
 
 def verdict_fields(verdict: Verdict | None) -> dict[str, Any]:
@@ -43,15 +43,15 @@ def print_written(files: Iterable[Path], as_json: bool) -> None:
         print(f"Written: {file}")
 
 
-def plain(value: Any) -> Any:
+def json_value(value: Any) -> Any:
     """Dataclasses, mappings and sequences as JSON's own types."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         fields = dataclasses.fields(value)
-        return {field.name: plain(getattr(value, field.name)) for field in fields}
+        return {field.name: json_value(getattr(value, field.name)) for field in fields}
     if isinstance(value, Mapping):
-        return {str(key): plain(item) for key, item in value.items()}
+        return {str(key): json_value(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
-        return [plain(item) for item in value]
+        return [json_value(item) for item in value]
     if isinstance(value, float):
         return float(value) if math.isfinite(value) else None
     return value

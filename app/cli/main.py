@@ -34,7 +34,7 @@ from app.cli import (
     shot,
     track,
 )
-from app.cli.interrupting import sigterm_as_ctrl_c
+from app.cli.interrupts import sigterm_as_ctrl_c
 from tracker.errors import KeyposeError
 
 BAD_INPUT = 2
@@ -84,7 +84,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         _drop_output()
         print(f"The output cannot be written: {error.strerror}.", file=sys.stderr)
         return BAD_INPUT
-    except Exception:  # noqa: BLE001 — told in full, and told apart from a motion that was lost
+    except Exception:  # noqa: BLE001 — printed in full, with a code of its own
         return _fault()
 
 

@@ -51,13 +51,15 @@ and open the address below without --host. To serve {host} all the same, add --l
 
 
 def add(commands: Subcommands) -> None:
-    text = (
+    summary = (
         "Open a video, a folder of meshes or a session in the browser: pose keyframes over the "
-        "picture, track, correct, export. Without a name, the page lets you choose. A new session "
-        "is kept beside its video or meshes, and every change is saved at once. Ctrl+C ends the "
-        "server."
+        "picture, track, correct, export"
     )
-    command = add_command(commands, "open", run, text, _EXAMPLES)
+    details = (
+        "Without a name, the page lets you choose. A new session is kept beside its video or "
+        "meshes, and every change is saved at once. Ctrl+C ends the server."
+    )
+    command = add_command(commands, "open", run, summary, details, _EXAMPLES)
     command.add_argument("path", metavar="VIDEO|MESHES|SESSION", type=file_name, nargs="?")
     command.add_argument(
         "--port",
@@ -78,7 +80,7 @@ def add(commands: Subcommands) -> None:
         metavar="DIR",
         type=file_name,
         default=Path("~/Keypose").expanduser(),
-        help="where uploads, samples and the list of sessions are kept; default: ~/Keypose",
+        help="where uploads, samples and the list of sessions are stored; default: ~/Keypose",
     )
     of_files = "of new meshes; as the files say, or guessed, when left out"
     command.add_argument("--units", choices=UNITS, help=f"the unit {of_files}")
@@ -134,7 +136,7 @@ def _with_reading(
     if path is None:
         raise KeyposeError("--units, --up and --cameras need meshes to read.")
     from app.document.new import open_with_reading
-    from tracker.surface.beginning import Reading
+    from tracker.surface.new_session import Reading
 
     reading = Reading(arguments.units, arguments.up)
     opened, news = open_with_reading(path, library.session_for, reading, arguments.cameras)

@@ -1,4 +1,4 @@
-"""What becomes of a run that tracked or fitted: written, and told."""
+"""The outcome of a run that tracked or fitted: saved and printed."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.cli.json_output import print_json, verdict_fields
-from app.cli.preparing import prepare_loops
+from app.cli.warm_up import warm_tracker
 from tracker.errors import SessionError
 
 if TYPE_CHECKING:
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 DONE, LOST, INTERRUPTED = 0, 1, 130
 
 
-def tracked(session: Session, asked: Session, arguments: argparse.Namespace) -> int:
-    """Track the session as it was asked for, keep what was found, tell it; the exit code.
+def track_and_save(session: Session, asked: Session, arguments: argparse.Namespace) -> int:
+    """Track the session as it was asked for, save what was found and print it; the exit code.
 
     session: as its file is to stand.  arguments: session, out, overwrite, workers, json.
     """
@@ -33,12 +33,10 @@ def tracked(session: Session, asked: Session, arguments: argparse.Namespace) -> 
     copy = "add --out DIR to track a copy" if arguments.out is None else "choose another --out"
     lock = locked(_place(arguments), f"close it there, or {copy}")
     with open_video_of(asked, arguments.session) as video, lock:
-        if session.surface is not None:
-            meshes = video.fingerprint()
-            session, asked = (
-                with_present_fingerprints(s, arguments.session, meshes) for s in (session, asked)
-            )
-        prepare_loops()
+        session, asked = (
+            with_present_fingerprints(s, arguments.session, video) for s in (session, asked)
+        )
+        warm_tracker()
         found = follow(asked, arguments.session, video, arguments.workers, arguments.json)
         if found.error is not None and not found.found:
             raise found.error
@@ -95,17 +93,17 @@ def _write(
     session: Session, asked: Session, found: Run, arguments: argparse.Namespace
 ) -> Results | None:
     from app.document.open import with_paths_from
-    from app.jobs.rerun import keep, keep_elsewhere
+    from app.jobs.rerun import save_found, save_tracks_beside
     from tracker.storage.atomic import make_folder, write_file
     from tracker.storage.files import session_json
     from tracker.storage.first_motion import carry_first_motion
 
     if arguments.out is None or not found.found:
-        return keep(asked, arguments.session, found.found)
+        return save_found(asked, arguments.session, found.found)
     make_folder(arguments.out, error=SessionError)
     carry_first_motion(session, arguments.session.parent, arguments.out)
     place = _place(arguments)
-    results = keep_elsewhere(asked, place, found.found)
+    results = save_tracks_beside(asked, place, found.found)
     there = with_paths_from(session, arguments.session, arguments.out)
     write_file(
         place,
@@ -130,10 +128,10 @@ def _print_summary(summary: dict[str, Any], as_json: bool) -> None:
         print(f"Written: {summary['session']}")
         _hint(summary["session"])
     if summary["interrupted"]:
-        print(f"Interrupted: {_words_when_interrupted(summary)}", file=sys.stderr)
+        print(f"Interrupted: {_interruption_message(summary)}", file=sys.stderr)
 
 
-def _words_when_interrupted(summary: dict[str, Any]) -> str:
+def _interruption_message(summary: dict[str, Any]) -> str:
     """What is there of a run that was interrupted."""
     found = summary["segments"]
     parts = sum(segment.get("missing", 0) > 0 for segment in found)

@@ -7,10 +7,8 @@ import argparse
 from app.cli.arguments import (
     Subcommands,
     add_command,
-    add_json,
-    add_overwrite,
+    add_output,
     add_session,
-    file_name,
 )
 from app.cli.json_output import print_written
 from app.cli.views import session_to_draw, video_if_there
@@ -22,17 +20,18 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    text = (
+    summary = (
         "Write what tracking found into one HTML file: verdicts in words, rank and observability "
         "over time, the score of every pass, joint angles, keyframes with their intervals, and "
-        "pictures. The file needs no other and no network. Where the video is missing, the "
+        "pictures"
+    )
+    details = (
+        "The file is self-contained and needs no network. Where the video is missing, the "
         "pictures are left out."
     )
-    command = add_command(commands, "report", run, text, _EXAMPLES)
+    command = add_command(commands, "report", run, summary, details, _EXAMPLES)
     add_session(command)
-    command.add_argument("--out", metavar="FILE.html", type=file_name, required=True)
-    add_json(command)
-    add_overwrite(command)
+    add_output(command, "FILE.html")
 
 
 def run(arguments: argparse.Namespace) -> int:

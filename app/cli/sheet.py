@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING
 from app.cli.arguments import (
     Subcommands,
     add_command,
-    add_json,
-    add_overwrite,
+    add_output,
     add_session,
-    file_name,
     note,
     whole_number,
 )
 from app.cli.json_output import print_written
-from app.cli.views import add_style, add_tint, require_tint, session_to_draw
+from app.cli.views import add_look, require_tint, session_to_draw
 from tracker.errors import SessionError
 
 if TYPE_CHECKING:
@@ -34,22 +32,19 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    text = (
-        "Draw all keyframes on one sheet, a PNG file. Under each picture stand its frame, its "
-        "time and how many frames it is to the next keyframe; the bar has the colour of that "
-        "stretch's verdict: green good, yellow check, red lost, grey not tracked as it is posed "
-        "now."
+    summary = "Draw all keyframes on one sheet, a PNG file"
+    details = (
+        "Under each picture stand its frame, its time and how many frames it is to the next "
+        "keyframe; the bar has the colour of that stretch's verdict: green good, yellow check, red "
+        "lost, grey not tracked as it is posed now."
     )
-    command = add_command(commands, "sheet", run, text, _EXAMPLES)
+    command = add_command(commands, "sheet", run, summary, details, _EXAMPLES)
     add_session(command)
     command.add_argument(
         "--columns", metavar="N", type=whole_number(1, 100), help="default: as it fits"
     )
-    add_style(command)
-    add_tint(command)
-    command.add_argument("--out", metavar="FILE.png", type=file_name, required=True)
-    add_json(command)
-    add_overwrite(command)
+    add_look(command)
+    add_output(command, "FILE.png")
 
 
 def run(arguments: argparse.Namespace) -> int:

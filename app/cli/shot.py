@@ -9,18 +9,16 @@ from typing import TYPE_CHECKING, Any
 from app.cli.arguments import (
     Subcommands,
     add_command,
-    add_json,
-    add_overwrite,
+    add_output,
     add_session,
-    file_name,
     note,
     whole_number,
 )
 from app.cli.json_output import print_written
 from app.cli.views import (
     MOST_PIXELS,
-    add_style,
-    add_tint,
+    add_look,
+    require_frame,
     require_tint,
     scale,
     session_to_draw,
@@ -44,15 +42,16 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    text = (
-        "Draw the body at one frame into a PNG file. The pose is the keyframe's where one is set "
-        "and the tracked one elsewhere; main is the video's frame with the body over it, without "
-        "the lens's distortion, or plain grey where the video's frame is missing. orbit looks at "
-        "the body from any side, on a floor: an azimuth of 0 looks as the video's camera does, 90 "
-        "from the right of its picture; the elevation is 12 degrees when left out. An observed "
-        "surface is seen behind the body in main, and as a sheet around it in every other view."
+    summary = "Draw the body at one frame into a PNG file"
+    details = (
+        "The pose is the keyframe's where one is set and the tracked one elsewhere; main is the "
+        "video's frame with the body over it, without the lens's distortion, or plain grey where "
+        "the video's frame is missing. orbit looks at the body from any side, on a floor: an "
+        "azimuth of 0 looks as the video's camera does, 90 from the right of its picture; the "
+        "elevation is 12 degrees when left out. An observed surface is seen behind the body in "
+        "main, and as a sheet around it in every other view."
     )
-    command = add_command(commands, "shot", run, text, _EXAMPLES)
+    command = add_command(commands, "shot", run, summary, details, _EXAMPLES)
     add_session(command)
     command.add_argument("--frame", metavar="N", type=whole_number(0), required=True)
     command.add_argument(
@@ -62,8 +61,7 @@ def add(commands: Subcommands) -> None:
         default="main",
         help="main, top, side, front, all, or orbit:AZIMUTH,ELEVATION; default: main",
     )
-    add_style(command)
-    add_tint(command)
+    add_look(command)
     how_large = command.add_mutually_exclusive_group()
     how_large.add_argument(
         "--size", metavar="WxH", type=size, help="of the picture, pixels; default: the video's"
@@ -77,9 +75,7 @@ def add(commands: Subcommands) -> None:
         default="video",
         help="none: the body alone, transparent around it, without letters and floor",
     )
-    command.add_argument("--out", metavar="FILE.png", type=file_name, required=True)
-    add_json(command)
-    add_overwrite(command)
+    add_output(command, "FILE.png")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -122,11 +118,7 @@ def _poses(session: Session, session_path: Path, frame: int, wanted: Still) -> K
     from tracker.storage.outdated import outdated_words
     from tracker.storage.tracks import load_tracks
 
-    if frame >= session.video.frame_count:
-        raise SessionError(
-            f"There is no frame {frame}; the video's frames are 0 to "
-            f"{session.video.frame_count - 1}."
-        )
+    require_frame(session, frame)
     skeleton = Skeleton.of(session.body)
     keys = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.keyframes}
     if frame in keys and not (wanted.has_floor and session.results):
@@ -147,12 +139,11 @@ def _content(
     """The PNG file's bytes."""
     from app.render.snapshots import png
     from app.render.stills import still
-    from tracker.storage.tracking import surfaces_of
 
     with _open_source(session, arguments.session, wanted) as video:
         content = png(still(session, video, arguments.frame, poses, wanted))
-        if session.surface is not None and video is not None:
-            note(surfaces_of(video).sequence.missing.get(arguments.frame))
+        if video is not None:
+            note(video.note(arguments.frame))
     return content
 
 
@@ -164,6 +155,6 @@ def _open_source(session: Session, session_path: Path, wanted: Still) -> Any:
 
     if wanted.needs_video:
         return open_video_of(session, session_path)
-    if session.surface is None or wanted.on_nothing:
+    if wanted.on_nothing or not session.evidence.has_surface:
         return nullcontext()
     return video_if_there(session, session_path, "the body is drawn without its surface")

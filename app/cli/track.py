@@ -1,4 +1,4 @@
-"""`keypose track`: find the motion between the keyframes and keep it beside the session."""
+"""`keypose track`: find the motion between the keyframes and save it beside the session."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    text = (
-        "Track the motion between the keyframes. Results are written beside the session, which "
-        "then refers to them; with --out, a copy of the session and the results go to that folder "
-        "and the session stays as it is. Ctrl+C or SIGTERM keeps the segments that are finished. "
-        "A session that is open in the page is left alone. The exit code is 1 when tracking "
-        "was lost somewhere."
+    summary = "Track the motion between the keyframes"
+    details = (
+        "Results are written beside the session, which then refers to them; with --out, a copy of "
+        "the session and the results go to that folder and the session stays as it is. Ctrl+C or "
+        "SIGTERM keeps the segments that are finished. A session that is open in the page is left "
+        "alone. The exit code is 1 when tracking was lost somewhere."
     )
-    command = add_command(commands, "track", run, text, _EXAMPLES)
+    command = add_command(commands, "track", run, summary, details, _EXAMPLES)
     add_session(command)
     of_session = "; the session's own when left out"
     command.add_argument("--method", choices=("keypose", "paper"), help=f"how{of_session}")
@@ -46,7 +46,7 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from app.cli.outcome import tracked
+    from app.cli.outcome import track_and_save
     from app.jobs.rerun import require_trackable, with_settings
     from tracker.storage.files import load_session
 
@@ -55,4 +55,4 @@ def run(arguments: argparse.Namespace) -> int:
     asked = with_settings(
         session, arguments.method, arguments.quality, arguments.initial, arguments.leave_out
     )
-    return tracked(session, asked, arguments)
+    return track_and_save(session, asked, arguments)

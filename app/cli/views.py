@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.cli.arguments import note, whole_number
-from tracker.errors import FormatError
+from tracker.errors import FormatError, SessionError
 
 if TYPE_CHECKING:
     from app.render.films import FilmView
@@ -40,8 +40,8 @@ def session_to_draw(arguments: argparse.Namespace, what: str, *suffixes: str) ->
     return session
 
 
-def add_style(command: argparse.ArgumentParser) -> None:
-    """How the body is drawn over the video."""
+def add_look(command: argparse.ArgumentParser) -> None:
+    """How the body is drawn over the video, and what colours an observed surface."""
     styles = ("wire", "solid", "both")
     command.add_argument(
         "--style", choices=styles, default="both", help="of the body over the video; default: both"
@@ -53,10 +53,6 @@ def add_style(command: argparse.ArgumentParser) -> None:
         default=50,
         help="of the solid body over the video; default: 50",
     )
-
-
-def add_tint(command: argparse.ArgumentParser) -> None:
-    """What colours an observed surface."""
     command.add_argument(
         "--tint",
         choices=("clay", "contact", "photo", "distance"),
@@ -68,8 +64,10 @@ def add_tint(command: argparse.ArgumentParser) -> None:
 
 def require_tint(session: Session, tint: str) -> None:
     """Refused where there is nothing to colour, or nothing that colours it."""
-    if tint != "clay" and session.surface is None:
-        raise FormatError(f"This session is about a video: it has no surface to colour by {tint}.")
+    evidence = session.evidence
+    if tint != "clay" and not evidence.has_surface:
+        about = f"This session is about a {evidence.words.noun}"
+        raise FormatError(f"{about}: it has no surface to colour by {tint}.")
     if tint in ("contact", "distance") and session.model_keyframe is None:
         raise FormatError(
             f"No surface moves with the body yet, so nothing is known of {tint}: set a keyframe "
@@ -77,9 +75,15 @@ def require_tint(session: Session, tint: str) -> None:
         )
 
 
+def require_frame(session: Session, frame: int) -> None:
+    """SessionError unless the video has the frame."""
+    count = session.video.frame_count
+    if frame >= count:
+        raise SessionError(f"There is no frame {frame}; the video's frames are 0 to {count - 1}.")
+
+
 def video_if_there(session: Session, session_path: Path, otherwise: str) -> Any:
     """The session's video, opened; where it is gone, nothing, with a note."""
-    from tracker.errors import SessionError
     from tracker.storage.files import open_video_of, video_path
 
     try:
@@ -87,8 +91,7 @@ def video_if_there(session: Session, session_path: Path, otherwise: str) -> Any:
     except SessionError:
         if _exists(video_path(session, session_path)):  # another one, or damaged
             raise
-    what = "video is" if session.surface is None else "meshes are"
-    note(f"the {what} missing; {otherwise}.")
+    note(f"the {session.evidence.words.noun_is} missing; {otherwise}.")
     return nullcontext()
 
 
@@ -147,7 +150,7 @@ def rate(text: str) -> Fraction:
     return value.limit_denominator(100_000)
 
 
-def stretch(text: str) -> tuple[int, int]:
+def frame_range(text: str) -> tuple[int, int]:
     """Frames such as 10-60."""
     found = re.fullmatch(r"(\d{1,9})[-–](\d{1,9})", text)
     if not found or int(found[1]) > int(found[2]):
@@ -158,10 +161,10 @@ def stretch(text: str) -> tuple[int, int]:
 def _viewpoint(text: str, views: str) -> Viewpoint:
     from app.render.viewpoints import ELEVATION_DEG, Viewpoint
 
-    kind, _, told = text.partition(":")
-    numbers = [float(word) for word in told.split(",") if _NUMBER.fullmatch(word)]
+    kind, _, numbers_text = text.partition(":")
+    numbers = [float(word) for word in numbers_text.split(",") if _NUMBER.fullmatch(word)]
     least, most = {"orbit": (1, 2), "camera": (2, 3)}.get(kind, (1, 0))
-    if len(numbers) != told.count(",") + 1 or not least <= len(numbers) <= most:
+    if len(numbers) != numbers_text.count(",") + 1 or not least <= len(numbers) <= most:
         raise argparse.ArgumentTypeError(f"{text!r} is not a view; choose {views}")
     azimuth, elevation = math.fmod(numbers[0], 360.0), [*numbers, ELEVATION_DEG][1]
     if abs(elevation) > 90:

@@ -1,1 +1,1 @@
-"""A session as a person has it: begun, opened, kept, found again."""
+"""Documents: sessions created, opened, saved and listed."""

@@ -50,7 +50,7 @@ class Beginning:
     received: Received = field(default_factory=Received)
 
 
-class Journaling:
+class EditLog:
     """The journal of the session that is open, and its file."""
 
     def __init__(self, session_path: Path, edit: EditorState, beginning: Beginning) -> None:
@@ -159,7 +159,7 @@ class Journaling:
             self._marked = mark
 
     def close(self) -> None:
-        """Let go of the file."""
+        """Close the file."""
         self._journal.close()
 
 

@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-import errno
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Self
 
-try:
-    import fcntl
-except ImportError:  # not on Windows, where two Keyposes on one session are not noticed
-    fcntl = None  # type: ignore[assignment]
+from filelock import lock_descriptor
 
 from tracker.errors import SessionError
 from tracker.files import NotRegular, open_own
@@ -20,12 +16,13 @@ from tracker.storage.leftovers import sweep
 
 NAME = ".keypose.lock"
 
-
 LONGEST_HOLDER = 20
 """Bytes of a process id, which is all that a lock may hold."""
+_BEFORE_PID = b" " if os.name == "nt" else b""
+"""Windows keeps the first byte, which is what is locked, from those who are to read the rest."""
 
 
-class HeldElsewhere(SessionError):
+class LockedElsewhere(SessionError):
     """Another process has the session; the text says which."""
 
 
@@ -41,15 +38,13 @@ class SessionLock:
 
     @classmethod
     def take(cls, folder: Path) -> SessionLock:
-        """Take the lock of a folder that exists; HeldElsewhere when another process has it.
+        """Take the lock of a folder that exists; LockedElsewhere when another process has it.
 
         NotALock when a link, a pipe or anything but a regular file has its name. What writers left
         there that were killed is removed.
 
-        Where no file can be made, nothing can be saved either, which is told when it is tried.
+        Where no file can be made, nothing can be saved either, which is reported when it is tried.
         """
-        if fcntl is None:
-            return cls(None)
         try:
             descriptor = open_own(folder / NAME, os.O_RDWR | os.O_CREAT, one_name=False)
         except NotRegular as error:
@@ -58,13 +53,15 @@ class SessionLock:
         except OSError:
             return cls(None)
         try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
+            # Not filelock's own opening, which would take what it finds for a lock.
+            is_ours = lock_descriptor(descriptor, blocking=False)
+        except OSError:  # a file system without locks
+            os.close(descriptor)
+            return cls(None)
+        if not is_ours:
             holder = _holder(descriptor)
             os.close(descriptor)
-            if error.errno in (errno.EWOULDBLOCK, errno.EACCES):
-                raise HeldElsewhere(f"open in another Keypose{holder}") from None
-            return cls(None)  # a file system without locks
+            raise LockedElsewhere(f"open in another Keypose{holder}")
         _write_holder(descriptor)
         sweep(folder, is_locked=True)
         return cls(descriptor)
@@ -91,7 +88,7 @@ def locked(session_path: Path, advice: str) -> Iterator[None]:
         return
     try:
         lock = SessionLock.take(session_path.parent)
-    except HeldElsewhere as held:
+    except LockedElsewhere as held:
         raise SessionError(f"{str(session_path)!r} is {held}: {advice}.") from None
     with lock:
         yield
@@ -101,15 +98,24 @@ def _write_holder(descriptor: int) -> None:
     """Who holds it, for the words alone. A file that holds anything else, or has another name
     elsewhere, is not written to: it locks as well as any."""
     with suppress(OSError):  # the disk may be full
-        there = os.pread(descriptor, LONGEST_HOLDER + 1, 0)
-        is_lock = not there or (there.isdigit() and len(there) <= LONGEST_HOLDER)
+        there = _content(descriptor)
+        is_lock = not there or (
+            there.removeprefix(_BEFORE_PID).isdigit() and len(there) <= LONGEST_HOLDER
+        )
         if not is_lock or os.fstat(descriptor).st_nlink > 1:
             return
         os.ftruncate(descriptor, 0)
-        os.pwrite(descriptor, str(os.getpid()).encode(), 0)
+        os.lseek(descriptor, 0, os.SEEK_SET)
+        os.write(descriptor, _BEFORE_PID + str(os.getpid()).encode())
 
 
 def _holder(descriptor: int) -> str:
     with suppress(OSError, ValueError):
-        return f" (pid {int(os.pread(descriptor, LONGEST_HOLDER, 0))})"
+        return f" (pid {int(_content(descriptor, len(_BEFORE_PID)))})"
     return ""
+
+
+def _content(descriptor: int, start: int = 0) -> bytes:
+    """What it holds from there on, and no more than tells that it is too long."""
+    os.lseek(descriptor, start, os.SEEK_SET)
+    return os.read(descriptor, LONGEST_HOLDER + 1)

@@ -18,13 +18,14 @@ from tracker.body.skeleton import Skeleton
 from tracker.errors import SessionError, SurfaceError
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, apply_transform
+from tracker.session.evidence import surface_of
 from tracker.session.schema import Session, Surface, VideoReference
 from tracker.storage.atomic import make_folder
+from tracker.storage.evidence import with_cameras_fingerprint
 from tracker.storage.files import load_session, save_session, video_path
-from tracker.storage.finding import cameras_seen
-from tracker.surface.beginning import Reading, choose_reading, first_mesh
 from tracker.surface.cameras.rig import Rig
 from tracker.surface.files.sequence import MeshSequence
+from tracker.surface.new_session import Reading, choose_reading, first_mesh
 from tracker.surface.source import SurfaceSteps, holds_meshes
 from tracker.video import Video
 
@@ -74,9 +75,9 @@ def new_surface_session(
             height=found.camera.height,
         )
     body = _as_tall(preset(FIRST_BODY), found.height_m)
-    surface = found.surface if cameras is None else cameras_seen(found.surface, cameras)
+    surface = found.surface if cameras is None else with_cameras_fingerprint(found.surface, cameras)
     session = Session(video=video, camera=found.camera, body=body, surface=surface)
-    return session, found.news
+    return session, found.guesses
 
 
 def _as_tall(body: Body, height_m: float) -> Body:
@@ -134,9 +135,7 @@ def _filled(
 
 def _read_anew(session: Session, new: Session) -> Session:
     """A session whose meshes are read as in a new one; fitted they are as it says itself."""
-    surface, read = session.surface, new.surface
-    assert surface is not None
-    assert read is not None
+    surface, read = surface_of(session), surface_of(new)
     names = ("units", "up", "p_camera_surface", "cameras", "cameras_fingerprint")
     surface = surface.model_copy(update={name: getattr(read, name) for name in names})
     return session.model_copy(update={"surface": surface, "camera": new.camera})

@@ -6,21 +6,24 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from app.document.edit_log import Beginning
 from app.document.new import new_session, new_surface_session, path_from, standing_in
 from app.editor.pointer_views import up_of
 from app.editor.state import EditorState
 from app.posing import opening_pose
+from tracker.body.body import Body
+from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
 from tracker.errors import SessionError
 from tracker.files import read_regular
 from tracker.geometry.rotations import Array
+from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 from tracker.session.history import History
 from tracker.session.schema import Keyframe, Session
 from tracker.storage.atomic import make_folder
 from tracker.storage.chronicle import OUTSIDE, is_same_film, of_film
+from tracker.storage.evidence import surfaces_of
 from tracker.storage.files import (
     LARGEST_SESSION_BYTES,
     Opened,
@@ -35,8 +38,7 @@ from tracker.storage.files import (
 from tracker.storage.finding import with_present_fingerprints
 from tracker.storage.first_motion import carry_first_motion
 from tracker.storage.results import Results, load_results
-from tracker.surface.beginning import Reading
-from tracker.surface.picture import SurfaceVideo
+from tracker.surface.new_session import Reading
 from tracker.surface.source import holds_meshes
 from tracker.video import Video
 
@@ -81,7 +83,7 @@ class OpenSession:
 def open_for_editing(path: Path, session_for: Callable[[Path], Path]) -> OpenSession:
     """Open a session file, or a video or meshes with the session that belongs to them.
 
-    `session_for` tells where a video's session lives; where none does yet, one is begun.
+    `session_for` returns the path of a video's session; where none exists yet, one is begun.
     KeyposeError in one sentence when it cannot be opened.
     """
     if path.suffix.lower() == ".json":
@@ -125,19 +127,29 @@ def edit_state(opened: OpenSession) -> tuple[EditorState, str]:
     except SessionError as error:
         results, problem = Results(), f"{error} The keyframes are all there: track again."
     opening = opening_pose(session.body, session.camera, up_of(session))
-    if isinstance(opened.video, SurfaceVideo):
-        opening = standing_in(opening, session.body, opened.video.steps)
     state = EditorState(
         doc=session.model_copy(update={"results": None}),
         skeleton=Skeleton.of(session.body),
         times_s=opened.video.info.times_s,
-        opening=opening,
+        opening=_STANDING.of(session)(opening, session.body, opened.video),
         results=results,
         history=opened.history,
         frame=session.keyframes[0].frame if session.keyframes else 0,
         selected=session.body.parts[0].name,
     )
     return state, problem
+
+
+def _where_it_opens(opening: Pose, body: Body, video: Video) -> Pose:
+    return opening
+
+
+def _in_the_surface(opening: Pose, body: Body, video: Video) -> Pose:
+    return standing_in(opening, body, surfaces_of(video).steps)
+
+
+_STANDING = ByEvidence({FilmEvidence: _where_it_opens, SurfaceEvidence: _in_the_surface})
+"""Where a body starts before it is posed."""
 
 
 def _open(path: Path) -> OpenSession:
@@ -154,13 +166,8 @@ def _open(path: Path) -> OpenSession:
             update={"video": session.video.model_copy(update={"path": place})}
         )
         moment = of_film(moment, session)
-        what = "video was" if session.surface is None else "meshes were"
-        news = (*news, f"The {what} found again at {place}.")
-    seen = (
-        with_present_fingerprints(session, path, video.fingerprint())
-        if session.surface
-        else session
-    )
+        news = (*news, f"The {session.evidence.words.noun_was} found again at {place}.")
+    seen = with_present_fingerprints(session, path, video)
     if seen is not session:
         news = (*news, *_exported_again(session, seen))
         session, moment = seen, of_film(moment, seen)
@@ -180,27 +187,25 @@ def _open(path: Path) -> OpenSession:
 
 
 def _exported_again(before: Session, now: Session) -> tuple[str, ...]:
-    """What has changed beside a session about surfaces, if it was known before."""
-    assert before.surface is not None
-    assert now.surface is not None
-    known = {
-        "meshes": (before.video.fingerprint, now.video.fingerprint),
-        "cameras": (before.surface.cameras_fingerprint, now.surface.cameras_fingerprint),
-    }
-    others = [what for what, (was, is_now) in known.items() if was not in ("", is_now)]
+    """What has changed beside a session, if it was known before."""
+    known, there = before.evidence.fingerprints, now.evidence.fingerprints
+    others = [what for what, was in known.items() if was not in ("", there[what])]
     if not others:
         return ()
-    return (f"The {' and '.join(others)} have changed since they were last opened: fit again.",)
+    return (
+        f"The {' and '.join(others)} have changed since they were last opened: "
+        f"{now.evidence.words.verb} again.",
+    )
 
 
 def with_times(doc: Session, times_s: Array) -> Session:
     """With each pose at its frame's time in the video, which hand-written sessions may not know."""
 
     def timed(poses: tuple[Keyframe, ...]) -> tuple[Keyframe, ...]:
-        told = [(pose, float(times_s[pose.frame])) for pose in poses]
-        if all(pose.time_s == time_s for pose, time_s in told):
+        retimed = [(pose, float(times_s[pose.frame])) for pose in poses]
+        if all(pose.time_s == time_s for pose, time_s in retimed):
             return poses
-        return tuple(pose.model_copy(update={"time_s": time_s}) for pose, time_s in told)
+        return tuple(pose.model_copy(update={"time_s": time_s}) for pose, time_s in retimed)
 
     keyframes, drafts = timed(doc.keyframes), timed(doc.drafts)
     if keyframes is doc.keyframes and drafts is doc.drafts:
@@ -262,9 +267,4 @@ def with_paths_from(session: Session, session_path: Path, folder: Path) -> Sessi
         place = session_path.absolute().parent / path
         return str(place) if Path(path).is_absolute() else path_from(place, folder)
 
-    video, surface = session.video, session.surface
-    update: dict[str, Any] = {"video": video.model_copy(update={"path": from_there(video.path)})}
-    if surface is not None and surface.cameras is not None:
-        cameras = from_there(surface.cameras)
-        update["surface"] = surface.model_copy(update={"cameras": cameras})
-    return session.model_copy(update=update)
+    return session.model_copy(update=session.evidence.with_paths(from_there))

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TypeAlias
 
-from app.document.folder_lock import HeldElsewhere, NotALock, SessionLock
+from app.document.folder_lock import LockedElsewhere, NotALock, SessionLock
 from app.document.open import OpenSession
 from app.editor.refusal import Refused
 from tracker.errors import SessionError
@@ -35,14 +35,14 @@ class WriteLock:
         elif folder.is_dir():
             try:
                 self._hold(folder)
-            except HeldElsewhere as held:
+            except LockedElsewhere as held:
                 self.read_only = f"Read only: {held}. Close it there, then open it here again."
             except NotALock as error:
                 self.read_only = f"Read only: {error}"
 
     def require_folder(self, folder: Path, is_ours: Callable[[], bool]) -> None:
         """SessionError unless the session can be written into its folder, which is made for a
-        session that has none yet; HeldElsewhere where it is another's by now.
+        session that has none yet; LockedElsewhere where it is another's by now.
 
         is_ours: whether another folder in its place holds what this program wrote last: then the
         session was put back from a copy.

@@ -1,6 +1,6 @@
 """What a person can do, each as a small frozen message; also what the page sends, word for word.
 
-Every value is checked here, at the door. An action with a `stroke` is part of one gesture: the
+Every value is checked here, where it enters. An action with a `stroke` is part of one gesture: the
 gesture is applied to the document as it was before, so moves that are lost or merged do no harm.
 Frames are video frame numbers; angles degrees, sizes centimetres, as on the page.
 """
@@ -168,7 +168,7 @@ class TakeTracked(Edit):
 
 
 class AddKey(Edit):
-    """The pose that stands at a frame is its keyframe; where it is already, nothing changes."""
+    """The pose shown at a frame becomes its keyframe; where it is already, nothing changes."""
 
     do: Literal["add_key"] = "add_key"
     frame: FrameIndex
@@ -202,6 +202,14 @@ class KeyAngle(Edit):
 
 
 # --- the body
+
+
+class Shape(Edit):
+    """A part of another shape, about as large."""
+
+    do: Literal["shape"] = "shape"
+    part: Name
+    kind: Annotated[str, Field(max_length=40)]
 
 
 class Size(Edit):
@@ -362,7 +370,7 @@ class FitHere(Message):
 
 
 class FitSizes(Message):
-    """The body's sizes from the pictures of all keyframes; on wish the focal length too."""
+    """The body's sizes from the pictures of all keyframes; optionally the focal length too."""
 
     do: Literal["fit_sizes"] = "fit_sizes"
     focal: bool = False
@@ -416,7 +424,7 @@ Posing: TypeAlias = (
     | TakeTracked
 )
 Keying: TypeAlias = AddKey | DeleteKey | MoveKey | DuplicateKey | KeyAngle
-Shaping: TypeAlias = Size | Joint | Height | Preset | ResetBody | Tracked
+Shaping: TypeAlias = Shape | Size | Joint | Height | Preset | ResetBody | Tracked
 Filming: TypeAlias = Intrinsics | FieldOfView | Distortion | Vertical | ResetUp
 Choosing: TypeAlias = AddMask | ChangeMask | DeleteMask | Settings | Observe
 Rewinding: TypeAlias = Undo | Redo | EndStroke | CancelStroke

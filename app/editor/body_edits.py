@@ -1,4 +1,4 @@
-"""Edits of the body: sizes, joints, presets, what is tracked."""
+"""Edits of the body: shapes, sizes, joints, presets, what is tracked."""
 
 from __future__ import annotations
 
@@ -6,11 +6,17 @@ from app.editor import actions as do
 from app.editor.documents import require_before_camera
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
-from app.posing import with_height, with_joint, with_size
+from app.posing import with_height, with_joint, with_shape, with_size
 from tracker.body.body import PRESETS, Body, Part, preset
 from tracker.body.skeleton import Skeleton
 from tracker.session.schema import Keyframe, Session
 from tracker.session.settings import TrackSettings
+
+
+def set_shape(state: EditorState, action: do.Shape) -> Session:
+    """The shape of a part."""
+    body = with_shape(state.doc.body, action.part, action.kind, linked=state.display.link)
+    return with_body(state, body)
 
 
 def set_size(state: EditorState, action: do.Size) -> Session:
@@ -44,7 +50,7 @@ def reset_body(state: EditorState) -> Session:
     """The preset's own sizes again."""
     name = state.doc.body.name
     if name not in PRESETS:
-        raise Refused("This body does not come from a preset, so there is nothing to go back to.")
+        raise Refused("This body is not based on a preset.")
     return with_body(state, preset(name))
 
 
@@ -81,5 +87,5 @@ def _without_unknown(settings: TrackSettings, known: set[str]) -> TrackSettings:
 def _fitted(keyframe: Keyframe, known: set[str]) -> Keyframe:
     if set(keyframe.rotations_wxyz) <= known:
         return keyframe
-    kept = {name: q for name, q in keyframe.rotations_wxyz.items() if name in known}
-    return keyframe.model_copy(update={"rotations_wxyz": kept})
+    rotations = {name: q for name, q in keyframe.rotations_wxyz.items() if name in known}
+    return keyframe.model_copy(update={"rotations_wxyz": rotations})

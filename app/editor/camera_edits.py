@@ -49,7 +49,7 @@ def set_up(state: EditorState, action: do.Vertical) -> Session:
         raise Refused("Draw a longer line along something upright.")
     up = up_from_vertical(state.doc.camera, action.a, action.b)
     if not np.isfinite(up).all():
-        raise Refused("The lens shows nothing at an end of this line. Draw it nearer the middle.")
+        raise Refused("The lens shows nothing at one end of this line. Draw it nearer the centre.")
     x, y, z = (float(v) for v in up)
     return state.doc.model_copy(update={"up_camera": (x, y, z)})
 

@@ -49,7 +49,7 @@ def require_before_camera(skeleton: Skeleton, pose: Pose) -> None:
     """Refused when a joint would come to lie behind the camera."""
     z = pose_transforms(skeleton, pose)[:, 2, 3]
     if not z.min() > NEAREST_M:
-        raise Refused("The body would stand behind the camera. Pull it farther away.")
+        raise Refused("The body would be behind the camera. Move it farther away.")
 
 
 def require_sound(before: Session, after: Session, what: str) -> None:

@@ -13,7 +13,7 @@ from app.editor.documents import (
     with_keyframes,
 )
 from app.editor.refusal import Refused
-from app.editor.shown import shown
+from app.editor.shown import shown_pose
 from app.editor.state import EditorState
 from tracker.body.body import Body
 from tracker.body.pose import Pose
@@ -23,19 +23,19 @@ from tracker.session.schema import Keyframe, Session
 
 
 def pose_to_fit(state: EditorState) -> Pose:
-    """The pose that stands at the present frame; Refused where nobody has posed anything yet.
+    """The pose shown at the present frame; Refused where nothing has been posed yet.
 
-    Into a surface the body is laid from where it stands when that is opened, too.
+    A surface can also be fitted from the pose in which the session opens.
     """
-    if state.doc.surface is None and not (state.doc.keyframes or state.doc.drafts):
-        raise Refused("There is no pose to fit: pose the body roughly first.")
-    return shown(state).pose
+    if state.doc.evidence.is_posed_first and not (state.doc.keyframes or state.doc.drafts):
+        raise Refused("Pose the body roughly first.")
+    return shown_pose(state).pose
 
 
 def require_sizes_to_fit(state: EditorState) -> None:
-    """Refused where one cannot tell the sizes."""
+    """Refused where the sizes cannot be estimated."""
     if len(state.keys) < 2:
-        raise Refused("Sizes are fitted to two keyframes or more: pose a second one first.")
+        raise Refused("Add a second keyframe first: sizes are fitted to two or more.")
 
 
 def with_pose_fitted(state: EditorState, frame: int, pose: Pose) -> EditorState:

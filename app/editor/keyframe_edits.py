@@ -13,14 +13,14 @@ from app.editor.documents import (
     without,
 )
 from app.editor.refusal import Refused
-from app.editor.shown import find, shown
+from app.editor.shown import find, shown_pose
 from app.editor.state import EditorState
 from tracker.session.schema import Keyframe, Session
 
 
 def add_keyframe(state: EditorState, frame: int) -> Session:
-    """The pose that stands at a frame made its keyframe, unless it is that already."""
-    stands = shown(state, frame)
+    """Make the pose shown at a frame its keyframe, unless it is that already."""
+    stands = shown_pose(state, frame)
     if stands.source == "keyframe":
         return state.doc
     pose = stands.pose
@@ -44,10 +44,7 @@ def move_keyframe(state: EditorState, action: do.MoveKey) -> Session:
     _require_free(state, action.to)
     rest = without(state.doc.keyframes, action.frame)
     doc = _keyed(state, rest, _at(state, keyframe, action.to))
-    if doc.surface is None or doc.surface.model_frame != action.frame:
-        return doc
-    surface = doc.surface.model_copy(update={"model_frame": action.to})
-    return doc.model_copy(update={"surface": surface})
+    return doc.model_copy(update=doc.evidence.with_key_moved(action.frame, action.to))
 
 
 def duplicate_keyframe(state: EditorState, action: do.DuplicateKey) -> Session:
@@ -71,10 +68,10 @@ def _at(state: EditorState, keyframe: Keyframe, frame: int) -> Keyframe:
 def _require(state: EditorState, frame: int) -> Keyframe:
     found = find(state.doc.keyframes, frame)
     if found is None:
-        raise Refused(f"Frame {frame} has no keyframe.")
+        raise Refused(f"Frame {frame} is not a keyframe.")
     return found
 
 
 def _require_free(state: EditorState, frame: int) -> None:
     if find(state.doc.keyframes, frame) is not None:
-        raise Refused(f"Frame {frame} has a keyframe already. Delete that one first.")
+        raise Refused(f"Frame {frame} is already a keyframe. Delete it first.")

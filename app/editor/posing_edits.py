@@ -9,7 +9,7 @@ from app.editor.body_edits import with_body
 from app.editor.documents import posed
 from app.editor.pointer_views import pointer_views, up_of
 from app.editor.refusal import Refused
-from app.editor.shown import find, shown
+from app.editor.shown import find, shown_pose
 from app.editor.state import EditorState
 from app.posing import (
     Posed,
@@ -17,8 +17,8 @@ from app.posing import (
     angles_deg,
     drag,
     facing,
-    mirrored,
-    sides_swapped,
+    mirror_pose,
+    swap_left_right,
     with_angles,
     with_reset,
 )
@@ -41,7 +41,7 @@ def _drag(state: EditorState, before: EditorState, action: do.Drag) -> Posed:
     last = state.stroke.readout if state.stroke else None
     return drag(
         before.doc.body,
-        shown(before, state.frame).pose,
+        shown_pose(before, state.frame).pose,
         action,
         pointer_views(before.doc),
         limits_on=looks.limits,
@@ -53,7 +53,7 @@ def _drag(state: EditorState, before: EditorState, action: do.Drag) -> Posed:
 
 def set_angles(state: EditorState, action: do.Angles) -> Session:
     """One part at given angles."""
-    pose = shown(state).pose
+    pose = shown_pose(state).pose
     state.doc.body.index(action.part)
     pose = with_angles(
         state.skeleton, pose, action.part, action.x, action.y, action.z,
@@ -64,7 +64,7 @@ def set_angles(state: EditorState, action: do.Angles) -> Session:
 
 def set_root(state: EditorState, action: do.Root) -> Session:
     """The root at given coordinates."""
-    pose = shown(state).pose
+    pose = shown_pose(state).pose
     wanted = (action.x, action.y, action.z)
     place = [
         old if new is None else new for old, new in zip(pose.p_camera_root, wanted, strict=True)
@@ -74,17 +74,17 @@ def set_root(state: EditorState, action: do.Root) -> Session:
 
 def set_facing(state: EditorState, action: do.Face) -> Session:
     """The whole body facing a way, where it stands."""
-    return _with_pose(state, facing(shown(state).pose, action.way, up_of(state.doc)))
+    return _with_pose(state, facing(shown_pose(state).pose, action.way, up_of(state.doc)))
 
 
 def reset_part(state: EditorState, action: do.ResetPart) -> Session:
     """One part at rest."""
-    return _with_pose(state, with_reset(state.skeleton, shown(state).pose, action.part))
+    return _with_pose(state, with_reset(state.skeleton, shown_pose(state).pose, action.part))
 
 
 def reset_pose(state: EditorState) -> Session:
     """The whole body at rest, where it stands."""
-    rest = Pose.rest(state.skeleton, tuple(shown(state).pose.p_camera_root))
+    rest = Pose.rest(state.skeleton, tuple(shown_pose(state).pose.p_camera_root))
     return _with_pose(state, rest)
 
 
@@ -92,22 +92,24 @@ def swap_sides(state: EditorState) -> Session:
     """Left limbs where the right ones are seen."""
     if not state.doc.body.mirror_pairs:
         raise Refused("This body has no left and right.")
-    return _with_pose(state, sides_swapped(state.skeleton, state.doc.camera, shown(state).pose))
+    return _with_pose(
+        state, swap_left_right(state.skeleton, state.doc.camera, shown_pose(state).pose)
+    )
 
 
 def paste_pose(state: EditorState, action: do.PastePose) -> Session:
-    """The copied pose, here; mirrored on wish."""
+    """The copied pose, here; optionally mirrored."""
     if state.clipboard is None:
-        raise Refused("No pose has been copied yet. Copy one with Ctrl C.")
+        raise Refused("Copy a pose first (Ctrl C).")
     pose = _fitting(state, state.clipboard).pose(state.skeleton)
-    return _with_pose(state, mirrored(state.skeleton, pose) if action.mirrored else pose)
+    return _with_pose(state, mirror_pose(state.skeleton, pose) if action.mirrored else pose)
 
 
 def copy_key(state: EditorState, action: do.CopyKey) -> Session:
     """The pose of another keyframe, here."""
     found = find(state.doc.keyframes, action.from_frame)
     if found is None:
-        raise Refused(f"Frame {action.from_frame} has no keyframe to copy.")
+        raise Refused(f"Frame {action.from_frame} is not a keyframe.")
     return _with_pose(state, found.pose(state.skeleton))
 
 
@@ -115,7 +117,7 @@ def take_tracked(state: EditorState) -> Session:
     """The tracked pose of this frame, as a pose of one's own."""
     pose = state.tracked(state.frame)
     if pose is None:
-        raise Refused(f"Frame {state.frame} is not tracked. Press T first.")
+        raise Refused(f"Frame {state.frame} is not tracked yet. Press T first.")
     return _with_pose(state, pose)
 
 
@@ -123,7 +125,7 @@ def turn_key(state: EditorState, action: do.KeyAngle) -> Session:
     """One angle of a part at some keyframe."""
     found = find(state.doc.keyframes, action.frame)
     if found is None:
-        raise Refused(f"Frame {action.frame} has no keyframe.")
+        raise Refused(f"Frame {action.frame} is not a keyframe.")
     wanted = {action.axis: action.deg}
     pose = with_angles(
         state.skeleton, found.pose(state.skeleton), action.part,
@@ -141,8 +143,8 @@ def angles_at(state: EditorState, pose: Pose) -> dict[str, list[float]]:
 def _fitting(state: EditorState, copied: Keyframe) -> Keyframe:
     """The copied pose as far as this body has the parts."""
     known = set(state.doc.body.names)
-    kept = {name: q for name, q in copied.rotations_wxyz.items() if name in known}
-    return copied.model_copy(update={"rotations_wxyz": kept})
+    rotations = {name: q for name, q in copied.rotations_wxyz.items() if name in known}
+    return copied.model_copy(update={"rotations_wxyz": rotations})
 
 
 def _with_pose(state: EditorState, pose: Pose) -> Session:

@@ -17,34 +17,34 @@ Source: TypeAlias = Literal["keyframe", "draft", "tracked", "between", "held", "
 
 
 @dataclass(frozen=True, eq=False)
-class Shown:
+class ShownPose:
     """A pose and where it comes from.
 
-    "between" is interpolated, "held" is the nearest keyframe's, "rest" how the body first stands.
+    "between" is interpolated, "held" is the nearest keyframe's, "rest" the initial pose.
     """
 
     pose: Pose
     source: Source
 
 
-def shown(state: EditorState, frame: int | None = None) -> Shown:
-    """What stands at a frame, by default the present one."""
+def shown_pose(state: EditorState, frame: int | None = None) -> ShownPose:
+    """The pose shown at a frame, by default the present one."""
     frame = state.frame if frame is None else frame
     posed = posed_at(state, frame)
     if posed is not None:
         return posed
     tracked = state.tracked(frame)
     if tracked is not None:
-        return Shown(tracked, "tracked")
+        return ShownPose(tracked, "tracked")
     return _from_neighbours(state, frame)
 
 
-def posed_at(state: EditorState, frame: int) -> Shown | None:
+def posed_at(state: EditorState, frame: int) -> ShownPose | None:
     """What a person posed at a frame: a draft before the keyframe it would replace."""
     for poses, source in ((state.doc.drafts, "draft"), (state.doc.keyframes, "keyframe")):
         found = find(poses, frame)
         if found is not None:
-            return Shown(found.pose(state.skeleton), source)  # type: ignore[arg-type]
+            return ShownPose(found.pose(state.skeleton), source)  # type: ignore[arg-type]
     return None
 
 
@@ -53,16 +53,18 @@ def find(poses: tuple[Keyframe, ...], frame: int) -> Keyframe | None:
     return next((pose for pose in poses if pose.frame == frame), None)
 
 
-def _from_neighbours(state: EditorState, frame: int) -> Shown:
+def _from_neighbours(state: EditorState, frame: int) -> ShownPose:
     known = state.doc.keyframes or state.doc.drafts
     if not known:
-        return Shown(state.opening, "rest")
+        return ShownPose(state.opening, "rest")
     place = bisect_right([keyframe.frame for keyframe in known], frame)
     if place == 0 or place == len(known):
-        return Shown(known[min(place, len(known) - 1)].pose(state.skeleton), "held")
+        return ShownPose(known[min(place, len(known) - 1)].pose(state.skeleton), "held")
     before, after = known[place - 1], known[place]
     share = (frame - before.frame) / (after.frame - before.frame)
-    return Shown(_mixed(before.pose(state.skeleton), after.pose(state.skeleton), share), "between")
+    return ShownPose(
+        _mixed(before.pose(state.skeleton), after.pose(state.skeleton), share), "between"
+    )
 
 
 def _mixed(start: Pose, end: Pose, share: float) -> Pose:

@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import Literal
 
 from app.editor.pointer_views import up_of
-from app.editor.timing import times_of
 from app.posing import Readout, opening_pose
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
@@ -88,9 +87,10 @@ class EditorState:
         return pose_at(self.fitting, frame)
 
     def with_doc(self, doc: Session) -> EditorState:
-        """The same with another document; the skeleton is laid out anew only for another body."""
-        if doc.surface is not self.doc.surface and doc.surface is not None:
-            self = replace(self, times_s=times_of(doc.surface, doc.video.frame_count))
+        """The same with another document; the skeleton is rebuilt only for another body."""
+        times_s = doc.evidence.times_s() if doc.surface is not self.doc.surface else None
+        if times_s is not None:
+            self = replace(self, times_s=times_s)
         if doc.body is self.doc.body:
             return replace(self, doc=doc)
         changed = replace(self, doc=doc, skeleton=Skeleton.of(doc.body))

@@ -10,11 +10,12 @@ from typing import Literal
 
 import numpy as np
 
-from app.editor.verdict_words import add_keyframe, frame_range, reason, reason_with_frames
+from app.editor.verdict_text import add_keyframe, frame_range, reason, reason_with_frames
 from tracker.geometry.rotations import Array, log_rotation, transpose
 from tracker.session.verdict import Verdict
-from tracker.storage.results import SegmentTrack, Span
+from tracker.storage.results import Span
 from tracker.tracking.diagnostics.expected_gain import MENDED
+from tracker.tracking.result import SegmentResult
 
 NEXT_FRAMES = 24
 """A good first distance of keyframes: about a second."""
@@ -40,23 +41,22 @@ many degrees a frame; and worth a word where that is less than this share of the
 ROOT_LEVER_M = 0.3
 """The lever at which a turn of the root moves the body as far as a shift does."""
 
-Fitting = Mapping[Span, SegmentTrack]
+Fitting = Mapping[Span, SegmentResult]
 
 
 @dataclass(frozen=True)
 class Suggestion:
-    """What to do next. words: a sentence or two; reason: why, without a full stop, may be empty.
+    """What to do next. title: what; detail: why, may be empty. Neither has a full stop at its end.
 
     kind: "pose" a frame and press K; "key" set the keyframe `frame`; "track" what is not tracked as
     it is posed now; "look" at `frame`, where keyframes themselves are wrong or no keyframe more
-    would help; "good" nothing.  verdict_of: the segment whose verdict says the reason already.
+    would help; "good" nothing.
     """
 
     frame: int | None
-    words: str
-    reason: str
+    title: str
+    detail: str
     kind: Literal["pose", "key", "track", "look", "good"]
-    verdict_of: Span | None = None
 
 
 def suggestion(
@@ -71,7 +71,9 @@ def suggestion(
         return _first_poses(keys, frame_count)
     spans = list(pairwise(keys))
     done = {span: fitting[span] for span in spans if span in fitting and fitting[span].finished}
-    if len(done) == len(spans) and all(track.need is not None for track in done.values()):
+    if len(done) == len(spans) and all(
+        track.diagnostics.expected_gain is not None for track in done.values()
+    ):
         return _by_gain(list(done.values()), parts) or _all_good(keys, frame_count)
     bad = [track for track in done.values() if track.kind != "good"]
     to_mend = [track for track in bad if not _is_past_mending(track)]
@@ -89,7 +91,7 @@ def suggestion(
     return divided or _all_good(keys, frame_count)
 
 
-def _by_gain(tracks: Sequence[SegmentTrack], parts: Sequence[str]) -> Suggestion | None:
+def _by_gain(tracks: Sequence[SegmentResult], parts: Sequence[str]) -> Suggestion | None:
     """The keyframe that is expected to mend most, of all segments; None where all is good.
 
     What short intervals still show is the keyframes' own error: that much is not to be gained.
@@ -110,36 +112,42 @@ def _by_gain(tracks: Sequence[SegmentTrack], parts: Sequence[str]) -> Suggestion
     return None
 
 
-def _gain(track: SegmentTrack) -> float:
+def _gain(track: SegmentResult) -> float:
     """Pixels that the best keyframe in a segment is expected to mend, in the mean over it."""
-    assert track.need is not None
-    return float(track.need.max() / (track.last - track.first))
+    return float(_expected_gain(track).max() / (track.last - track.first))
 
 
-def _possible_drift_px(track: SegmentTrack) -> Array:
+def _expected_gain(track: SegmentResult) -> Array:
+    """(n + 1,) pixels that a keyframe at each frame would mend; asked only where it is known."""
+    gain = track.diagnostics.expected_gain
+    assert gain is not None
+    return gain
+
+
+def _possible_drift_px(track: SegmentResult) -> Array:
     """(n + 1,) pixels by which the motion may be off without the keyframes' own errors."""
-    assert track.need is not None
-    away = np.arange(len(track.need))
+    gain = _expected_gain(track)
+    away = np.arange(len(gain))
     most = OWN_PX * np.minimum(away, away[::-1])
-    whole = float(track.need.sum())
+    whole = float(gain.sum())
     if whole <= 0:
         return most
-    return np.minimum(track.need * (float(track.need.max()) / MENDED / whole), most)
+    return np.minimum(gain * (float(gain.max()) / MENDED / whole), most)
 
 
 def _key_where_it_gains(
-    track: SegmentTrack, parts: Sequence[str], tracks: Sequence[SegmentTrack]
+    track: SegmentResult, parts: Sequence[str], tracks: Sequence[SegmentResult]
 ) -> Suggestion:
     frame = track.first + int(_possible_drift_px(track).argmax())
     frame = min(max(frame, track.first + 1), track.last - 1)
     verdict = track.verdict
     if verdict is not None and verdict.kind != "good" and _is_about(verdict, frame):
-        return _by_verdict(frame, f"{add_keyframe(frame)}.", track, verdict, parts, "key")
+        return _by_verdict(frame, add_keyframe(frame), track, verdict, parts, "key")
     return _add_keyframe(frame, _why(track, frame, tracks))
 
 
 def _add_keyframe(frame: int, why: str) -> Suggestion:
-    return Suggestion(frame, f"{add_keyframe(frame)}.", why, "key")
+    return Suggestion(frame, add_keyframe(frame), why, "key")
 
 
 def _is_about(verdict: Verdict, frame: int) -> bool:
@@ -149,7 +157,7 @@ def _is_about(verdict: Verdict, frame: int) -> bool:
     return verdict.frames[0] <= frame <= verdict.frames[1]
 
 
-def _why(track: SegmentTrack, frame: int, tracks: Sequence[SegmentTrack]) -> str:
+def _why(track: SegmentResult, frame: int, tracks: Sequence[SegmentResult]) -> str:
     """What is seen of the motion that makes a keyframe needed there."""
     length = track.last - track.first
     fast = _fast_about(track, frame)
@@ -161,7 +169,7 @@ def _why(track: SegmentTrack, frame: int, tracks: Sequence[SegmentTrack]) -> str
     return f"Most drift in {frame_range(track.first, track.last)}"
 
 
-def _fast_about(track: SegmentTrack, frame: int) -> Span | None:
+def _fast_about(track: SegmentResult, frame: int) -> Span | None:
     """The run of fast frames that a frame lies in, where it stands out of its segment."""
     path = track.trajectory
     Rs, ps = path.Rs_parent_part, path.ps_camera_root
@@ -192,62 +200,68 @@ def middle(keys: Sequence[int], frame: int) -> int | None:
 
 def _first_poses(keys: Sequence[int], frame_count: int) -> Suggestion:
     if not keys:
-        words = "Pose this frame, then press K. Two keyframes make the first segment."
-        return Suggestion(None, words, "", "pose")
+        return Suggestion(None, "Pose this frame, then press K", _TWO_KEYFRAMES, "pose")
     key, last = keys[0], frame_count - 1
     frame = min(key + NEXT_FRAMES, last)
     if frame - key < NEXT_FRAMES // 2 and key > last - key:
         frame = max(key - NEXT_FRAMES, 0)
     if frame == key:
-        return Suggestion(None, "One frame is all there is: nothing to track.", "", "pose")
-    reason = "Two keyframes make the first segment"
-    return Suggestion(frame, f"Pose frame {frame} next, then press K.", reason, "pose")
+        return Suggestion(None, "Nothing to track", "The video has only one frame", "pose")
+    return Suggestion(frame, f"Pose frame {frame}, then press K", _TWO_KEYFRAMES, "pose")
 
 
-def _to_track(spans: list[Span]) -> Suggestion:
+_TWO_KEYFRAMES = "Two keyframes make the first segment"
+
+
+def _to_track(spans: Sequence[Span]) -> Suggestion:
+    return segments_need(spans, "tracking")
+
+
+def segments_need(spans: Sequence[Span], what: str) -> Suggestion:
+    """ "4 segments need tracking", and the first of them."""
+    count = len(spans)
+    title = f"1 segment needs {what}" if count == 1 else f"{count} segments need {what}"
     named = [frame_range(*span) for span in spans[:2]]
-    more = f" and {len(spans) - 2} more" if len(spans) > 2 else ""
-    listed = f"{', '.join(named)}{more}" if more else " and ".join(named)
-    changed = "not tracked as posed now"
-    return Suggestion(None, "Track next.", f"{listed} {changed}", "track")
+    more = f"{', '.join(named)} and {count - 2} more" if count > 2 else " and ".join(named)
+    return Suggestion(None, title, f"Frames {more}", "track")
 
 
-def _about(track: SegmentTrack, parts: Sequence[str]) -> Suggestion:
+def _about(track: SegmentResult, parts: Sequence[str]) -> Suggestion:
     """What a segment that is lost, or to be checked, needs."""
     verdict, (first, last) = track.verdict, track.span
     assert verdict is not None
     if _blames_keys(track):
         frame = first if verdict.go is None else verdict.go
         why = reason(verdict, capital=True)
-        return Suggestion(frame, f"Look at key {frame} again.", why, "look", track.span)
+        return Suggestion(frame, f"Check keyframe {frame}", why, "look")
     frame = (first + last) // 2 if verdict.go is None else verdict.go
     frame = min(max(frame, first + 1), last - 1)
-    return _by_verdict(frame, f"{add_keyframe(frame)}.", track, verdict, parts, "key")
+    return _by_verdict(frame, add_keyframe(frame), track, verdict, parts, "key")
 
 
-def _blames_keys(track: SegmentTrack) -> bool:
+def _blames_keys(track: SegmentResult) -> bool:
     """Whether keyframes themselves are wrong, not what lies between them."""
     verdict = track.verdict
     wrong = verdict is not None and verdict.cause in ("contradiction", "nothing_seen")
     return wrong or (track.kind == "lost" and track.last - track.first < 2)
 
 
-def _is_past_mending(track: SegmentTrack) -> bool:
+def _is_past_mending(track: SegmentResult) -> bool:
     """Whether the interval is too short for a keyframe to help: it would be halved for ever."""
     hidden = track.verdict is not None and track.verdict.cause == "not_seen"
     short = SHORT_HIDDEN_FRAMES if hidden else SHORT_FRAMES
     return not _blames_keys(track) and track.last - track.first <= short
 
 
-def _look(track: SegmentTrack, parts: Sequence[str]) -> Suggestion:
+def _look(track: SegmentResult, parts: Sequence[str]) -> Suggestion:
     """Nothing but to look at a segment, and to be content where it is right."""
     verdict = track.verdict
     assert verdict is not None
     frame = (track.first + track.last) // 2 if verdict.go is None else verdict.go
-    return _by_verdict(frame, f"Look at frame {frame} and go on.", track, verdict, parts, "look")
+    return _by_verdict(frame, f"Check frame {frame} and move on", track, verdict, parts, "look")
 
 
-def _need(track: SegmentTrack) -> int:
+def _need(track: SegmentResult) -> int:
     """How many frames a keyframe there would mend: those in doubt, or all that are lost."""
     verdict = track.verdict
     if verdict is not None and verdict.kind == "check" and verdict.frames is not None:
@@ -256,21 +270,21 @@ def _need(track: SegmentTrack) -> int:
 
 
 def _by_verdict(
-    frame: int, words: str, track: SegmentTrack, verdict: Verdict, parts: Sequence[str],
+    frame: int, title: str, track: SegmentResult, verdict: Verdict, parts: Sequence[str],
     kind: Literal["key", "look"],
 ) -> Suggestion:  # fmt: skip
     """With the verdict's reason; where tracking was lost, with what made it so."""
     if verdict.cause == "not_followed":
         differ = f"Forward and backward differ in {frame_range(*track.span)}"
         why = _longest_hidden(track, parts) or differ
-        return Suggestion(frame, words, why, kind)
-    return Suggestion(frame, words, reason_with_frames(verdict, capital=True), kind, track.span)
+        return Suggestion(frame, title, why, kind)
+    return Suggestion(frame, title, reason_with_frames(verdict, capital=True), kind)
 
 
-def _longest_hidden(track: SegmentTrack, parts: Sequence[str]) -> str | None:
+def _longest_hidden(track: SegmentResult, parts: Sequence[str]) -> str | None:
     """The part that goes unseen for the longest run of frames, in words."""
     runs = []
-    for name, column in zip(parts, track.observability.T, strict=False):
+    for name, column in zip(parts, track.diagnostics.observability.T, strict=False):
         edges = np.flatnonzero(np.diff(np.concatenate([[0], column < HIDDEN, [0]])))
         runs += [(b - a, a, name) for a, b in zip(edges[::2], edges[1::2], strict=True)]
     length, start, name = max(runs, default=(0, 0, ""))
@@ -291,5 +305,9 @@ def _longest(spans: list[Span]) -> Suggestion | None:
 def _all_good(keys: Sequence[int], frame_count: int) -> Suggestion:
     outside = [(0, keys[0] - 1), (keys[-1] + 1, frame_count - 1)]
     left = [frame_range(*frames) for frames in outside if frames[1] >= frames[0]]
-    reason = f"{' and '.join(left)} outside the keyframes" if left else ""
-    return Suggestion(None, "All Good. Add a key only where you disagree.", reason, "good")
+    more = f". Outside the keyframes: {' and '.join(left)}" if left else ""
+    return Suggestion(None, ALL_GOOD, f"{WHERE_WRONG}{more}", "good")
+
+
+ALL_GOOD = "All good"
+WHERE_WRONG = "Add a keyframe only where the motion looks wrong"

@@ -17,6 +17,7 @@ from app.editor.timing import retimed
 from tracker.body.skeleton import Skeleton
 from tracker.errors import one_sentence
 from tracker.geometry.rotations import quaternion_wxyz
+from tracker.session.evidence import surface_of
 from tracker.session.schema import Keyframe, Session, Surface
 from tracker.surface.placing import METRES, Placement
 
@@ -27,7 +28,7 @@ def set_surface(state: EditorState, action: do.Observe) -> Session:
     """Only the fields that were named change; where the surfaces lie follows from units and up."""
     before = state.doc.surface
     if before is None:
-        raise Refused("This session is about a video: it has no surfaces.")
+        raise Refused("This session has a video, not surfaces.")
     named = _named(action)
     _require_keyframe(state, named.get("model_frame"))
     doc = state.doc
@@ -35,8 +36,7 @@ def set_surface(state: EditorState, action: do.Observe) -> Session:
         doc = _scaled(state, METRES[named["units"]] / METRES[before.units])
     if "up" in named:
         doc = _turned(doc, state.skeleton, action)
-    assert doc.surface is not None
-    doc = _with_surface(doc, {**doc.surface.model_dump(), **named})
+    doc = _with_surface(doc, {**surface_of(doc).model_dump(), **named})
     return _retimed(doc) if "fps" in named else doc
 
 
@@ -48,20 +48,19 @@ def _named(action: do.Observe) -> dict[str, Any]:
 
 def _require_keyframe(state: EditorState, frame: int | None) -> None:
     if frame is not None and find(state.doc.keyframes, frame) is None:
-        raise Refused(f"Frame {frame} has no keyframe: pose the body in its surface first.")
+        raise Refused(f"Frame {frame} is not a keyframe. Pose the body in its surface first.")
 
 
 def _scaled(state: EditorState, factor: float) -> Session:
     """Everything so much farther away: then it is seen where it was, as large as it was."""
     doc = state.doc
-    assert doc.surface is not None
-    place = np.array(doc.surface.p_camera_surface) * factor
+    place = np.array(surface_of(doc).p_camera_surface) * factor
     try:
         moved = _with_poses(doc, state.skeleton, lambda pose: _farther(pose, factor))
     except Refused:
         raise Refused(
-            "In these units the surface is so small that the body would stand at the camera: "
-            "remove its poses first, or open the meshes anew with other units."
+            "In these units the surface is so small that the body would be at the camera. "
+            "Delete its poses first, or reopen the meshes with other units."
         ) from None
     return _placed(moved, place)
 
@@ -81,8 +80,7 @@ def _farther(pose: Keyframe, factor: float) -> Keyframe:
 
 def _turned(doc: Session, skeleton: Skeleton, action: do.Observe) -> Session:
     """With other axes, the point that all is turned about staying where it is; poses go along."""
-    old, about = doc.surface, np.array(action.about)
-    assert old is not None
+    old, about = surface_of(doc), np.array(action.about)
     assert action.up is not None
     place = np.array(old.p_camera_surface)
     R_before = Placement(old.units, old.up, place).R_camera_surface
@@ -102,15 +100,14 @@ def _turned(doc: Session, skeleton: Skeleton, action: do.Observe) -> Session:
 
 
 def _placed(doc: Session, p_camera_surface: np.ndarray[Any, Any]) -> Session:
-    assert doc.surface is not None
     place = [float(v) for v in p_camera_surface]
-    return _with_surface(doc, {**doc.surface.model_dump(), "p_camera_surface": place})
+    return _with_surface(doc, {**surface_of(doc).model_dump(), "p_camera_surface": place})
 
 
 def _retimed(doc: Session) -> Session:
     """Poses know when they are."""
-    assert doc.surface is not None
-    poses = {name: retimed(getattr(doc, name), doc.surface) for name in ("keyframes", "drafts")}
+    surface = surface_of(doc)
+    poses = {name: retimed(getattr(doc, name), surface) for name in ("keyframes", "drafts")}
     return doc.model_copy(update=poses)
 
 

@@ -1,4 +1,4 @@
-"""Edits of what the tracker is told: ignored regions and settings."""
+"""Edits of what the tracker is given: ignored regions and settings."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def set_settings(state: EditorState, action: do.Settings) -> Session:
 def _require_startable(state: EditorState, action: do.Settings) -> None:
     """Refused when a start needs what this session does not have."""
     if action.initial == "import" and state.doc.first_motion is None:
-        raise Refused("No motion has been imported: `keypose import` takes one in.")
+        raise Refused("No motion has been imported. Import one with `keypose import`.")
     unknown = sorted(set(action.left_out or ()) - set(state.doc.body.names))
     if unknown:
         raise Refused(f"The body has no part {unknown[0]!r} to leave out.")
@@ -70,7 +70,7 @@ def _mask(
 
 def _require(state: EditorState, index: int) -> IgnoreMask:
     if index >= len(state.doc.ignore_masks):
-        raise Refused("This mask does not exist any more.")
+        raise Refused("This mask no longer exists.")
     return state.doc.ignore_masks[index]
 
 

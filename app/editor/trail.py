@@ -1,4 +1,4 @@
-"""The way a part's far end takes around the present frame."""
+"""The path of a part's far end around the present frame."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ import numpy as np
 
 from app.editor.shown import find
 from app.editor.state import EditorState
+from tracker.body.body import Body
 from tracker.body.pose import joint_names, joint_positions, part_transforms
+from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory, interpolate
 from tracker.geometry.rotations import Array
 
@@ -18,7 +20,7 @@ REACH = 30
 
 
 @dataclass(frozen=True, eq=False)
-class Way:
+class EndTrail:
     """frames: (N,) ascending.  p_camera: (N, 3) metres.  keys: those of the frames with a key."""
 
     part: str
@@ -27,24 +29,30 @@ class Way:
     keys: tuple[int, ...]
 
 
-def way(edit: EditorState) -> Way | None:
-    """From the end of a segment before the present frame to the one behind it; None outside."""
-    ends = sorted({frame for span in edit.doc.spans for frame in span})
+def end_trail(edit: EditorState) -> EndTrail | None:
+    """From the end of a segment before the present frame to the one behind it; None outside.
+
+    Of the document without the gesture under way, which outdates what was tracked only when it
+    ends.
+    """
+    doc = edit.settled
+    ends = sorted({frame for span in doc.spans for frame in span})
     if not ends or not ends[0] <= edit.frame <= ends[-1]:
         return None
+    skeleton = edit.skeleton if doc.body is edit.doc.body else Skeleton.of(doc.body)
     first, last = _reach(edit.frame, ends)
-    pieces = list(_pieces(edit, first, last))
-    Rs, ps = (np.concatenate(arrays) for arrays in zip(*pieces, strict=True))
-    for posed in (*edit.doc.keyframes, *edit.doc.drafts):
+    motions = list(_motions(edit, first, last))
+    Rs, ps = (np.concatenate(arrays) for arrays in zip(*motions, strict=True))
+    for posed in (*doc.keyframes, *doc.drafts):
         if first <= posed.frame <= last:
-            pose = posed.pose(edit.skeleton)
+            pose = posed.pose(skeleton)
             Rs[posed.frame - first] = pose.Rs_parent_part
             ps[posed.frame - first] = pose.p_camera_root
-    part = edit.selected or edit.doc.body.parts[0].name
-    index = joint_names(edit.skeleton).index(_far_end(edit, part))
-    joints = joint_positions(edit.skeleton, part_transforms(edit.skeleton, Rs, ps))
-    keys = tuple(key for key in edit.keys if first <= key <= last)
-    return Way(part, tuple(range(first, last + 1)), joints[:, index], keys)
+    part = edit.selected or doc.body.parts[0].name
+    index = joint_names(skeleton).index(_far_end(doc.body, part))
+    joints = joint_positions(skeleton, part_transforms(skeleton, Rs, ps))
+    keys = tuple(k.frame for k in doc.keyframes if first <= k.frame <= last)
+    return EndTrail(part, tuple(range(first, last + 1)), joints[:, index], keys)
 
 
 def _reach(frame: int, ends: Sequence[int]) -> tuple[int, int]:
@@ -56,31 +64,30 @@ def _reach(frame: int, ends: Sequence[int]) -> tuple[int, int]:
     return max(first, frame - REACH), min(last, frame + REACH)
 
 
-def _pieces(edit: EditorState, first: int, last: int) -> Iterator[tuple[Array, Array]]:
+def _motions(edit: EditorState, first: int, last: int) -> Iterator[tuple[Array, Array]]:
     """Rotations and positions of the frames, segment by segment, tracked or interpolated."""
-    at = first
-    for start, end in edit.doc.spans:
+    doc, at = edit.settled, first
+    fitting = edit.results.fitting(doc)
+    for start, end in doc.spans:
         if end < first or start > last or at > last:
             continue
-        motion = _motion(edit, start, end)
-        piece = slice(at - start, min(end, last) - start + 1)
+        found = fitting.get((start, end))
+        motion = _interpolated(edit, start, end) if found is None else found.trajectory
+        rows = slice(at - start, min(end, last) - start + 1)
         at = min(end, last) + 1
-        yield motion.Rs_parent_part[piece], motion.ps_camera_root[piece]
+        yield motion.Rs_parent_part[rows], motion.ps_camera_root[rows]
 
 
-def _motion(edit: EditorState, start: int, end: int) -> Trajectory:
-    track = edit.fitting.get((start, end))
-    if track is not None:
-        return track.trajectory
-    found = (find(edit.doc.keyframes, frame) for frame in (start, end))
+def _interpolated(edit: EditorState, start: int, end: int) -> Trajectory:
+    found = (find(edit.settled.keyframes, frame) for frame in (start, end))
     posed = [known.pose(edit.skeleton) for known in found if known is not None]
     return interpolate(posed[0], posed[-1], start, end)  # of an open end one pose is known
 
 
-def _far_end(edit: EditorState, part: str) -> str:
+def _far_end(body: Body, part: str) -> str:
     """The joint of the part's only child, else a landmark of its own, else its own joint."""
-    children = [other.name for other in edit.doc.body.parts if other.parent == part]
+    children = [other.name for other in body.parts if other.parent == part]
     if len(children) == 1:
         return children[0]
-    landmarks = list(edit.doc.body.parts[edit.doc.body.index(part)].landmarks)
+    landmarks = list(body.parts[body.index(part)].landmarks)
     return landmarks[0] if landmarks else part

@@ -2,27 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 from pydantic import ValidationError
 
 from app.editor import actions as do
-from app.editor import (
-    body_edits,
-    camera_edits,
-    keyframe_edits,
-    posing_edits,
-    surface_edits,
-    tracking_edits,
-)
+from app.editor import posing_edits
 from app.editor.documents import impossible, keyframe_of, require_sound
+from app.editor.edits import EDITS, label_of
 from app.editor.refusal import Refused
-from app.editor.shown import shown
+from app.editor.shown import shown_pose
 from app.editor.state import EditorState, Stroke
-from app.posing import Readout, part_label
-from app.posing.gesture import Surface
+from app.posing import Readout
 from tracker.errors import one_sentence
 from tracker.session.schema import Session
 
@@ -47,7 +39,7 @@ def _look(state: EditorState, action: do.Looking) -> EditorState:
             state.doc.body.index(action.part)
         return replace(state, selected=action.part)
     if isinstance(action, do.CopyPose):
-        pose = shown(state).pose
+        pose = shown_pose(state).pose
         copied = keyframe_of(state.skeleton, pose, state.frame, state.times_s)
         return replace(state, clipboard=copied)
     if isinstance(action, do.BeginGuide):
@@ -73,9 +65,9 @@ def _rewind(state: EditorState, action: do.Rewinding) -> EditorState:
         return cancel_stroke(state) if _is_under_way(state, action.stroke) else state
     state = end_stroke(state)
     undo = isinstance(action, do.Undo)
-    found = state.history.undone(state.doc) if undo else state.history.redone(state.doc)
+    found = state.history.undo(state.doc) if undo else state.history.redo(state.doc)
     if found is None:
-        raise Refused("There is nothing to undo." if undo else "There is nothing to redo.")
+        raise Refused("Nothing to undo." if undo else "Nothing to redo.")
     step, history = found
     require_sound(state.doc, step.doc, f"{action.do} {step.label}")
     changed = replace(state.with_doc(step.doc), history=history, frame=step.frame)
@@ -98,7 +90,7 @@ def end_stroke(state: EditorState) -> EditorState:
 
 
 def cancel_stroke(state: EditorState) -> EditorState:
-    """With the gesture under way taken back."""
+    """With the gesture under way undone."""
     stroke = state.stroke
     if stroke is None:
         return state
@@ -138,119 +130,10 @@ def _changed(
 ) -> tuple[Session, Readout | None]:
     if isinstance(action, do.Drag):
         return posing_edits.drag_part(state, before, action)
-    return _HOW[type(action)](before, action), None
-
-
-_HOW: dict[type, Callable[[EditorState, Any], Session]] = {
-    do.Angles: posing_edits.set_angles,
-    do.Root: posing_edits.set_root,
-    do.Face: posing_edits.set_facing,
-    do.ResetPart: posing_edits.reset_part,
-    do.ResetPose: lambda state, _: posing_edits.reset_pose(state),
-    do.Exchange: lambda state, _: posing_edits.swap_sides(state),
-    do.PastePose: posing_edits.paste_pose,
-    do.CopyKey: posing_edits.copy_key,
-    do.TakeTracked: lambda state, _: posing_edits.take_tracked(state),
-    do.KeyAngle: posing_edits.turn_key,
-    do.AddKey: lambda state, action: keyframe_edits.add_keyframe(
-        state, _in_video(state, action.frame)
-    ),
-    do.DeleteKey: lambda state, action: keyframe_edits.delete_keyframe(state, action.frame),
-    do.MoveKey: lambda state, action: keyframe_edits.move_keyframe(
-        _reaching(state, action.to), action
-    ),
-    do.DuplicateKey: lambda state, action: keyframe_edits.duplicate_keyframe(
-        _reaching(state, action.to), action
-    ),
-    do.Size: body_edits.set_size,
-    do.Joint: body_edits.set_joint,
-    do.Height: body_edits.set_height,
-    do.Preset: body_edits.set_preset,
-    do.ResetBody: lambda state, _: body_edits.reset_body(state),
-    do.Tracked: body_edits.set_tracked,
-    do.Intrinsics: camera_edits.set_intrinsics,
-    do.FieldOfView: camera_edits.set_fov,
-    do.Distortion: camera_edits.set_distortion,
-    do.Vertical: camera_edits.set_up,
-    do.ResetUp: lambda state, _: camera_edits.reset_up(state),
-    do.AddMask: tracking_edits.add_mask,
-    do.ChangeMask: tracking_edits.change_mask,
-    do.DeleteMask: tracking_edits.delete_mask,
-    do.Settings: tracking_edits.set_settings,
-    do.Observe: surface_edits.set_surface,
-}
-
-
-def _in_video(state: EditorState, frame: int) -> int:
-    if frame >= state.frame_count:
-        raise Refused(f"The video has the frames 0 to {state.frame_count - 1}.")
-    return frame
-
-
-def _reaching(state: EditorState, frame: int) -> EditorState:
-    _in_video(state, frame)
-    return state
+    return EDITS[type(action)].apply(before, action), None
 
 
 def _still_there(state: EditorState) -> EditorState:
     """A part that the body does not have any more is not selected any more."""
     gone = state.selected is not None and state.selected not in state.doc.body.names
     return replace(state, selected=None) if gone else state
-
-
-# --- what an edit is called
-
-
-def label_of(action: Any) -> str:
-    """What undo offers to take back: "turn right forearm"."""
-    if isinstance(action, do.Drag):
-        return _drag_label(action)
-    verb, field = _LABELS[action.do]
-    name = getattr(action, field, None) if field else None
-    if name is None:
-        return verb
-    return f"{verb} {part_label(name).lower() if isinstance(name, str) else name}"
-
-
-def _drag_label(action: do.Drag) -> str:
-    handle = action.handle
-    if isinstance(handle, Surface) and (handle.tool or action.tool) == "move":
-        return "move the body"
-    verbs = {"ring": "turn", "root": "move the body", "size": "resize", "surface": "turn"}
-    verb = verbs.get(handle.kind, "move")
-    name = getattr(handle, "part", None) or getattr(handle, "name", None)
-    return verb if name is None else f"{verb} {part_label(name).lower()}"
-
-
-_LABELS: dict[str, tuple[str, str | None]] = {
-    "angles": ("turn", "part"),
-    "root": ("move the body", None),
-    "face": ("turn the body", None),
-    "reset_part": ("reset", "part"),
-    "reset_pose": ("reset the pose", None),
-    "exchange": ("exchange left and right", None),
-    "paste_pose": ("paste the pose", None),
-    "copy_key": ("copy keyframe", "from_frame"),
-    "take_tracked": ("take the tracked pose", None),
-    "add_key": ("add keyframe", "frame"),
-    "delete_key": ("delete keyframe", "frame"),
-    "move_key": ("move keyframe", "frame"),
-    "duplicate_key": ("copy keyframe", "frame"),
-    "key_angle": ("turn", "part"),
-    "size": ("resize", "part"),
-    "joint": ("move the joint of", "part"),
-    "height": ("height", None),
-    "preset": ("body", "name"),
-    "reset_body": ("back to the preset", None),
-    "tracked": ("free to move", "part"),
-    "camera": ("camera", None),
-    "field_of_view": ("field of view", None),
-    "distortion": ("distortion", None),
-    "vertical": ("up direction", None),
-    "reset_up": ("up direction", None),
-    "add_mask": ("draw a mask", None),
-    "change_mask": ("change a mask", None),
-    "delete_mask": ("delete a mask", None),
-    "settings": ("settings", None),
-    "observe": ("surfaces", None),
-}

@@ -2,7 +2,7 @@
 drafts. Keyframes are never touched.
 
 Recorded joints live in a world of their own. Where keyframes overlap with them, one rigid transform
-lays them on the keyframes' joints; without any, they are put upright before the camera.
+aligns them with the keyframes' joints; without any, they are put upright before the camera.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ UP = (0.0, -1.0, 0.0)
 MOST_UNLIKE = 3.0
 """How many times larger or smaller than the body a motion in known units may be."""
 POOR_PX = 0.05
-"""Mean miss of a draft's joints, as a share of the keypoints' extent, above which it is told."""
+"""Mean miss of a draft's joints, as a share of the keypoints' extent, above which it is poor."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +46,7 @@ class ImportedMotion:
 
     size: the body's size as a share of the motion's.
     scale: by which the file's lengths were multiplied to suit the body, 1 where its unit counts.
-    aligned: frames of the keyframes that it was laid on.
+    aligned: frames of the keyframes that it was aligned with.
     keyframes_m: mean distance of its joints from theirs, NaN without any.
     """
 
@@ -87,21 +87,21 @@ def fit_to_session(
     known = matched(skeleton, motion.names, file, names)
     _require_joints(known, motion, file)
     first, ps = _within(motion.at(times_s - offset_s)[:, known.indices], file)
-    laid = BodyPoints(skeleton, tuple(known.places))
-    size = _size(laid, ps)
+    points = BodyPoints(skeleton, tuple(known.places))
+    size = _size(points, ps)
     scale = size if motion.unit is None else 1.0
     _require_a_size(size / scale, file)
     posed = {k.frame: k.pose(skeleton) for k in session.keyframes}
-    reached = {f: p for f, p in posed.items() if _says_enough(ps, f - first)}
+    reached = {f: p for f, p in posed.items() if _has_enough_joints(ps, f - first)}
     ps = ps * scale
     if reached:
-        ps = _on_keyframes(laid, ps, first, reached)
+        ps = _on_keyframes(points, ps, first, reached)
     elif motion.world != "camera":
         ps = _before_camera(session, ps, motion)
     fit = fit_motion(session.body, known.places, ps, first, _pose_per_frame(posed, first, len(ps)))
     _require_before_camera(fit, skeleton, file)
     return ImportedMotion(
-        fit, known, size, scale, tuple(reached), _from_keyframes(laid, fit, reached)
+        fit, known, size, scale, tuple(reached), _from_keyframes(points, fit, reached)
     )
 
 
@@ -136,13 +136,13 @@ def _require_joints(known: Matched, motion: JointMotion, file: str) -> None:
         few = ", ".join(motion.names[:6])
         raise FormatError(
             f"{file} has {len(motion.names)} joints, such as {few}, of which {len(known.known)} "
-            "are known: tell with --names which of ours they are."
+            "are known: name their counterparts with --names."
         )
 
 
 def _within(ps: Array, file: str) -> tuple[int, Array]:
     """The first frame at which the motion says enough, and its positions from there to the last."""
-    says = [n for n in range(len(ps)) if _says_enough(ps, n)]
+    says = [n for n in range(len(ps)) if _has_enough_joints(ps, n)]
     if len(says) < 2:
         raise FormatError(
             f"{file} has no joints while the video runs: move it with --offset-frames."
@@ -150,15 +150,15 @@ def _within(ps: Array, file: str) -> tuple[int, Array]:
     return says[0], ps[says[0] : says[-1] + 1]
 
 
-def _says_enough(ps: Array, n: int) -> bool:
+def _has_enough_joints(ps: Array, n: int) -> bool:
     return 0 <= n < len(ps) and int(np.isfinite(ps[n]).all(-1).sum()) >= LEAST_JOINTS
 
 
-def _size(laid: BodyPoints, ps: Array) -> float:
+def _size(points: BodyPoints, ps: Array) -> float:
     """The body's size as a share of the motion's, over all distances that no joint changes."""
     ours = theirs = 0.0
-    for part in range(laid.skeleton.part_count):
-        still = laid.of_part(part)
+    for part in range(points.skeleton.part_count):
+        still = points.of_part(part)
         for (j, a), (k, b) in pairwise(still):
             lengths = np.linalg.norm(ps[:, j] - ps[:, k], axis=-1)
             lengths = lengths[np.isfinite(lengths)]
@@ -178,11 +178,11 @@ def _require_a_size(size: float, file: str) -> None:
         )
 
 
-def _on_keyframes(laid: BodyPoints, ps: Array, first: int, posed: Mapping[int, Pose]) -> Array:
-    """The positions laid on the keyframes' joints, all of them by one transform."""
+def _on_keyframes(points: BodyPoints, ps: Array, first: int, posed: Mapping[int, Pose]) -> Array:
+    """The positions aligned with the keyframes' joints, all of them by one transform."""
     theirs = np.concatenate([ps[frame - first] for frame in posed])
     ours = np.concatenate(
-        [laid.at(pose_transforms(laid.skeleton, pose)) for pose in posed.values()]
+        [points.at(pose_transforms(points.skeleton, pose)) for pose in posed.values()]
     )
     R, p = rigid(theirs, ours)
     return ps @ R.T + p
@@ -213,10 +213,8 @@ def _middle(camera: Camera, z: float) -> Array:
 
 def _pose_per_frame(posed: Mapping[int, Pose], first: int, count: int) -> list[Pose | None]:
     """For every frame the pose between its keyframes, or that of the nearest; None without any."""
-    frames, kept = sorted(posed), []
-    for frame in range(first, first + count):
-        kept.append(_between(posed, frames, frame))
-    return kept
+    frames = sorted(posed)
+    return [_between(posed, frames, frame) for frame in range(first, first + count)]
 
 
 def _between(posed: Mapping[int, Pose], frames: Sequence[int], frame: int) -> Pose | None:
@@ -239,9 +237,9 @@ def _require_before_camera(fit: Fit, skeleton: Skeleton, file: str) -> None:
         )
 
 
-def _from_keyframes(laid: BodyPoints, fit: Fit, posed: Mapping[int, Pose]) -> float:
+def _from_keyframes(points: BodyPoints, fit: Fit, posed: Mapping[int, Pose]) -> float:
     def at(pose: Pose) -> Array:
-        return laid.at(pose_transforms(laid.skeleton, pose))
+        return points.at(pose_transforms(points.skeleton, pose))
 
     away = [
         np.linalg.norm(at(fit.trajectory.pose(f)) - at(p), axis=-1).mean() for f, p in posed.items()
@@ -258,32 +256,32 @@ def _draft(
 ) -> Draft | None:  # fmt: skip
     """The pose that is seen at the keypoints; None where none lies before the camera."""
     skeleton = Skeleton.of(session.body)
-    laid = BodyPoints(skeleton, tuple(known.places))
-    kept = _between(posed, sorted(posed), frame)
-    starts = _starts(session, laid, uv, kept)
-    solved = fit_picture(session.body, session.camera, known.places, uv, sure, starts, kept)
+    points = BodyPoints(skeleton, tuple(known.places))
+    near = _between(posed, sorted(posed), frame)
+    starts = _starts(session, points, uv, near)
+    solved = fit_picture(session.body, session.camera, known.places, uv, sure, starts, near)
     Ts = pose_transforms(skeleton, solved.pose)
     if not Ts[:, 2, 3].min() > NEAREST_M:
         return None
-    away = np.linalg.norm(session.camera.project(laid.at(Ts)) - uv, axis=-1)
+    away = np.linalg.norm(session.camera.project(points.at(Ts)) - uv, axis=-1)
     miss, extent = float(np.nanmean(away)), float(np.ptp(uv[np.isfinite(uv).all(-1)], axis=0).max())
     keyframe = Keyframe.of(skeleton, solved.pose, frame, float(times_s[frame]))
     count = int(np.isfinite(away).sum())
     return Draft(keyframe, count, miss, solved.converged, miss > POOR_PX * extent)
 
 
-def _starts(session: Session, laid: BodyPoints, uv: Array, kept: Pose | None) -> list[Pose]:
+def _starts(session: Session, points: BodyPoints, uv: Array, near: Pose | None) -> list[Pose]:
     """The pose known nearby, and the body at rest, seen from its four sides, where it is seen."""
     camera = session.camera.without_distortion()
     rest = opening_pose(session.body, session.camera, session.up_camera or UP)
     known = np.isfinite(uv).all(-1)
     middle = uv[known].mean(0)
-    starts = [] if kept is None else [kept]
+    starts = [] if near is None else [near]
     for quarter in range(4):
         Rs = rest.Rs_parent_part.copy()
         Rs[0] = Rs[0] @ exp_rotation((0.0, quarter * np.pi / 2, 0.0))
-        there = laid.at(pose_transforms(laid.skeleton, Pose(Rs, np.zeros(3))))[known]
-        z = _distance(camera, there, uv[known]) if kept is None else kept.p_camera_root[2]
+        there = points.at(pose_transforms(points.skeleton, Pose(Rs, np.zeros(3))))[known]
+        z = _distance(camera, there, uv[known]) if near is None else near.p_camera_root[2]
         p_middle = camera.back_project(middle, z)
         starts.append(Pose(Rs, p_middle - there.mean(0)))
     return starts

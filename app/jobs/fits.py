@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sys
-import traceback
 from collections.abc import Callable
 from pathlib import Path
 from threading import Event
 
 from pydantic import ValidationError
 
+from app.jobs.failure import failure_message
 from app.jobs.messages import (
     FitOrder,
     Fitted,
@@ -23,72 +22,76 @@ from app.jobs.messages import (
 )
 from app.jobs.worker_cache import WorkerCache
 from tracker.body.skeleton import Skeleton
-from tracker.errors import KeyposeError, SurfaceError, one_sentence
+from tracker.errors import SurfaceError, one_sentence
 from tracker.session import Session
+from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 from tracker.video import Video
 
-Tell = Callable[[Report], None]
+Send = Callable[[Report], None]
+
+_FAULT = "Fitting met a fault of Keypose itself ({}); nothing was changed."
 
 
 class Fit:
-    """An order at work. Soon after `cancelled` is set it is left, and tells nothing it found."""
+    """An order at work. Soon after `cancelled` is set it is left, and reports nothing it found."""
 
-    def __init__(self, order: FitOrder, cancelled: Event, tell: Tell) -> None:
+    def __init__(self, order: FitOrder, cancelled: Event, send: Send) -> None:
         self.order = order
         self._cancelled = cancelled
-        self._tell = tell
+        self._send = send
 
     def run(self, worker_cache: WorkerCache) -> None:
-        """Do the work and tell how it ended."""
+        """Do the work and report how it ended."""
         job = self.order.job
         try:
             fitted = self._fit(worker_cache)
         except ValidationError as error:
-            self._tell(JobFailed(job, one_sentence(error)))
-        except KeyposeError as error:
-            self._tell(JobFailed(job, str(error)))
-        except Exception as error:  # noqa: BLE001 — a fault, told as such
-            self._tell(JobFailed(job, _fault(error)))
+            self._send(JobFailed(job, one_sentence(error)))
+        except Exception as error:  # noqa: BLE001 — a fault, reported as such
+            self._send(JobFailed(job, failure_message(error, _FAULT)))
         else:
             cancelled = self._cancelled.is_set()
-            self._tell(JobFinished(job, cancelled=True) if cancelled else fitted)
+            self._send(JobFinished(job, cancelled=True) if cancelled else fitted)
 
     def _fit(self, worker_cache: WorkerCache) -> Fitted:
         session = Session.model_validate_json(self.order.session)
-        if session.surface is not None:
-            return self._on_surface(self.order, session, worker_cache)
-        video = worker_cache.video(session, self.order.video_path)
-        if isinstance(self.order, PoseOrder):
-            return self._pose(self.order, session, video)
-        return self._sizes(self.order, session, video)
+        return _FITS.of(session)(self, self.order, session, worker_cache)
 
-    def _on_surface(
-        self, order: FitOrder, session: Session, worker_cache: WorkerCache
-    ) -> PoseFitted:
+    def on_film(self, order: FitOrder, session: Session, worker_cache: WorkerCache) -> Fitted:
+        """A pose or the sizes fitted to pictures."""
+        video = worker_cache.video(session, order.video_path)
+        if isinstance(order, PoseOrder):
+            return self._pose(order, session, video)
+        return self._sizes(order, session, video)
+
+    def on_surfaces(self, order: FitOrder, session: Session, worker_cache: WorkerCache) -> Fitted:
+        """A pose fitted to the surface of its frame; SurfaceError where sizes are asked for."""
         if isinstance(order, SizesOrder):
             raise SurfaceError(
                 "Sizes are fitted to pictures, not to surfaces: set them in Body, by what you see."
             )
-        from tracker.surface.fit.fit_here import fit_here, lay_body  # loads what only this needs
+        # loads what only this needs
+        from tracker.surface.fit.pose_fit import fit_pose_to_surface, fit_solids_to_surface
 
         path, folder, model = order.video_path, Path(order.folder), session.model_keyframe
         if model is None or model.frame == order.frame:
             mesh = worker_cache.surfaces(session, path, folder).mesh(order.frame)
-            found = lay_body(mesh, Skeleton.of(session.body), order.pose)
+            found = fit_solids_to_surface(mesh, Skeleton.of(session.body), order.pose)
         else:
-            found = fit_here(worker_cache.fitter(session, path, folder), order.frame, order.pose)
-        return PoseFitted(order.job, found.pose, True, found.words)
+            fitter = worker_cache.fitter(session, path, folder)
+            found = fit_pose_to_surface(fitter, order.frame, order.pose)
+        return PoseFitted(order.job, found.pose, True, found.message)
 
     def _pose(self, order: PoseOrder, session: Session, video: Video) -> PoseFitted:
-        from tracker.fitting.pose import fit_here  # loads what only this needs
+        from tracker.fitting.pose import fit_pose_to_picture  # loads what only this needs
 
         skeleton = Skeleton.of(session.body)
         others = {k.frame: k.pose(skeleton) for k in session.keyframes if k.frame != order.frame}
-        found = fit_here(
+        found = fit_pose_to_picture(
             video, session.camera, skeleton, order.frame, order.pose, others, order.tracked,
             masks=session.ignore_masks, cancelled=self._cancelled.is_set,
         )  # fmt: skip
-        return PoseFitted(order.job, found.pose, found.way != "nothing", found.words)
+        return PoseFitted(order.job, found.pose, found.way != "nothing", found.message)
 
     def _sizes(self, order: SizesOrder, session: Session, video: Video) -> SizesFitted:
         from tracker.fitting.sizes import fit_sizes  # loads what only this needs
@@ -100,11 +103,8 @@ class Fit:
             masks=session.ignore_masks, cancelled=self._cancelled.is_set,
         )  # fmt: skip
         return SizesFitted(
-            order.job, found.body, found.camera, found.keyposes, found.words, found.changes
+            order.job, found.body, found.camera, found.keyposes, found.message, found.changes
         )
 
 
-def _fault(error: Exception) -> str:
-    """One sentence for the person, all of it for whoever reads the log."""
-    traceback.print_exception(error, file=sys.stderr)
-    return f"Fitting met a fault of Keypose itself ({type(error).__name__}); nothing was changed."
+_FITS = ByEvidence({FilmEvidence: Fit.on_film, SurfaceEvidence: Fit.on_surfaces})

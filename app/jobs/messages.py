@@ -1,4 +1,4 @@
-"""What is told about tracking and fitting, and what is asked of them: all that passes between the
+"""Orders to track and fit, and reports about them: all that passes between the
 processes."""
 
 from __future__ import annotations
@@ -9,10 +9,9 @@ from typing import Literal, TypeAlias
 
 from tracker.body.body import Body
 from tracker.body.pose import Pose
-from tracker.body.trajectory import Trajectory
 from tracker.geometry.camera import Camera
 from tracker.session.settings import Quality
-from tracker.storage.results import SegmentTrack, Span
+from tracker.tracking.result import SegmentResult
 
 Wanted: TypeAlias = tuple[int, int, str]
 """First frame, last frame and key of a segment to track."""
@@ -57,7 +56,7 @@ class PoseOrder:
 
 @dataclass(frozen=True)
 class SizesOrder:
-    """Fit the body's sizes to its keyframes' pictures; on wish the camera's focal length too."""
+    """Fit the body's sizes to its keyframes' pictures; optionally the camera's focal length too."""
 
     session: bytes
     video_path: str
@@ -77,8 +76,8 @@ class Cancel:
 
 
 @dataclass(frozen=True)
-class Hold:
-    """Stand back while a hand drags (`on`), or go on: each pass waits, though not for long."""
+class Pause:
+    """Pause during a drag (`on`), or continue: each pass waits, though not for long."""
 
     on: bool
 
@@ -109,43 +108,30 @@ class Started:
 
 @dataclass(frozen=True, eq=False)
 class PassFinished:
-    """One more trajectory of a segment, the `number`th (from 0) of about `of`. Not of previews.
-
-    unit: what is counted; of surfaces it is the steps of time that are done.
-    """
+    """One more trajectory of a segment, the `number`th (from 0) of about `of`. Not of previews."""
 
     job: int
-    first: int
-    last: int
-    key: str
-    quality: Quality
     number: int
     of: int
-    score: float
-    trajectory: Trajectory
-    unit: Unit = "pass"
+    result: SegmentResult
+
+    @property
+    def unit(self) -> Unit:
+        """What is counted: of surfaces it is the steps of time that are done."""
+        return "step" if self.result.steps == ("fit",) else "pass"
 
     @property
     def words(self) -> str:
         """Such as "pass 3 of 8"."""
         return f"{self.unit} {self.number + 1} of {max(self.of, self.number + 1)}"
 
-    @property
-    def span(self) -> Span:
-        return self.first, self.last
-
-    @property
-    def track(self) -> SegmentTrack:
-        """The trajectory as a result that is not finished."""
-        return SegmentTrack.on_the_way(self.key, self.quality, self.trajectory, self.score)
-
 
 @dataclass(frozen=True, eq=False)
 class SegmentFinished:
-    """A segment is done at one quality; also told of a job that has been cancelled since."""
+    """A segment is done at one quality; also reported of a job that has been cancelled since."""
 
     job: int
-    track: SegmentTrack
+    result: SegmentResult
 
 
 @dataclass(frozen=True)
@@ -158,7 +144,7 @@ class JobFinished:
 
 @dataclass(frozen=True)
 class JobFailed:
-    """A job ended by something a person should know: one sentence. What was finished is told
+    """A job ended by something a person should know: one sentence. What was finished is reported
     before and stays good."""
 
     job: int
@@ -173,7 +159,7 @@ Change: TypeAlias = tuple[str, str, float, float]
 class PoseFitted:
     """The pose of a frame as its picture shows it, and what that changed, in words.
 
-    found: whether the picture told anything; without it the pose is as it was.
+    found: whether the picture showed anything; without it the pose is as it was.
     """
 
     job: int

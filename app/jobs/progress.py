@@ -41,17 +41,17 @@ class Progress:
         return cls(now, weights)
 
     def after(self, report: Report) -> Progress:
-        """With what a report tells."""
+        """With what a report adds."""
         if isinstance(report, PassFinished):
             # a segment may take more passes than expected, and is not done before it is judged
             share = min((report.number + 1) / (report.of + 1), 0.95)
-            step = (report.span, report.quality)
+            step = (report.result.span, report.result.quality)
             after = self._with(step, share)
             if report.unit == "pass" or step in self.shares:
                 return after
             return replace(after, given=after.given + after.share - self.share)
         if isinstance(report, SegmentFinished):
-            return self._with((report.track.span, report.track.quality), 1.0)
+            return self._with((report.result.span, report.result.quality), 1.0)
         return self
 
     @property

@@ -6,18 +6,16 @@ result depends on nothing but its segment's key and quality, whoever asked for i
 
 from __future__ import annotations
 
-import queue
-import shlex
-import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
+from contextlib import closing, suppress
 from pathlib import Path
-from threading import Event, Thread
+from threading import Event
 from typing import Any
 
-from app.jobs import JobFailed, Report, Wanted
+from app.jobs import Report, Wanted
 from app.jobs.messages import Order
+from app.jobs.untrackable import why_untrackable
 from app.jobs.work import Job
 from app.jobs.worker_cache import WorkerCache
 from tracker.errors import KeyposeError, SessionError
@@ -27,17 +25,15 @@ from tracker.session.settings import Initial, MethodName, Quality
 from tracker.storage.files import load_session, save_session
 from tracker.storage.results import (
     Results,
-    SegmentTrack,
     Span,
     load_results,
     save_results,
     segment_keys,
     tidy_tracks,
 )
+from tracker.tracking.pool import stream
+from tracker.tracking.result import SegmentResult
 from tracker.video import Video
-
-POLL_S = 0.2
-"""Between two looks at whether to stop."""
 
 
 def with_settings(
@@ -67,15 +63,7 @@ def require_trackable(session: Session, session_path: Path) -> None:
         )
     if session.spans:
         return
-    if session.surface is not None and session.keyframes:
-        raise SessionError(f"{session_path.name} is about one mesh alone; nothing moves.")
-    if session.surface is not None:
-        raise SessionError(
-            f"{session_path.name} has no keyframe: pose the body in one of the meshes first, with "
-            f"`keypose open {shlex.quote(str(session_path))}`."
-        )
-    count = "one keyframe" if session.keyframes else "no keyframes"
-    raise SessionError(f"{session_path.name} has {count}; tracking needs two.")
+    raise SessionError(why_untrackable(session, session_path))
 
 
 def all_segments(session: Session) -> tuple[Wanted, ...]:
@@ -92,34 +80,32 @@ def rerun(
     workers: int,
     stop: Event,
 ) -> Iterator[Report]:
-    """Track segments at the session's quality, `workers` at a time, and tell how it goes.
+    """Track segments at the session's quality, `workers` at a time, and report how it goes.
 
-    `stop` set by the caller ends it within one pass; what is finished has been told by then. The
-    first error is raised last, for it does not stop the other segments.
+    `stop` set by the caller ends it within one pass; what is finished has been reported by then.
+    The first error is raised last, for it does not stop the other segments.
     """
     content = session.model_copy(update={"results": None}).model_dump_json().encode()
     path, stages = str(video.info.path), (session.settings.quality,)
     order = Order(1, content, path, tuple(wanted), stages, str(session_path.parent))
-    told: queue.SimpleQueue[Report | None] = queue.SimpleQueue()
-    job = _Job(order, stop, told.put)
-    work = Thread(target=_run, args=(job, workers, told), name="tracking")
-    work.start()
-    failed, ended = "", False
-    try:
-        while (report := _next(told)) is not None:
-            failed = report.words if isinstance(report, JobFailed) else ""
-            yield report
-        ended = True
-    finally:
-        if not ended:  # who listened has gone; other sessions of a batch share `stop`
-            stop.set()
-        work.join()
-    if failed:
-        raise job.error or RuntimeError(failed)
+
+    def work(send: Callable[[Report], None]) -> None:
+        job, worker_cache = Job(order, stop, send), WorkerCache()
+        try:
+            with ThreadPoolExecutor(workers) as threads:
+                job.run(worker_cache, threads)
+        finally:
+            with suppress(KeyposeError, OSError):
+                worker_cache.close()
+        if job.error is not None:
+            raise job.error
+
+    with closing(stream(work, stop)) as reports:  # other sessions of a batch share `stop`
+        yield from reports
 
 
-def keep(
-    tracked: Session, session_path: Path, found: Sequence[SegmentTrack]
+def save_found(
+    tracked: Session, session_path: Path, found: Sequence[SegmentResult]
 ) -> saved.Results | None:
     """Write what was found beside the session's file, which then refers to it.
 
@@ -133,23 +119,22 @@ def keep(
     every = _with_earlier(tracked, session_path, found)
     results = save_results(tracked, session_path, every).results
     update: dict[str, Any] = {"results": results}
-    if tracked.surface is not None:
-        update |= {"surface": tracked.surface, "video": tracked.video}
+    update |= {name: getattr(tracked, name) for name in tracked.evidence.run_fields}
     save_session(load_session(session_path).model_copy(update=update), session_path)
     with suppress(OSError):  # what is left over does no harm
         tidy_tracks(session_path.parent)
     return results
 
 
-def keep_elsewhere(
-    tracked: Session, place: Path, found: Sequence[SegmentTrack]
+def save_tracks_beside(
+    tracked: Session, place: Path, found: Sequence[SegmentResult]
 ) -> saved.Results | None:
     """Write the tracks beside another file, which is not written yet."""
     blank = tracked.model_copy(update={"results": None})
     return save_results(blank, place, _collect(found)).results
 
 
-def _with_earlier(session: Session, path: Path, found: Sequence[SegmentTrack]) -> Results:
+def _with_earlier(session: Session, path: Path, found: Sequence[SegmentResult]) -> Results:
     """What was found and, where that is not whole, what is on disk and fits, if it is better."""
     spans = {track.span for track in found if not track.missing}
     if spans >= set(segment_keys(session)):
@@ -157,7 +142,7 @@ def _with_earlier(session: Session, path: Path, found: Sequence[SegmentTrack]) -
     return _collect([*_on_disk(session, path, spans), *found])
 
 
-def _on_disk(session: Session, path: Path, without: set[Span]) -> list[SegmentTrack]:
+def _on_disk(session: Session, path: Path, without: set[Span]) -> list[SegmentResult]:
     try:
         fitting = load_results(session, path).fitting(session)
     except SessionError:  # missing or damaged: then there is nothing to keep
@@ -165,39 +150,8 @@ def _on_disk(session: Session, path: Path, without: set[Span]) -> list[SegmentTr
     return [track for span, track in fitting.items() if span not in without]
 
 
-def _collect(found: Sequence[SegmentTrack]) -> Results:
+def _collect(found: Sequence[SegmentResult]) -> Results:
     results = Results()
     for track in found:
-        results = results.with_track(track, keep=results.tracks)
+        results = results.with_result(track, keep=results.by_key)
     return results
-
-
-class _Job(Job):
-    """The page's job, which remembers its first error as it was raised."""
-
-    error: BaseException | None = None
-
-    def _fail(self, span: Span, words: str) -> None:
-        if self.error is None:
-            error = sys.exception()
-            too_large = isinstance(error, MemoryError)
-            self.error = SessionError(words) if too_large or error is None else error
-        super()._fail(span, words)
-
-
-def _run(job: _Job, workers: int, told: queue.SimpleQueue[Report | None]) -> None:
-    worker_cache = WorkerCache()
-    try:
-        with ThreadPoolExecutor(workers) as threads:
-            job.run(worker_cache, threads)
-    finally:
-        with suppress(KeyposeError, OSError):
-            worker_cache.close()
-        told.put(None)
-
-
-def _next(told: queue.SimpleQueue[Report | None]) -> Report | None:
-    """Waits in short turns, so that signals are heard on every system."""
-    while True:
-        with suppress(queue.Empty):
-            return told.get(timeout=POLL_S)

@@ -13,10 +13,10 @@ from typing import Any
 from app.jobs.messages import (
     Cancel,
     FitOrder,
-    Hold,
     JobFailed,
     JobFinished,
     Order,
+    Pause,
     PoseFitted,
     Ready,
     Report,
@@ -67,7 +67,7 @@ class Tracking:
         folder: of the session's file, which may have an imported motion beside it.
 
         Ends a job that is at work. Every job ends in one JobFinished or JobFailed; one that has to
-        wait until the worker is ready is told so by a Warming of its own.
+        wait until the worker is ready receives a Warming of its own.
         """
         job = self._begin(_DIED)
         content = _only_needed(session, wanted).model_dump_json().encode()
@@ -102,10 +102,10 @@ class Tracking:
         if self._worker is not None and self._last_job in self._open:
             self._worker.send(Cancel(self._last_job))
 
-    def hold(self, on: bool) -> None:
-        """Stand back while a hand drags, so that the page follows it; then go on."""
+    def pause(self, on: bool) -> None:
+        """Pause during a drag, so that the page follows it; then continue."""
         if self._worker is not None and self.job is not None:
-            self._worker.send(Hold(on))
+            self._worker.send(Pause(on))
 
     def close(self) -> None:
         """End the worker, within a second; nothing is reported any more."""
@@ -134,7 +134,7 @@ class Tracking:
         return self._worker
 
     def _on_loop(self, call: Callable[..., None], *given: Any) -> None:
-        with suppress(RuntimeError):  # the loop has been closed: nobody wants to know
+        with suppress(RuntimeError):  # the loop has been closed
             self._loop.call_soon_threadsafe(call, *given)
 
     def _on_message(self, worker: WorkerProcess, report: Report) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 
 from tracker.body.pose import Pose
 from tracker.body.trajectory import Trajectory
-from tracker.storage.results import SegmentTrack
+from tracker.tracking.result import Diagnostics, SegmentResult
 
 
 def send(connection: Connection, message: object) -> None:
@@ -28,6 +28,6 @@ def receive(connection: Connection) -> Any:
 class _Pickler(pickle.Pickler):
     def reducer_override(self, it: Any) -> Any:
         """Poses and results are made anew from their fields, which makes their arrays read-only."""
-        if isinstance(it, Pose | Trajectory | SegmentTrack):
+        if isinstance(it, Pose | Trajectory | Diagnostics | SegmentResult):
             return type(it), tuple(getattr(it, field.name) for field in fields(it))
         return NotImplemented

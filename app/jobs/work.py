@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import sys
-import traceback
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import Executor
 from pathlib import Path
-from threading import Event, Lock
+from threading import Event
 
 from pydantic import ValidationError
 
+from app.jobs.failure import failure_message
 from app.jobs.messages import (
     JobFailed,
     JobFinished,
@@ -19,116 +18,64 @@ from app.jobs.messages import (
     Report,
     SegmentFinished,
     Started,
-    Unit,
-    Wanted,
 )
 from app.jobs.worker_cache import WorkerCache
-from tracker.body.trajectory import Pass
-from tracker.errors import KeyposeError, one_sentence
+from tracker.errors import SessionError, one_sentence
 from tracker.session import Session
 from tracker.session.settings import Quality, TrackSettings
-from tracker.storage.results import SegmentTrack, Span
-from tracker.tracking.pool import Cancelled, SegmentTracker
+from tracker.tracking import pool as tracked
+from tracker.tracking.pool import SegmentEvent, SegmentFailed, Task, run_tasks
 
-Tell = Callable[[Report], None]
+Send = Callable[[Report], None]
 
 
 class Job:
     """An order at work. Every segment ends at its next pass once `cancelled` is set."""
 
-    def __init__(self, order: Order, cancelled: Event, tell: Tell) -> None:
+    def __init__(self, order: Order, cancelled: Event, send: Send) -> None:
         self.order = order
         self._cancelled = cancelled
-        self._tell = tell
-        self._lock = Lock()
-        self._failed: dict[Span, str] = {}
-        self._left = False
+        self._send = send
+        self.error: Exception | None = None
+        """The first that was met, as it was raised; SessionError where memory ran out."""
 
-    def run(self, worker_cache: WorkerCache, threads: ThreadPoolExecutor) -> None:
-        """Do the work and tell how it goes. Returns when all of it is done or left."""
+    def run(self, worker_cache: WorkerCache, threads: Executor) -> None:
+        """Do the work and report how it goes. Returns when all of it is done or left."""
         try:
             self._run(worker_cache, threads)
-        except ValidationError as error:
-            self._tell(JobFailed(self.order.job, one_sentence(error)))
-        except Exception as error:  # noqa: BLE001 — a fault, told as such
-            self._tell(JobFailed(self.order.job, _fault(error)))
+        except Exception as error:  # noqa: BLE001 — said in a sentence; rerun raises it again
+            self.error = error
+            self._send(JobFailed(self.order.job, _message(error)))
 
-    def _run(self, worker_cache: WorkerCache, threads: ThreadPoolExecutor) -> None:
+    def _run(self, worker_cache: WorkerCache, threads: Executor) -> None:
         order = self.order
         session = Session.model_validate_json(order.session)
         stages = _stages(session.settings, order.stages)
-        self._tell(Started(order.job, order.wanted, stages))
-        trackers = {
-            wanted[:2]: self._tracker(worker_cache, session, wanted) for wanted in order.wanted
-        }
-        wait(
-            [
-                threads.submit(self._segment, tracker, session, wanted, stage)
-                for stage in stages
-                for wanted in order.wanted
-                if (tracker := trackers[wanted[:2]]) is not None
-            ]
-        )
-        if self._failed:
-            self._tell(JobFailed(order.job, next(iter(self._failed.values()))))
+        self._send(Started(order.job, order.wanted, stages))
+        tasks = [
+            Task(index, (first, last), _settings(session.settings, stage), key)
+            for stage in stages
+            for index, (first, last, key) in enumerate(order.wanted)
+        ]
+        complete = True
+        if tasks:
+            tracker = worker_cache.tracker(session, order.video_path, Path(order.folder))
+            complete = run_tasks(tracker, tasks, threads, self._report, self._cancelled.is_set)
+        if self.error is not None:
+            self._send(JobFailed(order.job, _message(self.error)))
         else:
-            self._tell(JobFinished(order.job, cancelled=self._left))
+            self._send(JobFinished(order.job, cancelled=not complete))
 
-    def _tracker(
-        self, worker_cache: WorkerCache, session: Session, wanted: Wanted
-    ) -> SegmentTracker | None:
-        """What is wrong with one segment does not stop the others."""
-        first, last, _ = wanted
-        try:
-            return worker_cache.tracker(
-                session, self.order.video_path, first, last, Path(self.order.folder)
-            )
-        except KeyposeError as error:
-            self._fail((first, last), str(error))
-            return None
-
-    def _segment(
-        self, tracker: SegmentTracker, session: Session, wanted: Wanted, stage: Quality
-    ) -> None:
-        """Track a segment, as far as it goes."""
-        span = wanted[:2]
-        if span in self._failed:
-            return
-        try:
-            self._go_on()
-            self._track(tracker, _settings(session.settings, stage), wanted, stage)
-        except Cancelled:
-            self._left = True
-        except KeyposeError as error:
-            self._fail(span, str(error))
-        except MemoryError:
-            self._fail(span, _too_long(*span))
-        except Exception as error:  # noqa: BLE001 — a fault, told as such
-            self._fail(span, _fault(error))
-
-    def _track(
-        self, tracker: SegmentTracker, settings: TrackSettings, wanted: Wanted, stage: Quality
-    ) -> None:
-        job, of = self.order.job, tracker.expected_steps(0, settings)
-
-        def emit(step: Pass, number: int) -> None:
-            self._go_on()
-            if stage != "preview":  # the next pass would be there before this one is drawn
-                told, unit = (step.score_or_nan, step.trajectory), _unit(step)
-                self._tell(PassFinished(job, *wanted, stage, number, of, *told, unit))
-
-        result = tracker.run_segment(0, settings, emit)
-        if result.missing:
-            self._left = True
-        self._tell(SegmentFinished(job, SegmentTrack.of(wanted[2], stage, result)))
-
-    def _go_on(self) -> None:
-        if self._cancelled.is_set():
-            raise Cancelled
-
-    def _fail(self, span: Span, words: str) -> None:
-        with self._lock:
-            self._failed.setdefault(span, words)
+    def _report(self, event: SegmentEvent) -> None:
+        job = self.order.job
+        match event:
+            case SegmentFailed():
+                self.error = self.error or _as_session_error(event)
+            case tracked.SegmentFinished():
+                self._send(SegmentFinished(job, event.result))
+            case tracked.PassFinished() if event.result.quality != "preview":
+                # of a preview the next pass would be there before this one is drawn
+                self._send(PassFinished(job, event.number, event.of, event.result))
 
 
 def _stages(settings: TrackSettings, stages: tuple[Quality, ...]) -> tuple[Quality, ...]:
@@ -142,11 +89,6 @@ def _settings(settings: TrackSettings, stage: Quality) -> TrackSettings:
     return settings.model_copy(update={"quality": stage, "passes": passes})
 
 
-def _unit(step: Pass) -> Unit:
-    """Surfaces are fitted step by step, films pass by pass."""
-    return "step" if step.what == "fit" else "pass"
-
-
 def _too_long(first: int, last: int) -> str:
     return (
         f"There is not enough memory to track {first}–{last}: set a keyframe between, "
@@ -154,8 +96,16 @@ def _too_long(first: int, last: int) -> str:
     )
 
 
-def _fault(error: Exception) -> str:
-    """One sentence for the person, all of it for whoever reads the log."""
-    traceback.print_exception(error, file=sys.stderr)
-    kind = type(error).__name__
-    return f"Tracking met a fault of Keypose itself ({kind}); what was finished is kept, try again."
+def _as_session_error(failed: SegmentFailed) -> Exception:
+    too_large = isinstance(failed.error, MemoryError)
+    return SessionError(_too_long(*failed.span)) if too_large else failed.error
+
+
+def _message(error: Exception) -> str:
+    """One sentence for the person; of a fault, all of it for whoever reads the log."""
+    if isinstance(error, ValidationError):
+        return one_sentence(error)
+    return failure_message(
+        error,
+        "Tracking met a fault of Keypose itself ({}); what was finished is kept, try again.",
+    )

@@ -13,10 +13,10 @@ from app.jobs.latest_order import LatestOrder
 from app.jobs.messages import (
     AnyOrder,
     Cancel,
-    Hold,
     JobFinished,
     Order,
     PassFinished,
+    Pause,
     PoseOrder,
     Ready,
     Report,
@@ -28,8 +28,8 @@ from app.jobs.wire import receive, send
 THREADS = 2
 """Segments side by side. More would gain little and take the page's share of a small computer."""
 
-LONGEST_HOLD_S = 1.0
-"""A pass waits no longer than this for a hand that drags: tracking slows down, it does not stop."""
+LONGEST_PAUSE_S = 1.0
+"""A pass waits no longer than this for a drag: tracking slows down, it does not stop."""
 
 
 def work(connection: Connection, niceness: int) -> None:
@@ -59,8 +59,8 @@ class Worker:
         except (EOFError, OSError):
             os._exit(0)  # whatever is at work is of no use to anyone now
 
-    def _handle(self, message: AnyOrder | Cancel | Hold) -> None:
-        if isinstance(message, Hold):
+    def _handle(self, message: AnyOrder | Cancel | Pause) -> None:
+        if isinstance(message, Pause):
             (self._may_go_on.clear if message.on else self._may_go_on.set)()
             return
         self._may_go_on.set()
@@ -69,7 +69,7 @@ class Worker:
         else:
             dropped = self._latest.cancel(message.job)
         if dropped is not None:
-            self._tell(JobFinished(dropped.job, cancelled=True))
+            self._send(JobFinished(dropped.job, cancelled=True))
 
     def _work(self) -> None:
         try:
@@ -84,9 +84,9 @@ class Worker:
         from tracker.warm import is_warm, warm
 
         once = "Preparing the tracker for this computer, once: about a minute."
-        self._tell(Warming("Getting the tracker ready." if is_warm() else once))
+        self._send(Warming("Getting the tracker ready." if is_warm() else once))
         warm()
-        self._tell(Ready())
+        self._send(Ready())
 
     def _take_orders(self) -> None:
         from app.jobs.fits import Fit
@@ -98,12 +98,12 @@ class Worker:
             while True:
                 order, cancelled = self._latest.take()
                 if isinstance(order, Order):
-                    Job(order, cancelled, self._tell).run(worker_cache, threads)
+                    Job(order, cancelled, self._send).run(worker_cache, threads)
                 else:
-                    Fit(order, cancelled, self._tell).run(worker_cache)
+                    Fit(order, cancelled, self._send).run(worker_cache)
 
-    def _tell(self, report: Report) -> None:
+    def _send(self, report: Report) -> None:
         if isinstance(report, PassFinished):
-            self._may_go_on.wait(LONGEST_HOLD_S)
+            self._may_go_on.wait(LONGEST_PAUSE_S)
         with self._sending:
             send(self._connection, report)

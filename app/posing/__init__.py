@@ -1,6 +1,6 @@
 """Posing a jointed body with the mouse: pure functions from a pose and a drag to a pose.
 
-`drag` is the door for everything a pointer does to the body. Points are in the camera frame,
+`drag` is the entry point for everything a pointer does to the body. Points are in the camera frame,
 metres; view coordinates are those of `PointerView`. Nothing here keeps anything: a gesture is
 always applied to the pose before it began.
 """
@@ -8,7 +8,7 @@ always applied to the pose before it began.
 from app.posing.angles import (
     angles_deg,
     at_limit,
-    clamped,
+    clamp_to_limits,
     part_angles_deg,
     with_angles,
     with_reset,
@@ -17,14 +17,14 @@ from app.posing.dragging import drag
 from app.posing.facing import Way, facing
 from app.posing.gesture import Gesture, Posed, Reach, Readout
 from app.posing.handles import BodyHandle, handle_named, handles, lanes
-from app.posing.mirroring import mirrored, with_other_side
+from app.posing.labels import axis_labels, part_label, short_label
+from app.posing.mirroring import mirror_pose, with_other_side
 from app.posing.picking import outline, parts_at
 from app.posing.placing import opening_pose
 from app.posing.pointer_view import PointerView
-from app.posing.resizing import Size, part_sizes, with_height, with_joint, with_size
-from app.posing.swapping import sides_swapped
+from app.posing.resizing import Size, part_sizes, with_height, with_joint, with_shape, with_size
+from app.posing.swapping import swap_left_right
 from app.posing.upright import CAMERA_UP, tilt_and_roll, up_from_vertical, view_rotations
-from app.posing.words import part_label, part_words
 
 __all__ = [
     "CAMERA_UP",
@@ -38,21 +38,22 @@ __all__ = [
     "Way",
     "angles_deg",
     "at_limit",
-    "clamped",
+    "axis_labels",
+    "clamp_to_limits",
     "drag",
     "facing",
     "handle_named",
     "handles",
     "lanes",
-    "mirrored",
+    "mirror_pose",
     "opening_pose",
     "outline",
     "part_angles_deg",
     "part_label",
     "part_sizes",
-    "part_words",
     "parts_at",
-    "sides_swapped",
+    "short_label",
+    "swap_left_right",
     "tilt_and_roll",
     "up_from_vertical",
     "view_rotations",
@@ -61,5 +62,6 @@ __all__ = [
     "with_joint",
     "with_other_side",
     "with_reset",
+    "with_shape",
     "with_size",
 ]

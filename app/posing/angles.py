@@ -14,7 +14,7 @@ from tracker.geometry.rotations import Array, rotation_from_euler
 
 AXES = ("x", "y", "z")
 GIMBAL = 1e-4
-"""Where cos y is smaller, x and z turn about the same axis and cannot be told apart."""
+"""Where cos y is smaller, x and z turn about the same axis and cannot be distinguished."""
 
 
 def angles_deg(skeleton: Skeleton, pose: Pose, previous_deg: Array | None = None) -> Array:
@@ -42,7 +42,7 @@ def part_angles_deg(part: Part, Rs_parent_part: Array) -> Array:
     """One part's [x, y, z] (N, 3) in degrees, of N rotations (N, 3, 3).
 
     Of the two triples: the one that keeps the part's limits, else the one with y within ±90. The
-    root has no limits; a person who has turned round is told by y, not by lean and tilt.
+    root has no limits; a person who has turned round is described by y, not by lean and tilt.
     """
     both, box = triples(Rs_parent_part), box_of(part)
     if part.parent is None:
@@ -74,12 +74,12 @@ def continued(rotation: Array, before_rad: Array) -> Array:
 
 
 def _at_gimbal(rotation: Array, angles: Array, before_rad: Array) -> Array:
-    """With y a quarter turn only z − x (or z + x, at −90°) is told; both change equally."""
+    """With y a quarter turn only z − x (or z + x, at −90°) is determined; both change equally."""
     x, y, z = angles.tolist()
     sign = -1.0 if math.sin(y) > 0 else 1.0
-    told = z + sign * x
+    sum_angle = z + sign * x
     was = before_rad[2] + sign * before_rad[0]
-    half = math.remainder(told - was, TURN) / 2
+    half = math.remainder(sum_angle - was, TURN) / 2
     return np.array([before_rad[0] + sign * half, y, before_rad[2] + half])
 
 
@@ -124,7 +124,7 @@ def with_reset(skeleton: Skeleton, pose: Pose, part: str) -> Pose:
     return with_rotation(pose, skeleton.body.index(part), np.eye(3))
 
 
-def clamped(skeleton: Skeleton, pose: Pose) -> Pose:
+def clamp_to_limits(skeleton: Skeleton, pose: Pose) -> Pose:
     """The pose with every part turned back to its limits, by the least turn."""
     Rs = [
         nearest_within(R, box_of(part))

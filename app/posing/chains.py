@@ -19,7 +19,7 @@ _LARGEST_TURN = 0.35
 """Radians that a joint may turn in one round."""
 
 _STRETCHED = 0.9
-"""Share of its length from which on a chain is so straight that it must be told how to fold."""
+"""Share of its length from which on a chain is so straight that a side to fold to must be given."""
 
 
 class Chain(LimbChain):

@@ -1,4 +1,4 @@
-"""What a gesture makes of a pose: the one door of all drags."""
+"""What a gesture makes of a pose: the one entry point of all drags."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from app.posing.gesture import (
 )
 from app.posing.gesture_context import GestureContext
 from app.posing.handles import handle_at_far_end, handle_named
-from app.posing.moving import moved_root
+from app.posing.moving import move_root
 from app.posing.pointer_view import PointerView
 from app.posing.reaching import reach
-from app.posing.size_drags import resized_by_drag
-from app.posing.turning import turned_by_ring, turned_by_surface
+from app.posing.size_drags import resize_by_drag
+from app.posing.turning import rotate_by_ring, rotate_by_surface
 from tracker.body.body import Body
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
@@ -51,20 +51,20 @@ def drag(
     match handle:
         case Ring():
             part = body.index(handle.part)
-            return turned_by_ring(
+            return rotate_by_ring(
                 context, view, gesture, part, handle.axis, axes_frame, angle_before
             )
         case Root():
-            return moved_root(context, view, gesture)
+            return move_root(context, view, gesture)
         case End() | Middle():
             found = handle_named(body, handle.name)
             if found.kind == "root":
-                return moved_root(context, view, gesture)
+                return move_root(context, view, gesture)
             return reach(context, view, gesture, found)
         case Surface():
             return _by_surface(context, view, gesture, handle, axes_frame, angle_before)
         case SizeHandle():
-            return resized_by_drag(context, view, gesture, handle, linked)
+            return resize_by_drag(context, view, gesture, handle, linked)
 
 
 def _by_surface(
@@ -80,11 +80,11 @@ def _by_surface(
     part = body.index(handle.part)
     tool = handle.tool or gesture.tool
     if tool == "move":
-        return moved_root(context, view, gesture)
+        return move_root(context, view, gesture)
     if tool == "ends":
         if part == 0:
-            return moved_root(context, view, gesture)
+            return move_root(context, view, gesture)
         found = handle_at_far_end(body, handle.part)
         if found is not None:
             return reach(context, view, gesture, found)
-    return turned_by_surface(context, view, gesture, part, axes_frame, angle_before)
+    return rotate_by_surface(context, view, gesture, part, axes_frame, angle_before)

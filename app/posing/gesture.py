@@ -1,4 +1,4 @@
-"""A drag of the pointer as the page tells it, and what comes of it."""
+"""A drag of the pointer as the page sends it, and its result."""
 
 from __future__ import annotations
 

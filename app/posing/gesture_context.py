@@ -1,4 +1,4 @@
-"""A pose laid out for one gesture: where every part is, and how one is turned."""
+"""A pose prepared for one gesture: where every part is, and how one is turned."""
 
 from __future__ import annotations
 

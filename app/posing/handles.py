@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from app.posing.words import joint_label, kind_of, part_label
+from app.posing.labels import joint_label, kind_of, part_label
 from tracker.body.body import Body, Part
 from tracker.body.skeleton import Skeleton
 from tracker.errors import BodyError

@@ -17,7 +17,7 @@ NARROW = math.radians(40.0)
 """A range this small, of both y and z, makes a joint a hinge about x."""
 
 STRAIGHT = 1e-3
-"""Radians of bend under which a pose does not tell which way the joint bends."""
+"""Radians of bend under which a pose does not show which way the joint bends."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,8 +54,8 @@ class Hinge:
         sine = float(cross(upper, lower) @ axis)
         bend = math.atan2(sine, cosine)
         low, high, natural = _range(context, part, axis, R, bend)
-        told = abs(bend) >= STRAIGHT and not context.limits_on
-        side = math.copysign(1.0, bend) if told else natural
+        is_clear = abs(bend) >= STRAIGHT and not context.limits_on
+        side = math.copysign(1.0, bend) if is_clear else natural
         ends = sorted((side * low, side * high))
         return cls(upper, lower, axis, bend, side, max(ends[0], 0.0), max(ends[1], 0.0))
 

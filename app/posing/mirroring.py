@@ -12,7 +12,7 @@ _FLIP = np.array([[1.0, -1.0, -1.0], [-1.0, 1.0, 1.0], [-1.0, 1.0, 1.0]])
 """S R S with S = diag(−1, 1, 1), element by element: a rotation seen in the mirror."""
 
 
-def mirrored(skeleton: Skeleton, pose: Pose) -> Pose:
+def mirror_pose(skeleton: Skeleton, pose: Pose) -> Pose:
     """The pose with left and right exchanged, mirrored in the root's own sagittal plane.
 
     The root keeps its place and its direction: its mirror image in its own plane is itself.

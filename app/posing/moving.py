@@ -9,9 +9,9 @@ import numpy as np
 
 from app.posing.gesture import Gesture, Posed, Readout
 from app.posing.gesture_context import GestureContext
+from app.posing.labels import number_text
 from app.posing.pointer_view import PointerView
 from app.posing.vectors import length, unit
-from app.posing.words import number_text
 from tracker.body.pose import Pose
 from tracker.geometry.rotations import Array
 
@@ -103,7 +103,7 @@ def _on_axis(view: PointerView, p_camera: Array, direction: Array, gesture: Gest
     return _stepped(float(gap @ direction - (gap @ ray) * slant) / across, gesture)
 
 
-def moved_root(context: GestureContext, view: PointerView, gesture: Gesture) -> Posed:
+def move_root(context: GestureContext, view: PointerView, gesture: Gesture) -> Posed:
     """The whole body carried: along the picture at its depth, or in depth, or along one axis."""
     start = context.pose.p_camera_root
     if gesture.depth and gesture.axis is None and view.camera is not None:

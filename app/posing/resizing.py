@@ -1,17 +1,20 @@
-"""Sizes of single parts, by name and in centimetres; children's joints go with the surface."""
+"""Shapes and sizes of single parts, in centimetres; children's joints go with the surface."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Literal, TypeAlias
 
-from app.posing.words import kind_of
+from app.posing.labels import kind_of
 from tracker.body import scaling
 from tracker.body.body import Body, Part, Point
 from tracker.body.scaling import with_parts
-from tracker.body.shapes import Shape
+from tracker.body.shapes import KINDS, Shape
 from tracker.errors import BodyError
+
+SizeRole: TypeAlias = Literal["length", "width", "radius", "other"]
 
 SMALLEST_CM = 0.2
 LARGEST_CM = 1000.0
@@ -33,6 +36,11 @@ _LABELS_OF_AXES = {
     "foot": {"length": "Height", "depth": "Length"},
 }
 """Of parts that have one size along each of their axes."""
+_ROLES: Mapping[str, SizeRole] = {"length": "length", "width": "width", "radius": "radius"}
+_ROLES_OF_AXES: Mapping[str, Mapping[str, SizeRole]] = {
+    "hand": {"length": "length", "depth": "width"},
+    "foot": {"depth": "length", "width": "width"},
+}
 
 
 @dataclass(frozen=True)
@@ -40,6 +48,7 @@ class Size:
     """One size of a part, centimetres; min and max are what a slider should span.
 
     key: the shape's own.  at_m: where its handle is, metres in the part's frame.
+    role: what it says of the part, "other" for what is neither its length nor across it.
     """
 
     key: str
@@ -48,6 +57,7 @@ class Size:
     min: float
     max: float
     at_m: Point
+    role: SizeRole
 
 
 def part_sizes(body: Body, part: str) -> tuple[Size, ...]:
@@ -55,9 +65,33 @@ def part_sizes(body: Body, part: str) -> tuple[Size, ...]:
     sizes = body.parts[body.index(part)].shape.sizes()
     keys = [size.key for size in sizes]
     return tuple(
-        Size(size.key, label, 100 * size.metres, *_span(100 * size.metres), size.p_part)
+        Size(
+            size.key,
+            label,
+            100 * size.metres,
+            *_span(100 * size.metres),
+            size.p_part,
+            _role(kind_of(part), size.key, keys),
+        )
         for size, label in zip(sizes, _labels(kind_of(part), keys), strict=True)
     )
+
+
+def with_shape(body: Body, part: str, kind: str, *, linked: bool = True) -> Body:
+    """The body with a part of another shape, on both sides if linked.
+
+    It is about as long and as wide as the one before; joints and landmarks stay.
+    """
+    if kind not in KINDS:
+        raise BodyError(f"There is no shape {kind!r}; the shapes are {', '.join(KINDS)}.")
+    names = {part, body.mirror_of(part)} if linked else {part}
+
+    def change(given: Part) -> Part:
+        if given.name not in names or given.shape.kind == kind:
+            return given
+        return given.model_copy(update={"shape": KINDS[kind].like(given.shape)})
+
+    return with_parts(body, map(change, body.parts))
 
 
 def with_size(body: Body, part: str, key: str, cm: float, *, linked: bool = True) -> Body:
@@ -115,6 +149,11 @@ def _span(cm: float) -> tuple[float, float]:
     """What a slider spans: steady while the size changes a little."""
     high = next((step for step in _LADDER if step >= 1.6 * cm), LARGEST_CM)
     return max(SMALLEST_CM, high / 100), high
+
+
+def _role(kind: str, key: str, keys: Sequence[str]) -> SizeRole:
+    roles = _ROLES_OF_AXES.get(kind, _ROLES) if "depth" in keys else _ROLES
+    return roles.get(key.rpartition("_")[2], "other")
 
 
 def _labels(kind: str, keys: Sequence[str]) -> Iterator[str]:

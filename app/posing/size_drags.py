@@ -6,11 +6,11 @@ import numpy as np
 
 from app.posing.gesture import Gesture, Posed, Readout, SizeHandle
 from app.posing.gesture_context import GestureContext
+from app.posing.labels import number_text, part_label
 from app.posing.moving import STEP_M, aim
 from app.posing.pointer_view import PointerView
 from app.posing.resizing import LARGEST_CM, SMALLEST_CM, part_sizes, with_joint, with_size
 from app.posing.vectors import length
-from app.posing.words import number_text, part_label
 from tracker.errors import BodyError
 from tracker.geometry.rotations import Array
 
@@ -18,7 +18,7 @@ _SEEN = 0.2
 """Share of its length under which an axis, seen end on, is too short to be dragged along."""
 
 
-def resized_by_drag(
+def resize_by_drag(
     context: GestureContext, view: PointerView, gesture: Gesture, handle: SizeHandle, linked: bool
 ) -> Posed:
     """The body with a size changed by as much as the pointer went; the pose stays."""

@@ -27,7 +27,7 @@ class Spine(LimbChain):
     """A chain of parts that bends evenly."""
 
     def reach(self, view: PointerView, goal: Aim) -> Reached:
-        """The chain bent about one axis so that its end comes under the pointer.
+        """Bend the chain about one axis so that its end comes under the pointer.
 
         How far the end is from the lowest joint follows from the bend; it is found together with
         it. Where limits stop the upper parts, the lowest does the rest.

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.posing.mirroring import mirrored
+from app.posing.mirroring import mirror_pose
 from tracker.body.body import Body
 from tracker.body.pose import Pose, pose_transforms
 from tracker.body.skeleton import Skeleton
@@ -22,7 +22,7 @@ HALF_TURN = np.array([0.0, np.pi, 0.0])
 """About the root's own y."""
 
 
-def sides_swapped(skeleton: Skeleton, camera: Camera, pose: Pose) -> Pose:
+def swap_left_right(skeleton: Skeleton, camera: Camera, pose: Pose) -> Pose:
     """The pose whose left joints are seen where the right ones of this pose are, and so on.
 
     Of poses that are seen alike it is the best of those found from this pose, its mirror image and
@@ -30,7 +30,7 @@ def sides_swapped(skeleton: Skeleton, camera: Camera, pose: Pose) -> Pose:
     """
     places, others = _pairs(skeleton.body)
     uv = camera.project(BodyPoints(skeleton, others).at(pose_transforms(skeleton, pose)))
-    flipped = mirrored(skeleton, pose)
+    flipped = mirror_pose(skeleton, pose)
     starts = [pose, flipped, _turned(pose), _turned(flipped)]
     weights = np.ones(len(places))
     return fit_picture(skeleton.body, camera, places, uv, weights, starts, pose).pose

@@ -24,8 +24,8 @@ _LEVEL = 0.2
 _TOP = 0.93
 """Radii above which a circle of a sphere is too small to be dragged along."""
 
-_TOLD = 0.2
-"""How clearly a direction must lead nearer or farther to tell the side."""
+_CLEAR = 0.2
+"""How clearly a direction must lead nearer or farther to decide the side."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class Swing:
     """Swings a limb from one direction to others without needless turning about itself.
 
     Directions (3,) are unit vectors. Every field of such swings has one direction into which it
-    cannot reach steadily: the opposite of `middle`. It is laid where the limb is least likely to
+    cannot reach steadily: the opposite of `middle`. It is placed where the limb is least likely to
     go, which for an arm that hangs down is backward and up, not straight up.
     """
 
@@ -110,9 +110,9 @@ def _farness(
     """1 for the far side, −1 for the near one; between while a level point changes sides."""
     away = view.ray_through(p_before)
     was = float((p_before - centre) @ away)
-    told = math.copysign(1.0, was)
+    sign = math.copysign(1.0, was)
     toward = float(resting @ away)
-    if abs(was) > _LEVEL * radius or toward * told > -_TOLD:
-        return told
+    if abs(was) > _LEVEL * radius or toward * sign > -_CLEAR:
+        return sign
     drawn = length(view.at_depth(goal.at, p_before) - p_before)
-    return told * (1.0 - 2.0 * smooth_step(drawn / CHANGED_M))
+    return sign * (1.0 - 2.0 * smooth_step(drawn / CHANGED_M))

@@ -9,10 +9,10 @@ import numpy as np
 from app.posing.angles import continued
 from app.posing.gesture import AxesFrame, Axis, Gesture, Posed, Readout
 from app.posing.gesture_context import GestureContext
+from app.posing.labels import axis_labels, degrees_text
 from app.posing.limits import SLACK, TURN, beyond, triples
 from app.posing.pointer_view import PointerView
 from app.posing.vectors import across, any_across, cross, turn, unit
-from app.posing.words import degrees_text, part_words
 from tracker.geometry.rotations import Array, exp_rotation
 
 STEP = math.radians(5.0)
@@ -25,7 +25,7 @@ EDGE_RADIUS_M = 0.15
 """A drag of this length along a ring seen from its edge is one radian."""
 
 
-def turned_by_ring(
+def rotate_by_ring(
     context: GestureContext,
     view: PointerView,
     gesture: Gesture,
@@ -41,7 +41,7 @@ def turned_by_ring(
     return _turned(context, gesture, part, axis, direction, angle, angle_before)
 
 
-def turned_by_surface(
+def rotate_by_surface(
     context: GestureContext,
     view: PointerView,
     gesture: Gesture,
@@ -51,7 +51,7 @@ def turned_by_surface(
 ) -> Posed:
     """The part turned as the pointer goes round its joint; about one axis where one is held."""
     if gesture.axis is not None:
-        return turned_by_ring(context, view, gesture, part, gesture.axis, axes_frame, angle_before)
+        return rotate_by_ring(context, view, gesture, part, gesture.axis, axes_frame, angle_before)
     away = view.ray_through(context.joint(part))
     angle = pointer_angle(view, context.joint(part), away, gesture)
     return _turned(context, gesture, part, None, away, angle, angle_before)
@@ -142,7 +142,7 @@ def _words(
     context: GestureContext, part: int, axis: Axis | None, R_after: Array, angle: float
 ) -> tuple[str, str, str]:
     """What to show: the angle's value where one angle alone has changed, else the turn."""
-    words = part_words(context.skeleton.body, context.skeleton.body.names[part])
+    words = axis_labels(context.skeleton.body, context.skeleton.body.names[part])
     change = degrees_text(math.degrees(angle), sign=True)
     before = context.angles(part)
     after = continued(R_after, before)

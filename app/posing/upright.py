@@ -30,7 +30,7 @@ def view_rotations(up_camera: ArrayLike = CAMERA_UP) -> dict[ViewName, Array]:
     """
     down = -unit(np.asarray(up_camera, dtype=np.float64))
     away = across(np.array([0.0, 0.0, 1.0]), down)
-    if length(away) < 1e-6:  # the camera looks straight up or down: its own up tells the way
+    if length(away) < 1e-6:  # the camera looks straight up or down: its own up direction decides
         away = across(np.array([0.0, 1.0 if down[2] < 0 else -1.0, 0.0]), down)
     away = unit(across(unit(away), down))  # once more: what is left of a short one is inexact
     right = cross(down, away)
@@ -42,9 +42,9 @@ def view_rotations(up_camera: ArrayLike = CAMERA_UP) -> dict[ViewName, Array]:
 
 
 def up_from_vertical(camera: Camera, a: Sequence[float], b: Sequence[float]) -> Array:
-    """(3,) the up direction, told by a line drawn from pixel a to b along something upright.
+    """(3,) the up direction, given by a line drawn from pixel a to b along something upright.
 
-    One line cannot tell how far the camera is tilted: every direction in the plane through the
+    One line does not show how far the camera is tilted: every direction in the plane through the
     line and the camera projects along it. Of these the nearest to the picture's own up is taken,
     so the tilt is the least there can be. The order of the ends does not matter.
     """

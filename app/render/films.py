@@ -17,13 +17,13 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from app.render.palette import Picture
-from app.render.pictures import FourPlaces, Framing, framing_of, middle, posed_points
+from app.render.pictures import FourViewLayout, Framing, framing_of, middle, posed_points
 from app.render.poses import KnownPoses
 from app.render.snapshots import View
 from app.render.stills import natural_size
 from app.render.studio import Paint, Size, Studio
 from app.render.surface_layer import SurfaceLayer
-from app.render.surfaces import SurfaceSights
+from app.render.surfaces import SurfaceLayers
 from app.render.tints import Tint
 from app.render.viewpoints import Ground, Viewpoint, calm, least_distance, round_trip, view_from
 from tracker.body.pose import Pose
@@ -74,7 +74,7 @@ def film_pictures(
     SessionError when no frame of the film has one.
     """
     studio, size = Studio.of(session, poses.skeleton), film_size(session, poses, film)
-    sights = SurfaceSights.of(session, video, film.tint)
+    sights = SurfaceLayers.of(session, video, film.tint)
     draw = _artist(studio, poses, film, size, fps, sights)
     numbers = range(film.first, film.last + 1)
     images: Iterable[tuple[int, Picture | None]] = ((number, None) for number in numbers)
@@ -94,7 +94,7 @@ def _artist(
     film: Film,
     size: Size,
     fps: float,
-    sights: SurfaceSights | None,
+    sights: SurfaceLayers | None,
 ) -> Draw:
     """What draws the frames of a film; all that is common to them is found out before."""
     view, paint = film.view, film.paint
@@ -110,7 +110,7 @@ def _artist(
             return sights.picture(frame, poses.pose(frame))
         return None if image is None else studio.session.camera.rectify(image)
 
-    def sight(frame: int) -> SurfaceLayer | None:
+    def layer_at(frame: int) -> SurfaceLayer | None:
         return None if sights is None else sights.at(frame, poses.pose(frame))
 
     if view == "main":
@@ -120,17 +120,17 @@ def _artist(
 
         return over_video
     if isinstance(view, Viewpoint) or view == "orbit":
-        return _new_camera(studio, poses, film, frames, size, fps, sight)
+        return _new_camera(studio, poses, film, frames, size, fps, layer_at)
     framing = _framing(studio, poses, frames, view, size)
     if view == "all":
 
         def four(frame: int, image: Picture | None) -> Picture:
             pose = poses.pose(frame)
-            seen = sight(frame)
+            seen = layer_at(frame)
             return studio.four(ground(frame, image), frame, pose, size, paint, framing, seen)
 
         return four
-    return lambda frame, _: studio.parallel(view, poses.pose(frame), size, framing, sight(frame))
+    return lambda frame, _: studio.parallel(view, poses.pose(frame), size, framing, layer_at(frame))
 
 
 def _framing(
@@ -139,7 +139,7 @@ def _framing(
     """What shows the whole motion at one scale."""
     corners = _box_of_motion(studio, poses, frames)
     if view == "main" or view == "all":
-        sizes = FourPlaces.of(studio.camera, studio.height_of_four(size)).views
+        sizes = FourViewLayout.of(studio.camera, studio.height_of_four(size)).views
     else:
         sizes = {view: size}
     return framing_of(corners, sizes, studio.Rs)
@@ -152,7 +152,7 @@ def _new_camera(
     frames: tuple[int, ...],
     size: Size,
     fps: float,
-    sight: Callable[[int], SurfaceLayer | None],
+    layer_at: Callable[[int], SurfaceLayer | None],
 ) -> Draw:
     """A camera that stands still, or that goes round the body; always far enough to see it all."""
     level, count = studio.Rs["front"], film.last - film.first + 1
@@ -176,12 +176,12 @@ def _new_camera(
     )
     ground = Ground.under(studio.skeleton, level, (_posed(poses, frame) for frame in poses.frames))
 
-    def seen_anew(frame: int, _: Picture | None) -> Picture:
+    def from_new_camera(frame: int, _: Picture | None) -> Picture:
         i = frame - film.first
         view = view_from(viewpoints[i], distance, level, centres[i], size)
-        return studio.perspective(view, ground, centres[i], poses.pose(frame), sight(frame))
+        return studio.perspective(view, ground, centres[i], poses.pose(frame), layer_at(frame))
 
-    return seen_anew
+    return from_new_camera
 
 
 def _box_of_motion(studio: Studio, poses: KnownPoses, frames: tuple[int, ...]) -> Array:

@@ -55,10 +55,10 @@ def _paint_grid(picture: Picture, view: ViewCamera, ground: Ground, p_camera_cen
     far = np.linalg.norm(pieces.mean(axis=1)[:, [0, 2]] - centre, axis=1)
     strength = np.clip(1.0 - far / reach, 0.0, 1.0)
     uv = view.project(apply_transform(view.T_view_camera, pieces @ ground.R_level_camera))
-    kept = np.isfinite(uv).all(axis=(1, 2)) & (np.abs(uv) < 30_000).all(axis=(1, 2))
+    visible = np.isfinite(uv).all(axis=(1, 2)) & (np.abs(uv) < 30_000).all(axis=(1, 2))
     band = np.ceil(strength * BANDS).astype(int)
     for k in range(1, BANDS + 1):
-        chosen = np.rint(uv[kept & (band == k)] * 2**SHIFT).astype(np.int32)
+        chosen = np.rint(uv[visible & (band == k)] * 2**SHIFT).astype(np.int32)
         colour = _between(PAPER, LINE, (k - 0.3) / BANDS)
         thickness = max(1, round(view.height / 700))
         cv2.polylines(picture, list(chosen), False, colour, thickness, cv2.LINE_AA, SHIFT)

@@ -1,4 +1,4 @@
-"""The body painted over a picture, or on nothing, so that it can be laid over anything.
+"""The body painted over a picture, or on nothing, so that it can be composited over anything.
 
 It is painted at twice its size and averaged down, so that edges are smooth; and only where the
 body is.
@@ -33,7 +33,7 @@ def paint_over(
     style: Style,
     opacity: float,
 ) -> Picture:
-    """The body over an image of the eye's size; only the pixels around it are touched."""
+    """The body over an image of the view's size; only the pixels around it are touched."""
     result = image.copy()
     left, top, right, bottom = box_of(form.mesh.posed(view.T_view_camera @ Ts_camera_part), view)
     if right <= left or bottom <= top:
@@ -49,7 +49,7 @@ def paint_over(
 def cut_out(
     view: ViewCamera, form: Form, Ts_camera_part: Array, style: Style, opacity: float
 ) -> CutOut:
-    """The body on nothing: laid over an image by its alpha, it is the body painted over it."""
+    """The body on nothing: composited over an image by its alpha, it looks as painted on it."""
     result = np.zeros((view.height, view.width, 4), dtype=np.uint8)
     left, top, right, bottom = box_of(form.mesh.posed(view.T_view_camera @ Ts_camera_part), view)
     if right <= left or bottom <= top:

@@ -51,7 +51,7 @@ class Framing:
 
 
 @dataclass(frozen=True)
-class FourPlaces:
+class FourViewLayout:
     """The sizes (width, height) of the large picture and of the three beside it, which a very low
     picture has no room for."""
 
@@ -60,7 +60,7 @@ class FourPlaces:
     gap: int
 
     @classmethod
-    def of(cls, camera: Camera, height: int) -> FourPlaces:
+    def of(cls, camera: Camera, height: int) -> FourViewLayout:
         """In a picture so many pixels high."""
         main = (max(1, round(height * camera.width / camera.height)), height)
         gap = max(2, height // 240)
@@ -111,7 +111,7 @@ def orthographic(
     Rs_view_camera: Rotations | None = None,
     surface: SurfaceLayer | None = None,
 ) -> Picture:
-    """A true orthographic view of the solid body, `size` = (width, height), on a grid; `sight`,
+    """A true orthographic view of the solid body, `size` = (width, height), on a grid; `surface`,
     the surface observed at that moment, lies over it as a sheet.
 
     "front" looks along the camera's +z (x right, y down), "top" looks down along +y (x right, z,
@@ -121,14 +121,16 @@ def orthographic(
     suits the picture's width, 0.5 m for a person. What finds no room is not lettered.
     """
     frame = Framing(centre_m, metres_across, Rs_view_camera)
-    eye = parallel_view(skeleton, pose, view, size, frame)
-    step_m = round_length(size[0] / eye.focal[0])
-    picture = _over(_grid(eye, step_m), eye, skeleton, pose, "solid", 1.0)
+    view_camera = parallel_view(skeleton, pose, view, size, frame)
+    step_m = round_length(size[0] / view_camera.focal[0])
+    picture = _over(_grid(view_camera, step_m), view_camera, skeleton, pose, "solid", 1.0)
     if surface is not None:
-        picture = draw_surface(picture, eye, surface, form_of(skeleton), _posed(skeleton, pose))
+        picture = draw_surface(
+            picture, view_camera, surface, form_of(skeleton), _posed(skeleton, pose)
+        )
     letter_px = _letter_px(size[1])
     write_name(picture, view.capitalize(), letter_px)
-    bar_end = scale_bar(picture, step_m, eye.focal[0], letter_px)
+    bar_end = scale_bar(picture, step_m, view_camera.focal[0], letter_px)
     axes(picture, *_AXES[view], letter_px, bar_end)
     return picture
 
@@ -151,7 +153,7 @@ def four_views(
     The picture is `height` pixels high; its width follows from the camera's shape. One less
     than LEAST_HEIGHT_OF_FOUR pixels high is the overlay alone.
     """
-    layout = FourPlaces.of(camera, height)
+    layout = FourViewLayout.of(camera, height)
     width = layout.main[0]
     enlarged = cv2.INTER_CUBIC if height > camera.height else cv2.INTER_AREA
     frame = np.asarray(cv2.resize(image_rgb, (width, height), interpolation=enlarged), np.uint8)
@@ -176,14 +178,14 @@ def four_views(
 def parallel_view(
     skeleton: Skeleton, pose: Pose | None, view: ViewName, size: tuple[int, int], framing: Framing
 ) -> ViewCamera:
-    """The eye of one of the three views; without a pose, the framing must be told."""
+    """The camera of one of the three views; without a pose, the framing must be given."""
     p_camera = _points(skeleton, pose)
     centre = middle(p_camera) if framing.centre_m is None else np.asarray(framing.centre_m, float)
     R = framing.Rs[view] if framing.Rs else None
     across = framing.metres_across
     if across is None:
-        eye = ViewCamera.orthographic(view, centre, 1.0, size, R)
-        across = width_to_fit(apply_transform(eye.T_view_camera, p_camera), size)
+        view_camera = ViewCamera.orthographic(view, centre, 1.0, size, R)
+        across = width_to_fit(apply_transform(view_camera.T_view_camera, p_camera), size)
     return ViewCamera.orthographic(view, centre, size[0] / across, size, R)
 
 
@@ -193,8 +195,8 @@ def framing_of(
     """The framing that shows points (N, 3) at one scale in views of these sizes."""
     centre, across = middle(p_camera), 0.0
     for view, size in sizes.items():
-        eye = ViewCamera.orthographic(view, centre, 1.0, size, Rs[view] if Rs else None)
-        fit = width_to_fit(apply_transform(eye.T_view_camera, p_camera), size)
+        view_camera = ViewCamera.orthographic(view, centre, 1.0, size, Rs[view] if Rs else None)
+        fit = width_to_fit(apply_transform(view_camera.T_view_camera, p_camera), size)
         across = max(across, fit)
     return Framing(centre, across, Rs)
 
@@ -227,7 +229,7 @@ def _over(
     style: Style,
     opacity: float,
 ) -> Picture:
-    """The body over an image of the eye's size; the image itself without a pose."""
+    """The body over an image of the view's size; the image itself without a pose."""
     if pose is None:
         return image.copy()
     Ts_camera_part = pose_transforms(skeleton, pose)
@@ -263,7 +265,7 @@ def _letter_px(height: int) -> float:
 
 
 def _grid(view: ViewCamera, step_m: float) -> Picture:
-    """The empty sheet of an orthographic eye with grid lines at multiples of step_m.
+    """The empty sheet of an orthographic view with grid lines at multiples of step_m.
 
     Those through 0 are darker. In a very long picture lines are left out evenly.
     """

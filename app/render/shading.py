@@ -18,7 +18,7 @@ CREASE_COSINE = np.cos(np.deg2rad(35.0))
 """Faces that meet at a smaller angle are shaded as one round surface."""
 
 TO_LIGHT = np.array([-0.50, -0.70, -0.75]) / np.linalg.norm([-0.50, -0.70, -0.75])
-"""From the upper left, behind the viewer, in the eye's frame."""
+"""From the upper left, behind the viewer, in the view's frame."""
 
 
 def face_normals(vertices: Array, faces: NDArray[np.int64]) -> Array:
@@ -88,7 +88,7 @@ def _pixel_normals(
     seen: Raster,
     mask: Mask,
 ) -> Array:
-    """Unit normals (N, 3) in the eye's frame, turned toward the eye."""
+    """Unit normals (N, 3) in the view's frame, facing the camera."""
     rows, columns = np.nonzero(mask)
     depth = seen.depth[mask].astype(np.float64)
     p_eye = view.back_project(np.column_stack([columns, rows]), depth)
@@ -114,7 +114,7 @@ def part_borders(seen: Raster) -> Mask:
 
 
 def paint_solid(canvas: Canvas, rgb: Array, mask: Mask, opacity: float, border: Mask) -> None:
-    """Lay the shaded body, and the dark line of its borders, over a canvas in place."""
+    """Paint the shaded body, and the dark line of its borders, over a canvas in place."""
     flat = canvas.reshape(-1, canvas.shape[2])
     for pixels, colours, share in (
         (np.flatnonzero(mask), on_canvas(rgb, canvas), opacity),

@@ -13,7 +13,7 @@ from app.render.lettering import plate, written_width
 from app.render.painting import Style
 from app.render.palette import CutOut, Picture
 from app.render.pictures import OPACITY, four_views, orthographic, overlay
-from app.render.surfaces import SurfaceSights
+from app.render.surfaces import SurfaceLayers
 from app.render.tints import Tint
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
@@ -44,7 +44,7 @@ def snapshot(session: Session, video: Video | None, frame: int, pose: Pose, look
     camera, skeleton = session.camera.without_distortion(), Skeleton.of(session.body)
     size = (camera.width, camera.height)
     Rs = view_rotations(session.up_camera or (0.0, -1.0, 0.0))
-    sights = SurfaceSights.of(session, video, look.tint)
+    sights = SurfaceLayers.of(session, video, look.tint)
     surface = None if sights is None or look.view == "main" else sights.at(frame, pose)
     if look.view != "main" and look.view != "all":
         return orthographic(skeleton, pose, look.view, size, Rs_view_camera=Rs, surface=surface)
@@ -73,7 +73,7 @@ def labelled(picture: Picture, frame: int) -> Picture:
 
 
 def png(picture: Picture | CutOut) -> bytes:
-    """The picture as a PNG file, with how much it covers where it tells."""
+    """The picture as a PNG file, with how much it covers where that is known."""
     smaller = [cv2.IMWRITE_PNG_COMPRESSION, 6]
     order = cv2.COLOR_RGB2BGR if picture.shape[2] == 3 else cv2.COLOR_RGBA2BGRA
     good, content = cv2.imencode(".png", cv2.cvtColor(picture, order), smaller)
@@ -85,7 +85,7 @@ def png(picture: Picture | CutOut) -> bytes:
 def background(
     session: Session,
     video: Video | None,
-    sights: SurfaceSights | None,
+    sights: SurfaceLayers | None,
     frame: int,
     pose: Pose | None,
 ) -> Picture | None:

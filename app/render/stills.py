@@ -8,12 +8,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from app.render.palette import CutOut, Picture
-from app.render.pictures import FourPlaces, middle, posed_points
+from app.render.pictures import FourViewLayout, middle, posed_points
 from app.render.poses import KnownPoses
 from app.render.snapshots import Look, View, background, snapshot
 from app.render.studio import Paint, Size, Studio
 from app.render.surface_layer import SurfaceLayer
-from app.render.surfaces import SurfaceSights
+from app.render.surfaces import SurfaceLayers
 from app.render.tints import Tint
 from app.render.viewpoints import Ground, Viewpoint, least_distance, view_from
 from tracker.body.pose import Pose
@@ -67,7 +67,7 @@ def still(
     size = _size(studio, wanted)
     if wanted.on_nothing:
         return _on_nothing(studio, pose, wanted, size)
-    sights = SurfaceSights.of(session, video, wanted.tint)
+    sights = SurfaceLayers.of(session, video, wanted.tint)
     if wanted.view == "main":
         image = background(session, video, sights, frame, pose)
         return studio.main(image, frame, pose, size, wanted.paint)
@@ -84,7 +84,7 @@ def natural_size(studio: Studio, view: object) -> Size:
     """The size of a picture for which none is asked."""
     camera = studio.camera
     if view == "all":
-        return FourPlaces.of(camera, camera.height).width, camera.height
+        return FourViewLayout.of(camera, camera.height).width, camera.height
     return camera.width, camera.height
 
 

@@ -81,12 +81,12 @@ def body_lines(
     pieces, of_edge = _cut(*_before(ends, view), view)
     behind = _is_behind(pieces.mean(axis=1), view, seen)
     uv = view.project(pieces)
-    kept = np.isfinite(uv).all(axis=(1, 2)) & (np.abs(uv) < 30_000).all(axis=(1, 2))
-    return Lines(uv[kept], part[of_edge][kept], (behind | own_back[of_edge])[kept])
+    visible = np.isfinite(uv).all(axis=(1, 2)) & (np.abs(uv) < 30_000).all(axis=(1, 2))
+    return Lines(uv[visible], part[of_edge][visible], (behind | own_back[of_edge])[visible])
 
 
 def _facing(mesh: BodyMesh, p_eye: Array, view: ViewCamera) -> Mask:
-    """Which faces (F,) turn toward the eye."""
+    """Which faces (F,) face the camera."""
     normals = face_normals(p_eye, mesh.faces)
     rays = view.rays(p_eye[mesh.faces[:, 0]])
     facing: Mask = (normals * rays).sum(axis=1) < 0.0
@@ -94,19 +94,19 @@ def _facing(mesh: BodyMesh, p_eye: Array, view: ViewCamera) -> Mask:
 
 
 def _before(ends: Array, view: ViewCamera) -> tuple[Array, NDArray[np.int64]]:
-    """Edges (N, 2, 3) cut off at the eye's nearest z, without those that lie wholly nearer."""
+    """Edges (N, 2, 3) cut off at the near plane, without those that lie wholly nearer."""
     z, near = ends[..., 2], view.near_m
-    kept = np.flatnonzero((z >= near).any(axis=1))
+    visible = np.flatnonzero((z >= near).any(axis=1))
     if not np.isfinite(near):
-        return ends, kept
-    cut = ends[kept].copy()
+        return ends, visible
+    cut = ends[visible].copy()
     for this, other in ((0, 1), (1, 0)):
         short = cut[:, this, 2] < near
         a, b = cut[short, this], cut[short, other]
         share = (near - a[:, 2]) / (b[:, 2] - a[:, 2])
         cut[short, this] = a + share[:, None] * (b - a)
         cut[short, this, 2] = near
-    return cut, kept
+    return cut, visible
 
 
 def _cut(

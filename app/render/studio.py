@@ -13,7 +13,7 @@ from app.render.form import Form, form_of
 from app.render.painting import Style, cut_out, paint_over
 from app.render.palette import GAP, CutOut, Picture
 from app.render.pictures import (
-    FourPlaces,
+    FourViewLayout,
     Framing,
     Rotations,
     four_views,
@@ -88,7 +88,7 @@ class Studio:
         framing: Framing | None = None,
         surface: SurfaceLayer | None = None,
     ) -> Picture:
-        """All four views, as large as they fit, on a dark sheet of that size; `sight`, a surface
+        """All four views, as large as they fit, on a dark sheet of that size; `surface`, a surface
         that was observed, in the three small ones."""
         label = f"Frame {frame}" + (" is missing" if image is None else "")
         picture = four_views(
@@ -138,12 +138,12 @@ class Studio:
 
     def parallel_cut_out(self, view: ViewName, pose: Pose, size: Size) -> CutOut:
         """The body of `parallel` on nothing."""
-        eye = parallel_view(self.skeleton, pose, view, size, Framing(Rs=self.Rs))
-        return self.cut_out_by(eye, pose)
+        view_camera = parallel_view(self.skeleton, pose, view, size, Framing(Rs=self.Rs))
+        return self.cut_out_by(view_camera, pose)
 
     def four_cut_out(self, pose: Pose, size: Size, paint: Paint) -> CutOut:
         """The four bodies of `four` on nothing, each in its place."""
-        places = FourPlaces.of(self.camera, self.height_of_four(size))
+        places = FourViewLayout.of(self.camera, self.height_of_four(size))
         main = self.main_cut_out(pose, places.main, paint)
         if not places.small:
             return _on_sheet(main, size)
@@ -152,15 +152,15 @@ class Studio:
         framing = framing_of(posed_points(self.skeleton, pose), places.views, self.Rs)
         top, left = 0, places.main[0] + places.gap
         for view, small in places.views.items():
-            eye = parallel_view(self.skeleton, pose, view, small, framing)
-            sheet[top : top + small[1], left:] = self.cut_out_by(eye, pose)
+            view_camera = parallel_view(self.skeleton, pose, view, small, framing)
+            sheet[top : top + small[1], left:] = self.cut_out_by(view_camera, pose)
             top += small[1] + places.gap
         return _on_sheet(sheet, size)
 
     def height_of_four(self, size: Size) -> int:
         """The largest height at which all four views fit into a picture of that size."""
         height = size[1]
-        while height > 1 and (excess := FourPlaces.of(self.camera, height).width - size[0]) > 0:
+        while height > 1 and (excess := FourViewLayout.of(self.camera, height).width - size[0]) > 0:
             height -= max(1, int(excess * height / (size[0] + excess) / 2))
         return height
 

@@ -47,7 +47,7 @@ def draw_surface(
     form: Form,
     Ts_camera_part: Array | None,
 ) -> Picture:
-    """The surface over a picture of the eye's size that shows the body solid, or None."""
+    """The surface over a picture of the view's size that shows the body solid, or None."""
     result = picture.copy()
     left, top, right, bottom = box_of(
         apply_transform(view.T_view_camera, surface.mesh.vertices), view

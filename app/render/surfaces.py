@@ -11,7 +11,9 @@ from app.render.tints import Colours, Tint, clay, tinted
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
 from tracker.errors import SurfaceError, VideoError
+from tracker.session.evidence import surface_of
 from tracker.session.schema import Session
+from tracker.storage.evidence import surfaces_of
 from tracker.surface.mesh import SurfaceMesh
 from tracker.video import Video
 
@@ -21,10 +23,10 @@ if TYPE_CHECKING:
     from tracker.surface.source import SurfaceSteps
 
 MODEL_POINTS = 3000
-"""So many places of the surface that moves tell the colours of the one observed."""
+"""So many points of the moving surface give the observed one its colours."""
 
 
-class SurfaceSights:
+class SurfaceLayers:
     """What is seen of a session's surfaces; threads may share it."""
 
     def __init__(self, session: Session, video: SurfaceVideo, tint: Tint) -> None:
@@ -33,13 +35,11 @@ class SurfaceSights:
         self._model: SurfaceModel | None = None
 
     @classmethod
-    def of(cls, session: Session, video: Video | None, tint: Tint = "clay") -> SurfaceSights | None:
-        """None where the session is about a film, or its meshes are not at hand."""
-        if session.surface is None or video is None:
+    def of(cls, session: Session, video: Video | None, tint: Tint = "clay") -> SurfaceLayers | None:
+        """None where the session has no surfaces, such as of a film, or they are not at hand."""
+        if video is None or not session.evidence.has_surface:
             return None
-        from tracker.surface.picture import SurfaceVideo  # a film does without
-
-        return cls(session, video, tint) if isinstance(video, SurfaceVideo) else None
+        return cls(session, surfaces_of(video), tint)
 
     @property
     def is_clay(self) -> bool:
@@ -63,7 +63,7 @@ class SurfaceSights:
             mesh = steps.mesh(frame)
             if mesh.consistency is None:
                 raise SurfaceError(
-                    f"Nothing tells how well cameras agree on the surface of frame {frame}: name "
+                    f"It is not known how well cameras agree on the surface of frame {frame}: name "
                     "their file with `keypose fit --cameras FILE`, or choose another colouring."
                 )
         return SurfaceLayer(mesh, colours_of(mesh, self._tint, pose, self._model_where_needed()))
@@ -90,26 +90,28 @@ class SurfaceSights:
 def colours_of(
     mesh: SurfaceMesh, tint: Tint, pose: Pose | None, model: SurfaceModel | None
 ) -> Colours:
-    """The colours (V, 3) of a step's surface, the body at a pose; clay where nothing tells them."""
+    """The colours (V, 3) of a step's surface, the body at a pose; clay where nothing is known."""
     if tint == "photo" and mesh.consistency is not None:
-        from tracker.surface.fit.weights import in_agreement
+        from tracker.surface.fit.weights import photo_weights
 
-        return tinted(tint, in_agreement(mesh.consistency))
+        return tinted(tint, photo_weights(mesh.consistency))
     if tint in ("contact", "distance") and model is not None and pose is not None:
-        from tracker.surface.fit.vertex_scalars import look  # loads when surfaces are looked at
+        # loads when surfaces are looked at
+        from tracker.surface.fit.vertex_scalars import vertex_scalars
 
-        return tinted(tint, look(model, mesh, pose, tint))
+        return tinted(tint, vertex_scalars(model, mesh, pose, tint))
     return clay(len(mesh.vertices))
 
 
 def model_of(session: Session, steps: SurfaceSteps) -> SurfaceModel | None:
-    """The surface that moves with the body; None where nobody has posed it. SurfaceError where
+    """The surface that moves with the body; None without a pose. SurfaceError where
     its step cannot be used."""
-    keyframe, surface = session.model_keyframe, session.surface
-    if keyframe is None or surface is None:
+    keyframe = session.model_keyframe
+    if keyframe is None:
         return None
     from tracker.surface.fit.model import SurfaceModel  # loads when surfaces are looked at
 
     mesh = steps.shape(keyframe.frame)
-    pose, smooth = keyframe.pose(Skeleton.of(session.body)), surface.binding == "smooth"
+    pose = keyframe.pose(Skeleton.of(session.body))
+    smooth = surface_of(session).binding == "smooth"
     return SurfaceModel.of(mesh, session.body, pose, MODEL_POINTS, smooth)

@@ -23,7 +23,7 @@ FAR_M = 0.05
 """A place of the surface so far from the body's is as dark as can be."""
 
 _STOPS = np.array([CLAY, (190, 120, 160), (160, 62, 124), (84, 26, 86)], dtype=np.float64)
-"""From clay to plum, evenly spaced; each darker than the one before, so that grey tells it too."""
+"""From clay to plum, evenly spaced; each darker than the one before, to read in grey, too."""
 
 
 @dataclass(frozen=True)

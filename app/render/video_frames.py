@@ -14,7 +14,6 @@ from app.render.lettering import plate
 from app.render.palette import Picture
 from tracker.errors import VideoError
 from tracker.geometry.camera import Camera
-from tracker.surface.picture import CONTAINER
 from tracker.video import MissingFrame, Video
 
 CACHE_BYTES = 192 * 2**20
@@ -80,8 +79,8 @@ def frame_or_grey(video: Video, index: int) -> Picture:
         info = video.info
         grey = np.full((info.height, info.width, 3), 96, dtype=np.uint8)
         letter_px = max(10.0, info.height / 24)
-        if info.container == CONTAINER:
-            _plates(grey, str(missing), 0.7 * letter_px)
+        if missing.reason:
+            _plates(grey, missing.reason, 0.7 * letter_px)
         else:
             plate(grey, f"Frame {index} is damaged", *(round(letter_px),) * 2, letter_px)
         return grey

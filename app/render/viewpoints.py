@@ -68,7 +68,7 @@ def view_from(
     p_camera_centre: Array,
     size: tuple[int, int],
 ) -> ViewCamera:
-    """The eye of a picture of `size` = (width, height) that looks at the centre (3,) from there."""
+    """The camera of a picture of `size` = (width, height), looking at centre (3,) from there."""
     R = _R_eye_level(viewpoint) @ R_level_camera
     shift = np.array([0.0, 0.0, distance_m]) - R @ p_camera_centre
     focal = FOCAL * min(size)

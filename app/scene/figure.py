@@ -54,7 +54,7 @@ def wire_lines(shape: Shape) -> Segments:
 
 @dataclass(frozen=True, eq=False)
 class Outline:
-    """The strips of a body's round sides, from which an eye picks the lines where they turn away.
+    """The strips of a body's round sides, from which silhouette lines are picked for a viewpoint.
 
     strip_part: (G,) the part each strip belongs to.
     low:     (G, SIDES, 3) its first ring.  high: its second.
@@ -101,8 +101,8 @@ class Outline:
         R, p = T[:, :3, :3], T[:, :3, 3]
         if direction is None:
             # Seen from the part: the rays start at the camera's origin.
-            eye = -np.einsum("gji,gj->gi", R, p)
-            rays = self.low - eye[:, None]
+            viewpoint = -np.einsum("gji,gj->gi", R, p)
+            rays = self.low - viewpoint[:, None]
         else:
             rays = np.einsum("gji,j->gi", R, direction)[:, None]
         away = (self.normals * rays).sum(axis=2) > 0

@@ -26,7 +26,7 @@ ROOT = "/camera"
 
 SELECTED: Colour = (169, 155, 255)
 
-LINE_PX, HELD_LINE_PX, WIRE_PX, GHOST_PX = 1.5, 2.5, 1.0, 1.0
+LINE_PX, SELECTED_LINE_PX, WIRE_PX, GHOST_PX = 1.5, 2.5, 1.0, 1.0
 
 OVERLAY_ONLY = ("overlay", "rims", "wires")
 """Children of a part that only the camera view shows."""
@@ -77,20 +77,20 @@ class PartNodes:
         self.rims.points = self.edges.points = _some(rim_lines(shape))
         self.wires.points = _some(wire_lines(shape))
 
-    def set_look(self, colour: Colour, held: bool, mode: Mode, opacity: float) -> None:
-        """`held`: selected. A selected part keeps a breath of colour even as a wire."""
-        colour = SELECTED if held else colour
+    def set_look(self, colour: Colour, selected: bool, mode: Mode, opacity: float) -> None:
+        """A selected part keeps a breath of colour even as a wire."""
+        colour = SELECTED if selected else colour
         self.overlay.color = self.solid.color = colour
         if mode == "wire":
             self.overlay.opacity = 0.12
         else:
-            self.overlay.opacity = min(1.0, opacity + 0.12 * held)
-        self.overlay.visible = held or (mode != "wire" and opacity > 0)
+            self.overlay.opacity = min(1.0, opacity + 0.12 * selected)
+        self.overlay.visible = selected or (mode != "wire" and opacity > 0)
         self.wires.visible = mode != "solid"
         self.wires.colors = _bytes(toward_white(colour, 0.3))
-        self.rims.colors = _bytes(WHITE if held else light(colour))
-        self.edges.colors = _bytes(WHITE if held else dark(colour))
-        self.rims.thickness = self.edges.thickness = HELD_LINE_PX if held else LINE_PX
+        self.rims.colors = _bytes(WHITE if selected else light(colour))
+        self.edges.colors = _bytes(WHITE if selected else dark(colour))
+        self.rims.thickness = self.edges.thickness = SELECTED_LINE_PX if selected else LINE_PX
 
     def set_pose(self, wxyz: Array, position: Array) -> None:
         self.frame.wxyz = wxyz
@@ -100,7 +100,7 @@ class PartNodes:
 class SkinNodes:
     """The observed surface: two nodes by turns.
 
-    A page drops a GLB as soon as it hears of another, and has that one only some moments later;
+    A page drops a GLB as soon as it is sent another, and has that one only some moments later;
     hence the one before stands until `settle`.
     """
 

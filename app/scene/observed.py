@@ -13,14 +13,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from app.document.open import OpenSession
-from app.editor.shown import shown
+from app.editor.shown import shown_pose
 from app.editor.state import EditorState
 from app.render.surface_layer import SurfaceLayer
 from app.render.surfaces import colours_of, model_of
 from app.render.tints import Tint
 from tracker.errors import SurfaceError, VideoError
+from tracker.session.evidence import surface_of
 from tracker.session.schema import Session
-from tracker.surface.files.unusable import unusable_words
+from tracker.storage.evidence import surfaces_of
+from tracker.surface.files.unusable import describe_unusable
 from tracker.surface.painting import GROUND, paint
 from tracker.surface.picture import SurfaceVideo, open_surfaces
 from tracker.video import Examined, VideoInfo
@@ -32,8 +34,7 @@ if TYPE_CHECKING:
 
 def reading(doc: Session) -> tuple[Any, ...]:
     """What decides where the surfaces lie, and what cameras say of them."""
-    surface = doc.surface
-    assert surface is not None
+    surface = surface_of(doc)
     where = (surface.units, surface.up, surface.p_camera_surface)
     return (*where, surface.fps, surface.cameras, doc.camera)
 
@@ -50,10 +51,9 @@ class Observed:
     """
 
     def __init__(self, opened: OpenSession) -> None:
-        assert isinstance(opened.video, SurfaceVideo)
-        self._opened = opened
+        self._opened, self._steps = opened, surfaces_of(opened.video).steps
         self._lock = threading.RLock()
-        self._video, self._read_as = opened.video, reading(opened.session)
+        self._video, self._read_as = surfaces_of(opened.video), reading(opened.session)
         self._newest: tuple[Any, ...] | None = self._read_as
         self.info: VideoInfo = replace(opened.video.info, missing=())
         self._model: tuple[tuple[Any, ...], SurfaceModel] | None = None
@@ -79,7 +79,7 @@ class Observed:
                 self._video, self._read_as = video, reading(doc)
             return self._video
 
-    def sight(self, edit: EditorState, frame: int) -> SurfaceLayer:
+    def layer(self, edit: EditorState, frame: int) -> SurfaceLayer:
         """A step in the colours that are chosen; SurfaceError where it cannot be used, VideoError
         where the session has been closed."""
         tint = edit.display.tint
@@ -88,7 +88,9 @@ class Observed:
             try:
                 mesh = video.steps.mesh(frame) if tint == "photo" else video.steps.shape(frame)
                 model = self._model_for(tint, edit.settled)
-                return SurfaceLayer(mesh, colours_of(mesh, tint, shown(edit, frame).pose, model))
+                return SurfaceLayer(
+                    mesh, colours_of(mesh, tint, shown_pose(edit, frame).pose, model)
+                )
             except SurfaceError as error:
                 if video.is_closed:
                     raise VideoError(str(error)) from None
@@ -105,19 +107,18 @@ class Observed:
     def is_rated(self, edit: EditorState, frame: int) -> bool:
         """Whether it is known how well cameras agree; SurfaceError as above."""
         doc = edit.settled
-        if doc.surface is not None and doc.surface.cameras is not None:
+        if surface_of(doc).cameras is not None:
             return True
         with self._lock:
             return self.video(doc).steps.shape(frame).consistency is not None
 
     def unusable(self) -> str:
-        """Which steps cannot be used, as far as the beginnings of their files tell; takes a while,
+        """Which steps cannot be used, as far as the beginnings of their files show; takes a while,
         and reading goes on meanwhile."""
-        assert isinstance(self._opened.video, SurfaceVideo)
-        return unusable_words(self._opened.video.steps.glance().problems)
+        return describe_unusable(self._steps.glance().problems)
 
     def close(self) -> None:
-        """Let go of what was opened here."""
+        """Close what was opened here."""
         with self._lock:
             self._newest = None
             self._leave_video()
@@ -127,12 +128,12 @@ class Observed:
             self._video.close()
 
     def _model_for(self, tint: Tint, doc: Session) -> SurfaceModel | None:
-        """The surface that moves with the body; None where nobody has posed it, or it is not
+        """The surface that moves with the body; None without a pose, or it is not
         needed."""
-        keyframe, surface = doc.model_keyframe, doc.surface
-        if tint not in ("contact", "distance") or keyframe is None or surface is None:
+        keyframe = doc.model_keyframe
+        if tint not in ("contact", "distance") or keyframe is None:
             return None
-        key = (*self._frame_key(doc), keyframe, doc.body, surface.binding)
+        key = (*self._frame_key(doc), keyframe, doc.body, surface_of(doc).binding)
         with self._lock:
             if self._model is None or self._model[0] != key:
                 made = model_of(doc, self.video(doc).steps)
@@ -157,7 +158,7 @@ class TintedSource:
         """Gives frame `number`; VideoError where the surfaces lie elsewhere by now."""
         camera = self._edit.settled.camera.without_distortion()
         try:
-            surface = self._observed.sight(self._edit, number)
+            surface = self._observed.layer(self._edit, number)
             yield number, paint(surface.mesh, camera, surface.colours)
         except SurfaceError:
             size = (self.info.height, self.info.width, 3)

@@ -18,10 +18,10 @@ from app.render.palette import SIDE_COLOURS, WHITE, Colour, part_sides
 from app.scene.figure import Outline, Segments, rim_lines, trail_lines
 from app.scene.nodes import (
     GHOST_PX,
-    HELD_LINE_PX,
     LINE_PX,
     OVERLAY_ONLY,
     ROOT,
+    SELECTED_LINE_PX,
     SOLID_ONLY,
     Mode,
     PartNodes,
@@ -46,7 +46,7 @@ _CAMERA_WXYZ = (0.0, 0.0, 0.0, 1.0)
 camera's y down becomes y up and its z away becomes z toward the viewer."""
 
 _TO_LIGHT = np.array([-0.50, -0.70, -0.75])
-"""From the upper left, behind the viewer, in the eye's frame."""
+"""From the upper left, behind the viewer, in the view's frame."""
 
 _R_EYE_CAMERA: dict[Role, Array] = {
     "main": np.eye(3),
@@ -90,14 +90,14 @@ class Scenery:
     Rs_view_camera: dict[Role, Array] = field(default_factory=dict)
     telephoto: bool = False
 
-    def R_eye_camera(self, role: Role) -> Array:
+    def R_view_camera(self, role: Role) -> Array:
         return self.Rs_view_camera.get(role, _R_EYE_CAMERA[role])
 
     def rays(self, role: Role) -> Array | None:
         """The direction (3,) of parallel rays in the camera frame; None: from the camera."""
         if role == "main" and not self.telephoto:
             return None
-        return np.asarray(self.R_eye_camera(role)[2])
+        return np.asarray(self.R_view_camera(role)[2])
 
     def looks_like(self, other: Scenery) -> bool:
         """The same body in the same colours, wherever it is."""
@@ -110,7 +110,7 @@ class Scenery:
 
     def is_seen_as(self, other: Scenery) -> bool:
         """From the same sides."""
-        same = (np.array_equal(self.R_eye_camera(r), other.R_eye_camera(r)) for r in ROLES)
+        same = (np.array_equal(self.R_view_camera(r), other.R_view_camera(r)) for r in ROLES)
         return self.telephoto == other.telephoto and all(same)
 
     def is_posed_as(self, other: Scenery) -> bool:
@@ -237,15 +237,15 @@ class Stage:
     def _draw_looks(self, scenery: Scenery) -> None:
         sides = part_sides(scenery.body)
         for nodes, name, side in zip(self._parts, scenery.body.names, sides, strict=True):
-            held = name in scenery.selected
-            nodes.set_look(SIDE_COLOURS[side], held, scenery.mode, scenery.opacity)
+            is_selected = name in scenery.selected
+            nodes.set_look(SIDE_COLOURS[side], is_selected, scenery.mode, scenery.opacity)
 
     def _draw_lights(self, scenery: Scenery) -> None:
         for role in ROLES:
             for kind in ("sky", "sun"):
                 node = self._scene.get_handle_by_name(f"{ROOT}/light/{role}/{kind}")
                 assert node is not None
-                node.position = scenery.R_eye_camera(role).T @ _TO_LIGHT
+                node.position = scenery.R_view_camera(role).T @ _TO_LIGHT
 
     def _draw_pose(self, Ts_camera_part: Array) -> None:
         turns = quaternion_wxyz(Ts_camera_part[:, :3, :3])
@@ -255,15 +255,15 @@ class Stage:
     def _draw_outlines(self, scenery: Scenery) -> None:
         assert self._outline is not None
         parts = [scenery.body.names[i] for i in self._outline.part]
-        held = np.array([name in scenery.selected for name in parts], dtype=bool)
+        is_selected = np.array([name in scenery.selected for name in parts], dtype=bool)
         sides = np.array(part_sides(scenery.body))[self._outline.part]
         colours = np.array([SIDE_COLOURS[side] for side in sides]).reshape(-1, 3)
         for role in ROLES:
             lines = self._outline.lines(scenery.Ts_camera_part, scenery.rays(role))
             tints = light(colours) if role == "main" else dark(colours)
             ends = np.broadcast_to(tints[:, None], lines.shape)
-            self._put(f"{ROOT}/outline/{role}", lines[~held], ends[~held], LINE_PX)
-            self._put(f"{ROOT}/held/{role}", lines[held], WHITE, HELD_LINE_PX)
+            self._put(f"{ROOT}/outline/{role}", lines[~is_selected], ends[~is_selected], LINE_PX)
+            self._put(f"{ROOT}/held/{role}", lines[is_selected], WHITE, SELECTED_LINE_PX)
 
     def _draw_ghosts(self, scenery: Scenery) -> None:
         for number, colour in enumerate(GHOST_COLOURS):

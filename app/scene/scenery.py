@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from app.editor.pointer_views import up_of
-from app.editor.shown import find, shown
+from app.editor.shown import find, shown_pose
 from app.editor.state import EditorState
 from app.posing import view_rotations
 from app.scene.scene import Scenery, Trail
@@ -29,7 +29,7 @@ class SceneryMaker:
         """What is to be seen at the present frame; `trail` is the section of that name."""
         looks, settled = edit.display, edit.settled
         around = (settled.body, settled.keyframes, edit.frame, looks)
-        pose = shown(edit).pose
+        pose = shown_pose(edit).pose
         return Scenery(
             body=edit.doc.body,
             Ts_camera_part=self._once(
@@ -76,10 +76,10 @@ def _ghosts(edit: EditorState) -> Ghosts:
     return tuple(ghosts)
 
 
-def _trail(told: Any, frame: int) -> Trail | None:
-    """From the section the page is told: it has been worked out already."""
-    if told is None:
+def _trail(section: Any, frame: int) -> Trail | None:
+    """From the section that the page receives: it has been computed already."""
+    if section is None:
         return None
-    frames = [point[0] for point in told["points"]]
+    frames = [point[0] for point in section["points"]]
     present = min(range(len(frames)), key=lambda k: abs(frames[k] - frame))
-    return Trail(np.array([point[1:] for point in told["points"]]), present)
+    return Trail(np.array([point[1:] for point in section["points"]]), present)

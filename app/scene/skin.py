@@ -1,4 +1,4 @@
-"""An observed surface as viser is told it: one small GLB with a colour at every vertex.
+"""An observed surface as it is sent to viser: one small GLB with a colour at every vertex.
 
 The page draws it twice. "depth" gives its nearest layer without any colour, "sheet" the colours of
 that layer alone, translucent, so that the body inside is seen through one sheet and no more.
@@ -9,17 +9,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from app.scene.thinning import thinned
+from app.scene.decimation import decimate
 from tracker.formats.glb_file import Numbers
 from tracker.surface.mesh import SurfaceMesh
 
 MOST_FACES = 8000
-"""Of a surface in the small views, some 150 kB; twice as many could not be told apart there."""
+"""Of a surface in the small views, some 150 kB; twice as many could not be distinguished there."""
 
 
 def skin(mesh: SurfaceMesh, colours: NDArray[np.uint8]) -> bytes:
     """The GLB of a surface (camera frame, metres) with colours (V, 3), in the camera frame."""
-    thin = thinned(mesh.vertices, mesh.faces, MOST_FACES)
+    thin = decimate(mesh.vertices, mesh.faces, MOST_FACES)
     numbers = Numbers()
     attributes = {
         "POSITION": numbers.add(thin.vertices.astype(np.float32), "VEC3", "vertices", bounded=True),

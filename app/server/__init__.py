@@ -1,1 +1,1 @@
-"""The server of the page: its port, its door, and what is to be had behind it."""
+"""The server of the page: its port, its access control, and what it serves."""

@@ -1,4 +1,4 @@
-"""The browsers that were let in, kept in the workspace so that a restarted server knows them.
+"""The browsers that were let in, stored in the workspace so that a restarted server knows them.
 
 A browser holds two secrets: a cookie, and a key in the storage of the page's origin. Cookies ignore
 ports, so every server on the same host is sent the cookie; the key stays with this one. The file
@@ -49,7 +49,7 @@ class _Known(BaseModel):
 
 
 class Browsers:
-    """file: where they are kept; None: they are forgotten with the process."""
+    """file: where they are stored; None: they are forgotten with the process."""
 
     def __init__(self, file: Path | None = None, now: Callable[[], float] = time.time) -> None:
         self._file, self._now = file, now

@@ -1,11 +1,13 @@
-"""The door: who may speak to this server, and with what words.
+"""Access control: who may speak to this server, and with which requests.
 
 A server on this computer can be reached by every page the browser shows. So each request, sockets
 included, must name this server as its host, come from a page of this server, use only the query
 names its path knows, and carry the cookie that this browser was given for a one-time token.
 
-Cookies ignore ports: another server on this host is sent them, too. So all that tells of the work
+Cookies ignore ports: another server on this host is sent them, too. So all that shows the work
 or changes it needs the key as well, which the browser keeps for this page's origin alone.
+
+By hand: Starlette checks hosts (TrustedHostMiddleware), but neither origins, cookies nor keys.
 """
 
 from __future__ import annotations
@@ -47,7 +49,7 @@ _QUERIES: tuple[tuple[re.Pattern[str], frozenset[str]], ...] = tuple(
 )
 _WITHOUT_KEY = re.compile(r"/|/static/.+|/thumb/.+|/view/[a-z]+")
 """What the browser itself asks for, which adds no key: the page, its files, small pictures, and the
-views, which tell where the body is and take nothing."""
+views, which send where the body is and accept nothing."""
 
 _SAFE_METHODS = ("GET", "HEAD")
 _LONGEST_QUERY = 2000
@@ -84,7 +86,7 @@ class Guard:
 
     @property
     def cookie(self) -> str:
-        """Cookies do not tell ports apart: two servers must not share a name."""
+        """Cookies ignore ports: two servers must not share a name."""
         return f"keypose_{self.port}"
 
     @property

@@ -14,9 +14,10 @@ from starlette.routing import Route
 
 from app.editor.actions import Message, Spot
 from app.editor.pointer_views import pointer_views
-from app.editor.shown import shown
+from app.editor.shown import shown_pose
 from app.editor.state import EditorState
-from app.export.motion_files import MotionFormat, motion_archive
+from app.export.motion_files import motion_archive
+from app.export.motion_formats import MotionFormat
 from app.posing import outline, parts_at
 from app.render.snapshots import Look, View, png, snapshot
 from app.render.tints import Tint
@@ -131,7 +132,7 @@ class Outputs:
 
 def _picked(edit: EditorState, question: Pick) -> dict[str, Any]:
     view = pointer_views(edit.doc)[question.view]
-    pose = shown(edit).pose
+    pose = shown_pose(edit).pose
     parts = parts_at(edit.skeleton, pose, view, question.at)
     edge = outline(edit.skeleton, pose, view, parts[0]).round(4).tolist() if parts else []
     return {"parts": list(parts), "outline": edge}
@@ -141,7 +142,7 @@ def _png(edit: EditorState, video: Video, frame: int, shot: Shot) -> bytes:
     looks = edit.display
     opacity = looks.opacity if shot.opacity is None else shot.opacity
     look = Look(shot.view, shot.mode or looks.mode, opacity, shot.tint or looks.tint)
-    return png(snapshot(edit.doc, video, frame, shown(edit, frame).pose, look))
+    return png(snapshot(edit.doc, video, frame, shown_pose(edit, frame).pose, look))
 
 
 def _report_of(path: Path, video: Video) -> bytes:
@@ -156,7 +157,7 @@ def _refused(error: ValidationError | KeyposeError) -> Response:
 
 
 def _download(content: bytes, media_type: str, name: str) -> Response:
-    """Shown in the page or saved under this name, as the page asks; never kept by the browser."""
+    """Shown in the page or saved under this name, as the page asks; never cached by the browser."""
     headers = {
         "Content-Disposition": f"inline; filename*=UTF-8''{quote(name, errors='replace')}",
         "Cache-Control": "no-store",

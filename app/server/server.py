@@ -28,8 +28,8 @@ from app.scene.viser_compat import PAGE, ROLES
 from app.server.browsers import NAME as BROWSERS
 from app.server.browsers import Browsers
 from app.server.guard import PROTOCOL, Guard, headers_for
+from app.server.library_routes import LibraryRoutes
 from app.server.outputs import Outputs
-from app.server.shelf import Shelf
 from app.server.surfaces import Surfaces
 from app.store.sections import image_version
 from app.store.store import Store
@@ -57,7 +57,7 @@ class Server:
             self.store.surface_seen,
             self.store.surfaces_unusable,
         )
-        self._shelf = Shelf(library)
+        self._shelf = LibraryRoutes(library)
         self._outputs = Outputs(self.store, self._surfaces)
         self.guard = Guard(
             self._application(),
@@ -162,7 +162,7 @@ class Server:
     def _receive(self, tab: Tab, message: Any) -> None:
         if isinstance(message, dict) and "ask" in message:
             try:
-                tab.say(self._outputs.answer(message))
+                tab.send(self._outputs.answer(message))
             except Exception:  # noqa: BLE001 — a fault of ours; the line must not break with it
                 traceback.print_exc()
         else:

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 from app.document.open import OpenSession
-from app.editor.shown import shown
+from app.editor.shown import shown_pose
 from app.editor.state import EditorState
 from app.render.video_frames import Frames
 from app.scene.observed import Observed, Outdated, TintedSource, reading
@@ -32,9 +32,9 @@ REST_S = 0.06
 SELDOM_S = 0.25
 """Between two looks while it does not."""
 STALE_S = 0.8
-"""The surface of another step stands no longer than this beside a body that has gone on."""
+"""The surface of another step is shown no longer than this with a body that has moved on."""
 SETTLE_S = 0.15
-"""Until a page has drawn a surface it was told: then the one before goes."""
+"""Until a page has drawn a surface it was sent: then the one before goes."""
 
 
 Found: TypeAlias = tuple[bytes | None, SurfaceSeen]
@@ -58,7 +58,7 @@ class Surfaces:
     """All methods are for the loop's thread; what takes a while is done in one of its own.
 
     show:   draws a surface in the small views, None: nothing; `settle` some moments later.
-    seen:   is told what was seen.  unusable: which steps cannot be, once, where there are any.
+    seen:   receives what was seen.  unusable: receives once which steps cannot be used, if any.
     """
 
     def __init__(
@@ -129,8 +129,8 @@ class Surfaces:
             self._thread.submit(self._observed.close)
             self._show(None)
         self._leave_frames()
-        is_surface = opened is not None and isinstance(opened.video, SurfaceVideo)
-        self._opened, self._observed = opened, Observed(opened) if is_surface and opened else None
+        has_surface = opened is not None and opened.session.evidence.has_surface
+        self._opened, self._observed = opened, Observed(opened) if has_surface and opened else None
         self._wish, self._done, self._known = None, None, SurfaceSeen()
         self._has_glanced = False
 
@@ -186,7 +186,7 @@ class Surfaces:
         if fault is None:
             if words := done.result():
                 self._unusable(words)
-        elif not isinstance(fault, KeyposeError):  # of ours; those are told when a step is met
+        elif not isinstance(fault, KeyposeError):  # of ours; those are reported when a step is met
             traceback.print_exception(fault)
 
     def _drop_stale(self) -> None:
@@ -216,20 +216,20 @@ def _key(edit: EditorState) -> tuple[Any, ...]:
     key: tuple[Any, ...] = (*reading(doc), edit.frame, tint, doc.model_keyframe is None)
     if tint not in ("contact", "distance"):
         return key
-    pose = shown(edit).pose
-    bent = (pose.Rs_parent_part.tobytes(), pose.p_camera_root.tobytes())
-    return (*key, doc.body, doc.model_keyframe, doc.surface, *bent)
+    pose = shown_pose(edit).pose
+    pose_key = (pose.Rs_parent_part.tobytes(), pose.p_camera_root.tobytes())
+    return (*key, doc.body, doc.model_keyframe, doc.surface, *pose_key)
 
 
 def _sample(wish: Look, known: SurfaceSeen) -> Found | None:
-    """The surface as the small views are told it, and what was seen of it; None where it lies
+    """The surface as it is sent to the small views, and what was seen of it; None where it lies
     elsewhere by now."""
     observed, edit, frame = wish.observed, wish.edit, wish.edit.frame
     rims = None
     try:
         with suppress(SurfaceError):  # of the step whose surface moves
             rims = observed.rims(edit)
-        surface = observed.sight(edit, frame)
+        surface = observed.layer(edit, frame)
         rated = observed.is_rated(edit, frame)
     except Outdated:
         return None

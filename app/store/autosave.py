@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import time
-import traceback
 from collections.abc import Callable
 
+from app.jobs.failure import failure_message
 from app.store.state import Saved
-from tracker.errors import KeyposeError
 
 SECONDS_BETWEEN_TRIES = 3.0
 """To write what could not be written: the disk may have room again, or the folder be back."""
@@ -18,7 +17,7 @@ Write = Callable[[], None]
 
 
 class Saver:
-    """Writes what it was given last. `report` is told how that goes, on the loop.
+    """Writes what it was given last. `report` receives the state of saving, on the loop.
 
     What could not be written is tried again every few seconds until it could.
     """
@@ -35,17 +34,17 @@ class Saver:
         """Write this soon; what still waits to be written is replaced."""
         failing = self._failed is not None
         self._begin(write)
-        if not failing:  # otherwise it stays told as unsaved until it is written
+        if not failing:  # otherwise it stays reported as unsaved until it is written
             self._report(Saved("saving", self._at_s))
 
-    def again(self) -> None:
+    def retry(self) -> None:
         """Try once more what could not be written."""
         if self._try_again():
             self._report(Saved("saving", self._at_s))
 
     def _try_again(self) -> bool:
         """Whether there was something to try, and nothing newer is being written."""
-        if self._failed is None or self._next is not None or not self.is_settled:
+        if self._failed is None or self._next is not None or not self.is_idle:
             return False
         self._begin(self._failed[0])
         return True
@@ -53,7 +52,7 @@ class Saver:
     def _begin(self, write: Write) -> None:
         self._next = write
         self._stop_waiting()
-        if self.is_settled:
+        if self.is_idle:
             self._task = asyncio.ensure_future(self._work())
 
     def _stop_waiting(self) -> None:
@@ -72,13 +71,13 @@ class Saver:
         self._stop_waiting()
 
     @property
-    def is_settled(self) -> bool:
+    def is_idle(self) -> bool:
         """Whether nothing is being written."""
         return self._task is None or self._task.done()
 
-    async def settled(self) -> None:
+    async def wait(self) -> None:
         """Wait until nothing is left to write."""
-        while self._task is not None and not self.is_settled:
+        while self._task is not None and not self.is_idle:
             await asyncio.shield(self._task)
 
     async def _work(self) -> None:
@@ -95,15 +94,7 @@ class Saver:
         self._report(Saved("saved", self._at_s))
 
     def _fail(self, write: Write, error: Exception) -> None:
-        words = _words(error)
+        words = failure_message(error)
         self._failed = write, words
         self._later = asyncio.get_running_loop().call_later(SECONDS_BETWEEN_TRIES, self._try_again)
         self._report(Saved("failed", self._at_s, words))
-
-
-def _words(error: Exception) -> str:
-    """One sentence for the person; of a fault of Keypose itself, all of it for the log."""
-    if isinstance(error, KeyposeError):
-        return str(error)
-    traceback.print_exception(error)
-    return f"Saving met a fault of Keypose itself ({type(error).__name__}): try again."

@@ -16,7 +16,7 @@ _SECONDS_TO_END = 5.0
 
 
 class Examiner:
-    """Decodes the whole video once, in a thread of its own; `found` hears of what is damaged."""
+    """Decodes the whole video once, in a thread of its own; `found` receives what is damaged."""
 
     def __init__(
         self, loop: asyncio.AbstractEventLoop, video: Video, found: Callable[[VideoInfo], None]
@@ -28,7 +28,7 @@ class Examiner:
         self._thread.start()
 
     def close(self) -> None:
-        """End it, soon; nothing is told any more."""
+        """End it, soon; nothing is reported any more."""
         self._ended.set()
         self._thread.join(_SECONDS_TO_END)
 
@@ -37,19 +37,19 @@ class Examiner:
         try:
             self._examine()
         except VideoError:
-            return  # closed or gone meanwhile: whoever reads frames is told in words
+            return  # closed or gone meanwhile: whoever reads frames gets the error
 
     def _examine(self) -> None:
-        told = self._video.info
-        for _ in self._video.examine(0, told.frame_count - 1):
+        reported = self._video.info
+        for _ in self._video.examine(0, reported.frame_count - 1):
             if self._ended.is_set():
                 return
             info = self._video.info
-            if (info.damaged, info.missing) != (told.damaged, told.missing):
-                told = info
-                self._loop.call_soon_threadsafe(self._tell, info)
+            if (info.damaged, info.missing) != (reported.damaged, reported.missing):
+                reported = info
+                self._loop.call_soon_threadsafe(self._report, info)
 
-    def _tell(self, info: VideoInfo) -> None:
+    def _report(self, info: VideoInfo) -> None:
         if not self._ended.is_set():
             self._found(info)
 

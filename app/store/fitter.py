@@ -1,4 +1,4 @@
-"""Fits to the picture that a person asked for: what they begin from, and what comes of them."""
+"""Fits to the picture that a person asked for: their inputs and their outcomes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from app.editor.state import EditorState
 from app.jobs import FitOrder, Fitted, JobFailed, PoseFitted, PoseOrder, SizesOrder
 from app.store.identity import unchanged
 from app.store.runner import Runner
-from app.store.state import AppState, FitTold
+from app.store.state import AppState, FitOutcome
 from tracker.body.pose import Pose
 from tracker.errors import KeyposeError
 from tracker.session.schema import Session
@@ -24,7 +24,7 @@ NEAR_FRAMES = 8
 
 
 @dataclass(frozen=True, eq=False)
-class Asked:
+class FitRequest:
     """A fit that is under way.
 
     frame: whose pose is fitted; None for the sizes.  began: the state when it was asked for.
@@ -35,7 +35,9 @@ class Asked:
     began: EditorState
 
     @classmethod
-    def of(cls, opened: OpenSession, edit: EditorState, action: do.FitHere | do.FitSizes) -> Asked:
+    def of(
+        cls, opened: OpenSession, edit: EditorState, action: do.FitHere | do.FitSizes
+    ) -> FitRequest:
         """What is asked for; Refused with the reason where it cannot be had."""
         path = str(opened.video.info.path)
         if isinstance(action, do.FitSizes):
@@ -49,16 +51,20 @@ class Asked:
     def title(self) -> str:
         return "Fitting the sizes" if self.frame is None else f"Fitting frame {self.frame}"
 
-    def holds(self, edit: EditorState) -> bool:
+    def is_current(self, edit: EditorState) -> bool:
         """Whether what it began from still stands."""
-        return unchanged(self._made_of(edit.doc), self._made_of(self.began.doc))
+        return unchanged(self._inputs(edit.doc), self._inputs(self.began.doc))
 
-    def is_like(self, other: Asked) -> bool:
+    def is_like(self, other: FitRequest) -> bool:
         """Whether the other asks for the same of what still stands."""
-        focal = (getattr(asked.order, "focal", None) for asked in (self, other))
-        return self.frame == other.frame and next(focal) == next(focal) and self.holds(other.began)
+        focal = (getattr(request.order, "focal", None) for request in (self, other))
+        return (
+            self.frame == other.frame
+            and next(focal) == next(focal)
+            and self.is_current(other.began)
+        )
 
-    def _made_of(self, doc: Session) -> tuple[Any, ...]:
+    def _inputs(self, doc: Session) -> tuple[Any, ...]:
         what = (doc.body, doc.camera, doc.ignore_masks, doc.surface)
         if self.frame is None:
             return *what, doc.keyframes, doc.drafts
@@ -74,7 +80,7 @@ class Host(Protocol):
     @property
     def opened(self) -> OpenSession | None: ...
 
-    def take_fit(self, edit: EditorState, told: FitTold) -> None: ...
+    def show_fit(self, edit: EditorState, outcome: FitOutcome) -> None: ...
 
     def note(self, kind: str, words: str) -> None: ...
 
@@ -86,86 +92,88 @@ class Fitter:
     def __init__(self, runner: Runner, host: Host) -> None:
         self._runner = runner
         self._host = host
-        self._asked: Asked | None = None
+        self._request: FitRequest | None = None
         self._found: Fitted | None = None
 
     def ask(self, action: do.FitHere | do.FitSizes) -> None:
         """Begin; a fit that is asked for twice is done once."""
-        opened, edit = self._present()
-        asked = Asked.of(opened, edit, action)
-        if self._asked is None or not self._asked.is_like(asked):
-            self._asked, self._found = asked, None
-            self._runner.fit(asked.order, asked.title, self._ended)
+        opened, edit = self._current()
+        request = FitRequest.of(opened, edit, action)
+        if self._request is None or not self._request.is_like(request):
+            self._request, self._found = request, None
+            self._runner.fit(request.order, request.title, self._on_fit_end)
 
     def changed(self) -> None:
         """The state is another one."""
-        if self._asked is None:
+        if self._request is None:
             return
-        _, edit = self._present()
-        if not self._asked.holds(edit):
-            what = "sizes were" if self._asked.frame is None else "pose was"
-            self._host.note("info", f"The {what} changed meanwhile: the fit is dropped.")
+        _, edit = self._current()
+        if not self._request.is_current(edit):
+            what = "sizes" if self._request.frame is None else "pose"
+            self._host.note("info", f"Fit cancelled because the {what} changed.")
             self.cancel()
         elif self._found is not None and edit.stroke is None:
-            self._take(self._asked, self._found)
+            self._apply(self._request, self._found)
 
     def cancel(self) -> bool:
         """Leave the fit that is under way; whether there was one."""
-        if self._asked is None:
+        if self._request is None:
             return False
-        self._runner.leave_fit()
-        self._go_on()
+        self._runner.drop_fit()
+        self._resume_tracking()
         return True
 
     def closed(self) -> None:
         """No session is open any more."""
-        self._asked = self._found = None
+        self._request = self._found = None
 
-    def _ended(self, report: Fitted | JobFailed) -> None:
-        if self._asked is None:
+    def _on_fit_end(self, report: Fitted | JobFailed) -> None:
+        if self._request is None:
             return
         if isinstance(report, JobFailed):
             self._host.note("lost", report.words)
-            self._go_on()
+            self._resume_tracking()
             return
         self._found = report
         self.changed()
 
-    def _take(self, asked: Asked, found: Fitted) -> None:
-        _, edit = self._present()
-        self._asked = self._found = None
+    def _apply(self, request: FitRequest, found: Fitted) -> None:
+        _, edit = self._current()
+        self._request = self._found = None
         try:
-            after, told = apply_fit(asked, found, edit)
+            after, outcome = apply_fit(request, found, edit)
             if after is edit:
-                self._host.note("info", told.words)
+                self._host.note("info", outcome.words)
             else:
-                self._host.take_fit(after, told)
+                self._host.show_fit(after, outcome)
         except KeyposeError as error:
             self._host.note("check", str(error))
         finally:
-            self._go_on()
+            self._resume_tracking()
 
-    def _go_on(self) -> None:
-        self._asked = self._found = None
-        self._runner.go_on(*self._present())
+    def _resume_tracking(self) -> None:
+        self._request = self._found = None
+        self._runner.resume(*self._current())
 
-    def _present(self) -> tuple[OpenSession, EditorState]:
+    def _current(self) -> tuple[OpenSession, EditorState]:
         opened, edit = self._host.opened, self._host.app_state.edit
         assert opened is not None
         assert edit is not None
         return opened, edit
 
 
-def apply_fit(asked: Asked, fitted: Fitted, edit: EditorState) -> tuple[EditorState, FitTold]:
-    """The state with what was found, and what is told of it; KeyposeError where it cannot stand."""
+def apply_fit(
+    request: FitRequest, fitted: Fitted, edit: EditorState
+) -> tuple[EditorState, FitOutcome]:
+    """The state with what was found, and a summary of it; KeyposeError where it is not valid."""
     if isinstance(fitted, PoseFitted):
-        assert asked.frame is not None
-        after = with_pose_fitted(edit, asked.frame, fitted.pose) if fitted.found else edit
-        return after, FitTold(asked.frame, fitted.words, edit.doc, after.doc)
+        assert request.frame is not None
+        after = with_pose_fitted(edit, request.frame, fitted.pose) if fitted.found else edit
+        return after, FitOutcome(request.frame, fitted.words, edit.doc, after.doc)
     if fitted.body == edit.doc.body and fitted.camera == edit.doc.camera:
-        return edit, FitTold(None, fitted.words, edit.doc, edit.doc)
+        return edit, FitOutcome(None, fitted.words, edit.doc, edit.doc)
     after = with_sizes_fitted(edit, fitted.body, fitted.camera, fitted.keyposes)
-    return after, FitTold(None, fitted.words, edit.doc, after.doc, fitted.changes)
+    return after, FitOutcome(None, fitted.words, edit.doc, after.doc, fitted.changes)
 
 
 def _content(doc: Session) -> bytes:
@@ -174,7 +182,7 @@ def _content(doc: Session) -> bytes:
 
 
 def _near(edit: EditorState) -> dict[int, Pose]:
-    """The tracked poses of frames near, this one too: it tells whether they were led through the
+    """The tracked poses of frames near, this one too: it shows whether they were led through the
     pose to be fitted, and so hold its error. What tracking is on its way to does not count."""
     finished = {span: track for span, track in edit.fitting.items() if track.finished}
     around = range(edit.frame - NEAR_FRAMES, edit.frame + NEAR_FRAMES + 1)

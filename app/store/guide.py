@@ -15,7 +15,7 @@ ENOUGH_ENDS = 4
 
 
 @dataclass(frozen=True)
-class _UnderHand(Guide):
+class _DuringGesture(Guide):
     """The guide as before a gesture that is under way, and as it is `then`, once that ends."""
 
     stroke: str = ""
@@ -26,8 +26,8 @@ def guide_after(guide: Guide, action: do.Editing, body: Body) -> Guide:
     """The guide with the steps this action does ticked off; those of a gesture once it ends."""
     if isinstance(action, do.BeginGuide):
         return Guide(guide.first)
-    if isinstance(guide, _UnderHand):
-        if _goes_on(guide.stroke, action):
+    if isinstance(guide, _DuringGesture):
+        if _is_under_way(guide.stroke, action):
             return guide
         before = Guide(guide.first, guide.done, guide.pulled)
         if _stroke_of(action) != guide.stroke:
@@ -40,10 +40,10 @@ def guide_after(guide: Guide, action: do.Editing, body: Body) -> Guide:
     stroke = _stroke_of(action)
     if stroke is None or then is guide:
         return then
-    return _UnderHand(guide.first, guide.done, guide.pulled, stroke, then)
+    return _DuringGesture(guide.first, guide.done, guide.pulled, stroke, then)
 
 
-def _goes_on(stroke: str, action: do.Editing) -> bool:
+def _is_under_way(stroke: str, action: do.Editing) -> bool:
     """Whether this gesture is still under way after the action."""
     if isinstance(action, do.EndStroke | do.CancelStroke):
         return action.stroke != stroke

@@ -1,15 +1,16 @@
-"""The worker as the page sees it: what is asked of it, how far it is, what tracking found."""
+"""Tracking as the page sees it: orders, progress and results."""
 
 from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Literal, TypeAlias
 
 from app.document.open import OpenSession
+from app.editor.advice import why_nothing_to_do
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.jobs import (
@@ -32,11 +33,12 @@ from app.jobs import (
 from app.store.state import Job, Running
 from tracker.session.schema import Session
 from tracker.session.settings import Quality
-from tracker.storage.results import Results, SegmentTrack, Span, segment_keys
+from tracker.storage.results import Results, Span, segment_keys
+from tracker.tracking.result import SegmentResult
 
 What: TypeAlias = Literal["this", "changed", "all"]
 Ending: TypeAlias = Literal["done", "cancelled", "failed"]
-FitEnded: TypeAlias = Callable[[Fitted | JobFailed], None]
+OnFitEnd: TypeAlias = Callable[[Fitted | JobFailed], None]
 
 
 SECONDS_TO_LEAVE = 3.0
@@ -44,41 +46,41 @@ SECONDS_TO_LEAVE = 3.0
 
 
 class Runner:
-    """One job at a time. `tell` is called after each news; its flag: a segment is done.
+    """One job at a time. `notify` is called after each report; its flag: a segment is done.
 
     A fit goes before tracking: what is at work, and what is asked for meanwhile, waits for it and
-    is gone on with, as it is posed then, by `go_on`.
+    is resumed, as it is posed then, by `go_on`.
     """
 
     def __init__(
-        self, loop: asyncio.AbstractEventLoop, tell: Callable[[Runner, bool], None]
+        self, loop: asyncio.AbstractEventLoop, notify: Callable[[Runner, bool], None]
     ) -> None:
-        self._tell = tell
+        self._notify = notify
         self._tracking = Tracking(self._on_report, loop)
         self._number = self._newest = 0
         self._past = 0
         self._wanted: dict[Span, str] = {}
         self._keep: tuple[str, ...] = ()
         self._stages: tuple[Quality, ...] = ()
-        self._verbs = _VERBS[False]
-        self._fit_ended: FitEnded | None = None
+        self._verbs = ("", "")
+        self._fit_done: OnFitEnd | None = None
         self._waiting: frozenset[Span] = frozenset()
         self._progress: Progress | None = None
         self.results: Results | None = None
         self.running: dict[Span, Running] = {}
         self.job = Job()
 
-    # --- what the store says
+    # --- called by the store
 
     def opened(self, edit: EditorState) -> None:
         """Another session is open."""
         self.results = edit.results
 
     def closed(self) -> None:
-        """No session is open any more; what a job still tells does not count."""
+        """No session is open any more; what a job still reports does not count."""
         self._tracking.cancel()
         self._past = self._newest
-        self._number, self._fit_ended, self._waiting = 0, None, frozenset()
+        self._number, self._fit_done, self._waiting = 0, None, frozenset()
         self.running, self.results, self.job = {}, None, Job()
 
     def stop(self) -> None:
@@ -90,50 +92,50 @@ class Runner:
         if not edit.display.live or opened is None or not edit.doc.spans:
             return
         wanted = _touching(edit, edit.results.wanted(edit.doc))
-        if wanted and not self._is_at(wanted):
+        if wanted and not self._is_tracking(wanted):
             self._start(opened, edit.doc, wanted, ("preview", edit.doc.settings.quality))
 
     def track(self, opened: OpenSession, edit: EditorState, what: What) -> None:
         """Track; Refused with the reason when there is nothing to do."""
         if not edit.doc.spans:
-            raise Refused(_nothing(edit.doc))
+            raise Refused(why_nothing_to_do(edit.doc))
         wanted = _spans_to_track(edit, what)
         if not wanted:
-            done = "tracked" if edit.doc.surface is None else "fitted"
-            raise Refused(f"Nothing has changed: every segment is {done} already.")
+            done = edit.doc.evidence.words.done
+            raise Refused(f"All segments are {done} and up to date.")
         self._start(opened, edit.doc, wanted, (edit.doc.settings.quality,))
 
-    def fit(self, order: FitOrder, title: str, ended: FitEnded) -> None:
-        """Fit; `ended` is told once what came of it, unless it is left or replaced before."""
-        if self._fit_ended is None:
+    def fit(self, order: FitOrder, title: str, on_end: OnFitEnd) -> None:
+        """Fit; `on_end` receives its outcome, unless it is dropped or replaced before."""
+        if self._fit_done is None:
             self._waiting = frozenset(self.running)
-        self._fit_ended = ended
+        self._fit_done = on_end
         self._number = self._newest = self._tracking.fit(order)
         self._progress = None
         self.running = dict.fromkeys(self._waiting, Running())
-        words = "tracking goes on after it" if self._waiting else ""
+        words = "tracking continues after it" if self._waiting else ""
         self.job = Job("running", title, words, kind="fit")
-        self._tell(self, False)
+        self._notify(self, False)
 
-    def leave_fit(self) -> None:
-        """Have no use for the fit at work any more."""
+    def drop_fit(self) -> None:
+        """Drop the fit at work."""
         self._tracking.cancel()
         self._number = 0
 
-    def go_on(self, opened: OpenSession, edit: EditorState) -> None:
+    def resume(self, opened: OpenSession, edit: EditorState) -> None:
         """The fit is over: track what waited for it."""
-        waiting, self._waiting, self._fit_ended = self._waiting, frozenset(), None
+        waiting, self._waiting, self._fit_done = self._waiting, frozenset(), None
         self.job, self.running = Job(), {}
         keys = segment_keys(edit.settled)
         wanted = [(*span, key) for span, key in keys.items() if span in waiting]
         if wanted:
             self._start(opened, edit.settled, wanted, self._stages)
         else:
-            self._tell(self, False)
+            self._notify(self, False)
 
-    def hold(self, on: bool) -> None:
-        """Stand back while a hand drags."""
-        self._tracking.hold(on)
+    def pause(self, on: bool) -> None:
+        """Pause while something is dragged."""
+        self._tracking.pause(on)
 
     def cancel(self) -> None:
         """Stop within a pass; what is finished stays."""
@@ -142,7 +144,7 @@ class Runner:
     async def leave(self) -> None:
         """Stop what is being tracked, and wait a moment for what was done until then."""
         is_at_work = self.job.state == "running" and self._progress is not None
-        if not is_at_work or self._fit_ended is not None:
+        if not is_at_work or self._fit_done is not None:
             return
         self.cancel()
         clock = asyncio.get_running_loop().time
@@ -150,32 +152,33 @@ class Runner:
         while self.job.state == "running" and clock() < end:
             await asyncio.sleep(0.02)
 
-    # --- what the worker says
+    # --- reports of the worker
 
     def _start(
         self, opened: OpenSession, doc: Session, wanted: Sequence[Wanted], stages: Sequence[Quality]
     ) -> None:
         self._stages = tuple(stages)
-        if self._fit_ended is not None:
+        if self._fit_done is not None:
             self._waiting |= {(first, last) for first, last, _ in wanted}
             self.running = dict.fromkeys(self._waiting, Running())
-            self._tell(self, False)
+            self._notify(self, False)
             return
         self._wanted = {(first, last): key for first, last, key in wanted}
         self._keep = tuple(segment_keys(doc).values())
         self.running = dict.fromkeys(self._wanted, Running())
-        self._verbs = _VERBS[doc.surface is not None]
-        self.job = Job("running", f"{self._verbs[0]} {_what(list(self._wanted))}", "starting")
+        words = doc.evidence.words
+        self._verbs = (words.doing.capitalize(), words.done.capitalize())
+        self.job = Job("running", f"{self._verbs[0]} {_spans_text(list(self._wanted))}", "starting")
         self._progress = None
         folder = opened.session_path.parent
         self._number = self._newest = self._tracking.start(
             doc, opened.video.info.path, wanted, stages, folder
         )
-        self._tell(self, False)
+        self._notify(self, False)
 
-    def _is_at(self, wanted: Sequence[Wanted]) -> bool:
+    def _is_tracking(self, wanted: Sequence[Wanted]) -> bool:
         """Whether this is what is being tracked already."""
-        at_work = self.job.state == "running" and self._fit_ended is None
+        at_work = self.job.state == "running" and self._fit_done is None
         return at_work and set(self._wanted.values()) == {key for *_, key in wanted}
 
     def _on_report(self, report: Report) -> None:
@@ -185,10 +188,10 @@ class Runner:
             return
         finished = isinstance(report, SegmentFinished)
         if isinstance(report, PassFinished | SegmentFinished):
-            self.results = self.results.with_track(report.track, self._keep)
+            self.results = self.results.with_result(report.result, self._keep)
         if report.job == self._number:
             self._on_own(report)
-        self._tell(self, finished)
+        self._notify(self, finished)
 
     def _on_own(self, report: Report) -> None:
         if self._progress is not None:
@@ -203,10 +206,10 @@ class Runner:
             case PassFinished():
                 self._on_pass(report)
             case SegmentFinished():
-                self._on_segment(report.track)
+                self._on_segment(report.result)
             case PoseFitted() | SizesFitted():
                 self._on_fit_end(report)
-            case JobFailed() if self._fit_ended is not None:
+            case JobFailed() if self._fit_done is not None:
                 self._on_fit_end(report)
             case JobFinished():
                 self._on_end("cancelled" if report.cancelled else "done")
@@ -215,24 +218,24 @@ class Runner:
 
     def _on_fit_end(self, report: Fitted | JobFailed) -> None:
         self._number = 0
-        if self._fit_ended is not None:
-            self._fit_ended(report)
+        if self._fit_done is not None:
+            self._fit_done(report)
 
     def _on_pass(self, report: PassFinished) -> None:
-        known = self.running.get(report.span, Running())
-        scores = (*(known.scores if report.number else ()), report.score)
+        known = self.running.get(report.result.span, Running())
+        scores = (*(known.scores if report.number else ()), report.result.scores[-1])
         number, of = report.number + 1, max(report.of, report.number + 1)
-        percent = self._progress.percent_of(report.span) if self._progress else 0
+        percent = self._progress.percent_of(report.result.span) if self._progress else 0
         at_work = Running("tracking", number, of, percent, scores)
-        self.running = {**self.running, report.span: at_work}
-        self._say(report.words)
+        self.running = {**self.running, report.result.span: at_work}
+        self._set_message(report.words)
 
-    def _on_segment(self, track: SegmentTrack) -> None:
+    def _on_segment(self, track: SegmentResult) -> None:
         if self._progress is not None and self._progress.percent_of(track.span) >= 100:
             self.running = {span: r for span, r in self.running.items() if span != track.span}
-        self._say(self.job.words)
+        self._set_message(self.job.words)
 
-    def _say(self, words: str) -> None:
+    def _set_message(self, words: str) -> None:
         share = self._progress
         percent = share.percent if share else 0
         left = share.seconds_left(time.monotonic()) if share else None
@@ -240,21 +243,20 @@ class Runner:
 
     def _on_end(self, state: Ending, words: str = "") -> None:
         doing, done = self._verbs
-        title = {"done": done, "cancelled": "Cancelled", "failed": f"{doing} failed"}[state]
-        if state == "done":
-            title = self.job.title.replace(doing, done)
-        self.job = Job(state, title, words or self._closing_words(state), 100)
+        finished = f"{done} {_spans_text(list(self._wanted))}"
+        title = {"done": finished, "cancelled": "Cancelled", "failed": f"{doing} failed"}[state]
+        self.job = Job(state, title, words or self._closing_message(state), 100)
         self.running = {}
 
-    def _closing_words(self, state: Ending) -> str:
+    def _closing_message(self, state: Ending) -> str:
         found = (
-            [self.results.tracks.get(key) for key in self._wanted.values()] if self.results else []
+            [self.results.by_key.get(key) for key in self._wanted.values()] if self.results else []
         )
         kinds = [track.kind for track in found if track is not None]
         if state == "cancelled" and any(track is not None and track.missing for track in found):
-            return "what was done is kept; Fit goes on from there"
+            return "finished frames are kept; Fit continues from there"
         if state == "cancelled":
-            return "what was finished is kept" if any(kinds) else "no segment was finished"
+            return "finished segments are kept" if any(kinds) else "no segment finished"
         counts = ((kind, kinds.count(kind)) for kind in ("good", "check", "lost"))
         said = {"check": "to check"}
         return ", ".join(f"{count} {said.get(kind, kind)}" for kind, count in counts if count)
@@ -273,23 +275,7 @@ def _touching(edit: EditorState, wanted: Sequence[Wanted]) -> list[Wanted]:
     return near or list(wanted)
 
 
-_VERBS: Mapping[bool, tuple[str, str]] = {
-    False: ("Tracking", "Tracked"),
-    True: ("Fitting", "Fitted"),
-}
-"""What is done with a film, and with surfaces."""
-
-
-def _nothing(doc: Session) -> str:
-    """Why there is no segment."""
-    if doc.surface is None:
-        return "Nothing to track: pose a second keyframe first."
-    if doc.video.frame_count < 2:
-        return "Nothing to fit: there is one mesh alone, and nothing moves."
-    return "Nothing to fit: pose the body in one of the meshes first, and make it a keyframe."
-
-
-def _what(spans: list[Span]) -> str:
+def _spans_text(spans: list[Span]) -> str:
     """ "39–61" when the segments follow one another, else how many there are."""
     if all(one[1] == other[0] for one, other in pairwise(spans)):
         return f"{spans[0][0]}–{spans[-1][1]}"

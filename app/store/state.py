@@ -1,4 +1,4 @@
-"""All that the page is told about, besides how it is told."""
+"""The state of the program, as far as the page shows it."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Job:
 
 
 @dataclass(frozen=True, eq=False)
-class FitTold:
+class FitOutcome:
     """What the last fit did, until something else is edited.
 
     frame: of the pose that was fitted; None where it was the sizes.
@@ -73,7 +73,7 @@ class Running:
 
 
 @dataclass(frozen=True, eq=False)
-class Opened:
+class OpenedFile:
     """The session's file and its video; `film` tells videos apart, whatever they are called.
 
     id: of the session among the recent ones.
@@ -114,19 +114,19 @@ class AppState:
 
     server: str = ""
     revision: str = ""
-    opened: Opened | None = None
+    opened: OpenedFile | None = None
     edit: EditorState | None = None
     job: Job = Job()
     saved: Saved = Saved()
     guide: Guide = Guide()
     tabs: int = 0
     running: Mapping[tuple[int, int], Running] = field(default_factory=dict)
-    fit: FitTold | None = None
+    fit: FitOutcome | None = None
     surface: SurfaceSeen = SurfaceSeen()
     unusable: str = ""
 
     @property
-    def as_looked_at(self) -> AppState:
+    def displayed(self) -> AppState:
         """With what stood before the last fit, while somebody looks back at it."""
         if self.fit is None or self.edit is None or not self.fit.looking_back:
             return self

@@ -14,7 +14,7 @@ export function read(text, value, unit = '') {
   const result = evaluate(relative ? relative[3] : expression);
   if (result === null) return { words: `“${text.trim()}” is not a number.` };
   const amount = result * factor;
-  const answer = relative ? applied(relative[1] ?? relative[2], value, amount, result) : amount;
+  const answer = relative ? applyRelative(relative[1] ?? relative[2], value, amount, result) : amount;
   if (!Number.isFinite(answer)) return { words: 'Nothing can be divided by zero.' };
   return { value: answer };
 }
@@ -26,7 +26,13 @@ export function shortNumber(value, decimals) {
   return (zero ? text.slice(1) : text).replace('-', '−');
 }
 
-function applied(sign, value, amount, ratio) {
+/** The same with its sign: "+1.5", "−0.3". */
+export const signedNumber = (value, decimals) => (value < 0 ? '' : '+') + shortNumber(value, decimals);
+
+/** The value within low and high; low where they cross. */
+export const clamp = (value, low, high) => Math.max(low, Math.min(high, value));
+
+function applyRelative(sign, value, amount, ratio) {
   if (sign === '+') return value + amount;
   if (sign === '-') return value - amount;
   return sign === '*' ? value * ratio : value / ratio;
@@ -49,7 +55,7 @@ function evaluate(text) {
   function chain(part, more, less) {
     let total = part();
     while (tokens[place] === more || tokens[place] === less) {
-      total = combined(tokens[place++], total, part());
+      total = combine(tokens[place++], total, part());
     }
     return total;
   }
@@ -65,7 +71,7 @@ function evaluate(text) {
   return place === tokens.length && !Number.isNaN(total) ? total : null;
 }
 
-function combined(sign, a, b) {
+function combine(sign, a, b) {
   if (sign === '+') return a + b;
   if (sign === '-') return a - b;
   return sign === '*' ? a * b : a / b;

@@ -4,21 +4,18 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from './icons.js';
 
-/** A tooltip: what it does and its key. */
-export function tip(words, key = '') {
-  return key ? `${words}   ${key}` : words;
-}
-
 /**
  * A square button with an icon. off: why it cannot be used, or ''.
- * @param {{ name: string, label: string, key?: string, act: () => unknown, off?: string,
- *   pressed?: boolean }} spec
+ * @param {{ name: string, label: string, title?: string, key?: string, act: () => unknown, off?: string,
+ *   pressed?: boolean, size?: 's' | '', action?: string }} spec
  */
-export function iconButton({ name, label, key = '', act, off = '', pressed }) {
+export function iconButton({ name, label, title = label, key = '', act, off = '', pressed, size = 's', action }) {
   return html`<button
     type="button"
-    class="ib s ${off ? 'off' : ''}"
-    title=${off || tip(label, key)}
+    class="ib ${size} ${off ? 'off' : ''}"
+    data-action=${action ?? nothing}
+    title=${off || title}
+    data-key=${(!off && key) || nothing}
     aria-label=${label}
     aria-disabled=${off ? 'true' : nothing}
     aria-pressed=${pressed ?? nothing}
@@ -29,19 +26,20 @@ export function iconButton({ name, label, key = '', act, off = '', pressed }) {
 }
 
 /**
- * A button with words. flip: its icon looks the other way.
- * @param {{ name?: string, flip?: boolean, label: string, key?: string, title?: string,
+ * A button with words.
+ * @param {{ name?: string, label: string, key?: string, title?: string,
  *   act: () => unknown, off?: string, kind?: string }} spec
  */
-export function button({ name, flip = false, label, key = '', title = label, act, off = '', kind = '' }) {
+export function button({ name, label, key = '', title = label, act, off = '', kind = '' }) {
   return html`<button
     type="button"
     class="btn sm ${kind} ${off ? 'off' : ''}"
-    title=${off || tip(title, key)}
+    title=${off || title}
+    data-key=${(!off && key) || nothing}
     aria-disabled=${off ? 'true' : nothing}
     @click=${() => off || act()}
   >
-    ${name ? icon(name, flip ? 'transform:scaleX(-1)' : '') : nothing}<span class="cut">${label}</span>
+    ${name ? icon(name) : nothing}<span class="cut">${label}</span>
   </button>`;
 }
 
@@ -53,7 +51,8 @@ export function checkbox({ label, on, act, title = label, key = '', off = '' }) 
     class="cb ${on ? 'on' : ''} ${off ? 'off' : ''}"
     aria-checked=${on}
     aria-disabled=${off ? 'true' : nothing}
-    title=${off || tip(title, key)}
+    title=${off || title}
+    data-key=${(!off && key) || nothing}
     @click=${() => off || act(!on)}
   >
     <i>${on ? icon('check') : nothing}</i>${label}

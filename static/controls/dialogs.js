@@ -1,29 +1,46 @@
 // Sheets over the page. The browser's own dialog keeps the focus inside and closes on Esc.
 
-import { ui, setUi } from '../store/state.js';
+import { nothing, render } from '../vendor/lit-html/lit-html.js';
+import { addOnTop } from './elements.js';
+import { loadLibrary } from '../store/library.js';
+import { setUi, ui, watch } from '../store/state.js';
+
+/** @typedef {import('../store/shapes.js').Watched} Watched */
 
 /** Open or close the sheet of keys. */
 export const toggleSheet = () => setUi('sheet', !ui.sheet);
 
+/** Show the files that can be opened; `lost` is a recent session whose video is looked for. */
+export function openChooser(kind, lost = null) {
+  loadLibrary();
+  setUi('fileFind', '');
+  setUi('chooser', { kind, lost });
+}
+
 /** Close the sheets; tells whether one was open, or about to open with the next frame. */
 export function closeSheets() {
   if (!ui.sheet && !ui.chooser) return false;
-  setUi('sheet', false);
+  setUi('sheet', null);
   setUi('chooser', null);
   return true;
 }
 
-/** A dialog in #screens; `closed` is called however it was closed. */
-export function dialogIn(id, label, closed) {
-  const dialog = document.createElement('dialog');
-  dialog.id = id;
+/**
+ * A dialog, open while `ui[name]` holds something, and drawn when that or any of `names` changes.
+ * @param {{ id: string, label: string, name: 'sheet' | 'chooser', names: Watched[], draw: () => unknown }} spec
+ */
+export function mountDialog({ id, label, name, names, draw }) {
+  const dialog = addOnTop(id, 'dialog');
   dialog.className = 'sheet';
   dialog.setAttribute('aria-label', label);
-  dialog.addEventListener('close', closed);
+  dialog.addEventListener('close', () => setUi(name, null));
   // A click on the backdrop has the dialog itself as its target.
   dialog.addEventListener('pointerdown', (event) => {
     if (event.target === dialog) dialog.close();
   });
-  document.getElementById('screens').append(dialog);
-  return dialog;
+  watch([`u:${name}`, ...names], () => {
+    render(ui[name] ? draw() : nothing, dialog);
+    if (ui[name] && !dialog.open) dialog.showModal();
+    if (!ui[name] && dialog.open) dialog.close();
+  });
 }

@@ -13,7 +13,7 @@ class DropDown extends HTMLElement {
 
   connectedCallback() {
     this.popId ||= `drop-${++DropDown.count}`;
-    this.addEventListener('toggle', (event) => this.toggled(event), { capture: true });
+    this.addEventListener('toggle', (event) => this.onToggle(event), { capture: true });
     this.draw();
   }
 
@@ -30,7 +30,22 @@ class DropDown extends HTMLElement {
 
   /** @returns {HTMLElement} */
   get list() {
-    return this.querySelector('.drop-list');
+    return this.found('.drop-list');
+  }
+
+  /** @returns {HTMLElement} */
+  get button() {
+    return this.found('button');
+  }
+
+  /**
+   * An element that `draw` has drawn.
+   * @returns {HTMLElement}
+   */
+  found(selector) {
+    const found = this.querySelector(selector);
+    if (!(found instanceof HTMLElement)) throw new Error(`A dropdown without its ${selector}`);
+    return found;
   }
 
   draw() {
@@ -101,12 +116,12 @@ class DropDown extends HTMLElement {
     this.draw();
     this.list.showPopover();
     this.place();
-    (this.list.querySelector('.find') ?? this.list.querySelector('.opts')).focus();
+    this.found(this.known.search ? '.find' : '.opts').focus();
     this.list.querySelector('.hov')?.scrollIntoView({ block: 'nearest' });
   }
 
   place() {
-    const at = this.querySelector('button').getBoundingClientRect();
+    const at = this.button.getBoundingClientRect();
     const style = this.list.style;
     style.minWidth = `${Math.max(at.width, this.known.search ? 200 : 120)}px`;
     style.maxHeight = '';
@@ -119,13 +134,14 @@ class DropDown extends HTMLElement {
     style.maxHeight = `${room}px`;
   }
 
-  toggled(event) {
+  onToggle(event) {
     if (event.newState !== 'closed') return;
-    const inside = this.list.contains(document.activeElement);
+    const { activeElement: focused } = document;
+    const inside = focused instanceof HTMLElement && this.list.contains(focused);
     this.isOpen = false;
     // With the keyboard the focus goes back to the button; the mouse leaves it with the views.
-    if (inside) document.activeElement.blur();
-    if (inside && this.byKeyboard) this.querySelector('button').focus();
+    if (inside) focused.blur();
+    if (inside && this.byKeyboard) this.button.focus();
     this.byKeyboard = false;
     this.draw();
   }

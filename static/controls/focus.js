@@ -35,6 +35,17 @@ export function leaveControl() {
   return true;
 }
 
+/**
+ * What stands for a button without being one is pressed with Enter and Space.
+ * @param {() => void} act
+ */
+export const onEnter = (act) => (/** @type {KeyboardEvent} */ event) => {
+  if (event.key !== 'Enter' && event.key !== ' ') return;
+  event.preventDefault();
+  event.stopPropagation();
+  act();
+};
+
 export function mountFocus() {
   addEventListener('keydown', (event) => event.key === 'Tab' && (byKey = true), true);
   addEventListener('pointerdown', () => (byKey = false), true);
@@ -53,6 +64,11 @@ function giveBack(event) {
   });
 }
 
+/**
+ * @param {Element | null} element
+ * @returns {element is HTMLElement | SVGElement}
+ */
 function isControl(element) {
-  return Boolean(element) && element !== document.body && element !== document.documentElement;
+  const takesFocus = element instanceof HTMLElement || element instanceof SVGElement;
+  return takesFocus && element !== document.body && element !== document.documentElement;
 }

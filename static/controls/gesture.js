@@ -1,9 +1,9 @@
-// One gesture of a pointer, from the press until it is let go; and the pace at which it is told.
+// One gesture of a pointer, from the press until it is released; and the pace at which it acts.
 
-const RIGHT_HELD = 2;
+const RIGHT_DOWN = 2;
 
 /**
- * Follow a pointer until it is let go; for what stays where it was pulled, whatever ends it.
+ * Follow a pointer until it is released; for what stays where it was pulled, whatever ends it.
  * @param {HTMLElement} element
  * @param {PointerEvent} down
  * @param {{ move: (event: PointerEvent) => void, end?: () => void }} gesture
@@ -20,7 +20,7 @@ export function pull(element, down, { move, end = () => {} }) {
 }
 
 /**
- * Follow a pointer until it is let go; Esc, the right button and a pointer that is lost take back.
+ * Follow a pointer until it is released; Esc, the right button and a lost pointer cancel.
  * `holdsKeys` tells whether other keys wait until it is over. Returns how to stop without an end.
  * @param {HTMLElement | SVGElement} element
  * @param {PointerEvent} down
@@ -36,7 +36,7 @@ export function follow(element, down, { move, end, cancel, holdsKeys = () => fal
     abort.abort();
     fn(event);
   };
-  on(element, 'pointermove', (event) => (event.buttons & RIGHT_HELD ? stop(cancel)(event) : move(event)));
+  on(element, 'pointermove', (event) => (event.buttons & RIGHT_DOWN ? stop(cancel)(event) : move(event)));
   on(element, 'pointerup', stop(end));
   on(element, 'pointercancel', stop(cancel));
   const key = (event) => {

@@ -2,7 +2,8 @@
 // press elsewhere, Esc and a window that loses the focus close it.
 //
 // Entries: { icon, label, right, run, off: why not, title, checked }
-//          { icon, label, run(frame), ask: { value, last } }  asks for a frame: Enter or its button acts
+//          { icon, label, run(frame), ask: { value, last, answer } }  asks for a frame: Enter or the
+//          button `answer` acts
 //          and `line`, `heading`, `note`, `content`
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
@@ -41,8 +42,17 @@ function closeFromOutside({ target }) {
 // --- hanging from a button
 
 /**
- * A button with its menu below it.
- * button: (attributes of an open or shut menu) → template; items: () → entries
+ * A button that opens its menu.
+ * @param {string} name
+ * @param {{ title: string, kind: string, face: unknown, label?: string, act?: () => void }} spec
+ */
+export function menuButton(name, { title, kind, face, label, act = () => toggleMenu(name) }) {
+  return html`<button class="${kind} ${ui.menu === name ? 'hov' : ''}" title=${title || nothing} aria-label=${label ?? nothing}
+    aria-haspopup="menu" aria-expanded=${ui.menu === name} @click=${act}>${face}</button>`;
+}
+
+/**
+ * A button, or several, with a menu below: button: (whether it is open) → template; items: () → entries.
  */
 export function menuHolder(name, button, items, side = 'left') {
   const open = ui.menu === name;
@@ -158,7 +168,7 @@ function question({ icon: sign, label, ask, run }) {
   return html`<div class="mi asks">${icon(sign)}<label for="tmenu-frame">${label}</label>
     <input id="tmenu-frame" inputmode="numeric" autocomplete="off" .value=${String(ask.value)}
       @input=${(event) => event.target.removeAttribute('aria-invalid')} />
-    <button class="btn sm" @click=${answer}>Do</button></div>`;
+    <button class="btn sm" @click=${answer}>${ask.answer}</button></div>`;
 }
 
 // --- keys

@@ -1,4 +1,6 @@
 // A number: drag it sideways, type into it, nudge it with arrows or the wheel.
+//
+// By hand: the browser's own, `type="number"`, is not dragged and takes neither sums nor units.
 
 import { html } from '../vendor/lit-html/lit-html.js';
 import { read, shortNumber } from './arithmetic.js';
@@ -8,15 +10,16 @@ import { followValue, ValueElement } from './value.js';
 const DRAG_STARTS_PX = 3;
 
 class NumberField extends ValueElement {
+  mark = document.createElement('b');
+  input = document.createElement('input');
+  unit = document.createElement('u');
+
   build() {
     this.classList.add('n');
-    this.mark = document.createElement('b');
-    this.input = document.createElement('input');
     this.input.setAttribute('role', 'spinbutton');
     this.input.inputMode = 'decimal';
     this.input.autocomplete = 'off';
     this.input.spellcheck = false;
-    this.unit = document.createElement('u');
     this.append(this.mark, this.input, this.unit);
     this.addEventListener('mousedown', (event) => this.keepFocusAway(event));
     this.addEventListener('pointerdown', (event) => this.press(event));
@@ -24,7 +27,7 @@ class NumberField extends ValueElement {
     this.input.addEventListener('focus', () => this.enter());
     this.input.addEventListener('blur', () => this.exit());
     this.input.addEventListener('keydown', (event) => this.key(event));
-    this.input.addEventListener('input', () => this.typed());
+    this.input.addEventListener('input', () => this.onInput());
   }
 
   get isFocused() {
@@ -38,7 +41,7 @@ class NumberField extends ValueElement {
   draw() {
     const { label, unit = '', off = '', mark, min, max, limit, title } = this.spec;
     this.classList.toggle('edit', this.isFocused);
-    this.classList.toggle('held', this.held === true);
+    this.classList.toggle('dragged', this.isDragged === true);
     this.classList.toggle('limit', this.isAtLimit);
     this.classList.toggle('off', off !== '');
     this.input.readOnly = off !== '';
@@ -95,16 +98,16 @@ class NumberField extends ValueElement {
     if (!from.moved && Math.abs(dx) < DRAG_STARTS_PX) return;
     from.moved = true;
     from.x = event.clientX;
-    // Summed, so that Shift may be pressed and let go midway without a jump.
+    // Summed, so that Shift may be pressed and released midway without a jump.
     from.travel += dx * (event.shiftKey ? 0.1 : 1);
     const value = from.start + from.travel * (this.spec.perPixel ?? this.steps / 2);
     const coarse = this.spec.coarse ?? this.steps * 5;
-    this.held = true;
+    this.isDragged = true;
     this.moveTo(event.ctrlKey ? Math.round(value / coarse) * coarse : value);
   }
 
   release(from) {
-    this.held = false;
+    this.isDragged = false;
     if (from.moved) {
       this.finish();
       this.draw();
@@ -115,8 +118,8 @@ class NumberField extends ValueElement {
   }
 
   drop() {
-    this.held = false;
-    this.takeBack();
+    this.isDragged = false;
+    this.cancelStroke();
     this.draw();
   }
 
@@ -146,7 +149,7 @@ class NumberField extends ValueElement {
     this.draw();
   }
 
-  typed() {
+  onInput() {
     hush();
     this.finish();
     this.dirty = true;
@@ -187,7 +190,7 @@ class NumberField extends ValueElement {
 
   restore() {
     hush();
-    this.takeBack();
+    this.cancelStroke();
     this.dirty = false;
     this.input.blur();
   }

@@ -1,5 +1,7 @@
 // Where something stands that opens over the page: beside what it belongs to, and in the window.
 
+import { clamp } from './arithmetic.js';
+
 const MARGIN = 8;
 
 /**
@@ -21,6 +23,6 @@ export function belowOrAbove(height, below, above, margin = MARGIN) {
  */
 export function standAt(element, left, top) {
   const { width } = element.getBoundingClientRect();
-  element.style.left = `${Math.max(MARGIN, Math.min(left, innerWidth - width - MARGIN))}px`;
+  element.style.left = `${clamp(left, MARGIN, innerWidth - width - MARGIN)}px`;
   element.style.top = `${top}px`;
 }

@@ -16,7 +16,7 @@ export function shake(element) {
 /** Say one sentence below an element until the next input, or four seconds. */
 export function say(element, words) {
   hush();
-  bubble ??= made();
+  bubble ??= createBubble();
   bubble.textContent = words;
   bubble.showPopover();
   place(element);
@@ -28,7 +28,7 @@ export function hush() {
   if (bubble?.matches(':popover-open')) bubble.hidePopover();
 }
 
-function made() {
+function createBubble() {
   const element = document.createElement('div');
   element.className = 'refusal';
   element.popover = 'manual';

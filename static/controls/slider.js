@@ -4,21 +4,20 @@
 // it, band (limits that are drawn though they may not hold).
 
 import { html } from '../vendor/lit-html/lit-html.js';
-import { shortNumber } from './arithmetic.js';
+import { clamp, shortNumber } from './arithmetic.js';
 import { followValue, ValueElement } from './value.js';
 
 const GRAB_PX = 9;
 
+const bar = (className) => Object.assign(document.createElement('span'), { className });
+
 class SlideBar extends ValueElement {
+  bars = { lim: bar('lim'), zero: bar('zero'), fill: bar('fill'), th: bar('th') };
+
   build() {
     this.classList.add('rng');
     this.setAttribute('role', 'slider');
-    this.bars = {};
-    for (const name of ['lim', 'zero', 'fill', 'th']) {
-      this.bars[name] = document.createElement('span');
-      this.bars[name].className = name;
-      this.append(this.bars[name]);
-    }
+    this.append(...Object.values(this.bars));
     this.addEventListener('mousedown', (event) => this.keepFocusAway(event));
     this.addEventListener('pointerdown', (event) => this.press(event));
     this.addEventListener('dblclick', () => this.toRest());
@@ -30,7 +29,7 @@ class SlideBar extends ValueElement {
     const { limit, band = limit, zero = this.spec.min, off = '', label, unit = '', min, max } = this.spec;
     const at = this.share(this.value ?? zero);
     const rest = this.share(zero);
-    this.classList.toggle('on', this.held === true);
+    this.classList.toggle('on', this.isDragged === true);
     this.classList.toggle('off', off !== '');
     this.tabIndex = off ? -1 : 0;
     this.title = off || this.spec.title || label;
@@ -47,7 +46,7 @@ class SlideBar extends ValueElement {
     this.setAttribute('aria-disabled', String(off !== ''));
   }
 
-  /** Both ends; they stay where they are while the thumb is held, whatever the server says. */
+  /** Both ends; they stay where they are while the thumb is dragged, whatever the server says. */
   get ends() {
     return this.fixed ?? [this.spec.min, this.spec.max];
   }
@@ -55,7 +54,7 @@ class SlideBar extends ValueElement {
   /** Where a value stands, in percent of the line. */
   share(value) {
     const [min, max] = this.ends;
-    return 100 * Math.min(1, Math.max(0, (value - min) / (max - min)));
+    return 100 * clamp((value - min) / (max - min), 0, 1);
   }
 
   /** The mouse never takes the keys away from the frame. */
@@ -75,7 +74,7 @@ class SlideBar extends ValueElement {
     const grabbed = Math.abs(event.clientX - thumb) <= GRAB_PX;
     const there = this.fixed[0] + (event.clientX - box.left) * perPixel;
     const from = { x: event.clientX, value: grabbed ? this.value : there, perPixel };
-    this.held = true;
+    this.isDragged = true;
     if (grabbed) this.draw();
     else this.moveTo(there);
     followValue(this, event, {
@@ -93,16 +92,16 @@ class SlideBar extends ValueElement {
   }
 
   release() {
-    this.held = false;
+    this.isDragged = false;
     this.fixed = null;
     this.finish();
     this.draw();
   }
 
   drop() {
-    this.held = false;
+    this.isDragged = false;
     this.fixed = null;
-    this.takeBack();
+    this.cancelStroke();
     this.draw();
   }
 
@@ -122,9 +121,9 @@ class SlideBar extends ValueElement {
     else this.setTo(ends[event.key]);
   }
 
-  /** Takes a run of nudges back; where there is none, the keys go back to the frame. */
+  /** Cancels a run of nudges; where there is none, the keys go back to the frame. */
   escape() {
-    if (!this.takeBack()) this.blur();
+    if (!this.cancelStroke()) this.blur();
   }
 
   roll(event) {

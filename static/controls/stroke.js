@@ -1,5 +1,5 @@
-// One gesture on a control: every move is told from the gesture's beginning, at most once per
-// animation frame, the newest wins; the end tells the last value and closes the undo step.
+// One gesture on a control: every move is sent as measured from the gesture's beginning, at most once
+// per animation frame, the newest wins; the end sends the last value and closes the undo step.
 
 import { newStroke, send } from '../store/link.js';
 import { paced } from './gesture.js';
@@ -21,7 +21,7 @@ export class Stroke {
     return this.close('end_stroke');
   }
 
-  /** Takes everything back. */
+  /** Restores what was before. */
   cancel() {
     this.move.drop();
     return this.close('cancel_stroke');

@@ -1,8 +1,9 @@
-// What a control is called and its key, shown a moment after the pointer rests on it. It is taken
-// from the title, whose last part after three spaces is the key: "Undo   Ctrl Z".
+// What a control is called and its key, shown a moment after the pointer rests on it: its title, and
+// its `data-key`.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { ui } from '../store/state.js';
+import { addOnTop } from './elements.js';
 import { belowOrAbove, standAt } from './popup.js';
 
 const REST_MS = 450;
@@ -15,9 +16,7 @@ let timer = 0;
 let hiddenAt = 0;
 
 export function mountTips() {
-  place = document.createElement('div');
-  place.id = 'tip';
-  document.getElementById('screens').append(place);
+  place = addOnTop('tip', 'div');
   addEventListener('pointerover', (event) => enter(event.target));
   addEventListener('pointerout', (event) => event.relatedTarget === null && leave());
   for (const kind of ['pointerdown', 'keydown', 'wheel', 'blur']) {
@@ -50,8 +49,8 @@ function leave() {
 
 function show() {
   if (!owner?.isConnected) return;
-  const [words, key] = title.split(/ {3,}/);
-  render(html`<div class="tip" role="tooltip">${words}${key ? keys(key) : nothing}</div>`, place);
+  const { key } = owner.dataset;
+  render(html`<div class="tip" role="tooltip">${title}${key ? keys(key) : nothing}</div>`, place);
   put(place.firstElementChild, owner.getBoundingClientRect());
 }
 

@@ -1,21 +1,21 @@
-// Messages: what the server notes or refuses, and what the page itself has to tell.
+// Messages: what the server notes or refuses, and those of the page itself.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { addOnTop } from './elements.js';
 import { icon } from './icons.js';
 import { listen, send } from '../store/link.js';
 import { server, ui, setUi, watch } from '../store/state.js';
-import { firstSentence } from './words.js';
 
 const MOST = 4;
-const OPENING_MS = 1500; // what is told while a file opens may come before the file
+const OPENING_MS = 1500; // what is noted while a file opens may arrive before the file
 const STAYS_MS = { good: 4000, info: 6000, check: 9000, lost: 12000 };
 const ICONS = { good: 'check', check: 'warn', lost: 'lost', info: 'help' };
 
 let count = 0;
 
 /**
- * Show a message: {kind, words, button?: {label, send?: action, run?: fn}, brief?}. One with a button
- * waits for an answer, unless it is brief.
+ * Show a message: {kind, words, detail?, button?: {label, send?: action, run?: fn}, brief?}. One with
+ * a button waits for an answer, unless it is brief.
  */
 export function toast(message) {
   const shown = ui.toasts ?? [];
@@ -28,10 +28,8 @@ export function toast(message) {
 const stamp = () => ({ id: ++count, path: server.file?.path ?? null, at: performance.now() });
 
 export function mountToasts() {
-  const place = document.createElement('div');
-  place.id = 'toasts';
+  const place = addOnTop('toasts', 'div');
   place.setAttribute('aria-live', 'polite');
-  document.getElementById('screens').append(place);
   listen('note', toast);
   listen('refused', ({ words }) => toast({ kind: 'check', words }));
   watch(['file'], forgetOthers);
@@ -41,9 +39,10 @@ export function mountToasts() {
 
 /** Another file is open: what was said of the one before goes. */
 function forgetOthers() {
-  if (!server.file) return;
+  const here = server.file?.path;
+  if (here === undefined) return;
   const now = performance.now();
-  const isOurs = ({ path, at }) => path === server.file.path || now - at < OPENING_MS;
+  const isOurs = ({ path, at }) => path === here || now - at < OPENING_MS;
   const shown = ui.toasts ?? [];
   const left = shown.filter(isOurs);
   if (left.length < shown.length) setUi('toasts', left);
@@ -63,8 +62,7 @@ function dismiss(id) {
 }
 
 function card(message) {
-  const [first, rest] = firstSentence(message.words ?? '');
-  const { kind = 'info', id, button } = message;
+  const { kind = 'info', id, button, words = '', detail = '' } = message;
   return html`<div
     class="toast ${kind}"
     data-toast=${id}
@@ -72,7 +70,7 @@ function card(message) {
   >
     <span class="sign">${icon(ICONS[kind] ?? 'help')}</span>
     <span class="words"
-      ><b>${first}</b>${rest ? html`<br /><span class="mut">${rest}</span>` : nothing}</span
+      >${detail ? html`<b>${words}</b><br /><span class="mut">${detail}</span>` : words}</span
     >
     ${button
       ? html`<button class="btn sm" @click=${() => answer(id, button)}>${button.label}</button>`

@@ -3,13 +3,14 @@
 //
 // spec: { key         what is edited: controls of one key show one value
 //         label, value, unit, decimals, edit(value) → action
-//         step        one nudge; coarse: one step while Ctrl is held in a drag
+//         step        one nudge; coarse: one step of a drag with Ctrl
 //         min, max    what makes sense at all
 //         limit       [low, high] that hold, or null
 //         off         why it cannot be changed now, or '' }
 
+import { clamp } from './arithmetic.js';
 import { follow } from './gesture.js';
-import { hold, letGo, letGoAfter, onHeld, shown } from './held.js';
+import { clearAfter, clearPending, onPending, pendingOr, setPending } from './pending.js';
 import { Stroke } from './stroke.js';
 import { send } from '../store/link.js';
 import { setUi } from '../store/state.js';
@@ -20,7 +21,7 @@ export class ValueElement extends HTMLElement {
   connectedCallback() {
     if (!this.built) this.build();
     this.built = true;
-    this.forget = onHeld((key) => key === this.spec.key && this.draw());
+    this.forget = onPending((key) => key === this.spec.key && this.draw());
     this.draw();
   }
 
@@ -38,13 +39,14 @@ export class ValueElement extends HTMLElement {
     if (this.built) this.draw();
   }
 
+  /** @returns {any} as above; controls are not shown before they have it */
   get spec() {
     return this.known;
   }
 
-  /** The value as shown: the hand's while it is held, else the server's. */
+  /** The value as shown: as set by hand until the server has answered, else the server's. */
   get value() {
-    return shown(this.spec.key, this.spec.value);
+    return pendingOr(this.spec.key, this.spec.value);
   }
 
   get steps() {
@@ -64,7 +66,7 @@ export class ValueElement extends HTMLElement {
     const now = this.spec.value ?? 0;
     const down = Math.max(min, Math.min(low, now));
     const up = Math.min(max, Math.max(high, now));
-    return Math.min(Math.max(value, down), up);
+    return clamp(value, down, up);
   }
 
   get isAtLimit() {
@@ -83,7 +85,7 @@ export class ValueElement extends HTMLElement {
   moveTo(value) {
     this.stroke ??= new Stroke('field', this.spec.edit);
     this.wanted = this.within(value);
-    hold(this.spec.key, this.wanted);
+    setPending(this.spec.key, this.wanted);
     this.stroke.move(this.wanted);
   }
 
@@ -98,8 +100,8 @@ export class ValueElement extends HTMLElement {
   /** A value all at once: one undo step. */
   setTo(value) {
     this.finish();
-    hold(this.spec.key, this.within(value));
-    letGoAfter(this.spec.key, send(this.spec.edit(this.within(value))));
+    setPending(this.spec.key, this.within(value));
+    clearAfter(this.spec.key, send(this.spec.edit(this.within(value))));
   }
 
   finish() {
@@ -107,16 +109,16 @@ export class ValueElement extends HTMLElement {
     if (!this.stroke) return;
     const last = this.stroke.end();
     this.stroke = null;
-    if (last === null) letGo(this.spec.key);
-    else letGoAfter(this.spec.key, last);
+    if (last === null) clearPending(this.spec.key);
+    else clearAfter(this.spec.key, last);
   }
 
-  takeBack() {
+  cancelStroke() {
     clearTimeout(this.pause);
     if (!this.stroke) return false;
     this.stroke.cancel();
     this.stroke = null;
-    letGo(this.spec.key);
+    clearPending(this.spec.key);
     return true;
   }
 
@@ -146,7 +148,7 @@ export class ValueElement extends HTMLElement {
   draw() {}
 }
 
-/** Follow a pointer that holds a value: nothing else happens on the page meanwhile. */
+/** Follow a pointer that drags a value: nothing else happens on the page meanwhile. */
 export function followValue(element, down, { move, end, cancel }) {
   const noMenu = (event) => event.preventDefault();
   const over = (fn) => () => {

@@ -1,7 +1,5 @@
 // Numbers and times as the page says them.
 
-const LONG = 60; // characters of a sentence that is not all said loud
-
 /** "39–50": an interval of frames. */
 export const range = (first, last) => `${first}–${last}`;
 
@@ -9,7 +7,7 @@ export const range = (first, last) => `${first}–${last}`;
 export const count = (n, noun) => `${n} ${noun}${n === 1 ? '' : 's'}`;
 
 /** "a, b and c". */
-export function listed(items) {
+export function joined(items) {
   if (items.length < 2) return items.join('');
   return `${items.slice(0, -1).join(', ')} and ${items.at(-1)}`;
 }
@@ -45,16 +43,6 @@ export function longAgo(epoch, now = Date.now() / 1000) {
   if (days === 1) return 'Yesterday';
   if (days < 7) return new Date(epoch * 1000).toLocaleDateString('en-GB', { weekday: 'long' });
   return day(epoch);
-}
-
-/** The first sentence and what follows it: messages say the first one louder. */
-export function firstSentence(words) {
-  const end = words.search(/[.?!](\s|$)/);
-  const first = end < 0 ? words : words.slice(0, end + 1);
-  // A long sentence says what is wrong, then what to do about it.
-  const half = first.length > LONG ? first.indexOf(': ') : -1;
-  const cut = half < 0 ? first.length : half + 1;
-  return [words.slice(0, cut), words.slice(cut).trim()];
 }
 
 function day(epoch) {

@@ -1,17 +1,18 @@
 // The guide to a first pose: a card that ticks its steps off as they are done in any way, and
-// gives way to the handles, to what is dragged and to what is told of it. Once the pose is a
+// gives way to the handles, to what is dragged and to its value. Once the pose is a
 // keyframe it is at its end, whichever step was shown.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { addOnTop } from '../controls/elements.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 import { inBrowser } from '../store/storage.js';
 import { onViews } from '../views/views.js';
-import { onHold } from '../handles/hold.js';
+import { onInteraction } from '../handles/interaction.js';
 import { isDrawingTool } from '../handles/sketch.js';
 import { isDragCoveredBy } from '../handles/covered_by.js';
-import { carry, cornerFor, covers, coversWords, drawMarks, forgetPulled, mountPulled } from './places.js';
+import { carry, covers, coversWords, drawMarks, forgetPulled, mountPulled, placeInCorner } from './places.js';
 import { ending, isDone, isKept, steps, takeWaist } from './steps.js';
 
 const KEY = 'keypose.guide';
@@ -49,21 +50,18 @@ export function closeGuide() {
 }
 
 export function mountGuide() {
-  const card = document.createElement('div');
-  card.id = 'guide';
-  const marks = document.createElement('div');
-  marks.id = 'guide-marks';
-  document.getElementById('screens').append(marks, card);
+  const marks = addOnTop('guide-marks', 'div');
+  const card = addOnTop('guide', 'div');
   const draw = () => {
     render(isOpen() ? coach() : nothing, card);
     if (isOpen()) place(card.firstElementChild);
-    drawMarks(marks, isOpen() && !ui.dragging ? shown() : null);
+    drawMarks(marks, isOpen() && !ui.dragging ? currentStep() : null);
   };
   mountPulled();
   watch(['guide', 'file', 'u:dragging'], notice);
   watch([...SECTIONS, 'u:guideStep', 'u:layout', 'u:tool', 'u:dragging', 'u:pulled'], draw);
   onViews(draw);
-  onHold(() => isOpen() && fade(card.firstElementChild));
+  onInteraction(() => isOpen() && fade(card.firstElementChild));
   addEventListener('resize', () => requestAnimationFrame(draw));
 }
 
@@ -78,7 +76,7 @@ function show(number) {
 }
 
 const isOpen = () => Boolean(server.file) && Number.isInteger(ui.guideStep);
-const shown = () => steps()[ui.guideStep];
+const currentStep = () => steps()[ui.guideStep];
 
 function notice() {
   if (!server.file || !server.guide) return;
@@ -87,7 +85,7 @@ function notice() {
     else setUi('guideStep', null); // it was of the session before
   }
   offered = server.file.path;
-  const step = shown();
+  const step = currentStep();
   if (!step) return;
   if (!isDone(step)) wasDone = false;
   if (!isKept()) wasKept = false;
@@ -99,7 +97,7 @@ function notice() {
 /** On to the next step, or to the end, once the tick was seen. */
 function soonOn(step, go = advance) {
   clearTimeout(timer);
-  timer = setTimeout(() => shown() === step && !ui.dragging && go(), PAUSE_MS);
+  timer = setTimeout(() => currentStep() === step && !ui.dragging && go(), PAUSE_MS);
 }
 
 function advance() {
@@ -113,7 +111,7 @@ const finish = () => show(steps().length);
 const wasClosed = () => inBrowser.read(KEY) === 'closed';
 
 function coach() {
-  const step = shown();
+  const step = currentStep();
   const { title, text, choices } = step ?? ending();
   return html`<div class="coach" role="dialog" aria-label="First pose" @pointerdown=${lift}>
     <div class="steps">${steps().map(bar)}</div>
@@ -144,12 +142,12 @@ function choiceButton(step, { label, title, act, ends }) {
 function stepFoot(step) {
   const done = isDone(step);
   return html`<span class="dim num">Step ${ui.guideStep + 1} of ${steps().length}</span><span class="sp"></span>
-    <button class="btn ghost sm" title="Close for good   Esc" @click=${closeGuide}>
+    <button class="btn ghost sm" title="Don’t show again" data-key="Esc" @click=${closeGuide}>
       Close guide
     </button>
     <button
       class="btn sm ${done ? 'pri' : ''}"
-      title=${done ? 'On to the next step' : 'Leave it as it is'}
+      title=${done ? 'Next step' : 'Skip this step'}
       @click=${advance}
     >
       Next
@@ -181,16 +179,13 @@ function lift(event) {
 function place(card) {
   fade(card);
   if (ui.dragging) return;
-  const step = shown();
+  const step = currentStep();
   if (isPutAside && !covers(card, step)) return;
   isPutAside = false;
-  const { name, x, y } = cornerFor(card, step, corner);
-  corner = name;
-  card.style.left = `${x}px`;
-  card.style.top = `${y}px`;
+  corner = placeInCorner(card, step, corner);
 }
 
-/** What is dragged or drawn behind the card, and what is told of it, can be seen through it. */
+/** What is dragged or drawn behind the card, and its value, can be seen through it. */
 function fade(card) {
   const gives = isDrawingTool(ui.tool) || (card && (isDragCoveredBy(card) || coversWords(card)));
   card?.classList.toggle('behind', Boolean(gives));

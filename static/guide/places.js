@@ -3,10 +3,11 @@
 // the large view that is out of the way of these handles and otherwise farthest from the body. It stays
 // there as long as it covers neither of them.
 
+import { clamp } from '../controls/arithmetic.js';
 import { html, nothing, render, svg } from '../vendor/lit-html/lit-html.js';
 import { server, setUi, ui, watch } from '../store/state.js';
 import { pull } from '../controls/gesture.js';
-import { hold } from '../handles/hold.js';
+import { interaction } from '../handles/interaction.js';
 import { view } from '../views/views.js';
 import { largeView } from '../handles/scale.js';
 
@@ -22,16 +23,16 @@ export const forgetPulled = () => setUi('pulled', new Set());
 
 export function mountPulled() {
   watch(['u:dragging', 'pose'], () => {
-    if (hold.drag) drag = hold.drag;
+    if (interaction.drag) drag = interaction.drag;
     else if (drag) notice();
   });
 }
 
-/** What was taken back, or told nothing, pulled nothing. */
+/** What was cancelled, or sent nothing, pulled nothing. */
 function notice() {
-  const { target, told, kept } = drag;
+  const { target, sent, kept } = drag;
   drag = null;
-  if (told && kept && target?.handle?.name) setUi('pulled', new Set(ui.pulled).add(target.handle.name));
+  if (sent && kept && target?.handle?.name) setUi('pulled', new Set(ui.pulled).add(target.handle.name));
 }
 
 /**
@@ -114,12 +115,12 @@ function roundEnds(step) {
 function inSide(step) {
   const side = view('side')?.el?.getBoundingClientRect();
   if (!side) return null;
-  return svg`${framed(side, -2)}${onHandles(step, ([x, y]) => ring(x, y, 9))}`;
+  return svg`${drawFrame(side, -2)}${onHandles(step, ([x, y]) => ring(x, y, 9))}`;
 }
 
 function onKey() {
-  const box = document.querySelector('#time [aria-label^="Add keyframe"]')?.getBoundingClientRect();
-  return box?.width ? framed(box, 3) : null;
+  const box = document.querySelector('#time [data-action=addKeyframe]')?.getBoundingClientRect();
+  return box?.width ? drawFrame(box, 3) : null;
 }
 
 /** A mark on each of the step's handles, none of it outside their view. */
@@ -132,7 +133,7 @@ function onHandles(step, draw) {
 const ring = (x, y, r) => svg`<circle class="halo" cx=${x} cy=${y} r=${r} />
   <circle class="ring" cx=${x} cy=${y} r=${r} />`;
 
-const framed = (box, room) => svg`<rect
+const drawFrame = (box, room) => svg`<rect
   class="frame"
   x=${box.left - room}
   y=${box.top - room}
@@ -146,8 +147,15 @@ const ROOM = { left: 72, top: 56, right: 12, bottom: 60 };
 const GRASP = 48; // px round a handle in which the hand moves, and its mark stands
 const FAR = 400; // px; beyond this it makes no difference
 
-/** {name, x, y} for a card of this size; the corner `keep` as long as it is not in the way. */
-export function cornerFor(card, step, keep) {
+/** Put a card into its corner, the one named `keep` as long as it is not in the way; the corner's name. */
+export function placeInCorner(card, step, keep) {
+  const { name, x, y } = cornerFor(card, step, keep);
+  card.style.left = `${x}px`;
+  card.style.top = `${y}px`;
+  return name;
+}
+
+function cornerFor(card, step, keep) {
   const name = largeView();
   const frame = view(name).el.getBoundingClientRect();
   const size = { width: card.offsetWidth, height: card.offsetHeight };
@@ -182,10 +190,9 @@ export function coversWords(card) {
 export function carry(from) {
   const card = from.currentTarget;
   const { left, top, width, height } = card.getBoundingClientRect();
-  const within = (value, most) => Math.min(Math.max(value, 4), most - 4);
   const move = (event) => {
-    card.style.left = `${within(left + event.clientX - from.clientX, innerWidth - width)}px`;
-    card.style.top = `${within(top + event.clientY - from.clientY, innerHeight - height)}px`;
+    card.style.left = `${clamp(left + event.clientX - from.clientX, 4, innerWidth - width - 4)}px`;
+    card.style.top = `${clamp(top + event.clientY - from.clientY, 4, innerHeight - height - 4)}px`;
   };
   pull(card, from, { move });
 }

@@ -3,11 +3,12 @@
 // `name` is the server's key.
 
 import { send } from '../store/link.js';
+import { select } from '../store/parts.js';
 import { server, setUi } from '../store/state.js';
 import { fewestKeys, isSurface, words as subject } from '../store/subject.js';
 
-const SIZE = `Hold D and drag the point between the arrows until head and feet match: up
-  makes the body smaller and farther. If you know the height, set it in the Body tab first.`;
+const SIZE = `Hold D and drag the point between the arrows until head and feet match. Dragging up
+  makes the body smaller and farther away. If you know the height, set it in the Body tab first.`;
 
 /**
  * @typedef {object} Choice  A button on the card; one that `ends` the step leads on.
@@ -40,8 +41,8 @@ const IN_FILM = [
     takes: { view: 'main', kinds: ['root'] },
     word: 'Hips',
     title: 'Drag the waist onto the hips',
-    text: `Drag the point between the four arrows onto the person’s hips. The slider above makes the
-      body fainter where it hides the person.`,
+    text: `Drag the point between the four arrows onto the person’s hips. If the body hides the person,
+      lower its opacity with the slider above.`,
   },
   {
     name: 'height',
@@ -49,7 +50,7 @@ const IN_FILM = [
     again: true,
     takes: { view: 'main', kinds: ['root'] },
     word: 'Size',
-    title: 'As large as the person',
+    title: 'Match the person’s size',
     text: SIZE,
   },
   {
@@ -58,14 +59,14 @@ const IN_FILM = [
     again: true,
     rings: true,
     word: 'Turn',
-    title: 'Which way the person faces',
-    text: `Left limbs are blue, right ones orange. For a turn in between, drag the green ring at the
+    title: 'Set the facing direction',
+    text: `Left limbs are blue, right ones orange. To fine-tune, drag the green ring at the
       waist.`,
     choices: [
       faces('camera', 'Faces the camera'),
-      faces('away', 'Turned away'),
-      faces('left', 'Faces left', 'Toward the left edge of the picture'),
-      faces('right', 'Faces right', 'Toward the right edge of the picture'),
+      faces('away', 'Faces away'),
+      faces('left', 'Faces left', 'Towards the left edge of the image'),
+      faces('right', 'Faces right', 'Towards the right edge of the image'),
     ],
   },
   {
@@ -75,8 +76,8 @@ const IN_FILM = [
     takes: { view: 'main', kinds: ['end', 'middle'] },
     word: 'Limbs',
     title: 'Pull the limbs into place',
-    text: `Drag the ringed points onto hands and feet, then onto elbows and knees. A click on a foot
-      or the head shows rings that turn it.`,
+    text: `Drag the ringed points onto hands and feet, then onto elbows and knees. Click a foot
+      or the head for rings that rotate it.`,
   },
   {
     name: 'depth',
@@ -84,10 +85,10 @@ const IN_FILM = [
     again: true,
     takes: { view: 'side', kinds: ['end'] },
     word: 'Depth',
-    title: 'Look from the side',
-    text: `In Side, pull hands and feet that lie too near or too far. Does the whole body lean the
-      wrong way there? Turn it at the waist first (red ring).`,
-    choices: [{ label: 'Turn the waist', title: 'Show the rings of the waist', act: turnWaist }],
+    title: 'Check from the side',
+    text: `In the Side view, pull hands and feet that are too near or too far. If the whole body leans
+      the wrong way, rotate it at the waist first (red ring).`,
+    choices: [{ label: 'Rotate the waist', title: 'Show the rotation rings of the waist', act: turnWaist }],
   },
   {
     name: 'key',
@@ -106,7 +107,7 @@ const IN_SURFACE = [
     again: true,
     takes: { view: 'main', kinds: ['root'] },
     word: 'Place',
-    title: 'Put the body into the surface',
+    title: 'Move the body into the surface',
     text: `Drag the point between the four arrows, here and in another view, until the body stands in
       the surface. The Body tab has its sizes.`,
   },
@@ -116,7 +117,7 @@ const IN_SURFACE = [
     again: true,
     rings: true,
     word: 'Turn',
-    title: 'Turn it like the surface',
+    title: 'Rotate it like the surface',
     text: 'Drag the rings until the body points the same way as the surface.',
   },
   {
@@ -132,7 +133,7 @@ const IN_SURFACE = [
     name: 'key',
     word: 'Key',
     title: 'Press F, then K',
-    text: `F lays the body into the surface; where it is wrong, pull it and press F again. K makes it a
+    text: `F fits the body to the surface. Where it is wrong, correct it and press F again. K adds the
       keyframe.`,
   },
 ];
@@ -158,7 +159,7 @@ function faces(way, label, title = label) {
 /** Select the waist: its rings turn the whole body. */
 export function takeWaist() {
   const root = server.body?.parts.find(({ parent }) => !parent)?.name;
-  if (root && server.view?.selected !== root) send({ do: 'select', part: root });
+  if (root) select(root);
 }
 
 function turnWaist() {
@@ -171,34 +172,14 @@ function turnWaist() {
  * @returns {Step}
  */
 export function ending() {
+  const { kind, title = '', detail = '' } = server.suggest ?? {};
   const keys = server.keys?.frames.length ?? 0;
-  if (keys >= fewestKeys()) return standing();
-  const { words = '' } = server.suggest ?? {};
-  const title = keys === 1 ? 'The first keyframe stands' : 'That is how to pose';
-  return { title, text: isSurface() ? words : `${words} Then T tracks the frames between.` };
-}
-
-const ORDER = ['lost', 'check', 'good'];
-
-/** With two keyframes and more: track them, and then what tracking found. */
-function standing() {
-  if (server.job?.state === 'running') {
-    return { title: subject().doing, text: 'It may go on while you pose.' };
+  if (keys < fewestKeys()) {
+    const then = isSurface() ? '' : ' Then press T to track the frames in between.';
+    return { title: keys === 1 ? 'First keyframe set' : 'Ready to pose', text: `${title}.${then}` };
   }
-  const { kind, words = '', reason = '', verdict_of: source } = server.suggest ?? {};
-  if (kind === 'track') {
-    const where = isSurface() ? 'on both sides of the keyframes' : 'between the keyframes';
-    return { title: `Press ${subject().verb} (T)`, text: `It finds the motion ${where}.` };
-  }
-  const found = ORDER.map((state) => (server.segments ?? []).find((s) => s.state === state)).find(Boolean);
-  if (!found) return { title: 'That is how to pose', text: words };
-  const isSaid = reason === '' || source?.[0] === found.first;
-  const title = `${found.first}–${found.last}. ${found.words}`;
-  return { title, text: isSaid ? words : `${words} ${sentence(reason)}` };
-}
-
-/** A reason as a sentence of its own. */
-function sentence(reason) {
-  if (!reason) return '';
-  return `${reason[0].toUpperCase()}${reason.slice(1)}${reason.endsWith('.') ? '' : '.'}`;
+  if (server.job?.state === 'running') return { title: subject().doing, text: 'You can keep posing meanwhile.' };
+  if (kind !== 'track') return { title, text: detail && `${detail}.` };
+  const where = isSurface() ? 'on both sides of the keyframes' : 'between the keyframes';
+  return { title: `Press ${subject().verb} (T)`, text: `It finds the motion ${where}.` };
 }

@@ -1,14 +1,15 @@
 // The glass bars over the large view. They move with it when another view is enlarged.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { icon } from '../controls/icons.js';
+import { damageAt, damageWords } from '../store/clip.js';
 import { server, ui, watch } from '../store/state.js';
 import { onViews, view as viewNamed } from '../views/views.js';
 import { displaybar, onSlide } from './displaybar.js';
 import { footbars } from './footbars.js';
 import { headbar } from './headbar.js';
-import { hold, onHold } from './hold.js';
+import { interaction, onInteraction } from './interaction.js';
 import { largeView } from './scale.js';
-import { damagebar } from './damagebar.js';
 import { tintbar } from './tintbar.js';
 import { toolbar } from './toolbar.js';
 import { isHandleCoveredBy } from './covered_by.js';
@@ -21,7 +22,7 @@ export function mountBars() {
   host.addEventListener('mousedown', (event) => event.preventDefault());
   watch(['file', 'damage', 'surface', 'view', 'pose', 'keys', 'segments', 'u:tool', 'u:layout'], draw);
   onViews(draw);
-  onHold(draw);
+  onInteraction(draw);
   onSlide(draw);
 }
 
@@ -31,10 +32,17 @@ function draw() {
   host.classList.toggle('quad', ui.layout === 'quad');
   render(server.file && server.view ? bars() : nothing, host);
   for (const bar of host.querySelectorAll('.glass')) {
-    bar.classList.toggle('faded', hold.drag !== null || isHandleCoveredBy(bar));
+    bar.classList.toggle('faded', interaction.drag !== null || isHandleCoveredBy(bar));
   }
 }
 
 function bars() {
   return html`${headbar()}${toolbar()}${displaybar()}${tintbar()}${damagebar()}${footbars()}`;
+}
+
+/** What is wrong with the picture, where its frame is damaged. */
+function damagebar() {
+  const run = damageAt(server.view.frame);
+  if (!run) return nothing;
+  return html`<div class="glass" id="mdamaged" role="status">${icon('warn')}<span>${damageWords(...run)}</span></div>`;
 }

@@ -1,7 +1,7 @@
 // What a press begins once it has moved: a drag of a handle, of a mask or of a part's surface, or a pan.
-// Each tells which state the press is in then.
+// Each returns the state of the press from then on.
 
-import { isFree } from '../store/limits.js';
+import { isFree, partNamed } from '../store/parts.js';
 import { server, setUi, ui } from '../store/state.js';
 import { beginDrag } from './drag.js';
 import { beginPan } from './pan.js';
@@ -17,18 +17,18 @@ import { surfaceTool } from './tools.js';
  */
 export function beginOnTarget(view, press, target) {
   const from = view.toView([press.x, press.y]);
-  if (target.tell) return beginOnMask(view, press, target, from);
+  if (target.change) return beginOnMask(view, press, target, from);
   if (target.kind === 'trail') return beginPanning(view, press);
   const { handle = { kind: 'ring', part: target.part.name, axis: target.axis } } = target;
   const wedge = target.kind === 'ring' ? wedgeOf(target, press.x, press.y) : null;
   const open = handle.kind === 'ring' && isFree(handle.part, handle.axis);
-  const tell = (at, held) => ({
-    do: 'drag', view: view.name, handle, from, at, ...held, free: open || held.free,
+  const messageAt = (at, keys) => ({
+    do: 'drag', view: view.name, handle, from, at, ...keys, free: open || keys.free,
   });
   const extra = { target, wedge, point: target.point, limb: ui.limb, hint: handle.kind, axis: handle.axis };
   // The selected part stays so while its own limb is pulled.
   if (target.kind !== 'ring' && !target.limb?.includes(server.view.selected)) select(target.part);
-  beginDrag(view, press, tell, extra);
+  beginDrag(view, press, messageAt, extra);
   if (handle.kind === 'end') setUi('limb', target.limb);
   view.over.style.cursor = 'grabbing';
   return 'dragging';
@@ -36,10 +36,10 @@ export function beginOnTarget(view, press, target) {
 
 /** @returns {Begun} */
 function beginOnMask(view, press, target, from) {
-  const tell = (at) => ({
-    do: 'change_mask', index: target.index, ...target.tell([at[0] - from[0], at[1] - from[1]]),
+  const messageAt = (at) => ({
+    do: 'change_mask', index: target.index, ...target.change([at[0] - from[0], at[1] - from[1]]),
   });
-  beginDrag(view, press, tell, { target, hint: 'mask', gentle: true });
+  beginDrag(view, press, messageAt, { target, hint: 'mask', gentle: true });
   return 'dragging';
 }
 
@@ -49,14 +49,14 @@ function beginOnMask(view, press, target, from) {
  */
 export function beginOnSurface(view, press, part) {
   if (!part || ui.tool === 'size') return beginPanning(view, press);
-  const root = server.body.parts.find(({ name }) => name === part)?.parent == null;
+  const root = partNamed(part)?.parent == null;
   const tool = surfaceTool(ui.tool, root);
   const handle = { kind: 'surface', part, tool };
   const from = view.toView([press.x, press.y]);
   select(part);
-  const tell = (at, held) => ({ do: 'drag', view: view.name, handle, from, at, ...held });
+  const messageAt = (at, keys) => ({ do: 'drag', view: view.name, handle, from, at, ...keys });
   const hint = { rotate: 'turn', move: 'root', ends: 'end' }[tool];
-  beginDrag(view, press, tell, { target: { key: `part:${part}`, part }, hint });
+  beginDrag(view, press, messageAt, { target: { key: `part:${part}`, part }, hint });
   view.over.style.cursor = 'grabbing';
   return 'dragging';
 }

@@ -3,7 +3,7 @@
 
 import { view as viewNamed } from '../views/views.js';
 import { gripsIn } from './grips.js';
-import { hold } from './hold.js';
+import { interaction } from './interaction.js';
 import { distance } from './space.js';
 import { isReady } from './targets.js';
 
@@ -12,17 +12,17 @@ const NEAR = 90;
 
 /** Whether the drag under way, the pointer or the handle it pulls, is at this element. */
 export function isDragCoveredBy(element) {
-  const { drag } = hold;
+  const { drag } = interaction;
   if (!drag) return false;
   const view = viewNamed(drag.view);
-  const held = gripsIn(view).find(({ key }) => key === drag.target?.key);
+  const grip = gripsIn(view).find(({ key }) => key === drag.target?.key);
   const box = boxIn(view, element);
-  return [drag.seen, ...(held ? [held.at] : [])].some((at) => holds(box, at, MARGIN));
+  return [drag.seen, ...(grip ? [grip.at] : [])].some((at) => holds(box, at, MARGIN));
 }
 
 /** Whether the resting pointer is near a handle that lies under this element. */
 export function isHandleCoveredBy(element) {
-  const { pointer } = hold;
+  const { pointer } = interaction;
   if (!pointer || !isReady(pointer.view)) return false;
   const box = boxIn(pointer.view, element);
   const near = [pointer.x, pointer.y];

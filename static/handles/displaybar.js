@@ -1,21 +1,20 @@
 // How the body is drawn: wire, solid or both, how opaque; ghosts and trail.
 
+import { clamp } from '../controls/arithmetic.js';
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { server, ui } from '../store/state.js';
 import { send } from '../store/link.js';
+import { iconOf, isOn, keyOf, labelOf, perform } from '../actions/actions.js';
 import { icon } from '../controls/icons.js';
+import { tipOf } from './toolbar.js';
 
-const MODES = [
-  { mode: 'wire', label: 'Wire' },
-  { mode: 'solid', label: 'Solid' },
-  { mode: 'both', label: 'Both' },
-];
+const MODES = /** @type {const} */ (['wire', 'solid', 'both']);
 const STEP = 0.05;
 const PAUSE_MS = 33;
 
 // What the slider was last dragged to: the server's echo comes later and must not pull it back.
 let sliding = null;
-let told = 0;
+let sentAt = 0;
 let redraw = () => {};
 
 /** What draws the bars anew. */
@@ -29,28 +28,24 @@ export function displaybar() {
     ${MODES.map(modeButton)}
     ${quad ? nothing : [slider(), html`<span class="num mut wide percent">${percent()} %</span>`]}
     <span class="vsep"></span>
-    ${toggle('ghosts', 'ghost', 'Ghosts of the neighbouring keyframes', 'O')}
-    ${toggle('trail', 'trail', 'Motion trail', 'M')}
+    ${toggle('ghosts')}${toggle('trail')}
   </div>`;
 }
 
 const opacity = () => sliding ?? server.view.opacity;
 const percent = () => Math.round(100 * opacity());
 
-function modeButton({ mode, label }) {
-  return html`<button class="ib s" data-mode=${mode} aria-label=${label} aria-pressed=${server.view.mode === mode}
-    @click=${() => send({ do: 'display', mode })}>
-    ${icon(mode)}<span class="tip" aria-hidden="true">${label} <kbd>W</kbd></span>
-  </button>`;
+function modeButton(id) {
+  return html`<button class="ib s" data-mode=${id} aria-label=${labelOf(id)} aria-pressed=${isOn(id)}
+    @click=${() => perform(id)}>${face(id, keyOf('nextMode'))}</button>`;
 }
 
-function toggle(name, sign, label, key) {
-  const on = Boolean(server.view[name]);
-  return html`<button class="ib s" data-toggle=${name} aria-label=${label} aria-pressed=${on}
-    @click=${() => send({ do: 'display', [name]: !on })}>
-    ${icon(sign)}<span class="tip" aria-hidden="true">${label} <kbd>${key}</kbd></span>
-  </button>`;
+function toggle(id) {
+  return html`<button class="ib s" data-toggle=${id} aria-label=${labelOf(id)} aria-pressed=${isOn(id)}
+    @click=${() => perform(id)}>${face(id, keyOf(id))}</button>`;
 }
+
+const face = (id, key) => html`${icon(iconOf(id))}${tipOf(id, key)}`;
 
 function slider() {
   const value = percent();
@@ -71,13 +66,13 @@ function grab(event) {
 function slide(event) {
   if (sliding === null) return;
   const box = event.currentTarget.getBoundingClientRect();
-  sliding = Math.min(1, Math.max(0, (event.clientX - box.left) / box.width));
-  if (performance.now() - told > PAUSE_MS) tell(sliding);
+  sliding = clamp((event.clientX - box.left) / box.width, 0, 1);
+  if (performance.now() - sentAt > PAUSE_MS) setOpacity(sliding);
 }
 
 function drop() {
   if (sliding === null) return;
-  tell(sliding);
+  setOpacity(sliding);
   sliding = null;
 }
 
@@ -86,17 +81,17 @@ function nudge(event) {
   if (!step) return;
   event.preventDefault();
   event.stopPropagation();
-  tell(opacity() + step);
+  setOpacity(opacity() + step);
 }
 
 function roll(event) {
   event.preventDefault();
-  tell(opacity() - Math.sign(event.deltaY) * STEP);
+  setOpacity(opacity() - Math.sign(event.deltaY) * STEP);
 }
 
-function tell(value) {
-  told = performance.now();
-  const kept = Math.min(1, Math.max(0, Math.round(value * 100) / 100));
+function setOpacity(value) {
+  sentAt = performance.now();
+  const kept = clamp(Math.round(value * 100) / 100, 0, 1);
   // Shown at once: the answer is only a confirmation.
   server.view = { ...server.view, opacity: kept };
   send({ do: 'display', opacity: kept });

@@ -2,6 +2,7 @@
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { server, ui } from '../store/state.js';
+import { keyOf, perform, titleOf } from '../actions/actions.js';
 import { icon } from '../controls/icons.js';
 import { view as viewNamed } from '../views/views.js';
 import { largeView } from './scale.js';
@@ -41,7 +42,7 @@ function zoomBox() {
       @click=${() => film && zoom(1 / scale)}>${film ? `${Math.round(100 * scale)} %` : `${Math.round(scale)} px/m`}</button>
     <button class="ib s" aria-label="Zoom in" title="Zoom in" @click=${() => zoom(ZOOM_STEP)}>${icon('plus')}</button>
     <span class="vsep"></span>
-    <button class="btn ghost sm" title="Fit   0" @click=${() => view.fit()}>Fit</button>
+    <button class="btn ghost sm" title=${titleOf('fitView')} data-key=${keyOf('fitView')} @click=${() => perform('fitView')}>Fit</button>
   </div>`;
 }
 

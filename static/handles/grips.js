@@ -1,8 +1,9 @@
 // The grab handles: hands, feet, head, the joints between, and the diamond that carries the body.
 
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
+import { partNamed } from '../store/parts.js';
 import { server, ui } from '../store/state.js';
-import { hold, isHeld, isHot } from './hold.js';
+import { interaction, isDragged, isHot } from './interaction.js';
 import { gripScale, isLarge } from './scale.js';
 import { add, pathOf, unit } from './space.js';
 
@@ -31,11 +32,11 @@ export function drawGrips(view, grips) {
 }
 
 function drawGrip(view, grip) {
-  const held = isHeld(grip);
-  const far = held && server.pose.gesture?.out_of_reach;
-  const state = [held ? 'held' : '', far ? 'far' : '', isHot(view, grip) ? 'hot' : ''].join(' ');
+  const dragged = isDragged(grip);
+  const far = dragged && server.pose.gesture?.out_of_reach;
+  const state = [dragged ? 'dragged' : '', far ? 'far' : '', isHot(view, grip) ? 'hot' : ''].join(' ');
   const classes = `grip ${grip.kind} ${state}`;
-  const grown = held ? 1.5 : isHot(view, grip) ? 1.33 : 1;
+  const grown = dragged ? 1.5 : isHot(view, grip) ? 1.33 : 1;
   const r = grip.radius * grown;
   const [x, y] = grip.at;
   if (grip.kind === 'root') {
@@ -48,7 +49,7 @@ function drawGrip(view, grip) {
 /** While an end is dragged: how far it can go, where it came from, and which way depth lies. */
 export function drawReach(view, grips) {
   const gesture = server.pose.gesture;
-  const grip = grips.find(isHeld);
+  const grip = grips.find(isDragged);
   return svg`${gesture?.reach ? drawCircle(view, gesture.reach) : nothing}
     ${grip ? drawOrigin(view, grip) : nothing}
     ${grip && view.name !== 'main' ? drawDepth(view, grip) : nothing}`;
@@ -62,7 +63,7 @@ function drawCircle(view, { centre, radius_m }) {
 }
 
 function drawOrigin(view, grip) {
-  const begun = hold.drag.point;
+  const begun = interaction.drag.point;
   if (!begun || !isLarge(view)) return nothing;
   const [x, y] = view.project(begun);
   return svg`<path class="pulled" d=${pathOf([[x, y], grip.at])} />
@@ -86,7 +87,7 @@ export function drawLimb(view) {
   const limb = ui.limb ?? [];
   if (limb.length < 2) return nothing;
   const joints = limb.map((part) => server.pose.points[part]).filter(Boolean);
-  const last = server.body.parts.find(({ name }) => name === limb.at(-1));
+  const last = partNamed(limb.at(-1));
   const tip = last?.landmarks.map((name) => server.pose.points[name]).find(Boolean);
   const points = [...joints, ...(tip ? [tip] : [])].map((p) => view.project(p));
   return svg`<path class="limb" d=${pathOf(points)} />`;

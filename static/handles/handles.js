@@ -3,14 +3,14 @@
 import { ui, setUi, watch } from '../store/state.js';
 import { VIEWS, onViews, view as viewNamed } from '../views/views.js';
 import { mountBars } from './bars.js';
-import { tellSoon } from './drag.js';
-import { hold, onHold, touch } from './hold.js';
+import { sendSoon } from './drag.js';
+import { interaction, onInteraction, redrawSoon } from './interaction.js';
 import { leave, refresh } from './hover.js';
-import { letterOf, onKeys, watchKeys } from './keysheld.js';
+import { letterOf, onKeys, watchKeys } from './pressed_keys.js';
 import { deleteMask } from './masks.js';
 import { paint } from './paint.js';
-import { isPressed, listenTo, takeBack } from './press.js';
-import { sketchKey, toolChanged } from './sketch.js';
+import { cancelPress, isPressed, listenTo } from './press.js';
+import { prepareSketch, sketchKey } from './sketch.js';
 
 /** @type {import('../store/shapes.js').Watched[]} */
 const SECTIONS = ['file', 'pose', 'body', 'view', 'views', 'trail', 'masks', 'keys', 'camera'];
@@ -19,7 +19,7 @@ export function mount() {
   watchKeys();
   onKeys(key);
   for (const name of VIEWS) listenTo(viewNamed(name));
-  onHold(paint);
+  onInteraction(paint);
   onViews(paint);
   watch([...SECTIONS, 'u:limb', 'u:mask', 'u:layout', 'u:dragging'], paint);
   watch(['pose'], refresh);
@@ -29,23 +29,23 @@ export function mount() {
 }
 
 function changeTool() {
-  toolChanged();
-  touch();
+  prepareSketch();
+  redrawSoon();
 }
 
 /**
- * Keys that concern a gesture or a drawing do not reach the other rooms. Only presses are kept
- * back: a room that saw a key go down must see it come up.
+ * Keys that concern a gesture or a drawing do not reach the other rooms. Only presses
+ * are stopped: a room that saw a key go down must see it come up.
  */
 function key(event) {
   const name = letterOf(event);
-  if (hold.drag && name !== 'escape') tellSoon();
+  if (interaction.drag && name !== 'escape') sendSoon();
   if (event.type !== 'keydown' || isTyping(event)) return;
   if (isPressed() && name !== ' ') {
-    if (name === 'escape') takeBack();
-    keep(event);
+    if (name === 'escape') cancelPress();
+    stop(event);
   } else if (sketchKey(name) || maskKey(name)) {
-    keep(event);
+    stop(event);
   }
 }
 
@@ -59,7 +59,7 @@ function maskKey(name) {
 
 const isTyping = ({ target }) => target.matches?.('input:not([type=range]), textarea, select, [contenteditable]');
 
-function keep(event) {
+function stop(event) {
   event.preventDefault();
   event.stopImmediatePropagation();
 }

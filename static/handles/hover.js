@@ -3,7 +3,8 @@
 
 import { server, ui, setUi } from '../store/state.js';
 import { ask } from '../store/link.js';
-import { hold, touch } from './hold.js';
+import { interaction, redrawSoon } from './interaction.js';
+import { isDrawingTool } from './sketch.js';
 import { targetAt } from './targets.js';
 
 const PAUSE_MS = 30;
@@ -14,37 +15,37 @@ let asked = 0;
 let wanted = null;
 let naming = null;
 
-/** The pointer moved over a view with nothing held. */
+/** The pointer moved over a view with nothing pressed. */
 export function hover(view, x, y, touchy) {
   const target = targetAt(view, x, y, touchy);
-  hold.pointer = { view, x, y };
+  interaction.pointer = { view, x, y };
   const key = target?.key ?? null;
-  if (hold.hot?.key !== key || hold.hot?.view !== view.name) {
-    hold.hot = key && { view: view.name, key };
-    touch();
+  if (interaction.hot?.key !== key || interaction.hot?.view !== view.name) {
+    interaction.hot = key && { view: view.name, key };
+    redrawSoon();
   }
   if (target) nameTarget(view, target, x, y);
-  else wantPart(view, x, y);
+  else askForPart(view, x, y);
   return target;
 }
 
 /** The pointer left, or what it saw is no longer true. */
 export function leave() {
-  hold.hot = hold.over = hold.pointer = wanted = null;
+  interaction.hot = interaction.over = interaction.pointer = wanted = null;
   clearTimeout(naming);
   setUi('hover', null);
-  touch();
+  redrawSoon();
 }
 
 /** The body moved under the pointer: the outline is stale until asked for again. */
 export function refresh() {
-  if (ui.dragging || !hold.pointer) return;
-  if (hold.over) {
-    hold.over = null;
-    touch();
+  if (ui.dragging || !interaction.pointer) return;
+  if (interaction.over) {
+    interaction.over = null;
+    redrawSoon();
   }
-  const { view, x, y } = hold.pointer;
-  if (!ui.playing && !hold.hot) wantPart(view, x, y);
+  const { view, x, y } = interaction.pointer;
+  if (!ui.playing && !interaction.hot) askForPart(view, x, y);
 }
 
 function nameTarget(view, target, x, y) {
@@ -61,40 +62,40 @@ function ringLabel(ring) {
 }
 
 function name(over) {
-  if (hold.over?.part === over.part && hold.over.view === over.view) {
-    hold.over = { ...over, named: hold.over.named };
+  if (interaction.over?.part === over.part && interaction.over.view === over.view) {
+    interaction.over = { ...over, named: interaction.over.named };
     // A name that shows stays where it is while the part stays the same.
-    if (hold.over.named) hold.over.at = hold.over.at ?? over.at;
-    return touch();
+    if (interaction.over.named) interaction.over.at = interaction.over.at ?? over.at;
+    return redrawSoon();
   }
   clearTimeout(naming);
-  hold.over = { ...over, named: false };
+  interaction.over = { ...over, named: false };
   if (over.label) naming = setTimeout(showName, NAME_MS);
-  return touch();
+  return redrawSoon();
 }
 
 function showName() {
-  if (!hold.over || ui.dragging) return;
-  const { pointer } = hold;
-  hold.over = { ...hold.over, named: true, at: pointer ? { x: pointer.x, y: pointer.y } : hold.over.at };
-  touch();
+  if (!interaction.over || ui.dragging) return;
+  const { pointer } = interaction;
+  interaction.over = { ...interaction.over, named: true, at: pointer ? { x: pointer.x, y: pointer.y } : interaction.over.at };
+  redrawSoon();
 }
 
 /** Ask which part is there: not before the last answer, and not too often; only the newest counts. */
-function wantPart(view, x, y) {
-  if (ui.playing || !server.file || ui.tool === 'pan' || ui.tool === 'mask' || ui.tool === 'vertical') return;
+function askForPart(view, x, y) {
+  if (ui.playing || !server.file || ui.tool === 'pan' || isDrawingTool(ui.tool)) return;
   wanted = { view, x, y };
-  pump();
+  askNext();
 }
 
-function pump() {
+function askNext() {
   if (asking || !wanted) return;
   const wait = asked + PAUSE_MS - performance.now();
   if (wait > 0) {
     asking = true;
     setTimeout(() => {
       asking = false;
-      pump();
+      askNext();
     }, wait);
     return;
   }
@@ -104,8 +105,8 @@ function pump() {
   asked = performance.now();
   pick(question.view, question.x, question.y).then((answer) => {
     asking = false;
-    if (!wanted && hold.pointer && !hold.hot && !ui.dragging) show(question, answer);
-    pump();
+    if (!wanted && interaction.pointer && !interaction.hot && !ui.dragging) show(question, answer);
+    askNext();
   });
 }
 
@@ -124,10 +125,10 @@ function show({ view, x, y }, { parts, outline }) {
   view.over.style.cursor = cursorFor(part);
   if (part) {
     name({ view: view.name, part: part.name, outline, label: part.label, side: part.side, at: { x, y } });
-  } else if (hold.over) {
+  } else if (interaction.over) {
     clearTimeout(naming);
-    hold.over = null;
-    touch();
+    interaction.over = null;
+    redrawSoon();
   }
 }
 

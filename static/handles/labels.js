@@ -1,9 +1,10 @@
 // Words beside the pointer's work: the value while something is dragged, the name of what is
 // under a resting pointer.
 
+import { clamp } from '../controls/arithmetic.js';
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { server, ui } from '../store/state.js';
-import { hold } from './hold.js';
+import { interaction } from './interaction.js';
 import { isLarge, largeView, ringRadius } from './scale.js';
 import { isReady } from './targets.js';
 
@@ -30,7 +31,7 @@ function hostOf(view) {
 /** What the gesture does, beside what it moves; where it happens and in the large view. */
 function drawValue(view) {
   const gesture = server.pose?.gesture;
-  const where = hold.drag?.view ?? largeView();
+  const where = interaction.drag?.view ?? largeView();
   if (!gesture || !isReady(view) || view.name !== where || !isLarge(view)) return nothing;
   const place = gesture.axis ? besideRing(view, gesture) : besideGrip(view, gesture);
   if (!place) return nothing;
@@ -54,7 +55,7 @@ function besideRing(view, gesture) {
 }
 
 function besideGrip(view, gesture) {
-  const target = hold.drag?.target;
+  const target = interaction.drag?.target;
   const anchor = server.body.handles.find(({ name }) => target?.key === `grip:${name}`)?.anchor;
   const point = server.pose.points[anchor ?? gesture.part];
   if (!point) return null;
@@ -70,11 +71,11 @@ function beside(view, x, y, away, left) {
   const fits = left ? x - away > ROOM : x + away + ROOM < width;
   const across = fits ? (left ? x - away : x + away) : left ? ROOM : width - ROOM;
   const down = fits ? y - 12 : y + away + 8;
-  return { x: across, y: Math.min(Math.max(down, 8), height - 32), left };
+  return { x: across, y: clamp(down, 8, height - 32), left };
 }
 
 function drawName(view) {
-  const over = hold.over;
+  const over = interaction.over;
   if (!over?.named || over.view !== view.name || ui.dragging) return nothing;
   const { x, y } = over.at;
   const left = x + 150 > view.el.clientWidth;

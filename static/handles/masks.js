@@ -4,13 +4,13 @@
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
 import { server, ui, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
-import { isHeld, isHot } from './hold.js';
+import { isDragged, isHot } from './interaction.js';
 import { inside, pathOf } from './space.js';
 
 const HATCH_PX = 10;
 
 /** The masks that cover the present frame, with their place in the list. */
-function present() {
+function masksHere() {
   const frame = server.view.frame;
   return (server.masks ?? [])
     .map((mask, index) => ({ ...mask, index }))
@@ -20,7 +20,7 @@ function present() {
 /** What can be grabbed of the masks: borders, and the corners of the chosen one. */
 export function masksIn(view) {
   if (view.name !== 'main' || ui.tool === 'mask') return [];
-  return present().flatMap((mask) => {
+  return masksHere().flatMap((mask) => {
     const corners = mask.polygon.map((p) => view.fromView(p));
     const whole = wholeOf(mask, corners);
     return mask.index === ui.mask ? [...cornersOf(mask, corners), whole] : [whole];
@@ -32,7 +32,7 @@ function wholeOf(mask, corners) {
   return {
     key: `mask:${index}`, kind: 'mask', index, polygon, label: 'Ignored',
     path: [...corners, corners[0]],
-    tell: (by) => ({ polygon: polygon.map((p) => [p[0] + by[0], p[1] + by[1]]) }),
+    change: (by) => ({ polygon: polygon.map((p) => [p[0] + by[0], p[1] + by[1]]) }),
   };
 }
 
@@ -45,20 +45,20 @@ function cornersOf(mask, corners) {
     const wider = [...polygon.slice(0, i + 1), between, ...polygon.slice(i + 1)];
     return [
       { key: `corner:${index}:${i}`, kind: 'corner', index, corner: i, polygon, at,
-        tell: (by) => ({ polygon: shifted(polygon, i, by) }) },
+        change: (by) => ({ polygon: moveCorner(polygon, i, by) }) },
       { key: `edge:${index}:${i}`, kind: 'edge', index, at: middle, reach: 9,
-        tell: (by) => ({ polygon: shifted(wider, i + 1, by) }) },
+        change: (by) => ({ polygon: moveCorner(wider, i + 1, by) }) },
     ];
   });
 }
 
-const shifted = (polygon, i, by) =>
+const moveCorner = (polygon, i, by) =>
   polygon.map((p, k) => (k === i ? [p[0] + by[0], p[1] + by[1]] : p));
 
 /** The mask whose inside lies under a place of the main view. */
 export function maskAt(view, x, y) {
   if (view.name !== 'main') return null;
-  const found = present().find(({ polygon }) => inside(polygon.map((p) => view.fromView(p)), x, y));
+  const found = masksHere().find(({ polygon }) => inside(polygon.map((p) => view.fromView(p)), x, y));
   return found ?? null;
 }
 
@@ -82,7 +82,7 @@ export function drawMasks(view, targets) {
   if (view.name !== 'main') return nothing;
   const corners = targets.filter(({ kind }) => kind === 'corner' || kind === 'edge');
   return svg`<g class="masks">
-    ${present().map((mask) => drawMask(view, mask, targets))}
+    ${masksHere().map((mask) => drawMask(view, mask, targets))}
     ${corners.map((target) => drawCorner(view, target))}
   </g>`;
 }
@@ -120,7 +120,7 @@ function crossing(a, b, sum) {
 }
 
 function drawCorner(view, target) {
-  const state = `${isHeld(target) ? 'held' : ''} ${isHot(view, target) ? 'hot' : ''}`;
+  const state = `${isDragged(target) ? 'dragged' : ''} ${isHot(view, target) ? 'hot' : ''}`;
   const [x, y] = target.at;
   const r = target.kind === 'corner' ? 5 : 3;
   return svg`<circle class="corner ${target.kind} ${state}" cx=${x} cy=${y} r=${r} data-grip=${target.key} />`;

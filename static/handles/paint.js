@@ -1,10 +1,11 @@
 // The SVG over each view, drawn anew whenever what it shows has changed.
 
 import { render, svg, nothing } from '../vendor/lit-html/lit-html.js';
-import { server, ui } from '../store/state.js';
+import { partNamed } from '../store/parts.js';
+import { ui } from '../store/state.js';
 import { VIEWS, view as viewNamed } from '../views/views.js';
 import { drawGrips, drawLimb, drawReach } from './grips.js';
-import { hold } from './hold.js';
+import { interaction } from './interaction.js';
 import { drawLabels } from './labels.js';
 import { drawMasks } from './masks.js';
 import { drawRings } from './rings.js';
@@ -26,9 +27,9 @@ export function paint() {
 
 function overlay(view) {
   const targets = targetsIn(view);
-  const held = hold.drag && !hold.drag.gentle ? 'held' : '';
-  const drawing = hold.sketch ? 'drawing' : '';
-  const classes = `hands ${isLarge(view) ? 'large' : 'small'} ${held} ${drawing} on-${view.name}`;
+  const dragged = interaction.drag && !interaction.drag.gentle ? 'dragged' : '';
+  const drawing = interaction.sketch ? 'drawing' : '';
+  const classes = `hands ${isLarge(view) ? 'large' : 'small'} ${dragged} ${drawing} on-${view.name}`;
   return svg`<g class=${classes}>
     ${drawMasks(view, targets.masks)}
     ${drawTrail(view, targets.trail)}
@@ -44,9 +45,9 @@ function overlay(view) {
 
 /** The outline of the part under the pointer, in its own colour. */
 function drawHover(view) {
-  const over = hold.over;
+  const over = interaction.over;
   if (over?.view !== view.name || !over.outline.length || ui.dragging) return nothing;
-  const side = server.body.parts.find(({ name }) => name === over.part)?.side ?? 'C';
+  const side = partNamed(over.part)?.side ?? 'C';
   const d = pathOf(over.outline.map((p) => view.fromView(p)), true);
   return svg`<path class="outline-edge" d=${d} /><path class="outline ${side}" d=${d} />`;
 }

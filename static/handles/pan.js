@@ -1,7 +1,8 @@
 // Panning and zooming a view: wheel, middle button, Space-drag, the pan tool, two fingers.
 
+import { clamp } from '../controls/arithmetic.js';
 import { setUi } from '../store/state.js';
-import { hold, touch } from './hold.js';
+import { interaction, redrawSoon } from './interaction.js';
 import { distance } from './space.js';
 
 const PER_NOTCH = 0.0015;
@@ -11,30 +12,30 @@ const LINE_PX = 33;
 /** The wheel zooms at the pointer. */
 export function wheel(view, event, x, y) {
   event.preventDefault();
-  if (hold.drag) return;
+  if (interaction.drag) return;
   const px = event.deltaY * (event.deltaMode === 1 ? LINE_PX : 1);
   // A pinch on a trackpad comes as a wheel with Ctrl and small steps.
   const rate = event.ctrlKey && Math.abs(px) < 50 ? PER_PINCH : PER_NOTCH;
-  view.zoomAt(x, y, Math.exp(-Math.max(-240, Math.min(240, px)) * rate));
+  view.zoomAt(x, y, Math.exp(-clamp(px, -240, 240) * rate));
 }
 
 /** Begin to pan the view. */
 export function beginPan(view, x, y) {
-  hold.panning = { view: view.name, x, y };
+  interaction.panning = { view: view.name, x, y };
   setUi('dragging', true);
-  touch();
+  redrawSoon();
 }
 
 export function movePan(view, x, y) {
-  const { panning } = hold;
+  const { panning } = interaction;
   view.panBy(x - panning.x, y - panning.y);
   Object.assign(panning, { x, y, moved: true });
 }
 
 export function endPan() {
-  hold.panning = null;
+  interaction.panning = null;
   setUi('dragging', false);
-  touch();
+  redrawSoon();
 }
 
 /** Two fingers: what lies between them stays between them. */

@@ -1,29 +1,29 @@
 // From pointer events to gestures: one press at a time, captured by its view, in one of these states.
 //
-//   still      has not moved yet: let go now it is a click
+//   still      has not moved yet: released now it is a click
 //   asking     has moved off a handle's reach; which part lies there is on its way
 //   dragging   pulls a handle, a mask or a part
 //   panning    moves the view
 //   sketching  draws with the mask or the vertical tool
 //   pinching   has a second finger: both move and zoom the view
-//   spent      was taken back: nothing more until it is let go
+//   spent      was cancelled: nothing more until the pointer is released
 
 import { server, ui } from '../store/state.js';
 import { beginOnSurface, beginOnTarget } from './begin.js';
 import { cancelDrag, endDrag, moveDrag } from './drag.js';
-import { hold } from './hold.js';
+import { interaction } from './interaction.js';
 import { hover, leave, pick } from './hover.js';
-import { isHeldKey, noteModifiers } from './keysheld.js';
+import { isKeyDown, noteModifiers } from './pressed_keys.js';
 import { beginPan, endPan, movePan, pinch, wheel } from './pan.js';
 import { click } from './select.js';
-import { isDrawingTool, sketchDown, sketches, sketchMove, sketchUp } from './sketch.js';
+import { drawsOn, isDrawingTool, sketchDown, sketchMove, sketchUp } from './sketch.js';
 import { distance } from './space.js';
 import { targetAt } from './targets.js';
 
 const CLICK_PX = 3;
 const LEFT = 0;
 const MIDDLE = 1;
-const RIGHT_HELD = 2;
+const RIGHT_DOWN = 2;
 
 /** @typedef {'still' | 'asking' | 'dragging' | 'panning' | 'sketching' | 'pinching' | 'spent'} State */
 
@@ -37,7 +37,7 @@ const RIGHT_HELD = 2;
  * @property {any} target  The handle or mask it began on.
  * @property {Promise<{ parts: string[] }> | null} picked  Where there is none: the parts there, front to back.
  * @property {[PointerEvent, number, number]} [newest]  While asking: the last move.
- * @property {boolean} [gone]  Let go while asking.
+ * @property {boolean} [released]  Released while asking.
  */
 
 /** @type {Press | null} */
@@ -45,22 +45,22 @@ let press = null;
 const fingers = new Map();
 
 /**
- * What a move does in each state, what letting go does, and what taking back undoes.
+ * What a move does in each state, what releasing does, and how it is cancelled.
  * @type {Record<State, { move?: (view: any, event: PointerEvent, x: number, y: number) => void,
  *   end?: (done: Press, x: number, y: number) => void, cancel?: () => void }>}
  */
 const STATES = {
-  still: { move: leaveStill, end: clicked },
+  still: { move: leaveStill, end: finishClick },
   asking: { move: (_, event, x, y) => void (press.newest = [event, x, y]) },
   dragging: {
-    move: (_, event, x, y) => hold.drag && moveDrag(event, x, y),
-    end: () => hold.drag && endDrag(),
-    cancel: () => hold.drag && cancelDrag(),
+    move: (_, event, x, y) => interaction.drag && moveDrag(event, x, y),
+    end: () => interaction.drag && endDrag(),
+    cancel: () => interaction.drag && cancelDrag(),
   },
   panning: {
-    move: (view, _, x, y) => hold.panning && movePan(view, x, y),
-    end: () => hold.panning && endPan(),
-    cancel: () => hold.panning && endPan(),
+    move: (view, _, x, y) => interaction.panning && movePan(view, x, y),
+    end: () => interaction.panning && endPan(),
+    cancel: () => interaction.panning && endPan(),
   },
   sketching: {
     move: (view, _, x, y) => sketchMove(view, x, y),
@@ -76,7 +76,7 @@ export function listenTo(view) {
   over.addEventListener('pointerdown', (event) => down(view, event));
   over.addEventListener('pointermove', (event) => move(view, event));
   over.addEventListener('pointerup', (event) => up(view, event));
-  over.addEventListener('pointercancel', (event) => lost(event));
+  over.addEventListener('pointercancel', (event) => onPointerLost(event));
   over.addEventListener('pointerleave', () => press || leave());
   over.addEventListener('contextmenu', (event) => event.preventDefault());
   over.addEventListener('wheel', (event) => wheel(view, event, ...place(view, event)), { passive: false });
@@ -85,8 +85,8 @@ export function listenTo(view) {
 /** Whether a press is under way. */
 export const isPressed = () => press !== null;
 
-/** Take everything back: Esc, or the right button. */
-export function takeBack() {
+/** Cancel the gesture: Esc, or the right button. */
+export function cancelPress() {
   STATES[press.state].cancel?.();
   press.state = 'spent';
 }
@@ -114,49 +114,49 @@ function down(view, event) {
 }
 
 function begin(view, event, x, y) {
-  if (event.button === MIDDLE || isHeldKey(' ') || ui.tool === 'pan') {
+  if (event.button === MIDDLE || isKeyDown(' ') || ui.tool === 'pan') {
     press.state = 'panning';
     beginPan(view, x, y);
-  } else if (sketches(view)) {
+  } else if (drawsOn(view)) {
     press.state = 'sketching';
     sketchDown(view, x, y);
   } else {
     press.target = targetAt(view, x, y, event.pointerType === 'touch');
     if (!press.target) press.picked = pick(view, x, y);
   }
-  pointerLook(view, press.target);
+  setCursor(view, press.target);
 }
 
 function move(view, event) {
   if (!server.file || !server.pose) return;
   const [x, y] = place(view, event);
   if (fingers.has(event.pointerId)) moveFinger(view, event.pointerId, [x, y]);
-  if (!press) return rest(view, event, x, y);
+  if (!press) return hoverAt(view, event, x, y);
   if (press.id !== event.pointerId || press.view !== view) return;
-  if (event.buttons & RIGHT_HELD) takeBack();
+  if (event.buttons & RIGHT_DOWN) cancelPress();
   else STATES[press.state].move?.(view, event, x, y);
 }
 
 /** The pointer moves with nothing pressed. */
-function rest(view, event, x, y) {
+function hoverAt(view, event, x, y) {
   noteModifiers(event);
-  if (sketches(view)) sketchMove(view, x, y);
+  if (drawsOn(view)) sketchMove(view, x, y);
   const target = hover(view, x, y, event.pointerType === 'touch');
-  pointerLook(view, target);
+  setCursor(view, target);
 }
 
 function up(view, event) {
   fingers.delete(event.pointerId);
   if (!press || press.id !== event.pointerId || press.view !== view) return;
   // The answer which part it was is still on its way: the drag ends when it has begun.
-  if (press.state === 'asking') press.gone = true;
+  if (press.state === 'asking') press.released = true;
   else finish(...place(view, event));
 }
 
-function lost(event) {
+function onPointerLost(event) {
   fingers.delete(event.pointerId);
   if (press?.id !== event.pointerId) return;
-  takeBack();
+  cancelPress();
   press = null;
 }
 
@@ -171,28 +171,28 @@ function leaveStill(view, event, x, y) {
   } else {
     press.state = 'asking';
     press.newest = [event, x, y];
-    answered(press);
+    beginWhenPicked(press);
   }
 }
 
 /** The drag begins once it is known which part lies there, unless the press is over. */
-async function answered(asked) {
+async function beginWhenPicked(asked) {
   const { parts } = await asked.picked;
   if (press !== asked || press.state !== 'asking') return;
   press.state = beginOnSurface(press.view, press, parts[0]);
   const [event, x, y] = press.newest;
   STATES[press.state].move(press.view, event, x, y);
-  if (press.gone) finish(x, y);
+  if (press.released) finish(x, y);
 }
 
 function finish(x, y) {
   const done = press;
   press = null;
   STATES[done.state].end?.(done, x, y);
-  pointerLook(done.view, null);
+  setCursor(done.view, null);
 }
 
-function clicked({ view, x, y, target, picked }) {
+function finishClick({ view, x, y, target, picked }) {
   // The time of the release counts, not that of the answer which parts were there.
   const at = { x, y, time: performance.now() };
   if (target) click(view, at, target, []);
@@ -202,7 +202,7 @@ function clicked({ view, x, y, target, picked }) {
 /** A second finger takes over from a press that has not grabbed anything. */
 function secondFinger() {
   if (fingers.size !== 2 || press.state === 'dragging') return;
-  if (hold.panning) endPan();
+  if (interaction.panning) endPan();
   press.state = 'pinching';
 }
 
@@ -214,16 +214,16 @@ function moveFinger(view, id, at) {
 
 // --- the cursor, which says what the pointer would do
 
-function pointerLook(view, target) {
-  view.over.style.cursor = lookOf(view, target);
+function setCursor(view, target) {
+  view.over.style.cursor = cursorFor(view, target);
 }
 
-function lookOf(view, target) {
-  if (hold.drag || hold.panning) return 'grabbing';
-  if (isHeldKey(' ') || ui.tool === 'pan') return 'grab';
+function cursorFor(view, target) {
+  if (interaction.drag || interaction.panning) return 'grabbing';
+  if (isKeyDown(' ') || ui.tool === 'pan') return 'grab';
   if (isDrawingTool(ui.tool)) return view.name === 'main' ? 'crosshair' : '';
   if (target?.kind === 'trail' || target?.kind === 'mask') return 'pointer';
   if (target) return ui.tool === 'size' ? 'crosshair' : 'grab';
   if (ui.tool === 'size') return 'crosshair';
-  return hold.over ? 'pointer' : '';
+  return interaction.over ? 'pointer' : '';
 }

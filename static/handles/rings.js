@@ -1,8 +1,9 @@
 // The three rotation rings about the selected part's joint: where they run, how they look.
 
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
+import { selectedPart } from '../store/parts.js';
 import { server, ui } from '../store/state.js';
-import { hold, isHot } from './hold.js';
+import { interaction, isHot } from './interaction.js';
 import { gripsIn } from './grips.js';
 import { isLarge, ringRadius } from './scale.js';
 import { add, distance, axesOf, axesOfView, nearestOnPath, pathOf } from './space.js';
@@ -26,7 +27,7 @@ function frameOf(view, part) {
 
 /** The rings of the selected part in a view: [{axis, centre, e1, e2, points, front, …}]. */
 export function ringsIn(view) {
-  const part = server.body.parts.find(({ name }) => name === server.view.selected);
+  const part = selectedPart();
   const centre = part && server.pose.points[part.name];
   if (!centre || ui.tool === 'size') return [];
   const px = view.pxPerMetre(centre);
@@ -127,7 +128,7 @@ function drawLetter([x, y], axis) {
 
 /** The turn made so far, as a slice of the ring, and its letter at the slice's end. */
 function drawWedge(view, ring, gesture) {
-  const begun = hold.drag?.wedge;
+  const begun = interaction.drag?.wedge;
   const base = begun?.axis === ring.axis ? { ...ring, e1: begun.e1, e2: begun.e2 } : ring;
   const from = begun?.axis === ring.axis ? begun.angle : 0;
   const steps = Math.max(2, Math.ceil(Math.abs(gesture.angle_rad) / 0.06));

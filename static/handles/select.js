@@ -2,6 +2,7 @@
 
 import { server, ui, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
+import { select as selectPart } from '../store/parts.js';
 import { chooseMask, deleteCorner, maskAt } from './masks.js';
 import { distance } from './space.js';
 
@@ -29,7 +30,7 @@ function partAt(parts, again) {
 }
 
 const partOf = (target) =>
-  target.kind === 'ring' || target.tell || target.kind === 'trail' ? null : target.part;
+  target.kind === 'ring' || target.change || target.kind === 'trail' ? null : target.part;
 
 function clickOnce(view, x, y, target, part) {
   if (target?.kind === 'trail') return void send({ do: 'go', frame: target.frame });
@@ -43,7 +44,7 @@ function clickOnce(view, x, y, target, part) {
 
 function clickTwice(view, x, y, target) {
   if (target?.kind === 'corner') return deleteCorner(target);
-  if (target?.tell || target?.kind === 'ring' || maskChosen(view, x, y)) return undefined;
+  if (target?.change || target?.kind === 'ring' || maskChosen(view, x, y)) return undefined;
   const part = target?.part ?? last.part;
   if (!part) return view.fit();
   setUi('limb', limbOf(part));
@@ -55,7 +56,7 @@ const maskChosen = (view, x, y) => ui.mask != null && maskAt(view, x, y)?.index 
 /** Select a part, or nothing. */
 export function select(part) {
   setUi('limb', null);
-  if (part !== (server.view.selected ?? null)) send({ do: 'select', part });
+  selectPart(part);
 }
 
 /** The parts of the limb that a part belongs to; the part alone where it has none. */

@@ -2,8 +2,9 @@
 // is thick, a cross on its joint.
 
 import { svg } from '../vendor/lit-html/lit-html.js';
+import { selectedPart } from '../store/parts.js';
 import { server, ui } from '../store/state.js';
-import { isHeld, isHot } from './hold.js';
+import { isDragged, isHot } from './interaction.js';
 import { gripScale } from './scale.js';
 import { add, distance, axesOf, originOf, pathOf, times } from './space.js';
 
@@ -12,7 +13,7 @@ const FLATTEST_PX = 6;
 
 /** The size handles in a view. */
 export function sizesIn(view) {
-  const part = ui.tool === 'size' && server.body.parts.find(({ name }) => name === server.view.selected);
+  const part = ui.tool === 'size' && selectedPart();
   const T = part && server.pose.T[part.name];
   if (!T) return [];
   const sizes = part.sizes.map((given) => sizeOf(view, part, given)).filter(Boolean);
@@ -23,15 +24,15 @@ function sizeOf(view, part, given) {
   const handle = { kind: 'size', part: part.name, key: given.key };
   const common = { key: `size:${part.name}:${given.key}`, handle, part: part.name, label: given.label };
   const [x, y, z] = given.at_cm;
-  const surface = placed(view, part, [x, y, z]);
+  const surface = screenOf(view, part, [x, y, z]);
   if (given.key === 'length') return { ...common, kind: 'cap', at: surface, across: across(view, part) };
-  const foot = placed(view, part, [0, y, 0]);
+  const foot = screenOf(view, part, [0, y, 0]);
   const at = given.key.endsWith('radius') ? beside(view, part, given, foot) : surface;
   return distance(at, foot) < FLATTEST_PX ? null : { ...common, kind: 'rim', at, foot };
 }
 
 /** A point of the part's frame, centimetres, on the screen. */
-function placed(view, part, cm) {
+function screenOf(view, part, cm) {
   return view.project(pointOf(part, cm)).slice(0, 2);
 }
 
@@ -50,14 +51,14 @@ function beside(view, part, given, foot) {
 
 /** The direction on the screen at right angles to the part. */
 function across(view, part) {
-  const [near, far] = [placed(view, part, [0, 0, 0]), placed(view, part, [0, 10, 0])];
+  const [near, far] = [screenOf(view, part, [0, 0, 0]), screenOf(view, part, [0, 10, 0])];
   const length = distance(near, far);
   return length < 1 ? [1, 0] : [(near[1] - far[1]) / length, (far[0] - near[0]) / length];
 }
 
 function crossOf(view, part) {
   const handle = { kind: 'size', part: part.name, key: 'joint', side: 'joint' };
-  const at = placed(view, part, [0, 0, 0]);
+  const at = screenOf(view, part, [0, 0, 0]);
   return { key: `size:${part.name}:joint`, kind: 'cross', handle, part: part.name, label: 'Joint', at };
 }
 
@@ -67,7 +68,7 @@ export function drawSizes(view, sizes) {
 }
 
 function drawSize(view, target, k) {
-  const classes = `sizer ${target.kind} ${isHeld(target) ? 'held' : ''} ${isHot(view, target) ? 'hot' : ''}`;
+  const classes = `sizer ${target.kind} ${isDragged(target) ? 'dragged' : ''} ${isHot(view, target) ? 'hot' : ''}`;
   const [x, y] = target.at;
   if (target.kind === 'cap') {
     const [ux, uy] = target.across.map((v) => v * 11 * k);

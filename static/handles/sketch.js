@@ -4,7 +4,7 @@ import { svg, nothing } from '../vendor/lit-html/lit-html.js';
 import { server, ui, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
 import { view as viewNamed } from '../views/views.js';
-import { hold, touch } from './hold.js';
+import { interaction, redrawSoon } from './interaction.js';
 import { distance, pathOf } from './space.js';
 
 const CLOSE_PX = 10;
@@ -17,66 +17,66 @@ let before = 'select';
 export const isDrawingTool = (tool) => tool === 'mask' || tool === 'vertical';
 
 /** The tool changed: forget what was begun, and show the picture large. */
-export function toolChanged() {
+export function prepareSketch() {
   if (!isDrawingTool(ui.tool)) {
     before = ui.tool;
-    hold.sketch = null;
+    interaction.sketch = null;
     return;
   }
-  if (hold.sketch?.tool === ui.tool) return;
-  hold.sketch = { tool: ui.tool, points: [], pointer: null };
+  if (interaction.sketch?.tool === ui.tool) return;
+  interaction.sketch = { tool: ui.tool, points: [], pointer: null };
   setUi('mask', null);
   if (ui.layout !== 'main' && ui.layout !== 'quad') setUi('layout', 'main');
 }
 
 /** Whether a pointer on this view draws. */
-export function sketches(view) {
+export function drawsOn(view) {
   if (!isDrawingTool(ui.tool) || view.name !== 'main') return false;
   // The tool may have been taken up since the last animation frame.
-  toolChanged();
+  prepareSketch();
   return true;
 }
 
 /** A press on the main view with a drawing tool. */
 export function sketchDown(view, x, y) {
-  const { sketch } = hold;
+  const { sketch } = interaction;
   if (sketch.tool === 'vertical') sketch.points = [view.toView([x, y])];
   sketch.pointer = [x, y];
-  touch();
+  redrawSoon();
 }
 
 export function sketchMove(view, x, y) {
-  hold.sketch.pointer = [x, y];
-  touch();
+  interaction.sketch.pointer = [x, y];
+  redrawSoon();
 }
 
 /** A release: a mask gets a corner or is closed, a vertical line is done. */
 export function sketchUp(view, x, y) {
-  const { sketch } = hold;
+  const { sketch } = interaction;
   if (sketch.tool === 'vertical') return finishVertical(view, x, y);
   const corners = sketch.points.map((p) => view.fromView(p));
   const again = corners.length && distance(corners.at(-1), [x, y]) < SAME_PX;
   const home = corners.length > 2 && distance(corners[0], [x, y]) < CLOSE_PX;
   if (again || home) closeMask();
   else sketch.points.push(view.toView([x, y]));
-  touch();
+  redrawSoon();
 }
 
 /** Keys of the drawing tools; true when the key was one. */
 export function sketchKey(key) {
   if (!isDrawingTool(ui.tool)) return false;
-  toolChanged();
-  const { sketch } = hold;
+  prepareSketch();
+  const { sketch } = interaction;
   if (key === 'escape') leaveSketch();
   else if (sketch.tool === 'mask' && key === 'enter') closeMask();
   else if (sketch.tool === 'mask' && (key === 'backspace' || key === 'delete')) sketch.points.pop();
   else return false;
-  touch();
+  redrawSoon();
   return true;
 }
 
 function closeMask() {
-  const { points } = hold.sketch;
+  const { points } = interaction.sketch;
   if (points.length < 3) return;
   // The whole film: what covers something for a while only is given its frames in the Camera tab.
   send({ do: 'add_mask', polygon: points, first: 0, last: server.file.frames - 1 });
@@ -90,27 +90,27 @@ export function leaveSketch() {
 }
 
 function finishVertical(view, x, y) {
-  const [a] = hold.sketch.points;
-  hold.sketch.points = [];
-  if (!a || distance(view.fromView(a), [x, y]) < SHORTEST_PX) return touch();
+  const [a] = interaction.sketch.points;
+  interaction.sketch.points = [];
+  if (!a || distance(view.fromView(a), [x, y]) < SHORTEST_PX) return redrawSoon();
   send({ do: 'vertical', a, b: view.toView([x, y]) });
   leaveSketch();
-  touch();
+  redrawSoon();
 }
 
 /** What to do now, in one line. */
 export function sketchHint() {
-  const { sketch } = hold;
+  const { sketch } = interaction;
   if (!sketch) return null;
   if (sketch.tool === 'vertical') return 'Drag along something upright: a wall, a door, a pole.';
   const begun = sketch.points.length;
-  if (!begun) return 'Cover what moves but is not the body: click around it.';
-  if (begun < 3) return 'Go on clicking. Backspace takes back a corner, Esc leaves.';
-  return 'Enter or the first corner closes. Backspace takes back a corner, Esc leaves.';
+  if (!begun) return 'Click around anything that moves but is not the body.';
+  if (begun < 3) return 'Keep clicking. Backspace removes the last corner, Esc cancels.';
+  return 'Press Enter or click the first corner to close. Backspace removes the last corner, Esc cancels.';
 }
 
 export function drawSketch(view) {
-  const { sketch } = hold;
+  const { sketch } = interaction;
   if (!sketch || view.name !== 'main') return nothing;
   const corners = sketch.points.map((p) => viewNamed('main').fromView(p));
   const line = sketch.pointer && corners.length ? [...corners, sketch.pointer] : corners;

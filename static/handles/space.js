@@ -1,6 +1,8 @@
 // The little vector algebra of the handles. Points are [x, y, z] in the camera frame, metres; a
 // pose gives each part's T_camera_part as 12 numbers, the rows of a 3×4 matrix.
 
+import { clamp } from '../controls/arithmetic.js';
+
 export const add = (a, b, k = 1) => [a[0] + k * b[0], a[1] + k * b[1], a[2] + k * b[2]];
 export const times = (a, k) => [a[0] * k, a[1] * k, a[2] * k];
 export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -32,7 +34,7 @@ export function nearestOnPath(path, x, y) {
     const [a, b] = [path[i], path[i + 1]];
     const [dx, dy] = [b[0] - a[0], b[1] - a[1]];
     const along = ((x - a[0]) * dx + (y - a[1]) * dy) / (dx * dx + dy * dy || 1);
-    const t = Math.min(1, Math.max(0, along));
+    const t = clamp(along, 0, 1);
     const away = Math.hypot(a[0] + t * dx - x, a[1] + t * dy - y);
     if (away < best.distance) best = { distance: away, place: i + t };
   }

@@ -6,6 +6,7 @@ import { masksIn } from './masks.js';
 import { ringsIn } from './rings.js';
 import { gripScale, isLarge } from './scale.js';
 import { sizesIn } from './sizes.js';
+import { isDrawingTool } from './sketch.js';
 import { distance, nearestOnPath } from './space.js';
 import { trailKeysIn } from './trail.js';
 
@@ -33,7 +34,7 @@ export function targetsIn(view) {
 
 /** The target a pointer at (x, y) means, or null. */
 export function targetAt(view, x, y, touch = false) {
-  if (ui.tool === 'pan' || ui.tool === 'mask' || ui.tool === 'vertical') return null;
+  if (ui.tool === 'pan' || isDrawingTool(ui.tool)) return null;
   const { grips, rings, sizes, masks, trail } = targetsIn(view);
   const finger = touch ? FINGER : 1;
   const found = [...grips, ...sizes, ...masks, ...trail, ...rings]

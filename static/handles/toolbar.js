@@ -1,24 +1,29 @@
 // The tools down the left side of the large view.
 
-import { html } from '../vendor/lit-html/lit-html.js';
-import { ui, setUi } from '../store/state.js';
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { iconOf, isOn, keyOf, labelOf, perform } from '../actions/actions.js';
 import { icon } from '../controls/icons.js';
-import { PAN, TOOLS } from './tools.js';
+
+const TOOLS = /** @type {const} */ (['select', 'rotate', 'move', 'ends', 'size']);
+const PAN_KEY = 'Space'; // while it is down, whatever the tool
 
 export function toolbar() {
   return html`<div class="glass" id="tools" role="toolbar" aria-orientation="vertical" aria-label="Tools" @keydown=${walk}>
-    ${TOOLS.map((tool) => toolButton(tool, html`<span class="k">${tool.key}</span>`))}
+    ${TOOLS.map((id) => toolButton(id, keyOf(id)))}
     <hr />
-    ${toolButton(PAN, '')}
+    ${toolButton('pan', PAN_KEY)}
   </div>`;
 }
 
-function toolButton({ name, icon: sign, label, key }, letter) {
-  return html`<button class="ib" data-tool=${name} aria-label=${label} aria-pressed=${ui.tool === name}
-    @click=${() => setUi('tool', name)}>
-    ${icon(sign)}${letter}<span class="tip" aria-hidden="true">${label} <kbd>${key}</kbd></span>
-  </button>`;
+/** @param {import('../actions/actions.js').ActionId} id */
+function toolButton(id, key) {
+  const letter = key.length === 1 ? html`<span class="k">${key}</span>` : nothing;
+  return html`<button class="ib" data-tool=${id} aria-label=${labelOf(id)} aria-pressed=${isOn(id)}
+    @click=${() => perform(id)}>${icon(iconOf(id))}${letter}${tipOf(id, key)}</button>`;
 }
+
+/** The words and the key of a button on a bar, shown beside it. */
+export const tipOf = (id, key) => html`<span class="tip" aria-hidden="true">${labelOf(id)} <kbd>${key}</kbd></span>`;
 
 /** Up and down walk along the bar, as in every toolbar. */
 function walk(event) {

@@ -3,7 +3,7 @@
 
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
 import { server } from '../store/state.js';
-import { isHot } from './hold.js';
+import { isHot } from './interaction.js';
 import { isLarge } from './scale.js';
 
 /** The trail's keyframes in a view, the present one left out. */

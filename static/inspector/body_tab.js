@@ -1,12 +1,13 @@
 // The Body tab: the whole body's preset and height, and every part's sizes at a glance.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { server } from '../store/state.js';
+import { actionButton } from '../actions/buttons.js';
+import { server, setUi, ui } from '../store/state.js';
+import { isSurface } from '../store/subject.js';
 import { send } from '../store/link.js';
 import { checkbox, dropdown, iconButton, numberField } from '../controls/fields.js';
-import { fitSizesRow } from './fitting.js';
-import { line, measure, section } from './section.js';
-import { partNamed, select, shortLabel } from './parts.js';
+import { line, measure, partName, section } from './section.js';
+import { partNamed } from '../store/parts.js';
 import { sizeSpec } from './size.js';
 
 const HEIGHTS_CM = [100, 220];
@@ -27,10 +28,10 @@ function whole() {
       text: body.edited ? `${name}, edited` : name,
       options: body.presets.map((one) => ({ id: one.name, label: one.label })),
       act: (id) => send({ do: 'preset', name: id }),
-      title: 'Start from the sizes of another body; keyframes stay',
-    }))}${height()}${mirrored() ? link() : nothing}${fitSizesRow()}`,
+      title: 'Use the sizes of a preset body. Keyframes are kept',
+    }))}${height()}${hasPairs() ? link() : nothing}${fitSizesRow()}`,
     iconButton({
-      name: 'reset', label: 'Back to the preset', act: () => send({ do: 'reset_body' }),
+      name: 'reset', label: 'Reset to preset', act: () => send({ do: 'reset_body' }),
       off: preset && body.edited ? '' : unedited,
     }),
   );
@@ -42,35 +43,55 @@ function height() {
     {
       key: 'height', label: 'Height', value: server.body.height_cm, unit: 'cm', step: 0.5, coarse: 5,
       min: 1, max: 10000, edit: (cm) => ({ do: 'height', cm }),
-      title: 'Sole to head top at rest; all sizes change with it',
+      title: 'From the soles to the top of the head. Scales the whole body',
     },
     person ? HEIGHTS_CM : null,
   );
 }
 
-function mirrored() {
+function hasPairs() {
   return server.body.parts.some((part) => part.mirror);
 }
 
 function link() {
   return checkbox({
-    label: 'Same size left and right', on: server.view.link, act: (on) => send({ do: 'link', on }),
+    label: 'Same sizes left and right', on: server.view.link, act: (on) => send({ do: 'link', on }),
   });
+}
+
+/** Fit the sizes to the images of all keyframes; surfaces have none. */
+function fitSizesRow() {
+  if (isSurface()) return nothing;
+  return html`<div class="fitsizes">
+    ${actionButton('fitSizes')}
+    ${checkbox({
+      label: 'With focal length', on: Boolean(ui.fitFocal), act: (on) => setUi('fitFocal', on),
+      title: 'Estimate the focal length as well, if it is only a guess',
+    })}
+  </div>`;
 }
 
 /** A row per part with its two leading sizes; while left and right change together, one for both. */
 function table() {
   return html`<div class="sizes" role="group" aria-label="Sizes in centimetres">
-    <div class="size dim head"><span>Part</span><span>Length</span><span>Thickness</span></div>
+    <div class="size dim head"><span>Part</span><span>Length</span><span>Width</span></div>
     ${rows().map(row)}
   </div>`;
 }
 
-/** The length, and one size across it; the Part tab has them all. */
+/** The length, and the first width; the Part tab has all sizes. */
 function leading(part) {
-  const along = part.sizes.find((one) => one.label === 'Length') ?? part.sizes[0];
+  const along = part.sizes.find(({ role }) => role === 'length') ?? part.sizes[0];
   const rest = part.sizes.filter((one) => one !== along);
-  return [along, rest.find((one) => /^(Width|At|Radius)/.test(one.label)) ?? rest[0]].filter(Boolean);
+  return [along, rest.find(({ role }) => role === 'width' || role === 'radius') ?? rest[0]].filter(Boolean);
+}
+
+/** Here a radius is shown as a width, so that one column holds one thing. */
+function tableSpec(part, one) {
+  const spec = sizeSpec(part, one);
+  if (one.role !== 'radius') return spec;
+  const edit = (cm) => ({ do: 'size', part: part.name, key: one.key, cm: cm / 2 });
+  return { ...spec, key: `${spec.key}.width`, label: 'Width', value: 2 * one.cm, min: 2 * spec.min, max: 2 * spec.max, edit };
 }
 
 /** The parts that have a row. A pair has one, at its first part's place, where both go together. */
@@ -79,30 +100,21 @@ function rows() {
   if (!server.view.link) return parts;
   const place = (part) => parts.findIndex((other) => other.name === part.name);
   const firsts = parts.filter((part) => !part.mirror || place(part) < place(partNamed(part.mirror)));
-  return firsts.map((part) => (part.mirror ? standing(part, partNamed(part.mirror)) : part));
+  return firsts.map((part) => (part.mirror ? rowOfPair(part, partNamed(part.mirror)) : part));
 }
 
 /** Of a pair the selected side stands for both, else the right one. */
-function standing(one, other) {
+function rowOfPair(one, other) {
   const selected = [one, other].find((part) => part.name === server.view.selected);
   return selected ?? (one.side === 'R' ? one : other);
 }
 
 function row(part) {
-  const both = server.view.link && part.mirror;
+  const both = server.view.link && Boolean(part.mirror);
   return html`<div class="size ${part.name === server.view.selected ? 'sel' : ''}">
-    <button
-      type="button"
-      class="name"
-      title=${`Select ${part.label.toLowerCase()}`}
-      @click=${() => select(part.name)}
-    >
-      <span class="dot ${both ? 'both' : ''}" style="background:var(--${part.side})"></span>
-      <span class="cut">${both ? shortLabel(part) : part.label}</span>
-    </button>
-    ${leading(part).map((one) => {
-      const title = `${part.label}, ${one.label.toLowerCase()}: drag sideways or type`;
-      return numberField({ ...sizeSpec(part, one), title });
+    ${partName(part, both)}${leading(part).map((one) => {
+      const spec = tableSpec(part, one);
+      return numberField({ ...spec, title: `${part.label}, ${spec.label.toLowerCase()}: drag sideways or type` });
     })}
   </div>`;
 }

@@ -4,8 +4,8 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { server, ui, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
 import { iconButton } from '../controls/fields.js';
-import { section } from './section.js';
-import { select, selectedPart } from './parts.js';
+import { partName, section } from './section.js';
+import { selectedPart } from '../store/parts.js';
 
 const TURNS = ['rx', 'ry', 'rz'];
 const MOVES = ['tx', 'ty', 'tz'];
@@ -16,9 +16,9 @@ export function freedom() {
   const all = ui.allFreedoms === true;
   const parts = all ? server.body.parts : part ? [part] : [];
   return section(
-    'Free to move',
+    'Tracked motions',
     html`${parts.map((one) => freedoms(one, !all))}
-      ${parts.length ? nothing : html`<p class="note">Select a part to choose how it may move.</p>`}
+      ${parts.length ? nothing : html`<p class="note">Select a part to choose its tracked motions.</p>`}
       <p class="note">Whole body: ${server.body.dof_count} of ${server.body.dof_total}</p>`,
     iconButton({
       name: 'more', label: all ? 'The selected part only' : 'All parts', pressed: all,
@@ -29,22 +29,14 @@ export function freedom() {
 
 function freedoms(part, wordy) {
   return html`<div class="free ${part.name === server.view.selected && !wordy ? 'sel' : ''}">
-      <button
-        type="button"
-        class="name"
-        title=${`Select ${part.label.toLowerCase()}`}
-        @click=${() => select(part.name)}
-      >
-        <span class="dot" style="background:var(--${part.side})"></span><span class="cut">${part.label}</span>
-      </button>
-      ${toggles(part, TURNS, wordy)}
+      ${partName(part)}${toggles(part, TURNS, wordy)}
     </div>
     ${part.parent ? nothing : place(part, wordy)}`;
 }
 
 /** Only the root may move as well as turn. */
 function place(part, wordy) {
-  return html`<div class="free"><span class="mut indent">Its place</span>${toggles(part, MOVES, wordy)}</div>`;
+  return html`<div class="free"><span class="mut indent">Position</span>${toggles(part, MOVES, wordy)}</div>`;
 }
 
 function toggles(part, dofs, wordy) {

@@ -1,36 +1,31 @@
 // The inspector: the part picker on top, four tabs of numbers below.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { icon } from '../controls/icons.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 import { isSurface } from '../store/subject.js';
 import { bodyTab } from './body_tab.js';
-import { addDrawer } from './drawer.js';
 import { freedom } from './freedom.js';
-import { lens } from './lens.js';
+import { lens, virtualCamera } from './lens.js';
 import { masks } from './masks.js';
 import { method } from './method.js';
 import { partTab } from './part_tab.js';
 import { picker } from './picker.js';
 import { segment } from './segment.js';
-import { addSplitter } from './splitter.js';
 import { surfaces } from './surfaces.js';
 import { upright } from './upright.js';
-import { virtualCamera } from './virtual.js';
-
-export { alongChain, otherSide } from './chain.js';
-export { fitHere } from './fitting.js';
 
 const TABS = {
   part: { label: 'Part', title: 'The selected part: pose and sizes', draw: partTab },
   body: { label: 'Body', title: 'The whole body: preset, height, all sizes', draw: bodyTab },
   camera: { label: 'Camera', title: 'Lens, up direction, ignored regions', draw: cameraTab },
-  track: { label: 'Track', title: 'How to track, and how it went', draw: trackTab },
+  track: { label: 'Track', title: 'Tracking settings and results', draw: trackTab },
 };
 
 /** The same tabs where there are surfaces instead of a film. */
 const OTHERWISE = {
-  camera: { ...TABS.camera, title: 'The camera that the picture is drawn from', draw: virtualTab },
-  track: { ...TABS.track, label: 'Fit', title: 'How to fit, and how it went', draw: fitTab },
+  camera: { ...TABS.camera, title: 'The camera that the image is rendered from', draw: virtualTab },
+  track: { ...TABS.track, label: 'Fit', title: 'Fit settings and results', draw: fitTab },
 };
 
 /** @type {import('../store/shapes.js').Watched[]} */
@@ -48,7 +43,6 @@ export function mount() {
   const room = document.createElement('div');
   room.className = 'insp-room';
   inspector.append(room);
-  addSplitter(inspector);
   addDrawer(inspector);
   room.addEventListener('mousedown', keepKeysWithTheFrame);
   watch(SHOWN, () => draw(room));
@@ -125,4 +119,27 @@ function keepKeysWithTheFrame(event) {
   if (!event.target.closest('button, path, [role=option]')) return;
   event.preventDefault();
   if (!event.target.closest('[popover]')) document.activeElement?.blur();
+}
+
+/** In a narrow window the inspector is a drawer over the views: put the tag that pulls it out on its left edge;
+ * the style sheet shows it where it is needed. */
+function addDrawer(inspector) {
+  const place = document.createElement('div');
+  place.className = 'insp-tag';
+  inspector.append(place);
+  const drawTag = () => {
+    const open = inspector.classList.contains('open');
+    const label = open ? 'Close the inspector' : 'Open the inspector';
+    const toggle = () => {
+      inspector.classList.toggle('open');
+      drawTag();
+    };
+    render(
+      html`<button type="button" aria-label=${label} title=${label} aria-expanded=${open} @click=${toggle}>
+        ${icon(open ? 'sf' : 'sb')}
+      </button>`,
+      place,
+    );
+  };
+  drawTag();
 }

@@ -1,4 +1,5 @@
-// The lens: by its field of view or by its intrinsics, and its distortion.
+// The lens: by its field of view or by its intrinsics, and its distortion; of surfaces the virtual
+// camera that nobody filmed with.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { server, ui, setUi } from '../store/state.js';
@@ -19,14 +20,14 @@ export function lens() {
   // Until a person chooses, the way in which the camera came to be known.
   const known = ui.lens ?? (server.camera.origin === 'intrinsics' ? 'intrinsics' : 'view');
   const choice = segmented({
-    label: 'Known by', value: known, act: (id) => setUi('lens', id),
+    label: 'Defined by', value: known, act: (id) => setUi('lens', id),
     options: [
-      { id: 'view', label: 'Field of view', title: 'How wide the camera sees: enough for most videos' },
+      { id: 'view', label: 'Field of view', title: 'How wide the camera sees. Enough for most videos' },
       { id: 'intrinsics', label: 'Intrinsics', title: 'Focal lengths and centre from a calibration' },
     ],
   });
   return html`${section('Lens', html`
-    ${line('Known by', choice)}${known === 'view' ? fieldOfView() : INTRINSICS.map(intrinsic)}${telephoto()}
+    ${line('Defined by', choice)}${known === 'view' ? fieldOfView() : INTRINSICS.map(intrinsic)}${telephoto()}
   `)}${distortion()}`;
 }
 
@@ -35,7 +36,7 @@ function fieldOfView() {
   const side = width >= height ? 'width' : 'height';
   const spec = {
     key: 'fov', label: 'Angle', text: 'Angle', value: deg, unit: '°', step: 0.5, coarse: 5, min: 1, max: 170,
-    title: `How much the picture’s ${side} sees. A phone’s main camera: about 65°`,
+    title: `Angle across the image’s ${side}. Main phone cameras: about 65°`,
     edit: (value) => ({ do: 'field_of_view', deg: value }),
   };
   return html`${measure(spec, [10, 120])}${fact('Focal', `${shortNumber(fx, 1)} px`, 'What the angle amounts to')}
@@ -53,7 +54,7 @@ function intrinsic({ key, label, min }) {
 function telephoto() {
   if (server.camera.projection !== 'telephoto') return nothing;
   const metres = shortNumber(server.camera.telephoto_distance_m, 1);
-  return html`<p class="note">Telephoto: depth leaves no trace in the picture. Scale holds at ${metres} m.</p>`;
+  return html`<p class="note">Telephoto: depth cannot be seen. The scale is exact at ${metres} m.</p>`;
 }
 
 function distortion() {
@@ -63,7 +64,7 @@ function distortion() {
     'Distortion',
     html`${COEFFICIENTS.map((key, i) => coefficient(key, server.camera.distortion[i]))}`,
     iconButton({
-      name: 'reset', label: 'No distortion', act: reset, off: ideal ? 'The lens is straight already' : '',
+      name: 'reset', label: 'Reset distortion', act: reset, off: ideal ? 'There is no distortion' : '',
     }),
   );
 }
@@ -72,7 +73,19 @@ function coefficient(key, value) {
   return measure({
     key: `camera.${key}`, label: key, value, decimals: 4, step: 0.001, coarse: 0.01, perPixel: 0.0005,
     min: -1000, max: 1000,
-    title: `${key[0] === 'k' ? 'Barrel or cushion' : 'Lens not square to the sensor'}: drag sideways or type`,
+    title: `${key[0] === 'k' ? 'Radial distortion' : 'Tangential distortion'}: drag sideways or type`,
     edit: (number) => ({ do: 'distortion', [key]: number }),
   });
+}
+
+export function virtualCamera() {
+  const { width, height, fov_deg: deg } = server.camera;
+  return section(
+    'Virtual camera',
+    html`${fact('Image', `${width} × ${height}`, 'Pixels')}
+      ${fact('Angle', `${shortNumber(deg, 1)}°`, 'Field of view along the longer side')}
+      <p class="note">
+        A virtual camera in front of the first surface. The fit does not depend on it.
+      </p>`,
+  );
 }

@@ -3,24 +3,19 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { server, ui, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
-import { button, iconButton, numberField, textField } from '../controls/fields.js';
-import { leaveSketch } from '../handles/sketch.js';
-import { section } from './section.js';
+import { iconButton, numberField, textField } from '../controls/fields.js';
+import { drawingButton, section } from './section.js';
 
 export function masks() {
-  const drawing = ui.tool === 'mask';
   const list = server.masks ?? [];
   return section(
     'Ignore masks',
     html`${list.map(mask)}${list.length ? nothing : html`<p class="note">
         Cover what moves but is not the body: a passer-by, a screen, a shadow.
       </p>`}
-    ${button({
-      name: 'plus', label: drawing ? 'Click the corners, Enter closes' : 'Draw a mask on the picture',
-      kind: drawing ? 'full on' : 'full',
-      title: drawing ? 'Stop drawing' : 'Cover what moves but is not the body: click around it',
-      key: drawing ? 'Esc' : '',
-      act: () => (drawing ? leaveSketch() : setUi('tool', 'mask')),
+    ${drawingButton('mask', {
+      name: 'plus', label: 'Draw a mask in the image', busy: 'Click the corners, then press Enter',
+      title: 'Cover what moves but is not the body: click around it',
     })}`,
   );
 }
@@ -37,7 +32,7 @@ function mask(one, index) {
       class="lk num"
       aria-label=${`Choose mask ${index + 1}`}
       aria-pressed=${index === ui.mask}
-      title="Show its corners on the picture"
+      title="Edit its corners in the image"
       @click=${() => choose(one, index, here)}
     >
       ${index + 1}

@@ -2,6 +2,7 @@
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { server } from '../store/state.js';
+import { actionBox } from '../actions/buttons.js';
 import { send } from '../store/link.js';
 import { checkbox, dropdown, numberField, segmented, slider } from '../controls/fields.js';
 import { start } from './start.js';
@@ -11,13 +12,13 @@ const MOST_PASSES = 50;
 
 const METHODS = [
   { id: 'keypose', label: 'Keypose', note: 'best' },
-  { id: 'paper', label: 'As in the paper', note: 'to compare' },
+  { id: 'paper', label: 'As published', note: 'for comparison' },
 ];
 
 const QUALITIES = [
-  { id: 'full', label: 'Full', title: 'The best that can be had' },
-  { id: 'fast', label: 'Fast', title: 'A little less exact, much sooner' },
-  { id: 'preview', label: 'Preview', title: 'A first look' },
+  { id: 'full', label: 'Full', title: 'Best accuracy' },
+  { id: 'fast', label: 'Fast', title: 'Slightly less accurate, much faster' },
+  { id: 'preview', label: 'Preview', title: 'A quick look' },
 ];
 
 export function method() {
@@ -27,18 +28,14 @@ export function method() {
     html`${line('Method', dropdown({
       label: 'Method', value: name, options: METHODS, act: (id) => send({ do: 'settings', method: id }),
     }))}
-    ${qualityLine(name === 'paper' ? 'The method of the paper knows one quality' : '')}
+    ${qualityLine(name === 'paper' ? 'The published method has only one quality' : '')}
     ${start()}${passes()}
     ${checkbox({
-      label: 'The camera stands still', on: still,
-      title: 'A picture of the empty scene keeps other people and things out',
+      label: 'Static camera', on: still,
+      title: 'Estimates the background, so that other people and things are ignored',
       act: (on) => send({ do: 'settings', static_camera: on }),
     })}
-    ${checkbox({
-      label: 'Track live while I pose', on: server.view.live, key: 'L',
-      title: 'Track the neighbouring segments each time a keyframe changes',
-      act: (on) => send({ do: 'live', on }),
-    })}`,
+    ${actionBox('live')}`,
   );
 }
 
@@ -55,14 +52,14 @@ function passes() {
   const spec = {
     key: 'passes', label: 'Passes', value: chosen ?? usual, decimals: 0, step: 1, coarse: 5, perPixel: 0.2,
     min: 1, max: MOST_PASSES, zero: 1, tick: false,
-    title: 'How often each segment is gone over; the best pass is kept',
+    title: 'How many times each segment is refined. The best pass is kept',
     edit: (value) => ({ do: 'settings', passes: Math.round(value) }),
   };
   const automatic = segmented({
     label: 'Passes', value: chosen === null ? 'auto' : 'own',
     options: [
-      { id: 'auto', label: 'Automatic', title: `The method’s own number, ${usual}` },
-      { id: 'own', label: 'Own', title: 'Choose how many' },
+      { id: 'auto', label: 'Auto', title: `Default of the method: ${usual}` },
+      { id: 'own', label: 'Custom', title: 'Choose the number of passes' },
     ],
     act: (id) => send({ do: 'settings', passes: id === 'auto' ? null : usual }),
   });

@@ -2,13 +2,14 @@
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { server, ui, setUi } from '../store/state.js';
-import { send } from '../store/link.js';
+import { perform } from '../actions/actions.js';
+import { actionIcon } from '../actions/buttons.js';
 import { icon } from '../controls/icons.js';
-import { dropdown, iconButton } from '../controls/fields.js';
-import { alongChain, endOfChain, otherSide, outward, remember } from './chain.js';
+import { dropdown } from '../controls/fields.js';
+import { alongChain, otherSide, remember } from '../actions/chain.js';
 import { figure, isPerson } from './figure.js';
-import { ancestors, partNamed, select, selectedPart, shortLabel } from './parts.js';
-import { hiddenRuns, range, seenHere } from './seen.js';
+import { ancestors, partNamed, select, selectedPart } from '../store/parts.js';
+import { framesOf, hiddenRuns, seenHere } from './seen.js';
 import { tree } from './tree.js';
 
 const RUNS_SHOWN = 2;
@@ -19,9 +20,9 @@ export function picker() {
   const person = isPerson(server.body);
   return html`<div class="pick ${person ? '' : 'listed'}">
     <div class="fig" @keydown=${walk}>${person ? figure(server.body, face) : tree(server.body, face)}</div>
-    <div class="inf">${part ? about(part) : nobody()}
+    <div class="inf">${part ? about(part) : nothingSelected()}
       <span class="sp"></span>
-      <span class="row walk">${part ? steps(part) : nothing}<span class="sp"></span>${byName()}</span>
+      <span class="row walk">${part ? steps() : nothing}<span class="sp"></span>${byName()}</span>
     </div>
   </div>`;
 }
@@ -58,11 +59,11 @@ function about(part) {
       <span class="dot" style="background:var(--${part.side})"></span>
       <span class="cut">${part.label}</span>
     </h2>
-    <span class="mut cut" role="status">${seenHere(part)}</span>
-    ${hidden(part)}`;
+    <span class="mut" role="status">${seenHere(part)}</span>
+    ${hiddenLinks(part)}`;
 }
 
-function nobody() {
+function nothingSelected() {
   const over = partNamed(ui.figureHover);
   return html`<span class="dim crumbs">No part selected</span>
     <span class="mut">${over ? over.label : 'Click a part here or in a view.'}</span>`;
@@ -78,51 +79,37 @@ function crumbs(part) {
         class="crumb"
         title=${`Select ${up.label.toLowerCase()}`}
         @click=${() => select(up.name)}
-      >${shortLabel(up)}</button>`,
+      >${up.short}</button>`,
   );
 }
 
-function hidden(part) {
+function hiddenLinks(part) {
   const runs = hiddenRuns(part);
   if (runs.length === 0) return nothing;
   const one = (run, i) => html`${i ? ', ' : ''}<button
       type="button"
       class="crumb"
-      title=${`Go to the middle of ${range(run)}`}
-      @click=${() => send({ do: 'go', frame: Math.round((run[0] + run[1]) / 2) })}
-    >${range(run)}</button>`;
+      title=${`Go to the middle of ${framesOf(run)}`}
+      @click=${() => perform('goTo', Math.round((run[0] + run[1]) / 2))}
+    >${framesOf(run)}</button>`;
   const more = runs.length - RUNS_SHOWN;
   return html`<span class="dim tall cut">Hidden in ${runs.slice(0, RUNS_SHOWN).map(one)}${
     more > 0 ? `, ${more} more` : ''
   }</span>`;
 }
 
-function steps(part) {
-  const up = partNamed(part.parent);
-  const next = outward(part);
-  const end = next ? shortLabel(endOfChain(part)).toLowerCase() : '';
-  return html`${iconButton({
-    name: 'mirror', label: 'Other side', key: 'Q', act: otherSide,
-    off: part.mirror ? '' : `${part.label} has no other side`,
-  })}${iconButton({
-    name: 'sb', label: up ? `Toward the body: ${up.label.toLowerCase()}` : 'Toward the body', key: '[',
-    act: () => alongChain(-1), off: up ? '' : `${part.label} is the root, everything hangs on it`,
-  })}${iconButton({
-    name: 'sf', label: `Toward the ${end}: ${next?.label.toLowerCase()}`, key: ']',
-    act: () => alongChain(1), off: next ? '' : `Nothing hangs on the ${part.label.toLowerCase()}`,
-  })}`;
-}
+const steps = () => html`${actionIcon('otherSide')}${actionIcon('inward')}${actionIcon('outward')}`;
 
 function byName() {
   return dropdown({
     label: 'Part', text: isPerson(server.body) ? 'By name' : 'Find', kind: 'ghost', search: true,
-    title: 'Select a part by its name',
-    value: server.view.selected, options: named(), act: select,
+    title: 'Select a part by name',
+    value: server.view.selected, options: partOptions(), act: select,
   });
 }
 
 /** All parts, in the groups the timeline's lanes have. */
-function named() {
+function partOptions() {
   const left = new Map(server.body.parts.map((part) => [part.name, part]));
   const options = [];
   const rest = { label: 'Other parts', parts: [...left.keys()] };

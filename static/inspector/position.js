@@ -11,17 +11,17 @@ const NEAREST_M = 0.05;
 export function position() {
   // The camera's y runs down; people say how high.
   const rows = [
-    { label: 'Across', axis: 'x', sign: 1, title: 'Right of the picture’s middle' },
-    { label: 'Up', axis: 'y', sign: -1, title: 'Above the picture’s middle' },
+    { label: 'Across', axis: 'x', sign: 1, title: 'To the right of the image centre' },
+    { label: 'Up', axis: 'y', sign: -1, title: 'Above the image centre' },
     { label: 'Depth', axis: 'z', sign: 1, title: 'Away from the camera', min: NEAREST_M },
   ];
   return section(
     'Position',
     html`${rows.map(place)}`,
     iconButton({
-      name: 'reset', label: 'Back to the middle of the picture',
+      name: 'reset', label: 'Move to the image centre',
       act: () => send({ do: 'root', x: 0, y: 0 }),
-      off: server.pose ? '' : 'There is no pose at this frame',
+      off: server.pose ? '' : 'No pose at this frame',
     }),
   );
 }
@@ -40,6 +40,6 @@ function place({ label, axis, sign, title, min }) {
     min,
     title: `${title}: drag sideways or type`,
     edit: (metres) => ({ do: 'root', [axis]: sign * metres }),
-    off: server.pose ? '' : 'There is no pose at this frame',
+    off: server.pose ? '' : 'No pose at this frame',
   });
 }

@@ -3,9 +3,13 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { server, ui, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
+import { keyOf } from '../actions/actions.js';
+import { actionIcon } from '../actions/buttons.js';
 import { icon } from '../controls/icons.js';
-import { checkbox, iconButton, numberField, segmented, shortNumber, slider, tip } from '../controls/fields.js';
-import { isFree } from '../store/limits.js';
+import {
+  checkbox, numberField, segmented, shortNumber, slider,
+} from '../controls/fields.js';
+import { isFree } from '../store/parts.js';
 import { section } from './section.js';
 
 const AXES = ['x', 'y', 'z'];
@@ -16,10 +20,7 @@ export function rotation(part) {
   return section(
     'Rotation',
     html`${AXES.map((axis, i) => angle(part, axis, server.pose?.angles[part.name]?.[i] ?? null))}${frames()}`,
-    iconButton({
-      name: 'reset', label: 'Reset this part', key: '⌫',
-      act: () => send({ do: 'reset_part', part: part.name }),
-    }),
+    actionIcon('resetPart'),
   );
 }
 
@@ -35,10 +36,10 @@ function angle(part, axis, value) {
     coarse: 5,
     limit: isFree(part.name, axis) ? null : limits,
     edit: (deg) => ({ do: 'angles', part: part.name, [axis]: deg, free: isFree(part.name, axis) }),
-    off: value === null ? 'There is no pose at this frame' : '',
+    off: value === null ? 'No pose at this frame' : '',
   };
   const [min, max] = track(limits, isFree(part.name, axis));
-  const title = `${spec.label}${words(limits)}. Double-click: back to rest`;
+  const title = `${spec.label}${words(limits)}. Double-click to reset`;
   return html`<div class="f">
     <label class="cut" title=${spec.label}>
       <b style="color:var(--g${axis})">${axis.toUpperCase()}</b>${spec.label}
@@ -65,19 +66,22 @@ function lock(part, axis, limits) {
   const free = isFree(part.name, axis);
   const off = reasonOff(limits);
   const word = part.words?.[axis] ?? axis.toUpperCase();
-  const label = free ? `Hold ${word} within its limits` : `Let ${word} go beyond its limits`;
+  const label = free ? `Apply the joint limits of ${word}` : `Ignore the joint limits of ${word}`;
   return html`<button
     type="button"
     class="lk ${free && !off ? 'on' : ''} ${off ? 'off' : ''}"
     aria-label=${label}
     aria-pressed=${!free}
     aria-disabled=${off ? 'true' : nothing}
-    title=${off || tip(label, 'hold U in a drag')}
+    title=${off || label}
+    data-key=${off ? nothing : holdKey()}
     @click=${() => off || setFree(part, axis, !free)}
   >
     ${icon(free ? 'unlock' : 'lock')}
   </button>`;
 }
+
+const holdKey = () => `hold ${keyOf('free')} in a drag`;
 
 function reasonOff(limits) {
   if (!limits) return 'This axis has no limits';
@@ -94,7 +98,7 @@ function setFree(part, axis, free) {
 function frames() {
   const options = [
     { id: 'part', label: 'Part', title: 'Rings along the part’s own axes' },
-    { id: 'parent', label: 'Parent', title: 'Rings along the axes of the part it hangs on' },
+    { id: 'parent', label: 'Parent', title: 'Rings along the axes of the parent part' },
     { id: 'view', label: 'View', title: 'Rings along the axes of the view' },
   ];
   return html`<div class="row frames">
@@ -104,7 +108,7 @@ function frames() {
     })}<span class="sp"></span>
     ${checkbox({
       label: 'Joint limits', on: server.view.limits, act: (on) => send({ do: 'limits', on }),
-      title: 'Hold every joint within what a body can do', key: 'hold U in a drag to lift',
+      title: 'Keep every joint within its anatomical limits', key: holdKey(),
     })}
   </div>`;
 }

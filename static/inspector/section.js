@@ -1,7 +1,10 @@
-// The pieces a tab is laid out with.
+// The pieces of a tab.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { numberField, slider } from '../controls/fields.js';
+import { button, numberField, slider } from '../controls/fields.js';
+import { leaveSketch } from '../handles/sketch.js';
+import { select } from '../store/parts.js';
+import { setUi, ui } from '../store/state.js';
 
 /** A titled block; right: what stands at the right end of its heading. */
 export function section(title, body, right = nothing) {
@@ -9,6 +12,24 @@ export function section(title, body, right = nothing) {
     <div class="hd"><span class="cut">${title}</span><span class="sp"></span>${right}</div>
     ${body}
   </section>`;
+}
+
+/** The name of a part with the colour of its side; a click selects it. `both`: it stands for its pair. */
+export function partName(part, both = false) {
+  return html`<button type="button" class="name" title=${`Select ${part.label.toLowerCase()}`} @click=${() => select(part.name)}>
+    <span class="dot ${both ? 'both' : ''}" style="background:var(--${part.side})"></span>
+    <span class="cut">${both ? part.short : part.label}</span>
+  </button>`;
+}
+
+/** A button that takes up a drawing tool, or puts it away; `busy` is its label meanwhile. */
+export function drawingButton(tool, { name, label, busy, title }) {
+  const drawing = ui.tool === tool;
+  return button({
+    name, label: drawing ? busy : label, kind: drawing ? 'full on' : 'full',
+    title: drawing ? 'Stop drawing' : title, key: drawing ? 'Esc' : '',
+    act: () => (drawing ? leaveSketch() : setUi('tool', tool)),
+  });
 }
 
 /** A label and whatever it is of. */
@@ -26,9 +47,9 @@ export function measure(spec, track) {
   }</label>${bar}${numberField(spec)}</div>`;
 }
 
-/** A number that is only told. */
+/** A number that is only shown. */
 export function fact(label, words, title = '') {
-  return html`<div class="f told" title=${title}>
+  return html`<div class="f fact" title=${title}>
     <label>${label}</label><span></span><output class="num">${words}</output>
   </div>`;
 }

@@ -2,37 +2,28 @@
 
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { server, ui, setUi } from '../store/state.js';
-import { send } from '../store/link.js';
+import { keyOf } from '../actions/actions.js';
+import { segmentsHere } from '../actions/tracking.js';
+import { actionButton } from '../actions/buttons.js';
 import { icon } from '../controls/icons.js';
-import { button, segmented, shortNumber } from '../controls/fields.js';
+import { VERDICTS } from '../controls/verdicts.js';
+import { range } from '../controls/words.js';
+import { segmented, shortNumber } from '../controls/fields.js';
 import { fewestKeys, isSurface, words as subject } from '../store/subject.js';
 import { fact, section } from './section.js';
-
-const CHIPS = {
-  good: ['good', 'check'],
-  check: ['check', 'warn'],
-  lost: ['lost', 'lost'],
-  outdated: ['old', 'old'],
-  tracking: ['track', 'run'],
-  waiting: ['old', 'old'],
-  none: ['old', 'old'],
-};
 
 export function segment() {
   const here = segmentsHere();
   if (here.length === 0) return section('Segment', html`<p class="note">${why()}</p>`);
-  const one = here.find((each) => each.first === ui.segmentFirst) ?? liveliest(here);
+  const one = here.find((each) => each.first === ui.segmentFirst) ?? mostRelevant(here);
   const choice = here.length > 1 ? sides(here, one) : nothing;
-  return section(`Segment ${one.first}–${one.last}`, html`${verdict(one)}${notes(one)}${isSurface() ? distance(one) : chart(one)}`, choice);
+  return section(nameOf(one), html`${verdict(one)}${notes(one)}${isSurface() ? distance(one) : chart(one)}`, choice);
 }
 
-function segmentsHere() {
-  const { frame } = server.view;
-  return (server.segments ?? []).filter((each) => each.first <= frame && frame <= each.last);
-}
+const nameOf = ({ first, last }) => `Segment ${range(first, last)}`;
 
 /** At a keyframe two segments meet: the one at work is the one to look at. */
-function liveliest(here) {
+function mostRelevant(here) {
   const scored = (each) => each.scores.some(Number.isFinite);
   return here.find((each) => each.state === 'tracking') ?? here.find(scored) ?? here[0];
 }
@@ -41,7 +32,7 @@ function sides(here, one) {
   return segmented({
     label: 'Segment', value: one.first, act: (first) => setUi('segmentFirst', first),
     options: here.map((each, i) => ({
-      id: each.first, label: i ? 'After' : 'Before', title: `Segment ${each.first}–${each.last}`,
+      id: each.first, label: i ? 'After' : 'Before', title: nameOf(each),
     })),
   });
 }
@@ -50,18 +41,18 @@ function why() {
   const frames = server.keys?.frames ?? [];
   if (frames.length < fewestKeys()) {
     return isSurface()
-      ? 'Nothing to fit: pose the body in one of the surfaces first.'
-      : 'Nothing to track: pose a second keyframe first.';
+      ? 'Nothing to fit yet. Add a keyframe first.'
+      : 'Nothing to track yet. Add a second keyframe.';
   }
   const { frame } = server.view;
   const side = frame < frames[0] ? `before ${frames[0]}` : `after ${frames.at(-1)}`;
-  return `Only one keyframe stands beside the frames ${side}: key one more to track them.`;
+  return `Frames ${side} are outside the keyframes. Add a keyframe there to track them.`;
 }
 
 function verdict(one) {
-  const [kind, sign] = CHIPS[one.state] ?? CHIPS.none;
+  const { colour, sign } = VERDICTS[one.state] ?? VERDICTS.none;
   return html`<div class="row verdict" role="status">
-    <span class="chip ${kind}">
+    <span class="chip ${colour}">
       <span class=${one.state === 'tracking' ? 'turning' : ''}>${icon(sign)}</span><em>${sentence(one)}</em>
     </span>
     ${Number.isInteger(one.go) ? goThere(one.go) : nothing}
@@ -71,25 +62,24 @@ function verdict(one) {
 /** What else is worth knowing of how it was found. */
 function notes(one) {
   if (!one.notes?.length) return nothing;
-  return html`<ul class="notes">${one.notes.map((words) => html`<li>${words.charAt(0).toUpperCase() + words.slice(1)}</li>`)}</ul>`;
+  return html`<ul class="notes">${one.notes.map((words) => html`<li>${words}</li>`)}</ul>`;
 }
 
 function goThere(frame) {
-  const act = () => send({ do: 'go', frame });
-  return button({ label: `Go to ${frame}`, title: 'The frame to look at', act });
+  return actionButton('goTo', frame, { name: undefined, label: `Go to ${frame}` });
 }
 
 function sentence(one) {
   if (one.state === 'tracking') return `${subject().doing}, ${one.words || `pass ${one.pass} of ${one.of}`}`;
-  return one.words || { good: 'Good', none: `Not ${subject().done}`, outdated: 'Outdated' }[one.state] || one.state;
+  return one.words || VERDICTS[one.state]?.word || `Not ${subject().done}`;
 }
 
 /** How far apart body and surfaces lie, where they were fitted. */
 function distance(one) {
   const metres = one.scores.at(-1);
   if (one.state === 'tracking' || one.state === 'waiting') return nothing;
-  if (!Number.isFinite(metres)) return html`<p class="note">Fit with T.</p>`;
-  return fact('Apart', `${shortNumber(1000 * metres, 1)} mm`, 'Root mean square distance of what counts');
+  if (!Number.isFinite(metres)) return html`<p class="note">Fit with ${keyOf('trackChanged')}.</p>`;
+  return fact('Distance', `${shortNumber(1000 * metres, 1)} mm`, 'RMS distance between body and surface');
 }
 
 // --- the chart: 264 × 72, errors from the left top down to the right
@@ -99,11 +89,11 @@ const [LEFT, RIGHT, TOP, BOTTOM] = [24, 258, 8, 54];
 function chart(one) {
   if (!one.scores.some(Number.isFinite)) return html`<p class="note">${nothingDrawn(one)}</p>`;
   const many = Math.max(one.of ?? 0, one.scores.length);
-  const top = nice(Math.max(...one.scores.filter(Number.isFinite)));
+  const top = roundUp(Math.max(...one.scores.filter(Number.isFinite)));
   const step = (RIGHT - LEFT - 8) / Math.max(1, many - 1);
   const x = (pass) => LEFT + 8 + step * (pass - 1);
   const y = (score) => BOTTOM - ((BOTTOM - TOP) * Math.min(score, top)) / top;
-  return html`<svg class="passes" viewBox="0 0 264 72" role="img" aria-label=${spoken(one)}>
+  return html`<svg class="passes" viewBox="0 0 264 72" role="img" aria-label=${spokenScores(one)}>
       ${[TOP, (TOP + BOTTOM) / 2, BOTTOM].map((at) => svg`<path class="rule" d="M${LEFT} ${at}H${RIGHT + 4}"/>`)}
       <text x=${LEFT - 6} y=${TOP + 4} class="y">${top}</text><text x=${LEFT - 6} y=${BOTTOM + 4} class="y">0</text>
       ${curve(one, x, y, many)}${numbers(many, x)}
@@ -113,8 +103,8 @@ function chart(one) {
 
 function nothingDrawn(one) {
   if (one.state === 'tracking' || one.state === 'waiting') return 'No pass is finished yet.';
-  if (one.scores.length > 0) return 'A preview does not measure its error.';
-  return 'Track with T. The error of every pass is drawn here.';
+  if (one.scores.length > 0) return 'Previews do not measure the error.';
+  return `Track with ${keyOf('trackChanged')}. The error of each pass appears here.`;
 }
 
 function curve(one, x, y, many) {
@@ -138,12 +128,12 @@ function numbers(many, x) {
   return shown.map((pass) => svg`<text class="x" x=${x(pass)} y="70">${pass}</text>`);
 }
 
-function spoken(one) {
+function spokenScores(one) {
   return `Error per pass: ${one.scores.map((score) => score?.toFixed(1)).join(', ')}`;
 }
 
 /** The next round number: the scale does not creep while passes come in. */
-function nice(value) {
+function roundUp(value) {
   if (!(value > 0)) return 1;
   const unit = 10 ** Math.floor(Math.log10(value));
   return [1, 1.5, 2, 3, 4, 5, 6, 7, 8, 9, 10].map((step) => step * unit).find((round) => round >= value * 0.999);

@@ -1,12 +1,12 @@
-// Sizes of the selected part and where it hangs on its parent, in centimetres.
+// Shape and sizes of the selected part, and where it hangs on its parent, in centimetres.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { server } from '../store/state.js';
 import { send } from '../store/link.js';
 import { icon } from '../controls/icons.js';
-import { numberField } from '../controls/fields.js';
-import { measure, section } from './section.js';
-import { otherSideWord, partNamed } from './parts.js';
+import { dropdown, numberField } from '../controls/fields.js';
+import { line, measure, section } from './section.js';
+import { otherSideWord, partNamed } from '../store/parts.js';
 
 const SMALLEST_CM = 0.2;
 const LARGEST_CM = 1000;
@@ -17,7 +17,16 @@ export function size(part) {
   const longest = Math.max(...part.sizes.map((one) => one.label.length));
   const where = part.parent ? joint(part) : nothing;
   const list = html`<div class="wordy" style="--label:${longest * LETTER_PX}px">${rows}</div>`;
-  return section('Size', html`${list}${where}`, linked(part));
+  return section('Size', html`${shape(part)}${list}${where}`, linkButton(part));
+}
+
+function shape(part) {
+  return line('Shape', dropdown({
+    label: 'Shape', value: part.shape,
+    options: server.body.shapes.map((one) => ({ id: one.kind, label: one.label })),
+    act: (kind) => send({ do: 'shape', part: part.name, kind }),
+    title: 'Another shape, about as large as this one',
+  }));
 }
 
 /** The number field of one size; the table of the Body tab has it too. */
@@ -37,7 +46,7 @@ export function sizeSpec(part, one) {
 }
 
 /** Left and right together: a button on parts that come in pairs. */
-function linked(part) {
+function linkButton(part) {
   if (!part.mirror) return nothing;
   const side = otherSideWord(part);
   const other = partNamed(part.mirror)?.label.toLowerCase() ?? '';
@@ -68,6 +77,6 @@ function joint(part) {
       edit: (cm) => ({ do: 'joint', part: part.name, [axis]: cm }),
     });
   return html`<div class="tri">
-    <label title=${`Where the part hangs on the ${on}`}>Joint, cm</label>${['x', 'y', 'z'].map(one)}
+    <label title=${`Where the joint is on the ${on}`}>Joint, cm</label>${['x', 'y', 'z'].map(one)}
   </div>`;
 }

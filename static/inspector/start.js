@@ -5,24 +5,23 @@ import { server } from '../store/state.js';
 import { send } from '../store/link.js';
 import { checkbox, dropdown } from '../controls/fields.js';
 import { line } from './section.js';
-import { shortLabel } from './parts.js';
 
 const STARTS = [
   { id: 'auto', label: 'Auto', note: 'the best of these' },
   { id: 'linear', label: 'Linear', note: 'plain interpolation' },
-  { id: 'templates', label: 'Templates', note: 'by what ends look like' },
-  { id: 'both-ways', label: 'Both ways', note: 'from both keyframes' },
-  { id: 'import', label: 'Imported', note: 'a motion from elsewhere' },
+  { id: 'templates', label: 'Templates', note: 'matches hands, feet and head' },
+  { id: 'both-ways', label: 'Both ways', note: 'tracks from both keyframes' },
+  { id: 'import', label: 'Imported', note: 'a motion you imported' },
 ];
 
 export function start() {
   const { initial } = server.settings;
   const pick = dropdown({
-    label: 'Start', value: initial, options: STARTS.map(within),
-    title: 'Where each segment starts from, before the passes',
+    label: 'Initial guess', value: initial, options: STARTS.map(within),
+    title: 'The motion that each segment is refined from',
     act: (id) => send({ do: 'settings', initial: id }),
   });
-  return html`${line('Start', pick)}${usesTemplates(initial) ? followed() : nothing}`;
+  return html`${line('Initial guess', pick)}${usesTemplates(initial) ? followLine() : nothing}`;
 }
 
 /** Auto looks for templates with the default method at full quality alone. */
@@ -34,7 +33,7 @@ function within(option) {
   if (option.id !== 'import') return option;
   const { imported } = server.settings;
   if (imported) return { ...option, note: imported };
-  return { ...option, off: 'No motion was imported: keypose import takes one in', note: 'none imported' };
+  return { ...option, off: 'Import a motion first (keypose import)', note: 'none imported' };
 }
 
 const plural = (word) => (word === 'Foot' ? 'Feet' : `${word}s`);
@@ -44,27 +43,27 @@ function ends() {
   const parents = new Set(server.body.parts.map((part) => part.parent));
   const found = new Map();
   for (const part of server.body.parts.filter((one) => one.parent && !parents.has(one.name))) {
-    const label = part.mirror ? plural(shortLabel(part)) : part.label;
+    const label = part.mirror ? plural(part.short) : part.label;
     found.set(label, [...(found.get(label) ?? []), part.name]);
   }
   return [...found];
 }
 
-function followed() {
+function followLine() {
   const all = ends();
   if (all.length === 0) return nothing;
   return line('Follow', html`<div class="follow" role="group" aria-label="Followed by templates">
-    ${all.map(([label, names]) => followedEnd(label, names))}
+    ${all.map(([label, names]) => followBox(label, names))}
   </div>`);
 }
 
-function followedEnd(label, names) {
+function followBox(label, names) {
   const out = server.settings.left_out;
   const on = !names.some((name) => out.includes(name));
   const rest = out.filter((name) => !names.includes(name));
   return checkbox({
     label, on,
-    title: on ? `${label}: followed by what it looks like. Click to leave it out` : `${label}: left out. Click to follow it`,
+    title: on ? `${label}: followed. Click to leave out` : `${label}: left out. Click to follow`,
     act: (wanted) => send({ do: 'settings', left_out: wanted ? rest : [...rest, ...names] }),
   });
 }

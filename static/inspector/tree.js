@@ -1,7 +1,7 @@
 // Bodies that are no person: their parts as an indented tree whose lines show who hangs on whom.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { ancestors, childrenOf, shortLabel } from './parts.js';
+import { ancestors, childrenOf } from '../store/parts.js';
 
 /** face(part) → {selected, hovered, over(), out(), act()}, as in figure.js. */
 export function tree(body, face) {
@@ -29,7 +29,7 @@ function row(part, look) {
     @click=${look.act}
   >
     ${rails(part)}<span class="dot" style="background:var(--${part.side})"></span>
-    <span class="cut">${shortLabel(part)}</span>${part.mirror ? html`<small>${part.side}</small>` : nothing}
+    <span class="cut">${part.short}</span>${part.mirror ? html`<small>${part.side}</small>` : nothing}
   </button>`;
 }
 

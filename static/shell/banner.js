@@ -2,6 +2,7 @@
 // not sent, nothing can be saved, or the browser draws no bodies.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { addOnTop } from '../controls/elements.js';
 import { icon } from '../controls/icons.js';
 import { backlog, discard, release } from '../store/edits.js';
 import { send, sendDue } from '../store/link.js';
@@ -12,12 +13,10 @@ ui.readOnlyRead = null; // the file whose banner was put away
 ui.flatRead = false;
 
 export function mountBanner() {
-  const place = document.createElement('div');
-  place.id = 'banner';
-  document.getElementById('screens').append(place);
+  const place = addOnTop('banner', 'div');
   const draw = () => render(banner(), place);
   /** @type {import('../store/shapes.js').Watched[]} */
-  const news = ['u:line', 'u:connected', 'u:dragging', 'u:readOnlyRead', 'u:flat', 'u:flatRead', 'u:held'];
+  const news = ['u:line', 'u:connected', 'u:dragging', 'u:readOnlyRead', 'u:flat', 'u:flatRead', 'u:unsent'];
   watch(['file', 'saved', ...news], draw);
   // How many edits wait is known to the link alone.
   setInterval(() => ui.line && draw(), 500);
@@ -25,7 +24,7 @@ export function mountBanner() {
 
 function banner() {
   if (ui.line || (!ui.connected && ui.dragging && server.file)) return noLine();
-  if (ui.held.length) return held(ui.held[0]);
+  if (ui.unsent.length) return notSent(ui.unsent[0]);
   const isNews = server.saved?.state === 'readonly' && server.file && ui.readOnlyRead !== server.file.path;
   if (isNews) return readOnly(server.saved.words);
   return ui.flat && server.file && !ui.flatRead ? flat() : nothing;
@@ -57,22 +56,22 @@ function waitingEdits() {
 }
 
 /** Edits from before the connection was lost, which cannot simply be sent to this server. */
-function held({ client, why, file, count: many }) {
+function notSent({ client, why, file, count: many }) {
   const edits = `${count(many, 'edit')} ${many === 1 ? 'was' : 'were'} not sent.`;
   return html`<div class="banner check" role="alert">
-    ${icon('warn')}<span><b>${edits}</b> ${WHY_HELD[why](file)}</span>
-    ${HELD_BUTTON[why]?.(client, file) ?? nothing}
+    ${icon('warn')}<span><b>${edits}</b> ${WHY_NOT_SENT[why](file)}</span>
+    ${UNSENT_BUTTON[why]?.(client, file) ?? nothing}
     <button class="btn sm" @click=${() => discard(client)}>Discard</button>
   </div>`;
 }
 
-const WHY_HELD = {
+const WHY_NOT_SENT = {
   changed: () => 'This session has been changed since.',
   elsewhere: ({ name }) => `Open ${name} to apply them.`,
   readonly: () => 'This session is read only here.',
 };
 
-const HELD_BUTTON = {
+const UNSENT_BUTTON = {
   changed: (client) => button('Apply', () => (release(client), sendDue())),
   elsewhere: (_, { id, name }) => button(`Open ${name}`, () => send({ do: 'open', kind: 'recent', id })),
 };
@@ -85,8 +84,8 @@ function readOnly(words) {
 }
 
 function flat() {
-  const words = html`<b>This browser draws no 3D, so no body is seen.</b>
-    Turn on graphics acceleration in its settings, or open this address in another browser.`;
+  const words = html`<b>WebGL is off, so the body cannot be shown.</b>
+    Turn on hardware acceleration in the browser’s settings, or use another browser.`;
   return dismissible('warn', words, () => setUi('flatRead', true));
 }
 

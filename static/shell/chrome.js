@@ -9,7 +9,7 @@ import { mountSheet } from './keys_sheet.js';
 import { mountLine } from './line.js';
 import { mountMenus } from '../controls/menu.js';
 import { mountStatus } from './status.js';
-import { mountTheme } from './theme.js';
+import { mountTheme } from '../actions/theme.js';
 import { mountTips } from '../controls/tips.js';
 import { mountToasts } from '../controls/toasts.js';
 import { mountTopbar } from './topbar.js';

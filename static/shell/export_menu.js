@@ -4,68 +4,46 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { server } from '../store/state.js';
 import { words } from '../store/subject.js';
-import { frame } from '../timeline/edit/head.js';
-import { copyPicture, saveMotion, savePicture, saveReport, viewShown } from './export.js';
-import { heading, line, menuHolder, note, toggleMenu } from '../controls/menu.js';
-import { listed, range } from '../controls/words.js';
-
-const MOTIONS = [
-  { format: 'bvh', icon: 'bone', right: 'Blender, Maya' },
-  { format: 'glb', icon: 'both', right: 'any 3D viewer' },
-  { format: 'trc', icon: 'trail', right: 'OpenSim' },
-  { format: 'c3d', icon: 'ghost', right: 'motion laboratories' },
-  { format: 'csv', icon: 'copy', right: 'joints, angles, verdicts' },
-  { format: 'npz', icon: 'quad', right: 'NumPy' },
-];
-const TRACKED = ['good', 'check', 'lost', 'outdated', 'tracking'];
+import { frame } from '../actions/playhead.js';
+import { keyOf } from '../actions/actions.js';
+import { menuItem } from '../actions/buttons.js';
+import { MOTION } from '../actions/table.js';
+import { hasMotion, viewShown } from '../actions/export.js';
+import { isTracked } from '../actions/tracking.js';
+import { heading, line, menuButton, menuHolder, note } from '../controls/menu.js';
+import { joined, range } from '../controls/words.js';
 
 export function exportButton() {
-  const button = (open) => html`<button
-    class="btn ghost ${open ? 'hov' : ''}"
-    aria-haspopup="menu"
-    aria-expanded=${open}
-    title="Pictures and motion as files"
-    @click=${() => toggleMenu('export')}
-  >
-    ${icon('exp')}Export${icon('chev')}
-  </button>`;
-  return menuHolder('export', button, items, 'right export');
+  const face = html`${icon('exp')}Export${icon('chev')}`;
+  const button = menuButton('export', { kind: 'btn ghost', title: 'Export images and motion', face });
+  return menuHolder('export', () => button, items, 'right export');
 }
 
 function items() {
-  const off = hasMotion() ? '' : `${words().verb} first: there is no motion yet`;
-  const keys = server.keys?.frames ?? [];
   const all = server.segments ?? [];
   const frames = all.length ? `, frames ${range(all[0].first, all.at(-1).last)}` : '';
   return [
-    heading(`Picture of frame ${frame()}`),
-    { icon: 'img', label: 'This view, PNG', right: sizeAndKey(), run: () => savePicture() },
-    { icon: 'quad', label: 'All four views, PNG', run: () => savePicture('all') },
-    { icon: 'clip', label: 'Copy this view', right: 'Shift C', run: copyPicture },
+    heading(`Image of frame ${frame()}`),
+    menuItem('saveImage', undefined, { right: sizeAndKey() }),
+    menuItem('saveAllImages'),
+    menuItem('copyImage'),
     line,
     heading(`Motion${frames}`),
-    ...MOTIONS.map(({ format, ...looks }) => ({
-      ...looks,
-      label: format.toUpperCase(),
-      off,
-      run: () => saveMotion(format),
-    })),
+    ...Object.entries(MOTION).map(([id, { reader }]) =>
+      menuItem(/** @type {keyof MOTION} */ (id), undefined, { right: reader }),
+    ),
     warning(),
     line,
-    {
-      icon: 'film', label: 'Report, HTML', right: 'verdicts, charts, pictures',
-      off: keys.length ? '' : 'Pose a keyframe first', run: saveReport,
-    },
+    menuItem('saveReport', undefined, { right: 'verdicts, charts, images' }),
   ];
 }
 
 /** Only the camera's picture has a size that is known here: the video's own. */
 function sizeAndKey() {
   const { width, height } = server.file ?? {};
-  return viewShown() === 'main' && width ? `${width} × ${height} · Shift E` : 'Shift E';
+  const key = keyOf('saveImage');
+  return viewShown() === 'main' && width ? `${width} × ${height} · ${key}` : key;
 }
-
-const hasMotion = () => (server.segments ?? []).some((s) => TRACKED.includes(s.state));
 
 /** The frames of segments in a state, neighbours as one: [[50, 61], [75, 99]]. */
 function spans(state) {
@@ -79,11 +57,11 @@ function spans(state) {
 
 /** What BVH and GLB, which hold no gaps, make of segments that are not tracked. */
 function withoutGaps() {
-  const tracked = (server.segments ?? []).filter((s) => ['good', 'check', 'lost'].includes(s.state));
+  const tracked = (server.segments ?? []).filter(isTracked);
   if (!tracked.length || tracked.length === server.segments.length) return nothing;
   const gap = tracked.some((s, i) => i && tracked[i - 1].last !== s.first);
-  const held = range(tracked[0].first, tracked.at(-1).last);
-  return gap ? ' BVH and GLB need all of them.' : ` BVH and GLB hold ${held} alone.`;
+  const frames = range(tracked[0].first, tracked.at(-1).last);
+  return gap ? ' BVH and GLB need all of them.' : ` BVH and GLB hold ${frames} alone.`;
 }
 
 /** "Frames 75–99 are lost and 50–61 are outdated. CSV and NPZ say so per frame." */
@@ -96,9 +74,9 @@ function warning() {
   const say = ({ state, names }, first) => {
     const noun = first ? 'Frames ' : ' and ';
     return html`<span class=${state === 'lost' ? 'lostword' : nothing}
-      >${noun}${listed(names)} are ${state === 'none' ? `not ${words().done}` : state}</span
+      >${noun}${joined(names)} are ${state === 'none' ? `not ${words().done}` : state}</span
     >`;
   };
-  const told = parts.map((part, i) => say(part, i === 0));
-  return note(html`${told}. CSV and NPZ say so per frame.${withoutGaps()}`);
+  const clauses = parts.map((part, i) => say(part, i === 0));
+  return note(html`${clauses}. CSV and NPZ say so per frame.${withoutGaps()}`);
 }

@@ -1,31 +1,22 @@
 // The file button of the top bar: what is open, where it lies, and the way to another one.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { menuItem } from '../actions/buttons.js';
 import { icon } from '../controls/icons.js';
-import { send } from '../store/link.js';
 import { server, ui } from '../store/state.js';
-import { damagedFrames } from '../store/damage.js';
+import { damagedFrames } from '../store/clip.js';
 import { isSurface } from '../store/subject.js';
-import { heading, line, menuHolder, note, toggleMenu } from '../controls/menu.js';
-import { openChooser } from '../start/chooser.js';
-import { loadLibrary } from '../start/library.js';
-import { toast } from '../controls/toasts.js';
+import { heading, line, menuButton, menuHolder, note, toggleMenu } from '../controls/menu.js';
+import { loadLibrary } from '../store/library.js';
 import { count, longAgo } from '../controls/words.js';
 
 const RECENT = 5;
 
 export function fileButton() {
-  const button = (open) => html`<button
-    class="row file ${open ? 'hov' : ''}"
-    aria-haspopup="menu"
-    aria-expanded=${open}
-    title=${server.file.path ?? nothing}
-    @click=${show}
-  >
-    ${icon('film')}<span class="b cut">${server.file.name}</span>
-    <span class="mut wide cut">${server.file.video}</span>${icon('chev')}
-  </button>`;
-  return menuHolder('file', button, items, 'left filemenu');
+  const { name, path, video } = server.file;
+  const face = html`${icon('film')}<span class="b cut">${name}</span> <span class="mut wide cut">${video}</span>${icon('chev')}`;
+  const button = menuButton('file', { kind: 'row file', title: path, face, act: show });
+  return menuHolder('file', () => button, items, 'left filemenu');
 }
 
 function show() {
@@ -36,23 +27,19 @@ function show() {
 function items() {
   const others = (ui.library?.recents ?? []).filter((r) => r.path !== server.file.path && !r.missing);
   return [
-    { icon: 'folder', label: 'Open another…', run: () => openChooser('any') },
+    menuItem('openFile'),
     ...(others.length ? [heading('Recent'), ...others.slice(0, RECENT).map(recent)] : []),
     line,
     note(facts()),
-    { icon: 'copy', label: 'Copy the path', run: copyPath },
+    menuItem('copyPath'),
     line,
-    { icon: 'x', label: 'Close', right: 'to the start screen', run: () => send({ do: 'close' }) },
+    menuItem('closeFile', undefined, { right: 'to the start screen' }),
   ];
 }
 
-function recent({ id, name, keyframes, opened_at: at }) {
-  return {
-    icon: 'film',
-    label: name,
-    right: `${count(keyframes, 'keyframe')} · ${longAgo(at)}`,
-    run: () => send({ do: 'open', kind: 'recent', id }),
-  };
+function recent(session) {
+  const { keyframes, opened_at: at } = session;
+  return menuItem('openRecent', session, { right: `${count(keyframes, 'keyframe')} · ${longAgo(at)}` });
 }
 
 function facts() {
@@ -67,12 +54,3 @@ function facts() {
 
 const damaged = (n) =>
   isSurface() ? `${count(n, 'step')} without a surface` : `${count(n, 'damaged frame')}, not used for tracking`;
-
-async function copyPath() {
-  try {
-    await navigator.clipboard.writeText(server.file.path);
-    toast({ kind: 'good', words: 'Path copied.' });
-  } catch {
-    toast({ kind: 'info', words: server.file.path });
-  }
-}

@@ -1,8 +1,9 @@
 // The job in the top bar: what runs, how far it is, Cancel; after its end a short message.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { keyOf, perform, whyNot } from '../actions/actions.js';
 import { icon } from '../controls/icons.js';
-import { send } from '../store/link.js';
+import { range } from '../controls/words.js';
 import { server, ui, setUi } from '../store/state.js';
 
 const STAYS_MS = 8000;
@@ -15,15 +16,15 @@ let wasRunning = false;
 
 /** The job of the top bar, or nothing. */
 export function jobState() {
-  if (server.job?.state === 'running') return running(server.job);
-  if (ui.ended) return ended(ui.ended);
+  if (server.job?.state === 'running') return runningJob(server.job);
+  if (ui.ended) return endedJob(ui.ended);
   return nothing;
 }
 
 /** Stop the running job; tells whether there was one. */
 export function cancelJob() {
-  if (server.job?.state !== 'running') return false;
-  send({ do: 'cancel' });
+  if (whyNot('cancel')) return false;
+  perform('cancel');
   return true;
 }
 
@@ -58,13 +59,13 @@ function worst() {
 }
 
 const isWorkedOn = (s) => s.state === 'tracking' || s.state === 'waiting';
-const nameOf = (s) => `${s.first}–${s.last}`;
+const nameOf = (s) => range(s.first, s.last);
 
-function running(job) {
+function runningJob(job) {
   const isFit = job.kind === 'fit'; // which does not know how far it is
   const percent = Math.round(job.percent ?? 0);
   const left = timeLeft(job.seconds_left);
-  const [now, ...later] = (job.words ?? '').split(' · ');
+  const now = job.words ?? '';
   return html`<div
     class="job"
     role="progressbar"
@@ -74,16 +75,16 @@ function running(job) {
   >
     <span class="spin">${icon('run')}</span><b class="num">${job.title}</b>
     <span class="mut num cut"
-      >${now}${later.length ? html`<span class="wide"> · ${later.join(' · ')}</span>` : nothing}${left
+      >${now}${left
         ? `${now ? ' · ' : ''}${left}`
         : nothing}</span
     >
-    <button class="btn ghost sm" title="Cancel   Esc" @click=${cancelJob}>Cancel</button>
+    <button class="btn ghost sm" title="Cancel" data-key=${keyOf('cancel')} @click=${cancelJob}>Cancel</button>
     <span class="bar ${isFit ? 'sweep' : ''}" style="width:${isFit ? 30 : percent}%"></span>
   </div>`;
 }
 
-function ended({ kind, title, words }) {
+function endedJob({ kind, title, words }) {
   return html`<div class="job end ${kind}" role="status">
     ${icon(ICONS[kind])}<b class="num">${title}</b>
     ${words ? html`<span class="mut num cut" title=${words}>${words}</span>` : nothing}

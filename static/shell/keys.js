@@ -1,21 +1,24 @@
-// The keyboard: what is pressed is looked up in the table, wherever the focus is.
+// The keyboard: a chord is looked up in the table of actions, wherever the focus is.
 
 import { server, ui, setUi } from '../store/state.js';
-import { togglePlaying } from '../timeline/timeline.js';
-import { BY_CHORD } from './bindings.js';
-import { keepsKey } from '../controls/focus.js';
-import { escape } from './escape.js';
+import { BY_CHORD, perform } from '../actions/actions.js';
+import { closeSheets } from '../controls/dialogs.js';
+import { keepsKey, leaveControl } from '../controls/focus.js';
+import { closeMenu } from '../controls/menu.js';
+import { closeGuide } from '../guide/guide.js';
+import { closeFit } from './fit_card.js';
+import { cancelJob } from './job.js';
 
 const SYMBOL = /^[^\p{L}\s]$/u;
 
 export function mountKeys() {
-  addEventListener('keydown', pressed);
-  addEventListener('keyup', released);
-  addEventListener('pointerdown', () => (held.used = true), true);
+  addEventListener('keydown', onKeyDown);
+  addEventListener('keyup', onKeyUp);
+  addEventListener('pointerdown', () => (space.isUsed = true), true);
   addEventListener('blur', () => setUi('space', false));
 }
 
-/** "Ctrl Shift Z": the key with those held beside it; empty when none of ours is meant. */
+/** "Ctrl Shift Z": the key with its modifiers; empty when none of ours is meant. */
 function chordOf(event) {
   // On many keyboards [ ] and / need AltGr, which some systems report as Ctrl and Alt.
   const graph = event.getModifierState('AltGraph');
@@ -39,7 +42,7 @@ function nameOf({ key, code }) {
   return letter ? letter[1] : key;
 }
 
-function pressed(event) {
+function onKeyDown(event) {
   if (event.defaultPrevented || event.isComposing || ui.dragging) return;
   const chord = chordOf(event);
   if (chord === 'Escape') {
@@ -48,13 +51,18 @@ function pressed(event) {
   }
   if (keepsKey(chord) || hasText(chord) || isModal(chord)) return;
   if (chord === 'Space') {
-    holdSpace(event);
+    pressSpace(event);
     return;
   }
   const binding = BY_CHORD.get(chord);
   if (!binding || (!server.file && !binding.always)) return;
   event.preventDefault();
-  if (!event.repeat || binding.repeats) binding.run();
+  if (!event.repeat || binding.repeats) perform(binding.id);
+}
+
+/** What Esc ends, the nearest first; whether there was anything. */
+function escape() {
+  return closeSheets() || closeMenu() || leaveControl() || closeFit() || closeGuide() || cancelJob();
 }
 
 /** A text that is marked in a message is what Ctrl C should copy. */
@@ -63,19 +71,19 @@ const hasText = (chord) => chord === 'Ctrl C' && !getSelection().isCollapsed;
 /** Under an open sheet the page does not change; the key that opened it closes it. */
 const isModal = (chord) => chord !== '?' && Boolean(ui.sheet || ui.chooser);
 
-// Space plays when it is let go, unless a drag has used it to move the picture.
-const held = { used: false };
+// Space plays when it is released, unless a drag has used it to move the picture.
+const space = { isUsed: false };
 
-function holdSpace(event) {
+function pressSpace(event) {
   if (!server.file) return;
   event.preventDefault();
   if (event.repeat || ui.space) return;
-  held.used = false;
+  space.isUsed = false;
   setUi('space', true);
 }
 
-function released(event) {
+function onKeyUp(event) {
   if (event.key !== ' ' || !ui.space) return;
   setUi('space', false);
-  if (!held.used) togglePlaying();
+  if (!space.isUsed) perform('play');
 }

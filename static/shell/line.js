@@ -1,4 +1,4 @@
-// How the line to the server stands, for those who tell of it: ui.line is null while it is up or only
+// How the line to the server stands, for those who show it: ui.line is null while it is up or only
 // just down, "lost", "long" when it may not come back by itself, "ended" when another Keypose answers.
 
 import { fetchOwn } from '../store/key.js';

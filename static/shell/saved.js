@@ -29,26 +29,16 @@ function isSaving() {
 }
 
 function hasFailed({ words }) {
-  const [what, rest] = split(words, 'Not saved');
-  return html`<span class="chip lost notsaved" title=${words || nothing}>
-    ${icon('lost')}<span class="cut">Not saved${what && `: ${what}`}</span>
-    ${rest ? html`<em class="wide">${rest}</em>` : nothing}
+  const said = words ? `Not saved: ${words}` : 'Not saved';
+  return html`<span class="chip lost notsaved" title=${said}>
+    ${icon('lost')}<span class="cut">${said}</span>
     <button class="btn sm" @click=${() => send({ do: 'save_again' })}>Try again</button>
   </span>`;
 }
 
 function isReadOnly({ words }) {
-  const [what] = split(words, 'Read only');
-  return html`<span class="row saved readonly" title=${words || nothing}>
-    ${icon('lock')}<span class="cut say">Read only${what && `: ${what}`}</span>
+  const said = words || 'Read only';
+  return html`<span class="row saved readonly" title=${said}>
+    ${icon('lock')}<span class="cut say">${said}</span>
   </span>`;
-}
-
-/** The words without the prefix that stands there already, and without what the button says. */
-function split(words, prefix) {
-  let text = (words ?? '').trim();
-  if (text.startsWith(prefix)) text = text.slice(prefix.length).replace(/^[:.\s]+/, '');
-  const [what, ...rest] = text.split(/\.\s+/);
-  const more = rest.join('. ').replace(/ ?[Tt]ry again\.?$/, '');
-  return [what.replace(/\.$/, ''), more];
 }

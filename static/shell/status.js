@@ -18,7 +18,7 @@ export function mountStatus() {
 
 /** Edits that wait would be lost with the tab: the browser asks first. */
 function keepWaiting(event) {
-  if ((!ui.connected && backlog() > 0) || ui.held.length) event.preventDefault();
+  if ((!ui.connected && backlog() > 0) || ui.unsent.length) event.preventDefault();
 }
 
 function bar() {

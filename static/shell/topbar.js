@@ -1,15 +1,14 @@
 // The top bar: file, saved, undo, job, Live, Track, Export, help, theme.
 
 import { html, render } from '../vendor/lit-html/lit-html.js';
-import { LOGO, icon } from '../controls/icons.js';
-import { send } from '../store/link.js';
-import { server, ui, watch } from '../store/state.js';
+import { actionIcon, menuItem } from '../actions/buttons.js';
+import { icon, LOGO } from '../controls/icons.js';
+import { menuButton, menuHolder } from '../controls/menu.js';
+import { server, watch } from '../store/state.js';
 import { exportButton } from './export_menu.js';
 import { fileButton } from './file_menu.js';
 import { jobState, noticeJob } from './job.js';
-import { toggleSheet } from '../controls/dialogs.js';
 import { savedState, savedTicks } from './saved.js';
-import { themeButton } from './theme.js';
 import { liveSwitch, trackButton } from './track.js';
 
 /** @type {import('../store/shapes.js').Watched[]} */
@@ -31,15 +30,7 @@ export function mountTopbar() {
 function bar() {
   return html`<div class="row logo">${LOGO}<span class="wordmark">Keypose</span></div>
     ${server.file ? session() : html`<span class="sp"></span>`}
-    <button
-      class="ib ${ui.sheet ? 'hov' : ''}"
-      title="Keys and help   ?"
-      aria-label="Keys and help"
-      @click=${toggleSheet}
-    >
-      ${icon('help')}
-    </button>
-    ${themeButton()}`;
+    ${actionIcon('showKeys', undefined, { size: '' })}${themeButton()}`;
 }
 
 /** The browser's tab tells how far the tracking is while one works elsewhere. */
@@ -52,21 +43,13 @@ function title() {
 function session() {
   return html`${fileButton()}${savedState()}
     <span class="vsep"></span>
-    ${step('undo', 'Undo', 'Ctrl Z')}${step('redo', 'Redo', 'Ctrl Shift Z')}
+    ${actionIcon('undo', undefined, { size: '' })}${actionIcon('redo', undefined, { size: '' })}
     <span class="sp"></span>${jobState()}${liveSwitch()}${trackButton()}
     <span class="vsep"></span>${exportButton()}`;
 }
 
-function step(action, word, keys) {
-  const label = server.undo?.[action];
-  const hint = label ? `${word} “${label}”   ${keys}` : `Nothing to ${action}`;
-  return html`<button
-    class="ib"
-    title=${hint}
-    aria-label=${label ? `${word} ${label}` : word}
-    ?disabled=${!label}
-    @click=${() => send({ do: action })}
-  >
-    ${icon(action)}
-  </button>`;
+function themeButton() {
+  const button = menuButton('theme', { kind: 'ib', title: 'Theme', label: 'Theme', face: icon('sun') });
+  const items = () => [menuItem('darkTheme'), menuItem('lightTheme'), menuItem('systemTheme')];
+  return menuHolder('theme', () => button, items, 'right small');
 }

@@ -1,12 +1,13 @@
 // The sheet that lists the files of the folders Keypose may see, and takes one from elsewhere.
 
-import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { clamp } from '../controls/arithmetic.js';
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
-import { ui, setUi, watch } from '../store/state.js';
-import { dialogIn } from '../controls/dialogs.js';
-import { bytes, listed, longAgo } from '../controls/words.js';
-import { loadLibrary, videoSuffixes } from './library.js';
+import { ui, setUi } from '../store/state.js';
+import { mountDialog } from '../controls/dialogs.js';
+import { bytes, joined, longAgo } from '../controls/words.js';
+import { videoSuffixes } from '../store/library.js';
 import { takeFiles } from './uploading.js';
 
 const KINDS = { any: null, video: ['video', 'images'], meshes: ['meshes'], session: ['session'] };
@@ -14,20 +15,8 @@ const TITLES = { any: 'Open', video: 'Choose a video', meshes: 'Choose surfaces'
 const ICONS = { video: 'film', images: 'img', meshes: 'both', session: 'key' };
 const MOST = 300; // rows; more are found by name
 
-/** Show the files; `lost` is a recent session whose video is looked for. */
-export function openChooser(kind, lost = null) {
-  loadLibrary();
-  setUi('fileFind', '');
-  setUi('chooser', { kind, lost });
-}
-
 export function mountChooser() {
-  const dialog = dialogIn('chooser', 'Choose a file', () => setUi('chooser', null));
-  watch(['u:chooser', 'u:library', 'u:fileFind'], () => {
-    render(ui.chooser ? sheet() : nothing, dialog);
-    if (ui.chooser && !dialog.open) dialog.showModal();
-    if (!ui.chooser && dialog.open) dialog.close();
-  });
+  mountDialog({ id: 'chooser', label: 'Choose a file', name: 'chooser', names: ['u:library', 'u:fileFind'], draw: sheet });
 }
 
 function sheet() {
@@ -45,9 +34,9 @@ function sheet() {
         .value=${ui.fileFind ?? ''}
         @input=${(event) => setUi('fileFind', event.target.value)}
       />
-      <button class="ib" title="Close   Esc" aria-label="Close" @click=${close}>${icon('x')}</button>
+      <button class="ib" title="Close" data-key="Esc" aria-label="Close" @click=${close}>${icon('x')}</button>
     </div>
-    <div class="filelist">${found.length ? grouped(found.slice(0, MOST)) : none()}</div>
+    <div class="filelist">${found.length ? byFolder(found.slice(0, MOST)) : none()}</div>
     <div class="row sheetfoot">
       <span class="dim">${footnote(found.length)}</span><span class="sp"></span>
       ${kind === 'session' || lost ? nothing : elsewhere()}
@@ -66,7 +55,7 @@ function files(kind) {
   );
 }
 
-function grouped(found) {
+function byFolder(found) {
   const folders = Map.groupBy
     ? Map.groupBy(found, ({ folder }) => folder)
     : found.reduce((map, one) => map.set(one.folder, [...(map.get(one.folder) ?? []), one]), new Map());
@@ -95,15 +84,15 @@ function choose({ id }) {
 function none() {
   if (!ui.library) return html`<p class="dim nothing">Looking…</p>`;
   return html`<p class="dim nothing">
-    ${ui.fileFind ? html`Nothing is called “${ui.fileFind}”.` : nowhere()}
+    ${ui.fileFind ? html`No file is named “${ui.fileFind}”.` : nowhere()}
   </p>`;
 }
 
 function footnote(found) {
-  if (ui.library?.more || found > MOST) return 'There are more files than shown: find them by name.';
+  if (ui.library?.more || found > MOST) return 'There are more files. Search by name.';
   const roots = ui.library?.folders ?? [];
   if (!roots.length || !found) return '';
-  return ui.chooser.lost ? nowhere() : `Looked in ${roots.join(', ')}`;
+  return ui.chooser.lost ? nowhere() : `From ${roots.join(', ')}`;
 }
 
 /** Which folders were looked into, and what to do when it lies in another. */
@@ -113,19 +102,19 @@ function nowhere() {
   const what = lost ? lost.video : { session: 'a session', meshes: 'surfaces' }[kind] ?? 'a video';
   // A copy of a video that was moved would not be the session's own.
   const drop = lost || kind === 'session' || kind === 'meshes' ? '' : ', or drop the video here';
-  const listing = roots.length ? `Listed are ${listed(roots)}` : 'No folder is listed';
-  return `${listing}: for ${what} in another folder, start Keypose in that folder${drop}.`;
+  const listing = roots.length ? `Showing ${joined(roots)}` : 'No folder to show';
+  return `${listing}. For ${what} in another folder, start Keypose there${drop}.`;
 }
 
 /** A video that lies in another folder is copied into Keypose's own. */
 function elsewhere() {
   return html`<label class="btn filebtn">
     ${icon('up')}From elsewhere…
-    <input type="file" accept=${['video/*', ...(videoSuffixes() ?? [])].join()} @change=${picked} />
+    <input type="file" accept=${['video/*', ...(videoSuffixes() ?? [])].join()} @change=${onPick} />
   </label>`;
 }
 
-function picked(event) {
+function onPick(event) {
   const chosen = [...event.target.files];
   event.target.value = '';
   if (!chosen.length) return;
@@ -140,6 +129,6 @@ function onKey(event) {
   const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
   if (step && rows.length) {
     event.preventDefault();
-    rows[Math.min(rows.length - 1, Math.max(0, at + step))].focus();
+    rows[clamp(at + step, 0, rows.length - 1)].focus();
   } else if (event.key === 'Enter' && event.target.type === 'search') rows[0]?.click();
 }

@@ -1,19 +1,18 @@
 // The whole window accepts a video, at any time.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { addOnTop } from '../controls/elements.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 import { toast } from '../controls/toasts.js';
 import { takeFiles, uploadCard } from './uploading.js';
 
 export function mountDropping() {
-  const place = document.createElement('div');
-  place.id = 'drop';
-  document.getElementById('screens').append(place);
+  const place = addOnTop('drop', 'div');
   watch(['file', 'u:dropping', 'u:upload'], () => render(overlay(), place));
   addEventListener('dragenter', over);
   addEventListener('dragover', over);
   addEventListener('dragleave', (event) => event.relatedTarget === null && setUi('dropping', false));
-  addEventListener('drop', dropped);
+  addEventListener('drop', onDrop);
 }
 
 /** On the start screen the drop zone itself answers. */
@@ -31,7 +30,7 @@ function over(event) {
   setUi('dropping', true);
 }
 
-function dropped(event) {
+function onDrop(event) {
   if (!hasFiles(event)) return;
   event.preventDefault();
   setUi('dropping', false);

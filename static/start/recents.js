@@ -5,10 +5,10 @@ import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
 import { ui, setUi } from '../store/state.js';
 import { count, longAgo } from '../controls/words.js';
-import { openChooser } from './chooser.js';
+import { openChooser } from '../controls/dialogs.js';
 
 const WIDTH = 220; // of a strip, px
-const MOST_MOVED = 2; // told at once; Find shows the others
+const MOST_MOVED = 2; // shown at once; Find shows the others
 
 /** The right half of the start screen. */
 export function recentSessions() {
@@ -30,9 +30,9 @@ export function recentSessions() {
     </div>
     <div class="reclist">
       ${found.filter(({ missing }) => !missing).map(row)}
-      ${found.length ? nothing : html`<p class="dim nothing">No session is called “${ui.find}”.</p>`}
+      ${found.length ? nothing : html`<p class="dim nothing">No session is named “${ui.find}”.</p>`}
     </div>
-    ${found.filter(({ missing }) => missing).slice(0, MOST_MOVED).map(moved)}`;
+    ${found.filter(({ missing }) => missing).slice(0, MOST_MOVED).map(movedCard)}`;
 }
 
 /** A picture of what is to be opened; a film where there is none. */
@@ -102,7 +102,7 @@ const patterns = () => svg`<defs>
   </pattern>
 </defs>`;
 
-function moved(recent) {
+function movedCard(recent) {
   const { video, keyframes, exchanged } = recent;
   return html`<div class="moved">
     <span class="sign">${icon('warn')}</span>

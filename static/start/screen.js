@@ -1,11 +1,12 @@
 // The start screen: what to see while nothing is open.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { addOnTop } from '../controls/elements.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
 import { server, ui, setUi, watch } from '../store/state.js';
-import { openChooser } from './chooser.js';
-import { loadLibrary } from './library.js';
+import { openChooser } from '../controls/dialogs.js';
+import { loadLibrary } from '../store/library.js';
 import { recentSessions, thumbnail } from './recents.js';
 import { uploadCard } from './uploading.js';
 
@@ -18,9 +19,7 @@ const STEPS = [
 let wasShown = false;
 
 export function mountStart() {
-  const place = document.createElement('main');
-  place.id = 'empty';
-  document.getElementById('screens').append(place);
+  const place = addOnTop('empty', 'main');
   /** @type {import('../store/shapes.js').Watched[]} */
   const own = ['u:library', 'u:upload', 'u:dropping', 'u:find', 'u:connected'];
   watch(['file', ...own], () => {
@@ -63,7 +62,7 @@ function dropZone() {
     </p>
     ${ui.upload ? uploadCard() : buttons()}
     <p class="dim kinds">
-      MP4, MOV, MKV, WebM, AVI and others · one steady camera<br />or observed surfaces, one mesh a step:
+      MP4, MOV, MKV, WebM, AVI and others · one steady camera<br />or a mesh sequence (3D scans):
       <button class="textlink" @click=${() => openChooser('meshes')}>Choose surfaces…</button>
     </p>
   </div>`;

@@ -7,7 +7,7 @@ import { send } from '../store/link.js';
 import { ui, setUi } from '../store/state.js';
 import { toast } from '../controls/toasts.js';
 import { bytes } from '../controls/words.js';
-import { isVideoName } from './library.js';
+import { isVideoName } from '../store/library.js';
 
 const KINDS = 'MP4, MOV, MKV, WebM, AVI, TS, MPG and the like, and GLB';
 
@@ -30,7 +30,7 @@ export function takeFiles(files) {
   else upload(video);
 }
 
-/** Stop the copying; tells whether there was any. */
+/** Stop the copying. */
 function cancelUpload() {
   if (!request) return false;
   request.abort();
@@ -58,15 +58,15 @@ export function uploadCard() {
 
 function upload(file) {
   request = new XMLHttpRequest();
-  const ended = (words) => {
+  const finish = (words) => {
     request = null;
     setUi('upload', null);
     if (words) toast({ kind: 'lost', words });
   };
   request.upload.onprogress = ({ loaded, total }) => setUi('upload', { name: file.name, loaded, total });
-  request.onload = () => ended(answered(request, file));
-  request.onerror = () => ended(`${file.name} was not copied. The connection was lost on the way.`);
-  request.onabort = () => ended('');
+  request.onload = () => finish(openUploaded(request, file));
+  request.onerror = () => finish(`${file.name} was not copied. The connection was lost on the way.`);
+  request.onabort = () => finish('');
   request.open('POST', `/upload?name=${encodeURIComponent(file.name)}`);
   for (const [name, value] of Object.entries(keyHeader())) request.setRequestHeader(name, value);
   request.send(file);
@@ -74,18 +74,18 @@ function upload(file) {
 }
 
 /** Open what has arrived; otherwise the words of the refusal. */
-function answered({ status, response }, file) {
-  let told = {};
+function openUploaded({ status, response }, file) {
+  let reply = {};
   try {
-    told = JSON.parse(response);
+    reply = JSON.parse(response);
   } catch {
     // An answer of the door, not of the library.
   }
-  if (status < 300 && told.id) {
-    send({ do: 'open', kind: 'upload', id: told.id });
+  if (status < 300 && reply.id) {
+    send({ do: 'open', kind: 'upload', id: reply.id });
     return '';
   }
-  return told.words || `${file.name} was not copied. The server answered ${status}.`;
+  return reply.words || `${file.name} was not copied. The server answered ${status}.`;
 }
 
 function refuse(file) {

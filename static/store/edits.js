@@ -1,6 +1,6 @@
 // Edits on their way to the server: each is kept, over a reload too, until it is on the server's disk.
 // When another server answers, they go to it, if its session is the one they were made in and is as
-// they knew it; otherwise they are held until the person decides. None is made twice: the server
+// they knew it; otherwise they wait until the person decides. None is made twice: the server
 // knows by client and number what it has.
 
 import { server, setUi, ui } from './state.js';
@@ -23,10 +23,10 @@ const NO_EDITS = new Set([
 
 let client = newClient();
 let count = 0;
-let entries = restored();
+let entries = restore();
 const own = new Set([client]);
 const acked = new Map();
-ui.held = []; // [{client, why, file, count}]: what waits for the person
+ui.unsent = []; // [{client, why, file, count}]: what waits for a decision
 server.done = 0; // of this page's messages: done or refused
 server.ack = 0; // and on the disk
 
@@ -34,8 +34,8 @@ server.ack = 0; // and on the disk
 export function keep(message) {
   const n = ++count;
   const last = entries.at(-1);
-  // Moves of one gesture replace each other: each is told from the gesture's beginning.
-  if (last && !last.held && isMove(message) && last.message.do === message.do && isOf(last, message)) entries.pop();
+  // Moves of one gesture replace each other: each is measured from the gesture's beginning.
+  if (last && !last.blocked && isMove(message) && last.message.do === message.do && isOf(last, message)) entries.pop();
   for (const entry of entries) {
     if (isMove(entry.message) && !(isMove(message) && isOf(entry, message))) entry.over ??= n;
   }
@@ -46,63 +46,69 @@ export function keep(message) {
 
 /** The server has done or refused these: the highest number of each client. */
 export function settle(dones) {
-  for (const [name, n] of Object.entries(dones)) if (own.has(name)) server.done = Math.max(server.done, n);
+  for (const [name, n] of Object.entries(dones)) if (own.has(name)) server.done = Math.max(server.done ?? 0, n);
 }
 
 /** The server has these on its disk: the highest number of each client. */
 export function acknowledge(acks) {
   for (const [name, n] of Object.entries(acks)) {
     acked.set(name, Math.max(acked.get(name) ?? 0, n));
-    if (own.has(name)) server.ack = Math.max(server.ack, n);
+    if (own.has(name)) server.ack = Math.max(server.ack ?? 0, n);
   }
   const left = entries.filter((entry) => !isSafe(entry));
   if (left.length === entries.length) return;
   entries = left;
   store();
-  tellHeld();
+  publishUnsent();
 }
 
 /** The messages to send now, in order, of those that were not sent on this line yet. */
 export function due(line) {
   const unsent = entries.filter((entry) => entry.line !== line);
   if (!unsent.length) return [];
-  for (const entry of unsent) entry.held = whyHeld(unsent.find((first) => isOneGroup(first, entry)));
-  const free = unsent.filter((entry) => !entry.held);
+  for (const entry of unsent) entry.blocked = whyNotSent(unsent.find((first) => isOneGroup(first, entry)));
+  const free = unsent.filter((entry) => !entry.blocked);
   const messages = withLooks(free);
   for (const entry of free) Object.assign(entry, { server: server.server, line });
-  entries = entries.filter((entry) => !entry.held || isWorthHolding(entry));
-  if (entries.some((entry) => entry.held && entry.client === client)) beAnother();
+  entries = entries.filter((entry) => !entry.blocked || isWorthKeeping(entry));
+  if (entries.some((entry) => entry.blocked && entry.client === client)) renewClient();
   store();
-  tellHeld();
+  publishUnsent();
   return messages;
 }
 
+/** Whether what the page shows is the answer to everything it has sent. */
+export const isCaughtUp = () => (server.done ?? 0) >= count;
+
+/** Whether the document stands as this message of ours has left it. */
+export const isNewest = (n) => server.revision === `${client}:${n}`;
+
 /** How many edits wait for the line to come back. */
-export const backlog = () => entries.filter((entry) => !entry.held && isEdit(entry)).length;
+export const backlog = () => entries.filter((entry) => !entry.blocked && isEdit(entry)).length;
 
 /** Let these be sent though the session has been changed since. */
 export function release(name) {
   for (const entry of entries) if (entry.client === name) entry.agreed = true;
 }
 
-/** Of what is held only edits matter, and the ends of their gestures. */
-const isWorthHolding = (entry) =>
+/** Of what is blocked only edits matter, and the ends of their gestures. */
+const isWorthKeeping = (entry) =>
   isEdit(entry) ||
   (ENDS.has(entry.message.do) && entries.some((one) => isMove(one.message) && isOf(one, entry.message)));
 
 /** The person does not want these. */
 export function discard(name) {
-  entries = entries.filter((entry) => !(entry.held && entry.client === name));
+  entries = entries.filter((entry) => !(entry.blocked && entry.client === name));
   store();
-  tellHeld();
+  publishUnsent();
 }
 
 // --- another server
 
 const isOneGroup = (one, other) => one.client === other.client && one.file?.path === other.file?.path;
 
-/** Why a group cannot be sent, told by its first; null when it can. */
-function whyHeld({ file, server: origin, agreed, revision, client: name }) {
+/** Why a group cannot be sent, by its first edit; null when it can. */
+function whyNotSent({ file, server: origin, agreed, revision, client: name }) {
   if (!file) return null; // there was no session yet
   if (file.path !== server.file?.path) return 'elsewhere';
   if (origin === server.server) return null;
@@ -111,8 +117,8 @@ function whyHeld({ file, server: origin, agreed, revision, client: name }) {
   return isKnown || agreed ? null : 'changed';
 }
 
-/** What is made from now on may be sent before what is held, whose numbers must not come too late. */
-function beAnother() {
+/** What is made from now on may be sent before what is blocked, whose numbers must not come too late. */
+function renewClient() {
   client = newClient();
   own.add(client);
 }
@@ -120,6 +126,7 @@ function beAnother() {
 /** Another server does not know at which frame one stood, and with which switches. */
 function withLooks(some) {
   const messages = [];
+  /** @type {Record<string, unknown>} */
   const at = { ...server.view };
   for (const { server: origin, look, message, client: name, n } of some) {
     if (origin !== server.server) messages.push(...steps(at, look));
@@ -140,16 +147,16 @@ function steps(at, look) {
   return messages;
 }
 
-function tellHeld() {
+function publishUnsent() {
   const groups = new Map();
-  for (const entry of entries.filter((one) => one.held && isEdit(one))) {
-    const { client: name, held, file } = entry;
+  for (const entry of entries.filter((one) => one.blocked && isEdit(one))) {
+    const { client: name, blocked, file } = entry;
     const key = `${name} ${file?.path}`;
-    if (!groups.has(key)) groups.set(key, { client: name, why: held, file, count: 0 });
+    if (!groups.has(key)) groups.set(key, { client: name, why: blocked, file, count: 0 });
     groups.get(key).count += 1;
   }
-  const told = [...groups.values()];
-  if (JSON.stringify(told) !== JSON.stringify(ui.held)) setUi('held', told);
+  const unsent = [...groups.values()];
+  if (JSON.stringify(unsent) !== JSON.stringify(ui.unsent)) setUi('unsent', unsent);
 }
 
 // --- one entry
@@ -175,7 +182,7 @@ function lookNow() {
   if (!server.view) return {};
   const { frame, limits, link, axes } = server.view;
   const look = { frame, limits, link, axes };
-  for (const { message, held } of entries) if (!held) Object.assign(look, LOOKS[message.do]?.(message));
+  for (const { message, blocked } of entries) if (!blocked) Object.assign(look, LOOKS[message.do]?.(message));
   return look;
 }
 
@@ -192,7 +199,7 @@ function store() {
 }
 
 /** What a page of this tab did not get to its server. Its gestures are over. */
-function restored() {
+function restore() {
   try {
     const kept = JSON.parse(inTab.read(NAME) ?? '[]');
     return kept.map((entry) => ({ ...entry, line: null, over: entry.over ?? entry.n }));

@@ -6,7 +6,7 @@ import { inBrowser } from './storage.js';
 const NAME = 'keypose.key';
 
 /** The newest: another tab may have been let in anew. */
-export function key() {
+function key() {
   return inBrowser.read(NAME) ?? ''; // without one this browser is not let in
 }
 

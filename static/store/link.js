@@ -50,22 +50,22 @@ export function listen(kind, fn) {
 
 export function connect() {
   socket = new WebSocket(`${location.origin.replace(/^http/, 'ws')}/events`, keyProtocols());
-  socket.onopen = opened;
+  socket.onopen = onOpen;
   socket.onmessage = (event) => receive(JSON.parse(event.data));
-  socket.onclose = closed;
+  socket.onclose = onClose;
 }
 
 function isOpen() {
   return socket !== null && socket.readyState === WebSocket.OPEN;
 }
 
-function opened() {
+function onOpen() {
   line += 1;
   isGreeted = false;
   setUi('connected', true);
 }
 
-function closed() {
+function onClose() {
   setUi('connected', false);
   questions.clear();
   setTimeout(connect, 500);

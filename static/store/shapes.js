@@ -63,12 +63,13 @@
  * @property {string[]} ramp  Colours from low to high.
  */
 
-/** @typedef {{ key: string, label: string, cm: number, min: number, max: number, at_cm: Point }} Size */
+/** @typedef {{ key: string, label: string, cm: number, min: number, max: number, at_cm: Point, role: string }} Size */
 
 /**
  * @typedef {object} Part
  * @property {string} name
  * @property {string} label
+ * @property {string} short  The label without its side.
  * @property {string | null} parent
  * @property {'L' | 'R' | 'C'} side
  * @property {string | null} mirror
@@ -77,11 +78,12 @@
  * @property {Record<Axis, [number, number] | null>} limits
  * @property {Point} joint_cm
  * @property {string[]} landmarks
+ * @property {string} shape
  * @property {Size[]} sizes
  */
 
 /**
- * @typedef {object} Handle  What can be taken hold of.
+ * @typedef {object} Handle  What can be grabbed.
  * @property {string} name
  * @property {string} kind
  * @property {string} part
@@ -99,6 +101,7 @@
  * @property {number} dof_count
  * @property {number} dof_total
  * @property {{ name: string, label: string }[]} presets
+ * @property {{ kind: string, label: string }[]} shapes
  * @property {{ label: string, parts: string[] }[]} lanes
  * @property {Part[]} parts
  * @property {Handle[]} handles
@@ -170,10 +173,9 @@
 /**
  * @typedef {object} Suggestion
  * @property {number | null} frame
- * @property {string} words
- * @property {string} reason
+ * @property {string} title  What to do.
+ * @property {string} detail  Why.
  * @property {string} kind
- * @property {Spot | null} verdict_of  The segment whose verdict says the reason already.
  */
 /** @typedef {{ part: string, x: Series, y: Series, z: Series, error: Series }} Curve */
 /** @typedef {{ part: string, points: [number, number, number, number][], keys: number[] }} Trail */
@@ -291,7 +293,7 @@
 /** @typedef {Message & { id: number, path: string | null, at: number, until: number }} Toast */
 
 /** @typedef {{ path: string, id: string, name: string }} Place  Where a session lies. */
-/** @typedef {{ client: string, why: string, file: Place | null, count: number }} HeldEdits */
+/** @typedef {{ client: string, why: string, file: Place | null, count: number }} UnsentEdits */
 
 /**
  * @typedef {object} Ui  This tab's own.
@@ -304,13 +306,13 @@
  * @property {boolean} dragging
  * @property {boolean} playing
  * @property {boolean} connected
- * @property {HeldEdits[]} [held]  What waits for the person.
+ * @property {UnsentEdits[]} [unsent]  What waits for a decision.
  * @property {string[] | null} [limb]
  * @property {number | null} [mask]  The region that is being edited.
  * @property {number} [shown]  The frame whose picture is on the screen.
  * @property {string | null} [menu]
- * @property {boolean} [sheet]  Of keys.
- * @property {boolean} [space]  The space bar is held.
+ * @property {boolean | null} [sheet]  Of keys.
+ * @property {boolean} [space]  The space bar is down.
  * @property {boolean} [dropping]
  * @property {boolean} [flat]  There is no WebGL.
  * @property {boolean} [flatRead]
@@ -334,7 +336,7 @@
  * @property {Set<string>} [freeAxes]
  * @property {Axis} [curveAxis]
  * @property {number} [timeHead]
- * @property {any} [timeHeld]
+ * @property {any} [timeGrabbed]
  * @property {any} [timeHover]
  * @property {Set<string>} [timeOpen]
  * @property {number} [timeScroll]

@@ -1,6 +1,8 @@
 // What a browser keeps for this page: over visits, or for one tab over a reload. A browser that keeps
 // nothing, or has no room left, has it at least as long as the page is.
 
+import { ui, watch } from './state.js';
+
 /** @param {() => Storage} place */
 function storage(place) {
   const unkept = new Map();
@@ -34,3 +36,17 @@ export const inBrowser = storage(() => localStorage);
 
 /** Over a reload, for this tab alone. */
 export const inTab = storage(() => sessionStorage);
+
+const KEPT = { tool: ['select', 'rotate', 'move', 'ends', 'size'], tab: ['part', 'body', 'camera', 'track'] };
+
+/** Restore the tool in hand and the inspector's tab after a reload, and keep them from now on. */
+export function mountMemory() {
+  for (const [name, known] of Object.entries(KEPT)) {
+    const value = inTab.read(keyOf(name));
+    // A drawing that was begun is lost, so its tool is put down.
+    if (known.includes(value)) ui[name] = value;
+    watch([/** @type {import('./shapes.js').Watched} */ ('u:' + name)], () => inTab.write(keyOf(name), ui[name]));
+  }
+}
+
+const keyOf = (name) => `keypose.${name}`;

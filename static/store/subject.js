@@ -2,8 +2,8 @@
 
 import { server } from './state.js';
 
-const FILM = { verb: 'Track', doing: 'Tracking', done: 'tracked', what: 'picture', one: 'frame' };
-const SURFACES = { verb: 'Fit', doing: 'Fitting', done: 'fitted', what: 'surface', one: 'step' };
+const FILM = { verb: 'Track', doing: 'Tracking', done: 'tracked', what: 'picture', image: 'image', one: 'frame' };
+const SURFACES = { verb: 'Fit', doing: 'Fitting', done: 'fitted', what: 'surface', image: 'surface', one: 'step' };
 
 /** Whether there are surfaces instead of a film. */
 export const isSurface = () => Boolean(server.surface);
@@ -16,4 +16,4 @@ export const fewestKeys = () => (isSurface() ? 1 : 2);
 
 /** Why nothing can be tracked or fitted yet. */
 export const tooFewWords = () =>
-  isSurface() ? 'Pose the first keyframe first' : 'Pose a second keyframe first';
+  isSurface() ? 'Add a keyframe first' : 'Add a second keyframe first';

@@ -1,29 +1,29 @@
 // The timeline: a bar, and one drawing in layers under it. See drawing.js for what is drawn when.
 
+import { clamp } from '../controls/arithmetic.js';
 import { html, render } from '../vendor/lit-html/lit-html.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 import { anyLane, lanesOf } from './draw/lanes.js';
 import { drawBar, show } from './bar.js';
-import { areFolded, mountFold, noticeZoom, showOpened } from './edit/zoom.js';
-import { frame, headKeys } from './edit/head.js';
-import { held } from './edit/held.js';
-import { listenOn, openMenuAtHead } from './edit/gestures.js';
+import { areFolded, mountFold } from '../actions/lanes.js';
+import { noticeZoom, showOpened } from './edit/opening.js';
+import { frame } from '../actions/playhead.js';
+import { headKeys } from './edit/head_keys.js';
+import { grabbed } from './edit/pointer.js';
+import { listenOn } from './edit/gestures.js';
 import { drawMenusIn } from '../controls/menu.js';
-import { mountSplitter, splitter } from './splitter.js';
 import { clearNumbers, PATTERNS } from './draw/ground.js';
-import { GUTTER, isCramped, isZoomed, reveal, rowsFor, setWidth } from './draw/scale.js';
+import { GUTTER, isCramped, rowsFor, setWidth } from './draw/scale.js';
+import { isZoomed, reveal } from '../actions/window.js';
 import { flagWidth } from './draw/overlay.js';
 import { layersOf } from './draw/drawing.js';
-import { remembered } from './draw/series.js';
-
-export { middle, next, nextProblem, step, toFirst, toKey, toLast, togglePlaying } from './edit/head.js';
-export { foldLanes, zoomToInterval } from './edit/zoom.js';
+import { memoize } from './draw/series.js';
 
 /** @type {import('../store/shapes.js').Watched[]} */
 const WATCHED = [
   'file', 'damage', 'view', 'keys', 'segments', 'suggest', 'need', 'lanes', 'curve', 'body', 'job',
   'u:playing', 'u:chart', 'u:lanes', 'u:curveAxis', 'u:timeWindow', 'u:timeSize', 'u:timeHead',
-  'u:timeHeld', 'u:timeHover', 'u:timeOpen', 'u:timeScroll', 'u:zoomHint',
+  'u:timeGrabbed', 'u:timeHover', 'u:timeOpen', 'u:timeScroll', 'u:zoomHint',
 ];
 
 ui.timeSize = { width: 0, height: 0 };
@@ -35,11 +35,10 @@ export function mount() {
   const time = document.getElementById('time');
   render(frameOf(), time);
   const drawing = time.querySelector('#tsvg');
-  mountSplitter(time);
   mountFold();
   drawMenusIn(time.querySelector('#tmenu'));
   listenOn(drawing, ground, scrollLanes);
-  headKeys(drawing, openMenuAtHead);
+  headKeys(drawing);
   const bar = time.querySelector('#tr');
   const layers = layersOf(drawing, ground);
   new ResizeObserver(() => measure(drawing)).observe(drawing);
@@ -48,8 +47,7 @@ export function mount() {
 }
 
 function frameOf() {
-  return html`${splitter()}
-    <div id="tr" role="toolbar" aria-label="Frames" @mousedown=${keepFocus}></div>
+  return html`<div id="tr" role="toolbar" aria-label="Frames" @mousedown=${keepFocus}></div>
     <svg id="tsvg" role="group" aria-label="Frames, keyframes and segments">${PATTERNS}
       <clipPath id="tl-frames"><rect x=${GUTTER + 1} y="-4" width="100000" height="10000" /></clipPath>
     </svg>
@@ -70,7 +68,7 @@ function measure(drawing) {
   setUi('timeSize', { width, height });
 }
 
-const rows = remembered((height, zoomed, lanes, weakest) => rowsFor({ height, zoomed, lanes, weakest }));
+const rows = memoize((height, zoomed, lanes, weakest) => rowsFor({ height, zoomed, lanes, weakest }));
 
 /** What the drawing stands on now: {rows, lanes, scroll}. */
 function ground() {
@@ -85,7 +83,7 @@ function ground() {
 
 function scrollLanes(by) {
   const { full, room } = ground().rows.lanes;
-  setUi('timeScroll', Math.min(Math.max(0, full - room), Math.max(0, ui.timeScroll + by)));
+  setUi('timeScroll', clamp(ui.timeScroll + by, 0, Math.max(0, full - room)));
 }
 
 let before = { clip: null, frame: null };
@@ -111,5 +109,5 @@ function follow() {
 /** Playing turns whole pages; a hand on the playhead pulls the window along with it. */
 function pageFor() {
   if (ui.playing) return 0.9;
-  return held() === null ? 0.1 : 0;
+  return grabbed() === null ? 0.1 : 0;
 }

@@ -23,7 +23,7 @@ export class CameraView extends View {
     this.eye = server.camera && cameraEye(server.camera);
     this.screen.ariaLabel = isSurface() ? 'Picture of the surface' : 'Picture of the video';
     if (server.camera && !this.window.chosen && !ui.dragging) this.showAll();
-    this.resized();
+    this.fitToSize();
   }
 
   follow() {}

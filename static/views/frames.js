@@ -1,13 +1,14 @@
 // The pictures of the film: fetched and decoded ahead, shown when they are whole.
 
 import { server, ui, setUi, watch } from '../store/state.js';
+import { clampFrame } from '../store/clip.js';
 import { fetchOwn } from '../store/key.js';
 import { listen, send } from '../store/link.js';
 
 const AHEAD = 24;
 const MOST_BYTES = 400e6;
 const MOST_LOADS = 6;
-/** While playing, a picture waits this long for the server's word that the body stands there too. */
+/** While playing, a picture waits this long for the server to move the body there too. */
 const PATIENCE_MS = 80;
 /** A last picture that did not come is asked for again so often. */
 const AGAIN_MS = 500;
@@ -22,9 +23,9 @@ let changed = () => {};
 let film = '';
 let version = '';
 let wanted = -1;
-let shown = -1;
+let shown = -1; // the frame whose picture is on the screen
 let play = null;
-/** Where playing left the playhead, {frame, n}: older words of the server come after it. */
+/** Where playing left the playhead, {frame, n}: older answers of the server come after it. */
 let left = null;
 
 /** Draw into this canvas; `onSize(width, height)` when the pictures have another size. */
@@ -32,30 +33,25 @@ export function mountFrames(canvas, onSize) {
   screen = canvas.getContext('2d', { alpha: false });
   changed = onSize;
   watch(['file', 'camera'], newFilm);
-  watch(['view'], () => server.view && (play ? followServer() : showTold()));
-  listen('state', () => left && server.done >= left.n && showTold());
+  watch(['view'], () => server.view && (play ? followServer() : showServerFrame()));
+  listen('state', () => left && server.done >= left.n && showServerFrame());
   watch(['u:connected'], () => (left = null));
   watch(['u:playing'], () => (ui.playing ? startPlaying() : stopPlaying()));
 }
 
-/** The frame whose picture is on the screen, −1 before the first. */
-export function shownFrame() {
-  return shown;
-}
-
-/** What the server says counts once it has heard where playing ended. */
-function showTold() {
+/** The server's frame counts once it has applied where playing ended. */
+function showServerFrame() {
   if (left && server.done < left.n && server.view.frame !== left.frame) return;
   if (left && server.done >= left.n) left = null;
   if (server.view) showFrame(server.view.frame);
 }
 
-/** Show this frame as soon as its picture is there; a later wish replaces it. */
-export function showFrame(frame) {
+/** Show this frame as soon as its picture is there; a later request replaces it. */
+function showFrame(frame) {
   if (!server.file) return;
-  wanted = Math.min(server.file.frames - 1, Math.max(0, Math.round(frame)));
+  wanted = clampFrame(frame);
   if (decoded.has(wanted)) draw(wanted);
-  else urgent(wanted);
+  else loadFirst(wanted);
   loadAround(wanted);
 }
 
@@ -99,7 +95,7 @@ function draw(frame) {
   setUi('shown', frame);
 }
 
-function urgent(frame) {
+function loadFirst(frame) {
   const place = queue.indexOf(frame);
   if (place >= 0) queue.splice(place, 1);
   if (!loading.has(frame)) queue.unshift(frame);
@@ -126,7 +122,7 @@ function pump() {
 
 async function load(frame) {
   const abort = new AbortController();
-  const wished = version;
+  const asked = version;
   loading.set(frame, abort);
   try {
     const url = `/frame/${frame}.jpg?v=${encodeURIComponent(server.camera.image_version)}`;
@@ -136,9 +132,9 @@ async function load(frame) {
       return void (frame === wanted && blank());
     }
     const bitmap = await createImageBitmap(await answer.blob());
-    if (wished !== version) return void bitmap.close();
+    if (asked !== version) return void bitmap.close();
     decoded.set(frame, bitmap);
-    forget();
+    evict();
     if (frame === wanted) draw(frame);
   } catch (error) {
     if (error.name !== 'AbortError') setTimeout(() => frame === wanted && showFrame(frame), 1000);
@@ -148,8 +144,8 @@ async function load(frame) {
   }
 }
 
-/** Let go of the pictures that were not used for longest. */
-function forget() {
+/** Drop the pictures that were not used for longest. */
+function evict() {
   let bytes = 0;
   for (const bitmap of decoded.values()) bytes += 4 * bitmap.width * bitmap.height;
   for (const [frame, bitmap] of decoded) {
@@ -208,7 +204,7 @@ function followServer() {
   if (server.view.frame <= play.sent) drawOnward(server.view.frame);
 }
 
-/** Time does not run backward, though the server's word on an earlier frame may come late. */
+/** Time does not run backward, though the server's answer for an earlier frame may come late. */
 function drawOnward(frame) {
   if (frame <= play.drawn || !decoded.has(frame)) return;
   play.drawn = frame;

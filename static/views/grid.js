@@ -20,11 +20,11 @@ export function gridLines(window) {
     return Math.abs(metres / coarse - Math.round(metres / coarse)) < 1e-6 ? 'coarse' : 'fine';
   };
   for (let k = Math.ceil(left / step); k * step <= right; k++) {
-    const x = crisp(window.fromPlane([k * step, 0])[0]);
+    const x = onWholePixel(window.fromPlane([k * step, 0])[0]);
     paths[kindOf(k * step)] += `M${x} 0V${window.height}`;
   }
   for (let k = Math.ceil(top / step); k * step <= bottom; k++) {
-    const y = crisp(window.fromPlane([0, k * step])[1]);
+    const y = onWholePixel(window.fromPlane([0, k * step])[1]);
     paths[kindOf(k * step)] += `M0 ${y}H${window.width}`;
   }
   return svg`<path class="fine" d=${paths.fine} /><path class="coarse" d=${paths.coarse} />
@@ -39,6 +39,6 @@ export function scaleBar(window) {
 }
 
 /** One pixel wide lines lie on whole pixels. */
-function crisp(x) {
+function onWholePixel(x) {
   return Math.floor(x) + 0.5;
 }

@@ -1,10 +1,10 @@
-// viser's page in an iframe, tamed to a picture: it draws and does nothing else. It is of our own
+// viser's page in an iframe, reduced to a picture: it draws and does nothing else. It is of our own
 // origin, so the page reaches in through the handle viser leaves on its window.
 
-import { dress } from './looks.js';
-import { keepLine } from './reviving.js';
+import { applyLooks } from './looks.js';
+import { reconnectSeldom } from './reconnect.js';
 
-const TAMED = `
+const BARE = `
   html, body, body * { background: transparent !important; }
   html, body { overflow: hidden !important; cursor: inherit !important; }
   .mantine-Paper-root, .mantine-Modal-root, .mantine-Notifications-root, .mantine-Overlay-root,
@@ -40,7 +40,7 @@ export class Picture {
   #pace;
   #role;
   #isReady = false;
-  #leaveLine = () => {};
+  #stopReconnecting = () => {};
 
   constructor(role, { aim, ready, pace }) {
     this.#role = role;
@@ -89,23 +89,23 @@ export class Picture {
     }
     if (inside === this.#inside) return;
     this.#inside = inside;
-    this.#quieten(this.#frame.contentWindow, inside);
+    this.#disableControls(this.#frame.contentWindow, inside);
     this.#takeCamera(inside);
-    this.#calm(inside);
+    this.#limitRendering(inside);
     inside.requestRender();
   }
 
   /** No keys, no mouse, no panels; come back by itself after a lost connection. */
-  #quieten(window, inside) {
+  #disableControls(window, inside) {
     const { cameraControl } = inside;
     for (const button of ['left', 'middle', 'right', 'wheel']) cameraControl.mouseButtons[button] = 0;
     for (const fingers of ['one', 'two', 'three']) cameraControl.touches[fingers] = 0;
     cameraControl.update = () => false;
     const style = window.document.createElement('style');
-    style.textContent = TAMED;
+    style.textContent = BARE;
     window.document.head.append(style);
-    this.#leaveLine();
-    this.#leaveLine = keepLine(window);
+    this.#stopReconnecting();
+    this.#stopReconnecting = reconnectSeldom(window);
   }
 
   /** The camera is ours: whatever viser did to it, before each picture it is set again. */
@@ -114,24 +114,24 @@ export class Picture {
     this.#isReady = false;
     inside.scene.onBeforeRender = (renderer, _scene, camera) => {
       renderer.toneMapping = 0; // colours as they are named
-      dress(this.#role, inside.nodeRefFromName);
+      applyLooks(this.#role, inside.nodeRefFromName);
       this.#aim(camera);
       if (!inside.nodeRefFromName[NODE] || ++rendered > RENDERED_FRAMES) return;
       if (rendered === RENDERED_FRAMES) {
         this.#isReady = true;
         this.#ready();
-      } else inside.requestRender(); // a slow screen may have drawn all it was asked before it was told all
+      } else inside.requestRender(); // a slow screen may have drawn all it was asked before all had arrived
     };
     inside.camera.updateProjectionMatrix = () => this.#aim(inside.camera);
   }
 
-  /** One picture per wish and one after it has settled; viser would draw on for 15 frames. */
-  #calm(inside) {
+  /** One picture per request and one after it has settled; viser would draw on for 15 frames. */
+  #limitRendering(inside) {
     const { invalidate, gl } = inside.scene.__r3f?.root?.getState?.() ?? {};
     if (!invalidate) return;
     let [planned, settled] = [0, 0];
     let [drawn, unread, skipped] = [0, false, false];
-    let wished = performance.now();
+    let requested = performance.now();
     const later = (wait) => {
       planned ||= setTimeout(() => {
         planned = 0;
@@ -141,13 +141,13 @@ export class Picture {
     const render = gl.render.bind(gl);
     gl.render = (...what) => {
       const now = performance.now();
-      // A tab in the background may draw a wish much later; and until there is something to see,
-      // what viser is told may come later than any wish.
-      if (this.#isReady && drawn >= wished && now - wished > AWAKE_MS) return;
+      // A tab in the background may draw a request much later; and until there is something to see,
+      // what viser is sent may come later than any request.
+      if (this.#isReady && drawn >= requested && now - requested > AWAKE_MS) return;
       const pace = this.#pace();
-      const wait = Math.max(drawn + pace.rest, wished + pace.behind) - now;
+      const wait = Math.max(drawn + pace.rest, requested + pace.behind) - now;
       if (wait > 0) return later(wait);
-      // With the first picture viser reads what it was told, and has it all in the second.
+      // With the first picture viser reads what it was sent, and has it all in the second.
       skipped = unread && !skipped && pace.once;
       unread = false;
       if (skipped) return invalidate();
@@ -156,7 +156,7 @@ export class Picture {
     };
     inside.requestRender = () => {
       const now = performance.now();
-      if (!planned) wished = now;
+      if (!planned) requested = now;
       unread = true;
       invalidate();
       clearTimeout(settled);

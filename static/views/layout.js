@@ -1,7 +1,8 @@
-// Which view stands where, and how large. Views change places by style alone: an iframe that is
-// moved in the document loads anew.
+// Which view stands where, how large, and the lines between the page's parts that are dragged to size
+// them. Views change places by style alone: an iframe that is moved in the document loads anew.
 
-import { ui, watch } from '../store/state.js';
+import { clamp } from '../controls/arithmetic.js';
+import { setUi, ui, watch } from '../store/state.js';
 import { pull } from '../controls/gesture.js';
 import { inBrowser } from '../store/storage.js';
 
@@ -11,20 +12,30 @@ const LEAST_MAIN_PX = 560;
 const KEPT = 'keypose-sizes';
 const STEP_PX = 16;
 
-/** What can be dragged: the style it sets, its range, and which way makes it larger. */
+/** What can be dragged: where it is, what it sizes, the style it sets, its range, and which way makes it larger. */
 const SPLITTERS = {
-  views: { style: '--w-views', least: 176, most: 420, along: 'x', grows: -1 },
-  insp: { style: '--w-insp', least: 256, most: 400, along: 'x', grows: -1 },
-  time: { style: '--h-time', least: 120, most: () => innerHeight / 2, along: 'y', grows: -1 },
-  first: { style: '--r-one', least: 80, along: 'y', grows: 1, rows: 0 },
-  second: { style: '--r-two', least: 80, along: 'y', grows: 1, rows: 1 },
+  views: { in: 'stage', label: 'Width of the views', style: '--w-views', least: 176, most: 420, along: 'x', grows: -1 },
+  insp: { in: 'insp', label: 'Width of the inspector', style: '--w-insp', least: 256, most: 400, along: 'x', grows: -1 },
+  time: { in: 'time', label: 'Height of the timeline', style: '--h-time', least: 120, most: () => innerHeight / 2, along: 'y', grows: -1 },
+  first: { in: 'stage', label: 'Height of the view above', style: '--r-one', least: 80, along: 'y', grows: 1, rows: 0 },
+  second: { in: 'stage', label: 'Height of the view above', style: '--r-two', least: 80, along: 'y', grows: 1, rows: 1 },
 };
 
 export function mountLayout() {
-  const stage = document.getElementById('stage');
-  for (const name of Object.keys(SPLITTERS)) stage.append(splitter(name));
+  for (const name of Object.keys(SPLITTERS)) document.getElementById(SPLITTERS[name].in).append(splitter(name));
   restore();
   watch(['u:layout'], place);
+  // In a lower window a chosen height may be more than half of it.
+  addEventListener('resize', () => document.documentElement.style.getPropertyValue('--h-time') && set('time', sizeOf('time')));
+}
+
+let before = 'main';
+
+/** Put this view in the large place, or "quad"; the same again goes back to what was before. */
+export function showLarge(name) {
+  const now = ui.layout;
+  setUi('layout', now === name ? before : name);
+  before = now;
 }
 
 function place() {
@@ -49,7 +60,8 @@ function splitter(name) {
   element.tabIndex = 0;
   element.role = 'separator';
   element.ariaOrientation = SPLITTERS[name].along === 'x' ? 'vertical' : 'horizontal';
-  element.ariaLabel = 'Size';
+  element.ariaLabel = SPLITTERS[name].label;
+  element.title = 'Drag to resize, double-click to restore';
   element.addEventListener('pointerdown', (event) => drag(event, name));
   element.addEventListener('dblclick', () => set(name, null));
   element.addEventListener('keydown', (event) => nudge(event, name));
@@ -114,14 +126,14 @@ function set(name, size) {
   /** @type {HTMLElement} */
   const large = document.querySelector('.view.large');
   if (name !== 'time') largest = Math.min(largest, sizeOf(name) + large.offsetWidth - LEAST_MAIN_PX);
-  root.setProperty(style, `${Math.round(Math.max(least, Math.min(largest, size)))}px`);
+  root.setProperty(style, `${Math.round(clamp(size, least, largest))}px`);
 }
 
 /** Two neighbouring rows share what they have. */
 function setRow(row, size, least) {
   const heights = rowHeights();
   const both = heights[row] + heights[row + 1];
-  heights[row] = Math.max(least, Math.min(both - least, size));
+  heights[row] = clamp(size, least, both - least);
   heights[row + 1] = both - heights[row];
   const root = document.documentElement.style;
   ['--r-one', '--r-two', '--r-three'].forEach((name, i) => root.setProperty(name, `${heights[i]}fr`));

@@ -1,4 +1,4 @@
-// What viser cannot be told about its nodes: what is drawn for its depth alone, and how faint
+// What cannot be said of nodes through viser: what is drawn for its depth alone, and how faint
 // lines are. Applied before every picture, since viser may have made a node anew.
 //
 // Over the film the body is one translucent sheet: its opaque solids are drawn first, without
@@ -28,18 +28,18 @@ const LOOKS = {
   },
 };
 
-/** Dress the nodes of one view; `nodes` are three.js objects by name. */
-export function dress(role, nodes) {
+/** Apply the looks to the nodes of one view; `nodes` are three.js objects by name. */
+export function applyLooks(role, nodes) {
   const looks = LOOKS[role] ?? LOOKS.small;
   for (const name in nodes) {
     const words = name.split('/');
     const look = looks[words.at(-1)] ?? looks[words.at(-2)] ?? looks[words.at(-3)];
-    if (look) nodes[name]?.traverse((object) => wear(object, look));
+    if (look) nodes[name]?.traverse((object) => applyLook(object, look));
   }
 }
 
 /** A look may differ by the name of what an object is made of. */
-function wear(object, look) {
+function applyLook(object, look) {
   if (!object.material) return;
   const { order = 0, ...values } = look[object.material.name] ?? look;
   object.renderOrder = order;

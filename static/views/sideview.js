@@ -20,7 +20,7 @@ export class SideView extends View {
   newEye() {
     const points = server.pose ? Object.values(server.pose.points) : [];
     this.eye = parallelEye(this.name, server.views, middleOf(points));
-    this.resized();
+    this.fitToSize();
   }
 
   /** Keep the body in sight, but never move under a hand. */
@@ -30,7 +30,7 @@ export class SideView extends View {
     const box = this.bodyBox();
     if (this.window.chosen ? this.window.touches(box) : this.window.holds(box)) return;
     this.showAll(this.window.scale); // no nearer than before: a walking body must not pulse
-    this.changed();
+    this.redraw();
   }
 
   showAll(greatestScale = Infinity) {

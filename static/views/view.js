@@ -11,7 +11,7 @@ import { Window } from './windows.js';
 
 export const VIEWS = ['main', 'top', 'side', 'front'];
 
-const LABELS = { main: 'Camera', top: 'Top', side: 'Side', front: 'Front' };
+export const VIEW_NAMES = { main: 'Camera', top: 'Top', side: 'Side', front: 'Front' };
 const LARGE_PX = 420;
 
 const listeners = new Set();
@@ -41,7 +41,7 @@ export class View {
       pace: () => pace(this.isInLargePlace || el.matches(':hover')),
     });
     el.prepend(this.#paper, this.under, this.#picture.element, this.over, this.#marks);
-    new ResizeObserver(() => this.resized()).observe(el);
+    new ResizeObserver(() => this.fitToSize()).observe(el);
   }
 
   begin() {
@@ -68,22 +68,22 @@ export class View {
 
   zoomAt(x, y, factor) {
     this.window.zoomAt(x, y, factor);
-    this.changed();
+    this.redraw();
   }
 
   panBy(dx, dy) {
     this.window.panBy(dx, dy);
-    this.changed();
+    this.redraw();
   }
 
   /** Back to the window that shows all there is. */
   fit() {
     this.showAll();
-    this.changed();
+    this.redraw();
   }
 
   /** Draw anew with the next animation frame. */
-  changed() {
+  redraw() {
     this.#picture.redraw(); // asked for now, so that it comes in the same frame as the rest
     moved.add(this);
     if (asked) return;
@@ -91,13 +91,13 @@ export class View {
     requestAnimationFrame(drawMoved);
   }
 
-  resized() {
+  fitToSize() {
     const { clientWidth: width, clientHeight: height } = this.el;
     if (!width || !height) return;
     this.window.resize(width, height);
     if (!this.window.chosen && !ui.dragging) this.showAll();
     if (this.eye) this.#picture.resize(width, height);
-    this.changed();
+    this.redraw();
   }
 
   draw() {
@@ -129,11 +129,11 @@ export class View {
   label(plate = '') {
     if (this.isInLargePlace) return nothing;
     const key = VIEWS.indexOf(this.name) + 1;
-    return html`<div class="lab ${plate}"><kbd>${key}</kbd>${LABELS[this.name]}</div>
+    return html`<div class="lab ${plate}"><kbd>${key}</kbd>${VIEW_NAMES[this.name]}</div>
       <button
         class="ib s exp"
-        title="Enlarge   ${key}"
-        aria-label="Enlarge ${LABELS[this.name]}"
+        title="Enlarge" data-key=${key}
+        aria-label="Enlarge ${VIEW_NAMES[this.name]}"
         @click=${() => setUi('layout', this.name)}
       >
         ${icon('grow')}

@@ -1,14 +1,14 @@
 // The four views: the rest of the page finds them here.
 
-import { server, setUi, watch } from '../store/state.js';
+import { server, setUi, ui, watch } from '../store/state.js';
 import { CameraView } from './cameraview.js';
 import { mountFrames } from './frames.js';
-import { mountLayout } from './layout.js';
+import { mountLayout, showLarge } from './layout.js';
 import { mountPace } from './pace.js';
 import { SideView } from './sideview.js';
+import { onViews, VIEW_NAMES, VIEWS } from './view.js';
 
-export { showFrame, shownFrame } from './frames.js';
-export { VIEWS, onViews } from './view.js';
+export { onViews, showLarge, VIEW_NAMES, VIEWS };
 
 const PATIENCE_MS = 1200;
 
@@ -29,14 +29,19 @@ export function mount() {
   mountLayout();
   mountPace();
   mountFrames(view('main').screen, () => {
-    view('main').changed();
+    view('main').redraw();
     begin();
   });
   setTimeout(begin, PATIENCE_MS);
   watch(['file'], newFile);
   watch(['camera', 'views'], () => views.forEach((each) => each.newEye()));
   watch(['pose'], () => views.forEach((each) => each.follow()));
-  watch(['u:layout'], () => views.forEach((each) => each.changed()));
+  watch(['u:layout'], () => views.forEach((each) => each.redraw()));
+}
+
+/** Fit the picture of what is large. */
+export function fitLarge() {
+  for (const name of ui.layout === 'quad' ? VIEWS : [ui.layout]) view(name)?.fit();
 }
 
 /** viser's pages are large: the first picture of the film goes before them. */

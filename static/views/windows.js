@@ -2,6 +2,8 @@
 // those of the protocol: pixels of the picture in the main view, centres at integers, and metres,
 // x right and y down, in the others.
 
+import { clamp } from '../controls/arithmetic.js';
+
 export class Window {
   /** Point of the plane in the middle of the screen. */
   x = 0;
@@ -79,6 +81,6 @@ export class Window {
   }
 
   #within(scale) {
-    return Math.min(this.#limits[1], Math.max(this.#limits[0], scale));
+    return clamp(scale, ...this.#limits);
   }
 }

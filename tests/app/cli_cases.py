@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -14,8 +15,9 @@ from app.cli.main import main
 from app.document.folder_lock import NAME
 from app.jobs import JobFinished, PassFinished, SegmentFinished, Started, Wanted
 from tests.tracker import session_cases as cases
+from tracker.body.trajectory import Pass
 from tracker.session import Session
-from tracker.storage.results import SegmentTrack
+from tracker.tracking.result import SegmentResult
 from tracker.video import Video
 
 Fake = Callable[..., Iterator[Any]]
@@ -53,9 +55,10 @@ def tracker(
                     signal.raise_signal(number)
                 assert stop.is_set()
                 break
-            segment = cases.segment(first, last, kind)
-            yield PassFinished(1, first, last, key, quality, 1, 2, 3.5, segment.trajectory)
-            yield SegmentFinished(1, SegmentTrack.of(key, quality, segment))
+            found = replace(cases.segment(first, last, kind), key=key, quality=quality)
+            step = Pass("pass", found.trajectory, 3.5)
+            yield PassFinished(1, 1, 2, SegmentResult.on_the_way(step, key, quality))
+            yield SegmentFinished(1, found)
         yield JobFinished(1, cancelled=stop.is_set())
 
     return rerun

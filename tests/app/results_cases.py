@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from tests.tracker import session_cases as cases
-from tracker.body.trajectory import Trajectory
+from tracker.body.trajectory import Pass, Trajectory
 from tracker.session import Session
 from tracker.session.settings import Quality
 from tracker.session.verdict import GOOD, Verdict
-from tracker.storage.results import Results, SegmentTrack, segment_key
+from tracker.storage.results import Results, segment_key
+from tracker.tracking.result import Diagnostics, SegmentResult
 
 PARTS = cases.SKELETON.part_count
 
@@ -24,31 +26,29 @@ def session(**changes: Any) -> Session:
 def track(
     of: Session, first: int, last: int, quality: Quality = "full", kind: cases.Kind = "good",
     bend: float = 0.1,
-) -> SegmentTrack:  # fmt: skip
+) -> SegmentResult:  # fmt: skip
     """A finished segment with its present key."""
     found = cases.segment(first, last, kind, bend)
-    return SegmentTrack.of(segment_key(of, first, last), quality, found)
+    return replace(found, key=segment_key(of, first, last), quality=quality)
 
 
 def passing(of: Session, first: int, last: int, bend: float, quality: Quality = "full") -> Any:
     """A trajectory on the way."""
     path = cases.segment(first, last, bend=bend).trajectory
-    return SegmentTrack.on_the_way(segment_key(of, first, last), quality, path, 2.0)
+    return SegmentResult.on_the_way(Pass("pass", path, 2.0), segment_key(of, first, last), quality)
 
 
 def both(of: Session) -> Results:
     """Both segments of `session`, finished."""
-    return Results().with_track(track(of, 0, 4)).with_track(track(of, 4, 8))
+    return Results().with_result(track(of, 0, 4)).with_result(track(of, 4, 8))
 
 
 def judged(
     first: int, last: int, verdict: Verdict = GOOD, observability: Any = None
-) -> SegmentTrack:
+) -> SegmentResult:
     """A finished segment of any length with a verdict."""
     steps = last - first
     path = Trajectory(first, np.tile(np.eye(3), (steps + 1, 2, 1, 1)), np.ones((steps + 1, 3)))
     seen = np.full((steps, 2), 0.9) if observability is None else observability
-    return SegmentTrack(
-        first, last, f"{first}-{last}", "full", path, verdict, (1.0,), ("pass",), 0, 0.0,
-        np.full(steps, 3), np.ones((steps, 3)), seen, np.ones((steps, 2)),
-    )  # fmt: skip
+    found = Diagnostics(np.full(steps, 3), np.ones((steps, 3)), seen, np.ones((steps, 2)))
+    return SegmentResult(path, verdict, found, (1.0,), ("pass",), key=f"{first}-{last}")

@@ -19,6 +19,9 @@ from urllib.request import ProxyHandler, build_opener
 from websockets.sync.client import ClientConnection, connect
 
 ROOT = Path(__file__).resolve().parents[2]
+LONGEST_S = 300.0
+"""A wait ends with what it waits for; this is only for what would never come, however busy the
+computer is."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +42,7 @@ class Entered:
 
 def enter(address: str) -> Entered:
     """Use a link as a browser would. HTTPError where it lets nobody in."""
-    with build_opener(ProxyHandler({})).open(address, timeout=30) as answer:
+    with build_opener(ProxyHandler({})).open(address, timeout=LONGEST_S) as answer:
         key = re.search(r'"keypose.key", "([^"]+)"', answer.read().decode())
         assert key is not None
         return Entered(answer.headers["Set-Cookie"].split(";")[0], key[1])
@@ -105,7 +108,7 @@ class Keypose:
         """Ask it to end; its exit code and last words."""
         self.process.send_signal(number)
         try:
-            words, _ = self.process.communicate(timeout=30)
+            words, _ = self.process.communicate(timeout=LONGEST_S)
         finally:
             self.process.kill()
         return self.process.returncode, self.printed + words.decode()
@@ -175,7 +178,7 @@ class Visitor:
         self.until(lambda: any(m.get("id") == number for m in self.said))
         return next(m for m in self.said if m.get("id") == number)
 
-    def until(self, there: Any, seconds: float = 60.0) -> None:
+    def until(self, there: Any, seconds: float = LONGEST_S) -> None:
         """Listen until something is so."""
         end = time.monotonic() + seconds
         while not there():

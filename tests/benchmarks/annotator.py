@@ -32,7 +32,8 @@ from tracker.body.pose import moved
 from tracker.body.trajectory import Trajectory, interpolate, joined
 from tracker.geometry.rotations import Array
 from tracker.session.settings import MethodName
-from tracker.storage.results import SegmentTrack, Span
+from tracker.storage.results import Span
+from tracker.tracking.result import SegmentResult
 from tracker.tracking.tracker import Tracker
 
 MOTIONS = ("walk", "jump", "wash", "pirouette", "jumping_jacks", "throw", "speech")
@@ -77,7 +78,7 @@ class Task:
     floor: Array
     bound: Array
     tracker: Tracker
-    kept: dict[tuple[MethodName, Span], SegmentTrack] = field(default_factory=dict)
+    kept: dict[tuple[MethodName, Span], SegmentResult] = field(default_factory=dict)
 
     @classmethod
     def of(cls, name: str, level: Level) -> Task:
@@ -97,13 +98,12 @@ class Task:
         first, last = span
         return interpolate(self.posed.pose(first), self.posed.pose(last), first, last)
 
-    def tracked(self, method: MethodName, span: Span) -> SegmentTrack:
+    def tracked(self, method: MethodName, span: Span) -> SegmentResult:
         """The segment between two of the annotator's poses, at full quality."""
         if (method, span) not in self.kept:
             poses = {frame: self.posed.pose(frame) for frame in span}
             found = track(self.tracker.renewed(self.shown.skeleton, poses), method=method)
-            result = SegmentTrack.of(f"{method} {span}", "full", found.segments[0])
-            self.kept[method, span] = result
+            self.kept[method, span] = found.segments[0]
         return self.kept[method, span]
 
 
@@ -113,7 +113,7 @@ class Seen:
 
     task: Task
     keys: Sequence[int]
-    tracks: dict[Span, SegmentTrack]
+    tracks: dict[Span, SegmentResult]
     errors: Array
 
     @property
@@ -262,7 +262,7 @@ def _errors(shown: Shown, trajectory: Trajectory) -> Array:
 
 def _filled(
     task: Task, method: MethodName | None, keys: Sequence[int]
-) -> tuple[dict[Span, SegmentTrack], Trajectory]:
+) -> tuple[dict[Span, SegmentResult], Trajectory]:
     """Every segment's result, none for interpolation, and the whole motion."""
     spans = list(pairwise(keys))
     if method is None:

@@ -70,7 +70,7 @@ def _tracker(shown: Sequence, interval: int, last: int = 72) -> Tracker:
         shown.video(), shown.camera, shown.skeleton, shown.keyposes(frames), memory=PLENTY_BYTES
     )
     for a, b in tracker.spans:
-        tracker.loader.load(a, b)
+        tracker.loader((a, b)).load(a, b)
     return tracker
 
 
@@ -102,7 +102,7 @@ def _preparation(report: Report, shown: Sequence) -> None:
     def prepare() -> None:
         tracker = Tracker(video, shown.camera, shown.skeleton, shown.keyposes(frames))
         for a, b in pairwise(frames):
-            tracker.loader.load(a, b)
+            tracker.loader((a, b)).load(a, b)
 
     table.row("preparation", Timing.of(prepare, 5, 75))
     for name in ("box", "person"):
@@ -122,7 +122,7 @@ def _decoded(path: object) -> None:
 def _forms(report: Report, shown: Sequence, full: Timing) -> None:
     """A solve as the paper prints it, as we do it, and what cannot be undercut."""
     tracker = _tracker(shown, 12)
-    clip, scene = tracker.loader.load(0, 12), scene_of(tracker, (0, 12))
+    clip, scene = tracker.loader((0, 12)).load(0, 12), scene_of(tracker, (0, 12))
     dense = DenseRows(shown, clip)
     A, r = dense.build()
     least = floor(shown, scene, clip)
@@ -147,7 +147,7 @@ def _papers_own(report: Report) -> None:
     shown = walking((0, 10), (320, 180))
     tracker = _tracker(shown, 10, 10)
     start, end = tracker.keyposes[0], tracker.keyposes[10]
-    segment = Segment(0, 10, start, end, tracker.loader.load(0, 10))
+    segment = Segment(0, 10, start, end, tracker.loader((0, 10)).load(0, 10))
     method = Paper(passes=10, patience=100)
     scene = scene_of(tracker, (0, 10), method.density)
     spent = Timing.of(lambda: list(track_segment(scene, segment, method)), 3, 1000)

@@ -18,7 +18,7 @@ from tests.rendering.scenes import scene
 from tracker.body.pose import Pose, joint_positions, moved, pose_transforms
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import joined
-from tracker.fitting.pose import fit_here as fit
+from tracker.fitting.pose import fit_pose_to_picture as fit
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
 from tracker.tracking.tracker import Tracker

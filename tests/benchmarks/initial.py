@@ -20,7 +20,7 @@ from tests.benchmarks.table import Expected, Pair, Report, Table
 from tests.benchmarks.tracking import Tracked, against, linear, mean_errors, track
 from tracker.body.trajectory import Trajectory
 from tracker.kernels.matching import find_exhaustively, find_sequentially
-from tracker.tracking.initial.templates.search import Shown, Template, cut, outwards
+from tracker.tracking.initial.templates.search import GreyPicture, Template, cut, outwards
 from tracker.tracking.tracker import Tracker
 from tracker.video import Video
 from tracker.video.pyramid import prepare
@@ -75,10 +75,10 @@ def _searches(report: Report) -> None:
         )  # fmt: skip
 
 
-def _templates(shown: Sequence) -> list[tuple[Template, Shown, tuple[int, int]]]:
+def _templates(shown: Sequence) -> list[tuple[Template, GreyPicture, tuple[int, int]]]:
     """Pieces of every third frame about the followed parts, and the frame after it to search."""
     pictures = [prepare(np.array(grey), None, 1)[0] for grey in shown.grey[:60]]
-    searched = [Shown.of(picture) for picture in pictures]
+    searched = [GreyPicture.of(picture) for picture in pictures]
     Ts = shown.truth.transforms(shown.skeleton)
     found = []
     for n in range(0, len(pictures) - 1, EVERY):
@@ -92,7 +92,7 @@ def _templates(shown: Sequence) -> list[tuple[Template, Shown, tuple[int, int]]]
 
 
 def _searched(
-    template: Template, shown: Shown, at: tuple[int, int]
+    template: Template, shown: GreyPicture, at: tuple[int, int]
 ) -> list[tuple[tuple[int, ...], float]]:
     """What each search finds, and the seconds it takes; the third one row and column only."""
     around, most = outwards(REACH), 255

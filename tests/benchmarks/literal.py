@@ -79,7 +79,7 @@ def seen_points(scene: Scene, shown: Sequence, clip: Clip, of: int = 1) -> Seen:
     pose = shown.truth.pose(0)
     view(
         scene.arrays, scene.lens, scene.sight, width, height, picture, of,
-        *pose.loose(), chosen, grey, starts,
+        *pose.writable(), chosen, grey, starts,
     )  # fmt: skip
     return Seen(chosen, grey, starts)
 

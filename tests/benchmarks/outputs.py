@@ -13,12 +13,13 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from app.export.motion_formats import FORMATS
+
 ROOT = Path(__file__).parents[2]
 OUT = Path("out/outputs")
 FILMS, SURFACES = ("balance", "box", "person"), ("arms",)
 METHODS, QUALITIES = ("keypose", "paper"), ("preview", "fast", "full")
 REFERENCES = {"box": "truth.npz", "person": "truth.npz"}
-FORMATS = "bvh,glb,trc,c3d,csv,npz"
 LATE = ("report.html",)
 """What says when it was written."""
 
@@ -55,7 +56,7 @@ def _all() -> Iterator[str]:
 def _taken_home(out: Path, sample: str) -> Iterator[str]:
     """What a person makes of a tracked session, and the digests of all files."""
     session = str(out / "session.json")
-    yield _said(out, "export", session, "--format", FORMATS, "--out", str(out))
+    yield _said(out, "export", session, "--format", ",".join(FORMATS), "--out", str(out))
     for view in ("all", "main", "orbit:30,20"):
         name = out / f"{view.split(':')[0]}.png"
         given = ["--frame", "3", "--view", view, "--out", str(name)]

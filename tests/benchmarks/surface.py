@@ -28,15 +28,15 @@ from tracker.formats.verdict_words import verdict_words
 from tracker.geometry.rotations import Array, exp_rotation
 from tracker.surface.files.ply import ply_bytes
 from tracker.surface.files.sequence import MeshSequence
-from tracker.surface.fit.fit_here import lay_body
 from tracker.surface.fit.model import SurfaceModel
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.pairing import Observed
+from tracker.surface.fit.pose_fit import fit_solids_to_surface
 from tracker.surface.fit.segment import SurfaceTracker
 from tracker.surface.fit.solving import fit_pose
 from tracker.surface.mesh import SurfaceMesh
 
-PAPER = Options(mutual=False, floor=False, stiff=0.0, trust=False, swell=False)
+PAPER = Options(mutual=False, floor=False, stiff=0.0, trust=False, offset=False)
 VARIANTS: Mapping[str, Options] = {
     "ICP": replace(PAPER, contact=False, photo=False),
     "ρ_c": replace(PAPER, photo=False),
@@ -154,7 +154,7 @@ def _first_poses(report: Report) -> None:
     for degrees, centimetres in ROUGH:
         rough = _disturbed(walk.poses[0], np.radians(degrees), centimetres / 100)
         began = time.perf_counter()
-        laid = lay_body(walk.steps[0], skeleton, rough).pose
+        laid = fit_solids_to_surface(walk.steps[0], skeleton, rough).pose
         seconds = time.perf_counter() - began
         errors = [
             100 * np.linalg.norm(_joints(walk.body, [pose])[0, :19] - walk.joints[0], axis=1).mean()

@@ -19,7 +19,8 @@ from tracker.geometry.rotations import Array
 from tracker.session.settings import TrackSettings
 from tracker.tracking.initial.chains import follow
 from tracker.tracking.method import FULL
-from tracker.tracking.pool import PassFinished, SegmentResult, TrackFinished, run
+from tracker.tracking.pool import PassFinished, TrackFinished, run
+from tracker.tracking.result import SegmentResult
 from tracker.tracking.scene import Scene
 from tracker.tracking.tracker import Tracker
 
@@ -82,7 +83,12 @@ def forward(tracker: Tracker) -> list[Trajectory]:
     how = (FULL.stride, FULL.chain_inner, FULL.stop, FULL.finest)
     return [
         follow(
-            scene_of(tracker, (a, b)), tracker.loader.load(a, b), tracker.keyposes[a], a, b, *how
+            scene_of(tracker, (a, b)),
+            tracker.loader((a, b)).load(a, b),
+            tracker.keyposes[a],
+            a,
+            b,
+            *how,
         )
         for a, b in tracker.spans
     ]
@@ -90,8 +96,7 @@ def forward(tracker: Tracker) -> list[Trajectory]:
 
 def scene_of(tracker: Tracker, span: tuple[int, int], density: float = FULL.density) -> Scene:
     """The scene of one segment, as the tracker lays it out."""
-    keyposes = [tracker.keyposes[frame] for frame in span]
-    return Scene.of(tracker.skeleton, tracker.camera, keyposes, density)
+    return tracker.scene(span, density)
 
 
 @contextmanager

@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 from playwright.sync_api import Page
 
-from tests.app.serving import ROOT
+from tests.app.serving import LONGEST_S, ROOT
 
 SCREENS = ROOT / "out" / "screens"
 """Where the pictures of every step are kept, to be looked at."""
@@ -22,7 +22,7 @@ def section(page: Page, path: str) -> Any:
     return page.evaluate(f"() => window.keypose.server.{path}")
 
 
-def until(there: Callable[[], Any], what: str = "it", seconds: float = 60.0) -> Any:
+def until(there: Callable[[], Any], what: str = "it", seconds: float = LONGEST_S) -> Any:
     """Wait until something is so. The page allows no scripts from strings, hence from outside."""
     end = time.monotonic() + seconds
     while True:
@@ -33,7 +33,9 @@ def until(there: Callable[[], Any], what: str = "it", seconds: float = 60.0) -> 
         time.sleep(0.03)
 
 
-def until_told(page: Page, path: str, wanted: Callable[[Any], bool], seconds: float = 60.0) -> Any:
+def until_told(
+    page: Page, path: str, wanted: Callable[[Any], bool], seconds: float = LONGEST_S
+) -> Any:
     """Wait until a section is as wanted; its value then."""
     until(lambda: wanted(section(page, path)), path, seconds)
     return section(page, path)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import cv2
 import numpy as np
 import pytest
-from playwright.sync_api import Page
+from playwright.sync_api import Browser, Page
 
 from tests.browser.hands import section, until
+from tests.browser.shared import Desk, desk
 from tracker.geometry.rotations import Array
 
 LIMIT_PX = 0.5
@@ -88,11 +90,29 @@ def zoomed(page: Page, name: str, factor: float) -> None:
     )
 
 
+@pytest.fixture(scope="module")
+def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    with desk(browser, tmp_path_factory.mktemp("alignment"), drawn=True, size=SIZES[0]) as made:
+        yield made
+
+
+@pytest.fixture
+def page(shared: Desk) -> Page:
+    """The page as if it had just been opened."""
+    _resize(shared.page, SIZES[0])
+    shared.fresh()
+    return shared.page
+
+
+def _resize(page: Page, size: tuple[int, int]) -> None:
+    page.set_viewport_size({"width": size[0], "height": size[1]})
+
+
 @pytest.mark.parametrize("size", SIZES, ids=lambda size: f"{size[0]}x{size[1]}")
 def test_body_and_handles_lie_where_the_calibrated_camera_sees_them(
     page: Page, size: tuple[int, int]
 ) -> None:
-    page.set_viewport_size({"width": size[0], "height": size[1]})
+    _resize(page, size)
     camera = section(page, "camera")
     for zoom in ZOOMS:
         zoomed(page, "main", zoom)

@@ -87,7 +87,7 @@ def held_before(page: Page, name: str) -> None:
     page.locator(".fitcard .before").hover()
     page.mouse.down()
     until_told(page, "fit.looking_back", bool)
-    page.get_by_text("As it was").wait_for()
+    page.get_by_text("Before the fit").wait_for()
     screen(page, name)
 
 
@@ -131,7 +131,7 @@ def test_a_frame_between_keyframes_becomes_a_draft_and_esc_closes_the_card(at: D
     at.visitor.do(do="root", x=at.served["pose"]["root"][0] + 0.02)
     at.agreed("pose")
     page.get_by_role("tab", name="Part").click()
-    page.get_by_role("button", name="Fit here").click()
+    page.get_by_role("button", name="Fit pose").click()
     until(
         lambda: section(page, "fit") or page.locator(".toast").count(),
         "the fit",
@@ -148,7 +148,7 @@ def test_fit_here_without_any_pose_says_why_not(at: Desk) -> None:
     for frame in (0, 24, 48, 72):
         at.visitor.do(do="delete_key", frame=frame)
     page.keyboard.press("f")
-    page.get_by_text("pose the body roughly first").wait_for()
+    page.get_by_text("Pose the body roughly first").wait_for()
     assert section(page, "job.state") == "idle"
 
 
@@ -176,9 +176,9 @@ def test_fitted_sizes_are_listed_and_taken_back_in_one_step(at: Desk) -> None:
 def test_a_start_is_chosen_in_the_track_panel_and_reaches_the_file(at: Desk) -> None:
     page = at.page
     page.get_by_role("tab", name="Track").click()
-    page.get_by_role("button", name="Start: ").click()
+    page.get_by_role("button", name="Initial guess: ").click()
     imported = page.get_by_role("option", name="Imported")
-    assert "No motion was imported" in (imported.get_attribute("title") or "")
+    assert "Import a motion first" in (imported.get_attribute("title") or "")
     screen(page, "fit-5-start")
     page.get_by_role("option", name="Templates").click()
     until_told(page, "settings.initial", lambda start: start == "templates")
@@ -190,7 +190,7 @@ def test_a_start_is_chosen_in_the_track_panel_and_reaches_the_file(at: Desk) -> 
     settings = load_session(at.session).settings
     assert settings.initial == "templates"
     assert sorted(settings.left_out) == hands
-    page.get_by_role("button", name="Start: ").click()
+    page.get_by_role("button", name="Initial guess: ").click()
     page.get_by_role("option", name="Linear").click()
     until_counted(page, "#insp .follow", 0)
 
@@ -218,8 +218,9 @@ def test_a_drag_that_begins_at_once_wins_over_the_fit(at: Desk) -> None:
     start = spot(page, "left_hand")
     end = (start[0] + 30, start[1] - 20)
     drag(page, start, end)
-    page.get_by_text("The pose was changed meanwhile").wait_for()
+    page.get_by_text("Fit cancelled because the pose changed").wait_for()
     until_told(page, "undo.undo", lambda label: label == "move left hand")
+    until_told(page, "pose.stroke", lambda stroke: stroke is None)
     assert section(page, "job.state") == "idle"
     np.testing.assert_allclose(spot(page, "left_hand"), end, atol=1.5)
     assert section(page, "fit") is None

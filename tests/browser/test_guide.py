@@ -81,7 +81,7 @@ def test_the_guide_begins_anew_although_keyframes_stand(guided: Page) -> None:
     assert section(guided, "keys.frames") == [0, 24, 48, 72]
     assert guided.locator("#guide .foot").inner_text().startswith("Step 1 of 6")
     pulled(guided, "waist", (6, 4))
-    until(lambda: title(guided) == "As large as the person", "the next step")
+    until(lambda: title(guided) == "Match the person’s size", "the next step")
 
 
 def test_a_step_does_not_end_under_a_drag(guided: Page) -> None:
@@ -93,7 +93,7 @@ def test_a_step_does_not_end_under_a_drag(guided: Page) -> None:
     assert not section(guided, "guide.done")["hips"]
     guided.mouse.up()
     until_told(guided, "guide.done", lambda done: done["hips"])
-    until(lambda: title(guided) == "As large as the person", "the next step")
+    until(lambda: title(guided) == "Match the person’s size", "the next step")
 
 
 def test_a_drag_that_is_taken_back_does_no_step(at: Desk, guided: Page) -> None:
@@ -126,7 +126,7 @@ def test_the_guide_closes_when_a_session_is_opened_that_has_keyframes(
     ("words", "ahead"),
     [
         ("Faces the camera", (0, -1)),
-        ("Turned away", (0, 1)),
+        ("Faces away", (0, 1)),
         ("Faces left", (-1, 0)),
         ("Faces right", (1, 0)),
     ],
@@ -135,7 +135,7 @@ def test_a_button_turns_the_body_and_leads_on(
     at: Desk, guided: Page, words: str, ahead: tuple[int, int]
 ) -> None:
     before = at.served["pose"]
-    up_to(guided, "Which way the person faces")
+    up_to(guided, "Set the facing direction")
     # Its green ring is spoken of.
     until(lambda: section(guided, "view.selected") == "waist", "the waist")
     button(guided, words).click()
@@ -157,9 +157,9 @@ def others(pose: dict[str, Any]) -> dict[str, Any]:
 
 def test_the_waist_is_taken_up_where_the_body_leans_wrongly(at: Desk, guided: Page) -> None:
     at.visitor.do(do="select", part="left_shin")
-    up_to(guided, "Look from the side")
+    up_to(guided, "Check from the side")
     at.visitor.do(do="select", part="left_shin")
-    button(guided, "Turn the waist").click()
+    button(guided, "Rotate the waist").click()
     until_told(guided, "view.selected", lambda part: part == "waist")
     guided.locator("[data-view=side] [data-ring=x]").wait_for(state="attached")
 
@@ -173,12 +173,12 @@ def test_the_card_stays_in_its_place_during_a_step(guided: Page) -> None:
 
 
 def test_the_reading_of_a_drag_is_not_hidden_by_the_card(guided: Page) -> None:
-    up_to(guided, "As large as the person")
+    up_to(guided, "Match the person’s size")
     put_over(guided, spot(guided, "waist"))
     x, y = spot(guided, "waist")
     drag(guided, (x, y), (x + 4, y + 2), drop=False)
     guided.locator("#main .hud .flt").wait_for()
-    guided.locator("#guide .coach.behind").wait_for(timeout=5000)
+    guided.locator("#guide .coach.behind").wait_for()
     guided.mouse.up()
     until_told(guided, "pose.stroke", lambda stroke: stroke is None)
     until(lambda: guided.locator("#guide .coach.behind").count() == 0, "the card")
@@ -198,7 +198,7 @@ def test_while_a_vertical_is_drawn_the_card_gives_way_and_the_tool_comes_back(
 ) -> None:
     guided.keyboard.press("r")
     guided.get_by_role("tab", name="Camera").click()
-    guided.get_by_text("Draw a vertical on the picture").click()
+    guided.get_by_text("Draw a vertical in the image").click()
     guided.locator("#guide .coach.behind").wait_for()
     box = guided.locator("#main canvas.vid").bounding_box()
     assert box is not None
@@ -237,7 +237,7 @@ def test_of_surfaces_the_guide_speaks_of_them_and_ends_with_the_keyframe(
         until(lambda: page.locator("#guide h3").count(), "the guide")
         assert page.locator("#guide .foot").inner_text().startswith("Step 1 of 4")
         words = ""
-        for wanted in ("Turn it like the surface", "Pull the limbs near", "Press F, then K"):
+        for wanted in ("Rotate it like the surface", "Pull the limbs near", "Press F, then K"):
             words += page.locator("#guide").inner_text()
             up_to(page, wanted)
         words += page.locator("#guide").inner_text()
@@ -274,7 +274,7 @@ def test_k_on_a_keyframe_that_was_corrected_keeps_it(at: Desk) -> None:
     pulled(at.page, "left_hand", (7, -5))
     corrected = at.agreed("pose")
     at.page.keyboard.press("k")
-    at.page.get_by_text("Frame 0 is a keyframe already.").wait_for()
+    at.page.get_by_text("Frame 0 is already a keyframe.").wait_for()
     assert at.agreed("keys")["frames"] == [0, 24, 48, 72]
     assert at.agreed("pose")["points"] == corrected["points"]
     assert at.agreed("undo")["undo"] == "move left hand"

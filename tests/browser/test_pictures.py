@@ -132,7 +132,7 @@ def test_at_a_changed_keyframe_the_picture_shows_the_change(at: Desk, tmp_path: 
 def test_the_copied_picture_is_on_the_clipboard(at: Desk, tmp_path: Path) -> None:
     at.page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     at.page.keyboard.press("Shift+C")
-    at.page.get_by_text("Picture of frame 12 copied.").wait_for()
+    at.page.get_by_text("Image of frame 12 copied.").wait_for()
     content = base64.b64decode(at.page.evaluate(COPIED))
     np.testing.assert_array_equal(_pixels(content), _pixels(shot(at, tmp_path)))
 

@@ -463,7 +463,7 @@ def test_a_mask_is_drawn_on_the_picture_moved_and_deleted(
 ) -> None:
     tabs("Camera")
     corners = [(400, 120), (520, 130), (500, 260), (410, 240)]
-    at.page.get_by_role("button", name="Draw a mask on the picture").click()
+    at.page.get_by_role("button", name="Draw a mask in the image").click()
     for corner in corners:
         at.page.mouse.click(*on_picture(at.page, corner))
     at.page.keyboard.press("Enter")
@@ -482,7 +482,7 @@ def test_a_mask_is_drawn_on_the_picture_moved_and_deleted(
 
 def test_a_drawn_vertical_sets_what_is_up(at: Desk, tabs: Callable[[str], None]) -> None:
     tabs("Camera")
-    at.page.get_by_role("button", name="Draw a vertical on the picture").click()
+    at.page.get_by_role("button", name="Draw a vertical in the image").click()
     one, other = on_picture(at.page, (320, 60)), on_picture(at.page, (350, 300))
     drag(at.page, one, other, steps=4)
     until(lambda: at.agreed("camera")["up_origin"] == "drawn", "the vertical")

@@ -32,7 +32,7 @@ async (numbers) => {
 WAITING = """
 async () => {
   const { backlog } = await import('/static/store/edits.js');
-  return backlog() + window.keypose.ui.held.reduce((sum, { count }) => sum + count, 0);
+  return backlog() + window.keypose.ui.unsent.reduce((sum, { count }) => sum + count, 0);
 }
 """
 

@@ -17,8 +17,8 @@ from tests.app.serving import ROOT, Keypose, Visitor
 from tests.browser.hands import drag, screen, section, settled, until, until_told
 from tests.browser.shared import Desk, let_in, opened
 from tracker.geometry.rotations import Array
+from tracker.storage.evidence import surfaces_of
 from tracker.storage.files import load_session, open_video_of
-from tracker.storage.tracking import surfaces_of
 
 SAMPLE = ROOT / "sample_videos" / "arms"
 SIZE = (1440, 900)
@@ -107,7 +107,7 @@ def boxes(page: Page, view: str) -> list[Array]:
 def box_of(session: Path, frame: int) -> Array:
     """Least and greatest coordinates of a step's surface, camera frame, metres."""
     with open_video_of(load_session(session), session) as video:
-        vertices = surfaces_of(video).shape(frame).vertices
+        vertices = surfaces_of(video).steps.shape(frame).vertices
     return np.array([vertices.min(axis=0), vertices.max(axis=0)])
 
 
@@ -140,14 +140,14 @@ def test_one_keyframe_is_enough_to_fit(fitted: Desk) -> None:
     (segment,) = section(page, "segments")
     assert (segment["first"], segment["last"], segment["state"]) == (0, 18, "good")
     assert page.locator("#mhead").inner_text().endswith("Good")
-    assert "All Good" in page.locator(".sug").inner_text()
+    assert "All good" in page.locator(".sug").inner_text()
     assert "Fit" in page.locator("#top .btn.pri").first.inner_text()
     page.locator("#insp [role=tab]").last.click()
     settled(page)
     told = page.locator("#insp").inner_text()
-    for words in ("Fit live while I pose", "The surface that moves is that of", "Centimetres"):
+    for words in ("Fit while posing", "Surface of", "Centimetres"):
         assert words in told
-    assert "camera stands still" not in told
+    assert "Static camera" not in told
     screen(page, "surface-fitted")
 
 
@@ -269,7 +269,7 @@ def test_the_camera_tab_says_that_nobody_filmed(at: Desk) -> None:
     page.get_by_role("tab", name="Camera").click()
     settled(page)
     told = page.locator("#insp-body").inner_text()
-    assert "No camera filmed this" in told
+    assert "A virtual camera in front of the first surface" in told
     assert "Distortion" not in told
     screen(page, "surface-camera")
     page.get_by_role("tab", name="Part").click()

@@ -225,7 +225,7 @@ def test_a_picture_wished_for_in_the_background_is_drawn_when_the_browser_comes_
 ) -> None:
     at.page.wait_for_timeout(1500)  # whatever was wished for before is drawn
     at.page.evaluate(WISHED_LONG_AGO)
-    until(lambda: at.page.locator("body[data-drawn-late]").count(), "the picture", 20)
+    until(lambda: at.page.locator("body[data-drawn-late]").count(), "the picture")
 
 
 def test_views_that_could_not_be_fetched_are_drawn_once_they_can_be(at: Desk) -> None:

@@ -115,7 +115,7 @@ def test_a_keyframe_that_is_dragged_is_put_back(at: Desk, way: str) -> None:
     page.mouse.move(x, y)
     page.mouse.down()
     page.mouse.move(x + 40, y, steps=4)
-    until(lambda: page.evaluate("() => window.keypose.ui.timeHeld?.kind") == "key", "the drag")
+    until(lambda: page.evaluate("() => window.keypose.ui.timeGrabbed?.kind") == "key", "the drag")
     page.keyboard.press("k")  # while it is dragged no key edits
     if way == "Escape":
         page.keyboard.press("Escape")
@@ -123,7 +123,7 @@ def test_a_keyframe_that_is_dragged_is_put_back(at: Desk, way: str) -> None:
         page.mouse.down(button="right")
         page.mouse.move(x + 41, y)
         page.mouse.up(button="right")
-    until(lambda: page.evaluate("() => window.keypose.ui.timeHeld === null"), "the end of it")
+    until(lambda: page.evaluate("() => window.keypose.ui.timeGrabbed === null"), "the end of it")
     page.mouse.up()
     assert _menu(page).count() == 0
     assert at.agreed("keys")["frames"] == keys

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import cv2
 import numpy as np
-import pytest
 from playwright.sync_api import Page
 
 from tests.browser.hands import (
@@ -110,7 +110,7 @@ def _undoes_and_redoes(page: Page) -> None:
     page.keyboard.press("Control+Shift+z")
     until_told(page, "keys.frames", lambda frames: 1 in frames)
     page.keyboard.press("k")
-    page.get_by_text("Frame 1 is a keyframe already.").wait_for()
+    page.get_by_text("Frame 1 is already a keyframe.").wait_for()
     page.keyboard.press("Delete")
     until_told(page, "keys.frames", lambda frames: frames == [0, 24, 48, 72])
 
@@ -161,14 +161,17 @@ def _all(page: Page) -> dict[str, Any]:
     return {name: json.loads(json.dumps(section(page, name))) for name in names}
 
 
-@pytest.mark.parametrize("size", [(1280, 720), (1440, 900)], ids=lambda size: f"{size[0]}")
-@pytest.mark.parametrize("theme", ["dark", "light"])
-def test_nothing_is_cut_off_in_a_small_window(
-    page: Page, size: tuple[int, int], theme: str
-) -> None:
-    page.set_viewport_size({"width": size[0], "height": size[1]})
-    page.evaluate(f"() => document.documentElement.dataset.theme = '{theme}'")
-    settled(page)
+def test_nothing_is_cut_off_in_a_small_window(page: Page) -> None:
+    for theme, size in product(("dark", "light"), ((1280, 720), (1440, 900))):
+        page.set_viewport_size({"width": size[0], "height": size[1]})
+        page.evaluate(f"() => document.documentElement.dataset.theme = '{theme}'")
+        settled(page)
+        _lies_inside(page, size)
+        screen(page, f"size-{theme}-{size[0]}")
+
+
+def _lies_inside(page: Page, size: tuple[int, int]) -> None:
+    """All that the page consists of is in the window."""
     wide, high = page.evaluate(
         "() => [document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
     )
@@ -176,6 +179,5 @@ def test_nothing_is_cut_off_in_a_small_window(
     for name in ("#top", "#main", "#views .sv >> nth=2", "#insp", "#time", "#status"):
         box = page.locator(name).bounding_box()
         assert box is not None
-        assert box["x"] + box["width"] <= size[0] + 0.5
-        assert box["y"] + box["height"] <= size[1] + 0.5
-    screen(page, f"size-{theme}-{size[0]}")
+        assert box["x"] + box["width"] <= size[0] + 0.5, name
+        assert box["y"] + box["height"] <= size[1] + 0.5, name

@@ -1,4 +1,4 @@
-"""A browser that draws no 3D is told so in a sentence; everything else of the page works."""
+"""A browser without WebGL is told so in a sentence; everything else of the page works."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def test_a_browser_without_3d_says_so_and_still_poses(browser: Browser, keypose:
         context.add_init_script(WITHOUT)
         page = opened(context, keypose)
         banner = page.locator("#banner .banner")
-        until(lambda: banner.count() and "draws no 3D" in banner.inner_text(), "the sentence")
+        until(lambda: banner.count() and "WebGL is off" in banner.inner_text(), "the sentence")
         page.wait_for_selector("#main canvas.vid[data-frame]")
         screen(page, "without-3d")
         banner.get_by_role("button", name="Dismiss").click()

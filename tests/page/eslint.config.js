@@ -3,6 +3,21 @@
 import js from '@eslint/js';
 import globals from 'globals';
 
+/** The rooms of the page: each imports only those before it. */
+const ROOMS = [
+  'store', 'controls', 'views', 'actions', 'handles', 'timeline', 'inspector', 'guide', 'start', 'shell',
+];
+
+const above = ROOMS.slice(0, -1).map((room, i) => ({
+  files: [`static/${room}/**/*.js`],
+  rules: {
+    'no-restricted-imports': [
+      'error',
+      { patterns: [{ regex: `^(\\.\\./)+(${ROOMS.slice(i + 1).join('|')})/`, message: 'Knowledge flows one way.' }] },
+    ],
+  },
+}));
+
 export default [
   { ignores: ['**/vendor/**', '**/node_modules/**'] },
   js.configs.recommended,
@@ -25,6 +40,7 @@ export default [
       'prefer-const': 'error',
     },
   },
+  ...above,
   { files: ['static/**/*.js'], languageOptions: { globals: globals.browser } },
   { files: ['tests/page/**/*.js'], languageOptions: { globals: globals.node } },
 ];

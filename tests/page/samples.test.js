@@ -6,11 +6,12 @@ import { beforeEach, test } from 'node:test';
 import { server } from '../../static/store/state.js';
 import { extent, line, numbers, runsOf } from '../../static/timeline/draw/series.js';
 import * as scale from '../../static/timeline/draw/scale.js';
+import * as timeWindow from '../../static/actions/window.js';
 
 beforeEach(() => {
   server.file = { frames: 6 };
   scale.setWidth(scale.left() + 500 + 26);
-  scale.showAll();
+  timeWindow.showAll();
 });
 
 test('a list is turned into numbers once, missing ones into NaN', () => {

@@ -4,7 +4,9 @@ import './browser.js';
 import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
 import { server } from '../../static/store/state.js';
+import * as clip from '../../static/store/clip.js';
 import * as scale from '../../static/timeline/draw/scale.js';
+import * as timeWindow from '../../static/actions/window.js';
 
 const near = (actual, expected, within = 1e-9) =>
   assert.ok(Math.abs(actual - expected) <= within, `${actual} ≠ ${expected}`);
@@ -12,18 +14,18 @@ const near = (actual, expected, within = 1e-9) =>
 beforeEach(() => {
   server.file = { frames: 101 };
   scale.setWidth(scale.left() + 1000 + 26);
-  scale.showAll();
+  timeWindow.showAll();
 });
 
 test('the whole clip reaches from the left end to the right one', () => {
   assert.equal(scale.x(0), scale.left());
   assert.equal(scale.x(100), scale.right());
   near(scale.pxPerFrame(), 10);
-  assert.ok(!scale.isZoomed());
+  assert.ok(!timeWindow.isZoomed());
 });
 
 test('a frame and its pixel lead to each other, zoomed or not', () => {
-  for (const zoom of [() => {}, () => scale.showFrames(30, 60)]) {
+  for (const zoom of [() => {}, () => timeWindow.showFrames(30, 60)]) {
     zoom();
     for (const frame of [0, 29.5, 42, 100, 130]) near(scale.frameAt(scale.x(frame)), frame);
   }
@@ -32,67 +34,67 @@ test('a frame and its pixel lead to each other, zoomed or not', () => {
 test('the frame under the pointer stays there while one zooms', () => {
   const at = scale.x(40);
   scale.zoomAt(at, 2);
-  assert.ok(scale.isZoomed());
+  assert.ok(timeWindow.isZoomed());
   near(scale.frameAt(at), 40);
-  near(scale.shown().last - scale.shown().first, 50);
+  near(timeWindow.shown().last - timeWindow.shown().first, 50);
   scale.zoomAt(at, 1.5);
   near(scale.frameAt(at), 40);
 });
 
 test('zooming out as far as it goes shows everything', () => {
-  scale.showFrames(20, 40);
+  timeWindow.showFrames(20, 40);
   scale.zoomAt(scale.x(30), 1 / 8);
-  assert.ok(!scale.isZoomed());
-  assert.deepEqual(scale.shown(), { first: 0, last: 100 });
+  assert.ok(!timeWindow.isZoomed());
+  assert.deepEqual(timeWindow.shown(), { first: 0, last: 100 });
 });
 
 test('no frame gets wider than 48 pixels, and the window keeps its middle', () => {
-  scale.showFrames(50, 51);
+  timeWindow.showFrames(50, 51);
   near(scale.pxPerFrame(), 48);
-  near((scale.shown().first + scale.shown().last) / 2, 50.5);
+  near((timeWindow.shown().first + timeWindow.shown().last) / 2, 50.5);
 });
 
 test('a window never leaves the clip', () => {
-  scale.showFrames(-20, 20);
-  assert.deepEqual(scale.shown(), { first: 0, last: 40 });
-  scale.showFrames(90, 130);
-  assert.deepEqual(scale.shown(), { first: 60, last: 100 });
-  scale.scrollBy(10);
-  assert.deepEqual(scale.shown(), { first: 60, last: 100 });
-  scale.scrollBy(-1000);
-  assert.deepEqual(scale.shown(), { first: 0, last: 40 });
-  scale.scrollBy(15);
-  assert.deepEqual(scale.shown(), { first: 15, last: 55 });
+  timeWindow.showFrames(-20, 20);
+  assert.deepEqual(timeWindow.shown(), { first: 0, last: 40 });
+  timeWindow.showFrames(90, 130);
+  assert.deepEqual(timeWindow.shown(), { first: 60, last: 100 });
+  timeWindow.scrollBy(10);
+  assert.deepEqual(timeWindow.shown(), { first: 60, last: 100 });
+  timeWindow.scrollBy(-1000);
+  assert.deepEqual(timeWindow.shown(), { first: 0, last: 40 });
+  timeWindow.scrollBy(15);
+  assert.deepEqual(timeWindow.shown(), { first: 15, last: 55 });
 });
 
 test('a frame that is not seen is scrolled into sight, and some further', () => {
-  scale.showFrames(0, 40);
-  scale.reveal(20, 0.25);
-  assert.deepEqual(scale.shown(), { first: 0, last: 40 });
-  scale.reveal(50, 0.25);
-  assert.deepEqual(scale.shown(), { first: 20, last: 60 });
-  scale.reveal(10, 0.25);
-  assert.deepEqual(scale.shown(), { first: 0, last: 40 });
+  timeWindow.showFrames(0, 40);
+  timeWindow.reveal(20, 0.25);
+  assert.deepEqual(timeWindow.shown(), { first: 0, last: 40 });
+  timeWindow.reveal(50, 0.25);
+  assert.deepEqual(timeWindow.shown(), { first: 20, last: 60 });
+  timeWindow.reveal(10, 0.25);
+  assert.deepEqual(timeWindow.shown(), { first: 0, last: 40 });
 });
 
 test('where all is shown there is nothing to scroll to', () => {
-  scale.scrollBy(10);
-  scale.reveal(300, 0.5);
-  assert.ok(!scale.isZoomed());
+  timeWindow.scrollBy(10);
+  timeWindow.reveal(300, 0.5);
+  assert.ok(!timeWindow.isZoomed());
 });
 
 test('a frame is kept within the clip and made whole', () => {
-  assert.equal(scale.clampFrame(-3), 0);
-  assert.equal(scale.clampFrame(41.6), 42);
-  assert.equal(scale.clampFrame(900), 100);
+  assert.equal(clip.clampFrame(-3), 0);
+  assert.equal(clip.clampFrame(41.6), 42);
+  assert.equal(clip.clampFrame(900), 100);
 });
 
 test('a clip of one frame, and no clip, stand at the left end', () => {
   for (const file of [{ frames: 1 }, null]) {
     server.file = file;
-    assert.equal(scale.lastFrame(), 0);
+    assert.equal(clip.lastFrame(), 0);
     assert.equal(scale.x(0), scale.left());
-    assert.equal(scale.clampFrame(7), 0);
+    assert.equal(clip.clampFrame(7), 0);
   }
 });
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 import subprocess
 from pathlib import Path
 
@@ -11,17 +9,6 @@ import pytest
 
 HERE = Path(__file__).parent
 SECONDS = 60
-
-
-@pytest.fixture(scope="module")
-def node() -> str:
-    """Node; without it these tests are skipped, but never where all must be tested."""
-    path = shutil.which("node")
-    if path is None and os.environ.get("CI"):
-        pytest.fail("There is no Node, and a build machine must test the page's modules.")
-    if path is None:
-        pytest.skip("There is no Node on this computer.")
-    return path
 
 
 @pytest.mark.parametrize("name", sorted(path.name for path in HERE.glob("*.test.js")))

@@ -12,7 +12,7 @@ import pytest
 import static
 from app.document.library import Library
 from app.store.sections import Sections
-from app.store.state import AppState, FitTold
+from app.store.state import AppState, FitOutcome
 from tests.app import surface_cases
 from tests.app.editor.desk import after, desk
 from tests.app.store.test_sections import seen
@@ -68,7 +68,7 @@ def outlooks() -> dict[str, AppState]:
         {"do": "select", "part": "head"},
     )
     surfaces = surface_cases.session()
-    fit = FitTold(3, "Fitted", masked.doc, masked.doc, (("head", "turned", "1°", "2°"),))  # type: ignore[arg-type]
+    fit = FitOutcome(3, "Fitted", masked.doc, masked.doc, (("head", "turned", "1°", "2°"),))  # type: ignore[arg-type]
     return {
         "film": seen(),
         "dragged": AppState(edit=after(desk(), DRAG)),

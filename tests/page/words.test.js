@@ -10,8 +10,8 @@ const [MINUTE, HOUR, DAY] = [60, 3600, 86400];
 test('one is singular, all else plural', () => {
   assert.equal(words.count(1, 'keyframe'), '1 keyframe');
   assert.equal(words.count(0, 'keyframe'), '0 keyframes');
-  assert.equal(words.listed(['a']), 'a');
-  assert.equal(words.listed(['a', 'b', 'c']), 'a, b and c');
+  assert.equal(words.joined(['a']), 'a');
+  assert.equal(words.joined(['a', 'b', 'c']), 'a, b and c');
 });
 
 test('sizes go in steps of a thousand', () => {
@@ -36,11 +36,4 @@ test('when a session was last open, by the days of the calendar', () => {
   assert.equal(words.longAgo(NOON - 13 * HOUR, NOON), 'Yesterday');
   assert.equal(words.longAgo(NOON - 2 * DAY, NOON), 'Monday');
   assert.match(words.longAgo(NOON - 9 * DAY, NOON), /^4 May/);
-});
-
-test('the first sentence is told apart, a long one at its colon', () => {
-  assert.deepEqual(words.firstSentence('It is so. Do that.'), ['It is so.', 'Do that.']);
-  assert.deepEqual(words.firstSentence('Saved as a.b'), ['Saved as a.b', '']);
-  const long = 'The file that you have dropped here could not be opened at all: it is empty.';
-  assert.deepEqual(words.firstSentence(long)[1], 'it is empty.');
 });

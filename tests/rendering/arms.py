@@ -15,7 +15,7 @@ from tests.rendering.ring import Carvings, Shot, ring_of
 from tracker.body.body import Body
 from tracker.body.pose import Pose, pose_transforms
 from tracker.body.skeleton import Skeleton
-from tracker.surface.cameras.carve import carve_field, seen_through
+from tracker.surface.cameras.carve import carve_field, carve_seen_through
 from tracker.surface.cameras.hull import SMOOTHING_VOXELS, Silhouette, hull_field, hull_mesh
 from tracker.surface.cameras.photo import consistency
 from tracker.surface.cameras.views import View
@@ -93,7 +93,7 @@ def observed(
     if hull == "photo":
         field = carve_field(field, views, pictures)
     elif hull == "ideal":
-        field = seen_through(field, views, [shot.depth for shot in shots], 1, THROUGH_M)
+        field = carve_seen_through(field, views, [shot.depth for shot in shots], 1, THROUGH_M)
     mesh = hull_mesh(field, smoothing_voxels)
     return replace(mesh, consistency=consistency(mesh, views, pictures))
 

@@ -94,7 +94,7 @@ def test_the_samples_meshes_lie_about_the_true_arms() -> None:
         assert sequence.frame_count == STEPS
         for step in (0, 9, 18):
             pose = Pose(truth["Rs_parent_part"][step], truth["ps_camera_root"][step])
-            mesh = placement_of(session.surface).placed(sequence.mesh(step))
+            mesh = placement_of(session.surface).place(sequence.mesh(step))
             tree = cKDTree(np.concatenate(clouds("tripod", pose)))
             assert np.median(tree.query(mesh.vertices)[0]) < 0.012
             assert mesh.consistency is not None

@@ -21,7 +21,7 @@ from tracker.geometry.rotations import exp_rotation, rotation_from_euler
 from tracker.session import Keyframe, Session, TrackSettings, VideoReference
 from tracker.session.verdict import GOOD, Kind, Verdict
 from tracker.storage.files import save_session
-from tracker.tracking.pool import SegmentResult, TrackResult
+from tracker.tracking.result import Diagnostics, SegmentResult, TrackResult
 from tracker.video import Video
 
 WIDTH, HEIGHT, FRAMES = 64, 48, 9
@@ -144,10 +144,12 @@ def segment(first: int, last: int, kind: Kind = "good", bend: float = 0.1) -> Se
         best_pass=1,
         closing_error=1e-12,
         verdict=VERDICTS[kind],
-        rank=np.full(steps, 7),
-        singular_values=np.arange(steps * dofs, dtype=float).reshape(steps, dofs),
-        observability=observability,
-        residual=np.full((steps, parts), 2.5),
+        diagnostics=Diagnostics(
+            rank=np.full(steps, 7),
+            singular_values=np.arange(steps * dofs, dtype=float).reshape(steps, dofs),
+            observability=observability,
+            residual=np.full((steps, parts), 2.5),
+        ),
     )
 
 

@@ -31,8 +31,8 @@ from tracker.formats.reading import load_motion
 from tracker.formats.reading_keypoints import load_keypoints
 from tracker.formats.reference import load_reference
 from tracker.storage.atomic import write_file
+from tracker.storage.evidence.surfaces import MOST_CAMERA_BYTES
 from tracker.storage.files import load_session
-from tracker.storage.finding import MOST_CAMERA_BYTES
 from tracker.storage.journal import Journal, read_journal
 from tracker.surface.cameras.rig import Rig
 

@@ -23,7 +23,8 @@ from tracker.geometry.rotations import exp_rotation
 from tracker.session.settings import TrackSettings
 from tracker.tracking.cycle import Outcome, track_segment
 from tracker.tracking.method import Method
-from tracker.tracking.pool import SegmentResult, TrackFinished, run
+from tracker.tracking.pool import TrackFinished, run
+from tracker.tracking.result import SegmentResult
 from tracker.tracking.scene import Scene
 from tracker.tracking.segment import Segment
 from tracker.tracking.tracker import Tracker

@@ -1,1 +1,1 @@
-"""The articulated body: parts, poses, trajectories, and what is made of its solids."""
+"""The articulated body: parts, poses, trajectories, and operations on its solids."""

@@ -106,11 +106,11 @@ class Body(BaseModel):
 
     def index(self, name: str) -> int:
         """Index of the part of this name; BodyError lists the names there are."""
-        try:
-            return self.names.index(name)
-        except ValueError:
-            known = ", ".join(self.names)
-            raise BodyError(f"The body has no part {name!r}; its parts are {known}.") from None
+        for place, part in enumerate(self.parts):
+            if part.name == name:
+                return place
+        known = ", ".join(self.names)
+        raise BodyError(f"The body has no part {name!r}; its parts are {known}.")
 
     def with_part(self, part: Part) -> Body:
         """This body with the part of the same name exchanged."""

@@ -40,18 +40,18 @@ class Limits:
 
         A slope is the change of an angle with a small turn about each of the part's own axes.
         """
-        angles = self._nearer(Rs_parent_part)
+        angles = self._least_excess(Rs_parent_part)
         outside = np.maximum(angles - self.high, 0.0) + np.minimum(angles - self.low, 0.0)
         return outside, _slopes(angles)
 
     def widened(self, posed: Sequence[Array]) -> Limits:
-        """Wide enough for rotations (P, 3, 3) that were posed: whoever did so saw the joint."""
+        """Widened to contain rotations (P, 3, 3) that a person posed."""
         outside = np.stack([self.excess(Rs)[0] for Rs in posed])
         return Limits(
             self.low + np.minimum(outside, 0.0).min(0), self.high + np.maximum(outside, 0.0).max(0)
         )
 
-    def _nearer(self, Rs: Array) -> Array:
+    def _least_excess(self, Rs: Array) -> Array:
         """(..., P, 3) the triple [x, y, z] that lies less far outside."""
         one = euler_from_rotation(Rs)[..., ::-1]
         other = one + np.pi

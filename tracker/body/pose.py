@@ -25,7 +25,7 @@ class Pose:
         object.__setattr__(self, "Rs_parent_part", frozen(self.Rs_parent_part))
         object.__setattr__(self, "p_camera_root", frozen(self.p_camera_root))
 
-    def loose(self) -> tuple[Array, Array]:
+    def writable(self) -> tuple[Array, Array]:
         """Writable copies of both arrays: the loops are compiled for that kind only."""
         return self.Rs_parent_part.copy(), self.p_camera_root.copy()
 

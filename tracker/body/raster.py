@@ -1,4 +1,8 @@
-"""A posed body as a picture of part, face and depth per pixel: the pen of the headless pictures."""
+"""A posed body as a picture of part, face and depth per pixel, for pictures without a window.
+
+Written here because libraries need OpenGL, which not every server has and which draws differently
+on every computer.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +18,7 @@ from tracker.geometry.view import ViewCamera
 
 @dataclass(frozen=True, eq=False)
 class BodyMesh:
-    """The triangles of all parts of a body, laid out once.
+    """The triangles of all parts of a body as arrays.
 
     vertices:    (V, 3) metres, each in the frame of its own part.
     vertex_part: (V,) index of that part.
@@ -43,7 +47,7 @@ class BodyMesh:
         )
 
     def posed(self, Ts_eye_part: Array) -> Array:
-        """The vertices (V, 3) in the frame of the eye, of parts at Ts_eye_part (P, 4, 4)."""
+        """The vertices (V, 3) in the view's frame, of parts at Ts_eye_part (P, 4, 4)."""
         T = Ts_eye_part[self.vertex_part]
         p_eye = T[:, :3, :3] @ self.vertices[:, :, None] + T[:, :3, 3:]
         return np.ascontiguousarray(p_eye[..., 0])
@@ -55,7 +59,7 @@ class Raster:
 
     part:  int16 index of the part, −1 for none.
     face:  int32 index of the face in BodyMesh, −1 for none.
-    depth: float32 z in the eye's frame, metres, inf for none. In an orthographic view it counts
+    depth: float32 z in the view's frame, metres, inf for none. In an orthographic view it counts
            from the view's centre and may be negative.
     """
 
@@ -65,7 +69,7 @@ class Raster:
 
 
 def raster(mesh: BodyMesh, Ts_camera_part: Array, view: ViewCamera) -> Raster:
-    """The body as the eye sees it, its parts at Ts_camera_part (P, 4, 4)."""
+    """The body as the view shows it, its parts at Ts_camera_part (P, 4, 4)."""
     from tracker.kernels.raster import fill  # the loops load when something is drawn
 
     nearness = np.full((view.height, view.width), -np.inf, dtype=np.float32)

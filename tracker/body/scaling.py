@@ -21,7 +21,7 @@ from tracker.errors import BodyError, one_sentence
 def scaled(body: Body, factor: float) -> Body:
     """The body with every length, joint and landmark multiplied by `factor` (a ratio above 0)."""
     _require_ratio("factor", factor)
-    return with_parts(body, (_stretched(part, factor, factor, factor) for part in body.parts))
+    return with_parts(body, (_scale_part(part, factor, factor, factor) for part in body.parts))
 
 
 def height(body: Body) -> float:
@@ -59,7 +59,7 @@ def resized(
 
     def change(part: Part) -> Part:
         if part.name in names:
-            return _stretched(part, 1.0, length_factor, thickness_factor)
+            return _scale_part(part, 1.0, length_factor, thickness_factor)
         if part.parent in names:
             joint = _times(part.joint_m, length_factor, thickness_factor)
             return part.model_copy(update={"joint_m": joint})
@@ -93,7 +93,7 @@ def _sides(body: Body, name: str, linked: bool) -> set[str]:
     return {name, mirror} if linked else {name}
 
 
-def _stretched(part: Part, joint: float, along: float, across: float) -> Part:
+def _scale_part(part: Part, joint: float, along: float, across: float) -> Part:
     """Joint times one ratio; shape and landmarks times one ratio along y, another across."""
     return part.model_copy(
         update={

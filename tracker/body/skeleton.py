@@ -1,4 +1,4 @@
-"""A body as arrays: what the numerics need of it, laid out once.
+"""A body as arrays, for the numerics.
 
 Degrees of freedom are the tracked motions of all parts in the order of the parts, translations
 before rotations: the columns of DRIFT's A.
@@ -42,8 +42,9 @@ class Skeleton:
 
     @classmethod
     def of(cls, body: Body) -> Skeleton:
-        """Lay out a validated body."""
-        parents = [-1 if p.parent is None else body.index(p.parent) for p in body.parts]
+        """The arrays of a validated body."""
+        places = {name: place for place, name in enumerate(body.names)}
+        parents = [-1 if p.parent is None else places[p.parent] for p in body.parts]
         dofs = [(i, dof) for i, part in enumerate(body.parts) for dof in _ordered(part.tracked)]
         return cls(
             body=body,

@@ -1,4 +1,4 @@
-"""Points on the body's surface, laid once: the tracker's eyes.
+"""Points sampled on the body's surface, which the tracker follows.
 
 Each part carries points with outward normals on all its sides, about a fixed spacing apart. A pose
 shows those that face the camera and that no nearer part covers.
@@ -42,13 +42,13 @@ def surface_area(skeleton: Skeleton) -> float:
     return float(sum(_face_areas(mesh)[0].sum() for mesh in meshes))
 
 
-def lay_points(skeleton: Skeleton, spacing_m: float) -> SurfacePoints:
-    """Lay points about `spacing_m` apart on every part."""
-    laid = [_lay_on(part.shape.mesh(), spacing_m) for part in skeleton.body.parts]
-    counts = [len(points) for points, _ in laid]
+def sample_points(skeleton: Skeleton, spacing_m: float) -> SurfacePoints:
+    """Points about `spacing_m` apart on every part."""
+    sampled = [_sample_mesh(part.shape.mesh(), spacing_m) for part in skeleton.body.parts]
+    counts = [len(points) for points, _ in sampled]
     arrays = (
-        np.concatenate([points for points, _ in laid]).astype(np.float32),
-        np.concatenate([normals for _, normals in laid]).astype(np.float32),
+        np.concatenate([points for points, _ in sampled]).astype(np.float32),
+        np.concatenate([normals for _, normals in sampled]).astype(np.float32),
         np.concatenate([[0], np.cumsum(counts)]).astype(np.int64),
     )
     for array in arrays:
@@ -64,7 +64,7 @@ def _face_areas(mesh: Mesh) -> tuple[Array, Array]:
     return length / 2, cross / np.maximum(length, 1e-300)[:, None]
 
 
-def _lay_on(mesh: Mesh, spacing: float) -> tuple[Array, Array]:
+def _sample_mesh(mesh: Mesh, spacing: float) -> tuple[Array, Array]:
     """Points (N, 3) and normals (N, 3), evenly by area: a low-discrepancy walk over the faces."""
     areas, normals = _face_areas(mesh)
     edges = np.concatenate([[0.0], np.cumsum(areas)])

@@ -1,4 +1,4 @@
-"""A pose for every frame of a stretch of video, and the plainest way to make one."""
+"""A pose for every frame of a range of a video, and plain interpolation."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Trajectory:
     def __len__(self) -> int:
         return len(self.ps_camera_root)
 
-    def loose(self) -> tuple[Array, Array]:
+    def writable(self) -> tuple[Array, Array]:
         """Writable copies of both arrays: the loops are compiled for that kind only."""
         return self.Rs_parent_part.copy(), self.ps_camera_root.copy()
 
@@ -58,7 +58,7 @@ class Trajectory:
 
 @dataclass(frozen=True, eq=False)
 class Pass:
-    """A trajectory on the way, and its score (the lower the better within one segment).
+    """An intermediate trajectory and its score (within one segment, lower is better).
 
     what: "interpolation", "both ways", "templates", "import", "pass" or "refinement"; of observed
         surfaces "fit".

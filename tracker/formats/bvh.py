@@ -23,6 +23,7 @@ from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.errors import FormatError
 from tracker.formats.axes import flipped, flipped_rotations
+from tracker.formats.decimals import fixed_decimals
 from tracker.formats.euler_curves import smooth_euler
 from tracker.formats.names import single_words
 from tracker.geometry.rotations import Array
@@ -94,4 +95,4 @@ def _flipped_cm(points_m: Array) -> Array:
 
 
 def _row(values: Sequence[float] | Array) -> str:
-    return " ".join(f"{round(float(v), DECIMALS) + 0.0:.{DECIMALS}f}" for v in values)
+    return " ".join(fixed_decimals(values, DECIMALS))

@@ -3,9 +3,8 @@
 Joints and landmarks are the points. Millimetres, as POINT:UNITS says; axes as in
 `tracker.formats.axes`: x right, y up, z toward the camera, which is the origin. Points are single
 precision, good to a thousandth of a millimetre. Where a frame is not tracked its points have the
-residual −1, C3D's word for invalid. There are no analog channels. Frames are evenly spaced by the
-mean rate, as C3D knows nothing else; they are numbered from 1, so that frame 0 of the video is the
-file's frame 1.
+residual −1, "invalid" in C3D. There are no analog channels. Frames are evenly spaced by the mean
+rate, as C3D allows nothing else; they are numbered from 1: frame 0 of the video is frame 1 here.
 """
 
 from __future__ import annotations

@@ -30,13 +30,14 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.errors import FormatError
+from tracker.formats.decimals import fixed_decimals
 from tracker.formats.names import column_names
 from tracker.formats.recording import Recording
 from tracker.formats.verdict_words import verdict_words
@@ -61,18 +62,19 @@ def angles_csv(skeleton: Skeleton, trajectory: Trajectory, times_s: Sequence[flo
 
 def frames_csv(recording: Recording) -> str:
     """The table of frames."""
-    parts, tracks = recording.skeleton.body.names, recording.tracks
+    parts, found = recording.skeleton.body.names, recording.tracks.diagnostics
     evidence = [f"{part}_{what}" for what in ("observability", "residual") for part in parts]
-    steps = np.concatenate([tracks.observability, tracks.residual], axis=1)
+    steps = np.concatenate([found.observability, found.residual], axis=1)
     steps = np.concatenate([steps, np.full((1, 2 * len(parts)), np.nan)])
-    ranks = np.append(tracks.rank, -1)
+    ranks = np.append(found.rank, -1)
     text = io.StringIO(newline="")
     writer = csv.writer(text)
     writer.writerow([*_FRAME_COLUMNS, *evidence])
     for i, frame in enumerate(recording.frames):
         rank = [int(ranks[i]), recording.degrees_of_freedom] if ranks[i] >= 0 else ["", ""]
-        time_s = _written([recording.times_s[i]])
-        writer.writerow([frame, *time_s, *_finding(recording, i), *rank, *_written(steps[i])])
+        time_s = fixed_decimals([recording.times_s[i]], DECIMALS)
+        values = fixed_decimals(steps[i], DECIMALS)
+        writer.writerow([frame, *time_s, *_finding(recording, i), *rank, *values])
     return text.getvalue()
 
 
@@ -84,12 +86,12 @@ _FRAME_COLUMNS = (
 
 def _finding(recording: Recording, i: int) -> tuple[str | int, ...]:
     """pose, verdict, words, first_frame, last_frame of a row."""
-    if recording.stretch_at[i] < 0:
+    if recording.segment_at[i] < 0:
         return ("tracked" if recording.tracks.tracked[i] else "missing", "", "", "", "")
-    stretch = recording.stretches[recording.stretch_at[i]]
+    segment = recording.segments[recording.segment_at[i]]
     pose = "keyframe" if recording.at_keyframe[i] else "tracked"
-    kind, words = stretch.verdict.kind, verdict_words(stretch.verdict)
-    return (pose, kind, words, stretch.first_frame, stretch.last_frame)
+    kind, words = segment.verdict.kind, verdict_words(segment.verdict)
+    return (pose, kind, words, segment.first_frame, segment.last_frame)
 
 
 def _table(
@@ -104,13 +106,5 @@ def _table(
     writer.writerow(["frame", "time_s", *columns])
     rows = values.reshape(len(trajectory), -1)
     for i, (time_s, row) in enumerate(zip(times_s, rows, strict=True)):
-        writer.writerow([trajectory.first_frame + i, *_written([time_s, *row])])
+        writer.writerow([trajectory.first_frame + i, *fixed_decimals([time_s, *row], DECIMALS)])
     return text.getvalue()
-
-
-def _written(numbers: Iterable[float]) -> list[str]:
-    """Fixed decimals, no minus before a zero, and nothing for what is not a number."""
-    return [
-        "" if np.isnan(number) else f"{round(float(number), DECIMALS) + 0.0:.{DECIMALS}f}"
-        for number in numbers
-    ]

@@ -14,7 +14,7 @@ import numpy as np
 from tracker.geometry.rotations import Array, euler_from_rotation
 
 LOCKED = 1e-8
-"""cos y below which z and x turn about one axis, as far as any file can tell."""
+"""cos y below which z and x turn about one axis, to the precision of any file."""
 
 FULL_TURN = 2 * np.pi
 
@@ -34,19 +34,19 @@ def _nearest(before: Array, now: Array) -> Array:
     """The triple (..., 3) equivalent to `now` that is nearest to `before`."""
     z, y, x = np.moveaxis(now, -1, 0)
     other = np.stack([z + np.pi, np.pi - y, x + np.pi], axis=-1)
-    both = np.stack([_unwound(before, now), _unwound(before, other)])
+    both = np.stack([_nearest_turns(before, now), _nearest_turns(before, other)])
     distance = np.square(both - before).sum(axis=-1)
     nearer = np.where((distance[1] < distance[0])[..., None], both[1], both[0])
     locked = np.abs(np.cos(y)) < LOCKED
-    return np.where(locked[..., None], _slid(before, nearer), nearer)
+    return np.where(locked[..., None], _nearest_locked(before, nearer), nearer)
 
 
-def _unwound(before: Array, now: Array) -> Array:
+def _nearest_turns(before: Array, now: Array) -> Array:
     """Every angle with the full turns that bring it nearest to the one before."""
     return np.asarray(now + FULL_TURN * np.round((before - now) / FULL_TURN))
 
 
-def _slid(before: Array, now: Array) -> Array:
+def _nearest_locked(before: Array, now: Array) -> Array:
     """A locked triple with z and x as near to those before as their common turn allows."""
     sign = np.where(np.sin(now[..., 1]) > 0, -1.0, 1.0)  # where sin y is 1, x − z counts
     miss = (now[..., 2] + sign * now[..., 0]) - (before[..., 2] + sign * before[..., 0])

@@ -181,12 +181,12 @@ def _cameras(camera: Camera) -> list[dict[str, Any]]:
     """The camera of a perspective lens: glTF's looks along −z with y up, as F turns ours."""
     if camera.projection != "perspective":
         return []
-    words = camera.model_dump(include={"width", "height", "fx", "fy", "cx", "cy"})
+    fields = camera.model_dump(include={"width", "height", "fx", "fy", "cx", "cy"})
     perspective = {
         "yfov": 2 * math.atan(camera.height / 2 / camera.fy),
         "aspectRatio": camera.width * camera.fy / (camera.height * camera.fx),
         "znear": NEAR_M,
     }
-    exact = words | {"distortion_k1_k2_p1_p2_k3": list(camera.distortion)}
+    exact = fields | {"distortion_k1_k2_p1_p2_k3": list(camera.distortion)}
     exact["pixel_centres"] = "at integers"
     return [{"name": "camera", "type": "perspective", "perspective": perspective, "extras": exact}]

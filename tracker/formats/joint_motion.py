@@ -80,7 +80,7 @@ class JointMotion:
         return replace(self, times_s=self.times_s[0] + np.arange(len(self)) / fps)
 
     def at(self, times_s: Array) -> Array:
-        """Positions (M, J, 3) at times of the file's clock, NaN outside and beside what is missing.
+        """Positions (M, J, 3) at times of the file's clock, NaN outside and next to missing frames.
 
         Between two frames straight lines; at a frame its own positions.
         """
@@ -98,7 +98,7 @@ class JointMotion:
 
 
 def require_size(file: str, frames: int, joints: int) -> None:
-    """FormatError unless a motion may have so many frames and joints; asked before memory goes."""
+    """FormatError unless a motion may have so many frames and joints; checked before allocating."""
     if frames < 1 or joints < 1:
         what = "frame" if frames < 1 else "joint"
         raise FormatError(f"{file} holds no {what}.")

@@ -118,15 +118,15 @@ def matched(
     A place that several names claim goes to the first of them.
     """
     if given is not None:
-        return _of_given(skeleton, names, file, given)
-    tables = {"the body's own": _own(skeleton)}
+        return _match_given(skeleton, names, file, given)
+    tables = {"the body's own": _own_names(skeleton)}
     for convention, table in CONVENTIONS.items():
         tables[convention] = {
             name: (ours, place)
             for name, ours in table.items()
             if (place := _place(skeleton.body, ours)) is not None
         }
-    found = {c: _matched(c, names, table) for c, table in tables.items()}
+    found = {c: _match(c, names, table) for c, table in tables.items()}
     return max(found.values(), key=lambda m: len(m.known))  # the first of those alike
 
 
@@ -150,7 +150,7 @@ def plain(name: str) -> str:
     return re.sub(r"[\W_]", "", name.rsplit(":", 1)[-1]).lower()
 
 
-def _matched(
+def _match(
     convention: str, names: Sequence[str], table: Mapping[str, tuple[str, BodyPoint]]
 ) -> Matched:
     known, left_out, taken = [], [], set()
@@ -164,7 +164,7 @@ def _matched(
     return Matched(convention, tuple(known), tuple(left_out))
 
 
-def _of_given(
+def _match_given(
     skeleton: Skeleton, names: Sequence[str], file: str, given: Mapping[str, str]
 ) -> Matched:
     missing = sorted(set(given) - set(names))
@@ -175,7 +175,7 @@ def _of_given(
     return Matched("given", known, tuple(name for name in names if name not in places))
 
 
-def _own(skeleton: Skeleton) -> dict[str, tuple[str, BodyPoint]]:
+def _own_names(skeleton: Skeleton) -> dict[str, tuple[str, BodyPoint]]:
     """The body's parts and landmarks, and the ends of parts as our own BVH files have them."""
     table: dict[str, tuple[str, BodyPoint]] = {}
     for i, part in enumerate(skeleton.body.parts):

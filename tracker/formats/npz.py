@@ -1,4 +1,4 @@
-"""The motion with all that is known of it as a NumPy archive, for programs of one's own.
+"""The motion with all its diagnostics as a NumPy archive, for own programs.
 
 Frames are the N from the first keyframe to the last, parts P, joints and landmarks J, segments S.
 Positions are metres in the camera frame: x right, y down, z away from the camera. Where a frame is
@@ -78,19 +78,19 @@ def _poses(recording: Recording) -> Arrays:
 
 
 def _findings(recording: Recording) -> Arrays:
-    tracks, stretches, at = recording.tracks, recording.stretches, recording.stretch_at
+    tracks, segments, at = recording.tracks, recording.segments, recording.segment_at
     return {
         "tracked": tracks.tracked,
         "keyframe": recording.at_keyframe,
         "segment": _whole(at),
-        "verdict": _text([stretches[i].verdict.kind if i >= 0 else "" for i in at]),
-        "segment_frames": _whole([(s.first_frame, s.last_frame) for s in stretches]),
-        "segment_verdict": _text([s.verdict.kind for s in stretches]),
-        "segment_words": _text([verdict_words(s.verdict) for s in stretches]),
-        "rank": _whole(tracks.rank),
+        "verdict": _text([segments[i].verdict.kind if i >= 0 else "" for i in at]),
+        "segment_frames": _whole([(s.first_frame, s.last_frame) for s in segments]),
+        "segment_verdict": _text([s.verdict.kind for s in segments]),
+        "segment_words": _text([verdict_words(s.verdict) for s in segments]),
+        "rank": _whole(tracks.diagnostics.rank),
         "degrees_of_freedom": _whole(recording.degrees_of_freedom),
-        "observability": tracks.observability,
-        "residual": tracks.residual,
+        "observability": tracks.diagnostics.observability,
+        "residual": tracks.diagnostics.residual,
     }
 
 

@@ -1,7 +1,7 @@
 """Recorded motion in: joint positions over time, whatever program wrote them.
 
 One module per format reads its own files into a `JointMotion`: `reading_bvh`, `reading_trc`,
-`reading_c3d`, `reading_csv`. Whatever is odd about a file is told in one sentence.
+`reading_c3d`, `reading_csv`. Whatever is wrong with a file is reported in one sentence.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """BVH files in: the hierarchy, its channels, and where they put every joint.
 
-Any order of rotation channels, position channels at any joint (they stand in the place of its
-offset, as animation programs have it). An End Site is the joint `<parent>_end`. BVH is y up and
+Any order of rotation channels; position channels at any joint replace its offset, as in animation
+programs. An End Site is the joint `<parent>_end`. BVH is y up and
 names no unit; centimetres are the custom.
 """
 
@@ -112,7 +112,7 @@ class _Names:
 
 
 def _require_few(file: str, joints: list[_Joint]) -> None:
-    """Asked of every joint as it is read: a file may hold more than could be read in minutes."""
+    """Checked as each joint is read: a file may hold more than could be read in minutes."""
     if len(joints) > MOST_JOINTS:
         raise FormatError(f"{file} has more than {MOST_JOINTS} joints, which is too much.")
     if len(joints[-1].name) > LONGEST_NAME:
@@ -145,7 +145,7 @@ def _after(line: str, label: str) -> str:
 
 
 def _values(file: str, rows: str, count: int, columns: int) -> Array:
-    """(N, C) what the channels say."""
+    """(N, C) values of the channels."""
     values, found = np.empty(count * columns), 0
     try:
         for line in io.StringIO(rows):

@@ -32,13 +32,13 @@ def read_csv(file: str, content: bytes) -> JointMotion:
     require_size(file, len(rows) - 1, len(columns))
     table = np.full((len(rows) - 1, len(heads)), np.nan)
     wanted = [time, *(i for axes in columns.values() for i in axes)]
-    for row, words in enumerate(rows[1:]):
-        if len(words) != len(heads):
+    for row, cells in enumerate(rows[1:]):
+        if len(cells) != len(heads):
             raise FormatError(
-                f"{file}: row {row + 2} has {len(words)} columns where {len(heads)} are due."
+                f"{file}: row {row + 2} has {len(cells)} columns where {len(heads)} are due."
             )
         for i in wanted:
-            table[row, i] = _number(file, words[i])
+            table[row, i] = _number(file, cells[i])
     positions = table[:, list(columns.values())]
     ours = unit == "m" and heads[:2] == ["frame", "time_s"]
     world: World = "camera" if ours else "y up"

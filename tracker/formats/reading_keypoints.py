@@ -3,7 +3,7 @@
 COCO: a list of annotations, or an object that holds it as `annotations`, beside `images` and
 `categories` when one likes. An annotation is of the frame whose number its `image_id` is, or else
 the last number in its image's file name. OpenPose: `…_000000000012_keypoints.json` is frame 12.
-Of several people in a frame the one seen most surely counts. Pixels have their centres at integers.
+Of several people in a frame the most confident counts. Pixels have their centres at integers.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Keypoints:
     """Keypoints of one person over time.
 
     names:  (J,).
-    frames: of every frame, pixels (J, 2), NaN where not seen, and how sure they are (J,), 0 to 1.
+    frames: of every frame, pixels (J, 2), NaN where not seen, and confidences (J,), 0 to 1.
     """
 
     names: tuple[str, ...]
@@ -69,7 +69,7 @@ def load_keypoints(path: Path) -> Keypoints:
         if path.is_dir():
             return _openpose(path)
         if re.search(r"_keypoints\.json$", path.name):
-            return _of_people(path.name, None, {_number(path.name, 0): _people(path)})
+            return _from_people(path.name, None, {_number(path.name, 0): _people(path)})
         return _coco(path)
     except FileNotFoundError:
         raise FormatError(f"There is no file of keypoints {str(path)!r}.") from None
@@ -83,7 +83,7 @@ def _openpose(folder: Path) -> Keypoints:
         raise FormatError(f"{folder.name} holds no file …_keypoints.json, one for each frame.")
     if len(files) > MOST_FILES:
         raise FormatError(f"{folder.name} holds {len(files)} files, which is too many.")
-    return _of_people(
+    return _from_people(
         folder.name, None, {_number(file.name, i): _people(file) for i, file in enumerate(files)}
     )
 
@@ -114,7 +114,7 @@ def _coco(path: Path) -> Keypoints:
         image = one.get("image_id", place)
         name = images.get(str(image)) or str(image)
         frames.setdefault(_number(name, place), []).append(one.get("keypoints"))
-    return _of_people(path.name, _category_names(given.get("categories")), frames)
+    return _from_people(path.name, _category_names(given.get("categories")), frames)
 
 
 def _category_names(categories: Any) -> tuple[str, ...] | None:
@@ -126,10 +126,10 @@ def _category_names(categories: Any) -> tuple[str, ...] | None:
     return None
 
 
-def _of_people(
+def _from_people(
     file: str, names: tuple[str, ...] | None, frames: Mapping[int, Sequence[Any]]
 ) -> Keypoints:
-    """Of each frame's people the surest; FormatError where their numbers are no keypoints.
+    """Of each frame's people the most confident; FormatError where their numbers are no keypoints.
 
     A person may have none at all, such as one that is only a box, and is passed over.
     """
@@ -143,8 +143,8 @@ def _of_people(
                     f"{file} has a person of {len(table)} keypoints; 17, 18 or 25 are expected."
                 )
         if tables:
-            best = max(tables, key=lambda table: float(_sure(table).sum()))
-            sure = _sure(best)
+            best = max(tables, key=lambda table: float(_confidence(table).sum()))
+            sure = _confidence(best)
             found[frame] = (np.where(sure[:, None] > 0, best[:, :2], np.nan), sure)
     if names is None or not any((sure > 0).any() for _, sure in found.values()):
         raise FormatError(f"{file} holds no keypoint of anybody.")
@@ -152,7 +152,7 @@ def _of_people(
 
 
 def _table(file: str, numbers: Any) -> Array:
-    """(J, 3) of u, v and how sure, from a flat list."""
+    """(J, 3) of u, v and confidence, from a flat list."""
     try:
         flat = np.array(numbers, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
@@ -164,7 +164,7 @@ def _table(file: str, numbers: Any) -> Array:
     return flat.reshape(-1, 3)
 
 
-def _sure(table: Array) -> Array:
+def _confidence(table: Array) -> Array:
     """0 to 1; COCO's visibility 1 and 2 is sure."""
     return np.asarray(np.clip(table[:, 2], 0.0, 1.0))
 

@@ -43,14 +43,14 @@ def _require_counts(file: str, header: dict[str, str], frames: int, markers: int
 
 
 def _numbers(file: str, line: str, count: int) -> Array:
-    """A row's numbers, NaN where its places are empty; what is left out at its end is empty."""
-    words = [word.strip() for word in line.rstrip("\r\n").split("\t")]
-    while len(words) > count and not words[-1]:
-        words.pop()
-    words += [""] * (count - len(words))
-    if len(words) > count:
-        raise FormatError(f"{file} has a row of {len(words)} columns where {count} are due.")
+    """A row's numbers, NaN where its cells are empty; missing cells at its end are empty."""
+    cells = [cell.strip() for cell in line.rstrip("\r\n").split("\t")]
+    while len(cells) > count and not cells[-1]:
+        cells.pop()
+    cells += [""] * (count - len(cells))
+    if len(cells) > count:
+        raise FormatError(f"{file} has a row of {len(cells)} columns where {count} are due.")
     try:
-        return np.array([float(word) if word else np.nan for word in words])
+        return np.array([float(cell) if cell else np.nan for cell in cells])
     except ValueError:
         raise FormatError(f"{file} has something else than numbers in its rows.") from None

@@ -1,11 +1,10 @@
-"""What the writers write: a tracked motion, its clock, and what is known of every frame of it."""
+"""What the writers write: a tracked motion, its times, and what is known of every frame."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,11 +19,11 @@ from tracker.session.verdict import Verdict
 from tracker.storage.tracks import Tracks
 
 CAMERA_UP = (0.0, -1.0, 0.0)
-"""Where no other direction is known to be up, it is the camera's own."""
+"""Up where no other direction is known: the camera's own."""
 
 
 @dataclass(frozen=True)
-class Stretch:
+class RecordedSegment:
     """The frames from one keyframe to the next, and what tracking found there."""
 
     first_frame: int
@@ -34,10 +33,10 @@ class Stretch:
 
 @dataclass(frozen=True, eq=False)
 class Recording:
-    """N consecutive frames. Where one is not tracked, its pose is NaN and no stretch holds it.
+    """N consecutive frames. Where one is not tracked, its pose is NaN and it is in no segment.
 
-    tracks:    the poses, and what the pictures told about them.
-    stretches: what was tracked, ascending; neighbours share a keyframe.
+    tracks:    the poses and their diagnostics.
+    stretches: the tracked segments, ascending; neighbours share a keyframe.
     times_s:   (N,) seconds from the video's first frame.
     up_camera: (3,) what is up, a unit vector in the camera frame.
     open_ends: frames at which a motion of surfaces begins, ends or was stopped without a keyframe.
@@ -46,18 +45,18 @@ class Recording:
     skeleton: Skeleton
     camera: Camera
     tracks: Tracks
-    stretches: tuple[Stretch, ...]
+    segments: tuple[RecordedSegment, ...]
     times_s: Array
     up_camera: Array
     open_ends: tuple[int, ...] = ()
 
     @classmethod
     def of(
-        cls, session: Session, tracks: Tracks, stretches: Sequence[Stretch], times_s: Array
+        cls, session: Session, tracks: Tracks, segments: Sequence[RecordedSegment], times_s: Array
     ) -> Recording:
         """The motion of a session from its first keyframe to its last, or as far as it reaches.
 
-        times_s are those of all the video's frames, from frame 0. A stretch whose frames have no
+        times_s are those of all the video's frames, from frame 0. A segment whose frames have no
         poses is left out.
         """
         keyed = [keyframe.frame for keyframe in session.keyframes]
@@ -69,11 +68,11 @@ class Recording:
         return cls(
             Skeleton.of(session.body),
             session.camera,
-            _over(tracks, first, last),
-            tuple(s for s in sorted(stretches, key=_begin) if _is_tracked(tracks, s)),
+            tracks.between(first, last),
+            tuple(s for s in sorted(segments, key=_begin) if _is_tracked(tracks, s)),
             frozen(times_s[first : last + 1]),
             frozen(up / np.linalg.norm(up)),
-            tuple(sorted(_open_ends(session, stretches))),
+            tuple(sorted(_open_ends(session, segments))),
         )
 
     def __len__(self) -> int:
@@ -87,7 +86,7 @@ class Recording:
     @property
     def degrees_of_freedom(self) -> int:
         """How many motions were estimated: the highest rank there can be."""
-        return int(self.tracks.singular_values.shape[-1])
+        return int(self.tracks.diagnostics.singular_values.shape[-1])
 
     @property
     def frames_per_second(self) -> float:
@@ -111,28 +110,28 @@ class Recording:
     def whole(self, name: str) -> Recording:
         """From the first tracked frame to the last, for a format of this name that holds no gaps.
 
-        FormatError tells the frames between that are not tracked.
+        FormatError names the frames between that are not tracked.
         """
         rows = np.flatnonzero(self.tracks.tracked)
         if not len(rows):
             raise FormatError("No frame is tracked.")
         first = self.tracks.first_frame + int(rows[0])
-        tracks = _over(self.tracks, first, self.tracks.first_frame + int(rows[-1]))
+        tracks = self.tracks.between(first, self.tracks.first_frame + int(rows[-1]))
         if not tracks.tracked.all():
             missing = tracks.runs(tracked=False)
-            words = f"Frames {missing} are" if " " in missing else f"Frame {missing} is"
+            which = f"Frames {missing} are" if " " in missing else f"Frame {missing} is"
             raise FormatError(
-                f"{words} not tracked, and {name} holds no gaps: track them first, or choose CSV, "
+                f"{which} not tracked, and {name} holds no gaps: track them first, or choose CSV, "
                 "NPZ, TRC or C3D."
             )
         return replace(self, tracks=tracks, times_s=self.times_s[rows[0] : rows[-1] + 1])
 
     @cached_property
-    def stretch_at(self) -> NDArray[np.int64]:
-        """(N,) which stretch a frame is in, −1 for none: of two, the one that begins there."""
+    def segment_at(self) -> NDArray[np.int64]:
+        """(N,) the segment a frame is in, −1 for none: of two, the one that begins there."""
         at = np.full(len(self), -1)
-        for i, stretch in enumerate(self.stretches):
-            at[self._rows(stretch)] = i
+        for i, segment in enumerate(self.segments):
+            at[self._rows(segment)] = i
         at.setflags(write=False)
         return at
 
@@ -140,54 +139,30 @@ class Recording:
     def at_keyframe(self) -> NDArray[np.bool_]:
         """(N,) True where the pose is not a tracked one but that of a keyframe."""
         keyed = np.zeros(len(self), dtype=np.bool_)
-        for stretch in self.stretches:
-            rows = self._rows(stretch)
-            ends = ((stretch.first_frame, rows.start), (stretch.last_frame, rows.stop - 1))
+        for segment in self.segments:
+            rows = self._rows(segment)
+            ends = ((segment.first_frame, rows.start), (segment.last_frame, rows.stop - 1))
             for frame, row in ends:
                 keyed[row] |= frame not in self.open_ends
         keyed.setflags(write=False)
         return keyed
 
-    def _rows(self, stretch: Stretch) -> slice:
+    def _rows(self, segment: RecordedSegment) -> slice:
         first = self.tracks.first_frame
-        return slice(stretch.first_frame - first, stretch.last_frame - first + 1)
+        return slice(segment.first_frame - first, segment.last_frame - first + 1)
 
 
-def _over(tracks: Tracks, first: int, last: int) -> Tracks:
-    """The tracks from one frame to another: fewer than they are, or more, which have no poses."""
-    start = max(first, tracks.first_frame)
-    count = min(last + 1, tracks.first_frame + len(tracks.tracked)) - start
-
-    def over(values: NDArray[Any], nothing: float, steps: int = 0) -> NDArray[Any]:
-        rows = np.full((last + 1 - first - steps, *values.shape[1:]), nothing, values.dtype)
-        old = start - tracks.first_frame
-        rows[start - first : start - first + count - steps] = values[old : old + count - steps]
-        return rows
-
-    return Tracks(
-        first,
-        tracks.part_names,
-        over(tracks.Rs_parent_part, np.nan),
-        over(tracks.ps_camera_root, np.nan),
-        over(tracks.rank, -1, 1),
-        over(tracks.singular_values, np.nan, 1),
-        over(tracks.observability, np.nan, 1),
-        over(tracks.residual, np.nan, 1),
-    )
+def _open_ends(session: Session, segments: Sequence[RecordedSegment]) -> set[int]:
+    """Frames where segments of surfaces end without a keyframe."""
+    ends = {frame for s in segments for frame in (s.first_frame, s.last_frame)}
+    keyed = [keyframe.frame for keyframe in session.keyframes]
+    return set(session.evidence.open_ends(keyed, ends))
 
 
-def _open_ends(session: Session, stretches: Sequence[Stretch]) -> set[int]:
-    """Where stretches of surfaces end though nobody posed anything there."""
-    if session.surface is None:
-        return set()
-    ends = {frame for s in stretches for frame in (s.first_frame, s.last_frame)}
-    return ends - {keyframe.frame for keyframe in session.keyframes}
+def _begin(segment: RecordedSegment) -> int:
+    return segment.first_frame
 
 
-def _begin(stretch: Stretch) -> int:
-    return stretch.first_frame
-
-
-def _is_tracked(tracks: Tracks, stretch: Stretch) -> bool:
-    start, end = (f - tracks.first_frame for f in (stretch.first_frame, stretch.last_frame))
+def _is_tracked(tracks: Tracks, segment: RecordedSegment) -> bool:
+    start, end = (f - tracks.first_frame for f in (segment.first_frame, segment.last_frame))
     return 0 <= start < end < len(tracks.tracked) and bool(tracks.tracked[start : end + 1].all())

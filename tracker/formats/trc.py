@@ -12,9 +12,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from tracker.formats.axes import flipped
+from tracker.formats.decimals import fixed_decimals
 from tracker.formats.names import column_names, single_words
 from tracker.formats.recording import Recording
-from tracker.geometry.rotations import Array
 
 MM_PER_M = 1000.0
 DECIMALS = 4
@@ -42,17 +42,11 @@ def trc(recording: Recording, file_name: str) -> str:
     ]
     ps = flipped(recording.ps_camera_joint) * MM_PER_M
     for frame, time_s, positions in zip(recording.frames, recording.times_s, ps, strict=True):
-        lines.append(_row((str(frame), f"{time_s:.6f}", *_numbers(positions.ravel()))))
+        lines.append(
+            _row((str(frame), f"{time_s:.6f}", *fixed_decimals(positions.ravel(), DECIMALS)))
+        )
     return "\n".join(lines) + "\n"
 
 
 def _row(cells: Iterable[str]) -> str:
     return "".join(f"{cell}\t" for cell in cells)
-
-
-def _numbers(values: Array) -> list[str]:
-    """Fixed decimals, no minus before a zero, and nothing for what is not a number."""
-    return [
-        "" if value != value else f"{round(value, DECIMALS) + 0.0:.{DECIMALS}f}"  # NaN
-        for value in values.tolist()
-    ]

@@ -1,6 +1,6 @@
 """An ideal camera as drawing needs it: perspective, telephoto, or one of three orthographic views.
 
-The eye's frame is x right, y down, z away. It differs from the camera's frame in the orthographic
+The view's frame is x right, y down, z away. It differs from the camera's frame in the orthographic
 views only.
 """
 
@@ -30,10 +30,10 @@ _R_VIEW_CAMERA: dict[ViewName, list[list[float]]] = {
 class ViewCamera:
     """A picture of width × height pixels, their centres at integers.
 
-    T_eye_camera:   (4, 4) from the camera frame to the eye's.
+    T_view_camera:   (4, 4) from the camera frame to the view's.
     focal, centre:  (fx, fy) and (cx, cy), pixels.
-    parallel_m:     the distance that stands for every point's own (parallel rays), or None.
-    near_m:         what has a smaller z in the eye's frame is not drawn.
+    parallel_m:     the one distance used for every point (parallel rays), or None.
+    near_m:         what has a smaller z in the view's frame is not drawn.
     """
 
     T_view_camera: Array
@@ -70,7 +70,7 @@ class ViewCamera:
         "front" looks along the camera's +z: x to the right, y down.
         "top" looks down along +y: x to the right, z (away from the camera) up.
         "side" looks along −x, from the picture's right: z (away) to the right, y down.
-        R_eye_camera stands for them where the world is not upright in the camera's frame.
+        R_eye_camera replaces their rotation where the world is not upright in the camera's frame.
         """
         R = np.array(_R_VIEW_CAMERA[view] if R_eye_camera is None else R_eye_camera)
         return cls(
@@ -102,20 +102,20 @@ class ViewCamera:
         return replace(self, centre=centre, width=width, height=height)
 
     def project(self, p_eye: Array) -> Array:
-        """Pixels (..., 2) of points (..., 3) in the eye's frame; NaN nearer than near_m."""
+        """Pixels (..., 2) of points (..., 3) in the view's frame; NaN nearer than near_m."""
         z = p_eye[..., 2:]
         distance = z if self.parallel_m is None else np.full_like(z, self.parallel_m)
         uv: Array = p_eye[..., :2] / np.where(z >= self.near_m, distance, np.nan)
         return uv * self.focal + self.centre
 
     def back_project(self, uv: Array, depth_m: Array) -> Array:
-        """Points (..., 3) in the eye's frame that are seen at pixels (..., 2), z = depth_m."""
+        """Points (..., 3) in the view's frame that are seen at pixels (..., 2), z = depth_m."""
         z = depth_m[..., None]
         xy = (uv - self.centre) / self.focal
         return np.concatenate([xy * (z if self.parallel_m is None else self.parallel_m), z], -1)
 
     def rays(self, p_eye: Array) -> Array:
-        """Viewing directions (..., 3), of any length, at points (..., 3) in the eye's frame."""
+        """Viewing directions (..., 3), of any length, at points (..., 3) in the view's frame."""
         if self.parallel_m is None:
             return p_eye
         return np.broadcast_to(np.array([0.0, 0.0, 1.0]), p_eye.shape)

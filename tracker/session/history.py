@@ -1,4 +1,4 @@
-"""Undo and redo: whole documents, which share all that did not change."""
+"""Undo and redo: whole documents, which share everything unchanged."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ MOST_STEPS = 1000
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """One edit: the document on its other side, what it was called, and where one stood."""
+    """One edit: the document on its other side, its label, and the current frame."""
 
     doc: Session
     label: str
@@ -20,16 +20,16 @@ class Step:
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """What can be taken back, oldest first, and what can be done again, next one last."""
+    """The steps that can be undone, oldest first, and those that can be redone, next one last."""
 
     past: tuple[Step, ...] = ()
     future: tuple[Step, ...] = ()
 
     def after(self, before: Session, label: str, frame: int) -> History:
-        """After one more edit, which was made to `before`."""
+        """The history after one more edit, which was made to `before`."""
         return History((*self.past, Step(before, label, frame))[-MOST_STEPS:])
 
-    def undone(self, present: Session) -> tuple[Step, History] | None:
+    def undo(self, present: Session) -> tuple[Step, History] | None:
         """The step to go back to, and the history then; None at the beginning."""
         if not self.past:
             return None
@@ -37,7 +37,7 @@ class History:
         again = Step(present, step.label, step.frame)
         return step, History(self.past[:-1], (*self.future, again))
 
-    def redone(self, present: Session) -> tuple[Step, History] | None:
+    def redo(self, present: Session) -> tuple[Step, History] | None:
         """The step to go forward to, and the history then; None at the end."""
         if not self.future:
             return None

@@ -1,4 +1,4 @@
-"""What a session's file says of its motion: where it lies, and what was found."""
+"""The results in a session's file: where the motion is stored, and what was found."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from tracker.session.verdict import Verdict
 
 
 class SegmentSummary(Plain):
-    """What tracking found for the stretch between two keyframes."""
+    """What tracking found for the segment between two keyframes."""
 
     first_frame: FrameIndex
     last_frame: FrameIndex
@@ -56,7 +56,7 @@ class SegmentSummary(Plain):
 
 
 class Results(Plain):
-    """Where the tracked motion lies, and what was found."""
+    """Where the tracked motion is stored, and what was found."""
 
     tracks: Annotated[str, Field(pattern=r"^tracks-[0-9a-f]{12}\.npz$")] = Field(
         description="File of the trajectories, beside the session file."
@@ -75,7 +75,7 @@ class Results(Plain):
     )
 
     def settings_used(self, settings: TrackSettings) -> TrackSettings:
-        """A session's settings with the method and the start that these results came by."""
+        """A session's settings with the method and the start of these results."""
         used = {"method": self.method, "initial": self.initial, "left_out": self.left_out}
         if self.initial is None:
             used = {"method": self.method}

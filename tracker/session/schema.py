@@ -1,6 +1,6 @@
-"""The session file's contents: plain numbers, validated once at the door.
+"""The session file's contents: plain numbers, validated once when read.
 
-Every text of an error names the field and what is allowed. Lengths are metres, angles radians,
+Every error message names the field and what is allowed. Lengths are metres, angles radians,
 rotations unit quaternions [w, x, y, z] of a part in its parent's frame. Fields that are not known
 are kept as they are: another program may have its own.
 """
@@ -26,6 +26,7 @@ from tracker.body.pose import Pose, part_transforms
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import quaternion_wxyz, rotation_from_quaternion
+from tracker.session.evidence import Evidence, evidence_of
 from tracker.session.results import Results
 from tracker.session.settings import (
     FrameIndex,
@@ -183,29 +184,24 @@ class Session(Plain):
     results: Results | None = None
 
     @property
-    def spans(self) -> tuple[tuple[int, int], ...]:
-        """First and last frame of every segment.
+    def evidence(self) -> Evidence:
+        """What the body is compared with."""
+        return evidence_of(self)
 
-        A segment lies between two keyframes; of surfaces, whose steps can be followed one by one,
-        also before the first keyframe and after the last.
-        """
-        frames = [keyframe.frame for keyframe in self.keyframes]
-        if self.surface is not None and frames:
-            frames = sorted({0, *frames, self.video.frame_count - 1})
-        return tuple(pairwise(frames))
+    @property
+    def spans(self) -> tuple[tuple[int, int], ...]:
+        """First and last frame of every segment: between two keyframes, and of surfaces also
+        before the first and after the last."""
+        return self.evidence.spans([keyframe.frame for keyframe in self.keyframes])
 
     @property
     def model_keyframe(self) -> Keyframe | None:
-        """The keyframe whose mesh moves with the body; None where nothing is observed or posed."""
-        if self.surface is None or not self.keyframes:
-            return None
-        wanted = self.surface.model_frame
-        found = [keyframe for keyframe in self.keyframes if keyframe.frame == wanted]
-        return (found or self.keyframes)[0]
+        """The keyframe whose mesh moves with the body; None without surfaces or keyframes."""
+        return self.evidence.model_keyframe(self.keyframes)
 
     @property
     def is_newer(self) -> bool:
-        """Whether a newer Keypose wrote it: then it may be looked at, not changed."""
+        """Whether a newer Keypose wrote it: it can then be viewed but not changed."""
         return self.schema_version > PRESENT
 
     @model_validator(mode="before")
@@ -222,9 +218,9 @@ class Session(Plain):
 
 
 def require_fit(session: Session, poses: Sequence[Keyframe]) -> None:
-    """ValueError in words unless the session's values, each valid by itself, fit together.
+    """ValueError in one sentence unless the session's values, each valid by itself, fit together.
 
-    poses: the keyframes and drafts to be held against body and video; the others are known to fit.
+    poses: the keyframes and drafts to check against body and video; the others are known to fit.
     """
     require_few({name: getattr(session, name) for name in MOST})
     camera, video = session.camera, session.video
@@ -309,8 +305,8 @@ def _require_before_camera(keyframes: Sequence[Keyframe], skeleton: Skeleton) ->
 
 
 def require_few(data: Mapping[str, Any]) -> None:
-    """ValueError when there is more in a list than a session may have; asked before any of it is
-    read, for a file may hold what would take minutes."""
+    """ValueError when a list is longer than a session may have; checked before any of it is read,
+    which could take minutes."""
     for name, most in MOST.items():
         given = data.get(name)
         if isinstance(given, list | tuple) and len(given) > most:

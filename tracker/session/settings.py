@@ -1,4 +1,4 @@
-"""How a session is to be tracked: what a person chooses, as plain validated data."""
+"""How a session is to be tracked: the settings, as plain validated data."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Initial: TypeAlias = Literal["auto", "linear", "templates", "both-ways", "import
 
 
 class Plain(BaseModel):
-    """Immutable plain data. Fields it does not know are kept, for whoever wrote them."""
+    """Immutable plain data. Unknown fields are kept: another program may have written them."""
 
     model_config = ConfigDict(frozen=True, extra="allow")
 

@@ -1,4 +1,4 @@
-"""The verdict on a segment: facts alone. Whoever shows them makes the words."""
+"""The verdict on a segment, as facts only. Each interface makes its own sentences of them."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""What version 2 said of a segment, read once for version 3.
+"""Version 2's results of a segment, converted to version 3.
 
-There the verdict was its kind and a sentence, `"verdict": "check", "words": "check frames 31–36:
-right hand not seen"`; here it is facts. A sentence that is none of these is kept as it is, as the
-text of a verdict with the cause "other".
+There the verdict was a kind and a sentence, `"verdict": "check", "words": "check frames 31–36:
+right hand not seen"`; here it is facts. An unknown sentence is kept as the text of a
+verdict with the cause "other".
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ _REASONS_OF_PARTS: Final[Mapping[str, Cause]] = {
 }
 
 
-def brought_to_3(data: dict[str, Any]) -> dict[str, Any]:
+def migrate_to_3(data: dict[str, Any]) -> dict[str, Any]:
     """A session's JSON with the sentences of its results as verdicts.
 
-    What has not the form of such results stays: validation says what is wrong with it.
+    Results of another form stay as they are: validation reports what is wrong.
     """
     results = data.get("results")
     if not isinstance(results, dict) or not isinstance(results.get("segments"), list):
@@ -50,34 +50,32 @@ def brought_to_3(data: dict[str, Any]) -> dict[str, Any]:
     return {**data, "results": {**results, "segments": segments}}
 
 
-def verdict_of(kind: Kind, words: str, span: tuple[int, int], names: Sequence[str]) -> Verdict:
-    """What a sentence about a segment says.
+def verdict_of(kind: Kind, sentence: str, span: tuple[int, int], names: Sequence[str]) -> Verdict:
+    """The verdict in a sentence about a segment.
 
-    span: the segment's keyframes.  names: of the body's parts, for the sentence has spaces where
+    span: the segment's keyframes.  names: of the body's parts; the sentence has spaces where
     they have underscores.
     """
     try:
-        return _understood(kind, words, span, names) or _kept(kind, words)
+        return _read(kind, sentence, span, names) or _unread(kind, sentence)
     except ValidationError:  # numbers that are no frames
-        return _kept(kind, words)
+        return _unread(kind, sentence)
 
 
-def _kept(kind: Kind, words: str) -> Verdict:
-    return Verdict(kind=kind, cause="other", text=words)
+def _unread(kind: Kind, sentence: str) -> Verdict:
+    return Verdict(kind=kind, cause="other", text=sentence)
 
 
-def _understood(
-    kind: Kind, words: str, span: tuple[int, int], names: Sequence[str]
-) -> Verdict | None:
-    if (kind, words) == ("good", "good"):
+def _read(kind: Kind, sentence: str, span: tuple[int, int], names: Sequence[str]) -> Verdict | None:
+    if (kind, sentence) == ("good", "good"):
         return GOOD
-    if kind == "check" and (match := _CHECK.fullmatch(words)):
+    if kind == "check" and (match := _CHECK.fullmatch(sentence)):
         return _check(match, names)
-    if kind == "lost" and (match := _NOT_FOLLOWED.fullmatch(words)):
+    if kind == "lost" and (match := _NOT_FOLLOWED.fullmatch(sentence)):
         return Verdict.not_followed(int(match[1]))
-    if kind == "lost" and (match := _CONTRADICTION.fullmatch(words)):
+    if kind == "lost" and (match := _CONTRADICTION.fullmatch(sentence)):
         return Verdict.contradiction(int(match[1]), int(match[2]))
-    if (kind, words) == ("lost", _NOTHING_SEEN):
+    if (kind, sentence) == ("lost", _NOTHING_SEEN):
         return Verdict.nothing_seen(*span)
     return None
 
@@ -94,20 +92,20 @@ def _check(match: re.Match[str], names: Sequence[str]) -> Verdict | None:
 
 
 def _part(said: str, names: Sequence[str]) -> str:
-    """The part's name; a part that the body has no more keeps the one it was said by."""
+    """The part's name; the text itself where the body no longer has the part."""
     return next((name for name in names if name.replace("_", " ") == said), said)
 
 
 def _segment(segment: Any, names: Sequence[str]) -> Any:
     if not isinstance(segment, dict):
         return segment
-    kind, words = segment.get("verdict"), segment.get("words")
+    kind, sentence = segment.get("verdict"), segment.get("words")
     first, last = segment.get("first_frame"), segment.get("last_frame")
-    if kind not in ("good", "check", "lost") or not isinstance(words, str):
+    if kind not in ("good", "check", "lost") or not isinstance(sentence, str):
         return segment
     if not isinstance(first, int) or not isinstance(last, int):
         return segment
-    found = verdict_of(kind, words, (first, last), names)
+    found = verdict_of(kind, sentence, (first, last), names)
     rest = {name: value for name, value in segment.items() if name != "words"}
     return {**rest, "verdict": found.model_dump(mode="json")}
 

@@ -1,4 +1,4 @@
-"""Session files of other versions: older ones are brought to the present one, in memory.
+"""Session files of other versions: older ones are migrated to the present one, in memory.
 
 Version 2 keeps fields it does not know, has a journal beside it, and may name a first motion.
 Version 3 has verdicts as facts, where version 2 had sentences.
@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final, TypeAlias
 
 from tracker.errors import SessionError
-from tracker.session.version_2 import brought_to_3
+from tracker.session.version_2 import migrate_to_3
 
 PRESENT: Final = 3
 
@@ -22,19 +22,19 @@ _HEAD_BYTES = 4096
 
 
 def _from_1(data: Data) -> Data:
-    """Nothing that version 1 says means something else now."""
+    """Everything in version 1 still means the same."""
     return data
 
 
-STEPS: Mapping[int, Callable[[Data], Data]] = {1: _from_1, 2: brought_to_3}
+STEPS: Mapping[int, Callable[[Data], Data]] = {1: _from_1, 2: migrate_to_3}
 """From each older version to the one after it."""
 
 
 def migrate(data: Any, name: str) -> Data:
     """A session's JSON as one of the present version; a newer one stays as it is.
 
-    Told before everything else: another version's fields would give misleading errors.
-    SessionError, with the file's name, for what is no session.
+    Checked first: another version's fields would give misleading errors.
+    SessionError, with the file's name, where it is not a session.
     """
     if not isinstance(data, dict):
         raise SessionError(f"{name} is not a session: its JSON is not an object.")
@@ -54,6 +54,6 @@ def migrate(data: Any, name: str) -> Data:
 
 
 def version_in(content: bytes) -> int | None:
-    """The version a file says it is of, from its first bytes; None where they do not say."""
+    """The version named in the first bytes of a file; None where there is none."""
     found = _NUMBER.search(content[:_HEAD_BYTES])
     return None if found is None else int(found[1])

@@ -11,7 +11,7 @@ from tracker.kernels.chain import solve_banded
 def banded_step(banded: Array, gradient: Array, damping: float) -> Array | None:
     """−A⁻¹ b of a symmetric A in LAPACK's upper banded form (w, N), its diagonal damped by a share.
 
-    None where A is not positive definite. What is given stays as it is.
+    None where A is not positive definite. The arguments are not changed.
     """
     damped, step = banded.copy(), -gradient
     damped[-1] = damped[-1] * (1 + damping) + 1e-6

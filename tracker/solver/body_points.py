@@ -20,7 +20,7 @@ BodyPoint: TypeAlias = tuple[tuple[int, Point], ...]
 
 @dataclass(frozen=True, eq=False)
 class BodyPoints:
-    """Where on a body the given positions are, laid out for the numerics."""
+    """Where on a body the given positions are, with arrays for the numerics."""
 
     skeleton: Skeleton
     points: tuple[BodyPoint, ...]
@@ -47,7 +47,7 @@ class BodyPoints:
         """Positions (..., J, 3) in the camera frame."""
         parts, p, mean = self._points
         T = Ts_camera_part[..., parts, :, :]
-        return _averaged(mean, (T[..., :3, :3] @ p[..., None])[..., 0] + T[..., :3, 3])
+        return _average(mean, (T[..., :3, :3] @ p[..., None])[..., 0] + T[..., :3, 3])
 
     def of(self, posed: Posed) -> Array:
         """Positions (..., J, 3) on a posed body, camera frame."""
@@ -64,24 +64,26 @@ class BodyPoints:
 
     def only(self, chosen: NDArray[np.bool_]) -> BodyPoints:
         """Some of the places (J,)."""
+        if chosen.all():
+            return self  # with its cached arrays
         some = (place for place, wanted in zip(self.points, chosen, strict=True) if wanted)
         return BodyPoints(self.skeleton, tuple(some))
 
     def of_part(self, part: int) -> list[tuple[int, Array]]:
-        """Single points that stand still in a part's frame, with their place there: its own, and
-        the joints of what hangs on it."""
-        still = []
+        """Single points that are fixed in a part's frame, with their position there: its own, and
+        the joints of its children."""
+        fixed = []
         for j, place in enumerate(self.points):
             if len(place) == 1:
                 owner, p = place[0]
                 if owner == part:
-                    still.append((j, np.array(p)))
+                    fixed.append((j, np.array(p)))
                 elif self.skeleton.parents[owner] == part and not np.any(p):
-                    still.append((j, self.skeleton.joints[owner]))
-        return still
+                    fixed.append((j, self.skeleton.joints[owner]))
+        return fixed
 
 
-def _averaged(mean: Array | None, p: Array) -> Array:
+def _average(mean: Array | None, p: Array) -> Array:
     return np.asarray(p if mean is None else mean @ p)
 
 

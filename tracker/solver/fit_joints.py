@@ -1,8 +1,8 @@
-"""The body laid into joint positions, in space or in the picture: Levenberg–Marquardt on twists.
+"""The body fitted to joint positions, in space or in the picture: Levenberg–Marquardt on twists.
 
-Bone lengths hold because only angles and the root's place are unknown. Joint limits hold softly,
-and so does a pose to keep to where the positions say nothing: the pose before, or that between two
-keyframes. Every part may turn in every way here, as in a keyframe; see `free_skeleton`.
+Bone lengths hold because only angles and the root's position are unknown. Joint limits are soft,
+and so is the prior on the pose where the positions do not decide: the pose before, or that between
+two keyframes. Every part may turn in every way here, as in a keyframe; see `free_skeleton`.
 """
 
 from __future__ import annotations
@@ -40,8 +40,8 @@ JOINT_SIGMA_M = 0.005
 PIXEL_SIGMA = 2.0
 LIMIT_SIGMA_RAD = np.radians(2.0)
 KEEP_SIGMA_RAD, KEEP_SIGMA_M = np.radians(180.0), 30.0
-"""What one standard deviation is of a joint, a keypoint, an angle past its limit, and of a pose
-that is kept to where nothing else decides."""
+"""Standard deviations of a joint, a keypoint, an angle past its limit, and of the weak prior on the
+pose."""
 NEAREST_M = 0.05
 CRITERIA = Criteria(
     most_steps=120,
@@ -57,7 +57,7 @@ POOR_M = 0.03
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """A motion laid into joint positions.
+    """A motion fitted to joint positions.
 
     rms_m:     (N,) root mean square distance of the joints at each frame, NaN where none is given.
     converged: (N,) whether the steps came to rest there.
@@ -82,44 +82,44 @@ def fit_motion(
     places: Sequence[BodyPoint],
     ps_camera_joint: Array,
     first_frame: int,
-    kept: Sequence[Pose | None] | None = None,
+    near: Sequence[Pose | None] | None = None,
 ) -> Fit:
     """The motion whose places come nearest to positions (N, J, 3), NaN where not known.
 
-    kept: a pose for each frame to keep to where the positions say nothing, or None.
+    near: a pose for each frame to stay near where the positions do not decide, or None.
     """
     skeleton = free_skeleton(body)
-    laid, limits = BodyPoints(skeleton, tuple(places)), Limits.of(body)
+    points, limits = BodyPoints(skeleton, tuple(places)), Limits.of(body)
     N = len(ps_camera_joint)
     R, t = np.empty((N, skeleton.part_count, 3, 3)), np.empty((N, 3))
-    rms, rested = np.full(N, np.nan), np.zeros(N, dtype=np.bool_)
+    rms, converged = np.full(N, np.nan), np.zeros(N, dtype=np.bool_)
     before: Solved | None = None
     for n, positions in enumerate(ps_camera_joint):
-        held = [] if before is None else [before.pose]
-        if kept is not None and (pose := kept[n]) is not None:
-            held.append(pose)
-        before = _fitted(laid, limits, positions, held, rms[n - 1] if n else 0.0)
+        priors = [] if before is None else [before.pose]
+        if near is not None and (pose := near[n]) is not None:
+            priors.append(pose)
+        before = _fit_frame(points, limits, positions, priors, rms[n - 1] if n else 0.0)
         R[n], t[n] = before.pose.Rs_parent_part, before.pose.p_camera_root
-        rms[n], rested[n] = _rms(laid, before.pose, positions), before.converged
-    return Fit(Trajectory(first_frame, R, t), frozen(rms), rested)
+        rms[n], converged[n] = _rms(points, before.pose, positions), before.converged
+    return Fit(Trajectory(first_frame, R, t), frozen(rms), converged)
 
 
-def _fitted(
-    laid: BodyPoints, limits: Limits, positions: Array, held: Sequence[Pose], rms_before: float
+def _fit_frame(
+    points: BodyPoints, limits: Limits, positions: Array, priors: Sequence[Pose], rms_before: float
 ) -> Solved:
     """One frame: from the pose before, and afresh when that ends far from the positions."""
-    skeleton = laid.skeleton
-    if not held:
-        held = [aim_parts(laid, positions, Pose.rest(skeleton, (0.0, 0.0, 0.0)))]
+    skeleton = points.skeleton
+    if not priors:
+        priors = [aim_parts(points, positions, Pose.rest(skeleton, (0.0, 0.0, 0.0)))]
     known = np.asarray(np.isfinite(positions).all(-1))
     terms: list[Term] = [
-        PointsInSpace(laid.only(known), positions[known], JOINT_SIGMA_M),
+        PointsInSpace(points.only(known), positions[known], JOINT_SIGMA_M),
         JointLimits(limits, LIMIT_SIGMA_RAD),
-        *(_weak_prior(skeleton, pose) for pose in held),
+        *(_weak_prior(skeleton, pose) for pose in priors),
     ]
-    solved = _solved(skeleton, held[0], terms)
-    if _rms(laid, solved.pose, positions) > max(POOR_M, 1.5 * rms_before):
-        fresh = _solved(skeleton, aim_parts(laid, positions, held[-1]), terms)
+    solved = _solve(skeleton, priors[0], terms)
+    if _rms(points, solved.pose, positions) > max(POOR_M, 1.5 * rms_before):
+        fresh = _solve(skeleton, aim_parts(points, positions, priors[-1]), terms)
         solved = fresh if fresh.cost < solved.cost else solved
     return solved
 
@@ -130,28 +130,28 @@ def _weak_prior(skeleton: Skeleton, pose: Pose) -> PosePrior:
     return PosePrior.of(pose, sigma**-2.0)
 
 
-def _solved(skeleton: Skeleton, start: Pose, terms: Sequence[Term]) -> Solved:
-    found = least_squares(OnePose(skeleton, terms, floor=1.0), start, CRITERIA)
-    return Solved(found.state, found.cost, found.converged)
+def _solve(skeleton: Skeleton, start: Pose, terms: Sequence[Term]) -> Solved:
+    solution = least_squares(OnePose(skeleton, terms, floor=1.0), start, CRITERIA)
+    return Solved(solution.state, solution.cost, solution.converged)
 
 
-def _rms(laid: BodyPoints, pose: Pose, positions: Array) -> float:
-    away = laid.at(pose_transforms(laid.skeleton, pose)) - positions
+def _rms(points: BodyPoints, pose: Pose, positions: Array) -> float:
+    away = points.at(pose_transforms(points.skeleton, pose)) - positions
     known = np.isfinite(away).all(-1)
     return float(np.sqrt((away[known] ** 2).sum(-1).mean())) if known.any() else np.nan
 
 
-def aim_parts(laid: BodyPoints, positions: Array, rest: Pose) -> Pose:
+def aim_parts(points: BodyPoints, positions: Array, rest: Pose) -> Pose:
     """A start: every part, from the root on, turned so that its points lie toward theirs.
 
     Part by part in closed form; what a part's points do not fix is as in `rest`.
     """
-    skeleton = laid.skeleton
+    skeleton = points.skeleton
     Rs, p_root = rest.Rs_parent_part.copy(), rest.p_camera_root
     known = np.asarray(np.isfinite(positions).all(-1))
     Hs, os = np.empty_like(Rs), np.empty((skeleton.part_count, 3))
     for i, parent in enumerate(skeleton.parents):
-        still = [(j, p) for j, p in laid.of_part(i) if known[j]]
+        still = [(j, p) for j, p in points.of_part(i) if known[j]]
         theirs = np.array([positions[j] for j, _ in still]).reshape(-1, 3)
         ours = np.array([p for _, p in still]).reshape(-1, 3)
         above = np.eye(3) if parent < 0 else Hs[parent]
@@ -162,22 +162,22 @@ def aim_parts(laid: BodyPoints, positions: Array, rest: Pose) -> Pose:
         else:
             os[i] = os[parent] + above @ skeleton.joints[i]
             if len(still):
-                wanted = _turned_to(ours, theirs - os[i], wanted)
+                wanted = _align(ours, theirs - os[i], wanted)
         Hs[i], Rs[i] = wanted, nearest_rotation(above.T @ wanted)
     return Pose(Rs, p_root)
 
 
 def _align_root(ours: Array, theirs: Array, R: Array, p: Array) -> tuple[Array, Array]:
-    """Rotation and place of the root: with fewer than three points, as little turned as may be."""
+    """Rotation and position of the root; with fewer than three points, the least turn."""
     if not len(ours):
         return R, p
     middle, there = ours.mean(0), theirs.mean(0)
-    R = _turned_to(ours - middle, theirs - there, R)
+    R = _align(ours - middle, theirs - there, R)
     return R, there - R @ middle
 
 
-def _turned_to(ours: Array, theirs: Array, R: Array) -> Array:
-    """The rotation that brings points to theirs, held a little to R, which decides what is left."""
+def _align(ours: Array, theirs: Array, R: Array) -> Array:
+    """The rotation that brings points to theirs; a little of R decides what they leave open."""
     spread = np.abs(ours).max(initial=0.0) * np.abs(theirs).max(initial=0.0)
     return nearest_rotation(theirs.T @ ours + (1e-3 * spread + 1e-9) * R)
 
@@ -203,33 +203,28 @@ def fit_picture(
     uv: Array,
     weights: Array,
     starts: Sequence[Pose],
-    kept: Pose | None = None,
+    near: Pose | None = None,
     depth_sigma: float = 0.05,
 ) -> Solved:
     """The pose whose places come nearest to pixels (J, 2), NaN where not known; weights (J,).
 
-    A picture leaves depth open: every start is tried, and the best of their ends is kept.
-    kept: a pose to keep to, its root's distance within a share `depth_sigma`.
+    A picture leaves depth open: every start is tried and the best result is returned.
+    near: a pose to stay near, its root's distance within a share `depth_sigma`.
     """
     skeleton = free_skeleton(body)
-    laid, limits = BodyPoints(skeleton, tuple(places)), Limits.of(body)
+    points, limits = BodyPoints(skeleton, tuple(places)), Limits.of(body)
     ideal = camera.without_distortion()
-    seen = ideal.project(_before(camera, uv)) if camera.is_distorted else uv
+    seen = ideal.project(camera.back_project(uv, 1.0)) if camera.is_distorted else uv
     known = np.isfinite(seen).all(-1) & (weights > 0)
     scale = np.sqrt(weights[known]) / PIXEL_SIGMA
     terms: list[Term] = [
-        PointsInPicture(laid.only(known), ideal, seen[known], scale, NEAREST_M),
+        PointsInPicture(points.only(known), ideal, seen[known], scale, NEAREST_M),
         JointLimits(limits, LIMIT_SIGMA_RAD),
     ]
-    if kept is not None:
-        terms.append(RootPosition.depth(kept.p_camera_root, depth_sigma))
+    if near is not None:
+        terms.append(RootPosition.depth(near.p_camera_root, depth_sigma))
     ends = []
     for start in starts:
-        prior = _weak_prior(skeleton, start if kept is None else kept)
-        ends.append(_solved(skeleton, start, [*terms, prior]))
+        prior = _weak_prior(skeleton, start if near is None else near)
+        ends.append(_solve(skeleton, start, [*terms, prior]))
     return min(ends, key=lambda solved: solved.cost)
-
-
-def _before(camera: Camera, uv: Array) -> Array:
-    """Points before the camera that are seen at the pixels."""
-    return camera.back_project(uv, 1.0)

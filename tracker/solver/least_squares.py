@@ -21,7 +21,7 @@ End: TypeAlias = Literal["settled", "no gain", "steps", "cancelled", "unsolvable
 @dataclass(frozen=True)
 class Damping:
     """How damping changes: times `harder` after a step that is rejected, divided by `easier` after
-    one that is taken, never below `least`; above `most` no step is believed to help any more."""
+    one that is taken, never below `least`; above `most` the descent ends."""
 
     first: float = 1e-3
     harder: float = 10.0
@@ -44,7 +44,7 @@ class Criteria:
     negligible:  a shorter step is not taken any more.
     gain, gain_floor: a step that lowers the cost by less than gain · (cost + gain_floor) is the
         last one.
-    rejects:     a step that does not lower the cost is not taken. Without it costs are not asked.
+    rejects:     a step that does not lower the cost is not taken. Otherwise costs are not computed.
     """
 
     most_steps: float = np.inf
@@ -61,7 +61,7 @@ class Criteria:
 
 class Linearized(Protocol):
     """What is known at a state. Where costs are cheap and equations dear, the latter are best
-    computed when the first step is asked for: a state that is rejected needs none."""
+    computed with the first step: a state that is rejected needs none."""
 
     @property
     def cost(self) -> float:
@@ -79,7 +79,7 @@ class Problem(Protocol[State, Point]):
     """What is minimised."""
 
     def at(self, state: State, count: int) -> Point:
-        """What is known at a state; `count` states were asked about before."""
+        """What is known at a state, the `count`th from 0."""
 
     def moved(self, state: State, step: Array) -> State:
         """The state after a step."""
@@ -116,15 +116,11 @@ class Solution(Generic[State, Point]):
         return self.end in ("settled", "no gain")
 
 
-def never() -> bool:
-    return False
-
-
 def least_squares(
     problem: Problem[State, Point],
     start: State,
     criteria: Criteria,
-    cancelled: Callable[[], bool] = never,
+    cancelled: Callable[[], bool] | None = None,
 ) -> Solution[State, Point]:
     """Step downhill from a start until the criteria say stop."""
     descent = _Descent(problem, start, criteria)
@@ -148,19 +144,19 @@ class _Descent(Generic[State, Point]):
         hopeless = criteria.rejects and not np.isfinite(self.here.cost)
         self.end: End | None = "unsolvable" if hopeless else None
 
-    def advance(self, cancelled: Callable[[], bool]) -> None:
+    def advance(self, cancelled: Callable[[], bool] | None) -> None:
         """One solve, and the step it leads to."""
         how = self.criteria
         if self.steps >= how.most_steps or self.solves >= how.most_solves:
             self.end = "steps"
-        elif cancelled():
+        elif cancelled is not None and cancelled():
             self.end = "cancelled"
         elif (step := self._step()) is None:
-            self._rejected("unsolvable")
+            self._reject("unsolvable")
         elif how.negligible and largest(step) < how.negligible:
             self.end = "settled"
         else:
-            self._tried(step)
+            self._try(step)
 
     def _step(self) -> Array | None:
         step = self.here.step(self.damping)
@@ -170,20 +166,20 @@ class _Descent(Generic[State, Point]):
             return None
         return step * min(1.0, self.criteria.longest_step / max(length, 1e-12))
 
-    def _tried(self, step: Array) -> None:
+    def _try(self, step: Array) -> None:
         state = self.problem.moved(self.state, step)
         there = self.problem.at(state, self.solves)
         if self.criteria.rejects and not there.cost < self.here.cost:
-            self._rejected("no gain")
+            self._reject("no gain")
             return
         here, self.state, self.here = self.here, state, there
         self.steps, self.tries = self.steps + 1, 0
         damping = self.criteria.damping
         self.damping = max(self.damping / damping.easier, damping.least)
-        self.end = self._rest(here, step)
+        self.end = self._reason_to_stop(here, step)
 
-    def _rest(self, before: Point, step: Array) -> End | None:
-        """Why the step just taken is the last one, if it is."""
+    def _reason_to_stop(self, before: Point, step: Array) -> End | None:
+        """Why the step just taken is the last one; None where it is not."""
         how = self.criteria
         if how.settled and self.problem.travel(before, self.here, step) < how.settled:
             return "settled"
@@ -191,8 +187,8 @@ class _Descent(Generic[State, Point]):
             return "no gain"
         return None
 
-    def _rejected(self, end: End) -> None:
-        """Damp harder; `end` is why this is the end where that is not to be."""
+    def _reject(self, end: End) -> None:
+        """Damp harder, or end with the reason `end` where that is not allowed."""
         how = self.criteria
         self.damping *= how.damping.harder
         if not how.rejects or self.damping > how.damping.most or self.tries >= how.most_tries:
@@ -207,5 +203,7 @@ def largest(step: Array) -> float:
 def damped_step(A: Array, b: Array, damping: float, floor: Array | float = 0.0) -> Array:
     """The step −(A + damping · (diag A + floor))⁻¹ b of dense equations A (D, D), b (D,)."""
     if damping:
-        A = A + np.diag(damping * (np.diag(A) + floor))
+        A = A.copy()
+        on = np.einsum("dd->d", A)
+        on += damping * (on + floor)
     return np.asarray(-np.linalg.solve(A, b), np.float64)

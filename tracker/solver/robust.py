@@ -1,4 +1,4 @@
-"""Robust kernels: what residuals cost, and weights with which least squares come to the same.
+"""Robust kernels: the cost of residuals, and the weights that give least squares the same gradient.
 
 A kernel is applied to distances in standard deviations. The cost of one is half its `loss`; half
 its square, times its `weight`, has the same gradient (iteratively reweighted least squares).
@@ -38,7 +38,7 @@ SQUARED = Squared()
 
 @dataclass(frozen=True)
 class Huber:
-    """Squared up to a width, linear beyond: what is far pulls no harder than what is there."""
+    """Squared up to a width, linear beyond: far residuals pull no harder than near ones."""
 
     width: float = 1.345
 
@@ -51,7 +51,7 @@ class Huber:
 
 @dataclass(frozen=True)
 class Cauchy:
-    """Far residuals pull less and less: for what may be plainly wrong."""
+    """Far residuals pull less and less: for measurements that may be wrong."""
 
     width: float = 2.385
 
@@ -60,3 +60,17 @@ class Cauchy:
 
     def weight(self, away: Array) -> Array:
         return np.asarray(1 / (1 + (away / self.width) ** 2))
+
+
+@dataclass(frozen=True)
+class Tukey:
+    """Residuals beyond a width do not count: for a state that is nearly right."""
+
+    width: float = 4.685
+
+    def loss(self, away: Array) -> Array:
+        inside = np.maximum(1 - (away / self.width) ** 2, 0.0)
+        return np.asarray(self.width**2 / 3 * (1 - inside**3))
+
+    def weight(self, away: Array) -> Array:
+        return np.asarray(np.maximum(1 - (away / self.width) ** 2, 0.0) ** 2)

@@ -1,4 +1,4 @@
-"""How evenly a motion goes on from frame to frame, over a whole segment between two fixed poses."""
+"""How smooth a motion is from frame to frame, over a whole segment between two fixed poses."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from tracker.solver.robust import Kernel
 
 @dataclass(frozen=True, eq=False)
 class Smoothness:
-    """The change of the motion from frame to frame as wanted, at each of n inner frames.
+    """The wanted change of the motion from frame to frame, at each of n inner frames.
 
     wanted (n, D): second differences of the poses; precision (D,): 1/σ² of what differs from them.
     """
@@ -43,10 +43,10 @@ class Smoothness:
         return banded, k @ (stiff * away)
 
     def _away(self, motion: Trajectory) -> Array:
-        return bends(self.skeleton, motion) - self.wanted
+        return second_differences(self.skeleton, motion) - self.wanted
 
 
-def bends(skeleton: Skeleton, motion: Trajectory) -> Array:
+def second_differences(skeleton: Skeleton, motion: Trajectory) -> Array:
     """(n, D) how the motion changes from frame to frame at every inner frame."""
     R, t = motion.Rs_parent_part, motion.ps_camera_root
     turn = log_rotation(transpose(R[:-1]) @ R[1:])

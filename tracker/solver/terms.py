@@ -1,10 +1,14 @@
 """Terms: what a pose is compared with, each as a cost and its normal equations.
 
 To add a term, write a frozen dataclass with `cost` and `equations`. Where it is made of residuals,
-give `rows` and let `RowTerm` do the rest, and put it among the cases of the one test that compares
-every term with finite differences. Residuals are in standard deviations, so that terms of different
-kinds can be summed, and are half squared. Terms work on one pose or on many at once: batch axes
-come first, equations are those of every pose by itself, and a cost is that of all of them.
+give `rows` and let `RowTerm` do the rest; where each residual is about one degree of freedom, give
+`diagonal` and let `DiagonalTerm` do it. Put it among the cases of the one test that compares every
+term with finite differences. Residuals are in standard deviations, so that terms of different kinds
+can be summed, and are half squared. Terms here work on one pose or on many at once: batch axes come
+first, equations are those of every pose by itself, and a cost is that of all of them.
+
+What is found at one pose and kept (edges in a picture, pairs of points, noise) belongs to the term:
+terms of pictures and surfaces are made again at every pose, for one pose at a time.
 """
 
 from __future__ import annotations
@@ -29,17 +33,17 @@ from tracker.solver.robust import SQUARED, Kernel
 class Equations:
     """Normal equations of the tracked degrees of freedom: A (..., D, D), gradient b (..., D).
 
-    cost: of all poses; NaN where what made them does not say.
+    cost: of all poses; NaN where it is expensive and not needed (`Criteria.rejects`).
     """
 
     A: Array
     b: Array
-    cost: float = np.nan
+    cost: float
 
     @classmethod
-    def none(cls, dofs: int) -> Equations:
-        """Of a picture that says nothing."""
-        return cls(np.zeros((dofs, dofs)), np.zeros(dofs), 0.0)
+    def none(cls, *shape: int) -> Equations:
+        """Where nothing is compared: (..., D)."""
+        return cls(np.zeros((*shape, shape[-1])), np.zeros(shape), 0.0)
 
     @classmethod
     def of(cls, rows: Rows) -> Equations:
@@ -49,6 +53,15 @@ class Equations:
 
     def __add__(self, other: Equations) -> Equations:
         return Equations(self.A + other.A, self.b + other.b, self.cost + other.cost)
+
+
+@dataclass(frozen=True, eq=False)
+class Diagonal:
+    """Normal equations whose matrix is diagonal: precision (..., D), gradient b (..., D), cost."""
+
+    precision: Array
+    b: Array
+    cost: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,20 +106,49 @@ class RowTerm(ABC):
         return Equations.of(self.rows(posed))
 
 
+class DiagonalTerm(ABC):
+    """A term that compares every degree of freedom by itself."""
+
+    @abstractmethod
+    def cost(self, posed: Posed) -> float: ...
+
+    @abstractmethod
+    def diagonal(self, posed: Posed) -> Diagonal: ...
+
+    def equations(self, posed: Posed) -> Equations:
+        found = self.diagonal(posed)
+        A = found.precision[..., None] * np.eye(found.precision.shape[-1])
+        return Equations(A, found.b, found.cost)
+
+
 def total_cost(terms: Sequence[Term], posed: Posed) -> float:
     """The cost of all terms."""
     return sum(term.cost(posed) for term in terms)
 
 
 def total_equations(terms: Sequence[Term], posed: Posed) -> Equations:
-    """Their equations; rows of different terms are multiplied out together, which is quicker."""
+    """Their equations; rows of different terms are multiplied out together and diagonals are put
+    on top of what is there, which is quicker."""
     rows = [term.rows(posed) for term in terms if isinstance(term, RowTerm)]
-    parts = [Equations.of(Rows.stacked(rows))] if rows else []
-    parts += [term.equations(posed) for term in terms if not isinstance(term, RowTerm)]
-    whole = parts[0]
-    for part in parts[1:]:
-        whole = whole + part
-    return whole
+    if rows:
+        whole = Equations.of(Rows.stacked(rows))
+    else:
+        whole = Equations.none(*posed.p_camera_root.shape[:-1], posed.skeleton.dof_count)
+    for term in terms:
+        if not isinstance(term, RowTerm | DiagonalTerm):
+            whole = whole + term.equations(posed)
+    diagonals = [term.diagonal(posed) for term in terms if isinstance(term, DiagonalTerm)]
+    return _with_diagonals(whole, diagonals) if diagonals else whole
+
+
+def _with_diagonals(own: Equations, diagonals: Sequence[Diagonal]) -> Equations:
+    """With diagonals put in, into the arrays that are given."""
+    on = np.einsum("...dd->...d", own.A)
+    b, cost = own.b, own.cost
+    for found in diagonals:
+        on += found.precision
+        b, cost = b + found.b, cost + found.cost
+    return Equations(own.A, b, cost)
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,7 +197,7 @@ class PointsInPicture(RowTerm):
         return Rows(_flat(away * weight[..., None]), _rows_of(seen), self._cost(p, length))
 
     def _cost(self, p: Array, away: Array) -> float:
-        """That of points p at which the pixels are so many σ away."""
+        """The cost of points p whose pixels are so many σ away."""
         if not (p[..., 2] > self.nearest_m).all():
             return np.inf
         return 0.5 * float(self.kernel.loss(away).sum())
@@ -165,7 +207,7 @@ class PointsInPicture(RowTerm):
 class JointLimits(RowTerm):
     """Joint angles within their limits.
 
-    allowed (P, 3): radians, signed, by which a joint may lie outside, as somebody posed it so.
+    allowed (P, 3): radians, signed, by which a joint may lie outside, as in a posed keyframe.
     """
 
     limits: Limits
@@ -195,11 +237,11 @@ class JointLimits(RowTerm):
         J[..., parts, :, turns] = (slopes * over[..., None])[..., parts, :, axes]
         if outside.ndim == 2:  # of one pose only those that are exceeded, mostly none
             return Rows(r[over], J[over] / self.sigma_rad, _half_squares(r[over]))
-        return Rows(_flat(r), _merged(J) / self.sigma_rad, _half_squares(r))
+        return Rows(_flat(r), _flatten_rows(J) / self.sigma_rad, _half_squares(r))
 
 
 @dataclass(frozen=True, eq=False)
-class PosePrior:
+class PosePrior(DiagonalTerm):
     """The pose near another one, R (..., P, 3, 3) and p (..., 3); precision (D,) is 1/σ².
 
     Deviations are rotation vectors: their Jacobian is taken as 1. The gradient is exact all the
@@ -226,12 +268,11 @@ class PosePrior:
     def cost(self, posed: Posed) -> float:
         return self._cost(np.sqrt(self.precision) * np.abs(self.away(posed)))
 
-    def equations(self, posed: Posed) -> Equations:
+    def diagonal(self, posed: Posed) -> Diagonal:
         away = self.away(posed)
         length = np.sqrt(self.precision) * np.abs(away)
         held = self.precision * self.kernel.weight(length)
-        A = held[..., None] * np.eye(held.shape[-1])
-        return Equations(A, held * away, self._cost(length))
+        return Diagonal(held, held * away, self._cost(length))
 
     def _cost(self, away: Array) -> float:
         return 0.5 * float(self.kernel.loss(away).sum())
@@ -277,11 +318,11 @@ def _flat(r: Array) -> Array:
     return r.reshape(*r.shape[:-2], -1)
 
 
-def _merged(J: Array) -> Array:
+def _flatten_rows(J: Array) -> Array:
     """(..., K · C, D) of (..., K, C, D)."""
     return J.reshape(*J.shape[:-3], -1, J.shape[-1])
 
 
 def _rows_of(J: Array) -> Array:
     """(..., K · C, D) of a Jacobian of points (..., K, D, C)."""
-    return _merged(np.swapaxes(J, -1, -2))
+    return _flatten_rows(np.swapaxes(J, -1, -2))

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 EARLIEST_DATE = (1980, 1, 1, 0, 0, 0)
-"""The zip format's first day: every entry carries it, so that the bytes hold no clock."""
+"""The zip format's first day, used for every entry so that the bytes do not depend on the time."""
 
 LARGEST_PACKED_BYTES: Final = 256 * 2**20
 """What all entries of an archive with compressed entries may hold together."""

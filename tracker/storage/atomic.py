@@ -33,7 +33,7 @@ def write_file(
     overwrite:     replace a file that is there; otherwise that is an error.
     keep_previous: the file that was there stays as `<name>.previous`.
     private:       nobody but its owner may read it, not even while it is written.
-    error:         the kind of error raised, in one sentence, when the disk refuses.
+    error:         the exception raised, with one sentence, when writing fails.
     """
     temporary = path.with_name(f".{path.name}.{secrets.token_hex(6)}.part")
     try:
@@ -105,7 +105,7 @@ def _place(
 
 
 def _place_new(temporary: Path, path: Path) -> None:
-    """Give the file its name, or raise FileExistsError when another was quicker."""
+    """Rename the file, or raise FileExistsError when another one has the name by now."""
     try:
         path.hardlink_to(temporary)
     except FileExistsError:

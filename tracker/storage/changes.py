@@ -1,7 +1,7 @@
 """What one edit changed in a session: small plain data, with which the edit can be made again.
 
-Of keyframes and drafts only those that differ are told. Results are no edit: a person did
-not make them.
+Of keyframes and drafts only those that differ are listed. Results are not an edit: no person made
+them.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _VALUES: dict[str, TypeAdapter[Any]] = {
 
 
 def changes(before: Session, after: Session) -> Changes:
-    """What makes `after` of `before`."""
+    """The changes that turn `before` into `after`."""
     found: Changes = {}
     for name in FIELDS:
         was, now = getattr(before, name), getattr(after, name)
@@ -39,35 +39,35 @@ def changes(before: Session, after: Session) -> Changes:
     return found
 
 
-def changed(before: Session, told: Mapping[str, Any]) -> Session:
-    """The session after these changes; ValueError when they are none.
+def apply_changes(before: Session, change: Mapping[str, Any]) -> Session:
+    """The session after these changes; ValueError where they are not valid changes.
 
-    Every value is validated by itself; that all fit together, the caller has to see to.
+    Every value is validated by itself; whether all fit together is for the caller to check.
     """
-    unknown = sorted(set(told) - set(FIELDS))
+    unknown = sorted(set(change) - set(FIELDS))
     if unknown:
         raise ValueError(f"a change of {unknown[0]!r}, which a session does not have")
     new = {
-        name: _merged(getattr(before, name), value)
+        name: _apply(getattr(before, name), value)
         if name in LISTED
         else _VALUES[name].validate_python(value)
-        for name, value in told.items()
+        for name, value in change.items()
     }
     return before.model_copy(update=new) if new else before
 
 
 def require_sound(before: Session, after: Session) -> None:
-    """ValueError, in words that name the field, when `after` would not read back.
+    """ValueError, with a sentence that names the field, when `after` could not be read back.
 
-    before: a session that is sound; only what differs from it is looked at.
+    before: a valid session; only what differs from it is checked.
     """
-    told = changes(before, after)
-    for name, value in told.items():
+    change = changes(before, after)
+    for name, value in change.items():
         _require_valid(name, value)
-    if not told:
+    if not change:
         return
     posed = (*after.keyframes, *after.drafts)
-    if not told.keys() & {"video", "camera", "body"}:  # what every pose is held against
+    if not change.keys() & {"video", "camera", "body"}:  # what every pose is checked against
         known = {id(pose) for pose in (*before.keyframes, *before.drafts)}
         posed = tuple(pose for pose in posed if id(pose) not in known)
     require_fit(after, posed)
@@ -80,8 +80,8 @@ def _require_valid(name: str, value: Any) -> None:
         else:
             _VALUES[name].validate_python(value)
     except ValidationError as error:
-        words = one_sentence(error).rstrip(".")
-        raise ValueError(f"{name}: {words[:1].lower()}{words[1:]}") from None
+        sentence = one_sentence(error).rstrip(".")
+        raise ValueError(f"{name}: {sentence[:1].lower()}{sentence[1:]}") from None
 
 
 def _plain(name: str, value: Any) -> Any:
@@ -98,13 +98,13 @@ def _listed(was: Sequence[Keyframe], now: Sequence[Keyframe]) -> dict[str, Any]:
     }
 
 
-def _merged(was: Sequence[Keyframe], told: Any) -> tuple[Keyframe, ...]:
-    if not isinstance(told, dict) or not told.keys() <= {"set", "drop"}:
+def _apply(was: Sequence[Keyframe], change: Any) -> tuple[Keyframe, ...]:
+    if not isinstance(change, dict) or not change.keys() <= {"set", "drop"}:
         raise ValueError("keyframes that are neither set nor dropped")
-    require_few({"keyframes": told.get("set", ())})
+    require_few({"keyframes": change.get("set", ())})
     left = {keyframe.frame: keyframe for keyframe in was}
-    for frame in told.get("drop", ()):
+    for frame in change.get("drop", ()):
         left.pop(frame, None)
-    for keyframe in _KEYFRAMES.validate_python(told.get("set", ())):
+    for keyframe in _KEYFRAMES.validate_python(change.get("set", ())):
         left[keyframe.frame] = keyframe
     return tuple(left[frame] for frame in sorted(left))

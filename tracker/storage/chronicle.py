@@ -1,4 +1,4 @@
-"""The journal's records: how a document and its history became what they are.
+"""The journal's records: the edits that led to a document and its history.
 
     {"base": session, "mark": …}                         where the journal begins
     {"frame", "doc", "kept", "past", "future", "mark"}   one edit, undo or redo
@@ -6,9 +6,9 @@
 
 The first two also have "revision", and "clients" where these changed: see Received.
 
-`doc` are the changes from the document before; `kept` tells which steps of the history stay: the
-past's first and behind its last, the future's number. `past` and `future` are the steps that are
-new, each with where its document is found: "doc", the document before, or changes from it. A mark
+`doc` are the changes from the document before; `kept` are the steps of the history that stay: the
+past's first and behind its last, the future's number. `past` and `future` are the new steps, each
+with "doc", the changes from the document before. A mark
 is a digest of the document, by which the session file is found in the journal.
 """
 
@@ -23,20 +23,20 @@ from tracker.errors import SessionError
 from tracker.session.history import History, Step
 from tracker.session.schema import Session
 from tracker.session.versions import migrate
-from tracker.storage.changes import changed, changes
+from tracker.storage.changes import apply_changes, changes
 from tracker.storage.journal import Record
 
 OUTSIDE = "change made outside"
-"""What a step is called that brought a session file changed by another program."""
+"""The label of a step that took over a session file changed by another program."""
 
 
 _NONSENSE = (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, SessionError)
-"""What whole lines lead to that do not say what they should."""
+"""Errors from complete lines with wrong content."""
 
 
 @dataclass(frozen=True)
 class Received:
-    """Which edits a document holds, so that none that is sent again is made again.
+    """Which edits a document holds, so that an edit that is sent twice is made once.
 
     clients:  of each client, such as a browser's tab, the number of its last edit that is in it.
     revision: another one after every edit; empty where it is not known.
@@ -55,22 +55,22 @@ class Moment:
     frame: int = 0
     received: Received = field(default_factory=Received)
 
-    def each(self, changed: Callable[[Session], Session]) -> Moment:
-        """The same with the document, and that of every step, changed."""
+    def each(self, change: Callable[[Session], Session]) -> Moment:
+        """The same with the document of this moment and of every step changed."""
 
-        def steps(told: tuple[Step, ...]) -> tuple[Step, ...]:
-            return tuple(replace(step, doc=changed(step.doc)) for step in told)
+        def steps(before: tuple[Step, ...]) -> tuple[Step, ...]:
+            return tuple(replace(step, doc=change(step.doc)) for step in before)
 
         history = History(steps(self.history.past), steps(self.history.future))
-        return replace(self, doc=changed(self.doc), history=history)
+        return replace(self, doc=change(self.doc), history=history)
 
 
 @dataclass(frozen=True, eq=False)
 class Recovered:
-    """What journal and session file together say.
+    """The state recovered from journal and session file.
 
     moment: the newest state.  ahead: edits that the session file does not have yet.
-    follows: whether the journal can be gone on with; otherwise it is begun anew.
+    follows: whether the journal can be continued; otherwise a new one begins.
     """
 
     moment: Moment
@@ -79,11 +79,9 @@ class Recovered:
 
 
 def mark_of(session: Session) -> str:
-    """Equal for documents that say the same, wherever the video lies and whatever was tracked; and
-    whenever meshes and cameras were exported."""
-    left_out: Any = {"results": True, "video": {"path"}, "schema_version": True}
-    if session.surface is not None:
-        left_out |= {"video": {"path", "fingerprint"}, "surface": {"cameras_fingerprint"}}
+    """Equal for equal documents, wherever the video is stored, whatever was tracked, and whenever
+    meshes and cameras were exported."""
+    left_out: Any = {"results": True, "schema_version": True, **session.evidence.export_fields}
     content = session.model_dump_json(exclude=left_out).encode()
     return hashlib.sha256(content).hexdigest()[:16]
 
@@ -94,26 +92,19 @@ def without_results(session: Session) -> Session:
 
 
 def of_film(moment: Moment, doc: Session) -> Moment:
-    """The same with the video where it lies now, for both may have been moved, and with the fields
-    that are not known: they are no edit."""
-    told = {"video": doc.video, "schema_version": doc.schema_version, **(doc.model_extra or {})}
-    return moment.each(lambda one: _of_cameras(one, doc).model_copy(update=told))
-
-
-def _of_cameras(one: Session, doc: Session) -> Session:
-    """With what is known now of the cameras' file, where both speak of the same."""
-    ours, theirs = one.surface, doc.surface
-    if ours is None or theirs is None or ours.cameras != theirs.cameras:
-        return one
-    surface = ours.model_copy(update={"cameras_fingerprint": theirs.cameras_fingerprint})
-    return one.model_copy(update={"surface": surface})
+    """The same with the video where it is now, since both may have been moved, and with the unknown
+    fields, which are no edit."""
+    fields, now = {"schema_version": doc.schema_version, **(doc.model_extra or {})}, doc.evidence
+    return moment.each(
+        lambda one: one.model_copy(update={**one.evidence.refreshed_fields(now), **fields})
+    )
 
 
 # --- writing
 
 
 def base_record(moment: Moment) -> Record:
-    """The beginning of a journal; the history is told by what follows."""
+    """The first record of a journal; the records after it hold the history."""
     doc = moment.doc
     return {
         "base": doc.model_dump(mode="json"),
@@ -124,7 +115,7 @@ def base_record(moment: Moment) -> Record:
 
 
 def edit_record(before: Moment, after: Moment) -> Record:
-    """What leads from one moment to the next."""
+    """The step from one moment to the next."""
     first, stop = _kept_range(before.history.past, after.history.past)
     future = _common(before.history.future, after.history.future)
     return {
@@ -144,7 +135,7 @@ def saved_record(mark: str) -> Record:
 
 
 def whole_record(moment: Moment) -> Iterator[Record]:
-    """A journal that says what there is, and no more."""
+    """The records of a journal with this history and nothing else."""
     past, future = moment.history.past, moment.history.future
     docs = [*(step.doc for step in past), moment.doc]
     frame = past[0].frame if past else moment.frame
@@ -165,13 +156,13 @@ def whole_record(moment: Moment) -> Iterator[Record]:
 def recover(session: Session, records: Sequence[Record]) -> Recovered:
     """The newest state, of the session file as it was read and the journal beside it.
 
-    What the journal has beyond the file is brought back. Where the file holds what the journal
-    does not know, another program wrote it: it counts, as one more step, which can be undone.
+    Edits that only the journal has are restored. Where the file is unknown to the journal, another
+    program wrote it: it counts, as one more step, which can be undone.
     """
     doc = without_results(session)
     alone = Recovered(Moment(doc), 0, follows=False)
     try:
-        last, marks, saved = _replayed(records)
+        last, marks, saved = _replay(records)
     except _NONSENSE:
         return alone
     if last is None or not is_same_film(last.doc, doc):
@@ -185,12 +176,12 @@ def recover(session: Session, records: Sequence[Record]) -> Recovered:
         return Recovered(newest, len(marks) - 1 - known[-1], follows=True)
     last = of_film(last, doc)
     history = last.history.after(last.doc, OUTSIDE, last.frame)
-    theirs = replace(last.received, revision="")  # whoever wrote the file said none
+    theirs = replace(last.received, revision="")  # the file has none
     return Recovered(Moment(doc, history, last.frame, theirs), 0, follows=False)
 
 
 def _fits_together(doc: Session) -> bool:
-    """Each change was validated by itself; whether all fit together is seen here."""
+    """Each change was validated by itself; this checks that all fit together."""
     try:
         Session.model_validate(doc.model_dump())
     except ValueError:
@@ -199,15 +190,11 @@ def _fits_together(doc: Session) -> bool:
 
 
 def is_same_film(one: Session, other: Session) -> bool:
-    """Whether both are about one video, as far as they tell. Meshes may be exported again."""
-    a, b = one.video, other.video
-    facts = (a.frame_count, a.width, a.height) == (b.frame_count, b.width, b.height)
-    if one.surface is not None and other.surface is not None:
-        return facts
-    return facts and (a.fingerprint == b.fingerprint or "" in (a.fingerprint, b.fingerprint))
+    """Whether both are about the same video, as far as is known. Meshes may be exported again."""
+    return one.evidence.is_same(other.evidence)
 
 
-def _replayed(records: Sequence[Record]) -> tuple[Moment | None, list[str], int]:
+def _replay(records: Sequence[Record]) -> tuple[Moment | None, list[str], int]:
     """The last moment, the marks of all, and which of them the session file was last known to
     hold."""
     last: Moment | None = None
@@ -236,7 +223,7 @@ def _next(before: Moment, record: Mapping[str, Any]) -> Moment:
     first, stop, future = (int(number) for number in record["kept"])
     past = (*before.history.past[first:stop], *_steps(record["past"], before.doc))
     ahead = (*before.history.future[:future], *_steps(record["future"], before.doc))
-    doc = changed(before.doc, record["doc"])
+    doc = apply_changes(before.doc, record["doc"])
     received = _merge_received(before.received, record)
     return Moment(doc, History(past, ahead), int(record["frame"]), received)
 
@@ -255,7 +242,7 @@ def _received_since(before: Received, after: Received) -> Record:
 def _merge_received(before: Received, record: Mapping[str, Any]) -> Received:
     new = {str(name): int(n) for name, n in record.get("clients", {}).items()}
     others = {name: n for name, n in before.clients.items() if name not in new}
-    return Received({**others, **new}, str(record.get("revision", "")))  # the last heard last
+    return Received({**others, **new}, str(record.get("revision", "")))  # the latest last
 
 
 # --- steps
@@ -266,13 +253,13 @@ def _step_record(step: Step, doc: Session) -> Record:
     return {"label": step.label, "frame": step.frame, "doc": where}
 
 
-def _steps(told: Sequence[Mapping[str, Any]], doc: Session) -> Iterator[Step]:
-    for one in told:
-        yield Step(changed(doc, one["doc"]), str(one["label"]), int(one["frame"]))
+def _steps(records: Sequence[Mapping[str, Any]], doc: Session) -> Iterator[Step]:
+    for one in records:
+        yield Step(apply_changes(doc, one["doc"]), str(one["label"]), int(one["frame"]))
 
 
 def _kept_range(before: Sequence[Step], after: Sequence[Step]) -> tuple[int, int]:
-    """Which stretch of the past the new past begins with: the oldest steps may be forgotten."""
+    """Which range of the past the new past begins with: the oldest steps may be dropped."""
     if not before or not after:
         return 0, 0
     first = next((k for k, step in enumerate(before) if step is after[0]), None)

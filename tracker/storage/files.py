@@ -18,6 +18,7 @@ from tracker.session.schema import Session
 from tracker.session.versions import PRESENT, migrate, version_in
 from tracker.storage.atomic import write_file
 from tracker.storage.chronicle import Recovered, recover
+from tracker.storage.evidence import files_of
 from tracker.storage.finding import find_moved
 from tracker.storage.journal import NAME as JOURNAL
 from tracker.storage.journal import Read, read_journal
@@ -26,15 +27,15 @@ if TYPE_CHECKING:
     from tracker.video import Video
 
 LARGEST_SESSION_BYTES = 64 * 2**20
-"""Far above any session: what is larger is a video or an archive chosen by mistake."""
+"""Far above any session: a larger file is a video or an archive chosen by mistake."""
 
 
 @dataclass(frozen=True, eq=False)
 class Opened:
-    """A session as it was left, wherever the last edit is kept.
+    """A session as it was left, from its file and its journal.
 
     session:   the newest document, with the results of the session file.
-    recovered: the same with its history, and whether the journal can be gone on with.
+    recovered: the same with its history, and whether the journal can be continued.
     journal:   what was read of it.
     problem:   why that cannot be read, in a sentence.
     """
@@ -66,7 +67,7 @@ def open_session(path: Path) -> Opened:
 
 
 def read_session(path: Path) -> Session:
-    """What the session file alone says; as `load_session` but for edits on their way to it."""
+    """The session file alone, without the edits that only the journal has."""
     try:
         data = migrate(from_json(_read(path)), path.name)
     except ValueError as error:
@@ -96,7 +97,7 @@ def save_session(session: Session, path: Path) -> None:
     content = session_json(session)
     try:
         there = read_own(path, LARGEST_SESSION_BYTES)
-    except OSError:  # it cannot be compared, so it is written, which tells what is wrong
+    except OSError:  # cannot be compared, so write it, which reports what is wrong
         there = b""
     if there == content:
         return
@@ -114,7 +115,7 @@ def _require_not_newer(session: Session, path: Path, there: bytes) -> None:
 
 
 def _back_up(path: Path, there: bytes) -> None:
-    """Keep a file of an older version for whoever goes back to that Keypose."""
+    """Keep a file of an older version for going back to that Keypose."""
     version = version_in(there)
     if version is None or version >= PRESENT:
         return
@@ -154,9 +155,9 @@ def session_json(session: Session) -> bytes:
         content = session.model_dump_json(indent=2).encode() + b"\n"
         Session.model_validate_json(content)
     except ValidationError as error:
-        words = one_sentence(error)
+        sentence = one_sentence(error)
         raise SessionError(
-            f"This session could not be opened again, so it is not saved ({words.rstrip('.')}). "
+            f"This session could not be opened again, so it is not saved ({sentence.rstrip('.')}). "
             "Undo the last edit."
         ) from None
     return content
@@ -188,8 +189,8 @@ def open_video_of(session: Session, session_path: Path) -> Video:
 def _open_as(session: Session, session_path: Path, path: Path) -> Video:
     if not _exists(path):
         raise SessionError(
-            f"{_what(session)} {str(path)!r} is missing; put it there or change video.path in "
-            f"{session_path.name}."
+            f"The {session.evidence.words.file} {str(path)!r} is missing; put it there or change "
+            f"video.path in {session_path.name}."
         )
     return open_same_at(session, path, Path(session_path).absolute().parent)
 
@@ -206,21 +207,22 @@ def open_same_at(session: Session, path: Path, folder: Path) -> Video:
 
 
 def open_video_at(session: Session, path: Path, folder: Path) -> Video:
-    """What lies at a path, opened as this session's video, whether it is that or not.
+    """The video at a path, opened for this session whether it is the session's or not.
 
     folder: of the session's file.
     """
-    if session.surface is not None:
-        from tracker.surface.picture import open_surfaces  # loads when surfaces are wanted
-
-        return open_surfaces(session, path, folder)
-    from tracker.video import Video  # the decoder's libraries load when a video is wanted
-
-    return Video.open(path)
+    return files_of(session).open(session, path, folder)
 
 
-def _what(session: Session) -> str:
-    return "The video" if session.surface is None else "The folder or file of meshes"
+def open_for_work(session: Session, path: Path, folder: Path) -> Video:
+    """The video at a path, opened for a session that is open already.
+
+    SessionError where it may have been exported again and is not what the session was made for,
+    such as with more surfaces than it has steps: every one after that would be another one's.
+    """
+    evidence = session.evidence
+    opened = open_video_at if evidence.is_known_by_fingerprint else open_same_at
+    return opened(session, path, folder)
 
 
 def _exists(path: Path) -> bool:
@@ -238,14 +240,20 @@ def _require_same(session: Session, path: Path, video: Video) -> None:
         )
     elif found.frame_count != wanted.frame_count:
         difference = f"it has {found.frame_count} frames instead of {wanted.frame_count}"
-    elif session.surface is None and wanted.fingerprint not in ("", video.fingerprint()):
+    elif not _is_known(session, video):
         difference = "fingerprint differs"
     else:
         return
     raise SessionError(
-        f"{_what(session)} {str(path)!r} is not the one this session was made for ({difference}); "
-        "change video.path, or set the keyframes anew."
+        f"The {session.evidence.words.file} {str(path)!r} is not the one this session was made for "
+        f"({difference}); change video.path, or set the keyframes anew."
     )
+
+
+def _is_known(session: Session, video: Video) -> bool:
+    if not session.evidence.is_known_by_fingerprint:
+        return True
+    return session.video.fingerprint in ("", video.fingerprint())
 
 
 def _read(path: Path) -> bytes:

@@ -1,12 +1,62 @@
-"""What a motion is tracked with, as digests that tell whether it still fits."""
+"""What a segment's motion was tracked for, as one digest: equal where the motion would be equal.
+
+The quality is not in it: preview, fast and full results of one key are the same motion, found with
+more and more care. Of observed surfaces other things decide than of pictures: how the meshes are
+read and weighed, and the pose in the mesh that moves with the body; never the camera, which only
+looks at them.
+
+A result of an older Keypose may have no key. For it there is the digest of all that is tracked with
+besides keyframes, which its file has (`setup_hash`).
+"""
 
 from __future__ import annotations
 
 import hashlib
 import json
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any, TypeAlias
 
-from tracker.session.schema import Session
+import numpy as np
+
+from tracker.geometry.rotations import rotation_from_quaternion
+from tracker.session import Keyframe, Session
+from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
+
+Span: TypeAlias = tuple[int, int]
+"""First and last frame of a segment, as in Session.spans."""
+
+DECIMALS = 9
+"""Poses that agree to a billionth of a metre or radian are the same pose."""
+AT_REST = (1.0, 0.0, 0.0, 0.0)
+
+
+def segment_keys(session: Session) -> dict[Span, str]:
+    """The keys of all segments of a session, in the order of their frames."""
+    return dict(_keys(_ById(session)))
+
+
+@lru_cache(maxsize=8)
+def _keys(session: _ById) -> dict[Span, str]:
+    """Cached: called often for an unchanged session."""
+    setup = _setup(session.it)
+    at = {keyframe.frame: keyframe for keyframe in session.it.keyframes}
+    return {span: _key(session.it, setup, at, span) for span in session.it.spans}
+
+
+def present_keys(session: Session) -> dict[Span, str]:
+    """The keys of all segments with the method and the start of the session's results, which its
+    settings may no longer have."""
+    if session.results is None:
+        return segment_keys(session)
+    used = session.results.settings_used(session.settings)
+    return segment_keys(session.model_copy(update={"settings": used}))
+
+
+def segment_key(session: Session, first: int, last: int) -> str:
+    """The key of one segment; KeyError where the session has no such segment."""
+    return _keys(_ById(session))[first, last]
 
 
 def setup_hash(session: Session) -> str:
@@ -15,8 +65,63 @@ def setup_hash(session: Session) -> str:
 
     Notes, the camera's `origin` and joint limits do not count: they change no motion.
     """
-    if session.surface is not None:
-        return _surface_hash(session)
+    return _INPUTS.of(session).whole(session)
+
+
+def open_ends(session: Session) -> tuple[int, ...]:
+    """Where a motion of surfaces begins or ends without a keyframe; none of a film's."""
+    return session.evidence.open_ends([keyframe.frame for keyframe in session.keyframes])
+
+
+def _key(session: Session, setup: bytes, at: Mapping[int, Keyframe], span: Span) -> str:
+    names = session.body.names
+    ends = [at[frame] for frame in span if frame in at]  # an open end has no keyframe
+    segment = [span, _INPUTS.of(session).segment(session, span, ends)]
+    poses = [_pose(_ById(end), names) for end in ends]
+    return hashlib.sha256(b"\0".join((setup, json.dumps(segment).encode(), *poses))).hexdigest()
+
+
+def _masks(session: Session, span: Span, ends: Sequence[Keyframe]) -> list[Any]:
+    """The masks clipped to the segment; their other frames do not count."""
+    first, last = span
+    within = [
+        (max(first, mask.first_frame), min(last, mask.last_frame), mask.polygon)
+        for mask in session.ignore_masks
+        if mask.first_frame <= last and mask.last_frame >= first
+    ]
+    return sorted(within)
+
+
+def _keyframe_ends(session: Session, span: Span, ends: Sequence[Keyframe]) -> list[Any]:
+    """Which of a segment's ends are keyframes."""
+    return [end.frame for end in ends]
+
+
+def _setup(session: Session) -> bytes:
+    """What every segment's motion depends on besides its poses and masks."""
+    return _INPUTS.of(session).setup(session)
+
+
+def _film_setup(session: Session) -> bytes:
+    settings = session.settings.model_dump(mode="json", exclude={"quality", "initial", "left_out"})
+    setup = [_body(_ById(session.body)), _camera(_ById(session.camera)), settings, *_start(session)]
+    return hashlib.sha256(json.dumps(setup, sort_keys=True).encode()).digest()
+
+
+def _surface_setup(session: Session) -> bytes:
+    """The same of surfaces: the body as it was posed in the mesh that moves with it, the meshes,
+    and how they are read. A folder may be moved as a whole, so cameras go by their file's content.
+    """
+    surface, model = surface_of(session), session.model_keyframe
+    reading = surface.model_dump(mode="json", exclude={"fps", "model_frame", "cameras"})
+    setup: list[Any] = ["surface", _body(_ById(session.body)), reading, session.video.fingerprint]
+    if model is not None:
+        pose = hashlib.sha256(_pose(_ById(model), session.body.names)).hexdigest()
+        setup += [model.frame, pose]
+    return hashlib.sha256(json.dumps(setup, sort_keys=True).encode()).digest()
+
+
+def _film_hash(session: Session) -> str:
     data = session.model_dump(
         mode="json",
         include={"body", "camera", "ignore_masks"},
@@ -26,7 +131,7 @@ def setup_hash(session: Session) -> str:
             "ignore_masks": {"__all__": {"note"}},
         },
     )
-    return _hashed(data)
+    return _sha256(data)
 
 
 def _surface_hash(session: Session) -> str:
@@ -42,17 +147,76 @@ def _surface_hash(session: Session) -> str:
     )
     data["meshes"] = session.video.fingerprint
     data["model_frame"] = None if model is None else model.frame
-    return _hashed(data)
+    return _sha256(data)
 
 
-def _hashed(data: dict[str, Any]) -> str:
+def _sha256(data: dict[str, Any]) -> str:
     canonical = json.dumps(data, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(canonical.encode()).hexdigest()
 
 
-def open_ends(session: Session) -> tuple[int, ...]:
-    """Where a motion of surfaces begins or ends without a keyframe; none of a film's."""
-    if session.surface is None:
-        return ()
-    posed = {keyframe.frame for keyframe in session.keyframes}
-    return tuple(sorted({0, session.video.frame_count - 1} - posed))
+@dataclass(frozen=True)
+class _Inputs:
+    """What a motion depends on besides its poses.
+
+    setup: for every segment.  segment: for one.  whole: for all, as `setup_hash`.
+    """
+
+    setup: Callable[[Session], bytes]
+    segment: Callable[[Session, Span, Sequence[Keyframe]], list[Any]]
+    whole: Callable[[Session], str]
+
+
+_INPUTS = ByEvidence(
+    {
+        FilmEvidence: _Inputs(_film_setup, _masks, _film_hash),
+        SurfaceEvidence: _Inputs(_surface_setup, _keyframe_ends, _surface_hash),
+    }
+)
+
+
+def _start(session: Session) -> list[Any]:
+    """What segments start from, besides the method's own start; nothing where that is all."""
+    initial, first_motion = session.settings.initial, session.first_motion
+    if initial in ("linear", "both-ways"):
+        return [initial]
+    left_out = sorted(set(session.settings.left_out))
+    if initial == "templates":
+        return [initial, left_out]
+    start: list[Any] = [] if first_motion is None else [initial, first_motion.file]
+    return [*start, left_out] if left_out and initial == "auto" else start
+
+
+class _ById:
+    """An immutable object as a cache key, by identity: quicker than by its contents."""
+
+    def __init__(self, it: Any) -> None:
+        self.it = it
+
+    def __hash__(self) -> int:
+        return id(self.it)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _ById) and self.it is other.it
+
+
+@lru_cache(maxsize=8)
+def _body(body: _ById) -> str:
+    """Names of parts count, since the verdict has them; other captions do not."""
+    parts = {"__all__": {"limits_deg"}}  # posing keeps to them, tracking knows none
+    captions = {"name": True, "source": True, "mirror_pairs": True}
+    data = body.it.model_dump(mode="json", exclude={**captions, "parts": parts})
+    return json.dumps(data, sort_keys=True)
+
+
+@lru_cache(maxsize=8)
+def _camera(camera: _ById) -> str:
+    return json.dumps(camera.it.model_dump(mode="json", exclude={"origin"}), sort_keys=True)
+
+
+@lru_cache(maxsize=4096)
+def _pose(keyframe: _ById, names: tuple[str, ...]) -> bytes:
+    """The pose as numbers, the same however its quaternions were signed or left out."""
+    wxyz = np.array([keyframe.it.rotations_wxyz.get(name, AT_REST) for name in names])
+    numbers = np.concatenate([rotation_from_quaternion(wxyz).ravel(), keyframe.it.root_m])
+    return (np.round(numbers, DECIMALS) + 0.0).tobytes()  # + 0.0: no negative zero

@@ -46,12 +46,12 @@ def save_first_motion(
     )
     name = _name(content)
     write_file(session_path.parent / name, content, overwrite=True, error=SessionError)
-    told = FirstMotion(file=name, source=source, matched=dict(matched))
-    return session.model_copy(update={"first_motion": told})
+    reference = FirstMotion(file=name, source=source, matched=dict(matched))
+    return session.model_copy(update={"first_motion": reference})
 
 
 def of_session(session: Session, folder: Path) -> Trajectory | None:
-    """The motion a session's segments may start from; None where it has none or uses none.
+    """The motion a session's segments may start from; None where it has or uses none.
 
     folder: of the session's file.
     SessionError in one sentence when its file is missing, damaged, or of another body.
@@ -70,7 +70,7 @@ def carry_first_motion(session: Session, folder: Path, other: Path) -> None:
         return
     try:
         content = read_regular(source, LARGEST_PACKED_BYTES)
-    except OSError:  # tracking will tell that it is missing
+    except OSError:  # tracking will report that it is missing
         return
     write_file(place, content, overwrite=True, error=SessionError)
 

@@ -1,8 +1,10 @@
 """journal.jsonl beside a session: a line for each edit, on the disk before the edit counts.
 
 A line is the CRC-32 of its text in eight hexadecimal digits, a blank, and the text: one JSON
-object. A process that dies while it writes leaves part of a line, which is no line. Lines after one
-that is damaged are not read: they would change something else than they were meant to.
+object. A process that dies while it writes leaves part of a line, which is no line. Lines after a
+damaged one are not read: their changes apply to a state that is missing.
+
+Not SQLite: a copy of a database that is being written may be broken; a copy of this lacks a line.
 """
 
 from __future__ import annotations
@@ -23,7 +25,7 @@ from tracker.storage.atomic import write_file
 
 NAME = "journal.jsonl"
 LARGEST_BYTES = 256 * 2**20
-"""Far above any journal, which is begun anew long before."""
+"""Far above any journal: a new one begins long before."""
 
 Record: TypeAlias = dict[str, Any]
 
@@ -69,16 +71,16 @@ def lines(records: Iterable[Mapping[str, Any]]) -> bytes:
 
 
 class Journal:
-    """A journal that is written to: by one process, which holds the session's lock."""
+    """A journal open for writing by one process, which holds the session's lock."""
 
     def __init__(self, path: Path, size: int) -> None:
-        """Go on behind the first `size` bytes; what follows them was never whole."""
+        """Continue behind the first `size` bytes; what follows them is an incomplete line."""
         self.path = path
         self.size = size
         self._file: int | None = None
 
     def is_there(self) -> bool:
-        """Whether the file still is the one to go on with: nobody removed or exchanged it."""
+        """Whether the file is still the one to continue: not removed or replaced."""
         try:
             there = self.path.lstat()
             require_own(self.path, there)
@@ -91,7 +93,7 @@ class Journal:
         return there.st_size >= self.size
 
     def append(self, records: Iterable[Mapping[str, Any]], *, durable: bool = True) -> None:
-        """Write records; they are on the disk when this returns, unless told that it may wait.
+        """Write records; with `durable` they are on the disk when this returns.
 
         SessionError in one sentence when the disk refuses; then none of them is there.
         """
@@ -103,7 +105,7 @@ class Journal:
             if durable:
                 os.fsync(file)
         except OSError as error:
-            self._take_back()
+            self._truncate()
             why = error.strerror or error
             raise SessionError(f"{str(self.path)!r} cannot be written: {why}.") from None
         self.size += len(content)
@@ -131,8 +133,8 @@ class Journal:
             os.ftruncate(self._file, self.size)
         return self._file
 
-    def _take_back(self) -> None:
-        """Leave no half line; one that cannot be taken back is not read, since it is no line."""
+    def _truncate(self) -> None:
+        """Cut off a half-written line; one that cannot be cut off is ignored when read."""
         if self._file is not None:
             with suppress(OSError):
                 os.ftruncate(self._file, self.size)

@@ -1,4 +1,4 @@
-"""What is left in a folder by writers that were killed before their file had its name."""
+"""Unfinished files of writers that were killed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a motion was tracked for, and whether that is still what the session says."""
+"""Whether the tracked motion still fits the session, and why not."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ import numpy as np
 
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
+from tracker.session.results import Results
 from tracker.session.schema import Session
-from tracker.storage.fingerprints import setup_hash
+from tracker.storage.fingerprints import present_keys, setup_hash
 
 if TYPE_CHECKING:
     from tracker.storage.tracks import Tracks
@@ -29,7 +30,7 @@ def tracked_keyframes(session: Session) -> tuple[int, ...]:
 
 
 def outdated_keyframes(session: Session, motion: Trajectory | Tracks) -> tuple[int, ...]:
-    """Frames where motion and session differ: a keyframe was set, changed or taken away since.
+    """Frames where motion and session differ: a keyframe was set, changed or removed since.
 
     Keyframes that no segment of the motion reaches are among them.
     """
@@ -46,25 +47,42 @@ def outdated_keyframes(session: Session, motion: Trajectory | Tracks) -> tuple[i
         shift = np.abs(pose.p_camera_root - motion.ps_camera_root[i]).max()
         if max(turn, shift) > KEYFRAME_TOLERANCE:
             changed.add(keyframe.frame)
-    return tuple(sorted(changed | _added(session)))
+    return tuple(sorted(changed | _keyframes_inside(session)))
 
 
 def outdated_words(session: Session, motion: Trajectory | Tracks) -> str | None:
-    """What the motion does not know of the session, for a note; None when it is up to date."""
-    known = session.results and session.results.tracked_for
-    reasons = []
-    if known and known != setup_hash(session):
-        setup = "body, camera or ignore masks" if session.surface is None else "body or surfaces"
-        reasons.append(f"{setup} have changed")
+    """Why the motion is out of date, for a note; None when it is up to date."""
     frames = outdated_keyframes(session, motion)
     unreached = [frame for frame in frames if not _reaches(motion, frame)]
     changed = [frame for frame in frames if frame not in unreached]
+    reasons = _reasons(session, changed)
+    faults = [f"is out of date ({', and '.join(reasons)})"] if reasons else []
+    if unreached:
+        faults.append(f"does not reach the keyframes at {_listed(unreached)}")
+    return f"the tracked motion {' and '.join(faults)}." if faults else None
+
+
+def _reasons(session: Session, changed: Sequence[int]) -> list[str]:
+    """Why segments would be tracked differently now, in words; none where they would not.
+
+    changed: frames of keyframes that are others now.
+    """
+    results = session.results
+    keyed = results is not None and all(segment.key for segment in results.segments)
+    if results is None or (keyed and not _is_outdated(session, results)):
+        return []
+    reasons = []
+    if results.tracked_for not in (None, setup_hash(session)):
+        reasons.append(f"{session.evidence.words.setup} have changed")
     if changed:
         reasons.append(f"keyframes were set, changed or removed at {_listed(changed)}")
-    words = [f"is out of date ({', and '.join(reasons)})"] if reasons else []
-    if unreached:
-        words.append(f"does not reach the keyframes at {_listed(unreached)}")
-    return f"the tracked motion {' and '.join(words)}." if words else None
+    return reasons or (["settings have changed"] if keyed else [])
+
+
+def _is_outdated(session: Session, results: Results) -> bool:
+    """Whether a segment's key is another one now."""
+    keys = present_keys(session)
+    return any(keys.get((s.first_frame, s.last_frame)) != s.key for s in results.segments)
 
 
 def _reaches(motion: Trajectory | Tracks, frame: int) -> bool:
@@ -77,7 +95,7 @@ def _listed(frames: Sequence[int]) -> str:
     return f"frame{'s' if len(frames) > 1 else ''} {numbers}"
 
 
-def _added(session: Session) -> set[int]:
+def _keyframes_inside(session: Session) -> set[int]:
     """Keyframes set inside a tracked segment, even where the motion happens to go through them."""
     segments = session.results.segments if session.results else ()
     return {
@@ -88,6 +106,6 @@ def _added(session: Session) -> set[int]:
 
 
 def _tracked_open(session: Session) -> set[int]:
-    """Where the session's motion was tracked to without a keyframe."""
+    """Frames at which the session's motion ends without a keyframe."""
     segments = session.results.segments if session.results else ()
     return {frame for segment in segments for frame in segment.open_ends}

@@ -1,4 +1,4 @@
-"""Tracking a saved session: its keyframes, masks and settings handed to the tracker."""
+"""Tracking a saved session with its keyframes, masks and settings."""
 
 from __future__ import annotations
 
@@ -7,12 +7,14 @@ from collections.abc import Callable, Iterator, Sequence
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.errors import SessionError
+from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
 from tracker.session.schema import Session
+from tracker.storage.evidence import surfaces_of
+from tracker.storage.fingerprints import segment_keys
 from tracker.surface.fit.fitter import SurfaceFitter
-from tracker.surface.picture import SurfaceVideo
-from tracker.surface.source import SurfaceSteps, UnratedSteps
+from tracker.surface.source import UnratedSteps
 from tracker.surface.steps import Steps
-from tracker.tracking.pool import Progress, SegmentTracker, never, run
+from tracker.tracking.pool import Progress, SegmentTracker, Task, never, run_chosen
 from tracker.tracking.tracker import Tracker
 from tracker.video import Video
 from tracker.video.clip_loader import MEMORY_BYTES
@@ -23,16 +25,25 @@ def tracker_of(
     video: Video,
     memory: int = MEMORY_BYTES,
     first_motion: Trajectory | None = None,
+    like: Tracker | None = None,
 ) -> Tracker:
-    """A session made ready to be tracked; SessionError with fewer than two keyframes, or without
-    the first motion that the session speaks of and its settings use."""
+    """A session's tracker; SessionError with fewer than two keyframes, or without the first motion
+    that its settings use.
+
+    like: a tracker of the same video, camera, masks and plate, whose prepared pictures are used.
+    """
     require_first_motion(session, first_motion)
     skeleton = Skeleton.of(session.body)
+    if like is not None and like.skeleton.body == session.body:
+        skeleton = like.skeleton
+    poses = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.keyframes}
+    if like is not None:
+        return like.renewed(skeleton, poses, first_motion)
     return Tracker(
         video,
         session.camera,
         skeleton,
-        {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.keyframes},
+        poses,
         session.ignore_masks,
         session.settings.static_camera,
         memory,
@@ -41,7 +52,7 @@ def tracker_of(
 
 
 def fitter_of(session: Session, video: Video) -> SurfaceFitter:
-    """A session about surfaces made ready to be fitted; `video` as `open_video_of` opens it.
+    """A fitter of a session about surfaces; `video` as `open_video_of` opens it.
 
     SessionError without a keyframe.
     """
@@ -49,17 +60,9 @@ def fitter_of(session: Session, video: Video) -> SurfaceFitter:
 
 
 def steps_of(session: Session, video: Video) -> Steps:
-    """The surfaces that a session is fitted to: its cameras are asked only where they count."""
-    steps = surfaces_of(video)
-    believed = session.surface is not None and session.surface.weights in ("both", "photo")
-    return steps if believed else UnratedSteps(steps)
-
-
-def surfaces_of(video: Video) -> SurfaceSteps:
-    """The surfaces that a session's video shows; SessionError where it is a film."""
-    if not isinstance(video, SurfaceVideo):
-        raise SessionError("The session is about surfaces: open them with open_video_of.")
-    return video.steps
+    """The surfaces that a session is fitted to: its cameras are used only where they count."""
+    steps, rated = surfaces_of(video).steps, surface_of(session).weights in ("both", "photo")
+    return steps if rated else UnratedSteps(steps)
 
 
 def track_session(
@@ -76,23 +79,37 @@ def track_session(
     Each worker may hold one segment's pictures. first_motion: what `first_motion.of_session` reads
     beside the session's file. A session about surfaces is fitted to them.
     """
-    tracker: SegmentTracker
-    if session.surface is None:
-        tracker = tracker_of(session, video, MEMORY_BYTES, first_motion)
-    else:
-        tracker = fitter_of(session, video)
-    yield from run(tracker, session.settings, segments, workers, cancelled)
+    tracker = _TRACKERS.of(session)(session, video, first_motion)
+    keys = list(segment_keys(session).items())
+    chosen = range(len(keys)) if segments is None else sorted(set(segments))
+    tasks = [Task(index, keys[index][0], session.settings, keys[index][1]) for index in chosen]
+    yield from run_chosen(tracker, session.settings, tasks, workers, cancelled)
+
+
+def _film_tracker(
+    session: Session, video: Video, first_motion: Trajectory | None
+) -> SegmentTracker:
+    return tracker_of(session, video, MEMORY_BYTES, first_motion)
+
+
+def _surface_fitter(
+    session: Session, video: Video, first_motion: Trajectory | None
+) -> SegmentTracker:
+    return fitter_of(session, video)
+
+
+_TRACKERS = ByEvidence({FilmEvidence: _film_tracker, SurfaceEvidence: _surface_fitter})
 
 
 def require_first_motion(session: Session, first_motion: Trajectory | None) -> None:
     """SessionError unless the motion that the settings start from is there."""
-    initial, told = session.settings.initial, session.first_motion
-    if initial == "import" and told is None:
+    initial, imported = session.settings.initial, session.first_motion
+    if initial == "import" and imported is None:
         raise SessionError(
             "settings.initial is import, but the session has no imported motion: run keypose "
             "import first, or set it to auto."
         )
-    if initial != "linear" and told is not None and first_motion is None:
+    if initial != "linear" and imported is not None and first_motion is None:
         raise SessionError(
-            f"The imported motion {told.file} was not read; tracking starts from it."
+            f"The imported motion {imported.file} was not read; tracking starts from it."
         )

@@ -4,7 +4,7 @@ The file is a plain NumPy archive. Its bytes depend on its content alone (no clo
 and its name on its bytes, so the same result is the same file. Frames run from the first tracked to
 the last. Where a segment between them was not tracked, poses and diagnostics are NaN and ranks −1.
 A preview measures nothing: its diagnostics are NaN and its ranks −1 where it was tracked, too.
-Which frames have a pose is told by `Tracks.tracked` alone.
+Only `Tracks.tracked` says which frames have a pose.
 
     first_frame      ()              index of the first pose's video frame
     part_names       (P,)            text
@@ -21,8 +21,7 @@ from __future__ import annotations
 
 import hashlib
 import math
-import shlex
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -40,58 +39,63 @@ from tracker.session.schema import Session
 from tracker.storage.archive import archive_arrays, archive_bytes
 from tracker.storage.atomic import write_file
 from tracker.storage.fingerprints import open_ends, setup_hash
+from tracker.tracking.result import COLUMNS, Diagnostics, side_by_side
 
 LARGEST_TRACKS_BYTES = 2**30
-"""Hours of film; what is larger was put there by somebody else."""
+"""Hours of film; a larger file is not ours."""
 
 if TYPE_CHECKING:
-    from tracker.tracking.pool import SegmentResult, TrackResult
-
+    from tracker.body.skeleton import Skeleton
+    from tracker.tracking.result import SegmentResult, TrackResult
 
 _POSES = ("Rs_parent_part", "ps_camera_root")
-_STEPS = ("singular_values", "observability", "residual")
 
 
 @dataclass(frozen=True, eq=False)
 class Tracks:
-    """The content of a tracks file, its fields as in the module's table, arrays read-only."""
+    """The motion of N frames, as far as it is known: the content of a tracks file.
+
+    first_frame: index of the first pose's video frame.
+    Rs_parent_part: (N, P, 3, 3), ps_camera_root: (N, 3) as in the module's table, read-only.
+    """
 
     first_frame: int
     part_names: tuple[str, ...]
     Rs_parent_part: Array
     ps_camera_root: Array
-    rank: NDArray[np.int64]
-    singular_values: Array
-    observability: Array
-    residual: Array
-    need: Array | None = None
+    diagnostics: Diagnostics
 
     def __post_init__(self) -> None:
-        for name in (*_POSES, *_STEPS):
+        for name in _POSES:
             object.__setattr__(self, name, frozen(getattr(self, name)))
-        if self.need is not None:
-            object.__setattr__(self, "need", frozen(self.need))
-        rank = np.array(self.rank, dtype=np.int64)
-        rank.setflags(write=False)
-        object.__setattr__(self, "rank", rank)
 
     @classmethod
-    def of(cls, result: TrackResult) -> Tracks:
-        """The finished segments of a result side by side, with gaps where some are missing."""
-        segments = sorted(result.segments, key=lambda s: s.trajectory.first_frame)
-        first = segments[0].trajectory.first_frame
-        count = max(s.trajectory.last_frame for s in segments) - first + 1
-        dofs = segments[0].singular_values.shape[-1]
-        shapes = _shapes(count, result.skeleton.part_count, dofs)
-        arrays = {name: np.full(shape, np.nan) for name, shape in shapes.items()}
-        rank, need = np.full(count - 1, -1), np.full(count, np.nan)
-        for segment in segments:
-            _lay(segment, segment.trajectory.first_frame - first, arrays, rank)
-            if segment.need is not None:  # zero at the keyframes, where segments meet
-                start = segment.trajectory.first_frame - first
-                need[start : start + len(segment.need)] = segment.need
-        known = need if np.isfinite(need).any() else None
-        return cls(first, result.skeleton.body.names, rank=rank, need=known, **arrays)
+    def of(cls, segments: Sequence[SegmentResult], skeleton: Skeleton) -> Tracks:
+        """Finished segments side by side, with gaps where some are missing."""
+        first = min(segment.first for segment in segments)
+        count = max(segment.last for segment in segments) - first + 1
+        parts, dofs = skeleton.part_count, skeleton.dof_count
+        Rs = [(s.first - first, s.where_tracked(s.trajectory.Rs_parent_part)) for s in segments]
+        ps = [(s.first - first, s.where_tracked(s.trajectory.ps_camera_root)) for s in segments]
+        found = [(s.first - first, s.diagnostics) for s in segments]
+        return cls(
+            first,
+            skeleton.body.names,
+            side_by_side(Rs, count, (parts, 3, 3)),
+            side_by_side(ps, count, (3,)),
+            Diagnostics.side_by_side(found, count, parts, dofs),
+        )
+
+    def between(self, first: int, last: int) -> Tracks:
+        """The frames first to last: fewer than these, or more, which have no poses."""
+        at, count = self.first_frame - first, last - first + 1
+        return Tracks(
+            first,
+            self.part_names,
+            side_by_side([(at, self.Rs_parent_part)], count, self.Rs_parent_part.shape[1:]),
+            side_by_side([(at, self.ps_camera_root)], count, (3,)),
+            self.diagnostics.between(-at, count - 1 - at),
+        )
 
     @property
     def tracked(self) -> NDArray[np.bool_]:
@@ -118,7 +122,10 @@ class Tracks:
         try:
             names = tuple(str(name) for name in arrays.pop("part_names"))
             first_frame = int(arrays.pop("first_frame"))
-            tracks = cls(first_frame, names, **arrays)
+            Rs, ps = (arrays.pop(name) for name in _POSES)
+            named = {column.stored_as: column.name for column in COLUMNS}
+            found = {named[name]: values for name, values in arrays.items()}
+            tracks = cls(first_frame, names, Rs, ps, Diagnostics(**found))
             tracks._check()
         except (TypeError, KeyError, IndexError):  # missing, unknown, or without a shape
             raise ValueError("its entries are not those of a tracks file") from None
@@ -126,14 +133,16 @@ class Tracks:
 
     def _check(self) -> None:
         """ValueError unless all arrays have the shapes of the table and the rotations are such."""
-        frames, dofs = len(self.ps_camera_root), self.singular_values.shape[-1]
-        shapes = {**_shapes(frames, len(self.part_names), dofs), "rank": (frames - 1,)}
+        frames, parts = len(self.ps_camera_root), len(self.part_names)
+        dofs = self.diagnostics.singular_values.shape[-1]
+        shapes = {"Rs_parent_part": (frames, parts, 3, 3), "ps_camera_root": (frames, 3)}
+        found = {name: getattr(self, name).shape for name in _POSES}
+        for column, rows in self.diagnostics.arrays():
+            shapes[column.stored_as] = column.shape(frames, parts, dofs)
+            found[column.stored_as] = rows.shape
         for name, shape in shapes.items():
-            found = getattr(self, name).shape
-            if found != shape:
-                raise ValueError(f"{name} has the shape {found} instead of {shape}")
-        if self.need is not None and self.need.shape != (frames,):
-            raise ValueError(f"need has the shape {self.need.shape} instead of {(frames,)}")
+            if found[name] != shape:
+                raise ValueError(f"{name} has the shape {found[name]} instead of {shape}")
         Rs = self.Rs_parent_part[self.tracked]
         if not np.allclose(Rs @ transpose(Rs), np.eye(3), atol=1e-6):
             raise ValueError("Rs_parent_part holds matrices that are no rotations")
@@ -143,11 +152,11 @@ class Tracks:
         arrays: dict[str, NDArray[Any]] = {
             "first_frame": np.array(self.first_frame, dtype="<i8"),
             "part_names": np.array(self.part_names, dtype=np.str_),
-            "rank": self.rank.astype("<i8"),
-            **{name: getattr(self, name).astype("<f8") for name in (*_POSES, *_STEPS)},
+            **{name: getattr(self, name).astype("<f8") for name in _POSES},
         }
-        if self.need is not None:
-            arrays["need"] = self.need.astype("<f8")
+        for column, rows in self.diagnostics.arrays():
+            if not column.optional or np.isfinite(rows).any():
+                arrays[column.stored_as] = rows.astype(column.dtype)
         return archive_bytes(arrays)
 
 
@@ -159,12 +168,12 @@ def save_result(session: Session, session_path: Path, result: TrackResult) -> Se
     """
     if not result.segments:
         raise SessionError("There is no tracked segment to save.")
-    content = Tracks.of(result).to_bytes()
+    segments = sorted(result.segments, key=lambda segment: segment.first)
+    content = Tracks.of(segments, result.skeleton).to_bytes()
     name = tracks_name(content)
     place = session_path.parent / name
     if not _holds(place, content):
         write_file(place, content, overwrite=True, error=SessionError)
-    segments = sorted(result.segments, key=lambda s: s.trajectory.first_frame)
     results = Results(
         tracks=name,
         method=result.settings.method,
@@ -178,8 +187,8 @@ def save_result(session: Session, session_path: Path, result: TrackResult) -> Se
 
 
 def load_tracks(session: Session, session_path: Path) -> Tracks:
-    """The session's tracks file. SessionError in one sentence when there is none or it is odd."""
-    done, again = _work(session, session_path)
+    """The session's tracks file. SessionError in one sentence when it is missing or damaged."""
+    done, again = _how_tracked(session, session_path)
     if session.results is None:
         raise SessionError(f"{session_path.name} has not been {done} yet: {again}.")
     path = session_path.parent / session.results.tracks
@@ -195,68 +204,41 @@ def load_trajectory(session: Session, session_path: Path) -> Trajectory:
     """The tracked motion. SessionError when there is none, or when frames inside it are missing."""
     tracks = load_tracks(session, session_path)
     if not tracks.tracked.all():
-        done, again = _work(session, session_path)
+        done, again = _how_tracked(session, session_path)
         raise SessionError(
             f"{session_path.name} has not been {done} yet at frames {tracks.runs(False)}: {again}."
         )
     return Trajectory(tracks.first_frame, tracks.Rs_parent_part, tracks.ps_camera_root)
 
 
-def _work(session: Session, session_path: Path) -> tuple[str, str]:
-    """What is done to a session, and how it is done."""
-    path = shlex.quote(str(session_path))
-    if session.surface is not None:
-        return "fitted", f"run `keypose fit --session {path}`"
-    return "tracked", f"run `keypose track {path}`"
-
-
-def _lay(
-    segment: SegmentResult, start: int, arrays: Mapping[str, Array], rank: NDArray[np.int64]
-) -> None:
-    """Copy a segment's arrays to their place among all frames."""
-    frames = slice(start, start + len(segment.trajectory))
-    steps = slice(frames.start, frames.stop - 1)
-    arrays["Rs_parent_part"][frames] = segment.trajectory.Rs_parent_part
-    arrays["ps_camera_root"][frames] = segment.trajectory.ps_camera_root
-    if segment.unreached is not None:
-        shift = start - segment.trajectory.first_frame
-        first, last = segment.unreached
-        for name in _POSES:
-            arrays[name][first + shift : last + 1 + shift] = np.nan
-    for name in _STEPS:
-        arrays[name][steps] = getattr(segment, name)
-    rank[steps] = segment.rank
-
-
-def _shapes(frames: int, parts: int, dofs: int) -> dict[str, tuple[int, ...]]:
-    return {
-        "Rs_parent_part": (frames, parts, 3, 3),
-        "ps_camera_root": (frames, 3),
-        "singular_values": (frames - 1, dofs),
-        "observability": (frames - 1, parts),
-        "residual": (frames - 1, parts),
-    }
+def _how_tracked(session: Session, session_path: Path) -> tuple[str, str]:
+    """Such as "tracked", and the command that does it."""
+    words = session.evidence.words
+    return words.done, f"run `{words.command_line(session_path)}`"
 
 
 def _summary(segment: SegmentResult, session: Session) -> SegmentSummary:
-    span = (segment.trajectory.first_frame, segment.trajectory.last_frame)
+    """What the session's file says of a segment: the fields that both have, by their names."""
+    said = {
+        name: _finite(getattr(segment, name))
+        for name in SegmentSummary.model_fields
+        if hasattr(segment, name)
+    }
     return SegmentSummary(
-        first_frame=span[0],
-        last_frame=span[1],
-        open_ends=tuple(frame for frame in span if frame in open_ends(session)),
-        verdict=segment.verdict,
-        scores=tuple(_finite(score) for score in segment.scores),
-        best_pass=segment.best_pass,
-        closing_error=_finite(segment.closing_error),
-        notes=segment.notes,
-        missing=segment.missing,
-        unreached=segment.unreached,
+        first_frame=segment.first,
+        last_frame=segment.last,
+        open_ends=tuple(frame for frame in segment.span if frame in open_ends(session)),
+        **{**said, "key": segment.key or None},
     )
 
 
-def _finite(value: float) -> float | None:
+def _finite(value: Any) -> Any:
     """JSON has no NaN and no infinity."""
-    return float(value) if math.isfinite(value) else None
+    if isinstance(value, tuple):
+        return tuple(_finite(one) for one in value)
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else None
+    return value
 
 
 def tracks_name(content: bytes) -> str:

@@ -1,4 +1,4 @@
-"""An observed surface as a camera would see it: clay in soft light, or in telling colours."""
+"""An observed surface as a camera would see it: clay or given colours, in soft light."""
 
 from __future__ import annotations
 
@@ -47,10 +47,10 @@ def paint(mesh: SurfaceMesh, camera: Camera, colours: Colours | None = None) -> 
     face = np.full(size, -1, dtype=np.int32)
     fine = np.empty((*size, 3), dtype=np.uint8)
     fine[:] = GROUND
-    lens, vertices = _enlarged(camera), np.ascontiguousarray(mesh.vertices)
+    lens, vertices = _enlarge(camera), np.ascontiguousarray(mesh.vertices)
     projection = np.array([PERSPECTIVE, *lens, 1.0])
     fill(vertices, mesh.faces, projection, NEAR_M, nearness, face)
-    lit = _lit(mesh.normals, mesh.vertices, colours)
+    lit = _shade(mesh.normals, mesh.vertices, colours)
     colour(vertices, mesh.faces, lit, lens, INSIDE, face, fine)
     small = cv2.resize(fine, (camera.width, camera.height), interpolation=cv2.INTER_AREA)
     return np.asarray(small, dtype=np.uint8)
@@ -58,10 +58,10 @@ def paint(mesh: SurfaceMesh, camera: Camera, colours: Colours | None = None) -> 
 
 @dataclass(frozen=True, eq=False)
 class Layer:
-    """The nearest layer of a surface, as an eye sees it.
+    """The nearest layer of a surface, as a view camera sees it.
 
     rgb:   (H, W, 3) in the light, 0 to 255; black where there is none.
-    depth: (H, W) float32 z in the eye's frame, metres, inf where there is none.
+    depth: (H, W) float32 z in the view's frame, metres, inf where there is none.
     """
 
     rgb: Picture
@@ -69,7 +69,7 @@ class Layer:
 
 
 def layer(mesh: SurfaceMesh, view: ViewCamera, colours: Colours | None = None) -> Layer:
-    """A surface (camera frame, metres) from wherever the eye is; each pixel is what its middle
+    """A surface (camera frame, metres) from any view camera; each pixel is what its middle
     shows. colours: clay when left out."""
     from tracker.kernels.painting import colour
     from tracker.kernels.raster import fill
@@ -80,27 +80,27 @@ def layer(mesh: SurfaceMesh, view: ViewCamera, colours: Colours | None = None) -
     rgb = np.zeros((*size, 3), dtype=np.uint8)
     p_eye = frozen(apply_transform(view.T_view_camera, mesh.vertices))
     fill(p_eye, mesh.faces, projection_of(view), view.near_m, nearness, face)
-    lit = _lit(mesh.normals @ view.T_view_camera[:3, :3].T, view.rays(p_eye), colours)
+    lit = _shade(mesh.normals @ view.T_view_camera[:3, :3].T, view.rays(p_eye), colours)
     lens = np.array([*view.focal, *view.centre])
-    colour(_on_rays(p_eye, view), mesh.faces, lit, lens, INSIDE, face, rgb)
+    colour(_pixels_on_rays(p_eye, view), mesh.faces, lit, lens, INSIDE, face, rgb)
     return Layer(rgb, depth_of(nearness, view))
 
 
-def _on_rays(p_eye: Array, view: ViewCamera) -> Array:
-    """Where rays through the origin meet points in the pixels at which the eye sees them: along
-    parallel rays all of them lie on one plane."""
+def _pixels_on_rays(p_eye: Array, view: ViewCamera) -> Array:
+    """Points that the perspective projects to the pixels of the view: for parallel rays all lie on
+    one plane."""
     if view.parallel_m is None:
         return p_eye
     return frozen(np.column_stack([p_eye[:, :2] / view.parallel_m, np.ones(len(p_eye))]))
 
 
-def _enlarged(camera: Camera) -> Array:
+def _enlarge(camera: Camera) -> Array:
     """fx, fy, cx, cy of the larger picture; a pixel's middle stays where it was."""
     off = (FINE - 1) / 2
     return FINE * np.array([camera.fx, camera.fy, camera.cx, camera.cy]) + (0.0, 0.0, off, off)
 
 
-def _lit(normals: Array, rays: Array, colours: Colours | None) -> NDArray[np.float32]:
+def _shade(normals: Array, rays: Array, colours: Colours | None) -> NDArray[np.float32]:
     """(V, 3) the vertices' colours in the light, 0 to 255, as seen from outside.
 
     normals, rays: (V, 3) in the frame that is looked from; rays toward the vertices, of any length.

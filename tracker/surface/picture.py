@@ -22,7 +22,7 @@ from tracker.video.info import MissingFrame, VideoInfo
 from tracker.video.video import Video
 
 CONTAINER = "surfaces"
-"""What is told of the kind of file."""
+"""The kind of file, as reported."""
 
 
 class SurfaceSource:
@@ -30,8 +30,8 @@ class SurfaceSource:
 
     def __init__(self, steps: SurfaceSteps, camera: Camera, fps: float) -> None:
         self.steps, self._camera = steps, camera
-        self._words = dict(steps.sequence.missing)
-        self._facts = _facts(steps, camera, fps, self._words)
+        self._problems = dict(steps.sequence.missing)
+        self._facts = _facts(steps, camera, fps, self._problems)
 
     @property
     def info(self) -> VideoInfo:
@@ -42,18 +42,18 @@ class SurfaceSource:
         try:
             yield number, paint(self.steps.shape(number), self._camera)
         except SurfaceError as error:
-            self._words[number] = str(error)
-            self._facts = replace(self._facts, missing=tuple(sorted(self._words)))
+            self._problems[number] = str(error)
+            self._facts = replace(self._facts, missing=tuple(sorted(self._problems)))
 
-    def words(self, number: int) -> str:
+    def problem(self, number: int) -> str:
         """Why a missing frame is missing."""
-        return self._words.get(number, f"The mesh of frame {number} cannot be used.")
+        return self._problems.get(number, f"The mesh of frame {number} cannot be used.")
 
     def reindex(self) -> None:
         """The steps are counted once."""
 
     def examine(self, first: int, last: int) -> Iterator[Examined]:
-        """Nothing here is built on something else: no frame is damaged by another."""
+        """Frames are independent: none is damaged by another."""
         yield Examined(first, last, frozenset(), last)
 
     def fingerprint(self) -> str:
@@ -80,7 +80,12 @@ class SurfaceVideo(Video):
         try:
             return super().frame(index)
         except MissingFrame:
-            raise MissingFrame(self._drawn.words(index)) from None
+            words = self._drawn.problem(index)
+            raise MissingFrame(words, words) from None
+
+    def note(self, index: int) -> str | None:
+        """As Video.note."""
+        return self.steps.sequence.missing.get(index)
 
 
 def open_surfaces(session: Session, meshes: Path, folder: Path) -> SurfaceVideo:

@@ -44,6 +44,6 @@ class Placement:
         scaled = METRES[self.units] * np.asarray(p_surface, dtype=np.float64)
         return np.asarray(scaled @ self.R_camera_surface.T + self.p_camera_surface)
 
-    def placed(self, mesh: SurfaceMesh) -> SurfaceMesh:
+    def place(self, mesh: SurfaceMesh) -> SurfaceMesh:
         """A mesh of the files in the camera frame, metres."""
         return replace(mesh, vertices=self.points(mesh.vertices))

@@ -1,4 +1,4 @@
-"""The cameras that tell how far a session's surfaces are to be believed."""
+"""The cameras by which a session's surfaces are rated: how well their pictures agree on them."""
 
 from __future__ import annotations
 
@@ -52,5 +52,5 @@ def _holds(view: View, mesh: SurfaceMesh) -> bool:
 
 
 def _rig(surface: Surface, path: Path) -> Rig:
-    """World and surfaces are one; which of its axes is up, the session knows."""
+    """The world is that of the surfaces; which axis is up, the session states."""
     return Rig.open(path).model_copy(update={"up": surface.up})

@@ -1,7 +1,7 @@
-"""The surfaces a session is about: read, laid into the camera's frame, kept for a little while.
+"""The surfaces a session is about: read, placed in the camera's frame, cached.
 
-Steps are mostly asked for in a row, by the fit, or again and again, by the page. So the few latest
-stay, and while one is worked on the next is read.
+The fit asks for steps in a row, the page for the same ones again. So the latest few are kept, and
+the next is read ahead.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ from tracker.video.folder import SUFFIXES as IMAGES
 if TYPE_CHECKING:
     from tracker.surface.cameras.footage import Footage
 
-KEPT = 6
+MOST_KEPT = 6
 """Meshes of each kind: two segments at work, each with a step ahead, and one that is looked at."""
 
 GLANCE_S = 5.0
-"""So long the files are glanced at, meanwhile meshes can be read."""
+"""So long files are glanced at; meshes can be read meanwhile."""
 
 MOST_TEXTURES = 4
 """Images that may belong to a mesh in the same folder."""
@@ -40,7 +40,7 @@ _CLOSED = "The meshes have been closed: open them again."
 class SurfaceSteps:
     """The steps of a session's surfaces, in the camera frame; threads may share it.
 
-    shape: as observed.  mesh: the same with what the cameras say of it, where there are any.
+    shape: as observed.  mesh: the same with photo-consistency, where there are cameras.
     """
 
     def __init__(self, sequence: MeshSequence, surface: Surface, folder: Path = Path()) -> None:
@@ -70,7 +70,7 @@ class SurfaceSteps:
         return self._rated.get(frame) if rated else self._shapes.get(frame)
 
     def glance(self) -> Glance:
-        """What the beginnings of the files tell; broken off where these are closed meanwhile."""
+        """What the beginnings of the files show; ends early where these are closed meanwhile."""
         with self._glancing:
             return self.sequence.glance(GLANCE_S, stop=self._closing.is_set)
 
@@ -83,13 +83,13 @@ class SurfaceSteps:
         return cut_by(self._surface, self._folder, self.shape(frame))
 
     def close(self) -> None:
-        """Let go of the files."""
+        """Close the files."""
         self._closing.set()
         self._rated.close()
         self._shapes.close()
         if self._footage is not None:
             self._footage.close()
-        with self._glancing:  # what is asked once the process has ended would start it anew
+        with self._glancing:  # a question after the end would start the process anew
             self.sequence.close()
 
     def __enter__(self) -> Self:
@@ -99,7 +99,7 @@ class SurfaceSteps:
         self.close()
 
     def _read(self, frame: int) -> SurfaceMesh:
-        return self.placement.placed(self.sequence.mesh(frame))
+        return self.placement.place(self.sequence.mesh(frame))
 
     def _rate(self, frame: int) -> SurfaceMesh:
         """On a thread of its own, which opens the images when the first are wanted."""
@@ -109,11 +109,11 @@ class SurfaceSteps:
 
             self._footage = open_footage(self._surface, self._folder, self.frame_count)
             self._looked = True
-        return mesh if self._footage is None else self._footage.judged(mesh, frame)
+        return mesh if self._footage is None else self._footage.rate(mesh, frame)
 
 
 class UnratedSteps:
-    """The same surfaces with nothing that cameras say of them, whose images are not read then."""
+    """The same surfaces without photo-consistency: no images are read."""
 
     def __init__(self, steps: SurfaceSteps) -> None:
         self._steps = steps
@@ -124,7 +124,7 @@ class UnratedSteps:
         return self._steps.shape(frame)
 
     def cut_by(self, frame: int) -> tuple[str, ...]:
-        """Of cameras that cannot be used, which nobody asked for here, nothing is told."""
+        """As `SurfaceSteps.cut_by`; none where the cameras cannot be used."""
         try:
             return self._steps.cut_by(frame)
         except SurfaceError:
@@ -132,7 +132,7 @@ class UnratedSteps:
 
 
 class _Latest:
-    """The latest few of what takes a while to make, made one at a time on a thread of its own."""
+    """A cache of the latest few meshes, made one at a time on a thread of its own."""
 
     def __init__(self, name: str, count: int, make: Callable[[int], SurfaceMesh]) -> None:
         self._count, self._make = count, make
@@ -143,7 +143,7 @@ class _Latest:
         self._closed = False
 
     def get(self, frame: int) -> SurfaceMesh:
-        """What belongs to a frame; and where frames are asked for in a row, the next is begun."""
+        """The mesh of a frame; where frames are asked for in a row, the next is started."""
         if not 0 <= frame < self._count:
             raise SurfaceError(f"There is no step {frame}; the steps are 0 to {self._count - 1}.")
         wanted = self._start(frame)
@@ -153,7 +153,7 @@ class _Latest:
             self._start(frame + stride)
         try:
             return wanted.result()
-        except SurfaceError as error:  # raised anew: several threads may come to hear it
+        except SurfaceError as error:  # raised anew: several threads may receive it
             raise SurfaceError(str(error)) from None
         except CancelledError:
             raise SurfaceError(_CLOSED) from None
@@ -170,7 +170,7 @@ class _Latest:
                 raise SurfaceError(_CLOSED)
             found = self._kept.pop(frame, None) or self._thread.submit(self._make, frame)
             self._kept[frame] = found
-            while len(self._kept) > KEPT:
+            while len(self._kept) > MOST_KEPT:
                 self._kept.popitem(last=False)
             return found
 

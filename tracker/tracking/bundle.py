@@ -1,9 +1,9 @@
 """Whole-segment refinement: all inner poses of a segment improved together.
 
 The cycle of DRIFT has the wide basin, this has the accuracy: it compares every frame with the
-textures of both keyframes instead of with its neighbour, so no error accumulates. It cannot mend a
-start that is far off, and it gains nothing where keyframes are badly posed; whoever calls it keeps
-the better of the two.
+textures of both keyframes instead of with its neighbour, so no error accumulates. It cannot correct
+a start that is far off, and it gains nothing where keyframes are badly posed; the caller keeps the
+better of the two.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ CRITERIA = Criteria(
 )
 FIRST_SIGMA = 12.0
 LOOK_AGAIN = 5
-"""Solves after which visibility is found anew."""
+"""Solves after which visibility is updated."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,7 @@ def refine(scene: Scene, clip: Clip, start: Trajectory, how: Refinement) -> Traj
     if len(start) < 3 or not scene.skeleton.dof_count:
         return start
     pictures = _Pictures.of(scene, clip, start, how)
-    R, t = least_squares(pictures, start.loose(), replace(CRITERIA, most_steps=how.solves)).state
+    R, t = least_squares(pictures, start.writable(), replace(CRITERIA, most_steps=how.solves)).state
     return Trajectory(start.first_frame, R, t)
 
 
@@ -63,7 +63,7 @@ Poses: TypeAlias = tuple[Array, Array]
 class _Pictures(Problem[Poses, "_Point"]):
     """A segment's frames beside the textures of both keyframes.
 
-    seen (n + 1, S) and sigma (2, n + 1) are known better with every solve.
+    seen (n + 1, S) and sigma (2, n + 1) are updated with every solve.
     """
 
     scene: Scene
@@ -77,12 +77,12 @@ class _Pictures(Problem[Poses, "_Point"]):
 
     @classmethod
     def of(cls, scene: Scene, clip: Clip, start: Trajectory, how: Refinement) -> _Pictures:
-        """As the start has it."""
+        """The pictures at the start."""
         frames, pictures = len(start), clip.levels[0]
         slots = clip.slots(start.first_frame, start.last_frame)
         return cls(
             scene, pictures, slots,
-            _keyframe_textures(scene, pictures, slots, *start.loose(), how.stride),
+            _keyframe_textures(scene, pictures, slots, *start.writable(), how.stride),
             scene.information(how.stride),
             scene.precision(SMOOTH_TURN_RAD, SMOOTH_SHIFT_PX * scene.pixel_m),
             np.zeros((frames, len(scene.points.points)), np.uint8),
@@ -110,7 +110,7 @@ class _Pictures(Problem[Poses, "_Point"]):
         return banded, gradient
 
     def look(self, poses: Poses) -> None:
-        """Find anew what the poses show."""
+        """Update what the poses show."""
         height, width = self.pictures.shape[1:3]
         scene = self.scene
         see_all(scene.arrays, scene.lens, scene.sight, width, height, *poses, self.seen)
@@ -118,7 +118,7 @@ class _Pictures(Problem[Poses, "_Point"]):
 
 @dataclass(frozen=True, eq=False)
 class _Point:
-    """What the pictures say of a segment's poses; how good these are is judged elsewhere."""
+    """The equations of a segment's poses; how good these are is scored elsewhere."""
 
     pictures: _Pictures
     poses: Poses

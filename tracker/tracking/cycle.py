@@ -1,4 +1,4 @@
-"""One segment between two keyframes: the cycle of passes, and what comes of it (DRIFT §2.2)."""
+"""One segment between two keyframes: the cycle of passes and its outcome (DRIFT §2.2)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from tracker.body.trajectory import Pass, Trajectory
 from tracker.geometry.rotations import Array
 from tracker.tracking.bundle import refine
-from tracker.tracking.drift import Closed, Motions, correct_drift
+from tracker.tracking.drift import Corrected, Motions, correct_drift
 from tracker.tracking.frame_pair import least_squares_pass, printed_score, robust_pass
 from tracker.tracking.initial.choose import printed_start, starts
 from tracker.tracking.method import Keypose, Method, Paper
@@ -24,21 +24,21 @@ EXACT_ALLOWANCE, PLAIN_ALLOWANCE, NOISE = 1.15, 1.05, 2.0
 """How much worse than the passes the refinement may score: a share, and the noise of the pictures,
 grey levels², near which shares say nothing."""
 NOWHERE_PX = 1e6
-"""Stands for the distance to a place that is behind the camera or no place at all."""
+"""Distance to a point that is behind the camera or undefined."""
 
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """All trajectories tried, the best of them, and how the evidence agrees.
+    """All trajectories tried, the best of them, and how well the evidence agrees.
 
     apart_px: (N, M) how far the chains from the two keyframes lie apart at every mark of the
         scene; zero for a method that does not follow from both.
-    drift_px: (N - 1, M) how far each frame's own motion, in the last pass, led from the pose that
-        the trajectory has next: what drift correction had to take away.
+    drift_px: (N - 1, M) how far each frame's own motion, in the last pass, led from the
+        trajectory's next pose: the drift that was corrected.
     followed: neither chain left the space before the camera.
     diverged: a pass left it; the pass was dropped.
     gap: how far the last correction missed the keyframe before it was set exactly: radians.
-    notes: what could not be done as wished, for a person.
+    notes: sentences for a person about what could not be done as asked.
     """
 
     passes: tuple[Pass, ...]
@@ -69,7 +69,7 @@ def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
     begun = printed_start(scene, segment, method)
     present, start = begun.ways[0].trajectory, begun.ways[0].what
     tried: list[Pass] = []
-    diverged, drift, gap = False, _nothing_px(scene, present)[1:], 0.0
+    diverged, drift, gap = False, _zeros_px(scene, present)[1:], 0.0
     for number in range(method.passes + 1):
         what = "pass" if number else start
         if number == method.passes:
@@ -82,12 +82,12 @@ def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
         yield tried[-1]
         if number - best_of(tried) >= method.patience:
             break
-        following = _closed(scene, segment, present, motions)
+        following = _correct(scene, segment, present, motions)
         if following is None:
             diverged = True
             break
         present, gap = following.trajectory, following.gap
-    apart = _nothing_px(scene, present)
+    apart = _zeros_px(scene, present)
     return Outcome(
         tuple(tried), best_of(tried), apart, drift, True, diverged, gap, begun.notes
     )  # fmt: skip
@@ -99,13 +99,13 @@ def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
     tried = others[::-1]  # the better, the later
     yield from tried
     present, what = first.trajectory, first.what
-    drift, gap, diverged = _nothing_px(scene, present)[1:], 0.0, False
+    drift, gap, diverged = _zeros_px(scene, present)[1:], 0.0, False
     for _ in range(method.passes):
         motions, score = robust_pass(scene, clip, present, method.stride, method.inner, method.stop)
         drift = _drift_px(scene, present, motions)
         tried.append(Pass(what, present, score))
         yield tried[-1]
-        following = _closed(scene, segment, present, motions)
+        following = _correct(scene, segment, present, motions)
         if following is None:
             diverged = True
             break
@@ -115,19 +115,19 @@ def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
         tried.append(Pass(what, present, last_score))
         yield tried[-1]
     best = best_of(tried)
-    refined = _refined(scene, segment, method, tried[best])
+    refined = _refine(scene, segment, method, tried[best])
     if refined is not None:
         tried.append(refined)
         yield refined
         best = len(tried) - 1 if _is_better(scene, segment, method, refined, tried[best]) else best
     chains = begun.chains
-    apart = _nothing_px(scene, present) if chains is None else distance_px(scene, *chains)
+    apart = _zeros_px(scene, present) if chains is None else distance_px(scene, *chains)
     return Outcome(
         tuple(tried), best, apart, drift, chains is not None, diverged, gap, begun.notes
     )  # fmt: skip
 
 
-def _refined(scene: Scene, segment: Segment, method: Keypose, start: Pass) -> Pass | None:
+def _refine(scene: Scene, segment: Segment, method: Keypose, start: Pass) -> Pass | None:
     trajectory = refine(scene, segment.clip, start.trajectory, method.refinement)
     if trajectory is start.trajectory or not is_sound(scene, segment, trajectory):
         return None
@@ -139,7 +139,7 @@ def _refined(scene: Scene, segment: Segment, method: Keypose, start: Pass) -> Pa
 def _is_better(
     scene: Scene, segment: Segment, method: Keypose, refined: Pass, unrefined: Pass
 ) -> bool:
-    """Whether the refinement is to be kept.
+    """Whether the refinement is better.
 
     The score compares neighbouring frames and so prefers the passes, which do just that; the
     refinement compares with the keyframes and is nearer to the truth if those are posed exactly.
@@ -152,12 +152,14 @@ def _is_better(
     return refined.score < allowance * unrefined.score + NOISE
 
 
-def _closed(scene: Scene, segment: Segment, present: Trajectory, motions: Motions) -> Closed | None:
+def _correct(
+    scene: Scene, segment: Segment, present: Trajectory, motions: Motions
+) -> Corrected | None:
     """The drift-corrected trajectory, or None where the motions led out of sight."""
     if not np.isfinite(motions.ps_camera_root).all():
         return None
-    closed = correct_drift(present, motions, segment.end)
-    return closed if is_sound(scene, segment, closed.trajectory) else None
+    corrected = correct_drift(present, motions, segment.end)
+    return corrected if is_sound(scene, segment, corrected.trajectory) else None
 
 
 def _drift_px(scene: Scene, present: Trajectory, motions: Motions) -> Array:
@@ -167,6 +169,6 @@ def _drift_px(scene: Scene, present: Trajectory, motions: Motions) -> Array:
     return np.nan_to_num(distance_px(scene, led, rest), nan=NOWHERE_PX, posinf=NOWHERE_PX)
 
 
-def _nothing_px(scene: Scene, trajectory: Trajectory) -> Array:
+def _zeros_px(scene: Scene, trajectory: Trajectory) -> Array:
     """(N, M) zeros."""
     return np.zeros((len(trajectory), len(scene.marks[1])))

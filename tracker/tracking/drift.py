@@ -16,7 +16,7 @@ from tracker.geometry.rotations import Array
 from tracker.kernels.closing import close_segment
 
 DOUBT_FLOOR = 0.03
-"""Doubt that remains where the picture tells all: it may be believed wrongly."""
+"""Doubt that remains where everything is observable: the picture may mislead."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,13 +27,13 @@ class Doubt:
     shifted: Array
 
     @classmethod
-    def none(cls, steps: int, parts: int) -> Doubt:
-        """Room for the doubts of so many steps; all alike."""
+    def equal(cls, steps: int, parts: int) -> Doubt:
+        """Equal doubts for so many steps."""
         return cls(np.ones((steps, parts)), np.ones(steps))
 
     @property
     def shares(self) -> tuple[Array, Array]:
-        """Of a correction what every step is to take, of mean 1: (n, P) and (n,)."""
+        """The weights of the steps in a correction, of mean 1: (n, P) and (n,)."""
         turned, shifted = DOUBT_FLOOR + self.turned, DOUBT_FLOOR + self.shifted
         return turned / turned.mean(axis=0), shifted / shifted.mean()
 
@@ -43,7 +43,7 @@ class Motions:
     """Where the motion of every frame of a trajectory leads: the pose at the next frame.
 
     Rs_parent_part: (n, P, 3, 3), ps_camera_root: (n, 3), for frames 0 … n − 1 of the trajectory.
-    doubt: how uncertain every step is, 0 to 1, by part and for the root's shift; None: all alike.
+    doubt: how uncertain every step is, 0 to 1, by part and for the root's shift; None: all equal.
     """
 
     Rs_parent_part: Array
@@ -52,7 +52,7 @@ class Motions:
 
 
 @dataclass(frozen=True, eq=False)
-class Closed:
+class Corrected:
     """A trajectory that meets both keyframes.
 
     rounds: (P,) rounds in which each part's X was found; −1 where the motions left no single X
@@ -66,18 +66,18 @@ class Closed:
     gap: float
 
 
-def correct_drift(trajectory: Trajectory, motions: Motions, end: Pose) -> Closed:
+def correct_drift(trajectory: Trajectory, motions: Motions, end: Pose) -> Corrected:
     """Accumulate the motions from the trajectory's first pose and close on `end`."""
-    R, t = trajectory.loose()
+    R, t = trajectory.writable()
     R_out, t_out = np.empty_like(R), np.empty_like(t)
     rounds, gaps = np.empty(R.shape[1], np.int64), np.empty(R.shape[1])
-    doubt = motions.doubt or Doubt.none(*motions.Rs_parent_part.shape[:2])
+    doubt = motions.doubt or Doubt.equal(*motions.Rs_parent_part.shape[:2])
     close_segment(
         R, t, motions.Rs_parent_part, motions.ps_camera_root, *doubt.shares,
-        *end.loose(), R_out, t_out, rounds, gaps,
+        *end.writable(), R_out, t_out, rounds, gaps,
     )  # fmt: skip
     trajectory = Trajectory(trajectory.first_frame, R_out, t_out)
-    return Closed(trajectory, rounds, float(gaps.max()))
+    return Corrected(trajectory, rounds, float(gaps.max()))
 
 
 def closing_error(trajectory: Trajectory, start: Pose, end: Pose) -> float:

@@ -26,8 +26,8 @@ SINGULAR_CUT = 0.02
 """Singular values below this share of the largest count as zero (the paper leaves it open)."""
 SETTLED = 1e-5
 OUTSIDE = 64.0
-"""Grey levels charged for a point that leaves the picture, of which the paper says nothing: were
-it free, the path with the lowest score would lead out of the picture."""
+"""Grey levels charged for a point that leaves the picture, of which the paper says nothing: without
+it, the path with the lowest score would lead out of the picture."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,9 +72,9 @@ def least_squares_step(
     height, width = source.shape[:2]
     view(
         scene.arrays, scene.lens, scene.sight, width, height, source, 1,
-        *before.pose(before.first_frame + j).loose(), chosen, grey, starts,
+        *before.pose(before.first_frame + j).writable(), chosen, grey, starts,
     )  # fmt: skip
-    R, t = before.pose(before.first_frame + j + 1).loose()
+    R, t = before.pose(before.first_frame + j + 1).writable()
     N, histogram = np.empty((scene.skeleton.part_count, 7, 7)), np.empty(BINS, np.int32)
     A, b, singular = np.empty((dofs, dofs)), np.empty(dofs), np.zeros(dofs)
     squares = 0.0
@@ -135,11 +135,11 @@ def robust_pass(
 ) -> tuple[Motions, float]:
     """Our pass: motions from every pose, and the trajectory's capped score (grey levels²)."""
     n, parts = len(trajectory) - 1, scene.skeleton.part_count
-    R, t, doubt = np.empty((n, parts, 3, 3)), np.empty((n, 3)), Doubt.none(n, parts)
+    R, t, doubt = np.empty((n, parts, 3, 3)), np.empty((n, 3)), Doubt.equal(n, parts)
     slots: NDArray[np.int64] = clip.slots(trajectory.first_frame, trajectory.last_frame)
     score = follow_pairs(
         scene.arrays, scene.lens, scene.sight, scene.prior(stride), clip.levels[0], slots,
-        *trajectory.loose(), stride, inner, stop, R, t,
+        *trajectory.writable(), stride, inner, stop, R, t,
         doubt.turned, doubt.shifted,
     )  # fmt: skip
     return Motions(R, t, doubt), float(score)

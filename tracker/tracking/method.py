@@ -35,7 +35,7 @@ class Refinement:
 class Keypose:
     """Ours: followed from both keyframes, robust passes, then the whole segment at once.
 
-    of: one surface point of so many is followed, the one with the strongest gradient.
+    stride: one surface point of so many is followed, the one with the strongest gradient.
     finest: pyramid level at which following from the keyframes ends; chain_inner its solves.
     inner, stop: solves of a frame pair at most, and the step (rad, m) that ends them.
     judged: whether trajectories are scored and observed; without, the last one is taken.

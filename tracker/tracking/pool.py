@@ -1,70 +1,43 @@
-"""Segments worked on side by side or in turn, as a stream of events; whatever they are seen in."""
+"""The one runner of segments: in parallel or in turn, for films and for surfaces.
+
+`run_tasks` works on a caller's threads and reports from them: the page's worker stands on it.
+`stream` makes an iterator of such work: `run`, for scripts, and the command line stand on that.
+"""
 
 from __future__ import annotations
 
 import queue
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
-from threading import Event
-from typing import TYPE_CHECKING, Protocol
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor, wait
+from contextlib import closing, suppress
+from dataclasses import dataclass, replace
+from threading import Event, Lock, Thread
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
-from tracker.body.trajectory import Trajectory, joined
-from tracker.geometry.rotations import Array
+from tracker.tracking.result import SegmentResult, TrackResult
 
 if TYPE_CHECKING:
     from tracker.body.skeleton import Skeleton
-    from tracker.body.trajectory import Pass
+    from tracker.body.trajectory import Pass, Trajectory
     from tracker.session.settings import TrackSettings
-    from tracker.session.verdict import Verdict
+
+Item = TypeVar("Item")
+
+POLL_S = 0.05
+"""Between two looks at whether to stop, while nothing is reported."""
 
 
-@dataclass(frozen=True, eq=False)
-class SegmentResult:
-    """The motion between two keyframes and all that was noticed on the way.
+@dataclass(frozen=True)
+class Task:
+    """A segment to be tracked with these settings. Tasks of one segment have the same index.
 
-    trajectory: both keyframes included, N frames; the arrays below have a row for each of the
-        n = N − 1 frame pairs and are explained in tracker.tracking.diagnostics.observability.
-    scores: of the first trajectory and after every pass; comparable within the segment only.
-    best_pass: which of them was kept.  closing_error: distance from the keyframes, must be ~0.
-    notes: what could not be done as wished, in sentences for a person.
-    need: (N,) what a keyframe at each frame would mend, see `expected_gain`; None where not known.
-    missing: steps of the work that were not done, because it was left; 0 where all is done.
-    unreached: the first and last frame that therefore have no pose of their own; the nearest one's
-        stands there.
+    key: what its result is kept under, see `tracker.storage.fingerprints`; may be left out.
     """
 
-    trajectory: Trajectory
-    scores: tuple[float, ...]
-    steps: tuple[str, ...]
-    best_pass: int
-    closing_error: float
-    verdict: Verdict
-    rank: NDArray[np.int64]
-    singular_values: Array
-    observability: Array
-    residual: Array
-    notes: tuple[str, ...] = ()
-    need: Array | None = None
-    missing: int = 0
-    unreached: tuple[int, int] | None = None
-
-
-@dataclass(frozen=True, eq=False)
-class TrackResult:
-    """The segments that were tracked, in order."""
-
-    skeleton: Skeleton
+    index: int
+    span: tuple[int, int]
     settings: TrackSettings
-    segments: tuple[SegmentResult, ...]
-
-    @property
-    def trajectory(self) -> Trajectory:
-        """One trajectory over all segments; they must be neighbours."""
-        return joined([segment.trajectory for segment in self.segments])
+    key: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,13 +52,23 @@ class SegmentStarted:
 
 @dataclass(frozen=True, eq=False)
 class PassFinished:
-    """One more trajectory of a segment; `of` is how many are to be expected."""
+    """One more trajectory of a segment, the `number`th from 0; `of` is how many are expected.
+
+    result: not finished; it has the trajectory and its score alone.
+    """
 
     index: int
     number: int
     of: int
-    score: float
-    trajectory: Trajectory
+    result: SegmentResult
+
+    @property
+    def trajectory(self) -> Trajectory:
+        return self.result.trajectory
+
+    @property
+    def score(self) -> float:
+        return self.result.scores[-1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,13 +81,23 @@ class SegmentFinished:
 
 
 @dataclass(frozen=True, eq=False)
+class SegmentFailed:
+    """A segment cannot be tracked; the others are."""
+
+    index: int
+    span: tuple[int, int]
+    error: Exception
+
+
+@dataclass(frozen=True, eq=False)
 class TrackFinished:
-    """All that was asked for is done, or what was finished when tracking was cancelled."""
+    """All segments are done, or those finished when tracking was cancelled."""
 
     result: TrackResult
     cancelled: bool = False
 
 
+SegmentEvent = SegmentStarted | PassFinished | SegmentFinished | SegmentFailed
 Progress = SegmentStarted | PassFinished | SegmentFinished | TrackFinished
 
 
@@ -114,11 +107,11 @@ def never() -> bool:
 
 
 class Cancelled(Exception):
-    """Raised by who is told how it goes, to leave a segment unfinished."""
+    """Raised by the receiver of events to leave a segment unfinished."""
 
 
 class SegmentTracker(Protocol):
-    """What can track segments, whatever they are seen in."""
+    """What can track segments, of a film or of surfaces."""
 
     @property
     def skeleton(self) -> Skeleton: ...
@@ -128,16 +121,72 @@ class SegmentTracker(Protocol):
         """First and last frame of every segment."""
         ...
 
-    def expected_steps(self, index: int, settings: TrackSettings) -> int:
-        """Numbers that `emit` is to be expected to count up to."""
+    def expected_steps(self, span: tuple[int, int], settings: TrackSettings) -> int:
+        """The expected number of calls of `emit`."""
         ...
 
     def run_segment(
-        self, index: int, settings: TrackSettings, emit: Callable[[Pass, int], None]
+        self, span: tuple[int, int], settings: TrackSettings, emit: Callable[[Pass, int], None]
     ) -> SegmentResult:
-        """Track one segment; `emit` is told trajectories and may raise Left to stop the work, which
-        comes out of here again unless a part of the result can be of use."""
+        """Track one segment; `emit` is given trajectories and may raise Cancelled to stop the work;
+        it is raised again unless a part of the result is of use."""
         ...
+
+
+def run_tasks(
+    tracker: SegmentTracker,
+    tasks: Sequence[Task],
+    threads: Executor,
+    report: Callable[[SegmentEvent], None],
+    cancelled: Callable[[], bool],
+) -> bool:
+    """Track segments on these threads, in this order; whether all of it was done.
+
+    Each event is reported on the thread that works on its segment. Cancelling takes effect within
+    one pass. A segment that fails does not stop the others; its later tasks are left out.
+    """
+    work = _Work(tracker, len({task.index for task in tasks}), report, cancelled)
+    for future in wait([threads.submit(work.run, task) for task in tasks]).done:
+        future.result()
+    return work.is_complete
+
+
+def stream(
+    work: Callable[[Callable[[Item], None]], None], stop: Event, look: Callable[[], object] = never
+) -> Generator[Item]:
+    """What `work` reports to the function it is given, in order; it works on a thread of its own.
+
+    stop: set when the iterator is closed before the end, so that the work leaves.
+    look: called on the caller's thread, again and again. An error of the work is raised last.
+    """
+    events: queue.SimpleQueue[tuple[Item] | None] = queue.SimpleQueue()
+    errors: list[BaseException] = []
+
+    def whole() -> None:
+        try:
+            work(lambda event: events.put((event,)))
+        except BaseException as error:  # noqa: BLE001 — raised again in the caller's thread
+            errors.append(error)
+        finally:
+            events.put(None)
+
+    thread = Thread(target=whole, name="tracking")
+    thread.start()
+    try:
+        while True:
+            look()
+            with suppress(queue.Empty):  # short turns: signals are heard on every system
+                event = events.get(timeout=POLL_S)
+                if event is None:
+                    break
+                yield event[0]
+    except BaseException:
+        stop.set()
+        raise
+    finally:
+        thread.join()
+    if errors:
+        raise errors[0]
 
 
 def run(
@@ -147,85 +196,97 @@ def run(
     workers: int = 1,
     cancelled: Callable[[], bool] = never,
 ) -> Iterator[Progress]:
-    """Track segments (all, or those of these indices) and tell how it goes.
+    """Track segments (all, or those of these indices) and yield events: see `run_chosen`."""
+    chosen = range(len(tracker.spans)) if segments is None else sorted(set(segments))
+    tasks = [Task(index, tracker.spans[index], settings) for index in chosen]
+    return run_chosen(tracker, settings, tasks, workers, cancelled)
+
+
+def run_chosen(
+    tracker: SegmentTracker, settings: TrackSettings, tasks: Sequence[Task], workers: int,
+    cancelled: Callable[[], bool],
+) -> Iterator[Progress]:  # fmt: skip
+    """Track segments and yield events.
 
     `workers` segments run side by side; the result does not depend on it. Cancelling takes effect
-    within one pass and keeps what is finished. Raises VideoError where the video cannot be
-    read.
+    within one pass and keeps what is finished. The first error, such as a VideoError where the
+    video cannot be read, is raised last: it does not stop the other segments.
     """
-    chosen = list(range(len(tracker.spans))) if segments is None else sorted(set(segments))
-    events: queue.Queue[Progress | BaseException | None] = queue.Queue()
-    closing = Event()
+    stop, complete = Event(), []
 
-    def work(index: int) -> None:
-        try:
-            _one_segment(tracker, settings, index, len(chosen), events, closing)
-        except Cancelled:
-            events.put(None)
-        except BaseException as error:  # noqa: BLE001 — raised again in the caller's thread
-            events.put(error)
+    def look() -> None:
+        if cancelled():
+            stop.set()
+
+    def work(report: Callable[[SegmentEvent], None]) -> None:
+        with ThreadPoolExecutor(max(1, workers)) as threads:
+            complete.append(run_tasks(tracker, tasks, threads, report, stop.is_set))
 
     done: dict[int, SegmentResult] = {}
-    errors: list[BaseException] = []
-    stopped = False
-    with ThreadPoolExecutor(max(1, workers)) as pool:
-        waiting = [pool.submit(work, index) for index in chosen]
-        try:
-            for _ in range(len(chosen)):
-                for event in _until_finished(events, cancelled, closing, errors):
-                    if isinstance(event, SegmentFinished):
-                        done[event.index] = event.result
-                    yield event
-                stopped = stopped or closing.is_set()
-        finally:
-            closing.set()
-            for future in waiting:
-                future.cancel()
-    if errors:  # told last, so that what is finished has been handed over
+    errors: list[Exception] = []
+    with closing(stream(work, stop, look)) as events:
+        for event in events:
+            if isinstance(event, SegmentFailed):
+                errors.append(event.error)
+                continue
+            if isinstance(event, SegmentFinished):
+                done[event.index] = event.result
+            yield event
+    if errors:  # last, after everything finished was reported
         raise errors[0]
     result = TrackResult(tracker.skeleton, settings, tuple(done[k] for k in sorted(done)))
-    yield TrackFinished(result, cancelled=stopped)
+    yield TrackFinished(result, cancelled=not all(complete))
 
 
-def _one_segment(
-    tracker: SegmentTracker, settings: TrackSettings, index: int, count: int,
-    events: queue.Queue[Progress | BaseException | None], closing: Event,
-) -> None:  # fmt: skip
-    if closing.is_set():
-        raise Cancelled
-    expected = tracker.expected_steps(index, settings)
-    first, last = tracker.spans[index]
-    events.put(SegmentStarted(index, count, first, last))
+class _Work:
+    """The tasks of one run, shared by its threads."""
 
-    def emit(step: Pass, number: int) -> None:
-        if closing.is_set():
-            raise Cancelled
-        events.put(PassFinished(index, number, expected, step.score_or_nan, step.trajectory))
+    def __init__(
+        self, tracker: SegmentTracker, count: int, report: Callable[[SegmentEvent], None],
+        cancelled: Callable[[], bool],
+    ) -> None:  # fmt: skip
+        self._tracker, self._count = tracker, count
+        self._report, self._cancelled = report, cancelled
+        self._lock = Lock()
+        self._started: set[int] = set()
+        self._failed: set[int] = set()
+        self.is_complete = True
 
-    result = tracker.run_segment(index, settings, emit)
-    events.put(SegmentFinished(index, count, result))
-
-
-def _until_finished(
-    events: queue.Queue[Progress | BaseException | None],
-    cancelled: Callable[[], bool],
-    closing: Event,
-    errors: list[BaseException],
-) -> Iterator[Progress]:
-    """Events up to the end of one segment, whichever ends first; an error ends the others too."""
-    while True:
-        if cancelled():
-            closing.set()
+    def run(self, task: Task) -> None:
+        """Track a segment, as far as possible."""
         try:
-            event = events.get(timeout=0.05)
-        except queue.Empty:
-            continue
-        if event is None:
+            self._track(task)
+        except Cancelled:
+            self.is_complete = False
+        except Exception as error:  # noqa: BLE001 — reported as data; the others go on
+            self._failed.add(task.index)
+            self._report(SegmentFailed(task.index, task.span, error))
+
+    def _track(self, task: Task) -> None:
+        if task.index in self._failed:
             return
-        if isinstance(event, BaseException):
-            errors.append(event)
-            closing.set()
-            return
-        yield event
-        if isinstance(event, SegmentFinished):
-            return
+        self._leave_when_cancelled()
+        expected = self._tracker.expected_steps(task.span, task.settings)
+        if self._is_first(task):
+            self._report(SegmentStarted(task.index, self._count, *task.span))
+
+        def emit(step: Pass, number: int) -> None:
+            self._leave_when_cancelled()
+            found = SegmentResult.on_the_way(step, task.key, task.settings.quality)
+            self._report(PassFinished(task.index, number, expected, found))
+
+        result = self._tracker.run_segment(task.span, task.settings, emit)
+        if result.missing:
+            self.is_complete = False
+        kept = replace(result, key=task.key, quality=task.settings.quality)
+        self._report(SegmentFinished(task.index, self._count, kept))
+
+    def _is_first(self, task: Task) -> bool:
+        with self._lock:
+            first = task.index not in self._started
+            self._started.add(task.index)
+        return first
+
+    def _leave_when_cancelled(self) -> None:
+        if self._cancelled():
+            raise Cancelled

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from tracker.body.pose import Pose, pose_transforms
 from tracker.body.skeleton import Skeleton
-from tracker.body.surface_points import SurfacePoints, lay_points, surface_area
+from tracker.body.surface_points import SurfacePoints, sample_points, surface_area
 from tracker.body.trajectory import Trajectory
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, frozen
@@ -32,7 +32,7 @@ SHIFT_PRIOR_PX = 0.7
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """A body before a camera, laid out for the loops at the size of the pictures it works on.
+    """A body before a camera, as arrays for the loops at the size of the working pictures.
 
     pixel_m: length that one pixel spans at the body's usual distance.
     marks: points (M, 3) in their parts' frames by which poses are compared, and their parts (M,).
@@ -54,19 +54,19 @@ class Scene:
         camera: Camera,
         keyposes: Sequence[Pose],
         density: float = 1.0,
-        lay: Callable[[Skeleton, float], SurfacePoints] = lay_points,
+        sample: Callable[[Skeleton, float], SurfacePoints] = sample_points,
     ) -> Scene:
-        """Lay out for pictures of an undistorted `camera`, the body about where it is keyed.
+        """For pictures of an undistorted `camera`, the body about where it is keyed.
 
-        density: number of surface points as a share of the usual one. lay: lays them; the spacings
-        asked for are few, so that it may keep what it has laid.
+        density: number of surface points as a share of the usual one. sample: makes the points; it
+        may cache them, since there are few different spacings.
         """
         depths = np.concatenate([_depths(skeleton, camera, pose) for pose in keyposes])
         focal = np.sqrt(camera.fx * camera.fy)
-        pixel_m = _stepped(float(np.median(depths) / focal))
+        pixel_m = _round_length(float(np.median(depths) / focal))
         spacing = _spacing(surface_area(skeleton), pixel_m) / np.sqrt(density)
         cell = int(np.ceil(1.6 * spacing * focal / depths.min()))
-        points = lay(skeleton, spacing)
+        points = sample(skeleton, spacing)
         sight = Sight(max(2, cell), FACING, COVER_TOLERANCE * _size(skeleton))
         lens = lens_of(camera)
         return cls(
@@ -81,8 +81,13 @@ class Scene:
         p_camera = np.einsum("nmab,mb->nma", T[..., :3, :3], points) + T[..., :3, 3]
         return self.camera.project(p_camera)
 
+    def point_pixels(self, trajectory: Trajectory, part: int, p_part: Array) -> Array:
+        """Where a point of a part is seen in every pose: (N, 2) pixels."""
+        T = trajectory.transforms(self.skeleton)[:, part]
+        return self.camera.project(T[:, :3, :3] @ p_part + T[:, :3, 3])
+
     def prior(self, stride: int, turn_rad: float = TURN_PRIOR_RAD) -> Prior:
-        """Prior on a motion when one point of every `of` is followed."""
+        """Prior on a motion when one point in every `stride` is followed."""
         shift = SHIFT_PRIOR_PX * self.pixel_m * (turn_rad / TURN_PRIOR_RAD)
         return Prior(self.precision(turn_rad, shift), self.information(stride))
 
@@ -106,7 +111,7 @@ def _depths(skeleton: Skeleton, camera: Camera, pose: Pose) -> Array:
     return np.maximum(camera.depth(pose_transforms(skeleton, pose)[:, :3, 3]), 0.05)
 
 
-def _stepped(length: float) -> float:
+def _round_length(length: float) -> float:
     """The nearest of a geometric series of lengths, a fifth apart."""
     return float(2.0 ** (np.round(4 * np.log2(length)) / 4))
 

@@ -15,7 +15,7 @@ from tracker.video.pyramid import Clip
 
 
 def capped_score(scene: Scene, clip: Clip, trajectory: Trajectory, stride: int) -> float:
-    """DRIFT (4), per point and capped, of one surface point in every `of`: grey levels²."""
+    """DRIFT (4), per point and capped, of one surface point in every `stride`: grey levels²."""
     slots = clip.slots(trajectory.first_frame, trajectory.last_frame)
     return _capped(scene, clip, slots, trajectory, stride)
 
@@ -28,7 +28,7 @@ def best_of(tried: Sequence[Pass]) -> int:
 
 
 def keyframe_difference(scene: Scene, segment: Segment, stride: int) -> float:
-    """How unlike the textures of the two keyframes are, each laid straight onto the other one.
+    """How different the textures of the two keyframes are, each compared with the other directly.
 
     Mean capped square: small where both are posed exactly, 0 where nothing can be compared.
     """
@@ -51,6 +51,6 @@ def _capped(
     return float(
         mean_capped_square(
             scene.arrays, scene.lens, scene.sight, clip.levels[0], slots,
-            *trajectory.loose(), stride, CAP,
+            *trajectory.writable(), stride, CAP,
         )
     )  # fmt: skip

@@ -1,4 +1,4 @@
-"""A stretch between two keyframes, and what may be asked of a trajectory over it."""
+"""The frames between two keyframes, and measures of a trajectory over them."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tracker.body.trajectory import Trajectory, interpolate
 from tracker.geometry.rotations import Array
 
 if TYPE_CHECKING:
     from tracker.body.pose import Pose
-    from tracker.body.trajectory import Trajectory
     from tracker.tracking.scene import Scene
     from tracker.video.pyramid import Clip
 
@@ -21,7 +21,7 @@ NEAREST_M, FURTHEST = 0.05, 50.0
 
 @dataclass(frozen=True, eq=False)
 class Segment:
-    """A stretch between two keyframes, with its pictures.
+    """The frames between two keyframes, with their pictures.
 
     imported: a motion from elsewhere that meets both keyframes, to start from; None without one.
     """
@@ -38,6 +38,10 @@ class Segment:
         """The frames between the keyframes whose pictures are missing or damaged."""
         inside = range(self.first_frame + 1, self.last_frame)
         return frozenset(n for n in self.clip.damaged if n in inside)
+
+    def interpolated(self) -> Trajectory:
+        """Plain interpolation of the keyframes."""
+        return interpolate(self.start, self.end, self.first_frame, self.last_frame)
 
 
 def is_sound(scene: Scene, segment: Segment, trajectory: Trajectory) -> bool:

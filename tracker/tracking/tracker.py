@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
+from dataclasses import replace
 from itertools import pairwise
 
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
-from tracker.body.surface_points import SurfacePoints, lay_points
+from tracker.body.surface_points import SurfacePoints, sample_points
 from tracker.body.trajectory import Pass, Trajectory
 from tracker.errors import SessionError
 from tracker.geometry.camera import Camera
@@ -20,11 +21,11 @@ from tracker.tracking.diagnostics.observability import observe, unobserved
 from tracker.tracking.drift import closing_error
 from tracker.tracking.initial.chains import fit_to_keyframes
 from tracker.tracking.method import Method, Paper, method_of
-from tracker.tracking.pool import SegmentResult
+from tracker.tracking.result import SegmentResult
 from tracker.tracking.scene import Scene
 from tracker.tracking.segment import Segment
 from tracker.video import Video
-from tracker.video.clip_loader import MEMORY_BYTES, ClipLoader, WorkingSize, require_short
+from tracker.video.clip_loader import MEMORY_BYTES, ClipLoader, WorkingSize
 
 
 class _Prepared:
@@ -69,17 +70,10 @@ class Tracker:
         self._pose(skeleton, keyposes)
 
     def _pose(self, skeleton: Skeleton, keyposes: Mapping[int, Pose]) -> None:
-        """Take keyposes of a body; the size worked at is what their longest segment allows."""
+        """Take keyposes of a body."""
         _require_two(keyposes)
-        frames = sorted(keyposes)
-        for first, last in pairwise(frames):
-            require_short(first, last)
-        longest = max(b - a for a, b in pairwise(frames)) + 1
         self.skeleton = skeleton
-        self.keyposes = {frame: keyposes[frame] for frame in frames}
-        self.loader = self._prepared.loader(longest)
-        self.size = self.loader.size
-        self.camera = self.size.camera(self.loader.camera)
+        self.keyposes = {frame: keyposes[frame] for frame in sorted(keyposes)}
 
     def renewed(
         self,
@@ -89,7 +83,7 @@ class Tracker:
     ) -> Tracker:
         """A tracker of other keyposes, or of another body, before the same video.
 
-        Prepared pictures are shared between the two, and what was laid out for the body where it is
+        Prepared pictures are shared between the two, and so are the arrays of the body where it is
         the same object. Both may be in use at the same time.
         """
         other = copy(self)
@@ -99,15 +93,20 @@ class Tracker:
         other._pose(skeleton, keyposes)
         return other
 
-    def scene(self, span: tuple[int, int], density: float) -> Scene:
-        """The scene of one segment, laid out for its own two keyposes."""
-        poses = [self.keyposes[frame] for frame in span]
-        return Scene.of(self.skeleton, self.camera, poses, density, self._lay)
+    def loader(self, span: tuple[int, int]) -> ClipLoader:
+        """What loads the pictures of a segment, in the size that its length allows."""
+        return self._prepared.loader(span[1] - span[0] + 1)
 
-    def _lay(self, skeleton: Skeleton, spacing_m: float) -> SurfacePoints:
-        """Surface points, laid once for a spacing."""
+    def scene(self, span: tuple[int, int], density: float) -> Scene:
+        """The scene of one segment, for its own two keyposes."""
+        loader, poses = self.loader(span), [self.keyposes[frame] for frame in span]
+        camera = loader.size.camera(loader.camera)
+        return Scene.of(self.skeleton, camera, poses, density, self._sample)
+
+    def _sample(self, skeleton: Skeleton, spacing_m: float) -> SurfacePoints:
+        """Surface points, cached by spacing."""
         if spacing_m not in self._laid:
-            self._laid[spacing_m] = lay_points(skeleton, spacing_m)
+            self._laid[spacing_m] = sample_points(skeleton, spacing_m)
         return self._laid[spacing_m]
 
     @property
@@ -115,8 +114,8 @@ class Tracker:
         """First and last frame of every segment."""
         return list(pairwise(self.keyposes))
 
-    def expected_steps(self, index: int, settings: TrackSettings) -> int:
-        """Trajectories that `run_segment` is to be expected to tell."""
+    def expected_steps(self, span: tuple[int, int], settings: TrackSettings) -> int:
+        """The expected number of trajectories from `run_segment`."""
         return expected_steps(settings)
 
     def move_keyframe(self, frame: int, pose: Pose) -> None:
@@ -126,17 +125,24 @@ class Tracker:
         self.keyposes[frame] = pose
 
     def run_segment(
-        self, index: int, settings: TrackSettings, emit: Callable[[Pass, int], None]
+        self, span: tuple[int, int], settings: TrackSettings, emit: Callable[[Pass, int], None]
     ) -> SegmentResult:
-        """Track one segment; `emit` is told every trajectory and may raise Left to stop it."""
-        first, last = self.spans[index]
+        """Track one segment, which depends on nothing but its own frames and keyposes.
+
+        `emit` is given every trajectory and may raise Cancelled to stop the work. SessionError
+        where one of its ends has no keypose, or where it is too long.
+        """
+        first, last = span
+        for frame in span:
+            if frame not in self.keyposes:
+                raise SessionError(f"Frame {frame} has no keyframe; pose it first.")
         start, end = self.keyposes[first], self.keyposes[last]
         imported = None
         if self._first_motion is not None:
             imported = fit_to_keyframes(self._first_motion, start, end, first, last)
-        segment = Segment(first, last, start, end, self.loader.load(first, last), imported)
+        segment = Segment(first, last, start, end, self.loader(span).load(first, last), imported)
         method = method_of(settings)
-        scene = self.scene((first, last), method.density)
+        scene = self.scene(span, method.density)
         work, number = track_segment(scene, segment, method), 0
         while True:
             try:
@@ -159,12 +165,8 @@ def _result(scene: Scene, segment: Segment, outcome: Outcome, method: Method) ->
             outcome.gap, closing_error(outcome.trajectory, segment.start, segment.end)
         ),
         verdict=judge(scene, segment, outcome, seen),
-        rank=seen.rank,
-        singular_values=seen.singular_values,
-        observability=seen.observability,
-        residual=seen.residual,
+        diagnostics=replace(seen.diagnostics, expected_gain=expected_gain(scene, outcome, seen)),
         notes=outcome.notes,
-        need=expected_gain(scene, outcome, seen),
     )
 
 

@@ -33,7 +33,7 @@ KEPT_SHARE = 0.3
 WORKING_PIXELS = 640 * 960
 """Larger pictures are worked on at half size: nothing is gained above it."""
 LONGEST_SEGMENT = 2000
-"""Frames between two keyframes, beyond which no tracking can be hoped for."""
+"""Most frames between two keyframes that can be tracked."""
 FAR_OUT = 1e6
 """Pixels beyond which a polygon's corner lies anyway outside every picture."""
 PLATE_FRAMES = 41
@@ -111,7 +111,7 @@ class ClipLoader:
             span = self._covering(first, last)
             if span is None:
                 self._make_room()
-                clip = self._prepared(first, last)
+                clip = self._prepare_clip(first, last)
                 self._forget_within(first, last)
                 span = (first, last)
                 self._ready[span] = clip
@@ -125,7 +125,7 @@ class ClipLoader:
         return next((s for s in self._ready if s[0] <= first and last <= s[1]), None)
 
     def _forget_within(self, first: int, last: int) -> None:
-        """Let go of clips all of whose frames a new one holds."""
+        """Drop clips all of whose frames a new one holds."""
         for span in [s for s in self._ready if first <= s[0] and s[1] <= last]:
             del self._ready[span]
 
@@ -137,7 +137,7 @@ class ClipLoader:
         return None
 
     def _make_room(self) -> None:
-        """Forget the clips used longest ago; the last one stays, whatever it takes."""
+        """Drop the least recently used clips; the last one stays, whatever its size."""
 
         def held() -> int:
             return sum(level.nbytes for clip in self._ready.values() for level in clip.levels)
@@ -145,7 +145,7 @@ class ClipLoader:
         while len(self._ready) > 1 and held() > KEPT_SHARE * self.memory:
             self._ready.popitem(last=False)
 
-    def _prepared(self, first: int, last: int) -> Clip:
+    def _prepare_clip(self, first: int, last: int) -> Clip:
         working = self.size.camera(self.camera)
         sizes = level_sizes(working.width, working.height, LEVELS)
         levels = tuple(np.empty((last - first + 1, h, w, 4), np.float32) for h, w in sizes)
@@ -193,7 +193,7 @@ class ClipLoader:
         if self.static_camera:
             usable[self._is_background(grey)] = TARGET_ONLY
         if masks:
-            usable[self._covered(masks)] = IGNORED
+            usable[self._masked(masks)] = IGNORED
         if self.camera.is_distorted:
             usable[self._beyond_lens()] = IGNORED
         return usable
@@ -205,7 +205,7 @@ class ClipLoader:
             self._beyond = self.size.picture(self.camera.rectify(white)) < 250
         return self._beyond
 
-    def _covered(self, masks: Sequence[IgnoreMask]) -> NDArray[np.bool_]:
+    def _masked(self, masks: Sequence[IgnoreMask]) -> NDArray[np.bool_]:
         drawn = np.zeros((self.camera.height, self.camera.width), np.uint8)
         for mask in masks:
             corners = np.clip(np.array(mask.polygon), -FAR_OUT, FAR_OUT)
@@ -226,7 +226,7 @@ class ClipLoader:
         pictures = [
             self._grey(rgb)
             for frame in frames
-            for _, rgb in self.video.frames(int(frame), int(frame) + 1)  # a median bears damage
+            for _, rgb in self.video.frames(int(frame), int(frame) + 1)  # a median tolerates damage
             if rgb is not None
         ]
         return _smooth(np.median(np.stack(pictures), axis=0).astype(np.float32))

@@ -1,10 +1,10 @@
-"""Whether a packet of HEVC, H.264 or VP9 is decoded to its very end, neither less nor more.
+"""Whether a packet of HEVC, H.264 or VP9 is decoded exactly to its end.
 
-A decoder that has lost its way often does not say so: it makes garbage of what is left. But it then
-ends at a wrong place, which shows from outside. One packet is decoded by itself, its missing
-references being grey. Bytes added behind its end must change nothing, else the decoder has read on
-beyond it; and other bytes in the place of the last ones must change something, else it never came
-so far.
+A decoder that misreads a packet often reports nothing: it makes garbage of the rest. But it then
+ends at a wrong place, which can be tested. One packet is decoded by itself, its missing
+references being grey. Bytes added behind its end must change nothing, else the decoder has read
+beyond it; and other bytes in the place of the last ones must change something, else it has not
+reached them.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _BASELINE, _EXTENDED = 66, 88
 
 class Unit(NamedTuple):
     """A slice or tile in its packet: its first byte, the one behind its last, and how many bytes
-    before it tell its length; none where units are parted by start codes."""
+    before it hold its length; none where units are separated by start codes."""
 
     start: int
     end: int
@@ -45,22 +45,22 @@ class Unit(NamedTuple):
 
 @dataclass(frozen=True)
 class Coding:
-    """How packets are coded: FFmpeg's name of the codec, and what it is told before any packet."""
+    """How packets are coded: FFmpeg's name of the codec, and its data before any packet."""
 
     codec: str
     extradata: bytes | None
 
     @property
     def length_bytes(self) -> int:
-        """How many bytes tell a unit's length; 0 where units are parted by start codes."""
-        told = self.extradata
+        """How many bytes hold a unit's length; 0 where units are separated by start codes."""
+        data = self.extradata
         at = 21 if self.codec == "hevc" else 4
-        return (told[at] & 3) + 1 if told is not None and len(told) > at and told[0] == 1 else 0
+        return (data[at] & 3) + 1 if data is not None and len(data) > at and data[0] == 1 else 0
 
     def is_judged(self, packet: bytes, is_key: bool) -> bool:
         """Whether this packet, a key or not, can be judged by itself.
 
-        The decoders of H.264 and VP9 make nothing of a packet without what it is built on.
+        The decoders of H.264 and VP9 cannot decode a packet without its references.
         """
         if self.codec == "h264":
             return is_key and self._profile(packet) not in (None, _BASELINE, _EXTENDED)
@@ -68,11 +68,11 @@ class Coding:
 
     def _profile(self, packet: bytes) -> int | None:
         """The profile of H.264 that the first set of parameters names."""
-        told = self.extradata or b""
+        data = self.extradata or b""
         if self.length_bytes:
-            return told[1]
-        source = told + packet
-        heads = (source[unit.start : unit.start + 2] for unit in _parted_units(source))
+            return data[1]
+        source = data + packet
+        heads = (source[unit.start : unit.start + 2] for unit in _start_code_units(source))
         return next((head[1] for head in heads if head[0] & 31 == _PARAMETERS), None)
 
     def is_slice(self, head: bytes) -> bool:
@@ -83,8 +83,8 @@ class Coding:
         return head[0] >> 1 & 63 < 32 and layer == 0  # further layers: another eye, or alpha
 
 
-def strays(packet: bytes, coding: Coding) -> bool:
-    """Whether the decoder loses its way in this packet; False where that cannot be told."""
+def is_misread(packet: bytes, coding: Coding) -> bool:
+    """Whether the decoder misreads this packet; False where that cannot be tested."""
     slices = [unit for unit in _slices(packet, coding) if unit.end - unit.start > _HEAD + _TAIL]
     if not slices:
         return False
@@ -107,7 +107,7 @@ def _is_reached(
     picture: tuple[bytes, ...],
     chance: random.Random,
 ) -> bool:
-    """Whether the last bytes of a slice mean something to the decoder."""
+    """Whether the last bytes of a slice affect the decoded picture."""
     for _ in range(_TRIES):
         other = _with_ending(packet, unit, _noise(chance, _TAIL), b"")
         if _decoded(other, coding) != picture:
@@ -149,13 +149,13 @@ def _slices(packet: bytes, coding: Coding) -> Iterator[Unit]:
             yield Unit(start, _end_of_data(packet, start, end), 4)
         return
     length = coding.length_bytes
-    units = _boxed_units(packet, length) if length else _parted_units(packet)
-    for start, end, told in units:
+    units = _length_prefixed_units(packet, length) if length else _start_code_units(packet)
+    for start, end, length_bytes in units:
         if end - start > 2 and coding.is_slice(packet[start : start + 2]):
-            yield Unit(start, _end_of_data(packet, start, end), told)
+            yield Unit(start, _end_of_data(packet, start, end), length_bytes)
 
 
-def _boxed_units(packet: bytes, length: int) -> Iterator[Unit]:
+def _length_prefixed_units(packet: bytes, length: int) -> Iterator[Unit]:
     at = 0
     while at + length < len(packet):
         size = int.from_bytes(packet[at : at + length], "big")
@@ -166,7 +166,7 @@ def _boxed_units(packet: bytes, length: int) -> Iterator[Unit]:
         at += size
 
 
-def _parted_units(packet: bytes) -> Iterator[Unit]:
+def _start_code_units(packet: bytes) -> Iterator[Unit]:
     mark = b"\0\0\1"
     start = packet.find(mark)
     while start >= 0:
@@ -179,7 +179,7 @@ def _parted_units(packet: bytes) -> Iterator[Unit]:
 
 
 def _end_of_data(packet: bytes, start: int, end: int) -> int:
-    """Where a slice ends without the words that only fill it up."""
+    """Where a slice ends without its padding."""
     while (
         end > start and packet[end - 1] in (0, 3) and packet[start:end].endswith((b"\0", b"\0\0\3"))
     ):

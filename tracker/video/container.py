@@ -1,7 +1,6 @@
 """Opening a media file, and its pictures in the order they are shown.
 
-Whatever the decoder throws is turned here into a VideoError of one sentence, or into a picture
-that is not there.
+Decoder errors become a VideoError of one sentence, or a missing picture.
 """
 
 from __future__ import annotations
@@ -61,7 +60,7 @@ def open_container(path: Path) -> InputContainer:
 def demux(file: str | io.BytesIO) -> InputContainer:
     """A media file opened by PyAV, whose errors (PYAV_ERRORS) are the caller's to catch.
 
-    Titles and artists are of no use here: many are not UTF-8, and none may keep a film shut.
+    Titles and artists are ignored: many are not UTF-8, and none may prevent opening a film.
     """
     return av.open(file, "r", options=_OPTIONS, metadata_errors="replace")
 
@@ -91,7 +90,7 @@ def _picture_stream(path: Path, container: InputContainer, threaded: bool) -> Vi
 def decode(
     stream: VideoStream, packet: av.Packet[VideoStream] | None
 ) -> list[av.VideoFrame | None]:
-    """What the decoder gives back for one packet (None: the end), None where it gave up."""
+    """The decoder's frames for one packet (None: the end); None where it failed."""
     try:
         return list(stream.codec_context.decode(packet))
     except av.error.MemoryError:
@@ -105,14 +104,14 @@ def packets(
 ) -> Iterator[av.Packet[VideoStream]]:
     """The packets of the stream from here on, as far as the container can be read.
 
-    Raises VideoError when the file itself stops answering.
+    Raises VideoError when the file can no longer be read.
     """
     try:
         for packet in container.demux(stream):
-            if packet.size:  # the last one is empty, and only tells the end
+            if packet.size:  # the last one is empty and marks the end
                 yield packet
     except av.error.InvalidDataError:
-        return  # what follows the damage cannot be told apart from noise
+        return  # what follows the damage cannot be distinguished from noise
     except PYAV_ERRORS as error:
         raise VideoError(
             f'"{path.name}" could not be read to its end: check the disk or connection it is on.'
@@ -129,7 +128,7 @@ def decode_packets(
 
 
 def not_permitted(path: Path) -> VideoError:
-    """The error for a file or folder whose owner does not let us in."""
+    """The error for a file or folder without permission to read."""
     return VideoError(
         f'"{path.name}" may not be read: give yourself permission, or choose a copy you may read.'
     )
@@ -150,7 +149,7 @@ def _check_file(path: Path) -> None:
 
 
 def _is_cover(stream: VideoStream) -> bool:
-    """True for the picture on a record's sleeve, which is no video."""
+    """True for cover art, which is no video."""
     return av.stream.Disposition.attached_pic in stream.disposition
 
 

@@ -5,8 +5,8 @@ is decoded after it may be garbage, although the decoder says nothing more about
 from there on counts as damaged, up to the next sound key frame: one that is built on nothing
 before it, and neither are the frames shown after it.
 
-One thread decodes, so that what the decoder complains of is known to be about the packet just
-given to it, and comes out the same every time.
+One thread decodes, so that an error belongs to the packet just decoded, and results are the same
+every time.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from av.video.codeccontext import VideoCodecContext
 from av.video.frame import PictureType
 from av.video.stream import VideoStream
 
-from tracker.video.consumption import Coding, strays
+from tracker.video.consumption import Coding, is_misread
 from tracker.video.container import PYAV_ERRORS, open_container, packets, picture_stream
 from tracker.video.index import FrameIndex
 
@@ -39,8 +39,8 @@ _ONE_LATE = {"av1"}
 _GUESSED = {"avi"}
 """Containers that hold no times: FFmpeg guesses which frame a packet is from the kinds of those
 around it, and does so wrongly beside damage."""
-_NEWS = 16
-"""Frames after which it is told how far the decoding is."""
+_REPORT_EVERY = 16
+"""Frames after which progress is reported."""
 _REORDERED = 16
 """Frames that may be shown before one that was decoded ahead of them, at most."""
 
@@ -104,7 +104,7 @@ class _Section:
 def examine(
     path: Path, index: FrameIndex, size: tuple[int, int], first: int, last: int
 ) -> Iterator[Examined]:
-    """Decode what the frames first … last are built on, and them; tells what is known, in turn.
+    """Decode the frames first … last and those they are built on; yields what is known, in turn.
 
     size: (width, height) of sound frames as stored. VideoError when the file cannot be read.
     """
@@ -113,7 +113,7 @@ def examine(
     start = int(index.keys[key])
     for found in _examined(path, index, size, key, last):
         if key > 0 and found.first == start and found.damaged:
-            break  # perhaps only for want of a past: a decoder set down here may swallow frames
+            break  # perhaps only because decoding began here, which may drop frames
         yield found
     else:
         return
@@ -126,7 +126,7 @@ def examine(
 def _examined(
     path: Path, index: FrameIndex, size: tuple[int, int], origin: int, last: int
 ) -> Iterator[Examined]:
-    """What one pass from a key on, to the frame `last`, brings to light."""
+    """The findings of one pass from a key on to the frame `last`."""
     steps = _steps(path, index, size, origin)
     section = _Section(int(index.keys[origin]))
     reached = section.first
@@ -141,7 +141,7 @@ def _examined(
             stop = step.number
             yield Examined(section.first, stop - 1, section.damaged(stop), min(stop - 1, last))
             section = section.after(stop)
-        elif reached % _NEWS == 0:
+        elif reached % _REPORT_EVERY == 0:
             yield Examined(section.first, section.first - 1, frozenset(), min(reached, last))
         if section.first > last or reached > last + _REORDERED:
             break
@@ -179,7 +179,7 @@ def _starts_with_key(path: Path, index: FrameIndex, size: tuple[int, int], origi
 
 
 def _steps(path: Path, index: FrameIndex, size: tuple[int, int], origin: int) -> Iterator[_Step]:
-    """What the decoder is given and gives back, from one of the index's keys on."""
+    """The decoder's packets and frames, from one of the index's keys on."""
     with open_container(path) as container:
         stream = picture_stream(path, container, threaded=False)
         decoder = _decoder(stream) if index.named else stream.codec_context
@@ -227,14 +227,14 @@ class _Reading:
                 self._keys.add(self._order)
             number = self._number_of(packet.pts) if is_timed else None
             yield _Step("packet", self._order, number)
-            if packet.is_corrupt or self._strays(packet):
+            if packet.is_corrupt or self._is_misread(packet):
                 yield _Step("lost", self._order, number)
             yield from self._decoded(packet, number)
         yield from self._decoded(None, None)
 
-    def _strays(self, packet: av.Packet[VideoStream]) -> bool:
+    def _is_misread(self, packet: av.Packet[VideoStream]) -> bool:
         data = bytes(packet)
-        return self._coding.is_judged(data, packet.is_keyframe) and strays(data, self._coding)
+        return self._coding.is_judged(data, packet.is_keyframe) and is_misread(data, self._coding)
 
     def _decoded(
         self, packet: av.Packet[VideoStream] | None, number: int | None

@@ -1,4 +1,4 @@
-"""Pictures of a media file by number, decoding forward as little as will do."""
+"""Pictures of a media file by number, decoding forward as little as necessary."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from tracker.video.picture import Picture, PictureMaker, orientation_of
 _SEEK_COST = 8
 
 
-class Surprise(Exception):
-    """The pictures are not what the packets promised: the index must be made by decoding."""
+class IndexMismatch(Exception):
+    """The pictures differ from the packets: the index must be made by decoding."""
 
 
 @dataclass
 class _Run:
-    """One stretch of forward decoding."""
+    """One range of forward decoding."""
 
     frames: Iterator[tuple[int, av.VideoFrame]]
     origin: int  # which of the index's keys it began at
@@ -55,7 +55,7 @@ class FileSource:
         self._count_when_opened = self.info.frame_count
 
     def _take(self, index: FrameIndex) -> None:
-        """Begin anew with this index."""
+        """Start again with this index."""
         self._index = index
         self._keys = frozenset(index.keys.tolist())
         self._run: _Run | None = None
@@ -84,9 +84,9 @@ class FileSource:
         """Decode up to frame `number`; gives the pictures met on the way from `since` on.
 
         The last one given is the frame itself. When it is not, the frame is missing, and
-        `info.missing` says so from now on. Raises Surprise when the index cannot be right.
+        `info.missing` says so from now on. Raises IndexMismatch when the index is wrong.
         """
-        believed = not self._index.from_decoding
+        from_packets = not self._index.from_decoding
         for run in self._runs(number):
             self._run = run
             for at, frame in run.frames:
@@ -99,22 +99,22 @@ class FileSource:
                         yield at, picture
                 if good and at == number:
                     return
-                if at >= number or (believed and not good):
+                if at >= number or (from_packets and not good):
                     break
-        if believed:
-            raise Surprise
+        if from_packets:
+            raise IndexMismatch
         self._missing.add(number)
         self._facts = replace(self._facts, missing=tuple(sorted(self._missing)))
 
     def examine(self, first: int, last: int) -> Iterator[Examined]:
-        """Decode the frames first … last once more, strictly; tells in turn what is known."""
+        """Decode the frames first … last once more, strictly; yields what is known, in turn."""
         yield from examine(self._path, self._index, self._stored_size, first, last)
 
     def _runs(self, number: int) -> Iterator[_Run]:
-        """Stretches of decoding that may reach a frame, the best first.
+        """Ranges of decoding that may reach a frame, the best first.
 
-        A run that began earlier knows more of the past, so a frame that does not come, or comes
-        damaged, is tried again from the key before. When the index has seen the frame, the tries
+        A run that began earlier has more references, so a frame that is missing or damaged is
+        tried again from the key before. When the index has seen the frame, the tries
         go back as far as the beginning of the file.
         """
         keys = self._index.keys
@@ -125,7 +125,7 @@ class FileSource:
             yield run
             latest = min(key, run.origin - 1)
         earliest = 0 if self._index.from_decoding else max(key - 1, 0)
-        for origin in _ever_earlier(key, earliest):
+        for origin in _earlier_keys(key, earliest):
             if origin <= latest:
                 yield self._start(origin)
 
@@ -160,7 +160,7 @@ class FileSource:
             if number is not None:
                 yield number, frame
             elif not index.from_decoding:
-                raise Surprise
+                raise IndexMismatch
 
     def _is_good(self, frame: av.VideoFrame) -> bool:
         return not frame.is_corrupt and (frame.width, frame.height) == self._stored_size
@@ -180,7 +180,7 @@ class FileSource:
         return damaged
 
 
-def _ever_earlier(key: int, earliest: int) -> Iterator[int]:
+def _earlier_keys(key: int, earliest: int) -> Iterator[int]:
     """`key`, the one before, then in steps that double, ending with `earliest`."""
     back = 0
     while key - back > earliest:

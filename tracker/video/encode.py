@@ -27,7 +27,7 @@ from tracker.video.container import PYAV_ERRORS
 from tracker.video.picture import Picture
 
 QUALITY = 18
-"""Of H.264, lower is better: drawn lines and letters show no harm."""
+"""Of H.264, lower is better: drawn lines and letters stay sharp."""
 LARGEST_SIDE = 8192
 BT709 = 1
 """The number of that standard, for colours, their spread and their primaries."""
@@ -133,7 +133,7 @@ class FilmWriter:
 def film_file(path: Path, *, overwrite: bool) -> Iterator[Path]:
     """A place beside the path to write to; when the block ends well, the file gets its name.
 
-    However else the block ends, nothing is left. VideoError when the disk refuses.
+    If the block fails, nothing is left. VideoError when writing fails.
     """
     beside = path.with_name(f".{path.name}.{secrets.token_hex(6)}.part")
     try:
@@ -167,7 +167,7 @@ def _publish(beside: Path, path: Path, overwrite: bool) -> None:
 
 @contextmanager
 def _encoder_errors(place: Path) -> Iterator[None]:
-    """What the encoder throws, in one sentence."""
+    """Encoder errors as a VideoError in one sentence."""
     try:
         yield
     except PYAV_ERRORS as error:

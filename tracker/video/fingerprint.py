@@ -1,6 +1,6 @@
 """A short name for the content of a video: quick to make, and different for different videos.
 
-Only the ends and the middle are read, so it tells two recordings apart; it is no proof against
+Only the ends and the middle are read, so it distinguishes two recordings; it is no proof against
 someone who edits a file on purpose.
 """
 

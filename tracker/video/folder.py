@@ -56,7 +56,7 @@ class FolderSource:
         return fingerprint_of_images(self._files)
 
     def reindex(self) -> None:
-        """The names in the folder are the index; it never surprises."""
+        """The names in the folder are the index, which never changes."""
 
     def approach(self, number: int, since: int) -> Iterator[tuple[int, Picture]]:
         """Gives frame `number`, or nothing when it is missing: `info.missing` then says so.
@@ -107,7 +107,7 @@ class FolderSource:
         for number, file in enumerate(self._files):
             size = stored_size(_read(file, 64 * 1024))
             if size is None:
-                continue  # a kind whose header we do not know: decoding will tell
+                continue  # an unknown header: decoding will show the size
             first = first or (number, size)
             if size != first[1]:
                 raise self._sizes_differ((first[0], number), (first[1], size))

@@ -1,4 +1,4 @@
-"""The size an image's header tells, so that a folder of thousands is checked in a moment."""
+"""The size in an image's header, so that a folder of thousands is checked quickly."""
 
 from __future__ import annotations
 

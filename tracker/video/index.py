@@ -1,4 +1,8 @@
-"""Which frames a file holds, by number: read from its packets, or found by decoding it once."""
+"""Which frames a file holds, by number: read from its packets, or found by decoding it once.
+
+Written here because PyAV seeks by time and numbers no frames, and OpenCV guesses the numbers where
+rates vary.
+"""
 
 from __future__ import annotations
 
@@ -21,9 +25,9 @@ from tracker.video.container import (
     picture_stream,
 )
 
-# Containers whose packets tell one by one which frames will be shown, and when.
+# Containers whose packets say which frames will be shown, and when.
 _TRUSTED = {"mov", "matroska", "webm"}
-_RATE_UNTOLD = Fraction(30)
+_DEFAULT_RATE = Fraction(30)
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +39,7 @@ class FrameIndex:
     keys: NDArray[np.int64]  # (keys,) numbers of frames to start decoding from; the first is 0
     missing: frozenset[int]
     named: bool  # frames are known by their pts; otherwise by counting from the first
-    from_decoding: bool  # every frame was seen; otherwise the packets were believed
+    from_decoding: bool  # every frame was decoded; otherwise read from the packets
     threaded: bool  # False: damaged, so decoded by one thread, always with the same outcome
 
     def number_of(self, pts: int | None) -> int | None:
@@ -47,14 +51,14 @@ class FrameIndex:
 
 
 def rate_of(stream: VideoStream) -> Fraction:
-    """The rate the header tells, frames per second; 30 where it tells none."""
-    return stream.average_rate or stream.guessed_rate or _RATE_UNTOLD
+    """The header's rate, frames per second; 30 where it has none."""
+    return stream.average_rate or stream.guessed_rate or _DEFAULT_RATE
 
 
 def index_from_packets(container: InputContainer, stream: VideoStream) -> FrameIndex | None:
-    """The index the packets tell, without decoding; None when they cannot be believed.
+    """The index from the packets, without decoding; None when they are not reliable.
 
-    They can when the container is of the kind that keeps time well, every packet has a pts of its
+    They are when the container is of the kind that keeps time well, every packet has a pts of its
     own that is not negative, none is damaged or to be thrown away, and the header counts the same.
     """
     if not _TRUSTED & set(container.format.name.split(",")):
@@ -71,7 +75,7 @@ def index_from_packets(container: InputContainer, stream: VideoStream) -> FrameI
             if packet.is_keyframe:
                 keys.append(packet.pts)
     except PYAV_ERRORS:
-        return None  # decoding will tell how far the file can be read
+        return None  # decoding will show how far the file can be read
     ordered = np.unique(np.asarray(pts, dtype=np.int64))
     if len(ordered) != len(pts) or stream.frames not in (0, len(pts)) or stream.time_base is None:
         return None
@@ -89,8 +93,8 @@ def index_from_packets(container: InputContainer, stream: VideoStream) -> FrameI
 def index_from_decoding(path: Path, threaded: bool = True) -> FrameIndex:
     """The index found by decoding the whole file once; twice when it turns out damaged.
 
-    In a damaged file several threads race for what is left: which pictures come, and how they
-    look, would change from one time to the next. One thread always gives the same.
+    In a damaged file the result of several threads depends on their timing. One thread always gives
+    the same.
     """
     seen = _decode_through(path, threaded)
     if threaded and seen.suspicious:
@@ -100,7 +104,7 @@ def index_from_decoding(path: Path, threaded: bool = True) -> FrameIndex:
 
 @dataclass
 class _Seen:
-    """What one pass through the decoder brought to light, in order."""
+    """What one pass through the decoder found, in order."""
 
     time_base: Fraction | None
     rate: Fraction
@@ -125,9 +129,9 @@ class _Seen:
     def names_are_good(self) -> bool:
         """True when every frame has a pts and they only ever grow."""
         pts = [p for p, lost in zip(self.pts, self.is_lost, strict=True) if not lost]
-        told = [p for p in pts if p is not None]
-        grows = all(a < b for a, b in pairwise(told))
-        return len(told) == len(pts) and grows and self.time_base is not None
+        known = [p for p in pts if p is not None]
+        grows = all(a < b for a, b in pairwise(known))
+        return len(known) == len(pts) and grows and self.time_base is not None
 
     def add(self, frame: av.VideoFrame | None) -> None:
         self.pts.append(None if frame is None else frame.pts)

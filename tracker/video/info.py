@@ -1,4 +1,4 @@
-"""What is known of a video before any of its frames is asked for."""
+"""The facts of a video that are known without decoding its frames."""
 
 from __future__ import annotations
 
@@ -13,7 +13,14 @@ from tracker.errors import VideoError
 
 
 class MissingFrame(VideoError):
-    """One frame of the video cannot be decoded; the others can."""
+    """One frame of the video cannot be decoded; the others can.
+
+    reason: what is wrong with it, where that is known and a person can fix it.
+    """
+
+    def __init__(self, message: str, reason: str = "") -> None:
+        super().__init__(message)
+        self.reason = reason
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +55,7 @@ class Clock:
 
 
 def clock(pts: NDArray[np.int64], time_base: Fraction, nominal: Fraction) -> Clock:
-    """Times and rate of frames at `pts`; `nominal` is the rate the header tells, frames/s."""
+    """Times and rate of frames at `pts`; `nominal` is the header's rate, frames/s."""
     ticks = (pts - pts[0]).astype(np.float64)
     times_s = ticks * float(time_base)
     times_s.setflags(write=False)

@@ -18,7 +18,7 @@ Picture = NDArray[np.uint8]  # (height, width, 3) RGB
 
 @dataclass(frozen=True)
 class Orientation:
-    """How the stored picture is laid to stand upright: transposed first, then flipped."""
+    """How the stored picture is made upright: transposed first, then flipped."""
 
     transpose: bool = False
     flip_rows: bool = False
@@ -59,7 +59,7 @@ def orientation_of(frame: av.VideoFrame) -> Orientation:
         attached: Any = frame.side_data  # annotated as less than it is
     except ValueError:
         # PyAV refuses the whole list when it holds a kind it has no name for, as photographs do.
-        # The turn is still told; a mirror is not.
+        # The rotation is still known; a mirror is not.
         return _TURNS[round(frame.rotation / 90) % 4]
     matrices = [data for data in attached if data.type == SideDataType.DISPLAYMATRIX]
     if not matrices:
@@ -71,7 +71,7 @@ def orientation_of(frame: av.VideoFrame) -> Orientation:
 
 
 class PictureMaker:
-    """Makes pictures of frames. Keeps the conversion tables between frames: making them anew,
+    """Makes pictures of frames. Keeps the conversion tables between frames: making them again,
     and threads to share the work, takes many times longer than the conversion itself."""
 
     def __init__(self) -> None:

@@ -44,7 +44,7 @@ def level_sizes(width: int, height: int, levels: int) -> list[tuple[int, int]]:
 
 
 def _float(image: ArrayLike) -> Picture:
-    """What OpenCV gave back, by the type it has: its own signatures are vaguer."""
+    """OpenCV's result with its exact type, which its own signatures lack."""
     return np.asarray(image, np.float32)
 
 

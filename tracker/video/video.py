@@ -13,7 +13,7 @@ from typing import Protocol, Self
 from tracker.errors import VideoError
 from tracker.video.cache import PictureCache
 from tracker.video.damage import Examined
-from tracker.video.decode import FileSource, Surprise
+from tracker.video.decode import FileSource, IndexMismatch
 from tracker.video.folder import FolderSource
 from tracker.video.info import MissingFrame, VideoInfo
 from tracker.video.picture import Picture
@@ -44,20 +44,21 @@ class Video:
         self._closed = False
         self._examined: set[int] = set()
         self._damaged: set[int] = set()
-        self._told: tuple[VideoInfo, VideoInfo] | None = None  # the source's, and with the damaged
+        # what the source says, and the same with the damaged frames
+        self._with_damaged: tuple[VideoInfo, VideoInfo] | None = None
 
     @classmethod
     def open(cls, path: str | Path, cache_bytes: int = CACHE_BYTES) -> Self:
         """Open a video file, or a folder of images in natural order.
 
-        A file is indexed from its packets where they can be believed, which takes under a second
-        an hour; otherwise it is decoded once. Raises VideoError, one sentence, when it is no video.
+        A file is indexed from its packets where they are reliable, which takes under a second
+        per hour of video; otherwise it is decoded once. Raises VideoError when it is no video.
         """
         path = Path(path)
         try:
             is_folder = path.is_dir()
         except OSError:
-            is_folder = False  # opening it as a file will say what is wrong
+            is_folder = False  # opening it as a file will report what is wrong
         return cls(FolderSource(path) if is_folder else FileSource(path), cache_bytes)
 
     def __enter__(self) -> Self:
@@ -73,16 +74,16 @@ class Video:
 
     @property
     def info(self) -> VideoInfo:
-        """What is known now. `missing` may grow while frames are read; and a file that turns out
-        to hold other frames than its packets tell is indexed anew, whereupon all may change.
+        """What is known now. `missing` may grow while frames are read; and a file whose
+        frames differ from its packets is indexed anew, which may change everything.
         `damaged` grows with what is examined."""
-        told = self._source.info
+        info = self._source.info
         if not self._damaged:
-            return told
-        known = self._told  # once: another thread may be examining
-        if known is None or known[0] is not told:
-            damaged = tuple(sorted(self._damaged.difference(told.missing)))
-            self._told = known = told, replace(told, damaged=damaged)
+            return info
+        known = self._with_damaged  # once: another thread may be examining
+        if known is None or known[0] is not info:
+            damaged = tuple(sorted(self._damaged.difference(info.missing)))
+            self._with_damaged = known = info, replace(info, damaged=damaged)
         return known[1]
 
     @property
@@ -92,13 +93,13 @@ class Video:
 
     @property
     def is_closed(self) -> bool:
-        """Whether frames can no longer be asked for."""
+        """Whether it is closed."""
         return self._closed
 
     def frame(self, index: int) -> Picture:
         """Frame `index` as (height, width, 3) uint8 RGB, read-only.
 
-        What is decoded on the way is kept, as far as the cache reaches. Raises MissingFrame when
+        Frames decoded on the way are cached. Raises MissingFrame when
         this frame cannot be decoded, VideoError when there is no such frame.
         """
         with self._lock:
@@ -135,7 +136,7 @@ class Video:
         """Find which of the frames first … last (both included) are damaged; `info` then says so.
 
         They are decoded once more, strictly, with what they are built on; those examined before
-        are left out. Tells in turn which frame has been reached. Other threads may go on reading.
+        are left out. Yields each frame reached. Other threads may go on reading.
         VideoError when there are no such frames, or the video is closed meanwhile.
         """
         self._check(first)
@@ -149,15 +150,19 @@ class Video:
                 self._examined.update(range(found.first, found.last + 1))
                 if not found.damaged <= self._damaged:
                     self._damaged = self._damaged | found.damaged
-                    self._told = None
+                    self._with_damaged = None
             yield found.reached
+
+    def note(self, index: int) -> str | None:
+        """What is known to be wrong with a frame's own file, in a sentence."""
+        return None
 
     def fingerprint(self) -> str:
         """ "sha256:…" of the content, quick to make: equal for copies of the same video."""
         return self._source.fingerprint()
 
     def close(self) -> None:
-        """Let go of the file and the pictures; frames can no longer be asked for."""
+        """Close the file and drop the pictures; frames can no longer be read."""
         with self._lock:
             self._closed = True
             self._cache.clear()
@@ -165,7 +170,7 @@ class Video:
 
     def _walk(self, start: int, stop: int, step: int) -> Iterator[tuple[int, Picture | None]]:
         number = start
-        # Asked anew each time: the count may change when the index had to be made again.
+        # Read each time: the count may change when the index had to be made again.
         while number < min(stop, self.info.frame_count):
             with self._lock:
                 picture = self._get(number, since=number)
@@ -181,14 +186,11 @@ class Video:
         try:
             for met, picture in self._source.approach(number, since):
                 self._cache.put(met, picture)
-        except Surprise:
+        except IndexMismatch:
             self._source.reindex()
             self._cache.clear()
-            self._examined, self._damaged, self._told = (
-                set(),
-                set(),
-                None,
-            )  # the numbers of frames may be others now
+            # the numbers of frames may be others now
+            self._examined, self._damaged, self._with_damaged = set(), set(), None
             return self._get(number, since)
         return self._cache.get(number)
 

@@ -53,7 +53,7 @@ class _Bits:
     def flag(self) -> bool:
         return self.read(1) == 1
 
-    def skip_if_told(self, count: int) -> None:
+    def skip_if_flagged(self, count: int) -> None:
         """A value that a flag says is there."""
         if self.flag():
             self.read(count)
@@ -77,7 +77,7 @@ def _tile_count(bits: _Bits) -> tuple[int, int]:
     _pass_colors(bits, profile)
     width = bits.read(16) + 1
     bits.read(16)
-    bits.skip_if_told(32)  # another size to show it at
+    bits.skip_if_flagged(32)  # another size to show it at
     bits.read(2 if is_resilient else 4)  # which probabilities are kept
     _pass_loop_filter(bits)
     _pass_quantization(bits)
@@ -102,27 +102,27 @@ def _pass_loop_filter(bits: _Bits) -> None:
     bits.read(6 + 3)
     if bits.flag() and bits.flag():
         for _ in range(4 + 2):  # per reference and per mode
-            bits.skip_if_told(7)
+            bits.skip_if_flagged(7)
 
 
 def _pass_quantization(bits: _Bits) -> None:
     bits.read(8)
     for _ in range(3):
-        bits.skip_if_told(5)
+        bits.skip_if_flagged(5)
 
 
 def _pass_segmentation(bits: _Bits) -> None:
     if bits.flag():  # a map of segments
         for _ in range(7):
-            bits.skip_if_told(8)
+            bits.skip_if_flagged(8)
         if bits.flag():
             for _ in range(3):
-                bits.skip_if_told(8)
+                bits.skip_if_flagged(8)
     if bits.flag():  # what differs from segment to segment
         bits.flag()
         for _ in range(_SEGMENTS):
             for count, is_signed in _FEATURE_BITS:
-                bits.skip_if_told(count + is_signed)
+                bits.skip_if_flagged(count + is_signed)
 
 
 def _columns(bits: _Bits, width: int) -> int:

@@ -12,7 +12,7 @@ from typing import Literal, TypeAlias
 from urllib.parse import quote_from_bytes, unquote_to_bytes
 
 from app.document.library.names import printable
-from app.document.library.uploading import SURFACES
+from app.document.library.uploads import SURFACES
 from tracker.errors import KeyposeError
 from tracker.files import read_head
 from tracker.surface.files.sources import SUFFIXES as MESHES
@@ -90,7 +90,7 @@ def file_at(id: str, roots: Sequence[Path]) -> Path:
             path = roots[int(number)] / place
             if is_inside(path, roots) and path.exists():
                 return path
-    raise KeyposeError("This file is not there any more.")
+    raise KeyposeError("This file no longer exists.")
 
 
 def is_inside(path: Path, roots: Sequence[Path]) -> bool:
@@ -148,7 +148,7 @@ def _kind(path: Path) -> Kind | None:
 
 
 def is_session(path: Path) -> bool:
-    """Told by its first bytes: a folder may hold many large files of other kinds.
+    """Recognised by its first bytes: a folder may hold many large files of other kinds.
 
     A version that was set aside is no session of its own.
     """
@@ -159,7 +159,7 @@ def is_session(path: Path) -> bool:
 
 
 def _is_transport_stream(path: Path) -> bool:
-    """Told by the byte that begins each of its packets, which a recorder's clock may precede."""
+    """Known by the byte that begins each of its packets, which a recorder's clock may precede."""
     head = _head(path)
     return any(head[at : at + 1] == head[at + size :][:1] == b"G" for at, size in _PACKETS)
 

@@ -10,10 +10,10 @@ from typing import Any, Literal, TypeAlias
 
 from app.document.library.files import file_at, find_files, is_inside
 from app.document.library.names import printable
-from app.document.library.places import SESSION, session_for
 from app.document.library.recents import Recent, Span, forget, read_recents, remember, spans_of
 from app.document.library.samples import bundled_samples, own_copy
-from app.document.library.uploading import LARGEST_BYTES, SURFACES, Upload
+from app.document.library.session_paths import SESSION, session_for
+from app.document.library.uploads import LARGEST_BYTES, SURFACES, Upload
 from tracker.errors import KeyposeError, SessionError
 from tracker.files import read_own
 from tracker.session.schema import Session
@@ -84,13 +84,13 @@ class Library:
     def remember(self, path: Path, session: Session, spans: Sequence[Span] | None = None) -> None:
         """Put a session first among the recent ones.
 
-        spans: the segments as they stand; left out, they are what the session itself tells.
+        spans: the segments as they stand; left out, they are read from the session.
         KeyposeError in one sentence when the disk refuses: no reason to stop.
         """
         if printable(str(path)) != str(path):
             return  # a name that is no text cannot be written down
-        told = spans_of(session) if spans is None else spans
-        remember(self._book, Recent.of(path, session, told, time.time()))
+        segments = spans_of(session) if spans is None else spans
+        remember(self._book, Recent.of(path, session, segments, time.time()))
 
     def forget(self, id: str) -> None:
         """Leave a session out of the recent ones; its files stay."""
@@ -122,14 +122,14 @@ class Library:
         for one in self.recents():
             if one.id == id:
                 return Path(one.path)
-        raise KeyposeError("This session is not there any more.")
+        raise KeyposeError("This session no longer exists.")
 
     def _uploaded_path(self, id: str) -> Path:
         path = self.uploads / id
         is_plain = "\0" not in id and path.parent == self.uploads and path.name == id
         if is_plain and is_inside(path, [self.uploads]) and path.is_file():
             return path
-        raise KeyposeError("This video is not there any more.")
+        raise KeyposeError("This video no longer exists.")
 
     def _move_video(self, path: Path, video: Path) -> None:
         """Let a session name its video's new place, if that is the same video."""
@@ -163,14 +163,14 @@ class Library:
         known = self._session_of_thumb(id)
         if known is None:
             return None
-        kept = self._thumbs / f"{id}.jpg"
+        cached = self._thumbs / f"{id}.jpg"
         with suppress(OSError):
-            return read_own(kept, _LARGEST_THUMB_BYTES)
+            return read_own(cached, _LARGEST_THUMB_BYTES)
         content = _thumb_of(known)
         if content is not None:
             with suppress(KeyposeError):  # then it is made anew the next time
                 make_folder(self._thumbs)
-                write_file(kept, content, overwrite=True)
+                write_file(cached, content, overwrite=True)
         return content
 
     def _session_of_thumb(self, id: str) -> Path | None:
@@ -200,7 +200,7 @@ def _thumb_id(recent: Recent) -> str:
 
 
 def _recent_json(recent: Recent) -> dict[str, Any]:
-    exchanged = _is_exchanged(recent)
+    exchanged = _was_replaced(recent)
     return {
         "id": recent.id,
         "name": printable(recent.name),
@@ -208,7 +208,7 @@ def _recent_json(recent: Recent) -> dict[str, Any]:
         "video": printable(Path(recent.video).name),
         "keyframes": recent.keyframes,
         "frames": recent.frames,
-        "strip": [list(piece) for piece in recent.strip],
+        "strip": [list(run) for run in recent.strip],
         "opened_at": recent.opened_at,
         "thumb": f"/thumb/{_thumb_id(recent)}.jpg",
         "missing": exchanged or not Path(recent.video).exists(),
@@ -216,7 +216,7 @@ def _recent_json(recent: Recent) -> dict[str, Any]:
     }
 
 
-def _is_exchanged(recent: Recent) -> bool:
+def _was_replaced(recent: Recent) -> bool:
     """Whether another video lies where the session's was."""
     video = Path(recent.video)
     try:

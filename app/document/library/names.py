@@ -24,10 +24,10 @@ def clean_name(name: str) -> str:
     "video".
     """
     last = name.replace("\\", "/").rsplit("/", 1)[-1]
-    kept = "".join(c for c in unicodedata.normalize("NFC", last) if not _is_unseen(c))
-    kept = "".join("_" if c in _FORBIDDEN else c for c in kept)
-    kept = " ".join(kept.split()).lstrip(". ").rstrip(". ")
-    stem, suffix = split(kept)
+    cleaned = "".join(c for c in unicodedata.normalize("NFC", last) if not _is_unseen(c))
+    cleaned = "".join("_" if c in _FORBIDDEN else c for c in cleaned)
+    cleaned = " ".join(cleaned.split()).lstrip(". ").rstrip(". ")
+    stem, suffix = split(cleaned)
     if stem.split(".")[0].rstrip().upper() in _RESERVED:
         stem = f"_{stem}"
     return _shortened(stem or "video", suffix)
@@ -50,8 +50,8 @@ def numbered(name: str) -> Iterator[str]:
 
 def printable(name: str) -> str:
     """A name as text: bytes that are not UTF-8, and control characters, become a sign."""
-    told = name.encode("utf-8", "replace").decode()
-    return "".join("\N{REPLACEMENT CHARACTER}" if _is_unseen(c) else c for c in told)
+    text = name.encode("utf-8", "replace").decode()
+    return "".join("\N{REPLACEMENT CHARACTER}" if _is_unseen(c) else c for c in text)
 
 
 def _is_unseen(character: str) -> bool:

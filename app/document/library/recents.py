@@ -22,7 +22,7 @@ State: TypeAlias = Literal["good", "check", "lost", "outdated", "tracking", "wai
 Span: TypeAlias = tuple[int, int, State]
 """(first frame, last frame, state) of a segment."""
 
-Piece: TypeAlias = tuple[State, Annotated[int, Field(ge=1)]]
+Run: TypeAlias = tuple[State, Annotated[int, Field(ge=1)]]
 """(state, frames): the strip of a session from the video's first frame to its last."""
 
 
@@ -37,7 +37,7 @@ class Recent(BaseModel):
     keyframes: int
     frames: int
     middle_frame: int
-    strip: tuple[Piece, ...]
+    strip: tuple[Run, ...]
     opened_at: float
     fingerprint: str = ""
 
@@ -57,8 +57,8 @@ class Recent(BaseModel):
             middle_frame=middle_frame(session),
             strip=strip_of(spans, session.video.frame_count),
             opened_at=now_s,
-            # Meshes have another kind of fingerprint; that they are others is told on opening.
-            fingerprint="" if session.surface is not None else session.video.fingerprint,
+            # That what may be exported again is another one now is reported on opening.
+            fingerprint=session.video.fingerprint * session.evidence.is_known_by_fingerprint,
         )
 
 
@@ -94,25 +94,25 @@ def forget(file: Path, id: str) -> None:
 
 
 def spans_of(session: Session) -> list[Span]:
-    """The verdicts a session file tells itself."""
+    """The verdicts that a session file holds."""
     found = {(s.first_frame, s.last_frame): s.verdict.kind for s in _summaries(session)}
     return [(first, last, found.get((first, last), "none")) for first, last in session.spans]
 
 
-def strip_of(spans: Sequence[Span], frame_count: int) -> tuple[Piece, ...]:
+def strip_of(spans: Sequence[Span], frame_count: int) -> tuple[Run, ...]:
     """How the video's frames are covered, from the first to the last; equal neighbours joined."""
-    pieces: list[Piece] = []
+    runs: list[Run] = []
     at = 0
     for first, last, state in [*sorted(spans), (frame_count - 1, frame_count - 1, "none")]:
-        for piece in (("none", first - at), (state, last - first)):
-            if piece[1] < 1:
+        for run in (("none", first - at), (state, last - first)):
+            if run[1] < 1:
                 continue
-            if pieces and pieces[-1][0] == piece[0]:
-                pieces[-1] = (pieces[-1][0], pieces[-1][1] + piece[1])
+            if runs and runs[-1][0] == run[0]:
+                runs[-1] = (runs[-1][0], runs[-1][1] + run[1])
             else:
-                pieces.append((piece[0], piece[1]))
+                runs.append((run[0], run[1]))
         at = max(at, last)
-    return tuple(pieces)
+    return tuple(runs)
 
 
 def middle_frame(session: Session) -> int:

@@ -12,7 +12,7 @@ from tracker.errors import KeyposeError
 from tracker.storage.atomic import make_folder
 
 _COPIED = {".mp4", ".json", ".md", ".ply", ""}
-"""Endings of what goes along: clip or surfaces, session, what is told of them, the licence."""
+"""Endings of what goes along: clip or surfaces, session, how they are described, the licence."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ def bundled_samples(folder: Path) -> tuple[Sample, ...]:
 def own_copy(folder: Path, name: str, workspace: Path) -> Path:
     """The session of the workspace's copy of a sample, which is made when there is none yet."""
     if name not in {sample.name for sample in bundled_samples(folder)}:
-        raise KeyposeError("There is no such sample.")
+        raise KeyposeError("This sample does not exist.")
     place = workspace / name
     if not (place / "session.json").is_file():
         make_folder(workspace, error=KeyposeError)

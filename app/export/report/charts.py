@@ -21,13 +21,14 @@ from app.export.report.plots import (
     uprights,
 )
 from app.export.report.subject import Subject
-from app.posing import lanes, part_angles_deg, part_label, part_words
-from app.posing.words import number_text
+from app.posing import axis_labels, lanes, part_angles_deg, part_label
+from app.posing.labels import number_text
 from tracker.geometry.rotations import Array
-from tracker.storage.results import SegmentTrack, Span, observability, rotations
+from tracker.storage.results import Span, observability, ranks, root_positions, rotations
+from tracker.tracking.result import SegmentResult
 
 HIDDEN_BELOW = 0.35
-"""A part of which the picture tells less is hatched, as on the page's timeline."""
+"""A part that is less visible than this is hatched, as on the page's timeline."""
 LEAST_MOTION_DEG, LEAST_MOTION_M = 1.0, 0.005
 """An angle, a place that moves less than this gets no curve."""
 AXES = ("x", "y", "z")
@@ -43,30 +44,30 @@ def over_time(subject: Subject) -> Html:
     return element("div", *rows, class_="time")
 
 
-def score_chart(track: SegmentTrack) -> Html:
+def score_chart(track: SegmentResult) -> Html:
     """The score of every pass of a segment, the best one marked; lower is better."""
-    told = [(i, score) for i, score in enumerate(track.scores) if math.isfinite(score)]
+    finite = [(i, score) for i, score in enumerate(track.scores) if math.isfinite(score)]
     name = f"{track.first}–{track.last}"
     state = track.kind or "none"
-    if not told:
+    if not finite:
         none = element("p", "No pass could be scored.", class_="quiet")
         return element("figure", element("figcaption", element("b", name)), none, class_="multi")
-    best = [number_text(score, 2) for i, score in told if i == track.best_pass]
+    best = [number_text(score, 2) for i, score in finite if i == track.best_pass]
     ticks = [(_pass_scale(track).percent(i), str(i + 1)) for i in range(len(track.scores))]
     return element(
         "figure",
         _caption(name, [(state, f"best {words}") for words in best]),
-        _plot(_score_line(track, told), high=f"{max(score for _, score in told):.3g}", low="0"),
+        _plot(_score_line(track, finite), high=f"{max(score for _, score in finite):.3g}", low="0"),
         _ticks(ticks[:: -(-len(ticks) // 8)]),
         class_="multi",
     )
 
 
-def _score_line(track: SegmentTrack, told: list[tuple[int, float]]) -> Html:
+def _score_line(track: SegmentResult, finite: list[tuple[int, float]]) -> Html:
     state, scale = track.kind or "none", _pass_scale(track)
-    points = {i: (scale.x(i), scale.y(score)) for i, score in told}
+    points = {i: (scale.x(i), scale.y(score)) for i, score in finite}
     line = "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in points.values())
-    words = ", ".join(f"{i + 1}: {score:.3g}" for i, score in told)
+    words = ", ".join(f"{i + 1}: {score:.3g}" for i, score in finite)
     return drawing(
         path(line, f"score {state}"),
         path(dots(points.values()), f"dots {state}"),
@@ -75,7 +76,7 @@ def _score_line(track: SegmentTrack, told: list[tuple[int, float]]) -> Html:
     )
 
 
-def _pass_scale(track: SegmentTrack) -> Scale:
+def _pass_scale(track: SegmentResult) -> Scale:
     """Passes from left to right, scores from 0 up."""
     most = max((score for score in track.scores if math.isfinite(score)), default=1.0)
     return Scale(-0.3, max(len(track.scores) - 0.7, 1.3), 0.0, most * 1.08 or 1.0)
@@ -87,10 +88,7 @@ def angle_charts(subject: Subject) -> Iterator[Html]:
     if not fitting:
         return
     root = subject.session.body.parts[0]
-    known = np.full((count, 3), np.nan)
-    for (a, b), track in fitting.items():
-        there = track.tracked
-        known[a : b + 1][there] = track.trajectory.ps_camera_root[there]
+    known = root_positions(fitting, count)
     places = dict(zip(AXES, ("right", "down", "away"), strict=True))
     yield from _multiple(
         subject, f"{part_label(root.name)}, metres", known, first, places, LEAST_MOTION_M, " m"
@@ -100,7 +98,8 @@ def angle_charts(subject: Subject) -> Iterator[Html]:
         angles, there = np.full((count, 3), np.nan), np.isfinite(Rs[:, 0, 0])
         angles[there] = part_angles_deg(part, Rs[there])
         words = {
-            axis: word.lower() for axis, word in part_words(subject.session.body, part.name).items()
+            axis: word.lower()
+            for axis, word in axis_labels(subject.session.body, part.name).items()
         }
         yield from _multiple(
             subject, part_label(part.name), _unwrapped(angles), first, words, LEAST_MOTION_DEG, "°"
@@ -110,10 +109,7 @@ def angle_charts(subject: Subject) -> Iterator[Html]:
 def _rank_row(subject: Subject, scale: Scale) -> Iterator[Html]:
     """How many of the degrees of freedom the picture decides at every step (DRIFT Fig. 10)."""
     fitting, first, count = _shifted(subject)
-    rank = np.full(count, np.nan)
-    for (a, b), track in fitting.items():
-        if len(track.rank) == b - a:
-            rank[a:b] = np.where(track.rank >= 0, track.rank, np.nan)
+    rank = np.append(ranks(fitting, count), np.nan)
     if np.isnan(rank).all():
         return
     of, least = subject.dof_count, int(np.nanmin(rank))
@@ -132,7 +128,7 @@ def _rank_row(subject: Subject, scale: Scale) -> Iterator[Html]:
 
 
 def _lane_rows(subject: Subject, scale: Scale) -> Iterator[Html]:
-    """How much the picture tells of every group of parts, hatched where it is too little."""
+    """How well the picture determines every group of parts, hatched where too little."""
     fitting, first, count = _shifted(subject)
     body = subject.session.body
     table = observability(fitting, count, len(body.parts))
@@ -147,7 +143,7 @@ def _lane_rows(subject: Subject, scale: Scale) -> Iterator[Html]:
         drawn = drawing(
             path(uprights(_inner_keys(subject), scale), "keys"),
             path(area(values, first, scale), "lane"),
-            words=f"What the picture tells of {label}, 0 to 1: {least:.2f} at least",
+            words=f"Visibility of {label}, 0 to 1: {least:.2f} at least",
         )
         yield _row(label, joined([_plot(drawn), *hidden]), "lanerow")
 
@@ -220,8 +216,8 @@ def _multiple(
     marks = [
         path(dots(_at_keys(values[:, k], first, keys, scale)), f"dots {AXES[k]}") for k in moving
     ]
-    told = ", ".join(words[AXES[k]] for k in moving)
-    drawn = drawing(path(uprights(keys, scale), "keys"), *curves, *marks, words=f"{title}: {told}")
+    axes = ", ".join(words[AXES[k]] for k in moving)
+    drawn = drawing(path(uprights(keys, scale), "keys"), *curves, *marks, words=f"{title}: {axes}")
     yield element(
         "figure",
         _caption(title, [(AXES[k], words[AXES[k]]) for k in moving]),
@@ -257,7 +253,7 @@ def _span_of(values: Array) -> float:
     return float(np.ptp(known)) if len(known) else 0.0
 
 
-def _shifted(subject: Subject) -> tuple[dict[Span, SegmentTrack], int, int]:
+def _shifted(subject: Subject) -> tuple[dict[Span, SegmentResult], int, int]:
     """The results with frames counted from the first that has any; that frame; how many to the
     last. A table of them is as long as the motion, wherever in the video that lies."""
     fitting = subject.fitting

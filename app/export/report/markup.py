@@ -25,23 +25,23 @@ Child: TypeAlias = "str | Html | None"
 
 def element(name: str, /, *children: Child, **attributes: str | float | None) -> Html:
     """An element. Attributes are named as in `class_`, `http_equiv`; one that is None is absent."""
-    told = "".join(
+    attributes_text = "".join(
         f' {key.rstrip("_").replace("_", "-")}="{html.escape(_plain(value))}"'
         for key, value in attributes.items()
         if value is not None
     )
     if name in VOID and not children:
-        return Html(f"<{name}{told}/>")
-    return Html(f"<{name}{told}>{joined(children)}</{name}>")
+        return Html(f"<{name}{attributes_text}/>")
+    return Html(f"<{name}{attributes_text}>{joined(children)}</{name}>")
 
 
-def joined(pieces: Iterable[Child]) -> Html:
+def joined(children: Iterable[Child]) -> Html:
     """Pieces one after the other."""
-    return Html("".join(_safe(piece) for piece in pieces if piece is not None))
+    return Html("".join(_safe(child) for child in children if child is not None))
 
 
-def _safe(piece: str) -> str:
-    return piece if isinstance(piece, Html) else html.escape(_printable(piece))
+def _safe(child: str) -> str:
+    return child if isinstance(child, Html) else html.escape(_printable(child))
 
 
 def _plain(value: str | float) -> str:

@@ -16,7 +16,7 @@ from tracker.geometry.rotations import Array
 
 WIDTH, HEIGHT = 1000.0, 100.0
 MOST_COLUMNS = 500
-"""A curve of more frames is told by the lowest and the highest value of every column."""
+"""A curve of more frames is drawn by the lowest and the highest value of every column."""
 
 
 @dataclass(frozen=True)
@@ -111,7 +111,7 @@ def path(data: str, class_: str) -> Html | None:
 
 
 def drawing(*pieces: Child, words: str) -> Html:
-    """The stretching picture; `words` tell it to those who cannot see it."""
+    """The stretching picture; `words` describe it to those who cannot see it."""
     return element(
         "svg",
         element("title", words),

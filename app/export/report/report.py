@@ -7,18 +7,17 @@ from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 
-from app.editor.suggest import suggestion
-from app.editor.suggest_surfaces import surface_suggestion
+from app.editor.advice import next_step
 from app.export.report.charts import angle_charts, over_time, score_chart
 from app.export.report.images import thumbnail
+from app.export.report.labels import words_for
 from app.export.report.markup import Child, Html, element, joined
 from app.export.report.shell import html_page, logo
 from app.export.report.subject import STATE_WORDS, Subject, subject_of
 from app.export.report.tables import keyframes_table, segments_table, verdict
-from app.posing.words import number_text
+from app.posing.labels import number_text
 from app.render.snapshots import Look
 from tracker.session.schema import Session
-from tracker.session.settings import Weights
 from tracker.storage.results import Span, State
 from tracker.video import Video, VideoInfo
 
@@ -75,9 +74,7 @@ def head_section(subject: Subject) -> Html:
 def verdict_section(subject: Subject) -> Html:
     """Every segment with its verdict in words."""
     if not subject.spans:
-        few = "Two keyframes make the first segment; there is none yet."
-        if subject.is_of_surfaces:
-            few = "One keyframe is enough to fit the body to the surfaces; there is none yet."
+        few = words_for(subject.session).too_few
         return _section("Verdicts", element("p", few, class_="quiet"))
     return _section("Verdicts", _scrolling(segments_table(subject)))
 
@@ -87,16 +84,15 @@ def charts_section(subject: Subject) -> Html:
     if not subject.spans:
         return Html("")
     tracks = [track for track in subject.fitting.values() if track.finished]
-    what = "surface" if subject.is_of_surfaces else "picture"
-    led = "steps before" if subject.is_of_surfaces else "keyframes"
+    of_evidence = words_for(subject.session)
     words = (
-        f"Rank counts the motions that the {what} decides at every step. The lanes tell how much "
-        "it shows of each group of parts; where they are hatched it shows too little, and the "
-        f"motion is led by the {led}."
+        f"Rank counts the motions that the {of_evidence.seen_in} decides at every step. The lanes "
+        "show how well it determines each group of parts; where they are hatched it does too "
+        f"little, and the motion follows the {of_evidence.led_by}."
     )
     seen = element("p", words, class_="quiet") if tracks else None
     pieces = [_section("Over time", seen, over_time(subject))]
-    if tracks and not subject.is_of_surfaces:
+    if tracks and of_evidence.has_passes:
         charts = [score_chart(track) for track in tracks[:MOST_SCORES]]
         words = "The difference of brightness that is left after every pass; lower is better."
         more = _left_out(len(tracks) - len(charts), "segments")
@@ -150,10 +146,10 @@ def pictures_section(subject: Subject, video: Video | None) -> Html:
 def _facts(subject: Subject) -> list[str]:
     session, video = subject.session, subject.video
     clip = session.video
-    facts = [Path(clip.path).name, _kind(session)]
+    words = words_for(session)
+    facts = [Path(clip.path).name, words.subject(session)]
     if video is None:
-        what = "surfaces" if subject.is_of_surfaces else "video"
-        facts += [f"{clip.frame_count} frames", f"{what} not at hand"]
+        facts += [f"{clip.frame_count} frames", f"{words.material} not at hand"]
     else:
         rate = "about " if video.variable_rate else ""
         facts += [
@@ -161,10 +157,8 @@ def _facts(subject: Subject) -> list[str]:
             f"{rate}{number_text(video.fps, 2)} frames/s",
         ]
     facts.append(f"body {session.body.name.replace('_', ' ')}, {len(session.body.parts)} parts")
-    if session.results is not None and session.surface is not None:
-        facts.append(f"{_WEIGHTS[session.surface.weights]}, quality {session.results.quality}")
-    elif session.results is not None:
-        facts.append(f"method {session.results.method}, quality {session.results.quality}")
+    if session.results is not None:
+        facts.append(words.way(session, session.results))
     return facts
 
 
@@ -173,43 +167,25 @@ def _duration_s(video: VideoInfo) -> float:
     return float(video.times_s[-1]) + 1 / video.fps
 
 
-def _kind(session: Session) -> str:
-    """How large the pictures are, or how the surfaces' files are read."""
-    if session.surface is None:
-        return f"{session.video.width} × {session.video.height} pixels"
-    up = session.surface.up.replace("-", "−").upper()
-    return f"observed surfaces in {session.surface.units}, {up} up"
-
-
-_WEIGHTS: Mapping[Weights, str] = {
-    "both": "doubts by contact and cameras",
-    "contact": "doubts by contact",
-    "photo": "doubts by cameras",
-    "none": "no doubts",
-}
-
-
 def _summary(subject: Subject) -> list[str]:
     """The outcome, and what would help most."""
-    names = subject.session.body.names
-    if subject.is_of_surfaces:
-        next_ = surface_suggestion(subject.keys, subject.spans, subject.fitting)
-    else:
-        next_ = suggestion(subject.keys, subject.session.video.frame_count, subject.fitting, names)
-    advice = f"{next_.words} {_sentence(next_.reason)}".strip()
+    next_ = next_step(subject.keys, subject.session, subject.fitting)
+    advice = f"{_sentence(next_.title)} {_sentence(next_.detail)}".strip()
     if not subject.spans:
         return [advice]
     found = Counter(subject.states.values())
-    told = ", ".join(f"{found[state]} {words}" for state, words in _TOLD.items() if found[state])
+    counts = ", ".join(
+        f"{found[state]} {words}" for state, words in _STATES.items() if found[state]
+    )
     count = len(subject.spans)
-    outcome = f"{count} segment{'s' if count > 1 else ''}: {told}."
+    outcome = f"{count} segment{'s' if count > 1 else ''}: {counts}."
     if len(subject.keys) < 2:
         return [outcome, advice]
     interval = f"A keyframe every {number_text(subject.mean_interval, 1)} frames on average."
     return [f"{outcome} {interval}", advice]
 
 
-_TOLD: Mapping[State, str] = {
+_STATES: Mapping[State, str] = {
     "good": "good",
     "check": "to check",
     "lost": "lost",
@@ -229,10 +205,13 @@ def _tiles(subject: Subject) -> Html:
     tiles.append(_tile(str(len(subject.keys)), "keyframes"))
     if len(subject.keys) > 1:
         tiles.append(_tile(number_text(subject.mean_interval, 1), "frames between keyframes"))
-    ranks = [track.rank[track.rank >= 0] for track in subject.fitting.values()]
+    measured = (found.diagnostics.rank for found in subject.fitting.values())
+    ranks = [rank[rank >= 0] for rank in measured]
     least = min((int(rank.min()) for rank in ranks if len(rank)), default=None)
     if least is not None:
-        tiles.append(_tile(f"{least}/{subject.dof_count}", "lowest rank"))
+        tiles.append(
+            _tile(f"{least}/{subject.dof_count}", "joint motions visible at the worst frame")
+        )
     return element("div", *tiles, class_="tiles")
 
 

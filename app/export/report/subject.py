@@ -8,13 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
-from app.editor.verdict_words import sentence
+from app.editor.verdict_text import sentence
 from app.render.poses import KnownPoses
 from tracker.body.skeleton import Skeleton
 from tracker.errors import SessionError
 from tracker.session.schema import Session
 from tracker.storage.outdated import outdated_words
-from tracker.storage.results import Results, SegmentTrack, Span, State, load_results
+from tracker.storage.results import Results, Span, State, load_results
+from tracker.tracking.result import SegmentResult
 from tracker.video import VideoInfo
 
 STATE_WORDS: Mapping[State, str] = {
@@ -38,7 +39,7 @@ class Subject:
     session_path: Path
     poses: KnownPoses
     states: Mapping[Span, State]
-    fitting: Mapping[Span, SegmentTrack]
+    fitting: Mapping[Span, SegmentResult]
     video: VideoInfo | None
     problem: str | None
 
@@ -68,15 +69,9 @@ class Subject:
         return self.spans[0][0], self.spans[-1][1]
 
     @property
-    def is_of_surfaces(self) -> bool:
-        """Whether surfaces were observed instead of a film."""
-        return self.session.surface is not None
-
-    @property
     def dof_count(self) -> int:
-        """Degrees of freedom that were estimated; to surfaces all of every part."""
-        parts = len(self.session.body.parts)
-        return 3 + 3 * parts if self.is_of_surfaces else self.skeleton.dof_count
+        """Degrees of freedom that were estimated."""
+        return self.session.evidence.dof_count(self.skeleton)
 
     @property
     def mean_interval(self) -> float:
@@ -97,7 +92,7 @@ class Subject:
 
     def time_s(self, frame: int) -> float:
         """When a frame is shown, seconds; by the keyframes' times where the video is not at hand,
-        NaN where these do not tell."""
+        NaN where these do not say."""
         if self.video is not None:
             return float(self.video.times_s[frame])
         return _time_by_keyframes(self.session, frame)

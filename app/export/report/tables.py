@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
+from app.export.report.figures import figure
+from app.export.report.labels import words_for
 from app.export.report.markup import Child, Html, element
 from app.export.report.subject import Subject
-from app.posing.words import number_text
-from tracker.storage.results import SegmentTrack, Span, State
+from app.posing.labels import number_text
+from tracker.storage.results import Span, State
 
 
 def segments_table(subject: Subject) -> Html:
     """Every segment with its verdict in words, and how well its motion fits."""
-    scores = ("Apart, mm",) if subject.is_of_surfaces else ("Passes", "Best score")
+    scores = words_for(subject.session).score_heads
     head = ("Frames", "Time, s", "Length", "Verdict", *scores)
     numbers = tuple(i for i, words in enumerate(head) if words != "Verdict")
     return table(head, [_segment_row(subject, span) for span in subject.spans], numbers)
@@ -61,17 +62,6 @@ def verdict(state: State, words: str) -> Html:
     return element("span", words, class_=f"verdict {state}")
 
 
-def figure(value: float, digits: int) -> str:
-    """A number, or a dash where there is none."""
-    return number_text(value, digits) if math.isfinite(value) else "–"
-
-
-def best_score(track: SegmentTrack) -> float:
-    """The score of the pass that was kept; NaN where a file names one that is not there."""
-    known = 0 <= track.best_pass < len(track.scores)
-    return track.scores[track.best_pass] if known else math.nan
-
-
 def _segment_row(subject: Subject, span: Span) -> list[Child]:
     first, last = span
     times = f"{figure(subject.time_s(first), 2)}–{figure(subject.time_s(last), 2)}"
@@ -85,13 +75,10 @@ def _segment_row(subject: Subject, span: Span) -> list[Child]:
 
 
 def _scores(subject: Subject, span: Span) -> list[Child]:
-    """Passes and the best score; of surfaces, millimetres between them and the body's."""
+    """How well its motion fits, dashes where there is none."""
     track = subject.fitting.get(span)
-    found = track is not None and track.finished
-    score = best_score(track) if found and track is not None else math.nan
-    if subject.is_of_surfaces:
-        return [_number(figure(1000 * score, 1))]
-    return [_number(str(len(track.scores)) if found and track else "–"), _number(figure(score, 2))]
+    found = track if track is not None and track.finished else None
+    return [_number(words) for words in words_for(subject.session).scores(found)]
 
 
 def _keyframe_row(subject: Subject, i: int) -> list[Child]:

@@ -12,7 +12,7 @@ from contextlib import suppress
 from threading import Event
 from typing import TYPE_CHECKING, Any
 
-from app.jobs.batch.pool import Died, News
+from app.jobs.batch.pool import News, WorkerDied
 from app.jobs.batch.task import Step, Summary, Task
 from tracker.errors import KeyposeError
 
@@ -45,14 +45,14 @@ class ClusterPool:
         self._threads = 0
         self._counted = float("-inf")
 
-    def room(self) -> int:
+    def free_slots(self) -> int:
         """One task for each thread of the cluster, so that what is not begun can be left."""
         if time.monotonic() - self._counted > LOOK_FOR_WORKERS_S:
             self._counted = time.monotonic()
             self._threads = sum(self._ask("nthreads").values())
         return self._threads - len(self._futures)
 
-    def give(self, number: int, task: Task) -> None:
+    def submit(self, number: int, task: Task) -> None:
         self._futures[number] = self._ask("submit", do_remotely, task, pure=False)
 
     def wait(self, seconds: float) -> list[News]:
@@ -74,14 +74,14 @@ class ClusterPool:
         with suppress(Exception):
             self._client.close(timeout=2)
 
-    def _ended(self, future: Future[Any]) -> Summary | Died:
+    def _ended(self, future: Future[Any]) -> Summary | WorkerDied:
         if future.status == "finished":
             summary: Summary = future.result()
             return summary
         if future.status == "error":
-            return Died(_failure_in_words(future.exception()))
+            return WorkerDied(_failure_message(future.exception()))
         self._require_scheduler()
-        return Died("The cluster lost it")
+        return WorkerDied("The cluster lost it")
 
     def _ask(self, what: str, *given: Any, **more: Any) -> Any:
         self._require_scheduler()
@@ -101,7 +101,7 @@ class ClusterPool:
         )
 
 
-def _failure_in_words(error: BaseException) -> str:
+def _failure_message(error: BaseException) -> str:
     """Why a task was not done: its workers died, or it could not even be begun."""
     if type(error).__name__ == "KilledWorker":
         return "Every worker that took it up was killed"

@@ -4,24 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from app.export.motion_files import FORMATS, MotionFormat, motion_files, saved_motion
+from app.export.motion_files import motion_files, saved_motion
+from app.export.motion_formats import FORMATS
 from app.jobs.batch.finding import SESSION
 from app.jobs.batch.task import Export
 from tracker.errors import FormatError
 from tracker.storage.atomic import make_folder, write_file
 from tracker.storage.files import load_session, open_video_of
 from tracker.storage.tracks import load_tracks
-
-TABLES = ("joints.csv", "angles.csv", "frames.csv")
-
-
-def formats_of(text: str) -> tuple[MotionFormat, ...]:
-    """The formats in a list with commas between, each once; ValueError names one that is none."""
-    asked = [name.strip().lower() for name in text.split(",")]
-    for name in asked:
-        if name not in FORMATS:
-            raise ValueError(f"{name[:40]!r} is none of {', '.join(FORMATS)}")
-    return tuple(name for name in FORMATS if name in asked)
 
 
 def export_of(session: Path, folder: Path, out: Path | None, formats: tuple[str, ...]) -> Export:
@@ -36,7 +26,7 @@ def export_of(session: Path, folder: Path, out: Path | None, formats: tuple[str,
 
 def places(export: Export) -> list[Path]:
     """The files that there will be."""
-    names = [n for f in export.formats for n in (TABLES if f == "csv" else (f"motion.{f}",))]
+    names = [name for one in FORMATS if one in export.formats for name in FORMATS[one].names]
     return [export.folder / f"{export.prefix}{name}" for name in names]
 
 

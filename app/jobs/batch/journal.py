@@ -1,4 +1,4 @@
-"""What a batch has done so far, on disk, so that one that was interrupted goes on.
+"""What a batch has done so far, on disk, so that an interrupted one can continue.
 
 `.keypose-batch/journal.jsonl` in the batch's folder: a line for what was asked for, one for every
 session begun or done, one for the end; each is forced to the disk before the work goes on. Whoever
@@ -15,7 +15,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any
 
-from app.document.folder_lock import HeldElsewhere, SessionLock
+from app.document.folder_lock import LockedElsewhere, SessionLock
 from tracker.errors import SessionError
 from tracker.files import open_own, read_own
 from tracker.storage.atomic import make_folder
@@ -39,7 +39,7 @@ class Journal:
             raise SessionError(words)
         try:
             self._lock = SessionLock.take(folder)
-        except HeldElsewhere as held:
+        except LockedElsewhere as held:
             words = f"A batch with this folder is {held}: wait for it, or choose another --out."
             raise SessionError(words) from None
         self._path = folder / NAME

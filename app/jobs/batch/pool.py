@@ -1,7 +1,7 @@
-"""Who does the work of a batch, as the one who hands it out sees them; processes of this computer.
+"""Workers of a batch, as the scheduler sees them, and a pool of processes on this computer.
 
-A crew takes tasks by number and tells what becomes of them; it never raises for what befalls one
-task or one worker.
+A pool takes tasks by number and reports their outcomes; it never raises when a single task fails
+or a single worker dies.
 """
 
 from __future__ import annotations
@@ -19,26 +19,26 @@ from app.jobs.batch.task import Step, Summary, Task
 from app.jobs.batch.worker import serve
 
 PATIENCE_S = 2.0
-"""For a process that was told to end; then it is ended."""
+"""For a process that was asked to end; then it is killed."""
 
 
 @dataclass(frozen=True)
-class Died:
+class WorkerDied:
     """The worker of a task is gone before the task was done."""
 
     words: str
 
 
-News: TypeAlias = tuple[int, Step | Summary | Died]
+News: TypeAlias = tuple[int, Step | Summary | WorkerDied]
 """The number of a task and what became of it."""
 
 
 class WorkerPool(Protocol):
     """Workers. `room`: how many more tasks can be begun now."""
 
-    def room(self) -> int: ...
+    def free_slots(self) -> int: ...
 
-    def give(self, number: int, task: Task) -> None: ...
+    def submit(self, number: int, task: Task) -> None: ...
 
     def wait(self, seconds: float) -> Sequence[News]:
         """What has happened, as soon as something has, at most so long."""
@@ -87,16 +87,16 @@ class LocalPool:
             if worker.number is not None and worker.process.pid is not None
         }
 
-    def room(self) -> int:
+    def free_slots(self) -> int:
         return self._most - sum(worker.number is not None for worker in self._workers)
 
-    def give(self, number: int, task: Task) -> None:
+    def submit(self, number: int, task: Task) -> None:
         worker = next((w for w in self._workers if w.number is None), None)
         if worker is None:
             worker = _Worker()
             self._workers.append(worker)
         worker.number = number
-        with suppress(OSError):  # it has just died, which the next look tells
+        with suppress(OSError):  # it has just died, which the next wait reports
             worker.line.send(task)
 
     def wait(self, seconds: float) -> list[News]:
@@ -124,13 +124,13 @@ class LocalPool:
         except (EOFError, OSError):
             self._workers.remove(worker)
             worker.end()
-            return [] if number is None else [(number, Died(_death_in_words(worker.process)))]
+            return [] if number is None else [(number, WorkerDied(_death_message(worker.process)))]
         if isinstance(answer, Summary):
             worker.number = None
         return [] if number is None else [(number, answer)]
 
 
-def _death_in_words(process: BaseProcess) -> str:
+def _death_message(process: BaseProcess) -> str:
     code = process.exitcode or 0
     ended = f"killed by signal {-code}" if code < 0 else f"ended with code {code}"
     return f"Its worker process was {ended}" if code < 0 else f"Its worker process {ended}"

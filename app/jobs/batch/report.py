@@ -22,7 +22,7 @@ from tracker.errors import KeyposeError
 from tracker.files import read_head
 from tracker.session import Session
 from tracker.storage.files import load_session, open_video_of
-from tracker.storage.results import SegmentTrack
+from tracker.tracking.result import SegmentResult
 from tracker.video import Video
 
 NAME = "batch-report.html"
@@ -184,5 +184,5 @@ def _worth_a_look(subject: Subject) -> list[int]:
     return [_frame_of(track) for track in tracks[:MOST_PICTURES]]
 
 
-def _frame_of(track: SegmentTrack) -> int:
+def _frame_of(track: SegmentResult) -> int:
     return track.go if track.go is not None else (track.first + track.last) // 2

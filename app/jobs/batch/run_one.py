@@ -2,51 +2,48 @@
 
 from __future__ import annotations
 
-import sys
 import time
-import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from threading import Event
 from typing import TypeAlias
 
-from app.document.folder_lock import HeldElsewhere, SessionLock
+from app.document.folder_lock import LockedElsewhere, SessionLock
 from app.jobs import JobFinished, Progress, Report, SegmentFinished, Started, Wanted
 from app.jobs.batch.exporting import export_motion
-from app.jobs.batch.task import State, Step, Stretch, Summary, Task
-from app.jobs.rerun import all_segments, keep, require_trackable, rerun, with_settings
+from app.jobs.batch.task import SegmentSummary, State, Step, Summary, Task
+from app.jobs.failure import failure_message
+from app.jobs.rerun import all_segments, require_trackable, rerun, save_found, with_settings
 from tracker.errors import FormatError, KeyposeError, SessionError
 from tracker.formats.verdict_words import verdict_words
 from tracker.session import Session
 from tracker.storage.files import load_session, open_video_of
 from tracker.storage.finding import with_present_fingerprints
-from tracker.storage.results import Results, SegmentTrack, load_results
+from tracker.storage.results import Results, load_results
+from tracker.tracking.result import SegmentResult
 from tracker.video import Video
 
-Tell: TypeAlias = Callable[[Step], None]
+SendStep: TypeAlias = Callable[[Step], None]
 
 
-def run_task(task: Task, tell: Tell, stop: Event) -> Summary:
+def run_task(task: Task, send: SendStep, stop: Event) -> Summary:
     """Do it. `stop` set ends it within one pass; what was finished is kept."""
     began = time.monotonic()
-    return _failure_as_summary(task, tell, stop).after(time.monotonic() - began)
+    return _failure_as_summary(task, send, stop).after(time.monotonic() - began)
 
 
-def _failure_as_summary(task: Task, tell: Tell, stop: Event) -> Summary:
+def _failure_as_summary(task: Task, send: SendStep, stop: Event) -> Summary:
     name = str(task.session)
     try:
         with SessionLock.take(task.session.parent):
-            return _track_missing(task, tell, stop)
-    except HeldElsewhere as held:
+            return _track_missing(task, send, stop)
+    except LockedElsewhere as held:
         return Summary(name, "open", f"{str(held)[:1].upper()}{str(held)[1:]}: left alone.")
-    except KeyposeError as error:
-        return Summary(name, "failed", str(error))
     except MemoryError:
         return Summary(name, "failed", "There is not enough memory: use fewer workers.")
-    except Exception as error:  # noqa: BLE001 — a fault, told as such; the other sessions go on
-        traceback.print_exc(file=sys.stderr)
-        words = f"This met a fault of Keypose itself ({type(error).__name__})."
+    except Exception as error:  # noqa: BLE001 — a fault, reported as such; the other sessions go on
+        words = failure_message(error, "This met a fault of Keypose itself ({}).")
         return Summary(name, "failed", words)
 
 
@@ -54,22 +51,22 @@ def _failure_as_summary(task: Task, tell: Tell, stop: Event) -> Summary:
 class _Found:
     """What tracking found, and how it ended."""
 
-    tracks: list[SegmentTrack]
+    tracks: list[SegmentResult]
     cancelled: bool = False
     error: KeyposeError | None = None
 
 
-def _track_missing(task: Task, tell: Tell, stop: Event) -> Summary:
+def _track_missing(task: Task, send: SendStep, stop: Event) -> Summary:
     session = load_session(task.session)
     require_trackable(session, task.session)
-    session = _with_present_surfaces(session, task.session)
+    session = _as_exported(session, task.session)
     asked = with_settings(session, task.method, task.quality)
     wanted = _missing(asked, task.session) if task.missing_only else all_segments(asked)
     found = _Found([])
     if wanted:
         with open_video_of(session, task.session) as video:
-            found = _track(task, asked, video, wanted, tell, stop)
-        keep(asked, task.session, found.tracks)
+            found = _track(task, asked, video, wanted, send, stop)
+        save_found(asked, task.session, found.tracks)
     summary = _summary(task, found)
     if task.export is None or not summary.is_done:
         return summary
@@ -79,12 +76,12 @@ def _track_missing(task: Task, tell: Tell, stop: Event) -> Summary:
         return replace(summary, state="failed", words=str(error))
 
 
-def _with_present_surfaces(session: Session, path: Path) -> Session:
-    """With the surfaces it is about as they are now."""
-    if session.surface is None:
+def _as_exported(session: Session, path: Path) -> Session:
+    """With what may have been exported again known as it is now."""
+    if session.evidence.is_known_by_fingerprint:
         return session
     with open_video_of(session, path) as video:
-        return with_present_fingerprints(session, path, video.fingerprint())
+        return with_present_fingerprints(session, path, video)
 
 
 def _missing(asked: Session, path: Path) -> Sequence[Wanted]:
@@ -97,19 +94,19 @@ def _missing(asked: Session, path: Path) -> Sequence[Wanted]:
 
 
 def _track(
-    task: Task, asked: Session, video: Video, wanted: Sequence[Wanted], tell: Tell, stop: Event
+    task: Task, asked: Session, video: Video, wanted: Sequence[Wanted], send: SendStep, stop: Event
 ) -> _Found:
     from tracker.warm import warm
 
     warm()
     found = _Found([])
-    telling = _Telling(tell)
+    reporter = _StepReporter(send)
     try:
         given = (asked, task.session, video, wanted)
         for report in rerun(*given, workers=task.threads, stop=stop):
-            telling.hear(report)
+            reporter.receive(report)
             if isinstance(report, SegmentFinished):
-                found.tracks.append(report.track)
+                found.tracks.append(report.result)
             elif isinstance(report, JobFinished):
                 found.cancelled = report.cancelled
     except KeyposeError as error:
@@ -117,15 +114,15 @@ def _track(
     return found
 
 
-class _Telling:
-    """Says how far it is, no more often than that changes."""
+class _StepReporter:
+    """Reports the progress, no more often than it changes."""
 
-    def __init__(self, tell: Tell) -> None:
-        self._tell = tell
+    def __init__(self, send: SendStep) -> None:
+        self._send = send
         self._progress: Progress | None = None
         self._percent = 0
 
-    def hear(self, report: Report) -> None:
+    def receive(self, report: Report) -> None:
         if isinstance(report, Started):
             self._progress = Progress.of(report, time.monotonic())
         if self._progress is None:
@@ -133,13 +130,13 @@ class _Telling:
         self._progress = self._progress.after(report)
         percent = self._progress.percent
         if isinstance(report, SegmentFinished):
-            self._tell(Step(percent, _segment_json(report.track)))
+            self._send(Step(percent, _segment_json(report.result)))
         elif percent != self._percent:
-            self._tell(Step(percent))
+            self._send(Step(percent))
         self._percent = percent
 
 
-def _segment_json(track: SegmentTrack) -> dict[str, object]:
+def _segment_json(track: SegmentResult) -> dict[str, object]:
     return {
         "first_frame": track.first,
         "last_frame": track.last,
@@ -154,8 +151,8 @@ def _summary(task: Task, found: _Found) -> Summary:
     results = now.results
     segments = () if results is None else results.segments
     fresh = {track.span for track in found.tracks}
-    stretches = tuple(
-        Stretch(
+    summaries = tuple(
+        SegmentSummary(
             s.first_frame,
             s.last_frame,
             s.verdict.kind,
@@ -168,10 +165,10 @@ def _summary(task: Task, found: _Found) -> Summary:
     tracks = None if results is None else results.tracks
     name = str(task.session)
     if found.error is not None:
-        return Summary(name, "failed", str(found.error), tracks=tracks, segments=stretches)
+        return Summary(name, "failed", str(found.error), tracks=tracks, segments=summaries)
     if found.cancelled:
-        return Summary(name, "interrupted", tracks=tracks, segments=stretches)
+        return Summary(name, "interrupted", tracks=tracks, segments=summaries)
     state: State = "tracked" if found.tracks else "kept"
     edited = bool(_missing(with_settings(now, task.method, task.quality), task.session))
     words = "Edited while it was tracked: some segments are out of date again." if edited else ""
-    return Summary(name, state, words, tracks=tracks, segments=stretches)
+    return Summary(name, state, words, tracks=tracks, segments=summaries)

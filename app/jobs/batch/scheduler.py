@@ -1,4 +1,4 @@
-"""The course of a batch: every session is given to somebody, and once more if that one dies."""
+"""The schedule of a batch: every session goes to a worker, and to another one if that dies."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 from threading import Event
 from typing import TypeAlias
 
-from app.jobs.batch.pool import Died, News, WorkerPool
+from app.jobs.batch.pool import News, WorkerDied, WorkerPool
 from app.jobs.batch.task import Step, Summary, Task
 
 TRIES = 2
@@ -17,7 +17,7 @@ LOOK_S = 0.2
 
 
 @dataclass(frozen=True)
-class Begun:
+class TaskStarted:
     """Work on a session begins, maybe once more."""
 
     number: int
@@ -25,7 +25,7 @@ class Begun:
 
 
 @dataclass(frozen=True)
-class Stepped:
+class TaskProgressed:
     """A session is so far."""
 
     number: int
@@ -33,30 +33,30 @@ class Stepped:
 
 
 @dataclass(frozen=True)
-class Ended:
+class TaskFinished:
     """All is known of a session."""
 
     number: int
     summary: Summary
 
 
-Told: TypeAlias = Begun | Stepped | Ended
+TaskEvent: TypeAlias = TaskStarted | TaskProgressed | TaskFinished
 
 
-def run(tasks: Sequence[Task], pool: WorkerPool, stop: Event) -> Iterator[Told]:
-    """Do all tasks and tell how it goes. `stop` set: nothing new is begun, and what is at work
-    ends soon. The crew is the caller's to close."""
-    course = _Scheduler(tasks)
+def run(tasks: Sequence[Task], pool: WorkerPool, stop: Event) -> Iterator[TaskEvent]:
+    """Do all tasks and report how it goes. `stop` set: nothing new is begun, and what is at work
+    ends soon. The caller closes the pool."""
+    scheduler = _Scheduler(tasks)
     asked_to_stop = False
-    while course.at_work or (course.waiting and not stop.is_set()):
+    while scheduler.at_work or (scheduler.waiting and not stop.is_set()):
         if stop.is_set() and not asked_to_stop:
             asked_to_stop = True
             pool.stop()
-        while not stop.is_set() and pool.room() > 0 and (begun := course.next()) is not None:
-            pool.give(begun.number, tasks[begun.number])
+        while not stop.is_set() and pool.free_slots() > 0 and (begun := scheduler.next()):
+            pool.submit(begun.number, tasks[begun.number])
             yield begun
         for news in pool.wait(LOOK_S):
-            yield from course.receive(news, stop)
+            yield from scheduler.receive(news, stop)
 
 
 @dataclass(eq=False)
@@ -74,7 +74,7 @@ class _Scheduler:
     def __post_init__(self) -> None:
         self.waiting = list(range(len(self.tasks)))
 
-    def next(self) -> Begun | None:
+    def next(self) -> TaskStarted | None:
         """The next that can be begun, if one can."""
         busy = set(self.at_work.values())
         for number in self.waiting:
@@ -83,22 +83,22 @@ class _Scheduler:
                 self.waiting.remove(number)
                 self.at_work[number] = folder
                 self.tries[number] = self.tries.get(number, 0) + 1
-                return Begun(number, again=self.tries[number] > 1)
+                return TaskStarted(number, again=self.tries[number] > 1)
         return None
 
-    def receive(self, news: News, stop: Event) -> Iterator[Told]:
+    def receive(self, news: News, stop: Event) -> Iterator[TaskEvent]:
         number, what = news
         if isinstance(what, Step):
-            yield Stepped(number, what)
+            yield TaskProgressed(number, what)
             return
         self.at_work.pop(number, None)
         if isinstance(what, Summary):
-            yield Ended(number, what)
+            yield TaskFinished(number, what)
         elif self.tries[number] < TRIES and not stop.is_set():
             self.waiting.insert(0, number)
         else:
-            yield Ended(number, self._failed_summary(number, what))
+            yield TaskFinished(number, self._failed_summary(number, what))
 
-    def _failed_summary(self, number: int, died: Died) -> Summary:
+    def _failed_summary(self, number: int, died: WorkerDied) -> Summary:
         twice = ", twice" if self.tries[number] > 1 else ""
         return Summary(str(self.tasks[number].session), "failed", f"{died.words}{twice}.")

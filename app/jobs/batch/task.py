@@ -38,7 +38,7 @@ class Task:
 
 
 @dataclass(frozen=True)
-class Stretch:
+class SegmentSummary:
     """One segment as it stands on disk after the work; `fresh` when it was tracked now."""
 
     first: int
@@ -58,7 +58,7 @@ class Summary:
     words: str = ""
     seconds: float = 0.0
     tracks: str | None = None
-    segments: tuple[Stretch, ...] = ()
+    segments: tuple[SegmentSummary, ...] = ()
     exported: tuple[str, ...] = ()
 
     @property
@@ -67,7 +67,7 @@ class Summary:
         return self.state in ("tracked", "kept")
 
     def count(self, verdict: str) -> int:
-        return sum(stretch.verdict == verdict for stretch in self.segments)
+        return sum(segment.verdict == verdict for segment in self.segments)
 
     def after(self, seconds: float) -> Summary:
         return replace(self, seconds=round(seconds, 2))

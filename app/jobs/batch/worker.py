@@ -20,19 +20,19 @@ Answer: TypeAlias = Step | Summary
 
 
 def serve(connection: Connection) -> None:
-    """The life of the process: the main thread listens, so that it hears when nobody is left."""
+    """The life of the process: the main thread listens and so notices a closed connection."""
     for number in (signal.SIGINT, signal.SIGTERM):  # for the process that gives orders
         signal.signal(number, signal.SIG_IGN)
-    hands = _Hands(connection)
+    runner = _TaskRunner(connection)
     try:
         while True:
-            hands.handle(connection.recv())
+            runner.handle(connection.recv())
     except (EOFError, OSError):
-        os._exit(0)  # what is at work is begun anew by whoever comes next
+        os._exit(0)  # what is at work is started again by the next worker
 
 
 @dataclass(eq=False)
-class _Hands:
+class _TaskRunner:
     """The thread that works. Every session has an event of its own that stops it."""
 
     connection: Connection
@@ -54,8 +54,8 @@ class _Hands:
             run_task,  # heavy: the process answers before it is loaded
         )
 
-        self._tell(run_task(task, self._tell, stop))
+        self._send(run_task(task, self._send, stop))
 
-    def _tell(self, answer: Answer) -> None:
+    def _send(self, answer: Answer) -> None:
         with self._sending:
             self.connection.send(answer)

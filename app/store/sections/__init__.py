@@ -1,4 +1,4 @@
-"""What the page is told: the state cut into sections, each sent anew only when it changed."""
+"""What the page receives: the state cut into sections, each sent anew only when it changed."""
 
 from __future__ import annotations
 

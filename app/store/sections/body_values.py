@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from app.posing import handles, part_label, part_sizes, part_words
+from app.posing import axis_labels, handles, part_label, part_sizes, short_label
 from app.posing import lanes as lane_groups
 from app.store.sections.json_value import Json, doc_of
 from app.store.state import AppState
 from tracker.body.body import PRESETS, Body, Part, preset
 from tracker.body.scaling import height
+from tracker.body.shapes import KINDS
 
 
 def body(app_state: AppState) -> Json:
@@ -24,6 +25,7 @@ def body(app_state: AppState) -> Json:
         "dof_count": sum(len(part.tracked) for part in given.parts),
         "dof_total": 3 + 3 * len(given.parts),
         "presets": [{"name": name, "label": part_label(name)} for name in PRESETS],
+        "shapes": [{"kind": kind, "label": part_label(kind)} for kind in KINDS],
         "lanes": [{"label": label, "parts": list(parts)} for label, parts in lane_groups(given)],
         "parts": [_part(given, part) for part in given.parts],
         "handles": [
@@ -45,18 +47,21 @@ def _part(given: Body, part: Part) -> Json:
     return {
         "name": part.name,
         "label": part_label(part.name),
+        "short": short_label(part.name),
         "parent": part.parent,
         "side": _side(given, part.name),
         "mirror": None if mirror == part.name else mirror,
         "tracked": list(part.tracked),
-        "words": part_words(given, part.name),
+        "words": axis_labels(given, part.name),
         "limits": {axis: part.limits_deg.get(axis) for axis in ("x", "y", "z")},
         "joint_cm": [round(100 * value, 2) for value in part.joint_m],
         "landmarks": list(part.landmarks),
+        "shape": part.shape.kind,
         "sizes": [
             {
                 "key": size.key,
                 "label": size.label,
+                "role": size.role,
                 "cm": round(size.cm, 2),
                 "min": size.min,
                 "max": size.max,

@@ -1,4 +1,4 @@
-"""What the page is told: the state cut into sections, each made anew only when it changed.
+"""What the page receives: the state cut into sections, each made anew only when it changed.
 
 A section is a JSON value under a name. `Sections.changed` compares what each one is made of with
 what it was made of last, so that a drag sends the pose and nothing else.
@@ -83,7 +83,7 @@ _TRACKED = _both(
 def _tinted(app_state: AppState) -> tuple[Any, ...]:
     """What the pictures of observed surfaces are coloured by."""
     edit = app_state.edit
-    if edit is None or edit.doc.surface is None:
+    if edit is None or not edit.doc.evidence.has_surface:
         return ()
     if edit.display.tint not in ("contact", "distance"):
         return (edit.settled.surface, edit.display.tint)
@@ -152,5 +152,5 @@ class Sections:
 
     @property
     def all(self) -> Mapping[str, Json]:
-        """Every section as made last: what a tab that has just joined is told."""
+        """Every section as made last: what a tab that has just joined is sent."""
         return self._made

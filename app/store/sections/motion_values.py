@@ -6,37 +6,40 @@ import math
 
 import numpy as np
 
-from app.editor.suggest import suggestion
-from app.editor.suggest_surfaces import surface_suggestion
-from app.editor.verdict_words import add_keyframe, sentence, short_sentence
+from app.editor.advice import next_step
+from app.editor.verdict_text import add_keyframe, sentence, short_sentence
 from app.store.sections.json_value import Json
 from app.store.state import AppState
+from tracker.session.evidence import Words
 from tracker.session.verdict import Verdict
-from tracker.storage.results import SegmentTrack, Span, State, listed, observability
-
-_STATE_WORDS = {"outdated": "Outdated", "none": "Not tracked"}
-_OF_SURFACES = {"outdated": "Outdated", "none": "Not fitted"}
+from tracker.storage.results import Span, State, expected_gain, listed, observability
+from tracker.tracking.result import SegmentResult
 
 
 def segments(app_state: AppState) -> Json:
-    """Every stretch between two keyframes, and how it fares."""
+    """Every segment between two keyframes and its state."""
     edit = app_state.edit
     if edit is None:
         return []
     states = edit.results.states(edit.settled)
     fitting = edit.results.fitting(edit.settled)
-    return [_segment(app_state, span, state, fitting.get(span)) for span, state in states.items()]
+    words = edit.doc.evidence.words
+    return [
+        _segment(app_state, words, span, state, fitting.get(span)) for span, state in states.items()
+    ]
 
 
-def _segment(app_state: AppState, span: Span, state: State, track: SegmentTrack | None) -> Json:
+def _segment(
+    app_state: AppState, words: Words, span: Span, state: State, track: SegmentResult | None
+) -> Json:
     first, last = span
     running = app_state.running.get(span)
-    surfaces = app_state.edit is not None and app_state.edit.doc.surface is not None
+    unsaid = {"outdated": "Outdated", "none": f"Not {words.done}"}
     value: dict[str, Json] = {
         "first": first,
         "last": last,
         "state": state,
-        "words": (_OF_SURFACES if surfaces else _STATE_WORDS).get(state, ""),
+        "words": unsaid.get(state, ""),
         "short": "",
         "todo": "",
         "cause": None,
@@ -64,7 +67,7 @@ def _segment(app_state: AppState, span: Span, state: State, track: SegmentTrack 
             "state": running.state,
             "words": "Waiting"
             if running.state == "waiting"
-            else f"{'step' if surfaces else 'pass'} {running.number} of {running.of}",
+            else f"{words.unit} {running.number} of {running.of}",
             "percent": running.percent,
             "pass": running.number,
             "of": running.of,
@@ -100,16 +103,12 @@ def suggest(app_state: AppState) -> Json:
     if edit is None:
         return None
     fitting = edit.results.fitting(edit.settled)
-    if edit.settled.surface is not None:
-        found = surface_suggestion(edit.keys, edit.settled.spans, fitting)
-    else:
-        found = suggestion(edit.keys, edit.frame_count, fitting, edit.settled.body.names)
+    found = next_step(edit.keys, edit.settled, fitting)
     return {
         "frame": found.frame,
-        "words": found.words,
-        "reason": found.reason,
+        "title": found.title,
+        "detail": found.detail,
         "kind": found.kind,
-        "verdict_of": None if found.verdict_of is None else list(found.verdict_of),
     }
 
 
@@ -118,15 +117,11 @@ def need(app_state: AppState) -> Json:
     edit = app_state.edit
     if edit is None:
         return []
-    table = np.full(edit.frame_count, np.nan)
-    for (first, last), track in edit.results.fitting(edit.settled).items():
-        if track.need is not None:
-            table[first : last + 1] = np.fmax(table[first : last + 1], track.need)
-    return listed(table, 1)
+    return listed(expected_gain(edit.results.fitting(edit.settled), edit.frame_count), 1)
 
 
 def lanes(app_state: AppState) -> Json:
-    """How much the picture tells about each part, 0 to 1, by frame."""
+    """How well each part is determined by the picture, 0 to 1, by frame."""
     edit = app_state.edit
     if edit is None:
         return {}

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from app.editor.posing_edits import angles_at
-from app.editor.shown import shown
+from app.editor.shown import shown_pose
 from app.editor.state import EditorState
-from app.editor.trail import way
+from app.editor.trail import end_trail
 from app.posing import at_limit, part_angles_deg
 from app.store.sections.json_value import Json, doc_of
 from app.store.state import AppState
@@ -23,7 +23,7 @@ def pose(app_state: AppState) -> Json:
     edit = app_state.edit
     if edit is None:
         return None
-    standing = shown(edit)
+    standing = shown_pose(edit)
     Ts = pose_transforms(edit.skeleton, standing.pose)
     points = joint_positions(edit.skeleton, Ts).round(6).tolist()
     return {
@@ -72,6 +72,10 @@ def keys(app_state: AppState) -> Json:
     }
 
 
+_SHOWN_TIMES = {"px": 1, "m": 1000}
+"""Pixels are shown as they are, metres as millimetres."""
+
+
 def curve(app_state: AppState) -> Json:
     """The selected part's angles and error, by frame."""
     edit = app_state.edit
@@ -80,8 +84,7 @@ def curve(app_state: AppState) -> Json:
     index, frames = edit.doc.body.index(edit.selected), edit.frame_count
     angles = _angles(edit, index)
     error = residual(edit.fitting, frames, len(edit.doc.body.parts))[:, index]
-    if edit.doc.surface is not None:
-        error = error * 1000  # millimetres
+    error = error * _SHOWN_TIMES[edit.doc.evidence.residual_unit]
     rows = {axis: listed(angles[:, k], 2) for k, axis in enumerate("xyz")}
     return {"part": edit.selected, **rows, "error": listed(error, 2)}
 
@@ -104,7 +107,7 @@ def _angles(edit: EditorState, index: int) -> Array:
 def trail(app_state: AppState) -> Json:
     """The way of the selected part's far end around the present frame."""
     edit = app_state.edit
-    found = way(edit) if edit is not None and edit.display.trail else None
+    found = end_trail(edit) if edit is not None and edit.display.trail else None
     if found is None or len(found.frames) < 2:
         return None
     places = found.p_camera.round(5).tolist()

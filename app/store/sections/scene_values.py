@@ -12,7 +12,6 @@ from app.posing import tilt_and_roll, view_rotations
 from app.store.sections.json_value import Json, doc_of
 from app.store.sections.surface_values import surface_version
 from app.store.state import AppState
-from tracker.surface.picture import CONTAINER
 from tracker.tracking.diagnostics.runs import runs
 
 
@@ -22,7 +21,7 @@ def file(app_state: AppState) -> Json:
     if opened is None:
         return None
     info, doc = opened.info, doc_of(app_state)
-    fps = info.fps if doc is None or doc.surface is None else doc.surface.fps
+    fps = (doc.evidence.fps if doc is not None else None) or info.fps
     return {
         "name": opened.name,
         "video": info.path.name,
@@ -40,8 +39,8 @@ def file(app_state: AppState) -> Json:
 
 def damage(app_state: AppState) -> Json:
     """First and last of every run of frames that tracking leaves out: damaged or missing ones."""
-    opened = app_state.opened
-    if opened is None or opened.info.container == CONTAINER:
+    opened, doc = app_state.opened, doc_of(app_state)
+    if opened is None or doc is None or not doc.evidence.can_be_damaged:
         return []
     flags = np.zeros(opened.info.frame_count, dtype=np.bool_)
     flags[[*opened.info.damaged, *opened.info.missing]] = True

@@ -9,14 +9,15 @@ from app.editor.state import EditorState
 from app.render.tints import LEGENDS, Tint, css_stops
 from app.store.sections.json_value import Json
 from app.store.state import AppState
+from tracker.session.evidence import surface_of
 
 
 def surface(app_state: AppState) -> Json:
-    """None where the session is about a video."""
+    """None where the session has no surfaces."""
     edit, seen = app_state.edit, app_state.surface
-    if edit is None or edit.doc.surface is None:
+    if edit is None or not edit.doc.evidence.has_surface:
         return None
-    given, model = edit.doc.surface, edit.doc.model_keyframe
+    given, model = surface_of(edit.doc), edit.doc.model_keyframe
     return {
         **given.model_dump(include={"units", "up", "fps", "weights", "distance", "binding"}),
         "cameras": PurePath(given.cameras).name if given.cameras else None,
@@ -58,9 +59,9 @@ def surface_version(edit: EditorState) -> str:
     A gesture under way does not count, nor do poses that a fit is still on its way to.
     """
     doc = edit.settled
-    given, camera = doc.surface, doc.camera
-    if given is None:
+    if not doc.evidence.has_surface:
         return ""
+    given, camera = surface_of(doc), doc.camera
     made_of: list[object] = [given.units, given.up, given.p_camera_surface]
     made_of += [given.cameras, given.cameras_fingerprint]
     made_of += [camera.fx, camera.fy, camera.cx, camera.cy]

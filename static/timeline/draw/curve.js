@@ -3,10 +3,12 @@
 
 import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
 import { server, setUi, ui } from '../../store/state.js';
-import { extent, line, numbers, remembered, runsOf } from './series.js';
-import { frameCount, GUTTER, right, x } from './scale.js';
-import { diamond, nearest, roomy } from './keymarks.js';
-import { frame, isKey, keyFrames } from '../edit/head.js';
+import { partNamed } from '../../store/parts.js';
+import { extent, line, numbers, memoize, runsOf } from './series.js';
+import { frameCount } from '../../store/clip.js';
+import { GUTTER, right, x } from './scale.js';
+import { diamond, nearest, withRoom } from './keymarks.js';
+import { frame, isKey, keyFrames } from '../../actions/playhead.js';
 
 const STEPS = [1, 2, 5, 10, 15, 20, 30, 45, 60, 90, 180, 360];
 const LEAST_SPAN = 20;
@@ -15,7 +17,7 @@ const MOST_TICKS = 6;
 const MARGIN = 6;
 
 /** The range of a series with some air: {low, high}; null without values. */
-export const rangeOf = remembered((list) => {
+export const rangeOf = memoize((list) => {
   const found = extent(numbers(list));
   if (found === null) return null;
   const { low, high } = found;
@@ -62,23 +64,19 @@ export function hasCurve() {
 }
 
 /** One value alone, of a single key, is no curve yet. */
-const anyAngle = remembered((curve) =>
+const anyAngle = memoize((curve) =>
   AXES.some((name) => numbers(curve?.[name]).filter((value) => value === value).length > 1),
 );
 
 /** The axis shown: the one chosen, else the first the tracker follows on this part. */
 export function axis() {
   if (ui.curveAxis) return ui.curveAxis;
-  const tracked = partOf(server.curve?.part)?.tracked ?? [];
+  const tracked = partNamed(server.curve?.part)?.tracked ?? [];
   return AXES.find((name) => tracked.includes(`r${name}`)) ?? 'x';
 }
 
 export function chooseAxis(name) {
   setUi('curveAxis', name);
-}
-
-export function partOf(name) {
-  return server.body?.parts.find((part) => part.name === name);
 }
 
 export function scale(row) {
@@ -127,7 +125,7 @@ function pieces() {
   return result;
 }
 
-const largest = remembered((list) => extent(numbers(list))?.high ?? 0);
+const largest = memoize((list) => extent(numbers(list))?.high ?? 0);
 
 export function hasError() {
   return largest(server.curve?.error) > 0;
@@ -155,8 +153,8 @@ function curveKeys() {
 }
 
 function drawCurveKeys(at, without) {
-  // Where keys stand too close for diamonds, the keyframe row tells of them well enough.
-  const marks = roomy(curveKeys()).filter((key) => key !== without);
+  // Where keys stand too close for diamonds, the keyframe row shows them well enough.
+  const marks = withRoom(curveKeys()).filter((key) => key !== without);
   const mark = (key) => diamond(x(key).toFixed(1), at.y(valueAt(key)), KEY_RADIUS);
   return svg`<path class="curvekey" d=${marks.map(mark).join('')} />`;
 }
@@ -174,7 +172,7 @@ export function drawCurrentCurveKey(row) {
 export function curveKeyNear(row, px, py) {
   const at = row === null ? null : scale(row);
   if (at === null || px < GUTTER) return null;
-  const keys = roomy(curveKeys());
+  const keys = withRoom(curveKeys());
   const close = keys.filter((key) => Math.abs(at.y(valueAt(key)) - py) <= 9);
   return nearest(close, px, 9);
 }

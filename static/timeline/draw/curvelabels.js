@@ -1,9 +1,12 @@
 // Left of the curve: whose it is, about which axis, and the numbers of its scale.
 
 import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
+import { onEnter } from '../../controls/focus.js';
 import { server } from '../../store/state.js';
+import { shortNumber } from '../../controls/arithmetic.js';
+import { partNamed } from '../../store/parts.js';
 import { GUTTER } from './scale.js';
-import { axis, chooseAxis, hasCurve, hasError, partOf, scale } from './curve.js';
+import { axis, chooseAxis, hasCurve, hasError, scale } from './curve.js';
 
 const AXES = ['x', 'y', 'z'];
 const PITCH = 14;
@@ -12,7 +15,7 @@ const LETTER_PX = 6.2;
 
 export function drawCurveLabels(row) {
   if (row === null || !hasCurve()) return nothing;
-  const part = partOf(server.curve.part);
+  const part = partNamed(server.curve.part);
   const name = part?.label ?? server.curve.part;
   const at = scale(row);
   const top = row.y + (row.h > 34 ? 14 : 12);
@@ -21,7 +24,7 @@ export function drawCurveLabels(row) {
     ${row.h > 34 ? drawAxes(part, top + 15) : nothing}
     ${row.h > 46 && hasError() ? drawErrorLabel(row) : nothing}
     ${ticks.map((value) => svg`<text class="d" x=${GUTTER - 8} y=${at.y(value) + 4}
-      text-anchor="end">${String(value).replace('-', '−')}</text>`)}`;
+      text-anchor="end">${shortNumber(value, 0)}</text>`)}`;
 }
 
 /** A number stands beside the name of the part only where the name is short enough. */
@@ -45,16 +48,10 @@ function drawAxes(part, y) {
 
 function drawLetter(name, x, y, part) {
   const word = part?.words?.[name] ?? '';
-  const pressed = (event) => {
-    if (event.key !== 'Enter' && event.key !== ' ') return;
-    event.preventDefault();
-    event.stopPropagation();
-    chooseAxis(name);
-  };
   const chosen = axis() === name;
   return svg`<g class=${`axis ${name}${chosen ? ' chosen' : ''}`} role="radio" tabindex="0"
       aria-checked=${String(chosen)} aria-label=${`${name.toUpperCase()} ${word}`}
-      @click=${() => chooseAxis(name)} @keydown=${pressed}>
+      @click=${() => chooseAxis(name)} @keydown=${onEnter(() => chooseAxis(name))}>
     <title>${name.toUpperCase()} ${word}, degrees</title>
     <rect x=${x - 4} y=${y - 13} width=${PITCH + 1} height="18" rx="3" />
     <text x=${x} y=${y}>${name.toUpperCase()}</text></g>`;

@@ -4,17 +4,17 @@
 import { render } from '../../vendor/lit-html/lit-html.js';
 import { server, setUi, ui } from '../../store/state.js';
 import { isSurface } from '../../store/subject.js';
-import { send } from '../../store/link.js';
-import { frame, segmentAt, suggestedFrame } from '../edit/head.js';
-import { held, hovered } from '../edit/held.js';
+import { frame, segmentAt, suggestedFrame } from '../../actions/playhead.js';
+import { selectFrom } from '../edit/drags.js';
+import { grabbed, hovered } from '../edit/pointer.js';
 import { drawClip, drawDamage, drawGround, drawKeyLabels, drawNothingYet, drawRuler } from './ground.js';
 import { drawCurrent, drawKeys, drawNeed, drawSuggestion } from './keymarks.js';
 import { drawSegments } from './segments.js';
-import { drawLaneLabels, drawLanes, partMeant } from './lanes.js';
+import { drawLaneLabels, drawLanes } from './lanes.js';
 import { drawCurrentCurveKey, drawCurve } from './curve.js';
 import { drawCurveLabels } from './curvelabels.js';
 import { drawScoreLabels, drawScores } from './scores.js';
-import { drawBand, drawHeld, drawPlayhead } from './overlay.js';
+import { drawBand, drawGrabbed, drawPlayhead } from './overlay.js';
 import { drawOverview } from './overview.js';
 
 /** A function that draws the layer if any of its inputs is another than the last time. */
@@ -33,8 +33,8 @@ const isScore = () => ui.chart === 'score' && !isSurface() && (server.segments ?
 /** Where frames end: the chart of scores under them has passes across, not frames. */
 const bottomOf = (rows) => (isScore() && rows.curve !== null ? rows.curve.y - 3 : rows.height);
 
-const keyHeld = () => (held()?.kind === 'key' && !held().copy ? held().from : null);
-const angleHeld = () => (held()?.kind === 'angle' ? held().frame : null);
+const keyGrabbed = () => (grabbed()?.kind === 'key' && !grabbed().copy ? grabbed().from : null);
+const angleGrabbed = () => (grabbed()?.kind === 'angle' ? grabbed().frame : null);
 
 /** [where, name, what it is drawn from, how]; all are drawn from the ground as well. */
 /** @type {[string, string, () => unknown[], (ground: any) => unknown][]} */
@@ -48,31 +48,31 @@ const LAYERS = [
   ['frames', 'need', () => [server.need, server.suggest], ({ rows }) => drawNeed(rows)],
   ['frames', 'segments', () => [server.segments, server.suggest, server.keys], ({ rows }) => drawSegments(rows)],
   ['frames', 'chart', () => [isScore(), ...chartInputs()],
-    ({ rows }) => (isScore() ? drawScores(rows.curve) : drawCurve(rows.curve, angleHeld()))],
+    ({ rows }) => (isScore() ? drawScores(rows.curve) : drawCurve(rows.curve, angleGrabbed()))],
   ['frames', 'suggestion', () => [suggestedFrame(), server.keys, isScore()],
     ({ rows }) => drawSuggestion(rows, bottomOf(rows))],
-  ['frames', 'keys', () => [server.keys, keyHeld()], ({ rows }) => drawKeys(rows, keyHeld())],
-  ['frames', 'current', () => [frame(), keyHeld(), angleHeld(), isScore(), ...curveInputs()],
+  ['frames', 'keys', () => [server.keys, keyGrabbed()], ({ rows }) => drawKeys(rows, keyGrabbed())],
+  ['frames', 'current', () => [frame(), keyGrabbed(), angleGrabbed(), isScore(), ...curveInputs()],
     ({ rows }) => [
-      keyHeld() === frame() ? null : drawCurrent(rows),
-      isScore() || angleHeld() !== null ? null : drawCurrentCurveKey(rows.curve),
+      keyGrabbed() === frame() ? null : drawCurrent(rows),
+      isScore() || angleGrabbed() !== null ? null : drawCurrentCurveKey(rows.curve),
     ]],
   ['frames', 'nothing', () => [server.curve, isScore()],
     ({ rows, empty }) => drawNothingYet(rows, empty, isScore())],
   ['above', 'labels', () => [server.keys], ({ rows }) => [drawClip(), drawKeyLabels(rows)]],
   ['above', 'lane-labels', () => [server.view?.selected],
-    ({ rows, lanes, scroll }) => drawLaneLabels(rows, lanes, scroll, toggleGroup, select)],
+    ({ rows, lanes, scroll }) => drawLaneLabels(rows, lanes, scroll, toggleGroup, selectOf)],
   ['above', 'chart-labels', () => [isScore(), ...chartInputs()],
     ({ rows }) => (isScore() ? drawScoreLabels(rows.curve) : drawCurveLabels(rows.curve))],
   ['above', 'overview', () => [server.segments, server.keys, frame()], () => drawOverview()],
   ['top', 'head', () => [frame(), server.keys, server.segments, isScore()],
     ({ rows }) => drawPlayhead(bottomOf(rows))],
-  ['top', 'held', () => [held(), hovered(), server.segments, server.curve, ui.curveAxis],
-    ({ rows }) => drawHeld(rows)],
+  ['top', 'grabbed', () => [grabbed(), hovered(), server.segments, server.curve, ui.curveAxis],
+    ({ rows }) => drawGrabbed(rows)],
 ];
 
 function curveInputs() {
-  return [server.curve, server.segments, server.keys, server.body, ui.curveAxis, angleHeld()];
+  return [server.curve, server.segments, server.keys, server.body, ui.curveAxis, angleGrabbed()];
 }
 
 const chartInputs = () => (isScore() ? [segmentAt(frame())] : curveInputs());
@@ -83,11 +83,11 @@ export function layersOf(drawing, ground) {
   for (const place of ['back', 'frames', 'above', 'top']) places[place] = group(drawing, place);
   places.frames.setAttribute('clip-path', 'url(#tl-frames)');
   return LAYERS.map(([place, name, inputs, draw]) => {
-    const stand = () => {
+    const common = () => {
       const { rows, lanes, scroll, empty } = ground();
       return [rows, lanes, scroll, empty, ui.timeWindow, ui.timeSize, server.file];
     };
-    return layer(group(places[place], name), () => [...stand(), ...inputs()], () => draw(ground()));
+    return layer(group(places[place], name), () => [...common(), ...inputs()], () => draw(ground()));
   });
 }
 
@@ -104,7 +104,4 @@ function toggleGroup(lane) {
 }
 
 /** A lane's name selects its part and leaves the playhead where it is. */
-function select(lane) {
-  const part = partMeant(lane, frame());
-  if (part) send({ do: 'select', part });
-}
+const selectOf = (lane) => selectFrom(lane, frame());

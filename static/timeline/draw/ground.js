@@ -4,14 +4,14 @@
 import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
 import { server, ui } from '../../store/state.js';
 import { isSurface } from '../../store/subject.js';
-import { damageWords } from '../../store/damage.js';
-import { frameCount, GUTTER, lastFrame, pxPerFrame, right, RULER, rulerStep, visible, x } from './scale.js';
+import { damageWords, frameCount, lastFrame } from '../../store/clip.js';
+import { GUTTER, pxPerFrame, right, RULER, rulerStep, visible, x } from './scale.js';
 import { hasCurve } from './curve.js';
 
 const nothingYet = () =>
   isSurface()
-    ? 'How well the surface shows each part, and the joint angles, appear here after the first fit.'
-    : 'What the image tells about each part, and the joint angles, appear here after the first track.';
+    ? 'Visibility per part and joint angles appear here after fitting.'
+    : 'Visibility per part and joint angles appear here after tracking.';
 
 export function drawGround(rows) {
   const { width, height } = ui.timeSize;
@@ -108,10 +108,10 @@ const STRIP = 4;
 export function drawDamage(height) {
   const { first, last } = visible();
   const seen = (server.damage ?? []).filter(([from, to]) => to >= first - 1 && from <= last + 1);
-  return seen.map((run) => hatched(run, height));
+  return seen.map((run) => drawHatched(run, height));
 }
 
-function hatched([first, last], height) {
+function drawHatched([first, last], height) {
   const half = pxPerFrame() / 2;
   const wide = Math.max(LEAST_PX, x(last) - x(first) + 2 * half);
   const left = (x(first) + x(last) - wide) / 2;

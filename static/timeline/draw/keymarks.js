@@ -1,19 +1,16 @@
 // The keyframes: diamonds, drafts hollow, the suggested one dashed with a plus; and along the foot of
 // their row, as a low hill, what one keyframe more would mend at each frame.
 
+import { clamp } from '../../controls/arithmetic.js';
 import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
 import { server } from '../../store/state.js';
 import { GUTTER, right, visible, x } from './scale.js';
-import { frame, isKey, keyFrames, suggestedFrame } from '../edit/head.js';
+import { draftFrames, frame, isKey, keyFrames, suggestedFrame } from '../../actions/playhead.js';
 import { extent, numbers } from './series.js';
 
 const RADIUS = 6.5;
 const CURRENT = 8;
 const CLOSE_PX = 10;
-
-export function draftFrames() {
-  return server.keys?.drafts ?? [];
-}
 
 /** How much room each of some frames has to its nearest neighbour, in pixels. */
 function rooms(frames) {
@@ -32,34 +29,34 @@ function marksOf(frames) {
 }
 
 /** The frames of those keys that have room for a diamond. */
-export function roomy(frames) {
+export function withRoom(frames) {
   return marksOf(frames).diamonds.map((mark) => mark.frame);
 }
 
 /** Diamonds shrink, and ticks get thinner, so that the bars between them are still seen. */
 function radiusFor(room) {
-  return Math.min(RADIUS, Math.max(3.5, room * 0.27));
+  return clamp(room * 0.27, 3.5, RADIUS);
 }
 
 function tickWidth(room) {
-  return Math.min(3, Math.max(0.5, room / 3));
+  return clamp(room / 3, 0.5, 3);
 }
 
-function seen(frames) {
+function inWindow(frames) {
   const { first, last } = visible();
   return frames.filter((at) => at >= first - 1 && at <= last + 1);
 }
 
 export function drawKeys(rows, without = null) {
   const middle = rows.keys.middle;
-  const { diamonds, ticks } = marksOf(seen(keyFrames()));
+  const { diamonds, ticks } = marksOf(inWindow(keyFrames()));
   const here = (mark) => mark.frame !== without;
   const large = ({ frame: at, room }) => diamond(x(at), middle, radiusFor(room));
   const small = ({ frame: at, room }) => {
     const wide = tickWidth(room);
     return `M${(x(at) - wide / 2).toFixed(1)} ${middle - 8}h${wide}v16h${-wide}z`;
   };
-  const drafts = seen(draftFrames()).map((at) => diamond(x(at), middle, RADIUS));
+  const drafts = inWindow(draftFrames()).map((at) => diamond(x(at), middle, RADIUS));
   return svg`<path class="keymark" d=${diamonds.filter(here).map(large).join('')} />
     <path class="keymark tick" d=${ticks.filter(here).map(small).join('')} />
     <path class="draft" d=${drafts.join('')} />`;
@@ -91,7 +88,7 @@ export function drawCurrent(rows) {
 /** The key at a pixel, or null. Ticks stand close: they are caught within 3 px only. */
 export function keyNear(px) {
   if (px < GUTTER || px > right() + CURRENT) return null;
-  const { diamonds, ticks } = marksOf(seen(keyFrames()));
+  const { diamonds, ticks } = marksOf(inWindow(keyFrames()));
   const frames = (marks) => marks.map((mark) => mark.frame);
   return nearest(frames(diamonds), px, 11) ?? nearest(frames(ticks), px, 3);
 }
@@ -123,7 +120,7 @@ export function drawNeed(rows) {
   // A lost stretch needs it a hundred times more than others, which still have their hill.
   const top = (value) => foot - HIGH * Math.sqrt(value / most);
   return svg`<path class="need" d=${hills(need, foot, top)}>
-    <title>How much one keyframe more would mend here</title></path>`;
+    <title>Expected improvement from a keyframe here</title></path>`;
 }
 
 function hills(need, foot, top) {

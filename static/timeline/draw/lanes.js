@@ -1,9 +1,11 @@
 // The lanes: how much the image tells about each part over the frames. Height says how much; hatched
 // where it tells too little.
 
+import { clamp } from '../../controls/arithmetic.js';
 import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
+import { onEnter } from '../../controls/focus.js';
 import { server } from '../../store/state.js';
-import { extent, numbers, remembered, runsOf } from './series.js';
+import { extent, numbers, memoize, runsOf } from './series.js';
 import { GUTTER, right } from './scale.js';
 
 const HIDDEN_BELOW = 0.35;
@@ -12,10 +14,10 @@ const HIDDEN_BELOW = 0.35;
  * One value per frame for several parts: half their mean, half the worst of them, since a limb
  * whose hand is hidden is not seen well however well the arm is. NaN where no part has a value.
  */
-const together = (sum, count, worst) => (sum / count + worst) / 2;
+const meanAndWorst = (sum, count, worst) => (sum / count + worst) / 2;
 const worstOf = (sum, count, worst) => worst;
 
-function combined(series, combine) {
+function combine(series, how) {
   const result = new Float32Array(Math.max(0, ...series.map((values) => values.length)));
   for (let i = 0; i < result.length; i += 1) {
     let sum = 0;
@@ -29,7 +31,7 @@ function combined(series, combine) {
       count += 1;
       if (value < worst) worst = value;
     }
-    result[i] = count === 0 ? NaN : combine(sum, count, worst);
+    result[i] = count === 0 ? NaN : how(sum, count, worst);
   }
   return result;
 }
@@ -38,7 +40,7 @@ const of = (lanes, parts) =>
   parts.filter((part) => lanes[part]).map((part) => numbers(lanes[part]));
 
 /** Whether any part has a value anywhere. */
-export const anyLane = remembered((lanes) =>
+export const anyLane = memoize((lanes) =>
   Object.values(lanes ?? {}).some((values) => extent(numbers(values)) !== null),
 );
 
@@ -46,17 +48,17 @@ export const anyLane = remembered((lanes) =>
  * The lanes from top to bottom: {label, parts, values, kind: "group|part|weakest", open}.
  * `open` names the groups whose parts are listed under them.
  */
-export const lanesOf = remembered((lanes, body, folded, open) => {
+export const lanesOf = memoize((lanes, body, folded, open) => {
   if (!body || !anyLane(lanes)) return [];
   const parts = body.parts.map((part) => part.name);
   if (folded) {
-    const values = combined(of(lanes, parts), worstOf);
+    const values = combine(of(lanes, parts), worstOf);
     return [{ label: 'Weakest part', parts, values, kind: 'weakest' }];
   }
   const labels = new Map(body.parts.map((part) => [part.name, part.label]));
   return body.lanes.flatMap((group) => {
     const isOpen = open.has(group.label);
-    const values = combined(of(lanes, group.parts), together);
+    const values = combine(of(lanes, group.parts), meanAndWorst);
     const head = { ...group, values, kind: 'group', open: isOpen };
     if (!isOpen) return [head];
     const single = (part) => ({
@@ -123,7 +125,7 @@ function areaOf(run, base, h) {
   // The first and the last column reach to their outer edges, so that one frame alone is seen.
   const from = run[0].x - 1;
   const to = run.at(-1).x + 1;
-  const top = (value) => (base - Math.min(1, Math.max(0, value)) * h).toFixed(1);
+  const top = (value) => (base - clamp(value, 0, 1) * h).toFixed(1);
   const point = (at, value) => `L${at.toFixed(1)} ${top(value)}`;
   const points = run.map((column) => point(column.x, column.low)).join('');
   const ends = [point(from, run[0].low), point(to, run.at(-1).low)];
@@ -163,14 +165,8 @@ export function drawLaneLabels(rows, lanes, scroll, toggle, select) {
 function arrow(lane, y, h, toggle) {
   const middle = y + h / 2 + 1.2;
   const shape = lane.open ? `M12.5 ${middle - 1.5}l3 3 3-3` : `M14 ${middle - 3}l3 3-3 3`;
-  const pressed = (event) => {
-    if (event.key !== 'Enter' && event.key !== ' ') return;
-    event.preventDefault();
-    event.stopPropagation();
-    toggle(lane);
-  };
   return svg`<g class="arrow" role="button" tabindex="0" aria-expanded=${String(lane.open)}
-      aria-label=${`Parts of ${lane.label}`} @click=${() => toggle(lane)} @keydown=${pressed}>
+      aria-label=${`Parts of ${lane.label}`} @click=${() => toggle(lane)} @keydown=${onEnter(() => toggle(lane))}>
     <rect x="4" y=${y - 1} width="20" height=${h + 3} rx="3" /><path d=${shape} /></g>`;
 }
 

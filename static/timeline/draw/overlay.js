@@ -1,14 +1,17 @@
-// What moves over the rows: the playhead with its flag and the band of its interval; what is held or
-// hovered, as the key on its way, the angle being changed, the mark under the pointer.
+// What moves over the rows: the playhead with its flag and the band of its interval; what is dragged
+// or hovered, as the key on its way, the angle being changed, the mark under the pointer.
 
 import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
 import { server } from '../../store/state.js';
-import { frameCount, GUTTER, lastFrame, right, RULER, x } from './scale.js';
-import { around, frame, isKey, segmentAt } from '../edit/head.js';
-import { diamond, draftFrames } from './keymarks.js';
+import { partNamed } from '../../store/parts.js';
+import { frameCount, lastFrame } from '../../store/clip.js';
+import { clamp, shortNumber, signedNumber } from '../../controls/arithmetic.js';
+import { GUTTER, right, RULER, x } from './scale.js';
+import { around, frame, isKey, segmentAt, draftFrames } from '../../actions/playhead.js';
+import { diamond } from './keymarks.js';
 import { BAR, barOf } from './segments.js';
-import { held, hovered } from '../edit/held.js';
-import { partOf, scale, valueAt } from './curve.js';
+import { grabbed, hovered } from '../edit/pointer.js';
+import { scale, valueAt } from './curve.js';
 
 export function flagWidth() {
   return 16 + 9 * String(frame()).length;
@@ -22,7 +25,7 @@ export function drawPlayhead(bottom) {
   const half = flagWidth() / 2;
   return svg`<g class="playhead" role="slider" tabindex="0" aria-label="Frame"
       aria-valuemin="0" aria-valuemax=${lastFrame()} aria-valuenow=${frame()}
-      aria-valuetext=${spoken()} transform=${`translate(${at} 0)`}>
+      aria-valuetext=${spokenFrame()} transform=${`translate(${at} 0)`}>
     <path class="stem" d=${`M0 ${RULER - 4}V${bottom}`} />
     <path class="ring" d=${flag(half + 3, -3, 20)} />
     <path class="flag" d=${flag(half, 0, 17)} />
@@ -34,7 +37,7 @@ function flag(half, top, bottom) {
     h${7 - half}l-4 4-4-4h${7 - half}a3 3 0 0 1-3-3z`;
 }
 
-function spoken() {
+function spokenFrame() {
   const at = frame();
   const what = isKey(at) ? ', keyframe' : draftFrames().includes(at) ? ', draft' : '';
   const segment = segmentAt(at);
@@ -52,8 +55,8 @@ export function drawBand(rows, bottom) {
 
 const LETTER_PX = 6.6;
 
-export function drawHeld(rows) {
-  const what = held();
+export function drawGrabbed(rows) {
+  const what = grabbed();
   if (what?.kind === 'key') return drawMovingKey(what, rows);
   if (what?.kind === 'angle') return drawAngle(what, rows);
   return what === null ? drawHover(rows) : nothing;
@@ -71,28 +74,25 @@ function drawMovingKey({ from, to, copy, taken, refused }, rows) {
 function drawAngle({ frame: key, part, axis, from, deg }, rows) {
   const at = rows.curve === null ? null : scale(rows.curve);
   if (at === null) return nothing;
-  const y = Math.min(rows.curve.y + rows.curve.h, Math.max(rows.curve.y, at.y(deg)));
-  const word = partOf(part)?.words?.[axis] ?? axis.toUpperCase();
-  const words = `${word} ${figure(deg)}°  ${signed(deg - from)}`;
+  const y = clamp(at.y(deg), rows.curve.y, rows.curve.y + rows.curve.h);
+  const word = partNamed(part)?.words?.[axis] ?? axis.toUpperCase();
+  const words = `${word} ${shortNumber(deg, 1)}°  ${signedNumber(deg - from, 1)}`;
   return svg`<path class="curvekey current" d=${diamond(x(key), y, 6)} />
     ${beside(words, x(key), y, rows)}`;
 }
-
-const figure = (value) => value.toFixed(1).replace('-', '−');
-const signed = (value) => (value < 0 ? figure(value) : `+${figure(value)}`);
 
 /** Words beside a point of the curve, on the side where there is room. */
 function beside(words, at, y, rows) {
   const half = (words.length * LETTER_PX) / 2 + 7;
   const side = at + 2 * half + 24 > right() ? -1 : 1;
   const low = rows.curve.y + rows.curve.h - 10;
-  return label(words, at + side * (half + 12), Math.min(low, Math.max(rows.curve.y + 8, y)));
+  return label(words, at + side * (half + 12), clamp(y, rows.curve.y + 8, low));
 }
 
 /** Words on a small plate, kept within the drawing. */
 function label(words, at, y) {
   const wide = words.length * LETTER_PX + 14;
-  const centre = Math.min(right() + 22 - wide / 2, Math.max(GUTTER + 4 + wide / 2, at));
+  const centre = clamp(at, GUTTER + 4 + wide / 2, right() + 22 - wide / 2);
   return svg`<g class="plate"><rect x=${centre - wide / 2} y=${y - 10} width=${wide} height="20" rx="4" />
     <text x=${centre} y=${y + 4} text-anchor="middle">${words}</text></g>`;
 }
@@ -119,5 +119,5 @@ function drawCurveHover(key, rows) {
   if (at === null || value === null) return nothing;
   const y = at.y(value);
   return svg`<path class="hover" d=${diamond(x(key), y, 7)} />
-    ${beside(`${figure(value)}°`, x(key), y, rows)}`;
+    ${beside(`${shortNumber(value, 1)}°`, x(key), y, rows)}`;
 }

@@ -2,8 +2,10 @@
 
 import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
 import { server } from '../../store/state.js';
-import { isZoomed, lastFrame, left, OVERVIEW, right, RULER, scrollBy, showFrames, shown } from './scale.js';
-import { frame, keyFrames } from '../edit/head.js';
+import { isZoomed, scrollBy, showFrames, shown } from '../../actions/window.js';
+import { lastFrame } from '../../store/clip.js';
+import { left, OVERVIEW, right, RULER } from './scale.js';
+import { frame, keyFrames } from '../../actions/playhead.js';
 
 function place(at) {
   return left() + (at * (right() - left())) / Math.max(1, lastFrame());

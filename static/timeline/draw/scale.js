@@ -1,40 +1,18 @@
 // Where everything stands: frames across, and which of them are shown; from the top down ruler,
 // keyframes, lanes and curve.
 
-import { server, setUi, ui } from '../../store/state.js';
+import { clamp } from '../../controls/arithmetic.js';
+import { leastSpan, setRoom, showFrames, shown } from '../../actions/window.js';
 
 export const GUTTER = 128;
 const LEFT = GUTTER + 10;
 const MARGIN_RIGHT = 26;
-/** No frame gets wider than this: beyond it nothing new is seen. */
-const WIDEST_FRAME_PX = 48;
 
 let width = 0;
 
-/** The window is replaced as a whole whenever it changes, so that layers see it by identity. */
-const ALL = { first: 0, last: Infinity };
-ui.timeWindow = ALL;
-
-export function frameCount() {
-  return server.file?.frames ?? 0;
-}
-
-export function lastFrame() {
-  return Math.max(0, frameCount() - 1);
-}
-
 export function setWidth(px) {
   width = px;
-}
-
-/** The shown frames, {first, last}: fractions of frames while zoomed. */
-export function shown() {
-  const last = Math.min(ui.timeWindow.last, lastFrame());
-  return { first: Math.min(ui.timeWindow.first, last), last };
-}
-
-export function isZoomed() {
-  return ui.timeWindow !== ALL;
+  setRoom(right() - LEFT);
 }
 
 export function right() {
@@ -67,50 +45,13 @@ export function frameAt(px) {
   return first + ((px - LEFT) * (last - first)) / (right() - LEFT);
 }
 
-export function clampFrame(frame) {
-  return Math.min(lastFrame(), Math.max(0, Math.round(frame)));
-}
-
-export function showAll() {
-  setUi('timeWindow', ALL);
-}
-
-/** Show these frames; a window as wide as the clip is no zoom at all. */
-export function showFrames(first, last) {
-  const end = lastFrame();
-  const narrowest = Math.min(end, (right() - LEFT) / WIDEST_FRAME_PX);
-  const span = Math.max(last - first, narrowest);
-  if (span >= end * 0.999) return showAll();
-  const middle = (first + last) / 2;
-  const from = Math.min(end - span, Math.max(0, middle - span / 2));
-  setUi('timeWindow', { first: from, last: from + span });
-}
-
 /** Zoom by a factor; the frame under this pixel stays where it is. */
 export function zoomAt(px, factor) {
   const { first, last } = shown();
-  const share = Math.min(1, Math.max(0, (px - LEFT) / (right() - LEFT)));
+  const share = clamp((px - LEFT) / (right() - LEFT), 0, 1);
   const fixed = first + share * (last - first);
-  const narrowest = Math.min(lastFrame(), (right() - LEFT) / WIDEST_FRAME_PX);
-  const span = Math.max(narrowest, (last - first) / factor);
+  const span = Math.max(leastSpan(), (last - first) / factor);
   showFrames(fixed - share * span, fixed + (1 - share) * span);
-}
-
-/** Scroll by so many frames; stops at both ends. */
-export function scrollBy(frames) {
-  if (!isZoomed()) return;
-  const { first, last } = shown();
-  const room = Math.min(lastFrame() - last, Math.max(-first, frames));
-  if (room !== 0) setUi('timeWindow', { first: first + room, last: last + room });
-}
-
-/** Scroll so far that this frame is seen, and by this share of the window further. */
-export function reveal(frame, further) {
-  if (!isZoomed()) return;
-  const { first, last } = shown();
-  const more = further * (last - first);
-  if (frame > last) scrollBy(frame - last + more);
-  else if (frame < first) scrollBy(frame - first - more);
 }
 
 /** Of all steps 1, 2, 5, 10, ... frames the smallest whose marks stand at least so far apart. */
@@ -163,5 +104,5 @@ function laneHeight(room, lanes, weakest) {
   if (weakest) return LANE.weakest;
   // A tall timeline gives its lanes air, but never more than half of it.
   const fair = Math.floor((room * 0.5) / Math.max(1, lanes));
-  return Math.min(LANE.most, Math.max(LANE.least, fair));
+  return clamp(fair, LANE.least, LANE.most);
 }

@@ -2,7 +2,8 @@
 
 import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
 import { GUTTER, right } from './scale.js';
-import { frame, segmentAt } from '../edit/head.js';
+import { frame, segmentAt } from '../../actions/playhead.js';
+import { range } from '../../controls/words.js';
 
 const PITCH_MOST = 64;
 const AXIS_H = 14;
@@ -11,10 +12,10 @@ const AXIS_H = 14;
 export function drawScores(row) {
   if (row === null) return nothing;
   const segment = segmentAt(frame());
-  const told = toldOf(segment);
-  if (told.length === 0) return drawNothingYet(row);
+  const known = scoresOf(segment);
+  if (known.length === 0) return drawNothingYet(row);
   const place = placesOf(segment, row);
-  const points = told.map(([score, i]) => `${place.x(i)} ${place.y(score)}`);
+  const points = known.map(([score, i]) => `${place.x(i)} ${place.y(score)}`);
   return svg`<path class="s-line" d=${place.grid} />
     ${place.numbers.map(([words, y]) => svg`<text class="d" x=${GUTTER + 34} y=${y + 4}
       text-anchor="end">${words}</text>`)}
@@ -22,11 +23,11 @@ export function drawScores(row) {
       text-anchor="middle">${i + 1}</text>`)}
     <path class="score ahead" d=${place.ahead} />
     <path class=${`score ${segment.state}`} d=${`M${points.join('L')}`} />
-    ${told.map(([score, i]) => drawPass(segment, score, i, place))}`;
+    ${known.map(([score, i]) => drawPass(segment, score, i, place))}`;
 }
 
 /** The scores there are, with the number of their pass: [[score, pass], ...]. */
-function toldOf(segment) {
+function scoresOf(segment) {
   return (segment?.scores ?? []).map((score, i) => [score, i]).filter(([score]) => score !== null);
 }
 
@@ -48,13 +49,13 @@ function placesOf(segment, row) {
   const count = Math.max(scores.length, segment.of ?? 0, 2);
   const from = GUTTER + 56;
   const pitch = Math.min(PITCH_MOST, (right() - from - 12) / (count - 1));
-  const most = Math.max(...toldOf(segment).map(([score]) => score)) || 1;
+  const most = Math.max(...scoresOf(segment).map(([score]) => score)) || 1;
   const top = row.y + 10;
   const bottom = row.y + row.h - AXIS_H;
   const x = (i) => from + i * pitch;
   const y = (score) => bottom - (score / most) * (bottom - top);
   const every = Math.ceil(20 / pitch);
-  const [last, done] = toldOf(segment).at(-1);
+  const [last, done] = scoresOf(segment).at(-1);
   const more = segment.state === 'tracking' && count - 1 > done;
   const end = x(count - 1) + 12;
   return {
@@ -77,9 +78,9 @@ function figures(score) {
 export function drawScoreLabels(row) {
   if (row === null) return nothing;
   const segment = segmentAt(frame());
-  const which = segment ? `Segment ${segment.first}–${segment.last}` : 'No segment here';
+  const which = segment ? `Segment ${range(segment.first, segment.last)}` : 'No segment here';
   const second = row.h > 34 ? svg`<text x="12" y=${row.y + 29}>Error per pass</text>` : nothing;
-  const third = row.h > 46 && toldOf(segment).length > 0
+  const third = row.h > 46 && scoresOf(segment).length > 0
     ? svg`<text class="d" x="12" y=${row.y + 44}>lower is better</text>`
     : nothing;
   return svg`<text class="lbl" x="12" y=${row.y + 14}>${which}</text>${second}${third}`;

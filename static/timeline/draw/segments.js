@@ -1,10 +1,12 @@
 // The bars between the keys: state as colour, pattern and word.
 
+import { clamp } from '../../controls/arithmetic.js';
 import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
 import { server } from '../../store/state.js';
-import { suggestedFrame } from '../edit/head.js';
-import { draftFrames } from './keymarks.js';
-import { GUTTER, lastFrame, right, visible, x } from './scale.js';
+import { suggestedFrame, draftFrames } from '../../actions/playhead.js';
+import { GUTTER, right, visible, x } from './scale.js';
+import { lastFrame } from '../../store/clip.js';
+import { VERDICTS } from '../../controls/verdicts.js';
 
 export const BAR = { half: 6 };
 const BESIDE_DIAMOND = 8;
@@ -64,21 +66,20 @@ function drawSegment(segment, middle) {
 }
 
 function share(segment) {
-  return Math.min(1, Math.max(0, (segment.percent ?? 0) / 100));
+  return clamp((segment.percent ?? 0) / 100, 0, 1);
 }
 
 /** The word a segment carries; good needs none. */
 function wordOf(segment) {
   if (segment.state === 'tracking') return `${Math.round(segment.percent ?? 0)} %`;
-  const words = { check: 'Check', lost: 'Lost', outdated: 'Outdated', waiting: 'Waiting' };
-  return words[segment.state] ?? '';
+  return segment.state === 'good' ? '' : VERDICTS[segment.state].word;
 }
 
 const INKS = { tracking: 'f-track', outdated: 'f-old', waiting: 'f-old' };
 
 function drawWord(segment, middle) {
   const word = wordOf(segment);
-  const { from, to } = clipped(barOf(segment));
+  const { from, to } = clip(barOf(segment));
   const wide = word.length * 6 + 14;
   const at = word === '' ? null : freePlace(from, to, wide);
   if (at === null) return nothing;
@@ -87,13 +88,13 @@ function drawWord(segment, middle) {
     <text class=${`word ${ink}`} x=${at} y=${middle + 4} text-anchor="middle">${word}</text>`;
 }
 
-function clipped({ from, to }) {
+function clip({ from, to }) {
   return { from: Math.max(from, GUTTER), to: Math.min(to, right()) };
 }
 
 /**
  * The middle, or beside it where a diamond stands there. Null where no place is free: then the
- * pattern has to tell.
+ * pattern alone shows the state.
  */
 function freePlace(from, to, wide) {
   if (to - from < wide + 8) return null;

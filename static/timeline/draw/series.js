@@ -1,7 +1,7 @@
 // Curves of many frames on few pixels. A series has one number per frame, NaN where there is none: what
 // comes as a list with nulls is turned once into an array of numbers, over which even 200,000 frames
-// are gone through within a frame. What several frames share one pixel column is told by its lowest
-// and highest value, so that no more points are drawn than pixels and a dip of one frame is still seen.
+// are gone through within a frame. Where several frames share a pixel column its lowest and highest
+// value stand for them: no more points are drawn than pixels, and a dip of one frame is still seen.
 
 import { pxPerFrame, visible, x } from './scale.js';
 
@@ -29,7 +29,7 @@ export function extent(values, from = 0, to = values.length - 1) {
 }
 
 /** Remember the last result of a function while its arguments stay the same. */
-export function remembered(compute) {
+export function memoize(compute) {
   let args = null;
   let result;
   return (...now) => {

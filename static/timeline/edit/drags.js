@@ -3,17 +3,21 @@
 import { server } from '../../store/state.js';
 import { send } from '../../store/link.js';
 import { Stroke } from '../../controls/stroke.js';
-import { clampFrame, frameAt, x } from '../draw/scale.js';
-import { glideTo, goTo, hold as stopPlaying, isKey, keyFrames, settle, suggestedFrame } from './head.js';
-import { held, hold } from './held.js';
-import { draftFrames, nearest } from '../draw/keymarks.js';
+import { select } from '../../store/parts.js';
+import { clampFrame } from '../../store/clip.js';
+import { frameAt, x } from '../draw/scale.js';
+import {
+  glideTo, goTo, isKey, keyFrames, stopPlaying, settle, suggestedFrame, draftFrames,
+} from '../../actions/playhead.js';
+import { grabbed, setGrabbed } from './pointer.js';
+import { nearest } from '../draw/keymarks.js';
 import { partMeant } from '../draw/lanes.js';
 import { axis, freezeRange, scale, valueAt } from '../draw/curve.js';
 
 const SNAP_PX = 4;
 
 /** The frame meant at a place: a key within 4 px, else the nearest frame. */
-function meant(place) {
+function frameMeant(place) {
   const suggested = suggestedFrame();
   const marks = [...keyFrames(), ...draftFrames()];
   if (suggested !== null) marks.push(suggested);
@@ -21,38 +25,38 @@ function meant(place) {
   return snapped ?? frameAt(place.x);
 }
 
-/** Take hold of the playhead; `click` is what else a click without a drag does here. */
+/** Grab the playhead; `click` is what else a click without a drag does here. */
 export function grabHead(start, click = () => {}) {
   stopPlaying();
-  hold({ kind: 'scrub' });
-  glideTo(meant(start));
+  setGrabbed({ kind: 'scrub' });
+  glideTo(frameMeant(start));
   return {
-    move: (place) => glideTo(meant(place)),
+    move: (place) => glideTo(frameMeant(place)),
     click() {
-      letGo();
+      release();
       click();
     },
-    end: letGo,
-    cancel: letGo,
+    end: release,
+    cancel: release,
   };
 }
 
 /** Select the part a lane stands for at this frame. */
 export function selectFrom(lane, at) {
   const part = partMeant(lane, at);
-  if (part && part !== server.view?.selected) send({ do: 'select', part });
+  if (part) select(part);
 }
 
-function letGo() {
+function release() {
   settle();
-  hold(null);
+  setGrabbed(null);
 }
 
 const SHAKE_MS = 240;
 
 /**
- * Take hold of the key at a frame, with Shift of a copy of it; a click that moves less than 3 px goes
- * there. The edit is sent when the diamond is let go: on its way over other frames it would do nothing
+ * Grab the key at a frame, with Shift of a copy of it; a click that moves less than 3 px goes
+ * there. The edit is sent when the diamond is released: on its way over other frames it would do nothing
  * but outdate results.
  */
 export function grabKey(from, start) {
@@ -63,11 +67,11 @@ export function grabKey(from, start) {
     move(place) {
       const to = clampFrame(frameAt(place.x + offset));
       const taken = to !== from && isKey(to);
-      hold({ kind: 'key', from, to, copy: place.shift, taken, refused: false });
+      setGrabbed({ kind: 'key', from, to, copy: place.shift, taken, refused: false });
     },
     click: () => goTo(from),
-    end: () => drop(held()),
-    cancel: () => hold(null),
+    end: () => drop(grabbed()),
+    cancel: () => setGrabbed(null),
   };
 }
 
@@ -76,7 +80,7 @@ function drop(key) {
     refuse(key);
     return;
   }
-  hold(null);
+  setGrabbed(null);
   if (key.to === key.from) return;
   send({ do: key.copy ? 'duplicate_key' : 'move_key', frame: key.from, to: key.to });
   goTo(key.to);
@@ -85,14 +89,14 @@ function drop(key) {
 /** Onto another key: the diamond shakes and goes back. */
 function refuse(key) {
   const shaking = { ...key, refused: true };
-  hold(shaking);
-  setTimeout(() => held() === shaking && hold(null), SHAKE_MS);
+  setGrabbed(shaking);
+  setTimeout(() => grabbed() === shaking && setGrabbed(null), SHAKE_MS);
 }
 
 const FINE = 0.1;
 const STEP_DEG = 5;
 
-/** Take hold of a key on the curve; the whole drag is one stroke, so one step of undo. */
+/** Grab a key on the curve; the whole drag is one stroke, so one step of undo. */
 export function grabAngle(at, row, start) {
   const part = server.curve.part;
   const about = axis();
@@ -110,7 +114,7 @@ export function grabAngle(at, row, start) {
     goTo(at);
   };
   const over = () => {
-    hold(null);
+    setGrabbed(null);
     freezeRange(false);
   };
   stopPlaying();
@@ -122,7 +126,7 @@ export function grabAngle(at, row, start) {
       deg += (y - place.y) * degPerPx * (place.shift ? FINE : 1);
       y = place.y;
       const value = place.ctrl ? Math.round(deg / STEP_DEG) * STEP_DEG : Math.round(deg * 10) / 10;
-      hold({ kind: 'angle', frame: at, axis: about, part, from, deg: value });
+      setGrabbed({ kind: 'angle', frame: at, axis: about, part, from, deg: value });
       stroke.move(value);
     },
     click: () => goTo(at),

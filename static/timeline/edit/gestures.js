@@ -3,7 +3,8 @@
 import { server, ui } from '../../store/state.js';
 import { follow } from '../../controls/gesture.js';
 import { isSurface } from '../../store/subject.js';
-import { GUTTER, isZoomed, OVERVIEW, pxPerFrame, RULER, scrollBy, zoomAt } from '../draw/scale.js';
+import { GUTTER, OVERVIEW, pxPerFrame, RULER, zoomAt } from '../draw/scale.js';
+import { isZoomed, scrollBy } from '../../actions/window.js';
 import { BAR, barOf } from '../draw/segments.js';
 import { keyNear } from '../draw/keymarks.js';
 import { curveKeyNear } from '../draw/curve.js';
@@ -11,8 +12,8 @@ import { laneAt } from '../draw/lanes.js';
 import { grabOverview } from '../draw/overview.js';
 import { grabAngle, grabHead, grabKey, selectFrom } from './drags.js';
 import { openKeyMenu, openSegmentMenu } from './menus.js';
-import { frame, isKey, segmentAt } from './head.js';
-import { hover } from './held.js';
+import { frame, isKey, segmentAt } from '../../actions/playhead.js';
+import { setHovered } from './pointer.js';
 
 const CLICK_PX = 3;
 const LONG_PRESS_MS = 500;
@@ -23,8 +24,8 @@ let gesture = null;
 let start = null;
 let moved = false;
 let pressTimer = 0;
-let letGo = () => {};
-let takenBack = false;
+let stopFollowing = () => {};
+let wasCancelled = false;
 
 /** Listen on the drawing; `ground()` tells its rows, lanes and scroll. */
 export function listenOn(drawing, groundOf, scrollLanes) {
@@ -32,7 +33,7 @@ export function listenOn(drawing, groundOf, scrollLanes) {
   ground = groundOf;
   drawing.addEventListener('pointerdown', down);
   drawing.addEventListener('pointermove', point);
-  drawing.addEventListener('pointerleave', () => gesture === null && hover(null));
+  drawing.addEventListener('pointerleave', () => gesture === null && setHovered(null));
   drawing.addEventListener('contextmenu', menu);
   drawing.addEventListener('wheel', (event) => wheel(event, scrollLanes), { passive: false });
   // A click takes the focus away from no view and gives it to nothing here.
@@ -96,29 +97,29 @@ function begin(what, place) {
 }
 
 function down(event) {
-  takenBack = false;
+  wasCancelled = false;
   if (event.button !== 0) return;
   document.activeElement?.blur?.();
   const place = placeOf(event);
   const what = under(place);
-  letGo();
+  stopFollowing();
   gesture = begin(what, place);
   if (gesture === null) return;
   start = place;
   moved = false;
-  letGo = follow(element, event, { move: drag, end: up, cancel, holdsKeys: () => Boolean(gesture.edits) });
+  stopFollowing = follow(element, event, { move: drag, end: up, cancel, holdsKeys: () => Boolean(gesture.edits) });
   if (event.pointerType === 'touch') pressTimer = setTimeout(() => press(what, place), LONG_PRESS_MS);
 }
 
 /** A long press is the right button of those who have none. */
 function press(what, place) {
   if (gesture === null || moved) return;
-  letGo();
+  stopFollowing();
   cancel();
   openMenuOn(what, place);
 }
 
-/** With nothing held the cursor says what could be. */
+/** With nothing pressed the cursor says what could be grabbed. */
 function point(event) {
   if (gesture === null) pointAt(under(placeOf(event)));
 }
@@ -139,12 +140,12 @@ function up(event) {
   pointAt(under(placeOf(event)));
 }
 
-/** Taken back; by the right button, when it comes with a move. */
+/** Cancelled; by the right button, when it comes with a move. */
 function cancel(event) {
   const ended = gesture;
   drop();
   ended.cancel();
-  takenBack = event?.type === 'pointermove';
+  wasCancelled = event?.type === 'pointermove';
 }
 
 function drop() {
@@ -156,30 +157,31 @@ const CURSORS = { key: 'grab', curvekey: 'ns-resize', segment: 'pointer', overvi
 
 function pointAt(what) {
   element.style.cursor = CURSORS[what.kind] ?? '';
-  if (what.kind === 'segment') hover({ kind: 'segment', first: what.segment.first });
-  else if (what.kind === 'key' || what.kind === 'curvekey') hover(what);
-  else hover(null);
+  if (what.kind === 'segment') setHovered({ kind: 'segment', first: what.segment.first });
+  else if (what.kind === 'key' || what.kind === 'curvekey') setHovered(what);
+  else setHovered(null);
 }
 
 function menu(event) {
   event.preventDefault();
-  // The right button pressed during a drag took it back, and asks for no menu.
-  if (gesture !== null || takenBack) return;
+  // The right button pressed during a drag cancelled it, and asks for no menu.
+  if (gesture !== null || wasCancelled) return;
   // From the keyboard the menu belongs to what the playhead stands on.
   const fromKeys = event.target.closest?.('.playhead') && event.button !== 2;
-  if (!fromKeys) return openMenuOn(under(placeOf(event)), placeOf(event));
-  const box = element.querySelector('.playhead .flag').getBoundingClientRect();
-  openMenuAtHead([box.left, box.bottom]);
+  if (fromKeys) openMenuAtHead();
+  else openMenuOn(under(placeOf(event)), placeOf(event));
 }
 
 /** The menu of the key or the segment the playhead stands on. */
-export function openMenuAtHead(page) {
+export function openMenuAtHead() {
+  const { left, bottom } = element.querySelector('.playhead .flag').getBoundingClientRect();
+  const page = [left, bottom];
   if (isKey(frame())) openKeyMenu(frame(), page);
   else if (segmentAt(frame())) openSegmentMenu(segmentAt(frame()), page);
 }
 
 function openMenuOn(what, place) {
-  hover(null);
+  setHovered(null);
   if (what.kind === 'key' || what.kind === 'curvekey') openKeyMenu(what.frame, place.page);
   if (what.kind === 'segment') openSegmentMenu(what.segment, place.page);
 }

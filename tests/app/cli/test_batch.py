@@ -14,9 +14,9 @@ import pytest
 from app.cli.main import main
 from app.jobs.batch import pool
 from app.jobs.batch.journal import FOLDER
-from app.jobs.batch.pool import Died, News
+from app.jobs.batch.pool import News, WorkerDied
 from app.jobs.batch.report import NAME
-from app.jobs.batch.task import Step, Stretch, Summary, Task
+from app.jobs.batch.task import SegmentSummary, Step, Summary, Task
 from tests.app.cli_cases import refused
 from tests.app.full_disks import fill
 from tests.app.jobs.batch.batch_cases import Befalls, Here, write_sessions
@@ -134,7 +134,7 @@ def test_what_goes_wrong_with_one_does_not_stop_the_others(
     sessions: list[Path], monkeypatch: pytest.MonkeyPatch, capsys: Capture
 ) -> None:
     sessions[0].write_text('{"schema_version": 1, "video"')
-    gone = (1, Died("Its worker is gone"))
+    gone = (1, WorkerDied("Its worker is gone"))
     meeting(monkeypatch, lambda number, task: gone if number == 1 else None)
     assert batch(root(sessions), "--json") == 1
     told = events(capsys)[-1]
@@ -147,7 +147,9 @@ def test_what_goes_wrong_with_one_does_not_stop_the_others(
 def test_a_lost_segment_gives_exit_code_1(
     sessions: list[Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    lost = Summary("", "tracked", segments=(Stretch(0, 4, "lost", "lost", "full", fresh=True),))
+    lost = Summary(
+        "", "tracked", segments=(SegmentSummary(0, 4, "lost", "lost", "full", fresh=True),)
+    )
     meeting(monkeypatch, lambda number, task: (number, lost))
     assert batch(root(sessions)) == 1
 
@@ -173,12 +175,12 @@ def test_after_an_interruption_the_same_command_goes_on_with_what_was_not_done(
     assert batch(root(sessions), "--workers", "1") == 130
     assert signal.getsignal(by) is before
     assert hired[0].closed
-    assert "goes on from here" in capsys.readouterr().err
+    assert "run the same command to continue" in capsys.readouterr().err
     assert not (root(sessions) / NAME).exists()
     meeting(monkeypatch, lambda number, task: None)
     assert batch(root(sessions), "--workers", "2") == 0
     out, err = capsys.readouterr()
-    assert "Going on with the batch that was interrupted: 1 of 3 are done." in err
+    assert "Continuing the interrupted batch: 1 of 3 are done." in err
     outcomes = [line[len("session") :][:12].strip() for line in out.splitlines()[1:4]]
     assert outcomes == ["up to date", "tracked", "tracked"]
     assert batch(root(sessions), "--json") == 0

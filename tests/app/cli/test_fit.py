@@ -15,7 +15,6 @@ import pytest
 import trimesh
 
 from app.cli.main import main
-from app.jobs.work import Job
 from tests.app import surface_cases as cases
 from tests.app.cli_cases import everything_in, refused
 from tests.tracker import session_cases
@@ -24,6 +23,7 @@ from tracker.storage.files import load_session, open_video_of, save_session
 from tracker.storage.results import load_results
 from tracker.storage.tracks import load_tracks, load_trajectory
 from tracker.surface.fit import segment
+from tracker.tracking import pool
 
 NEAR_M, NEAR_RAD = 0.03, np.deg2rad(8)
 """The sample's voxels are 4 cm wide."""
@@ -118,17 +118,15 @@ def test_events_have_the_form_of_those_of_tracking(
 def test_ctrl_c_keeps_the_steps_that_are_done(
     session_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(segment, "TELL_S", 0.0)
+    monkeypatch.setattr(segment, "REPORT_S", 0.0)
     looks: list[int] = []
-    go_on = Job._go_on
 
-    def stop_at_the_third_look(job: Job) -> None:
+    def stop_at_the_third_look(work: pool._Work) -> None:
         looks.append(1)
         if len(looks) == 3:
-            job._cancelled.set()
-        go_on(job)
+            raise pool.Cancelled
 
-    monkeypatch.setattr(Job, "_go_on", stop_at_the_third_look)
+    monkeypatch.setattr(pool._Work, "_leave_when_cancelled", stop_at_the_third_look)
     assert fit("--session", session_path) == 130
     told = capsys.readouterr()
     assert "check frames 3–4: not fitted yet" in told.out

@@ -66,7 +66,7 @@ def test_500_rapid_edits_end_alike_on_the_page_on_the_server_and_on_disk(
     assert angle_of(other) == pytest.approx(-499 / 5)
     other.leave()
     keypose.end()
-    again = Keypose(str(session))
+    again = Keypose(str(session), "--workspace", str(session.parent / "w"))
     back = Visitor(again)
     assert angle_of(back) == pytest.approx(-499 / 5, abs=1e-6)
     back.leave()
@@ -89,7 +89,7 @@ def test_a_refused_action_says_why_and_changes_nothing(tab: Visitor) -> None:
     tab.do(do="angles", part="left_forearm", x=1e9)
     assert "x" in tab.refusal()
     tab.do(do="move_key", frame=24, to=48)
-    assert tab.refusal() == "Frame 48 has a keyframe already. Delete that one first."
+    assert tab.refusal() == "Frame 48 is already a keyframe. Delete it first."
     assert json.dumps(tab.seen["pose"]) == before
 
 
@@ -120,6 +120,7 @@ def test_tracking_streams_passes_and_the_result_is_saved(tab: Visitor, session: 
 def test_a_changed_keyframe_makes_its_segments_outdated_and_undo_makes_them_good(
     tab: Visitor,
 ) -> None:
+    tab.do(do="settings", quality="preview")
     tab.do(do="track", what="all")
     tab.until(lambda: tab.seen["job"]["state"] == "done")
     good = [s["state"] for s in tab.seen["segments"]]

@@ -112,8 +112,8 @@ def test_what_could_not_be_done_as_wished_is_told_of_its_segment(
 
     def track(*given: Any, **more: Any) -> Iterator[Any]:
         for report in tracker()(*given, **more):
-            if isinstance(report, SegmentFinished) and report.track.first == 4:
-                yield replace(report, track=replace(report.track, notes=(note,)))
+            if isinstance(report, SegmentFinished) and report.result.first == 4:
+                yield replace(report, result=replace(report.result, notes=(note,)))
             else:
                 yield report
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.document.folder_lock import HeldElsewhere, SessionLock
+from app.document.folder_lock import LockedElsewhere, SessionLock
 from app.document.library import Library
 from app.document.open import OpenSession, copy_session, edit_state
 from app.store import runner
@@ -43,7 +43,7 @@ class NoWorker:
 
     def cancel(self) -> None: ...
 
-    def hold(self, on: bool) -> None: ...
+    def pause(self, on: bool) -> None: ...
 
     def close(self) -> None: ...
 
@@ -83,7 +83,7 @@ async def tried(store: Store, *actions: dict[str, Any]) -> Tab:
     for number, action in enumerate(actions, start=1):
         store.receive(tab, {**action, "n": number})
         await told(tab, "done", number)
-        await store._saver.settled()
+        await store._writer.saver.wait()
     return tab
 
 
@@ -253,7 +253,7 @@ def test_edits_on_a_full_disk_are_acknowledged_by_themselves_once_they_are_writt
             assert store.app_state.saved.state == "failed"
         await told(tab, "ack", 2)
         assert len(labels(path)) == 1
-        await store._saver.settled()
+        await store._writer.saver.wait()
         assert store.app_state.saved.state == "saved"
 
     with_store(path, edit)
@@ -303,7 +303,7 @@ def test_a_session_put_back_from_a_copy_is_gone_on_with(path: Path) -> None:
         assert store.app_state.saved.state == "failed"
         path.parent.with_name("copy").rename(path.parent)
         await done(store, turn(-30))
-        with pytest.raises(HeldElsewhere):
+        with pytest.raises(LockedElsewhere):
             SessionLock.take(path.parent)
 
     with_store(path, edit)
@@ -317,7 +317,7 @@ def test_what_a_person_gives_up_by_closing_is_waited_for_no_more(
         with monkeypatch.context() as patch:
             patch.setattr(os, "fsync", _full)
             tab = await tried(store, turn(-10))
-            with pytest.raises(SessionError, match="Ask once more"):
+            with pytest.raises(SessionError, match="Repeat to continue"):
                 await store.close_session()
             assert tab._ack == 0
             await store.close_session()

@@ -71,7 +71,7 @@ def test_a_disk_that_fails_at_any_step_of_a_save_loses_nothing(
                 patch.setattr(os, name, failing)
                 await tried(store, turn(1 + number, part=part))
                 for _ in range(3):
-                    await store._saver.settled()
+                    await store._writer.saver.wait()
             edited = mark_of(store.app_state.edit.settled)
             assert mark_of(without_results(open_session(path).session)) in (before, edited)
             if store.app_state.saved.state == "failed":

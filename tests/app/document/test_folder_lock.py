@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from app.document import folder_lock
-from app.document.folder_lock import HeldElsewhere, SessionLock
+from app.document.folder_lock import NAME, LockedElsewhere, SessionLock
 
 _HOLD = """
 import sys, time
@@ -41,7 +41,7 @@ def holder(folder: Path) -> Iterator[subprocess.Popen[str]]:
 
 def test_a_second_one_is_told_who_has_it(tmp_path: Path) -> None:
     message = r"another Keypose \(pid {}\)"
-    with holder(tmp_path) as other, pytest.raises(HeldElsewhere, match=message.format(other.pid)):
+    with holder(tmp_path) as other, pytest.raises(LockedElsewhere, match=message.format(other.pid)):
         SessionLock.take(tmp_path)
 
 
@@ -54,7 +54,7 @@ def test_a_killed_one_holds_nothing(tmp_path: Path) -> None:
 
 def test_released_it_can_be_taken_again_and_twice_released_is_no_harm(tmp_path: Path) -> None:
     lock = SessionLock.take(tmp_path)
-    with pytest.raises(HeldElsewhere, match=str(os.getpid())):
+    with pytest.raises(LockedElsewhere, match=str(os.getpid())):
         SessionLock.take(tmp_path)
     lock.release()
     lock.release()
@@ -68,10 +68,10 @@ def test_where_nothing_can_be_written_there_is_nothing_to_lock(tmp_path: Path) -
 def test_where_files_cannot_be_locked_one_writes_all_the_same(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def refuse(*_: object) -> None:
+    def refuse(*_: object, **__: object) -> None:
         raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
 
-    monkeypatch.setattr(folder_lock.fcntl, "flock", refuse)
+    monkeypatch.setattr(folder_lock, "lock_descriptor", refuse)
     SessionLock.take(tmp_path).release()
 
 
@@ -81,8 +81,36 @@ def test_a_full_disk_keeps_nobody_from_the_lock(
     def refuse(*_: object) -> None:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(os, "pwrite", refuse)
+    monkeypatch.setattr(os, "write", refuse)
     lock = SessionLock.take(tmp_path)
-    with pytest.raises(HeldElsewhere):
+    with pytest.raises(LockedElsewhere):
         SessionLock.take(tmp_path)
     lock.release()
+
+
+def test_asking_for_a_lock_that_is_held_changes_nothing_in_it(tmp_path: Path) -> None:
+    with holder(tmp_path) as other:
+        for _ in range(2):
+            with pytest.raises(LockedElsewhere, match=str(other.pid)):
+                SessionLock.take(tmp_path)
+        assert (tmp_path / NAME).read_text() == str(other.pid)
+
+
+def test_who_has_it_is_told_where_a_locked_byte_can_be_read_by_nobody_else(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As on Windows: the first byte of the file is the holder's alone."""
+    monkeypatch.setattr(folder_lock, "_BEFORE_PID", b" ")
+    SessionLock.take(tmp_path).release()
+    lock, read = SessionLock.take(tmp_path), os.read
+
+    def read_others(descriptor: int, length: int) -> bytes:
+        if descriptor != lock._descriptor and os.lseek(descriptor, 0, os.SEEK_CUR) == 0:
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+        return read(descriptor, length)
+
+    monkeypatch.setattr(os, "read", read_others)
+    with pytest.raises(LockedElsewhere, match=rf"\(pid {os.getpid()}\)"):
+        SessionLock.take(tmp_path)
+    lock.release()
+    assert (tmp_path / NAME).read_bytes() == b" %d" % os.getpid()

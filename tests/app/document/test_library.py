@@ -17,7 +17,7 @@ from app.document.library import Library, usual_folders
 from app.document.library.files import find_files
 from app.document.library.names import clean_name
 from app.document.library.recents import strip_of
-from app.document.library.uploading import Upload
+from app.document.library.uploads import Upload
 from tests.tracker import session_cases as cases
 from tracker.errors import KeyposeError, SessionError
 from tracker.storage.files import load_session, open_video_of, save_session
@@ -180,7 +180,7 @@ def test_a_link_out_of_the_folders_is_neither_listed_nor_opened(
     (home / "linked").symlink_to(outside.parent)
     assert names(library) == []
     for id in ("0/link.mp4", "0/linked/jump.mp4"):
-        with pytest.raises(KeyposeError, match="not there"):
+        with pytest.raises(KeyposeError, match="no longer exists"):
             library.find("file", id)
 
 
@@ -306,7 +306,7 @@ def test_a_session_that_is_gone_is_not_shown(library: Library, home: Path) -> No
     id = library.recents()[0].id
     path.unlink()
     assert library.recents() == []
-    with pytest.raises(KeyposeError, match="not there"):
+    with pytest.raises(KeyposeError, match="no longer exists"):
         library.find("recent", id)
 
 
@@ -344,7 +344,7 @@ def test_a_session_lives_beside_its_video(library: Library, home: Path) -> None:
 def test_a_session_lives_in_the_workspace_when_the_folder_is_locked(
     library: Library, home: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("app.document.library.places._is_writable", lambda folder: False)
+    monkeypatch.setattr("app.document.library.session_paths._is_writable", lambda folder: False)
     place = library.workspace / "jump.keypose" / "session.json"
     assert library.session_for(clip(home)) == place
 
@@ -424,7 +424,7 @@ def test_an_upload_that_breaks_off_leaves_nothing(library: Library) -> None:
 def test_an_upload_that_is_too_short_is_refused(library: Library) -> None:
     upload = library.upload("jump.mp4", 8)
     upload.write(b"half")
-    with pytest.raises(KeyposeError, match="whole"):
+    with pytest.raises(KeyposeError, match="not copied completely"):
         upload.finish()
     assert left_in(library.uploads) == []
 
@@ -452,14 +452,14 @@ def test_an_upload_of_unknown_size_is_stopped_at_the_limit(tmp_path: Path) -> No
 def test_an_upload_without_room_is_refused(
     library: Library, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("app.document.library.uploading.free_bytes", lambda folder: 300 * 2**20)
+    monkeypatch.setattr("app.document.library.uploads.free_bytes", lambda folder: 300 * 2**20)
     with pytest.raises(KeyposeError, match="no room"):
         library.upload("jump.mp4", 200 * 2**20)
 
 
 def test_what_is_no_video_is_refused(library: Library) -> None:
     for name in ("notes.txt", "session.json", "", "mp4", "jump.mp4.exe"):
-        with pytest.raises(KeyposeError, match="no video"):
+        with pytest.raises(KeyposeError, match="is not a video"):
             library.upload(name, 4)
     assert left_in(library.uploads) == []
 
@@ -478,7 +478,7 @@ def test_what_a_killed_program_left_is_swept_and_what_is_at_work_is_not(library:
 def test_an_uploads_id_leads_to_uploads_alone(library: Library, id: str) -> None:
     uploaded(library, "jump.mp4")
     (library.workspace / "recents.json").touch()
-    with pytest.raises(KeyposeError, match="not there"):
+    with pytest.raises(KeyposeError, match="no longer exists"):
         library.find("upload", id)
 
 

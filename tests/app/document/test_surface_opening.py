@@ -27,11 +27,11 @@ from tracker.storage.files import journal_path, load_session, open_video_of, sav
 from tracker.storage.fingerprints import setup_hash
 from tracker.storage.journal import Journal
 from tracker.storage.results import segment_keys
-from tracker.surface.beginning import Reading
 from tracker.surface.files import sequence
 from tracker.surface.files.ply import ply_bytes
 from tracker.surface.files.sequence import Glance, MeshSequence
 from tracker.surface.mesh import SurfaceMesh
+from tracker.surface.new_session import Reading
 from tracker.surface.picture import SurfaceVideo
 from tracker.surface.source import holds_meshes
 from tracker.video import MissingFrame

@@ -72,9 +72,8 @@ def test_the_page_shows_them(path: Path) -> None:
         ("check", "Check: box may be wrong", "box", 15),
         ("good", "Good", None, None),
     ]
-    assert sections["suggest"]["words"] == "Add a keyframe at 9."
-    assert sections["suggest"]["reason"] == "Box may be wrong, frames 7–11"
-    assert sections["suggest"]["verdict_of"] == [6, 12]
+    assert sections["suggest"]["title"] == "Add a keyframe at 9"
+    assert sections["suggest"]["detail"] == "Box may be wrong, frames 7–11"
 
 
 def test_the_commands_say_them(

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from app.editor.actions import ACTIONS
+from app.editor.shown import shown_pose
 from app.editor.state import EditorState
 from app.editor.update import update
 from app.posing import opening_pose
@@ -18,6 +20,7 @@ from tracker.storage.files import load_session
 SAMPLE = Path(__file__).resolve().parents[3] / "sample_videos" / "person" / "session.json"
 
 
+@cache  # it is never changed: every edit makes another
 def desk(*, keyframes: bool = True) -> EditorState:
     """The sample with its keyframes at 0, 24, 48 and 72, or without any."""
     session = load_session(SAMPLE)
@@ -41,6 +44,5 @@ def after(state: EditorState, *messages: dict[str, Any]) -> EditorState:
 def angles(state: EditorState, part: str) -> Array:
     """A part's angles at the present frame, degrees."""
     from app.editor.posing_edits import angles_at
-    from app.editor.shown import shown
 
-    return np.array(angles_at(state, shown(state).pose)[part])
+    return np.array(angles_at(state, shown_pose(state).pose)[part])

@@ -63,6 +63,7 @@ LENGTHS: list[tuple[dict[str, Any], str, Any, int, int]] = [
     (ANGLES, "stroke", "s", 1, 60),
     ({"do": "end_stroke"}, "stroke", "s", 1, 60),
     ({"do": "size", "part": "head", "cm": 1}, "key", "k", 0, 40),
+    ({"do": "shape", "part": "head"}, "kind", "k", 0, 40),
     ({"do": "change_mask", "index": 0}, "note", "n", 0, 200),
     ({"do": "add_mask", "first": 0, "last": 1}, "polygon", [[0, 0]], 3, 500),
     ({"do": "tracked", "part": "head"}, "dofs", ["rx"], 0, 6),

@@ -27,6 +27,7 @@ NUMBERS = st.one_of(
 )
 SPOTS = st.tuples(NUMBERS, NUMBERS)
 PARTS = st.sampled_from(["hips", "chest", "head", "left_thigh", "left_forearm", "right_hand"])
+KINDS = ["cylinder", "capsule", "frustum", "box", "egg"]
 KEYS = st.sampled_from(["length", "radius", "start_radius", "end_width", "start_depth", "whole"])
 FRAMES = st.integers(0, 80)
 
@@ -48,6 +49,7 @@ EDITS = st.one_of(
     _action("distortion", **{name: NUMBERS for name in ("k1", "k2", "p1", "p2", "k3")}),
     st.fixed_dictionaries({"do": st.just("vertical"), "a": SPOTS, "b": SPOTS}),
     st.fixed_dictionaries({"do": st.just("size"), "part": PARTS, "key": KEYS, "cm": NUMBERS}),
+    st.fixed_dictionaries({"do": st.just("shape"), "part": PARTS, "kind": st.sampled_from(KINDS)}),
     st.fixed_dictionaries({"do": st.just("joint"), "part": PARTS}, optional=XYZ),
     st.fixed_dictionaries({"do": st.just("height"), "cm": NUMBERS}),
     _action("root", **XYZ),

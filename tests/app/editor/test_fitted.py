@@ -10,7 +10,7 @@ import pytest
 from app.editor.body_edits import with_body
 from app.editor.fitted import pose_to_fit, require_sizes_to_fit, with_pose_fitted, with_sizes_fitted
 from app.editor.refusal import Refused
-from app.editor.shown import shown
+from app.editor.shown import shown_pose
 from app.editor.state import EditorState
 from app.posing import with_height
 from tests.app.editor.desk import after, desk
@@ -31,8 +31,8 @@ def test_a_fitted_keyframe_is_one_step_and_undo_is_exact() -> None:
     pose = nudged(pose_to_fit(before))
     done = with_pose_fitted(before, 24, pose)
     assert done.keys == before.keys
-    assert shown(done).source == "keyframe"
-    np.testing.assert_allclose(shown(done).pose.p_camera_root, pose.p_camera_root)
+    assert shown_pose(done).source == "keyframe"
+    np.testing.assert_allclose(shown_pose(done).pose.p_camera_root, pose.p_camera_root)
     assert done.history.past[-1].label == "fit the pose"
     undone = after(done, BACK)
     assert undone.doc is before.doc
@@ -42,27 +42,29 @@ def test_a_fitted_keyframe_is_one_step_and_undo_is_exact() -> None:
 def test_a_pose_fitted_between_keyframes_is_a_draft_and_k_keeps_it() -> None:
     before = after(desk(), {"do": "go", "frame": 10})
     done = with_pose_fitted(before, 10, nudged(pose_to_fit(before)))
-    assert shown(done).source == "draft"
+    assert shown_pose(done).source == "draft"
     kept = after(done, {"do": "add_key", "frame": 10})
     assert 10 in kept.keys
-    np.testing.assert_allclose(shown(kept).pose.p_camera_root, shown(done).pose.p_camera_root)
+    np.testing.assert_allclose(
+        shown_pose(kept).pose.p_camera_root, shown_pose(done).pose.p_camera_root
+    )
 
 
 def test_a_pose_is_fitted_where_it_was_asked_for_though_one_has_gone_on() -> None:
     there = after(desk(), {"do": "go", "frame": 24})
     elsewhere = after(there, {"do": "go", "frame": 60})
-    done = with_pose_fitted(elsewhere, 24, nudged(shown(there).pose))
+    done = with_pose_fitted(elsewhere, 24, nudged(shown_pose(there).pose))
     assert done.frame == 60
     assert after(done, BACK).frame == 24
 
 
 def test_without_a_pose_nothing_can_be_fitted() -> None:
-    with pytest.raises(Refused, match="pose the body roughly first"):
+    with pytest.raises(Refused, match="Pose the body roughly first"):
         pose_to_fit(desk(keyframes=False))
 
 
 def test_sizes_want_two_keyframes() -> None:
-    with pytest.raises(Refused, match="two keyframes or more"):
+    with pytest.raises(Refused, match="Add a second keyframe first"):
         require_sizes_to_fit(after(desk(keyframes=False), {"do": "add_key", "frame": 0}))
     require_sizes_to_fit(desk())
 

@@ -6,12 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from app.editor.shown import find, shown
+from app.editor.shown import find, shown_pose
 from app.editor.state import EditorState
 from tests.app.editor.desk import after, angles, desk
 from tracker.body.pose import Pose
-from tracker.body.trajectory import Trajectory, interpolate
-from tracker.storage.results import Results, SegmentTrack, segment_keys
+from tracker.body.trajectory import Pass, Trajectory, interpolate
+from tracker.storage.results import Results, segment_keys
+from tracker.tracking.result import SegmentResult
 
 MIDDLE = 12
 
@@ -23,7 +24,7 @@ def tracked_desk() -> EditorState:
     path = interpolate(start, end, 0, 24)
     moved = Trajectory(0, path.Rs_parent_part, path.ps_camera_root + np.array([0.1, 0, 0]))
     key = segment_keys(state.doc)[0, 24]
-    results = Results().with_track(SegmentTrack.on_the_way(key, "full", moved, 1.0))
+    results = Results().with_result(SegmentResult.on_the_way(Pass("pass", moved, 1.0), key))
     return after(replace(state, results=results), {"do": "go", "frame": MIDDLE})
 
 
@@ -35,20 +36,22 @@ def tracked_pose(state: EditorState) -> Pose:
 
 def test_at_a_frame_without_a_pose_of_its_own_the_tracked_one_stands() -> None:
     state = tracked_desk()
-    assert shown(state).source == "tracked"
-    assert shown(state).pose.p_camera_root.tolist() == tracked_pose(state).p_camera_root.tolist()
+    assert shown_pose(state).source == "tracked"
+    assert (
+        shown_pose(state).pose.p_camera_root.tolist() == tracked_pose(state).p_camera_root.tolist()
+    )
 
 
 def test_an_edit_there_begins_with_the_tracked_pose() -> None:
     state = tracked_desk()
     turned = after(state, {"do": "angles", "part": "left_forearm", "x": -50})
-    assert shown(turned).source == "draft"
+    assert shown_pose(turned).source == "draft"
     np.testing.assert_allclose(angles(turned, "left_forearm")[0], -50)
     others = [name for name in state.doc.body.names if name != "left_forearm"]
     for name in others:
         np.testing.assert_allclose(angles(turned, name), angles(state, name), atol=1e-3)
     np.testing.assert_allclose(
-        shown(turned).pose.p_camera_root, tracked_pose(state).p_camera_root, atol=1e-9
+        shown_pose(turned).pose.p_camera_root, tracked_pose(state).p_camera_root, atol=1e-9
     )
 
 
@@ -57,7 +60,7 @@ def test_a_drag_of_the_body_there_begins_with_the_tracked_pose() -> None:
     before = tracked_pose(state).p_camera_root
     grip = {"do": "drag", "view": "main", "handle": {"kind": "root"}, "stroke": "d"}
     held = after(state, {**grip, "from": [300, 200], "at": [310, 200]})
-    x, y, z = shown(held).pose.p_camera_root - before
+    x, y, z = shown_pose(held).pose.p_camera_root - before
     assert x > 0.01
     np.testing.assert_allclose([y, z], 0, atol=1e-6)
 
@@ -65,7 +68,7 @@ def test_a_drag_of_the_body_there_begins_with_the_tracked_pose() -> None:
 def test_k_keeps_the_tracked_pose() -> None:
     state = tracked_desk()
     kept = after(state, {"do": "add_key", "frame": MIDDLE})
-    assert shown(kept).source == "keyframe"
+    assert shown_pose(kept).source == "keyframe"
     np.testing.assert_allclose(
-        shown(kept).pose.p_camera_root, tracked_pose(state).p_camera_root, atol=1e-9
+        shown_pose(kept).pose.p_camera_root, tracked_pose(state).p_camera_root, atol=1e-9
     )

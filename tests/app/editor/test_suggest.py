@@ -8,35 +8,36 @@ from typing import Any
 
 import numpy as np
 
-from app.editor.suggest import middle, suggestion
+from app.editor.suggest import WHERE_WRONG, middle, suggestion
 from tests.app.results_cases import judged, passing, session
 from tracker.body.trajectory import Trajectory
 from tracker.geometry.rotations import rotation_from_euler
 from tracker.session.verdict import GOOD, Cause, Verdict
-from tracker.storage.results import SegmentTrack, Span
+from tracker.storage.results import Span
+from tracker.tracking.result import SegmentResult
 
 KEYS = (0, 24, 48, 72)
 PARTS = ("chest", "left_hand")
 
 
-def good(first: int, last: int) -> SegmentTrack:
+def good(first: int, last: int) -> SegmentResult:
     return judged(first, last)
 
 
-def fitting(*others: SegmentTrack, keys: tuple[int, ...] = KEYS) -> dict[Span, SegmentTrack]:
+def fitting(*others: SegmentResult, keys: tuple[int, ...] = KEYS) -> dict[Span, SegmentResult]:
     """All good but for these."""
     return {span: good(*span) for span in pairwise(keys)} | {t.span: t for t in others}
 
 
 def test_without_keyframes_the_first_pose_is_asked_for() -> None:
     found = suggestion((), 73, {})
-    assert found.words == "Pose this frame, then press K. Two keyframes make the first segment."
+    assert found.title == "Pose this frame, then press K"
     assert (found.kind, found.frame) == ("pose", None)
 
 
 def test_with_one_keyframe_another_about_a_second_away_is_asked_for() -> None:
     assert suggestion((0,), 73, {}).frame == 24
-    assert suggestion((0,), 73, {}).words == "Pose frame 24 next, then press K."
+    assert suggestion((0,), 73, {}).title == "Pose frame 24, then press K"
     assert suggestion((60,), 73, {}).frame == 72
     assert suggestion((70,), 73, {}).frame == 46
     assert suggestion((0,), 6, {}).frame == 5
@@ -45,9 +46,9 @@ def test_with_one_keyframe_another_about_a_second_away_is_asked_for() -> None:
 
 def test_what_is_not_tracked_is_to_be_tracked() -> None:
     found = suggestion(KEYS, 73, {(0, 24): good(0, 24)})
-    assert (found.kind, found.words, found.frame) == ("track", "Track next.", None)
-    assert found.reason == "24–48 and 48–72 not tracked as posed now"
-    assert suggestion(KEYS, 73, {}).reason == "0–24, 24–48 and 1 more not tracked as posed now"
+    assert (found.kind, found.title, found.frame) == ("track", "2 segments need tracking", None)
+    assert found.detail == "Frames 24–48 and 48–72"
+    assert suggestion(KEYS, 73, {}).detail == "Frames 0–24, 24–48 and 1 more"
 
 
 def test_a_trajectory_on_the_way_does_not_count_as_tracked() -> None:
@@ -59,8 +60,8 @@ def test_what_is_lost_comes_first_with_the_frame_where_a_key_helps() -> None:
     lost = judged(48, 72, Verdict.not_followed(57))
     check = judged(0, 24, Verdict.check("not_seen", (3, 9), "left_hand"))
     found = suggestion(KEYS, 73, fitting(lost, check))
-    assert (found.kind, found.frame, found.words) == ("key", 57, "Add a keyframe at 57.")
-    assert found.reason == "Forward and backward differ in 48–72"
+    assert (found.kind, found.frame, found.title) == ("key", 57, "Add a keyframe at 57")
+    assert found.detail == "Forward and backward differ in 48–72"
     del (some := fitting(lost, check))[24, 48]
     assert suggestion(KEYS, 73, some).frame == 57
 
@@ -69,22 +70,22 @@ def test_frames_that_are_damaged_in_the_video_are_the_reason_for_a_key_among_the
     check = judged(24, 48, Verdict.check("damaged", (31, 40)))
     found = suggestion(KEYS, 73, fitting(check))
     assert (found.kind, found.frame) == ("key", 36)
-    assert found.reason == "Frames 31–40 are damaged in the video"
+    assert found.detail == "Frames 31–40 are damaged in the video"
 
 
 def test_what_is_hidden_where_tracking_was_lost_is_named() -> None:
     seen = np.full((24, 2), 0.9)
     seen[4:14, 1] = 0.05
     lost = judged(48, 72, Verdict.not_followed(57), seen)
-    assert suggestion(KEYS, 73, fitting(lost), PARTS).reason == "Left hand hidden, frames 53–62"
+    assert suggestion(KEYS, 73, fitting(lost), PARTS).detail == "Left hand hidden, frames 53–62"
 
 
 def test_of_what_is_to_be_checked_the_longest_stretch_comes_first() -> None:
     short = judged(0, 24, Verdict.check("not_seen", (3, 9), "chest"))
     long = judged(24, 48, Verdict.check("not_seen", (26, 41), "left_hand"))
     found = suggestion(KEYS, 73, fitting(short, long))
-    assert (found.frame, found.words) == (34, "Add a keyframe at 34.")
-    assert found.reason == "Left hand hidden, frames 26–41"
+    assert (found.frame, found.title) == (34, "Add a keyframe at 34")
+    assert found.detail == "Left hand hidden, frames 26–41"
     assert found.kind == "key"
 
 
@@ -102,11 +103,11 @@ def test_keyframes_that_are_wrong_themselves_are_to_be_looked_at() -> None:
     lost = judged(3, 4, Verdict.contradiction(3, 4))
     found = suggestion((3, 4), 9, {(3, 4): lost})
     assert (found.kind, found.frame) == ("look", 3)
-    assert found.words == "Look at key 3 again."
-    assert found.reason == "Keys 3 and 4 contradict each other"
+    assert found.title == "Check keyframe 3"
+    assert found.detail == "Keys 3 and 4 contradict each other"
     found = suggestion((0, 24), 73, {(0, 24): judged(0, 24, Verdict.nothing_seen(0, 24))})
     assert (found.frame, found.kind) == (0, "look")
-    assert found.reason == "Nothing of the body is seen: check keys, camera and masks"
+    assert found.detail == "Nothing of the body is seen: check keys, camera and masks"
 
 
 def test_in_a_short_interval_there_is_nothing_to_do_but_look() -> None:
@@ -116,7 +117,7 @@ def test_in_a_short_interval_there_is_nothing_to_do_but_look() -> None:
         check = judged(10, 14, Verdict.check(cause, (11, 13), "left_forearm"))
         found = suggestion(keys, 25, fitting(check, keys=keys))
         assert (found.kind, found.frame) == ("look", 12)
-        assert found.words == "Look at frame 12 and go on."
+        assert found.title == "Check frame 12 and move on"
     keys = (0, 10, 15, 24)
     check = judged(10, 15, Verdict.check("uncertain", (11, 14), "left_forearm"))
     assert suggestion(keys, 25, fitting(check, keys=keys)).kind == "key"
@@ -128,7 +129,7 @@ def test_where_a_part_is_hidden_no_keyframe_is_asked_for_in_a_short_interval() -
         check = judged(10, 10 + length, Verdict.check("not_seen", (12, 8 + length), "left_shin"))
         found = suggestion(keys, 30, fitting(check, keys=keys))
         assert found.kind == kind
-        assert found.reason == f"Left shin hidden, frames 12–{8 + length}"
+        assert found.detail == f"Left shin hidden, frames 12–{8 + length}"
 
 
 def test_halving_where_a_keyframe_was_asked_for_comes_to_an_end() -> None:
@@ -154,35 +155,36 @@ def test_what_a_keyframe_can_mend_comes_before_what_is_only_to_be_looked_at() ->
     found = suggestion(keys, 29, fitting(short, long, keys=keys))
     assert (found.kind, found.frame) == ("key", 11)
     assert suggestion(keys, 29, {(0, 4): short}).kind == "track"
-    assert suggestion(keys, 29, fitting(short, keys=keys)).words == "Look at frame 2 and go on."
+    assert suggestion(keys, 29, fitting(short, keys=keys)).title == "Check frame 2 and move on"
 
 
 def test_good_but_long_intervals_are_divided() -> None:
     keys = (0, 48, 60)
     found = suggestion(keys, 61, fitting(keys=keys))
-    assert (found.frame, found.reason) == (24, "Longest interval, 48 frames")
+    assert (found.frame, found.detail) == (24, "Longest interval, 48 frames")
 
 
 def test_when_all_is_good_nothing_is_asked_for() -> None:
     found = suggestion(KEYS, 73, fitting())
-    assert found.words == "All Good. Add a key only where you disagree."
-    assert (found.kind, found.frame, found.reason) == ("good", None, "")
-    assert suggestion(KEYS, 100, fitting()).reason == "73–99 outside the keyframes"
+    assert found.title == "All good"
+    assert (found.kind, found.frame, found.detail) == ("good", None, WHERE_WRONG)
+    assert suggestion(KEYS, 100, fitting()).detail == f"{WHERE_WRONG}. Outside the keyframes: 73–99"
 
 
 def needing(first: int, last: int, per_frame_px: float, at: int, verdict: Verdict = GOOD) -> Any:
     """A segment where the keyframe `at` is expected to mend so much in the mean."""
     gains = np.zeros(last - first + 1)
     gains[at - first] = per_frame_px * (last - first)
-    return replace(judged(first, last, verdict), need=gains)
+    found = judged(first, last, verdict)
+    return replace(found, diagnostics=replace(found.diagnostics, expected_gain=gains))
 
 
 def test_the_keyframe_that_is_expected_to_mend_most_is_asked_for() -> None:
     found = suggestion(
         KEYS, 73, fitting(needing(0, 24, 2, 9), needing(24, 48, 5, 37), needing(48, 72, 1, 50))
     )
-    assert (found.kind, found.frame, found.words) == ("key", 37, "Add a keyframe at 37.")
-    assert found.reason == "Most drift in 24–48"
+    assert (found.kind, found.frame, found.title) == ("key", 37, "Add a keyframe at 37")
+    assert found.detail == "Most drift in 24–48"
 
 
 def test_what_seems_wrong_right_beside_a_keyframe_is_the_keyframes_own_error() -> None:
@@ -200,7 +202,7 @@ def test_more_is_mended_in_a_longer_segment() -> None:
 def test_a_long_segment_that_is_expected_to_be_right_is_left_alone() -> None:
     keys = (0, 180)
     found = suggestion(keys, 181, fitting(needing(0, 180, 0.2, 90), keys=keys))
-    assert found.words == "All Good. Add a key only where you disagree."
+    assert found.title == "All good"
 
 
 def test_where_a_verdict_says_why_the_reason_is_the_verdicts() -> None:
@@ -209,17 +211,17 @@ def test_where_a_verdict_says_why_the_reason_is_the_verdicts() -> None:
         KEYS, 73,
         fitting(needing(0, 24, 0.1, 9), needing(24, 48, 5, 37, hidden), needing(48, 72, 1, 50)),
     )  # fmt: skip
-    assert (found.frame, found.reason) == (37, "Left hand hidden, frames 26–41")
+    assert (found.frame, found.detail) == (37, "Left hand hidden, frames 26–41")
 
 
 def test_a_verdict_about_other_frames_is_no_reason() -> None:
     hidden = Verdict.check("not_seen", (26, 31), "left_hand")
     some = fitting(needing(24, 48, 5, 40, hidden), needing(0, 24, 0, 9), needing(48, 72, 0, 60))
-    assert suggestion(KEYS, 73, some).reason == "Most drift in 24–48"
+    assert suggestion(KEYS, 73, some).detail == "Most drift in 24–48"
     keys = (0, 24, 60)
     some = fitting(needing(0, 24, 5, 20, Verdict.check("uncertain", (2, 9), "chest")),
                    needing(24, 60, 0, 40), keys=keys)  # fmt: skip
-    assert suggestion(keys, 61, some).reason == "Most drift in 0–24"
+    assert suggestion(keys, 61, some).detail == "Most drift in 0–24"
 
 
 def test_what_is_hidden_is_only_to_be_looked_at_where_a_keyframe_would_mend_little() -> None:
@@ -256,7 +258,7 @@ def test_fast_motion_is_named_where_it_stands_out() -> None:
     Rs[:, 1] = [rotation_from_euler(0.0, 0.0, angle) for angle in angles]
     quick = replace(quick, trajectory=Trajectory(24, Rs, np.ones((25, 3))))
     found = suggestion(KEYS, 73, fitting(needing(0, 24, 0, 9), quick, needing(48, 72, 0, 60)))
-    assert found.reason == "Fast motion 34–39"
+    assert found.detail == "Fast motion 34–39"
 
 
 def test_asking_for_what_is_expected_to_be_mended_comes_to_an_end() -> None:

@@ -13,7 +13,7 @@ from pydantic import ValidationError
 
 from app.editor.actions import ACTIONS
 from app.editor.refusal import Refused
-from app.editor.shown import shown
+from app.editor.shown import shown_pose
 from tests.app.editor.desk import after, angles, desk
 from tracker.body.pose import Pose
 from tracker.errors import KeyposeError
@@ -34,6 +34,7 @@ EDITS: list[dict[str, Any]] = [
     {"do": "duplicate_key", "frame": 24, "to": 31},
     {"do": "key_angle", "frame": 48, "part": "head", "axis": "x", "deg": 12},
     {"do": "copy_key", "from_frame": 48},
+    {"do": "shape", "part": "left_thigh", "kind": "capsule"},
     {"do": "size", "part": "left_thigh", "key": "length", "cm": 40},
     {"do": "joint", "part": "head", "y": -12},
     {"do": "height", "cm": 150},
@@ -68,7 +69,7 @@ def test_a_pose_set_where_no_keyframe_is_becomes_a_draft_and_k_makes_it_a_keyfra
     state = after(desk(), {"do": "go", "frame": 12}, TURN)
     assert [d.frame for d in state.doc.drafts] == [12]
     assert state.keys == (0, 24, 48, 72)
-    assert shown(state).source == "draft"
+    assert shown_pose(state).source == "draft"
     keyed = after(state, {"do": "add_key", "frame": 12})
     assert keyed.keys == (0, 12, 24, 48, 72)
     assert keyed.doc.drafts == ()
@@ -121,13 +122,13 @@ def test_of_two_gestures_at_once_the_one_that_began_last_goes_on() -> None:
     first, second = {**TURN, "stroke": "one"}, {"do": "root", "x": 0.3, "stroke": "two"}
     state = after(desk(), first, second, {**first, "x": -80}, {**second, "x": 0.4})
     np.testing.assert_allclose(angles(state, "left_forearm")[0], -40, atol=1e-6)
-    assert shown(state).pose.p_camera_root[0] == pytest.approx(0.4)
+    assert shown_pose(state).pose.p_camera_root[0] == pytest.approx(0.4)
     assert after(state, {"do": "end_stroke", "stroke": "two"}, {"do": "undo"}, {"do": "undo"}).doc
 
 
 def test_a_new_edit_forgets_what_could_be_done_again() -> None:
     state = after(desk(), TURN, {"do": "undo"}, {"do": "root", "x": 0.1})
-    with pytest.raises(Refused, match="nothing to redo"):
+    with pytest.raises(Refused, match="Nothing to redo"):
         after(state, {"do": "redo"})
 
 
@@ -160,10 +161,10 @@ def test_a_frame_beyond_the_end_is_the_last_one() -> None:
 @pytest.mark.parametrize(
     ("edit", "words"),
     [
-        ({"do": "move_key", "frame": 24, "to": 48}, "has a keyframe already"),
+        ({"do": "move_key", "frame": 24, "to": 48}, "is already a keyframe"),
         ({"do": "move_key", "frame": 24, "to": 400}, "frames 0 to 72"),
-        ({"do": "delete_key", "frame": 3}, "no keyframe"),
-        ({"do": "paste_pose"}, "copied"),
+        ({"do": "delete_key", "frame": 3}, "is not a keyframe"),
+        ({"do": "paste_pose"}, "Copy a pose first"),
         ({"do": "take_tracked"}, "not tracked"),
         ({"do": "angles", "part": "tail", "x": 3}, "no part 'tail'"),
         ({"do": "select", "part": "tail"}, "no part 'tail'"),
@@ -171,9 +172,9 @@ def test_a_frame_beyond_the_end_is_the_last_one() -> None:
         ({"do": "height", "cm": 0.1}, "between 1 and"),
         ({"do": "preset", "name": "centaur"}, "centaur"),
         ({"do": "vertical", "a": [5, 5], "b": [6, 6]}, "longer line"),
-        ({"do": "delete_mask", "index": 0}, "does not exist"),
+        ({"do": "delete_mask", "index": 0}, "no longer exists"),
         ({"do": "camera", "fx": -1}, "fx"),
-        ({"do": "undo"}, "nothing to undo"),
+        ({"do": "undo"}, "Nothing to undo"),
     ],
     ids=lambda value: value["do"] if isinstance(value, dict) else "",
 )
@@ -216,13 +217,13 @@ def test_copy_and_paste_mirrored_exchanges_the_sides() -> None:
         np.testing.assert_allclose(here, there * (1, -1, -1), atol=1e-6)
     back = after(state, {"do": "copy_pose"}, {"do": "paste_pose", "mirrored": True})
     np.testing.assert_allclose(
-        shown(back).pose.Rs_parent_part, shown(desk()).pose.Rs_parent_part, atol=1e-9
+        shown_pose(back).pose.Rs_parent_part, shown_pose(desk()).pose.Rs_parent_part, atol=1e-9
     )
 
 
 def test_the_first_body_stands_whole_before_the_camera() -> None:
     state = desk(keyframes=False)
-    standing = shown(state)
+    standing = shown_pose(state)
     assert standing.source == "rest"
     uv = state.doc.camera.project(standing.pose.p_camera_root)
     assert 0 <= uv[0] < state.doc.camera.width
@@ -231,11 +232,11 @@ def test_the_first_body_stands_whole_before_the_camera() -> None:
 
 def test_between_keyframes_the_pose_is_interpolated_and_outside_held() -> None:
     state = after(desk(), {"do": "delete_key", "frame": 0}, {"do": "delete_key", "frame": 72})
-    assert shown(state, 30).source == "between"
-    assert shown(state, 3).source == "held"
-    assert shown(state, 70).source == "held"
-    first = shown(state, 24).pose.p_camera_root
-    np.testing.assert_allclose(shown(state, 3).pose.p_camera_root, first)
+    assert shown_pose(state, 30).source == "between"
+    assert shown_pose(state, 3).source == "held"
+    assert shown_pose(state, 70).source == "held"
+    first = shown_pose(state, 24).pose.p_camera_root
+    np.testing.assert_allclose(shown_pose(state, 3).pose.p_camera_root, first)
 
 
 ANY_EDIT = st.sampled_from([*EDITS, {"do": "undo"}, {"do": "redo"}, {"do": "go", "frame": 24}])
@@ -260,7 +261,7 @@ def test_a_keyframe_that_comes_to_a_drafted_frame_is_what_is_shown_there() -> No
     for do in ("move_key", "duplicate_key"):
         state = after(drafted, {"do": do, "frame": 24, "to": 12})
         assert state.doc.drafts == ()
-        assert shown(state).source == "keyframe"
+        assert shown_pose(state).source == "keyframe"
 
 
 def test_an_edit_at_a_frame_with_a_keyframe_and_a_draft_can_be_seen() -> None:
@@ -275,9 +276,9 @@ def test_a_body_of_other_parts_stands_though_nothing_is_posed_yet() -> None:
     parts = start.doc.body.parts[:1]
     one = start.doc.body.model_copy(update={"parts": parts, "mirror_pairs": ()})
     state = after(start.with_doc(start.doc.model_copy(update={"body": one})))
-    assert len(shown(state).pose.Rs_parent_part) == 1
+    assert len(shown_pose(state).pose.Rs_parent_part) == 1
     state = after(state, {"do": "preset", "name": "adult_male"}, {"do": "add_key", "frame": 0})
-    assert len(shown(state).pose.Rs_parent_part) == 16
+    assert len(shown_pose(state).pose.Rs_parent_part) == 16
 
 
 def test_a_body_behind_the_camera_is_no_keyframe_for_no_file_could_hold_it() -> None:
@@ -293,5 +294,5 @@ def test_undo_says_what_it_takes_back_as_a_person_would() -> None:
     moved = after(desk(), {"do": "drag", "handle": handle, **way})
     assert moved.history.past[-1].label == "move the body"
     assert after(desk(), {"do": "preset", "name": "adult_female"}).history.past[-1].label == (
-        "body adult female"
+        "change the body to adult female"
     )

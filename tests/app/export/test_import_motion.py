@@ -38,7 +38,8 @@ from tracker.storage.first_motion import of_session
 from tracker.storage.results import segment_keys
 from tracker.storage.tracking import track_session
 from tracker.storage.tracks import load_trajectory
-from tracker.tracking.pool import TrackFinished, TrackResult
+from tracker.tracking.pool import TrackFinished
+from tracker.tracking.result import TrackResult
 
 Floats = NDArray[np.float64]
 

@@ -13,7 +13,8 @@ import pytest
 
 from app.cli.main import main
 from app.editor.state import EditorState
-from app.export.motion_files import FORMATS, MotionFormat, motion_archive
+from app.export.motion_files import motion_archive
+from app.export.motion_formats import FORMATS, MotionFormat
 from app.posing import opening_pose
 from app.server.outputs import MOTION
 from tests.app import results_cases
@@ -118,7 +119,7 @@ def with_a_gap(path: Path) -> EditorState:
     session = load_session(path).model_copy(update={"keyframes": keyframes})
     save_session(session, path)
     ends = [results_cases.track(session, 0, 2), results_cases.track(session, 6, LAST, kind="lost")]
-    return opened(path, Results().with_track(ends[0]).with_track(ends[1]))
+    return opened(path, Results().with_result(ends[0]).with_result(ends[1]))
 
 
 @pytest.mark.parametrize("format_name", ["trc", "c3d", "csv", "npz"])
@@ -155,7 +156,7 @@ def test_formats_without_room_for_gaps_name_the_frames_by_both_doors(
 
 def test_what_is_tracked_at_one_end_is_exported_without_the_rest(path: Path) -> None:
     session = load_session(path)
-    edit = opened(path, Results().with_track(results_cases.track(session, 4, LAST)))
+    edit = opened(path, Results().with_result(results_cases.track(session, 4, LAST)))
     assert from_page("bvh", edit) == exported(path, "bvh")
     assert b"Frames: 5\n" in from_page("bvh", edit)["motion.bvh"]
     table = exported(path, "csv")["frames.csv"].decode().splitlines()[1:]
@@ -173,7 +174,7 @@ def test_without_a_motion_the_page_says_what_to_do(path: Path) -> None:
 def test_the_words_are_in_the_tables_by_both_doors(path: Path) -> None:
     session = load_session(path)
     lost = results_cases.track(session, 4, LAST, kind="lost")
-    edit = opened(path, results_cases.both(session).with_track(lost))
+    edit = opened(path, results_cases.both(session).with_result(lost))
     table = from_page("csv", edit)["frames.csv"].decode()
     assert "lost: add a keyframe near 2" in table
     assert table.encode() == exported(path, "csv")["frames.csv"]

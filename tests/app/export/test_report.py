@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -95,7 +95,7 @@ def test_a_report_tells_every_segment_and_keyframe(doubtful_path: Path) -> None:
     advice = suggestion(subject.keys, cases.FRAMES, subject.fitting, cases.body().names)
     for words in (
         "2 segments: 1 good, 1 lost.",
-        advice.words,
+        advice.title,
         "Lost. Add a keyframe at 6",
         "9 frames, 3 keyframes",
         "mean 4.0",
@@ -174,7 +174,7 @@ def test_markup_escapes_all_but_markup() -> None:
 def test_a_session_that_is_not_tracked_has_a_report(session_path: Path) -> None:
     text = read(report_of(session_path)).text
     assert "2 segments: 2 not tracked." in text
-    assert "Track next." in text
+    assert "2 segments need tracking." in text
 
 
 @pytest.mark.parametrize("keep", [0, 1])
@@ -239,9 +239,9 @@ def test_tables_say_times_from_the_keyframes_where_the_video_is_not_at_hand(
 def test_hidden_stretches_are_hatched_where_they_are(session_path: Path) -> None:
     session = load_session(session_path)
     seen = cases.segment(0, 4)
-    observability = seen.observability.copy()
+    observability = seen.diagnostics.observability.copy()
     observability[1:3, 2:] = 0.05  # steps 1 and 2: about frames 1 to 3
-    hidden = type(seen)(**{**vars(seen), "observability": observability})
+    hidden = replace(seen, diagnostics=replace(seen.diagnostics, observability=observability))
     result = cases.result(hidden, cases.segment(4, 8))
     save_session(save_result(session, session_path, result), session_path)
     subject = subject_of(load_session(session_path), session_path)

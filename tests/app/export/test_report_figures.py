@@ -21,7 +21,13 @@ from tests.tracker import session_cases as cases
 from tracker.storage.files import load_session, open_video_of, save_session
 from tracker.storage.results import Span
 from tracker.storage.tracks import save_result
+from tracker.tracking.result import SegmentResult
 from tracker.video import MissingFrame
+
+
+def measured(found: SegmentResult, **arrays: Any) -> SegmentResult:
+    """The same with other diagnostics."""
+    return replace(found, diagnostics=replace(found.diagnostics, **arrays))
 
 
 def tiles_of(subject: Subject) -> list[tuple[str, str]]:
@@ -44,13 +50,13 @@ def test_tiles_count_verdicts_and_keyframes_and_tell_interval_and_lowest_rank(
 ) -> None:
     subject = tracked(session_path, "good", "lost")
     first, last = subject.fitting[0, 4], subject.fitting[4, 8]
-    low = replace(last, rank=np.array([8, -1, 5, 6]))  # −1: not known
+    low = measured(last, rank=np.array([8, -1, 5, 6]))  # −1: not known
     assert tiles_of(replace(subject, fitting={(0, 4): first, (4, 8): low})) == [
         ("1", "Good"),
         ("1", "Lost"),
         ("3", "keyframes"),
         ("4.0", "frames between keyframes"),
-        ("5/8", "lowest rank"),
+        ("5/8", "joint motions visible at the worst frame"),
     ]
 
 
@@ -75,8 +81,11 @@ def test_there_is_an_interval_from_two_keyframes_on(
 @pytest.mark.parametrize("rank", [0, 1])
 def test_a_step_of_which_nothing_is_seen_is_the_lowest_rank(session_path: Path, rank: int) -> None:
     subject = tracked(session_path, "good", "good")
-    blind = replace(subject.fitting[0, 4], rank=np.array([8, rank, 8, 8]))
-    assert tiles_of(replace(subject, fitting={(0, 4): blind}))[-1] == (f"{rank}/8", "lowest rank")
+    blind = measured(subject.fitting[0, 4], rank=np.array([8, rank, 8, 8]))
+    assert tiles_of(replace(subject, fitting={(0, 4): blind}))[-1] == (
+        f"{rank}/8",
+        "joint motions visible at the worst frame",
+    )
 
 
 def captions(page: Html) -> list[str]:
@@ -168,8 +177,8 @@ def hatched(observability: list[float], path: Path) -> list[tuple[str, str]]:
     """Place and title of the hatching for one segment that is seen so, step by step."""
     subject = tracked(path, "good", "good")
     values = np.tile(np.array(observability)[:, None], (1, cases.SKELETON.part_count))
-    first = replace(subject.fitting[0, 4], observability=values[:4])
-    last = replace(subject.fitting[4, 8], observability=values[4:])
+    first = measured(subject.fitting[0, 4], observability=values[:4])
+    last = measured(subject.fitting[4, 8], observability=values[4:])
     page = over_time(replace(subject, fitting={(0, 4): first, (4, 8): last}))
     row = page.split('class="row lanerow"')[1]
     return re.findall(r'<i class="hidden" style="(.*?)" title="Hidden (.*?)"', row)

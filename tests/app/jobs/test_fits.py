@@ -47,7 +47,7 @@ class Bench:
 class Found:
     pose: Pose = POSE
     way: str = "neighbours"
-    words: str = "Right forearm moved 6 px."
+    message: str = "Right forearm moved 6 px."
     body: Any = SESSION.body
     camera: Any = SESSION.camera
     keyposes: Any = None
@@ -59,7 +59,7 @@ def fits(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[..., Any]], None
     """Both fits replaced."""
 
     def replaced(fit: Callable[..., Any]) -> None:
-        for place, name in (("pose", "fit_here"), ("sizes", "fit_sizes")):
+        for place, name in (("pose", "fit_pose_to_picture"), ("sizes", "fit_sizes")):
             module = ModuleType(name)
             setattr(module, name, fit)
             monkeypatch.setitem(sys.modules, f"tracker.fitting.{place}", module)
@@ -95,7 +95,7 @@ def test_a_pose_is_fitted_by_the_other_keyframes(fits: Callable[..., None]) -> N
 
 
 def test_what_the_picture_does_not_tell_is_told_as_such(fits: Callable[..., None]) -> None:
-    fits(lambda *_, **__: Found(way="nothing", words="Nothing is seen."))
+    fits(lambda *_, **__: Found(way="nothing", message="Nothing is seen."))
     report = told(PoseOrder(CONTENT, "v.mp4", 4, POSE))
     assert isinstance(report, PoseFitted)
     assert not report.found

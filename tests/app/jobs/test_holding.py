@@ -7,7 +7,7 @@ from threading import Thread
 import pytest
 
 from app.jobs import PassFinished, Ready, worker
-from app.jobs.messages import Cancel, Hold, Report
+from app.jobs.messages import Cancel, Pause, Report
 from app.jobs.worker import Worker
 
 
@@ -23,19 +23,19 @@ def _pass() -> PassFinished:
 
 
 def _telling(desk: Worker, report: Report) -> Thread:
-    thread = Thread(target=desk._tell, args=(report,), daemon=True)
+    thread = Thread(target=desk._send, args=(report,), daemon=True)
     thread.start()
     thread.join(0.1)
     return thread
 
 
-@pytest.mark.parametrize("release", [Hold(False), Cancel(1)])
+@pytest.mark.parametrize("release", [Pause(False), Cancel(1)])
 def test_a_pass_waits_for_the_hand_and_nothing_else_does(
-    told: list[Report], monkeypatch: pytest.MonkeyPatch, release: Hold | Cancel
+    told: list[Report], monkeypatch: pytest.MonkeyPatch, release: Pause | Cancel
 ) -> None:
-    monkeypatch.setattr(worker, "LONGEST_HOLD_S", 60)
+    monkeypatch.setattr(worker, "LONGEST_PAUSE_S", 60)
     desk = Worker(None)  # type: ignore[arg-type]
-    desk._handle(Hold(True))
+    desk._handle(Pause(True))
     waiting, ready = _telling(desk, found := _pass()), Ready()
     _telling(desk, ready)
     assert told == [ready]
@@ -48,9 +48,9 @@ def test_a_pass_waits_for_the_hand_and_nothing_else_does(
 def test_a_hand_that_never_lets_go_slows_tracking_and_does_not_stop_it(
     told: list[Report], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(worker, "LONGEST_HOLD_S", 0.01)
+    monkeypatch.setattr(worker, "LONGEST_PAUSE_S", 0.01)
     desk = Worker(None)  # type: ignore[arg-type]
-    desk._handle(Hold(True))
+    desk._handle(Pause(True))
     for _ in range(3):
-        desk._tell(_pass())
+        desk._send(_pass())
     assert len(told) == 3

@@ -10,7 +10,9 @@ from app.jobs import PassFinished, Progress, SegmentFinished, Started
 from app.jobs.messages import JobFinished
 from tests.app.results_cases import session, track
 from tests.tracker import session_cases as cases
+from tracker.body.trajectory import Pass
 from tracker.session.settings import Quality
+from tracker.tracking.result import SegmentResult
 
 WANTED = ((0, 4, "a"), (4, 8, "b"))
 
@@ -21,7 +23,8 @@ def begun(*stages: Quality) -> Progress:
 
 def passed(first: int, number: int, of: int = 6, quality: Quality = "full") -> PassFinished:
     path = cases.segment(first, first + 4).trajectory
-    return PassFinished(1, first, first + 4, "a", quality, number, of, 2.0, path)
+    found = SegmentResult.on_the_way(Pass("pass", path, 2.0), "a", quality)
+    return PassFinished(1, number, of, found)
 
 
 def done(first: int, quality: Quality = "full") -> SegmentFinished:
@@ -67,7 +70,8 @@ def test_the_time_left_is_told_once_it_can_be_known() -> None:
 
 def test_other_reports_and_other_segments_change_nothing() -> None:
     assert begun().after(JobFinished(1, cancelled=False)).share == 0.0
-    other = SegmentFinished(1, track(session(), 0, 8))
+    ends = session().keyframes[::2]
+    other = SegmentFinished(1, track(session(keyframes=ends), 0, 8))
     assert begun().after(other).share == 0.0
 
 
@@ -76,7 +80,8 @@ def test_a_job_of_nothing_is_done() -> None:
 
 
 def test_what_was_done_before_says_nothing_on_how_fast_it_goes() -> None:
-    steps = replace(passed(0, 59, 100), unit="step")
+    of_surfaces = passed(0, 59, 100)
+    steps = replace(of_surfaces, result=replace(of_surfaces.result, steps=("fit",)))
     progress = begun().after(steps)
     assert progress.seconds_left(now=200.0) is None
     on = progress.after(replace(steps, number=89))

@@ -12,13 +12,13 @@ from typing import Any
 
 import pytest
 
-import app.jobs.rerun
 import sample_videos
 from app.cli.main import main
 from app.jobs import JobFailed, SegmentFinished
 from app.jobs.batch.run_one import run_task
 from app.jobs.batch.task import Task
-from app.jobs.rerun import all_segments, keep, rerun, with_settings
+from app.jobs.rerun import all_segments, rerun, save_found, with_settings
+from app.jobs.work import Job
 from tests.app.serving import Keypose, Visitor
 from tests.tracker import session_cases as cases
 from tracker.body.skeleton import Skeleton
@@ -116,17 +116,17 @@ def test_an_error_in_one_segment_is_raised_after_the_others_are_told(
 ) -> None:
     whole = Tracker.run_segment
 
-    def run_segment(tracker: Tracker, *given: Any) -> Any:
-        if tracker.spans[0][0] == 0:
+    def run_segment(tracker: Tracker, span: Any, *given: Any) -> Any:
+        if span[0] == 0:
             raise error
-        return whole(tracker, *given)
+        return whole(tracker, span, *given)
 
     monkeypatch.setattr(Tracker, "run_segment", run_segment)
     path = cases.write_session(tmp_path)
     told: list[Any] = []
     with pytest.raises(raised):
         _hear(told, path, workers)
-    assert [r.track.first for r in told if isinstance(r, SegmentFinished)] == [4]
+    assert [r.result.first for r in told if isinstance(r, SegmentFinished)] == [4]
     assert isinstance(told[-1], JobFailed)
 
 
@@ -152,13 +152,13 @@ def test_a_run_that_ends_stops_no_other_of_its_batch(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = copied(tmp_path / "job", quality="preview")
-    session, stop, run = load_session(path), Event(), app.jobs.rerun._run
+    session, stop, run = load_session(path), Event(), Job.run
 
     def ends_late(*given: Any) -> None:
         run(*given)
         time.sleep(0.3)
 
-    monkeypatch.setattr(app.jobs.rerun, "_run", ends_late)
+    monkeypatch.setattr(Job, "run", ends_late)
     with open_video_of(session, path) as video:
         list(rerun(session, path, video, all_segments(session), workers=1, stop=stop))
     assert not stop.is_set()
@@ -167,7 +167,7 @@ def test_a_run_that_ends_stops_no_other_of_its_batch(
 def test_with_nothing_found_nothing_is_written(tmp_path: Path) -> None:
     path = cases.write_session(tmp_path)
     before = path.read_bytes()
-    assert keep(load_session(path), path, ()) is None
+    assert save_found(load_session(path), path, ()) is None
     assert path.read_bytes() == before
 
 

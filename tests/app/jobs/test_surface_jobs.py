@@ -24,7 +24,7 @@ from app.jobs import (
 )
 from app.jobs.fits import Fit
 from app.jobs.messages import Order
-from app.jobs.rerun import keep
+from app.jobs.rerun import save_found
 from app.jobs.tracking import _only_needed
 from app.jobs.work import Job
 from app.jobs.worker_cache import WorkerCache
@@ -39,13 +39,14 @@ from tracker.session import Keyframe, Session
 from tracker.session.settings import Weights
 from tracker.session.verdict import Verdict
 from tracker.storage.files import load_session, open_video_of, save_session
-from tracker.storage.results import Results, SegmentTrack, load_results, save_results, segment_keys
+from tracker.storage.results import Results, load_results, save_results, segment_keys
 from tracker.storage.results import pose_at as pose_of
 from tracker.storage.tracking import track_session
 from tracker.storage.tracks import load_trajectory
 from tracker.surface.fit import segment
 from tracker.surface.fit.fitter import SurfaceFitter, options_of
 from tracker.tracking.pool import SegmentStarted, TrackFinished
+from tracker.tracking.result import SegmentResult
 from tracker.video import Video
 
 
@@ -101,20 +102,20 @@ def pose_at(frame: int) -> Pose:
 def test_the_worker_counts_steps_and_tells_a_motion_of_the_whole_segment(
     bench: WorkerCache, path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(segment, "TELL_S", 0.0)
+    monkeypatch.setattr(segment, "REPORT_S", 0.0)
     told = done(bench, path, load_session(path))
     passed = [report for report in told if isinstance(report, PassFinished)]
     assert [report.number for report in passed] == [0, 1, 2, 3]
     assert passed[0].words == "step 1 of 4"
-    assert passed[0].track.verdict is None
-    assert {len(report.trajectory) for report in passed} == {cases.STEPS}
-    assert np.isfinite(passed[0].trajectory.ps_camera_root).all()
+    assert passed[0].result.verdict is None
+    assert {len(report.result.trajectory) for report in passed} == {cases.STEPS}
+    assert np.isfinite(passed[0].result.trajectory.ps_camera_root).all()
 
 
 @pytest.fixture
 def stopped(monkeypatch: pytest.MonkeyPatch) -> Callable[[int], dict[str, Any]]:
     """What makes `done` stop after so many steps."""
-    monkeypatch.setattr(segment, "TELL_S", 0.0)
+    monkeypatch.setattr(segment, "REPORT_S", 0.0)
 
     def after(steps: int) -> dict[str, Any]:
         cancelled = Event()
@@ -128,8 +129,8 @@ def stopped(monkeypatch: pytest.MonkeyPatch) -> Callable[[int], dict[str, Any]]:
     return after
 
 
-def _tracks(told: list[Report]) -> list[SegmentTrack]:
-    return [report.track for report in told if isinstance(report, SegmentFinished)]
+def _tracks(told: list[Report]) -> list[SegmentResult]:
+    return [report.result for report in told if isinstance(report, SegmentFinished)]
 
 
 def test_a_fit_that_is_stopped_keeps_the_steps_that_are_done_and_goes_on_after_them(
@@ -141,14 +142,14 @@ def test_a_fit_that_is_stopped_keeps_the_steps_that_are_done_and_goes_on_after_t
     (part,) = _tracks(told)  # the step under way when it was stopped is done as well
     assert part.missing == 1
     assert part.verdict == Verdict.check("not_fitted", (4, 4))
-    assert Results().with_track(part).wanted(session)
+    assert Results().with_result(part).wanted(session)
     again = done(bench, path, session)
     assert [report.number for report in again if isinstance(report, PassFinished)] == [3]
     assert again[-1] == JobFinished(7, cancelled=False)
     (whole,) = _tracks(again)
     (at_once,) = _tracks(done(WorkerCache(), path, session))
     assert whole.trajectory.ps_camera_root.tobytes() == at_once.trajectory.ps_camera_root.tobytes()
-    assert whole.residual.tobytes() == at_once.residual.tobytes()
+    assert whole.diagnostics.residual.tobytes() == at_once.diagnostics.residual.tobytes()
     assert (whole.verdict, whole.missing) == (at_once.verdict, 0)
 
 
@@ -159,7 +160,7 @@ def test_what_a_stopped_fit_has_done_comes_back_from_the_disk_and_yields_to_more
     (more,) = _tracks(done(bench, path, session, **stopped(2)))
     (less,) = _tracks(done(WorkerCache(), path, session, **stopped(1)))
     assert (more.missing, less.missing) == (1, 2)
-    save_session(save_results(session, path, Results().with_track(more)), path)
+    save_session(save_results(session, path, Results().with_result(more)), path)
     session = load_session(path)
     assert session.results is not None
     (summary,) = session.results.segments
@@ -172,12 +173,12 @@ def test_what_a_stopped_fit_has_done_comes_back_from_the_disk_and_yields_to_more
     assert pose_of({(0, 4): back}, 4) is None
     assert loaded.wanted(session)
     assert loaded.states(session) == {(0, 4): "check"}
-    assert loaded.with_track(less) is loaded
-    keep(session, path, [less])
+    assert loaded.with_result(less) is loaded
+    save_found(session, path, [less])
     (kept,) = load_results(load_session(path), path).fitting(session).values()
     assert kept.missing == more.missing
     (whole,) = _tracks(done(bench, path, session))
-    assert not loaded.with_track(whole).wanted(session)
+    assert not loaded.with_result(whole).wanted(session)
 
 
 def test_meshes_stay_open_and_the_model_laid_out_while_nothing_of_it_is_another(
@@ -376,7 +377,7 @@ def test_the_page_fits_surfaces_and_speaks_of_fitting(tmp_path: Path) -> None:
         visitor.until(lambda: visitor.seen["job"]["state"] == "done", seconds=300)
         assert visitor.seen["job"]["title"] == "Fitted 0–4"
         visitor.do(do="track", what="changed")
-        assert visitor.refusal() == "Nothing has changed: every segment is fitted already."
+        assert visitor.refusal() == "All segments are fitted and up to date."
         visitor.leave()
     finally:
         code, words = keypose.end()

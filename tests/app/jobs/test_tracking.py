@@ -100,15 +100,15 @@ def test_a_job_is_told_from_warming_to_its_end_on_the_loops_own_thread(
         assert await office.ended(job) == JobFinished(job, cancelled=False)
         assert office.tracking.job is None
         assert [type(r) for r in office.told[:3]] == [Warming, Ready, Started]
-        found = [(r.track.span, r.track.quality) for r in office.of(job, SegmentFinished)]
+        found = [(r.result.span, r.result.quality) for r in office.of(job, SegmentFinished)]
         assert sorted(found) == [
             *(((0, 4), "full"), ((0, 4), "preview"), ((4, 8), "full")),
             ((4, 8), "preview"),
         ]
-        assert {r.quality for r in office.of(job, PassFinished)} == {"full"}
+        assert {r.result.quality for r in office.of(job, PassFinished)} == {"full"}
         results = Results()
         for report in office.of(job, SegmentFinished):
-            results = results.with_track(report.track)
+            results = results.with_result(report.result)
         assert list(results.fitting(of)) == [(0, 4), (4, 8)]
         assert results.wanted(of, "full") == []
         assert office.threads == {threading.get_ident()}
@@ -127,7 +127,7 @@ def test_the_result_is_the_one_the_tracker_finds_without_a_worker(
     async def visit(office: Office) -> None:
         job = office.tracking.start(of, path, wanted(of), (of.settings.quality,))
         await office.ended(job)
-        found = {r.track.first: r.track for r in office.of(job, SegmentFinished)}
+        found = {r.result.first: r.result for r in office.of(job, SegmentFinished)}
         for segment in last.result.segments:
             mine = found[segment.trajectory.first_frame]
             assert mine.trajectory.Rs_parent_part.tolist() == (

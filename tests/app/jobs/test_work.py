@@ -8,6 +8,7 @@ from pathlib import Path
 from threading import Event
 from typing import Any
 
+import numpy as np
 import pytest
 
 from app.jobs.messages import (
@@ -25,32 +26,30 @@ from tracker.body.trajectory import Pass
 from tracker.errors import SessionError, VideoError
 from tracker.session import Session
 from tracker.session.settings import Quality, TrackSettings
-from tracker.storage.results import segment_keys
+from tracker.storage.results import Span, segment_keys
 from tracker.tracking.tracker import expected_steps
 
 Work = Callable[[int, int, TrackSettings, Callable[[Pass, int], None]], None]
 
 
 class FakeBench:
-    """Its trackers call `work` with first and last frame, and then have found a segment."""
+    """Its tracker calls `work` with first and last frame, and then has found a segment."""
 
     def __init__(self, work: Work) -> None:
         self.work = work
         self.refused: set[tuple[int, int]] = set()
 
-    def tracker(
-        self, session: Session, video_path: str, first: int, last: int, folder: Path
-    ) -> Any:
-        if (first, last) in self.refused:
-            raise SessionError(f"Keyframes {first} and {last} lie too far apart.")
+    def tracker(self, session: Session, video_path: str, folder: Path) -> Any:
         bench = self
 
         class FakeTracker:
-            def expected_steps(self, index: int, settings: TrackSettings) -> int:
+            def expected_steps(self, span: Span, settings: TrackSettings) -> int:
                 return expected_steps(settings)
 
-            def run_segment(self, index: int, settings: TrackSettings, emit: Any) -> Any:
-                assert index == 0
+            def run_segment(self, span: Span, settings: TrackSettings, emit: Any) -> Any:
+                first, last = span
+                if span in bench.refused:
+                    raise SessionError(f"Keyframes {first} and {last} lie too far apart.")
                 bench.work(first, last, settings, emit)
                 return cases.segment(first, last)
 
@@ -78,7 +77,7 @@ def done(
 
 
 def finished(told: list[Report]) -> list[tuple[int, str]]:
-    return [(r.track.first, r.track.quality) for r in told if isinstance(r, SegmentFinished)]
+    return [(r.result.first, r.result.quality) for r in told if isinstance(r, SegmentFinished)]
 
 
 def test_all_segments_are_done_at_one_quality_before_the_next() -> None:
@@ -90,20 +89,20 @@ def test_all_segments_are_done_at_one_quality_before_the_next() -> None:
 
 def test_passes_are_told_but_not_those_of_a_preview() -> None:
     told = [r for r in done(FakeBench(at_ease), "preview", "full") if isinstance(r, PassFinished)]
-    assert [(r.first, r.quality, r.number) for r in told] == [
+    assert [(r.result.first, r.result.quality, r.number) for r in told] == [
         *((0, "full", 0), (0, "full", 1), (4, "full", 0)),
         (4, "full", 1),
     ]
     assert {r.of for r in told} == {expected_steps(TrackSettings())}
-    assert told[0].score == 3.0
-    assert told[1].score != told[1].score  # not judged
+    assert told[0].result.scores == (3.0,)
+    assert np.isnan(told[1].result.scores).all()  # not judged
 
 
 def test_results_carry_the_key_they_were_ordered_with() -> None:
     keys = segment_keys(cases.session().model_copy(update={"settings": TrackSettings()}))
     for report in done(FakeBench(at_ease)):
         if isinstance(report, SegmentFinished):
-            assert keys[report.track.span] == report.track.key
+            assert keys[report.result.span] == report.result.key
 
 
 def test_a_preview_keeps_to_its_own_number_of_passes() -> None:

@@ -13,7 +13,7 @@ import pytest
 from app.jobs.worker_cache import WorkerCache
 from tests.tracker import session_cases as cases
 from tracker.errors import SessionError, VideoError
-from tracker.session import IgnoreMask, Session
+from tracker.session import IgnoreMask, Session, TrackSettings
 
 Place = tuple[Session, str]
 
@@ -34,26 +34,24 @@ def test_pictures_stay_prepared_when_keyframes_or_the_body_change(
     bench: WorkerCache, place: Place
 ) -> None:
     of, video = place
-    one = bench.tracker(of, video, 0, 4)
-    clip = one.loader.load(0, 4)
+    one = bench.tracker(of, video)
+    clip = one.loader((0, 4)).load(0, 4)
     fewer = of.model_copy(update={"keyframes": of.keyframes[::2]})
     taller = of.body.with_part(of.body.parts[2].model_copy(update={"joint_m": (0.3, -0.2, 0.0)}))
-    for session, span in (
-        (of, (4, 8)), (fewer, (0, 8)), (of.model_copy(update={"body": taller}), (0, 4))
-    ):  # fmt: skip
-        other = bench.tracker(session, video, *span)
-        assert other.spans == [span]
-        assert other.loader is one.loader
+    for session in (of, fewer, of.model_copy(update={"body": taller})):
+        other = bench.tracker(session, video)
+        assert tuple(other.spans) == session.spans
+        assert other.loader((0, 4)) is one.loader((0, 4))
         assert other.skeleton.body == session.body
-    assert one.spans == [(0, 4)]
+    assert one.spans == [(0, 4), (4, 8)]
     assert one.skeleton.body == of.body
-    assert one.loader.load(0, 4) is clip
+    assert one.loader((0, 4)).load(0, 4) is clip
 
 
 def test_the_body_is_laid_out_once(bench: WorkerCache, place: Place) -> None:
     of, video = place
     again = Session.model_validate_json(of.model_dump_json())
-    one, other = bench.tracker(of, video, 0, 4), bench.tracker(again, video, 4, 8)
+    one, other = bench.tracker(of, video), bench.tracker(again, video)
     assert one.skeleton is other.skeleton
 
 
@@ -74,33 +72,33 @@ def test_pictures_are_prepared_anew_for_another_camera_mask_or_plate(
     bench: WorkerCache, place: Place, change: dict[str, Any]
 ) -> None:
     of, video = place
-    one = bench.tracker(of, video, 0, 4)
-    other = bench.tracker(of.model_copy(update=change), video, 0, 4)
-    assert other.loader is not one.loader
-    assert other.loader.video is one.loader.video
+    one = bench.tracker(of, video)
+    other = bench.tracker(of.model_copy(update=change), video)
+    assert other.loader((0, 4)) is not one.loader((0, 4))
+    assert other.loader((0, 4)).video is one.loader((0, 4)).video
 
 
 def test_another_video_at_the_same_place_is_opened(
     bench: WorkerCache, place: Place, tmp_path: Path
 ) -> None:
     of, video = place
-    one = bench.tracker(of, video, 0, 4)
+    one = bench.tracker(of, video)
     shutil.rmtree(video)
     cases.write_frames(tmp_path / "frames", brightness=50)
     os.utime(video, (1, 1))
-    other = bench.tracker(of, video, 0, 4)
-    assert other.loader.video is not one.loader.video
+    other = bench.tracker(of, video)
+    assert other.loader((0, 4)).video is not one.loader((0, 4)).video
 
 
 def test_a_video_that_is_gone_is_told_in_one_sentence(bench: WorkerCache, place: Place) -> None:
     of, video = place
-    bench.tracker(of, video, 0, 4)
+    bench.tracker(of, video)
     shutil.rmtree(video)
     with pytest.raises(VideoError, match=r"\.$"):
-        bench.tracker(of, video, 0, 4)
+        bench.tracker(of, video)
 
 
 def test_a_segment_without_its_keyframe_is_refused(bench: WorkerCache, place: Place) -> None:
     of, video = place
     with pytest.raises(SessionError, match=r"^Frame 3 has no keyframe"):
-        bench.tracker(of, video, 0, 3)
+        bench.tracker(of, video).run_segment((0, 3), TrackSettings(), lambda *_: None)

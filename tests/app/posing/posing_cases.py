@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -39,9 +40,15 @@ def sights(camera: Camera = CAMERA) -> dict[str, PointerView]:
 
 def standing(body: Body) -> Pose:
     """The body as a fresh session shows it."""
-    return opening_pose(body, CAMERA)
+    return _standing(body.model_dump_json())
 
 
+@cache
+def _standing(body: str) -> Pose:
+    return opening_pose(Body.model_validate_json(body), CAMERA)
+
+
+@cache
 def walking() -> Pose:
     """The person in the middle of a step, all limbs bent a little."""
     session = load_session(SAMPLES / "person" / "session.json")
@@ -49,6 +56,7 @@ def walking() -> Pose:
     return Pose(pose.Rs_parent_part, np.array([0.1, -0.1, 5.0]))
 
 
+@cache
 def tumbling() -> Pose:
     """The gymnast, upside down."""
     session = load_session(SAMPLES / "balance" / "session.json")

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from app.posing import (
     angles_deg,
     at_limit,
-    clamped,
+    axis_labels,
+    clamp_to_limits,
     part_angles_deg,
     part_label,
-    part_words,
     with_angles,
     with_reset,
 )
@@ -110,10 +110,10 @@ def test_the_nearest_allowed_rotation_is_nearer_than_any_other(part: str) -> Non
 
 def test_a_clamped_pose_keeps_every_limit_and_is_not_clamped_again() -> None:
     for seed in range(5):
-        held = clamped(SKELETON, bent(PERSON, seed, size=0.9))
+        held = clamp_to_limits(SKELETON, bent(PERSON, seed, size=0.9))
         for R, part in zip(held.Rs_parent_part, PERSON.parts, strict=True):
             assert is_within(R, box_of(part)), part.name
-        assert difference(clamped(SKELETON, held), held) < 1e-6
+        assert difference(clamp_to_limits(SKELETON, held), held) < 1e-6
         now = angles_deg(SKELETON, held)
         for i, part in enumerate(PERSON.parts):
             for k, name in enumerate("xyz"):
@@ -143,10 +143,10 @@ def test_elbows_and_knees_bend_one_way_only() -> None:
 
 def test_words_fit_parts_axes_and_sides() -> None:
     assert part_label("right_forearm") == "Right forearm"
-    assert part_words(PERSON, "waist") == {"x": "Lean", "y": "Turn", "z": "Tilt"}
-    assert part_words(PERSON, "left_shin") == {"x": "Bend", "y": "Twist", "z": "Side"}
-    assert part_words(PERSON, "left_hand")["z"] == "Bend"
-    assert part_words(ARMS, "left_arm") == {"x": "Bend", "y": "Twist", "z": "Side"}
+    assert axis_labels(PERSON, "waist") == {"x": "Lean", "y": "Turn", "z": "Tilt"}
+    assert axis_labels(PERSON, "left_shin") == {"x": "Bend", "y": "Twist", "z": "Side"}
+    assert axis_labels(PERSON, "left_hand")["z"] == "Bend"
+    assert axis_labels(ARMS, "left_arm") == {"x": "Bend", "y": "Twist", "z": "Side"}
 
 
 def test_limits_do_not_make_a_tracked_motion_outdated() -> None:

@@ -1,9 +1,10 @@
-"""What the page may send, and how quickly it is answered."""
+"""What the page may send, and how much work an answer is."""
 
 from __future__ import annotations
 
 import math
-import time
+import sys
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,10 @@ from tests.app.posing.posing_cases import (
 )
 from tracker.body.skeleton import Skeleton
 from tracker.errors import BodyError
+
+MOST_CALLS = 5000
+"""About two milliseconds of a usual computer. Calls are counted: a time would depend on it, and on
+what else it does."""
 
 SENT: dict[str, Any] = {
     "view": "main",
@@ -91,7 +96,7 @@ def test_names_that_the_body_does_not_have_are_refused_in_a_sentence() -> None:
             drag(PERSON, walking(), sent, sights())
 
 
-def test_a_move_of_the_pointer_is_answered_in_two_milliseconds() -> None:
+def test_a_move_of_the_pointer_is_little_work() -> None:
     pose, views, skeleton = walking(), sights(), Skeleton.of(PERSON)
     p = points(PERSON, pose)
     calls: dict[str, Any] = {}
@@ -106,17 +111,15 @@ def test_a_move_of_the_pointer_is_answered_in_two_milliseconds() -> None:
     calls["pick"] = lambda: parts_at(skeleton, pose, views["main"], (330, 170))
     calls["angles"] = lambda: (angles_deg(skeleton, pose), at_limit(skeleton, pose))
     for name, call in calls.items():
-        assert least_seconds(call) < 0.002, name
+        assert work(call) < MOST_CALLS, name
 
 
-def least_seconds(call: Any) -> float:
-    """Of this process alone, whatever else the machine does; the least of many."""
-    best = math.inf
-    for _ in range(30):
-        start = time.process_time()
-        for _ in range(5):
-            call()
-        best = min(best, (time.process_time() - start) / 5)
-        if best < 0.002:
-            break
-    return best
+def work(act: Callable[[], object]) -> int:
+    """How many functions are called meanwhile, those of C included."""
+    events: list[str] = []
+    sys.setprofile(lambda frame, event, argument: events.append(event))
+    try:
+        act()
+    finally:
+        sys.setprofile(None)
+    return sum(event in ("call", "c_call") for event in events)

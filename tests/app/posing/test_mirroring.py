@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.posing import mirrored, with_other_side
+from app.posing import mirror_pose, with_other_side
 from tests.app.posing.posing_cases import DOG, PERSON, bent, difference, points, rotations, tumbling
 from tracker.body.body import Body
 from tracker.body.skeleton import Skeleton
@@ -14,7 +14,7 @@ from tracker.body.skeleton import Skeleton
 @pytest.mark.parametrize("body", [PERSON, DOG], ids=["person", "dog"])
 def test_every_joint_goes_to_its_mirror_image_in_the_root_s_own_plane(body: Body) -> None:
     pose = bent(body, 8)
-    other = mirrored(Skeleton.of(body), pose)
+    other = mirror_pose(Skeleton.of(body), pose)
     normal = pose.Rs_parent_part[0][:, 0]
     before, after = points(body, pose), points(body, other)
     for name in body.names:
@@ -28,14 +28,14 @@ def test_every_joint_goes_to_its_mirror_image_in_the_root_s_own_plane(body: Body
 @pytest.mark.parametrize("body", [PERSON, DOG], ids=["person", "dog"])
 def test_mirrored_twice_is_the_same(body: Body) -> None:
     skeleton, pose = Skeleton.of(body), bent(body, 9)
-    assert difference(mirrored(skeleton, mirrored(skeleton, pose)), pose) == 0
-    assert difference(mirrored(skeleton, pose), pose) > 0.1
+    assert difference(mirror_pose(skeleton, mirror_pose(skeleton, pose)), pose) == 0
+    assert difference(mirror_pose(skeleton, pose), pose) > 0.1
 
 
 def test_one_part_hands_its_pose_to_the_other_side() -> None:
     skeleton, pose = Skeleton.of(PERSON), tumbling()
     one = with_other_side(skeleton, pose, "left_thigh")
-    both = mirrored(skeleton, pose)
+    both = mirror_pose(skeleton, pose)
     i = PERSON.index("right_thigh")
     np.testing.assert_array_equal(one.Rs_parent_part[i], both.Rs_parent_part[i])
     rest = [k for k in range(len(PERSON.parts)) if k != i]

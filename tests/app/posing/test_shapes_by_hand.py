@@ -6,12 +6,12 @@ import cv2
 import numpy as np
 import pytest
 
-from app.posing import drag, outline, part_sizes, parts_at, with_size
+from app.posing import drag, outline, part_sizes, parts_at, with_shape, with_size
 from tests.app.posing.posing_cases import ARMS, BOX, DOG, PERSON, gesture, points, sights
-from tests.tracker.shape_cases import SHAPES, capsules_listed, every_shape, pair_of
+from tests.tracker.shape_cases import SHAPES, every_shape, pair_of
 from tracker.body.body import Body
 from tracker.body.pose import Pose
-from tracker.body.shapes import Solid
+from tracker.body.shapes import KINDS, Solid
 from tracker.body.skeleton import Skeleton
 from tracker.errors import BodyError
 
@@ -33,7 +33,6 @@ def dragged(body: Body, part: str, key: str, start: np.ndarray, way_m: np.ndarra
 
 
 @every_shape
-@capsules_listed()
 def test_the_handle_of_a_length_takes_the_end_along_with_the_pointer(shape: Solid) -> None:
     body = pair_of(shape)
     (length, *_) = shape.sizes()
@@ -48,7 +47,6 @@ def test_the_handle_of_a_length_takes_the_end_along_with_the_pointer(shape: Soli
 
 
 @every_shape
-@capsules_listed()
 def test_every_other_handle_takes_its_side_of_the_surface_along(shape: Solid) -> None:
     body = pair_of(shape)
     joint = points(body, before_the_camera(body))["left_limb"]
@@ -62,7 +60,6 @@ def test_every_other_handle_takes_its_side_of_the_surface_along(shape: Solid) ->
 
 
 @every_shape
-@capsules_listed()
 def test_landmarks_at_its_end_stay_there_whatever_size_is_set(shape: Solid) -> None:
     body = pair_of(shape)
     for size in part_sizes(body, "left_limb"):
@@ -72,7 +69,6 @@ def test_landmarks_at_its_end_stay_there_whatever_size_is_set(shape: Solid) -> N
 
 
 @every_shape
-@capsules_listed()
 def test_it_is_picked_where_its_outline_says(shape: Solid) -> None:
     body = pair_of(shape)
     skeleton, pose = Skeleton.of(body), before_the_camera(body)
@@ -85,6 +81,31 @@ def test_it_is_picked_where_its_outline_says(shape: Solid) -> None:
             if abs(side) > 1e-3 * np.abs(high - low).max():
                 found = "left_limb" in parts_at(skeleton, pose, sight, at)
                 assert found == (side > 0), view
+
+
+@every_shape
+@pytest.mark.parametrize("kind", KINDS)
+def test_another_shape_is_chosen_for_both_sides_and_joints_stay(shape: Solid, kind: str) -> None:
+    body = pair_of(shape)
+    changed = with_shape(body, "left_limb", kind)
+    assert [part.shape.kind for part in changed.parts] == [shape.kind, kind, kind]
+    assert [part.joint_m for part in changed.parts] == [part.joint_m for part in body.parts]
+    assert with_shape(body, "left_limb", shape.kind) == body
+    alone = with_shape(body, "left_limb", kind, linked=False)
+    assert [part.shape.kind for part in alone.parts] == [shape.kind, kind, shape.kind]
+
+
+def test_every_part_of_the_bodies_there_are_takes_every_shape() -> None:
+    for body in (PERSON, DOG, ARMS, BOX):
+        for kind in KINDS:
+            for part in body.names:
+                body = with_shape(body, part, kind)
+            assert {part.shape.kind for part in body.parts} == {kind}
+
+
+def test_a_shape_that_there_is_not_is_refused_by_name() -> None:
+    with pytest.raises(BodyError, match="There is no shape 'egg'; the shapes are cylinder"):
+        with_shape(PERSON, "head", "egg")
 
 
 @pytest.mark.parametrize("body", [PERSON, DOG, ARMS, BOX], ids=lambda body: body.name)

@@ -10,7 +10,7 @@ from app.editor import actions as do
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.editor.update import update
-from app.posing import opening_pose, sides_swapped
+from app.posing import opening_pose, swap_left_right
 from tests.tracker.formats import recordings
 from tracker.body.pose import Pose, joint_names, pose_transforms
 from tracker.body.skeleton import Skeleton
@@ -46,7 +46,7 @@ def test_the_left_limbs_are_seen_where_the_right_ones_were(frame: int) -> None:
     skeleton = Skeleton.of(session.body)
     pose = next(k for k in session.keyframes if k.frame == frame).pose(skeleton)
     before = _seen(session, pose)
-    after = _seen(session, sides_swapped(skeleton, session.camera, pose))
+    after = _seen(session, swap_left_right(skeleton, session.camera, pose))
     away = [np.linalg.norm(after[_other(name)] - uv) for name, uv in before.items()]
     stayed = [np.linalg.norm(after[name] - uv) for name, uv in before.items()]
     assert np.mean(away) < 1.5
@@ -57,7 +57,7 @@ def test_a_really_filmed_man_is_turned_around_at_about_his_distance() -> None:
     session = recordings.session("balance")
     skeleton = Skeleton.of(session.body)
     pose = session.keyframes[0].pose(skeleton)
-    found = sides_swapped(skeleton, session.camera, pose)
+    found = swap_left_right(skeleton, session.camera, pose)
     assert found.p_camera_root[2] == pytest.approx(pose.p_camera_root[2], rel=0.1)
     before, after = _seen(session, pose), _seen(session, found)
     assert np.mean([np.linalg.norm(after[_other(n)] - uv) for n, uv in before.items()]) < 8.0

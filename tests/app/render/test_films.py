@@ -17,7 +17,7 @@ from app.cli.main import main
 from app.render import films
 from app.render.films import Film, film_pictures, film_size
 from app.render.palette import Picture
-from app.render.pictures import FourPlaces
+from app.render.pictures import FourViewLayout
 from app.render.poses import KnownPoses
 from app.render.snapshots import Look, snapshot
 from app.render.studio import Studio
@@ -192,7 +192,7 @@ def _places(view: str) -> list[tuple[slice, slice]]:
     if view != "all":
         return [(slice(None), slice(None))]
     studio = Studio.of(cases.session(), cases.SKELETON)
-    four = FourPlaces.of(studio.camera, studio.height_of_four((320, 160)))
+    four = FourViewLayout.of(studio.camera, studio.height_of_four((320, 160)))
     top, left = (160 - four.main[1]) // 2, (320 - four.width) // 2 + four.main[0] + four.gap
     places = []
     for width, height in four.small:

@@ -19,7 +19,7 @@ from app.cli.main import main
 from app.render.films import Film, film_pictures
 from app.render.form import form_of
 from app.render.palette import Picture
-from app.render.pictures import FourPlaces, Framing, middle, parallel_view, posed_points
+from app.render.pictures import FourViewLayout, Framing, middle, parallel_view, posed_points
 from app.render.poses import KnownPoses
 from app.render.snapshots import Look, snapshot
 from app.render.stills import Still, still
@@ -35,8 +35,8 @@ from tracker.body.raster import raster
 from tracker.geometry.rotations import Array, apply_transform
 from tracker.geometry.view import ViewCamera, ViewName
 from tracker.session import Session
+from tracker.storage.evidence import surfaces_of
 from tracker.storage.files import load_session, open_video_of
-from tracker.storage.tracking import surfaces_of
 from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.painting import CLAY
 from tracker.video import Video
@@ -121,7 +121,7 @@ def test_the_surface_is_seen_from_the_side_where_its_vertices_project(
 ) -> None:
     alone = snapshot(session, None, FRAME, posed(poses), Look(view))
     both = snapshot(session, video, FRAME, posed(poses), Look(view))
-    eye, mesh = eye_of(view, session, poses), surfaces_of(video).shape(FRAME)
+    eye, mesh = eye_of(view, session, poses), surfaces_of(video).steps.shape(FRAME)
     changed = (alone != both).any(axis=2)
     require_surface_at(changed, covered(mesh, eye), body_in(poses, eye))
 
@@ -140,7 +140,7 @@ def test_the_surface_is_seen_from_any_viewpoint_where_its_vertices_project(
     )
     changed = (alone != both).any(axis=2)
     require_surface_at(
-        changed, covered(surfaces_of(video).shape(FRAME), view), body_in(poses, view)
+        changed, covered(surfaces_of(video).steps.shape(FRAME), view), body_in(poses, view)
     )
 
 
@@ -170,7 +170,7 @@ def test_all_four_views_show_the_surface_and_the_cameras_own_is_as_it_was(
 ) -> None:
     look = Look("all")
     both = snapshot(session, video, FRAME, posed(poses), look)
-    places = FourPlaces.of(session.camera, session.camera.height)
+    places = FourViewLayout.of(session.camera, session.camera.height)
     main_alone = snapshot(session, video, FRAME, posed(poses), Look("main"))
     plate = 60  # where the frame's number is written
     width = places.main[0]

@@ -11,11 +11,11 @@ import trimesh
 
 from app.scene.figure import LIFT_M, WIRES, Outline, part_mesh, rim_lines, wire_lines
 from app.scene.scene import Scenery, Stage
-from tests.tracker.shape_cases import SHAPES, Capsule, capsules_listed, every_shape, pair_of
+from tests.tracker.shape_cases import SHAPES, every_shape, pair_of
 from tracker.body.body import Body, Part
 from tracker.body.pose import Pose, pose_transforms
 from tracker.body.raster import BodyMesh, raster
-from tracker.body.shapes import SIDES, Solid
+from tracker.body.shapes import SIDES, Capsule, Solid
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import exp_rotation, transform
@@ -68,7 +68,6 @@ def test_lines_lie_just_off_the_surface(shape: Solid) -> None:
 
 @every_shape
 @pytest.mark.parametrize("turn", TURNS)
-@capsules_listed()
 def test_outlines_and_rims_close_around_what_the_picture_fills(
     shape: Solid, turn: tuple[float, ...]
 ) -> None:
@@ -87,7 +86,6 @@ def test_outlines_and_rims_close_around_what_the_picture_fills(
 
 
 @pytest.mark.parametrize("turn", TURNS)
-@capsules_listed()
 def test_the_outline_of_round_ends_runs_along_the_border_and_nowhere_else(
     turn: tuple[float, ...],
 ) -> None:
@@ -102,7 +100,6 @@ def test_the_outline_of_round_ends_runs_along_the_border_and_nowhere_else(
     assert deep[v, u].max() < 4.0
 
 
-@capsules_listed()
 def test_a_body_changes_to_round_ends_and_back_in_the_nodes_there_are(stage: Stage) -> None:
     for shape in (SHAPES["box"], SHAPES["capsule"], SHAPES["cylinder"], SHAPES["capsule"]):
         body = pair_of(shape)

@@ -234,7 +234,7 @@ def test_the_light_comes_from_the_upper_left_of_every_view(listener: Listener) -
     for role in ROLES:
         sun = listener.stage._scene.get_handle_by_name(f"{ROOT}/light/{role}/sun")
         assert sun is not None
-        x, y, z = scenery.R_eye_camera(role) @ sun.position
+        x, y, z = scenery.R_view_camera(role) @ sun.position
         assert x < 0
         assert y < 0
         assert z < 0

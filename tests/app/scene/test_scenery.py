@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.editor.shown import shown
+from app.editor.shown import shown_pose
 from app.editor.state import EditorState
 from app.scene.scene import Trail
 from app.scene.scenery import SceneryMaker
@@ -72,7 +72,7 @@ def test_ghosts_are_the_keyframes_before_and_after_the_present_frame(
     ghosts = SceneryMaker().of(state).ghosts
     assert [ghost for ghost, _ in ghosts] == around
     for ghost, Ts in ghosts:
-        pose = shown(state, ghost).pose
+        pose = shown_pose(state, ghost).pose
         np.testing.assert_allclose(Ts, pose_transforms(state.skeleton, pose), atol=1e-12)
 
 
@@ -90,7 +90,7 @@ def test_what_is_shown_follows_the_frame_the_selection_and_the_looks() -> None:
         {"do": "display", "mode": "wire", "opacity": 0.2},
     )
     scenery = maker.of(state)
-    expected = pose_transforms(state.skeleton, shown(state).pose)
+    expected = pose_transforms(state.skeleton, shown_pose(state).pose)
     np.testing.assert_allclose(scenery.Ts_camera_part, expected)
     assert not np.allclose(scenery.Ts_camera_part, before.Ts_camera_part)
     assert (before.selected, scenery.selected) == (frozenset(), frozenset({"head"}))

@@ -12,10 +12,10 @@ import pytest
 import viser._messages as messages
 
 from app.render.tints import FAR_M, LEGENDS, clay, ramp, tinted
+from app.scene.decimation import decimate
 from app.scene.nodes import ROOT
 from app.scene.scene import Stage
 from app.scene.skin import MOST_FACES, skin
-from app.scene.thinning import thinned
 from tracker.geometry.rotations import Array
 from tracker.surface.mesh import SurfaceMesh
 
@@ -57,20 +57,20 @@ def column(glb: bytes, name: str) -> Array:
 
 def test_a_fine_surface_has_few_triangles_left_and_keeps_its_shape() -> None:
     assert len(FINE.faces) > 5 * MOST_FACES
-    thin = thinned(FINE.vertices, FINE.faces, MOST_FACES)
+    thin = decimate(FINE.vertices, FINE.faces, MOST_FACES)
     assert MOST_FACES / 4 < len(thin.faces) <= MOST_FACES
     radii = np.linalg.norm(thin.vertices - [0, 0, 4], axis=1)
     assert np.abs(radii - 1).max() < 0.01
 
 
 def test_a_coarse_surface_is_left_as_it_is() -> None:
-    thin = thinned(COARSE.vertices, COARSE.faces, MOST_FACES)
+    thin = decimate(COARSE.vertices, COARSE.faces, MOST_FACES)
     assert thin.faces is COARSE.faces
     assert thin.vertices is COARSE.vertices
 
 
 def test_colours_go_along_with_what_the_vertices_became() -> None:
-    thin = thinned(FINE.vertices, FINE.faces, MOST_FACES)
+    thin = decimate(FINE.vertices, FINE.faces, MOST_FACES)
     left = FINE.vertices[:, 0] < 0
     colours = np.where(left[:, None], (200, 0, 0), (0, 0, 200)).astype(np.uint8)
     kept = thin.means(colours)

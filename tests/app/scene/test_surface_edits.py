@@ -12,7 +12,7 @@ import pytest
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.editor.suggest_surfaces import surface_suggestion
-from app.editor.trail import way
+from app.editor.trail import end_trail
 from app.posing import opening_pose
 from app.store.sections import Sections, image_version
 from app.store.state import AppState, Running, SurfaceSeen
@@ -20,13 +20,14 @@ from tests.app.editor.desk import after
 from tests.app.editor.desk import desk as film
 from tracker.body.pose import pose_transforms
 from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import interpolate
+from tracker.body.trajectory import Pass, interpolate
 from tracker.geometry.rotations import Array
 from tracker.session.schema import Surface
 from tracker.session.verdict import GOOD, Verdict
 from tracker.storage.files import load_session
-from tracker.storage.results import Results, SegmentTrack, segment_keys
+from tracker.storage.results import Results, segment_keys
 from tracker.surface.placing import Placement
+from tracker.tracking.result import SegmentResult
 
 SAMPLE = Path(__file__).resolve().parents[3] / "sample_videos" / "arms" / "session.json"
 CORNERS = np.array([[x, y, z] for x in (-60, 90) for y in (-40, 50) for z in (0, 130)], float)
@@ -91,7 +92,7 @@ def test_poses_go_along_with_the_surface_when_its_units_change() -> None:
 
 def test_units_that_put_the_body_behind_the_camera_are_refused() -> None:
     near = after(desk(), {"do": "root", "z": 0.5})
-    with pytest.raises(Refused, match="would stand at the camera"):
+    with pytest.raises(Refused, match="would be at the camera"):
         observe(near, units="mm")
 
 
@@ -135,7 +136,7 @@ def test_with_another_rate_everything_is_at_other_times() -> None:
 
 
 def test_only_a_keyframe_s_surface_can_move_with_the_body() -> None:
-    with pytest.raises(Refused, match="Frame 4 has no keyframe"):
+    with pytest.raises(Refused, match="Frame 4 is not a keyframe"):
         observe(desk(), model_frame=4)
     keyed = after(desk(), {"do": "duplicate_key", "frame": 0, "to": 4})
     model = observe(keyed, model_frame=4).doc.model_keyframe
@@ -151,12 +152,12 @@ def test_the_moving_surface_stays_with_its_keyframe_when_that_is_moved() -> None
 
 
 def test_a_film_has_no_surfaces_to_edit() -> None:
-    with pytest.raises(Refused, match="no surfaces"):
+    with pytest.raises(Refused, match="not surfaces"):
         observe(film(), weights="none")
 
 
 def test_the_trail_reaches_to_where_nobody_has_posed() -> None:
-    found = way(replace(desk(), frame=6))
+    found = end_trail(replace(desk(), frame=6))
     assert found is not None
     assert (found.frames[0], found.frames[-1], found.keys) == (0, 18, (0,))
 
@@ -172,7 +173,7 @@ def fitted(state: EditorState, verdict: Verdict = GOOD, missing: int = 0) -> Edi
     """The arms fitted from 0 to 18."""
     pose = state.doc.keyframes[0].pose(state.skeleton)
     path, key = interpolate(pose, pose, 0, 18), segment_keys(state.doc)[0, 18]
-    track = SegmentTrack.on_the_way(key, "full", path, 0.004)
+    track = SegmentResult.on_the_way(Pass("fit", path, 0.004), key)
     return replace(state, results=Results({key: replace(track, verdict=verdict, missing=missing)}))
 
 
@@ -251,7 +252,7 @@ def test_surfaces_that_lie_elsewhere_have_other_pictures() -> None:
 def suggested(state: EditorState) -> tuple[str, int | None, str]:
     doc = state.doc
     found = surface_suggestion(state.keys, doc.spans, state.results.fitting(doc))
-    return found.kind, found.frame, f"{found.words} {found.reason}"
+    return found.kind, found.frame, f"{found.title}: {found.detail}"
 
 
 def test_without_a_keyframe_one_is_asked_for() -> None:
@@ -262,7 +263,7 @@ def test_without_a_keyframe_one_is_asked_for() -> None:
 
 def test_with_one_keyframe_it_can_be_fitted() -> None:
     kind, _, words = suggested(desk())
-    assert (kind, words) == ("track", "Fit next. 0–18 not fitted as posed now")
+    assert (kind, words) == ("track", "1 segment needs fitting: Frames 0–18")
 
 
 def test_where_it_was_lost_a_keyframe_is_asked_for() -> None:
@@ -278,7 +279,7 @@ def test_what_is_in_doubt_is_to_be_looked_at() -> None:
 
 def test_a_fit_that_was_stopped_goes_on_first() -> None:
     state = fitted(desk(), Verdict.check("not_fitted", (8, 18)), missing=11)
-    assert suggested(state) == ("track", None, "Fit next. 8–18 not fitted yet")
+    assert suggested(state) == ("track", None, "Continue fitting: Frames 8–18 not fitted yet")
     assert state.results.wanted(state.doc)
     assert told(state, "segments")[0]["unfinished"]
     lost = fitted(desk(), Verdict.not_followed(3), missing=11)
@@ -287,7 +288,7 @@ def test_a_fit_that_was_stopped_goes_on_first() -> None:
 
 def test_a_body_that_lies_off_its_surface_is_to_be_looked_at_before_anything_else() -> None:
     state = fitted(desk(), Verdict.check("body_off_surface", (0, 0)), missing=11)
-    reason = "Look at key 0 again. The body lies off its surface there"
+    reason = "Check keyframe 0: The body lies off its surface there"
     assert suggested(state) == ("look", 0, reason)
     assert told(state, "segments")[0]["words"] == "Check: at key 0 the body lies off its surface"
 

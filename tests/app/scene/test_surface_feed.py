@@ -98,7 +98,7 @@ def test_of_many_frames_at_once_the_newest_is_looked_at(
 
     views = looking(work)
     assert [seen.frame for seen in views.seen] == [LAST]
-    surface = Observed(piece).sight(edit, LAST)
+    surface = Observed(piece).layer(edit, LAST)
     assert views.skins == [skin(surface.mesh, surface.colours)]
 
 
@@ -137,13 +137,13 @@ def test_a_step_that_cannot_be_used_leaves_nothing_and_says_why(
 def test_a_surface_does_not_stand_where_the_body_has_long_gone_on(
     piece: OpenSession, edit: EditorState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    read, usual = threading.Event(), Observed.sight
+    read, usual = threading.Event(), Observed.layer
 
     def slow(observed: Observed, state: EditorState, frame: int) -> SurfaceLayer:
         assert frame == 0 or read.wait(60)
         return usual(observed, state, frame)
 
-    monkeypatch.setattr(Observed, "sight", slow)
+    monkeypatch.setattr(Observed, "layer", slow)
 
     async def work(surfaces: Surfaces, views: Views) -> None:
         surfaces.follow(piece, edit)
@@ -222,7 +222,7 @@ def test_what_asks_for_an_older_reading_does_not_bring_it_back(
     for state in (older, newer):
         observed.follow(state.settled)
         video = observed.video(state.settled)
-    for ask in (observed.rims, lambda state: observed.sight(state, 0)):
+    for ask in (observed.rims, lambda state: observed.layer(state, 0)):
         with pytest.raises(Outdated):
             ask(older)
     assert observed.video(newer.settled) is video
@@ -274,7 +274,7 @@ def test_the_views_see_the_newest_reading_though_an_older_look_was_under_way(
         assert np.ptp(pixels(await surfaces.jpeg(10, AppState(edit=newer)))) > 50
 
     views = looking(work)
-    surface = Observed(piece).sight(edit, 0)
+    surface = Observed(piece).layer(edit, 0)
     assert [seen.problem for seen in views.seen] == [""]
     assert views.seen[0].middle is not None
     assert views.seen[0].middle[0] > surface.mesh.vertices[:, 0].mean() + 0.05
@@ -297,14 +297,14 @@ def test_of_meshes_that_have_been_closed_no_picture_is_made(folder: Path) -> Non
 def test_after_a_fault_the_next_wish_is_looked_at(
     piece: OpenSession, edit: EditorState, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    usual = Observed.sight
+    usual = Observed.layer
 
     def faulty(observed: Observed, state: EditorState, frame: int) -> SurfaceLayer:
         if frame == 3:
             raise OSError
         return usual(observed, state, frame)
 
-    monkeypatch.setattr(Observed, "sight", faulty)
+    monkeypatch.setattr(Observed, "layer", faulty)
 
     async def work(surfaces: Surfaces, views: Views) -> None:
         surfaces.follow(piece, replace(edit, frame=3))

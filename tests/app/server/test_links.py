@@ -20,7 +20,7 @@ import pytest
 from app.cli import open as open_command
 from app.server.addresses import reachable
 from app.server.listening import bind
-from tests.app.serving import ROOT, Entered, Keypose, Visitor, enter
+from tests.app.serving import LONGEST_S, ROOT, Entered, Keypose, Visitor, enter
 from tracker.errors import KeyposeError
 
 
@@ -113,7 +113,7 @@ def browser(tmp_path: Path) -> tuple[str, Path]:
 
 
 def started_with(told: Path) -> str:
-    end = time.monotonic() + 30
+    end = time.monotonic() + LONGEST_S
     while not told.exists():
         assert time.monotonic() < end, "no browser was started"
         time.sleep(0.02)

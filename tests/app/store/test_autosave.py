@@ -26,7 +26,7 @@ def test_while_a_write_is_at_work_only_the_newest_of_the_others_waits() -> None:
             saver.save(lambda number=number: write(number))  # type: ignore[misc]
             await asyncio.sleep(0)
         gate.set()
-        await saver.settled()
+        await saver.wait()
 
     asyncio.run(many())
     assert written[-1] == 49
@@ -45,10 +45,10 @@ def test_a_failed_write_is_told_in_its_own_words_and_can_be_tried_again() -> Non
         nonlocal full
         saver = Saver(told.append)
         saver.save(write)
-        await saver.settled()
+        await saver.wait()
         full = False
-        saver.again()
-        await saver.settled()
+        saver.retry()
+        await saver.wait()
 
     asyncio.run(twice())
     assert [(saved.state, saved.words) for saved in told] == [
@@ -74,7 +74,7 @@ def test_what_is_unsaved_is_told_so_until_it_is_written_and_is_tried_again_by_it
     async def both() -> None:
         saver = Saver(told.append)
         saver.save(lambda: write(1))
-        await saver.settled()
+        await saver.wait()
         saver.save(lambda: write(2))
         while told[-1].state != "saved":
             await asyncio.sleep(0.005)
@@ -94,9 +94,9 @@ def test_the_time_of_the_last_save_survives_a_failure() -> None:
     async def both() -> None:
         saver = Saver(told.append)
         saver.save(lambda: None)
-        await saver.settled()
+        await saver.wait()
         saver.save(fail)
-        await saver.settled()
+        await saver.wait()
 
     asyncio.run(both())
     assert told[-1].state == "failed"

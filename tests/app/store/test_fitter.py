@@ -32,11 +32,12 @@ from app.store.tabs import Tab
 from tests.app.serving import ROOT
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import interpolate
+from tracker.body.trajectory import Pass, interpolate
 from tracker.session import Session
 from tracker.session.verdict import GOOD
 from tracker.storage.files import load_session
-from tracker.storage.results import Results, SegmentTrack, segment_keys
+from tracker.storage.results import Results, segment_keys
+from tracker.tracking.result import SegmentResult
 
 FIT = {"do": "fit_here"}
 SIZES = {"do": "fit_sizes"}
@@ -88,7 +89,7 @@ class Worker:
     def cancel(self) -> None:
         self.cancelled += 1
 
-    def hold(self, on: bool) -> None: ...
+    def pause(self, on: bool) -> None: ...
 
     def close(self) -> None: ...
 
@@ -132,7 +133,7 @@ class Desk:
 
     def section(self, name: str) -> Any:
         """What the tabs are told."""
-        return Sections().changed(self.store.app_state.as_looked_at)[name]
+        return Sections().changed(self.store.app_state.displayed)[name]
 
     async def words(self) -> list[str]:
         """What the tab was noted or refused since it was asked last."""
@@ -192,10 +193,10 @@ def test_only_what_tracking_has_finished_is_evidence(path: Path) -> None:
         doc = desk.edit.doc
         one, other = (k.pose(desk.edit.skeleton) for k in doc.keyframes[:2])
         key, way = segment_keys(doc)[0, 24], interpolate(one, other, 0, 24)
-        passing = SegmentTrack.on_the_way(key, "full", way, 1.0)
+        passing = SegmentResult.on_the_way(Pass("pass", way, 1.0), key)
         desk.do({"do": "go", "frame": 20})
         for track, near in ((passing, 0), (replace(passing, verdict=GOOD), 13)):
-            desk.store._look(edit=replace(desk.edit, results=Results({key: track})))
+            desk.store._set(edit=replace(desk.edit, results=Results({key: track})))
             desk.do(FIT)
             order = desk.worker.fits[-1]
             assert isinstance(order, PoseOrder)
@@ -294,7 +295,7 @@ def test_a_pose_that_is_edited_meanwhile_stays_as_it_was_edited(path: Path) -> N
         desk.worker.find()  # too late
         desk.do({"do": "end_stroke", "stroke": "drag"})
         assert desk.section("undo")["undo"] == "turn left forearm"
-        assert await desk.words() == ["The pose was changed meanwhile: the fit is dropped."]
+        assert await desk.words() == ["Fit cancelled because the pose changed."]
 
     at_a_desk(path, work)
 
@@ -368,7 +369,7 @@ def test_a_failed_fit_is_told_and_the_next_one_works(path: Path) -> None:
 def test_tracking_waits_for_the_fit_and_goes_on_after_it(path: Path) -> None:
     async def work(desk: Desk) -> None:
         desk.do({"do": "track", "what": "all"}, FIT)
-        assert desk.section("job")["words"] == "tracking goes on after it"
+        assert desk.section("job")["words"] == "tracking continues after it"
         assert {s["state"] for s in desk.section("segments")} == {"waiting"}
         assert len(desk.worker.tracked) == 1
         desk.worker.find()
@@ -474,7 +475,7 @@ def test_a_keyframe_that_is_edited_meanwhile_makes_fitted_sizes_void(path: Path)
         desk.do(SIZES, {"do": "delete_key", "frame": 72})
         desk.worker.find()
         assert desk.edit.keys == (0, 24, 48)
-        assert await desk.words() == ["The sizes were changed meanwhile: the fit is dropped."]
+        assert await desk.words() == ["Fit cancelled because the sizes changed."]
 
     at_a_desk(path, work)
 
@@ -484,8 +485,8 @@ def test_what_cannot_be_fitted_is_refused_in_a_sentence(path: Path) -> None:
         desk.do(*({"do": "delete_key", "frame": frame} for frame in desk.edit.keys), FIT, SIZES)
         assert desk.worker.fits == []
         here, sizes = await desk.words()
-        assert "pose the body roughly first" in here
-        assert "two keyframes or more" in sizes
+        assert "Pose the body roughly first" in here
+        assert "Add a second keyframe first" in sizes
         await desk.store.close_session()
         desk.do(FIT)
         assert await desk.words() == ["Open a video first."]

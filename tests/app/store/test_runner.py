@@ -32,7 +32,9 @@ from tests.app.editor.desk import after, desk
 from tests.app.results_cases import judged
 from tests.tracker.session_cases import VERDICTS
 from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Pass
 from tracker.session import Session
+from tracker.tracking.result import SegmentResult
 
 PIECE: Any = SimpleNamespace(
     session_path=Path("job/session.json"),
@@ -68,8 +70,8 @@ class Orders:
     def cancel(self) -> None:
         self.calls.append("cancel")
 
-    def hold(self, on: bool) -> None:
-        self.calls.append(("hold", on))
+    def pause(self, on: bool) -> None:
+        self.calls.append(("pause", on))
 
     def close(self) -> None:
         self.calls.append("close")
@@ -124,12 +126,12 @@ def few(count: int) -> EditorState:
 @pytest.mark.parametrize(
     ("edit", "words"),
     [
-        (few(0), "Nothing to track: pose a second keyframe first."),
-        (few(1), "Nothing to track: pose a second keyframe first."),
-        (surfaces(1, (0,)), "Nothing to fit: there is one mesh alone, and nothing moves."),
+        (few(0), "Add a second keyframe first."),
+        (few(1), "Add a second keyframe first."),
+        (surfaces(1, (0,)), "Nothing to fit: there is only one mesh."),
         (
             surfaces(5, ()),
-            "Nothing to fit: pose the body in one of the meshes first, and make it a keyframe.",
+            "Add a keyframe first: pose the body in one of the meshes.",
         ),
     ],
     ids=["none", "one", "one mesh", "no pose"],
@@ -155,7 +157,7 @@ def test_where_nothing_has_changed_since_there_is_nothing_to_do(
         orders(runner).say(finished(runner, number))
     assert runner.results is not None
     edit = replace(edit, results=runner.results)
-    with pytest.raises(Refused, match=f"^Nothing has changed: every segment is {done} already"):
+    with pytest.raises(Refused, match=f"^All segments are {done} and up to date"):
         runner.track(PIECE, edit, "changed")
     runner.track(PIECE, edit, "all")
     assert len(orders(runner).wanted) == 2
@@ -237,10 +239,9 @@ def test_live_orders_nothing_where_all_is_tracked(runner: Runner) -> None:
 
 
 def passed(runner: Runner, number: int, of: int = 4, score: float = 2.0) -> PassFinished:
-    track = finished(runner, 0).track
-    return PassFinished(
-        1, track.first, track.last, track.key, "full", number, of, score, track.trajectory
-    )
+    found = finished(runner, 0).result
+    step = Pass("pass", found.trajectory, score)
+    return PassFinished(1, number, of, SegmentResult.on_the_way(step, found.key))
 
 
 def test_a_job_tells_its_passes_and_then_what_was_found(runner: Runner) -> None:
@@ -282,9 +283,9 @@ def test_a_job_that_is_cancelled_or_fails_says_what_is_kept(runner: Runner) -> N
     def cancelled(job: int) -> JobFinished:
         return JobFinished(job, cancelled=True)
 
-    assert ended(cancelled) == ("cancelled", "Cancelled", "no segment was finished")
+    assert ended(cancelled) == ("cancelled", "Cancelled", "no segment finished")
     done = ended(lambda job: finished(runner, 1, job=job), cancelled)
-    assert done == ("cancelled", "Cancelled", "what was finished is kept")
+    assert done == ("cancelled", "Cancelled", "finished segments are kept")
     failed = ended(lambda job: JobFailed(job, "The disk is full."))
     assert failed == ("failed", "Tracking failed", "The disk is full.")
 
@@ -316,10 +317,10 @@ def test_what_a_job_tells_after_its_session_was_closed_is_not_heard(runner: Runn
 
 
 def test_the_worker_is_held_cancelled_and_ended(runner: Runner) -> None:
-    runner.hold(True)
+    runner.pause(True)
     runner.cancel()
     runner.stop()
-    assert orders(runner).calls == [("hold", True), "cancel", "close"]
+    assert orders(runner).calls == [("pause", True), "cancel", "close"]
 
 
 def test_leaving_waits_for_the_end_of_what_is_being_tracked(runner: Runner) -> None:
@@ -357,7 +358,7 @@ def test_what_is_being_tracked_waits_for_a_fit_and_goes_on_after_it(runner: Runn
     runner.fit(ORDER, "Fitting frame 3", heard.append)
     assert runner.news == [False]  # type: ignore[attr-defined]
     assert (runner.job.title, runner.job.kind) == ("Fitting frame 3", "fit")
-    assert runner.job.words == "tracking goes on after it"
+    assert runner.job.words == "tracking continues after it"
     assert {one.state for one in runner.running.values()} == {"waiting"}
     assert len(runner.running) == 3
     orders(runner).say(JobFinished(1, cancelled=True))
@@ -366,7 +367,7 @@ def test_what_is_being_tracked_waits_for_a_fit_and_goes_on_after_it(runner: Runn
     (report,) = heard
     assert isinstance(report, PoseFitted)
     edit = after(desk(), {"do": "delete_key", "frame": 72})
-    runner.go_on(PIECE, edit)
+    runner.resume(PIECE, edit)
     assert orders(runner).wanted[2] == [(0, 24), (24, 48)]  # as it is posed by then
     assert orders(runner).stages[2] == ("full",)
     assert (runner.job.title, runner.job.kind) == ("Tracking 0–48", "track")
@@ -385,7 +386,7 @@ def test_what_is_asked_for_during_a_fit_waits_for_it_as_well(runner: Runner) -> 
     assert len(runner.news) == heard + 1  # type: ignore[attr-defined]
     runner.fit(ORDER, "Fitting frame 4", lambda _: None)  # in place of the first one
     assert list(runner.running) == [(24, 48)]
-    runner.go_on(PIECE, live)
+    runner.resume(PIECE, live)
     assert orders(runner).wanted[2:] == [[(24, 48)]]
     assert orders(runner).stages[2] == ("preview", "full")
 
@@ -394,7 +395,7 @@ def test_after_a_fit_for_which_nothing_waited_all_is_quiet(runner: Runner) -> No
     runner.fit(ORDER, "Fitting frame 3", lambda _: None)
     orders(runner).say(fitted(1))
     runner.news.clear()  # type: ignore[attr-defined]
-    runner.go_on(PIECE, desk())
+    runner.resume(PIECE, desk())
     assert (runner.job.state, runner.running) == ("idle", {})
     assert len(orders(runner).wanted) == 1
     assert runner.news == [False]  # type: ignore[attr-defined]
@@ -413,7 +414,7 @@ def test_a_fit_that_fails_is_told_to_whoever_asked_for_it(runner: Runner) -> Non
 def test_a_fit_that_was_left_tells_nobody(runner: Runner) -> None:
     heard: list[Any] = []
     runner.fit(ORDER, "Fitting frame 3", heard.append)
-    runner.leave_fit()
+    runner.drop_fit()
     assert orders(runner).calls == ["cancel"]
     orders(runner).say(fitted(1))
     assert heard == []
@@ -432,7 +433,7 @@ def test_a_trajectory_on_the_way_is_shown_before_its_segment_is_done(runner: Run
     orders(runner).say(started(runner))
     orders(runner).say(passed(runner, 0))
     assert runner.results is not None
-    assert orders(runner).keys[0][0] in runner.results.tracks
+    assert orders(runner).keys[0][0] in runner.results.by_key
 
 
 def test_a_fit_to_surfaces_is_called_so_and_says_what_was_kept_of_it(runner: Runner) -> None:
@@ -440,10 +441,10 @@ def test_a_fit_to_surfaces_is_called_so_and_says_what_was_kept_of_it(runner: Run
     runner.opened(edit)
     runner.track(PIECE, edit, "all")
     assert runner.job.title == "Fitting 0–4"
-    first = finished(runner, 0).track
+    first = finished(runner, 0).result
     orders(runner).say(SegmentFinished(1, replace(first, missing=1)))
     orders(runner).say(JobFinished(1, cancelled=True))
-    assert runner.job.words == "what was done is kept; Fit goes on from there"
+    assert runner.job.words == "finished frames are kept; Fit continues from there"
     runner.track(PIECE, edit, "all")
     orders(runner).say(JobFinished(2, cancelled=False))
     assert runner.job.title == "Fitted 0–4"

@@ -9,10 +9,11 @@ import numpy as np
 from app.store.sections import Sections
 from app.store.state import AppState
 from tests.app.editor.desk import desk
-from tracker.body.trajectory import interpolate
+from tracker.body.trajectory import Pass, interpolate
 from tracker.geometry.rotations import Array
 from tracker.session.verdict import GOOD
-from tracker.storage.results import Results, SegmentTrack, segment_keys
+from tracker.storage.results import Results, segment_keys
+from tracker.tracking.result import SegmentResult
 
 
 def seen(need: Array | None = None, notes: tuple[str, ...] = ()) -> AppState:
@@ -20,8 +21,9 @@ def seen(need: Array | None = None, notes: tuple[str, ...] = ()) -> AppState:
     edit = desk()
     one, other = (keyframe.pose(edit.skeleton) for keyframe in edit.doc.keyframes[:2])
     key, path = segment_keys(edit.doc)[0, 24], interpolate(one, other, 0, 24)
-    passing = SegmentTrack.on_the_way(key, "full", path, 1.0)
-    found = replace(passing, verdict=GOOD, need=need, notes=notes)
+    passing = SegmentResult.on_the_way(Pass("pass", path, 1.0), key)
+    known = replace(passing.diagnostics, expected_gain=need)
+    found = replace(passing, verdict=GOOD, diagnostics=known, notes=notes)
     return AppState(edit=replace(edit, results=Results({key: found})))
 
 

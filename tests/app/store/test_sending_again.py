@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -211,13 +211,20 @@ def test_tabs_that_were_not_heard_for_long_are_forgotten() -> None:
     assert len(clients.received(None).clients) == MOST
 
 
+@pytest.fixture(scope="module")
+def tab(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Visitor]:
+    """A tab of a running server."""
+    folder = tmp_path_factory.mktemp("nameless")
+    shutil.copytree(ROOT / "sample_videos" / "box", folder / "box")
+    with Keypose(str(folder / "box" / "session.json"), "--workspace", str(folder / "w")) as keypose:
+        visitor = Visitor(keypose)
+        yield visitor
+        visitor.leave()
+
+
 @pytest.mark.parametrize("client", ["", "short", "x" * 65, "a b c d e f", 7, None])
-def test_a_client_without_a_proper_name_is_not_remembered(client: Any, tmp_path: Path) -> None:
-    shutil.copytree(ROOT / "sample_videos" / "box", tmp_path / "box")
-    keypose = Keypose(str(tmp_path / "box" / "session.json"), "--workspace", str(tmp_path / "w"))
-    tab = Visitor(keypose)
+def test_a_client_without_a_proper_name_is_not_remembered(client: Any, tab: Visitor) -> None:
+    before = len(tab.seen["masks"])
     for _ in range(2):
         tab.do(**mask(1), client=client)
-    assert len(tab.seen["masks"]) == 2
-    tab.leave()
-    keypose.end()
+    assert len(tab.seen["masks"]) == before + 2

@@ -6,6 +6,7 @@ import asyncio
 import os
 import shutil
 from collections.abc import Awaitable, Callable, Sequence
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ import pytest
 
 from app.document.library import Library
 from app.jobs import JobFinished, Report, SegmentFinished, Started, Wanted
-from app.store import runner, store
+from app.store import runner, saving
 from app.store.autosave import Saver
 from app.store.state import Saved
 from app.store.store import Store
@@ -26,7 +27,7 @@ from tracker.errors import SessionError
 from tracker.session import Session
 from tracker.session.verdict import GOOD, Verdict
 from tracker.storage.files import load_session
-from tracker.storage.results import SegmentTrack
+from tracker.tracking.result import Diagnostics, SegmentResult
 
 DRAG = {"do": "angles", "part": "left_forearm", "x": -30, "stroke": "drag"}
 EDIT = {"do": "angles", "part": "left_forearm", "x": -30}
@@ -53,30 +54,32 @@ class _Tracking:
 
     def cancel(self) -> None: ...
 
-    def hold(self, on: bool) -> None: ...
+    def pause(self, on: bool) -> None: ...
 
     def close(self) -> None: ...
 
 
-def _track(doc: Session, first: int, last: int, key: str) -> SegmentTrack:
+def _track(doc: Session, first: int, last: int, key: str) -> SegmentResult:
     skeleton, at = Skeleton.of(doc.body), {k.frame: k for k in doc.keyframes}
     path = interpolate(at[first].pose(skeleton), at[last].pose(skeleton), first, last)
     n, parts, dofs = last - first, skeleton.part_count, skeleton.dof_count
-    return SegmentTrack(
-        first, last, key, "full", path, GOOD, (1.0,), ("pass",), 0, 0.0,
-        np.full(n, dofs), np.ones((n, dofs)), np.ones((n, parts)), np.ones((n, parts)),
-    )  # fmt: skip
+    return SegmentResult(path, GOOD, _measured(n, parts, dofs), (1.0,), ("pass",), key=key)
 
 
-def _stopped(doc: Session, first: int, last: int, key: str) -> SegmentTrack:
+def _measured(n: int, parts: int, dofs: int) -> Diagnostics:
+    return Diagnostics(
+        np.full(n, dofs), np.ones((n, dofs)), np.ones((n, parts)), np.ones((n, parts))
+    )
+
+
+def _stopped(doc: Session, first: int, last: int, key: str) -> SegmentResult:
     """The steps up to the middle; the pose there holds on."""
     skeleton = Skeleton.of(doc.body)
     held, n, parts, dofs = last - 2, last - first, skeleton.part_count, skeleton.dof_count
     pose = doc.keyframes[0].pose(skeleton)
-    return SegmentTrack(
-        first, last, key, "full", interpolate(pose, pose, first, last),
-        Verdict.check("not_fitted", (held + 1, last)), (1.0,), ("fit",), 0, 0.0,
-        np.full(n, dofs), np.ones((n, dofs)), np.ones((n, parts)), np.ones((n, parts)), missing=2,
+    return SegmentResult(
+        interpolate(pose, pose, first, last), Verdict.check("not_fitted", (held + 1, last)),
+        _measured(n, parts, dofs), (1.0,), ("fit",), key=key, missing=2,
     )  # fmt: skip
 
 
@@ -163,7 +166,7 @@ def test_what_a_stopped_fit_of_surfaces_has_done_is_kept_saved_and_gone_on_with(
         _Tracking.newest.report(SegmentFinished(1, _stopped(doc, *wanted[0])))
         _Tracking.newest.report(JobFinished(1, cancelled=True))
         assert desk.app_state.job.title == "Cancelled"
-        assert desk.app_state.job.words == "what was done is kept; Fit goes on from there"
+        assert desk.app_state.job.words == "finished frames are kept; Fit continues from there"
         desk.receive(tab, {"do": "track", "what": "changed"})
         assert len(_Tracking.newest.orders) == 2
 
@@ -203,16 +206,16 @@ def test_a_fit_that_is_under_way_when_the_server_ends_is_kept_as_far_as_it_came(
 def test_segments_that_come_in_quickly_do_not_put_off_saving_for_ever(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(store, "SECONDS_BETWEEN_SAVES", 0.2)
+    monkeypatch.setattr(saving, "SECONDS_BETWEEN_SAVES", 0.2)
 
     async def work(desk: Store) -> None:
         desk.receive(desk.join(), {"do": "track", "what": "all"})
-        for number in range(60):
-            _Tracking.newest.finish(number % 3)
-            await asyncio.sleep(0.05)
-            if load_session(path).results is not None:
-                return
-        raise AssertionError("nothing was saved")
+        async with asyncio.timeout(60):
+            for number in count():
+                _Tracking.newest.finish(number % 3)
+                await asyncio.sleep(0.05)
+                if load_session(path).results is not None:
+                    return
 
     _with_store(path, work)
 
@@ -257,7 +260,7 @@ def test_what_cannot_be_saved_is_not_closed_before_a_person_knows(
 
     async def work(desk: Store) -> None:
         desk.receive(desk.join(), EDIT)
-        with pytest.raises(SessionError, match=r"The disk is full\. Ask once more"):
+        with pytest.raises(SessionError, match=r"The disk is full\. Repeat to continue"):
             await desk.close_session()
         assert desk.app_state.edit is not None
         await desk.close_session()
@@ -302,11 +305,11 @@ def test_trying_again_never_puts_an_older_state_over_a_newer_one() -> None:
     async def work() -> None:
         saver = Saver(told.append)
         saver.save(lambda: write(1))
-        await saver.settled()
+        await saver.wait()
         told.append(Saved("failed"))
         saver.save(lambda: written.append(2))
-        saver.again()
-        await saver.settled()
+        saver.retry()
+        await saver.wait()
 
     asyncio.run(work())
     assert written == [2]

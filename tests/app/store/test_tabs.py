@@ -11,9 +11,9 @@ def test_of_each_section_only_the_newest_value_is_sent() -> None:
     async def told() -> list[dict[str, object]]:
         tab = Tab()
         for frame in range(500):
-            tab.tell({"view": frame})
+            tab.update({"view": frame})
             tab.acknowledge(frame)
-        tab.tell({"keys": [1]})
+        tab.update({"keys": [1]})
         return await tab.next()
 
     messages = asyncio.run(told())
@@ -25,9 +25,9 @@ def test_of_each_section_only_the_newest_value_is_sent() -> None:
 def test_answers_keep_their_order_and_come_before_the_state() -> None:
     async def told() -> list[dict[str, object]]:
         tab = Tab()
-        tab.tell({"view": 1})
+        tab.update({"view": 1})
         for number in range(3):
-            tab.say({"t": "reply", "id": number})
+            tab.send({"t": "reply", "id": number})
         return await tab.next()
 
     messages = asyncio.run(told())
@@ -37,7 +37,7 @@ def test_answers_keep_their_order_and_come_before_the_state() -> None:
 def test_a_tab_without_news_waits_and_is_woken_by_an_acknowledgement() -> None:
     async def told() -> list[dict[str, object]]:
         tab = Tab()
-        tab.tell({"view": 1})
+        tab.update({"view": 1})
         await tab.next()
         waiting = asyncio.ensure_future(tab.next())
         await asyncio.sleep(0)
@@ -55,7 +55,7 @@ def test_whose_messages_are_acknowledged_is_said_once() -> None:
         tab.acknowledge(5, "one")
         tab.acknowledge(2, "two")
         first = await tab.next()
-        tab.tell({"view": 1})
+        tab.update({"view": 1})
         return [*first, *await tab.next()]
 
     messages = asyncio.run(told())

@@ -15,9 +15,9 @@ from tests.tracker.tracking_cases import random_body
 from tracker.body.body import Body, Part, preset
 from tracker.body.pose import Pose, pose_transforms
 from tracker.body.raster import BodyMesh, raster
-from tracker.body.shapes import Box, Cylinder, Frustum, Shape
+from tracker.body.shapes import Box, Capsule, Cylinder, Frustum, Shape
 from tracker.body.skeleton import Skeleton
-from tracker.body.surface_points import SurfacePoints, lay_points, surface_area
+from tracker.body.surface_points import SurfacePoints, sample_points, surface_area
 from tracker.geometry.camera import Camera
 from tracker.geometry.view import ViewCamera
 from tracker.kernels.chain import place_parts
@@ -29,6 +29,7 @@ Floats = NDArray[np.float64]
 SHAPES: dict[str, Shape] = {
     "box": Box(low_m=(-0.2, 0.0, -0.1), high_m=(0.1, 0.5, 0.3)),
     "cylinder": Cylinder(start_m=-0.1, end_m=0.4, radius_m=0.08),
+    "capsule": Capsule(start_m=-0.1, end_m=0.4, radius_m=0.08),
     "frustum": Frustum(end_m=-0.5, start_radii_m=(0.2, 0.1), end_radii_m=(0.1, 0.15)),
     "sheet": Box(low_m=(-0.3, -0.3, 0.0), high_m=(0.3, 0.3, 0.001)),
 }
@@ -37,7 +38,7 @@ every_shape = pytest.mark.parametrize("name", SHAPES)
 
 def on(shape: Shape, spacing: float) -> SurfacePoints:
     part = Part(name="one", shape=shape)
-    return lay_points(Skeleton.of(Body(name="one", parts=(part,))), spacing)
+    return sample_points(Skeleton.of(Body(name="one", parts=(part,))), spacing)
 
 
 def faces_at(shape: Shape, points: NDArray[np.float32]) -> tuple[Floats, NDArray[np.bool_]]:
@@ -57,49 +58,49 @@ def faces_at(shape: Shape, points: NDArray[np.float32]) -> tuple[Floats, NDArray
 
 @every_shape
 def test_points_lie_on_the_surface_with_outward_unit_normals(name: str) -> None:
-    laid = on(SHAPES[name], 0.02)
-    normals, touched = faces_at(SHAPES[name], laid.points)
+    sampled = on(SHAPES[name], 0.02)
+    normals, touched = faces_at(SHAPES[name], sampled.points)
     assert touched.any(axis=1).all()
-    along = laid.normals @ normals.T
+    along = sampled.normals @ normals.T
     assert (np.where(touched, along, -1).max(axis=1) > 0.999).all()
     middle = SHAPES[name].mesh().vertices.mean(axis=0)
-    assert (np.sum(laid.normals * (laid.points - middle), axis=1) > 0).all()
-    np.testing.assert_allclose(np.linalg.norm(laid.normals, axis=1), 1.0, atol=1e-6)
+    assert (np.sum(sampled.normals * (sampled.points - middle), axis=1) > 0).all()
+    np.testing.assert_allclose(np.linalg.norm(sampled.normals, axis=1), 1.0, atol=1e-6)
 
 
 @every_shape
 @pytest.mark.parametrize("spacing", [0.01, 0.04])
 def test_points_are_about_as_far_apart_as_asked_on_every_side(name: str, spacing: float) -> None:
     shape = SHAPES[name]
-    laid = on(shape, spacing)
+    sampled = on(shape, spacing)
     area = surface_area(Skeleton.of(Body(name="one", parts=(Part(name="one", shape=shape),))))
-    assert len(laid.points) == pytest.approx(area / spacing**2, rel=0.01)
-    assert laid.spacing_m == spacing
+    assert len(sampled.points) == pytest.approx(area / spacing**2, rel=0.01)
+    assert sampled.spacing_m == spacing
     fine = on(shape, spacing / 3)
-    gaps, _ = cKDTree(laid.points).query(fine.points)
+    gaps, _ = cKDTree(sampled.points).query(fine.points)
     assert gaps.max() < 2.5 * spacing
     assert np.median(gaps) < 0.6 * spacing
 
 
 def test_points_are_sorted_by_part_and_every_part_has_some() -> None:
     skeleton = Skeleton.of(preset("elderly_female"))
-    laid = lay_points(skeleton, 0.03)
-    assert laid.starts[0] == 0
-    assert laid.starts[-1] == len(laid.points) == len(laid.normals)
-    assert (np.diff(laid.starts) >= 8).all()
+    sampled = sample_points(skeleton, 0.03)
+    assert sampled.starts[0] == 0
+    assert sampled.starts[-1] == len(sampled.points) == len(sampled.normals)
+    assert (np.diff(sampled.starts) >= 8).all()
     for i, part in enumerate(skeleton.body.parts):
-        mine = laid.points[laid.starts[i] : laid.starts[i + 1]]
+        mine = sampled.points[sampled.starts[i] : sampled.starts[i + 1]]
         assert faces_at(part.shape, mine)[1].any(axis=1).all()
 
 
 def test_neighbours_in_the_list_are_neighbours_on_the_surface() -> None:
-    laid = on(SHAPES["box"], 0.01)
-    steps = np.linalg.norm(np.diff(laid.points, axis=0), axis=1)
+    sampled = on(SHAPES["box"], 0.01)
+    steps = np.linalg.norm(np.diff(sampled.points, axis=0), axis=1)
     assert np.median(steps) < 5 * 0.01
 
 
 def test_laid_points_cannot_be_changed_and_are_laid_alike_every_time() -> None:
-    first, second = (lay_points(random_body(1), 0.02) for _ in range(2))
+    first, second = (sample_points(random_body(1), 0.02) for _ in range(2))
     np.testing.assert_array_equal(first.points, second.points)
     with pytest.raises(ValueError, match="read-only"):
         first.points[0, 0] = 1.0

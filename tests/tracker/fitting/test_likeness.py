@@ -1,4 +1,4 @@
-"""Textures of known poses laid onto another frame."""
+"""Textures of known poses projected into another frame."""
 
 from __future__ import annotations
 
@@ -7,23 +7,25 @@ import pytest
 
 from tests.tracker.tracking_cases import CAMERAS, random_body, random_pose, scene_of, smooth_picture
 from tracker.body.pose import Pose, moved
-from tracker.fitting.pose.likeness import Likeness, texture_of, without_parts
+from tracker.fitting.pose.likeness import Likeness
+from tracker.fitting.pose.texture import texture_of, without_parts
+from tracker.solver.posed import Posed
 from tracker.tracking.scene import Scene
 
 
-def laid(seed: int, name: str = "perspective") -> tuple[Scene, Pose, Likeness]:
+def textured_case(seed: int, name: str = "perspective") -> tuple[Scene, Pose, Likeness]:
     """A random body before a smooth picture, and its own texture from the same picture."""
     skeleton = random_body(seed)
     pose = random_pose(skeleton, seed)
     scene, pictures = scene_of(skeleton, CAMERAS[name], [pose]), [smooth_picture(seed)]
     likeness = Likeness(scene, pictures, [texture_of(scene, pictures, pose, 1.0)])
-    likeness.look(pose)
+    likeness.update_visibility(pose)
     return scene, pose, likeness
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_a_frame_is_like_itself(seed: int) -> None:
-    scene, pose, likeness = laid(seed)
+    scene, pose, likeness = textured_case(seed)
     assert likeness.score(pose) < 0.1
     aside = moved(scene.skeleton, pose, np.full(scene.skeleton.dof_count, 0.03))
     assert likeness.score(aside) > 10 * likeness.score(pose)
@@ -33,24 +35,27 @@ def test_a_frame_is_like_itself(seed: int) -> None:
 @pytest.mark.parametrize("fine", [False, True])
 @pytest.mark.parametrize("seed", range(3))
 def test_the_equations_lead_back_to_the_pose(seed: int, fine: bool, name: str) -> None:
-    scene, pose, likeness = laid(seed, name)
+    scene, pose, likeness = textured_case(seed, name)
     motion = 0.02 * np.random.default_rng(seed).normal(size=scene.skeleton.dof_count)
     there = moved(scene.skeleton, pose, motion)
-    likeness.begin(0)
-    A, b = likeness.equations(there, 0, fine)
-    step = -np.linalg.solve(A + 1e-6 * np.trace(A) * np.eye(len(b)), b)
+    likeness.reset_noise(0)
+    posed = Posed.of(scene.skeleton, there)
+    found = likeness.term(posed, 0, fine).equations(posed)
+    few = 1e-6 * np.trace(found.A) * np.eye(len(found.b))
+    step = -np.linalg.solve(found.A + few, found.b)
     assert likeness.score(moved(scene.skeleton, there, step)) < 0.5 * likeness.score(there)
 
 
 def test_parts_that_are_left_out_tell_nothing() -> None:
-    scene, pose, likeness = laid(1)
+    scene, pose, likeness = textured_case(1)
     left_out = np.zeros(scene.skeleton.part_count, bool)
     left_out[scene.skeleton.below[:, 1]] = True
     rest = Likeness(
         scene, likeness.pictures, [without_parts(t, left_out) for t in likeness.textures]
     )
-    rest.look(pose)
-    A, _ = rest.equations(pose, 0, fine=False)
+    rest.update_visibility(pose)
+    posed = Posed.of(scene.skeleton, pose)
+    A = rest.term(posed, 0, fine=False).equations(posed).A
     without = np.isin(scene.skeleton.dof_part, np.flatnonzero(left_out))
     assert without.any()
     np.testing.assert_array_equal(A[without], 0.0)

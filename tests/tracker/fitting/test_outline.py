@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.tracker.tracking_cases import CAMERAS, Case, case, random_body, random_pose
+from tests.tracker.tracking_cases import Case, case, random_body, random_pose
 from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose, moved, pose_transforms
-from tracker.fitting.pose.outline import Edges, Outline, edge_equations, gain, separation, slopes
-from tracker.fitting.pose.settling import Hand, decided_share, settle
+from tracker.body.pose import Pose, moved
+from tracker.fitting.pose.edge_distances import EdgeDistances
+from tracker.fitting.pose.outline import Edges, Outline, gain, separation
+from tracker.fitting.pose.refinement import PosedKeyframe, decided_share, refine
 from tracker.solver.posed import Posed
+from tracker.solver.terms import Equations
 from tracker.tracking.scene import Scene
 
 
@@ -40,55 +42,28 @@ def aside(shown: Case, shift_m: float) -> Pose:
     return Pose(true.Rs_parent_part, true.p_camera_root + np.array([shift_m, 0.0, 0.0]))
 
 
-def edges_on(skeleton, pose: Pose, seed: int) -> Edges:  # type: ignore[no-untyped-def]
-    """Places on random parts, about the joints, with random normals."""
-    rng = np.random.default_rng(seed)
-    part = rng.integers(0, skeleton.part_count, 40)
-    T = pose_transforms(skeleton, pose)[part]
-    p = T[:, :3, 3] + rng.normal(0, 0.1, (40, 3))
-    angle = rng.uniform(0, 2 * np.pi, 40)
-    normal = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    return Edges(p, part, normal, np.zeros(40), np.ones(40), np.ones(40, bool))
-
-
-@pytest.mark.parametrize("name", list(CAMERAS))
-@pytest.mark.parametrize("seed", range(3))
-def test_slopes_agree_with_finite_differences(name: str, seed: int) -> None:
-    skeleton, camera = random_body(seed), CAMERAS[name]
-    pose = random_pose(skeleton, seed)
-    edges = edges_on(skeleton, pose, seed)
-    T = pose_transforms(skeleton, pose)[edges.part]
-    p_part = np.einsum("mba,mb->ma", T[:, :3, :3], edges.p_camera - T[:, :3, 3])
-    found = slopes(skeleton, camera, pose, edges)
-    for d in range(skeleton.dof_count):
-        step, uv = np.zeros(skeleton.dof_count), []
-        for sign in (-1, 1):
-            step[d] = sign * 1e-6
-            there = pose_transforms(skeleton, moved(skeleton, pose, step))[edges.part]
-            uv.append(
-                camera.project(np.einsum("mab,mb->ma", there[:, :3, :3], p_part) + there[:, :3, 3])
-            )
-        outward = ((uv[1] - uv[0]) / 2e-6 * edges.normal).sum(axis=-1)
-        np.testing.assert_allclose(found[:, d], outward, rtol=1e-4, atol=1e-3)
+def equations(outline: Outline, pose: Pose, edges: Edges) -> Equations:
+    posed = Posed.of(outline.skeleton, pose)
+    return EdgeDistances.of(outline, posed, edges).equations(posed)
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_limits_agree_with_finite_differences(seed: int) -> None:
     shown = case("speech", 40, 40)
-    hand = Hand(
+    keyframe = PosedKeyframe(
         Scene.of(shown.skeleton, shown.camera, [shown.truth.pose(0)]),
         shown.truth.pose(0),
         Limits.of(shown.skeleton.body),
     )
     rng = np.random.default_rng(seed)
-    pose = moved(shown.skeleton, hand.pose, rng.normal(0, 0.6, shown.skeleton.dof_count))
-    b = hand.joint_limits.equations(Posed.of(shown.skeleton, pose)).b
+    pose = moved(shown.skeleton, keyframe.pose, rng.normal(0, 0.6, shown.skeleton.dof_count))
+    b = keyframe.joint_limits.equations(Posed.of(shown.skeleton, pose)).b
     assert np.abs(b).max() > 0
 
     def cost(motion: np.ndarray) -> float:
         there = moved(shown.skeleton, pose, motion)
-        outside, _ = hand.limits.excess(there.Rs_parent_part)
-        set_so, _ = hand.limits.excess(hand.pose.Rs_parent_part)
+        outside, _ = keyframe.limits.excess(there.Rs_parent_part)
+        set_so, _ = keyframe.limits.excess(keyframe.pose.Rs_parent_part)
         outside -= np.clip(outside, np.minimum(set_so, 0), np.maximum(set_so, 0))
         return 0.5 * float(((outside / np.radians(2.0)) ** 2).sum())
 
@@ -114,18 +89,20 @@ def test_edges_lie_where_the_picture_has_them(box: Case, shift_px: int) -> None:
     true = outline.draw(box.truth.pose(0))
     shown = outline.draw(aside(box, shift_px * outline.pixel_m))
     edges = outline.edges(shown, outline.colours(true), 0.1)
-    sideways = edges.told & (np.abs(edges.normal[:, 0]) > 0.9)
+    sideways = edges.located & (np.abs(edges.normal[:, 0]) > 0.9)
     away = (edges.away_px * np.sign(edges.normal[:, 0]))[sideways]
     assert np.median(away) == pytest.approx(-shift_px, abs=1.0)
 
 
 def test_a_box_beside_its_outline_is_laid_into_it(box: Case) -> None:
     outline, pose = outline_of(box), aside(box, 0.03)
-    hand = Hand(Scene.of(box.skeleton, box.camera, [pose]), pose, Limits.of(box.skeleton.body))
-    found = settle(hand, pose, None, outline, lambda: False)
+    keyframe = PosedKeyframe(
+        Scene.of(box.skeleton, box.camera, [pose]), pose, Limits.of(box.skeleton.body)
+    )
+    found = refine(keyframe, pose, None, outline, lambda: False)
     off = found.pose.p_camera_root - box.truth.pose(0).p_camera_root
     assert abs(off[0]) < 0.01
-    share = decided_share(hand, found)
+    share = decided_share(keyframe, found)
     assert share.shape == (1,)
     assert 0.2 < share[0] <= 1.0
 
@@ -139,11 +116,11 @@ def test_depth_is_not_taken_from_the_thickness_of_the_outline(person: Case) -> N
         edges.p_camera, edges.part, edges.normal, np.full(len(edges.part), 2.0),
         np.ones(len(edges.part)), np.ones(len(edges.part), bool),
     )  # fmt: skip
-    A, b = edge_equations(outline, pose, wider)
-    hand = Hand(
+    found = equations(outline, pose, wider)
+    keyframe = PosedKeyframe(
         Scene.of(person.skeleton, person.camera, [pose]), pose, Limits.of(person.skeleton.body)
     )
-    step = -np.linalg.solve(A + np.diag(hand.precision), b)
+    step = -np.linalg.solve(found.A + np.diag(keyframe.precision), found.b)
     there = moved(person.skeleton, pose, step)
     nearer = pose.p_camera_root[2] - there.p_camera_root[2]
     assert abs(nearer) < 0.01
@@ -156,9 +133,8 @@ def test_hands_and_feet_do_not_pull_at_what_carries_them(person: Case) -> None:
     own = np.isin(edges.part, person.skeleton.dof_part)
     assert not own.all()
     away = np.where(own, 0.0, 5.0)
-    pulled = Edges(edges.p_camera, edges.part, edges.normal, away, edges.variance, edges.told)
-    _, b = edge_equations(outline, pose, pulled)
-    np.testing.assert_array_equal(b, 0.0)
+    pulled = Edges(edges.p_camera, edges.part, edges.normal, away, edges.variance, edges.located)
+    np.testing.assert_allclose(equations(outline, pose, pulled).b, 0.0, atol=1e-9)
 
 
 def test_colour_parts_a_rendered_body_from_its_background_and_noise_does_not(person: Case) -> None:
@@ -186,9 +162,9 @@ def test_what_may_not_be_used_has_no_say(person: Case) -> None:
         outline = outline_of(person, usable, rgb)
         shown = outline.draw(aside(person, 0.03))
         edges = outline.edges(shown, outline.colours(shown), 0.05)
-        found.append(edge_equations(outline, aside(person, 0.03), edges))
-    np.testing.assert_array_equal(found[0][0], found[1][0])
-    np.testing.assert_array_equal(found[0][1], found[1][1])
+        found.append(equations(outline, aside(person, 0.03), edges))
+    np.testing.assert_array_equal(found[0].A, found[1].A)
+    np.testing.assert_array_equal(found[0].b, found[1].b)
 
 
 def test_a_body_out_of_the_picture_has_no_outline(person: Case) -> None:

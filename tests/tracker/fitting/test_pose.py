@@ -17,8 +17,8 @@ from tracker.body.pose import Pose, joint_positions, moved, pose_transforms
 from tracker.body.shapes import Box, Cylinder
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
-from tracker.fitting.pose import Fitted, fit_here
-from tracker.fitting.pose.words import Moves, describe_moves
+from tracker.fitting.pose import PictureFit, fit_pose_to_picture
+from tracker.fitting.pose.messages import Moves, describe_moves
 from tracker.geometry.rotations import exp_rotation
 from tracker.session.settings import IgnoreMask
 
@@ -43,12 +43,12 @@ def rough(shown: Case, frame: int, seed: int, size: float = 1.0) -> Pose:
     return moved(shown.skeleton, shown.truth.pose(frame), motion)
 
 
-def fitted(shown: Case, pose: Pose, others: Any = None, **more: Any) -> Fitted:
-    """Fitted at HERE; the other keyframes are the truth unless they are given."""
+def fitted(shown: Case, pose: Pose, others: Any = None, **more: Any) -> PictureFit:
+    """PictureFit at HERE; the other keyframes are the truth unless they are given."""
     keyposes = {k: shown.truth.pose(k) for k in NEAR} if others is None else others
     given = {"tracked": {}, **more}
     video: Any = MemoryVideo(given.pop("pictures", shown.pictures))
-    return fit_here(video, shown.camera, shown.skeleton, HERE, pose, keyposes, **given)
+    return fit_pose_to_picture(video, shown.camera, shown.skeleton, HERE, pose, keyposes, **given)
 
 
 def off_px(shown: Case, pose: Pose, frame: int = HERE) -> float:
@@ -74,7 +74,7 @@ def test_a_rough_pose_between_exact_keyframes_is_brought_to_the_truth(
     assert off_px(person, pose) > 2.0
     assert off_px(person, found.pose) < 0.2
     assert found.way == "neighbours"
-    assert "moved" in found.words
+    assert "moved" in found.message
 
 
 def test_a_rough_pose_between_rough_keyframes_comes_much_nearer(person: Case) -> None:
@@ -150,7 +150,7 @@ def test_what_moved_is_told_in_pixels_of_the_video(person: Case) -> None:
     assert found.moved_px.shape == found.decided.shape == (person.skeleton.part_count,)
     assert found.decided.min() >= 0.0
     assert found.decided.max() <= 1.0
-    spoken = re.match(r"(.+) moved (\d+) px", found.words)
+    spoken = re.match(r"(.+) moved (\d+) px", found.message)
     assert spoken is not None
     part = person.skeleton.body.index(spoken[1].lower().replace(" ", "_"))
     uv = [
@@ -167,7 +167,7 @@ def test_a_featureless_picture_leaves_the_pose_and_says_so(person: Case, value: 
     found = fitted(person, pose, pictures=np.full_like(person.pictures, value))
     assert_same(found.pose, pose)
     assert found.way == "nothing"
-    assert "unchanged" in found.words
+    assert "unchanged" in found.message
     assert not found.moved_px.any()
 
 
@@ -176,7 +176,7 @@ def test_without_neighbours_and_without_colour_the_pose_stays(person: Case) -> N
     pose = rough(person, HERE, 1)
     found = fitted(person, pose, {}, pictures=noise)
     assert_same(found.pose, pose)
-    assert "unchanged" in found.words
+    assert "unchanged" in found.message
 
 
 def test_pixels_under_a_mask_have_no_say(person: Case) -> None:
@@ -206,7 +206,7 @@ def test_a_frame_that_cannot_be_decoded_leaves_the_pose(person: Case) -> None:
     pose = rough(person, HERE, 1)
     video: Any = MemoryVideo(person.pictures, missing=(HERE,))
     keyposes = {k: person.truth.pose(k) for k in NEAR}
-    found = fit_here(video, person.camera, person.skeleton, HERE, pose, keyposes, {})
+    found = fit_pose_to_picture(video, person.camera, person.skeleton, HERE, pose, keyposes, {})
     assert_same(found.pose, pose)
 
 
@@ -214,7 +214,7 @@ def test_the_same_comes_out_every_time(person: Case) -> None:
     pose = rough(person, HERE, 2)
     one, two = fitted(person, pose), fitted(person, pose)
     assert_same(one.pose, two.pose)
-    assert one.words == two.words
+    assert one.message == two.message
 
 
 def test_it_can_be_stopped_at_any_moment(person: Case) -> None:
@@ -247,7 +247,7 @@ def test_a_hidden_limb_stays_as_it_was_posed() -> None:
     np.testing.assert_array_equal(found.pose.Rs_parent_part[1], pose.Rs_parent_part[1])
     assert found.decided[1] == 0
     assert found.decided[0] > 0.5
-    assert "Stick is hidden and stays as posed." in found.words
+    assert "Stick is hidden and was left unchanged." in found.message
 
 
 def hiding() -> Case:
@@ -275,7 +275,7 @@ def test_a_body_without_tracked_motions_stays(box: Case) -> None:
     pose = box.truth.pose(HERE)
     found = fitted(still, pose)
     assert_same(found.pose, pose)
-    assert "unchanged" in found.words
+    assert "unchanged" in found.message
 
 
 def test_a_part_that_is_hidden_is_not_told_to_have_moved() -> None:
@@ -285,7 +285,7 @@ def test_a_part_that_is_hidden_is_not_told_to_have_moved() -> None:
         names, np.array([4.2, 9.0, 6.1]), np.array([0.9, 0.0, 0.8]), np.ones(3, bool), hidden
     )
     assert describe_moves(moves) == (
-        "Right shin moved 6 px, chest 4 px. Left forearm is hidden and stays as posed."
+        "Right shin moved 6 px, chest 4 px. Left forearm is hidden and was left unchanged."
     )
 
 

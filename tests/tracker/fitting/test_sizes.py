@@ -22,8 +22,8 @@ from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.errors import SessionError
 from tracker.fitting.sizes import SizesFitted, fit_sizes
+from tracker.fitting.sizes.colours import learn_colours
 from tracker.fitting.sizes.contours import contour_of, offsets
-from tracker.fitting.sizes.grounds import learn_grounds
 from tracker.fitting.sizes.proportions import Proportions
 from tracker.fitting.sizes.residuals import Pictures
 from tracker.geometry.camera import Camera
@@ -138,7 +138,8 @@ def test_longer_forearms_and_shins_are_found_by_half_or_more() -> None:
 def test_a_size_that_differs_by_more_than_can_be_believed_is_named_and_left() -> None:
     found, given = _fitted("boots"), dict.fromkeys(Proportions.of(GIVEN).names, (1.0, 1.0))
     assert _ratios(found.body)["shin"] == pytest.approx(given["shin"])
-    assert "shin's thickness would have to change by more than is likely" in found.words
+    assert "The best fit of the" in found.message
+    assert "shin's thickness was unrealistic" in found.message
     assert 1.05 < _ratios(found.body)["thigh"][1] < 1.25
 
 
@@ -169,12 +170,12 @@ def test_both_sides_change_together() -> None:
 def test_right_sizes_stay_and_so_do_the_poses() -> None:
     found = _fitted("as given")
     _unchanged(_case("as given"), found)
-    assert found.words.startswith("The sizes agree with the pictures as they are.")
+    assert found.message.startswith("The sizes already match the images.")
 
 
 def test_what_was_found_is_told_in_words_and_centimetres() -> None:
     found = _fitted("thick")
-    assert "thicker" in found.words
+    assert found.message.startswith("2 sizes changed.")
     changes = {(part, what): (before, after) for part, what, before, after in found.changes}
     before, after = changes["thigh", "thickness"]
     shape: Any = GIVEN.parts[GIVEN.index("left_thigh")].shape
@@ -200,7 +201,7 @@ def test_featureless_pictures_change_nothing_and_say_so() -> None:
     grey = replace(case, pictures=np.full_like(case.pictures, 120))
     found = fit_sizes(grey.video, CAMERA, GIVEN, case.keyposes)
     _unchanged(case, found)
-    assert "nothing was changed" in found.words
+    assert "Sizes unchanged" in found.message
 
 
 def test_what_is_masked_decides_nothing() -> None:
@@ -227,7 +228,7 @@ def test_a_telephoto_camera_keeps_its_focal_length() -> None:
     lens: Camera = CAMERA.model_copy(update=update)
     found = fit_sizes(case.video, lens, GIVEN, case.keyposes, focal=True)
     assert found.camera == lens
-    assert "telephoto" in found.words
+    assert "telephoto" in found.message
 
 
 def test_a_lens_taken_too_long_is_mended_where_the_person_stands_near() -> None:
@@ -249,7 +250,7 @@ def test_a_lens_taken_too_long_is_mended_where_the_person_stands_near() -> None:
     video = video_of(len(pictures), lambda number: pictures[number])
     found = fit_sizes(video, longer, GIVEN, keyposes, focal=True)
     assert 320 < found.camera.fx == found.camera.fy < 360
-    assert "focal length is" in found.words
+    assert "focal length is" in found.message
     ratio = found.keyposes[0].p_camera_root[2] / keyposes[0].p_camera_root[2]
     assert ratio == pytest.approx(found.camera.fx / 380, abs=0.06)  # the person stands nearer
 
@@ -260,7 +261,7 @@ def test_a_contour_is_seen_to_a_share_of_a_pixel() -> None:
     Ts = [pose_transforms(skeleton, case.truth.pose(k)) for k in case.keyposes]
     pictures = Pictures.of(case.video, CAMERA, WorkingSize(0), sorted(case.keyposes), ())
     seen = [contour_of(BodyMesh.of(skeleton), T, CAMERA) for T in Ts]
-    grounds = learn_grounds(
+    colour_models = learn_colours(
         pictures.rgb, pictures.usable, pictures.cells, [contour.shown for contour in seen],
         np.arange(skeleton.part_count), pictures.plates,
     )  # fmt: skip
@@ -271,7 +272,7 @@ def test_a_contour_is_seen_to_a_share_of_a_pixel() -> None:
         away, expected = [], []
         for k, contour in enumerate(seen):
             own = np.isin(contour.parts, parts)
-            away.append(offsets(contour, grounds, k, 6.0)[own])
+            away.append(offsets(contour, colour_models, k, 6.0)[own])
             expected.append(wider * radius * CAMERA.fx / Ts[k][0, 2, 3])
         found = np.concatenate(away)
         assert np.isfinite(found).mean() > 0.3

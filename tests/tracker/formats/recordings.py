@@ -9,12 +9,13 @@ import numpy as np
 
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory, interpolate, joined
-from tracker.formats.recording import Recording, Stretch
+from tracker.formats.recording import RecordedSegment, Recording
 from tracker.geometry.rotations import exp_rotation
 from tracker.session import Session
 from tracker.session.verdict import GOOD, Verdict
 from tracker.storage.files import load_session
 from tracker.storage.tracks import Tracks
+from tracker.tracking.result import Diagnostics
 
 SAMPLES = Path(__file__).parents[3] / "sample_videos"
 NAMES = ("person", "box", "balance", "twirl")
@@ -75,13 +76,13 @@ def recording(name: str, *, without: tuple[int, ...] = (), first_key: int = 0) -
     rows = np.zeros(keyframes[-1] + 1, dtype=bool)
     for first, last in tracked:
         rows[first : last + 1] = True
-    stretches = [
-        Stretch(first, last, VERDICTS[i % 3])
+    segments = [
+        RecordedSegment(first, last, VERDICTS[i % 3])
         for i, (first, last) in enumerate(spans)
         if i not in without
     ]
     tracks = _tracks(made, motion, rows)
-    return Recording.of(made, tracks, stretches, uneven_times(made.video.frame_count))
+    return Recording.of(made, tracks, segments, uneven_times(made.video.frame_count))
 
 
 def _tracks(made: Session, motion: Trajectory, rows: np.ndarray) -> Tracks:  # type: ignore[type-arg]
@@ -101,10 +102,12 @@ def _tracks(made: Session, motion: Trajectory, rows: np.ndarray) -> Tracks:  # t
         made.body.names,
         Rs,
         ps,
-        np.where(steps, np.arange(len(steps)) % 5, -1),
-        rng.uniform(size=(len(steps), skeleton.dof_count)),
-        observability,
-        10 * observability,
+        Diagnostics(
+            np.where(steps, np.arange(len(steps)) % 5, -1),
+            rng.uniform(size=(len(steps), skeleton.dof_count)),
+            observability,
+            10 * observability,
+        ),
     )
 
 

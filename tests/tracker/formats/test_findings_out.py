@@ -44,9 +44,9 @@ def test_the_evidence_is_that_of_the_step_to_the_next_frame() -> None:
     assert table[3]["degrees_of_freedom"] == str(made.skeleton.dof_count)
     for i in (0, 40):
         seen = [float(table[i][f"{part}_observability"]) for part in made.skeleton.body.names]
-        np.testing.assert_allclose(seen, made.tracks.observability[i], atol=1e-6)
+        np.testing.assert_allclose(seen, made.tracks.diagnostics.observability[i], atol=1e-6)
         left = [float(table[i][f"{part}_residual"]) for part in made.skeleton.body.names]
-        np.testing.assert_allclose(left, made.tracks.residual[i], atol=1e-6)
+        np.testing.assert_allclose(left, made.tracks.diagnostics.residual[i], atol=1e-6)
     assert table[-1]["waist_residual"] == ""
 
 
@@ -76,7 +76,9 @@ def test_the_table_goes_from_keyframe_to_keyframe_where_less_is_tracked() -> Non
     whole = made.whole("BVH")
     assert list(whole.frames) == list(range(24, 49))
     np.testing.assert_array_equal(whole.times_s, made.times_s[24:49])
-    np.testing.assert_array_equal(whole.tracks.rank, made.tracks.rank[24:48])
+    np.testing.assert_array_equal(
+        whole.tracks.diagnostics.rank, made.tracks.diagnostics.rank[24:48]
+    )
 
 
 @pytest.mark.parametrize("name", recordings.NAMES)
@@ -120,12 +122,12 @@ def test_the_same_motion_has_the_same_bytes() -> None:
 
 def test_a_segment_the_tracks_do_not_hold_has_no_say() -> None:
     made = recordings.recording("person", without=(1,))
-    odd = [made.stretches[0].__class__(20, 60, GOOD)]
-    odd += [made.stretches[0].__class__(-5, 3, GOOD), *made.stretches]
+    odd = [made.segments[0].__class__(20, 60, GOOD)]
+    odd += [made.segments[0].__class__(-5, 3, GOOD), *made.segments]
     again = Recording.of(
         recordings.session("person"), made.tracks, odd, recordings.uneven_times(73)
     )
-    assert again.stretches == made.stretches
+    assert again.segments == made.segments
 
 
 def test_a_motion_beyond_the_video_is_refused() -> None:

@@ -36,7 +36,7 @@ def altered(made: Recording, **more: Any) -> Recording:
 
 
 def vars_of(made: Recording) -> dict[str, Any]:
-    names = ("skeleton", "camera", "tracks", "stretches", "times_s", "up_camera")
+    names = ("skeleton", "camera", "tracks", "segments", "times_s", "up_camera")
     return {name: getattr(made, name) for name in names}
 
 

@@ -106,7 +106,7 @@ def test_chains_are_blended_as_by_the_twin_from_one_end_to_the_other(n: int) -> 
     R, t = np.empty_like(a.Rs_parent_part), np.empty_like(a.ps_camera_root)
     turned = np.linspace(0, 1, n + 1)[:, None] ** np.array([1.0, 0.5, 2.0, 1.0, 3.0])
     shifted = np.linspace(0, 1, n + 1) ** 2
-    blend(*a.loose(), *b.loose(), turned, shifted, R, t)
+    blend(*a.writable(), *b.writable(), turned, shifted, R, t)
     expected = plain.blend(a.Rs_parent_part, b.Rs_parent_part, turned)
     np.testing.assert_allclose(R, expected, atol=1e-9)
     shares = shifted[:, None]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tests.tracker.tracking_cases import smooth_picture, waves_at
 from tracker.kernels.matching import UNUSABLE, find_exhaustively, find_sequentially
 from tracker.kernels.settling import settle
-from tracker.tracking.initial.templates.search import Shown, cut, find_match, outwards
+from tracker.tracking.initial.templates.search import GreyPicture, cut, find_match, outwards
 
 Grey = NDArray[np.int16]
 Place = tuple[int, int, int]
@@ -131,7 +131,7 @@ def test_a_template_keeps_the_fraction_of_its_place() -> None:
     picture = smooth_picture(7)
     template = cut(picture, np.array([60.3, 41.8]), 7)
     assert template is not None
-    match = find_match(template, Shown.of(picture), np.array([63.3, 39.8]), 6)
+    match = find_match(template, GreyPicture.of(picture), np.array([63.3, 39.8]), 6)
     assert match.miss == 0.0
     np.testing.assert_allclose(match.uv, (60.3, 41.8))
 

@@ -17,7 +17,7 @@ from tests.tracker import session_cases as cases
 from tracker.errors import FormatError, SessionError
 from tracker.session import Session
 from tracker.storage.atomic import require_absent, require_folder, write_file
-from tracker.storage.changes import changed
+from tracker.storage.changes import apply_changes
 from tracker.storage.files import (
     load_session,
     open_video_of,
@@ -372,4 +372,4 @@ def test_more_than_a_person_sets_is_refused_before_any_of_it_is_read(
 def test_an_edit_of_more_than_a_person_sets_is_refused_before_it_is_read(tmp_path: Path) -> None:
     session = load_session(cases.write_session(tmp_path))
     with pytest.raises(ValueError, match="more than the 10000"):
-        changed(session, {"keyframes": {"set": [{"not": "read"}] * 10_001}})
+        apply_changes(session, {"keyframes": {"set": [{"not": "read"}] * 10_001}})

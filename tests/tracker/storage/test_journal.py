@@ -17,7 +17,7 @@ from tests.tracker import session_cases as cases
 from tracker.errors import SessionError
 from tracker.session import IgnoreMask, Keyframe, Session
 from tracker.session.history import MOST_STEPS, History, Step
-from tracker.storage.changes import changed, changes
+from tracker.storage.changes import apply_changes, changes
 from tracker.storage.chronicle import (
     OUTSIDE,
     Moment,
@@ -142,7 +142,7 @@ NUMBERS = st.integers(0, len(VERSIONS) - 1)
 def test_changes_make_one_session_of_any_other(one: int, other: int) -> None:
     before, after = VERSIONS[one], VERSIONS[other]
     told = changes(before, after)
-    assert changed(before, told) == after
+    assert apply_changes(before, told) == after
     assert (told == {}) == (one == other)
 
 
@@ -161,7 +161,7 @@ def test_an_edit_of_one_keyframe_tells_one_keyframe() -> None:
 )
 def test_what_is_no_change_is_refused(told: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=r".+"):
-        changed(VERSIONS[0], told)
+        apply_changes(VERSIONS[0], told)
 
 
 # --- what journal and file say together
@@ -176,7 +176,7 @@ def _moments(edits: list[Any]) -> list[Moment]:
     for number, edit in enumerate(edits):
         now = moments[-1]
         if edit in ("undo", "redo"):
-            found = getattr(now.history, f"{edit}ne")(now.doc)
+            found = getattr(now.history, edit)(now.doc)
             if found is not None:
                 step, history = found
                 moments.append(Moment(step.doc, history, step.frame))

@@ -17,9 +17,10 @@ from tracker.session.schema import Surface
 from tracker.session.verdict import GOOD
 from tracker.storage.archive import archive_arrays, archive_bytes
 from tracker.storage.files import load_session, save_session
-from tracker.storage.fingerprints import setup_hash
+from tracker.storage.fingerprints import segment_key, setup_hash
 from tracker.storage.outdated import outdated_keyframes, outdated_words, tracked_keyframes
 from tracker.storage.tracks import Tracks, load_tracks, load_trajectory, save_result, tracks_name
+from tracker.tracking.result import Diagnostics
 
 
 def saved(folder: Path) -> tuple[Session, Path]:
@@ -39,10 +40,10 @@ def test_a_result_is_read_back_as_it_was(tmp_path: Path) -> None:
     np.testing.assert_array_equal(trajectory.Rs_parent_part[4:], second.Rs_parent_part)
     np.testing.assert_array_equal(trajectory.ps_camera_root[4:], second.ps_camera_root)
     tracks = load_tracks(session, path)
-    assert tracks.rank.tolist() == [7] * 8
-    assert tracks.singular_values.shape == (8, cases.SKELETON.dof_count)
-    assert np.isnan(tracks.observability[:, 1]).all()
-    assert not tracks.residual.flags.writeable
+    assert tracks.diagnostics.rank.tolist() == [7] * 8
+    assert tracks.diagnostics.singular_values.shape == (8, cases.SKELETON.dof_count)
+    assert np.isnan(tracks.diagnostics.observability[:, 1]).all()
+    assert not tracks.diagnostics.residual.flags.writeable
 
 
 def test_the_session_tells_what_was_found(tmp_path: Path) -> None:
@@ -79,7 +80,7 @@ def test_a_gap_between_finished_segments_stays_a_gap(tmp_path: Path) -> None:
     session = save_result(cases.session(), path, partial)
     tracks = load_tracks(session, path)
     assert tracks.tracked.tolist() == [True] * 5 + [False] + [True] * 3
-    assert tracks.rank.tolist() == [7] * 4 + [-1] * 2 + [7] * 2
+    assert tracks.diagnostics.rank.tolist() == [7] * 4 + [-1] * 2 + [7] * 2
     with pytest.raises(SessionError, match="not been tracked yet at frames 5: run `keypose"):
         load_trajectory(session, path)
 
@@ -179,6 +180,43 @@ def test_a_changed_body_camera_or_mask_is_told(tmp_path: Path) -> None:
         )
 
 
+def keyed(tmp_path: Path) -> tuple[Session, Path]:
+    """A session whose two segments carry the keys of what they were tracked for."""
+    session, path = cases.session(), tmp_path / "session.json"
+    segments = [
+        dataclasses.replace(cases.segment(first, last), key=segment_key(session, first, last))
+        for first, last in session.spans
+    ]
+    return save_result(session, path, cases.result(*segments)), path
+
+
+def test_a_mask_beyond_the_tracked_segments_outdates_nothing(tmp_path: Path) -> None:
+    session, path = keyed(tmp_path)
+    motion = load_trajectory(session, path)
+    mask = IgnoreMask(polygon=((0, 0), (9, 0), (9, 9)), first_frame=30, last_frame=40)
+    assert outdated_words(session.model_copy(update={"ignore_masks": (mask,)}), motion) is None
+    within = mask.model_copy(update={"first_frame": 2})
+    words = outdated_words(session.model_copy(update={"ignore_masks": (within,)}), motion)
+    assert "ignore masks have changed" in (words or "")
+
+
+def test_other_settings_outdate_a_motion_and_another_method_or_quality_does_not(
+    tmp_path: Path,
+) -> None:
+    session, path = keyed(tmp_path)
+    motion = load_trajectory(session, path)
+
+    def words_with(**settings: object) -> str | None:
+        changed = session.settings.model_copy(update=settings)
+        return outdated_words(session.model_copy(update={"settings": changed}), motion)
+
+    assert words_with(static_camera=True) == (
+        "the tracked motion is out of date (settings have changed)."
+    )
+    assert words_with(quality="preview") is None
+    assert words_with(method="paper") is None  # the file says by which one it was tracked
+
+
 def test_what_changes_no_motion_leaves_the_results_up_to_date(tmp_path: Path) -> None:
     masks = (IgnoreMask(polygon=((0, 0), (9, 0), (9, 9)), first_frame=0, last_frame=8),)
     masked = cases.session().model_copy(update={"ignore_masks": masks})
@@ -229,34 +267,35 @@ def test_a_motion_that_ends_early_is_not_called_out_of_date(tmp_path: Path) -> N
 
 def test_a_preview_is_tracked_though_nothing_was_measured(tmp_path: Path) -> None:
     measured = cases.segment(0, 4)
-    nothing = {
-        name: np.full_like(getattr(measured, name), np.nan)
-        for name in ("singular_values", "observability", "residual")
-    }
-    preview = dataclasses.replace(measured, rank=np.full_like(measured.rank, -1), **nothing)
+    parts, dofs = cases.SKELETON.part_count, cases.SKELETON.dof_count
+    nothing = Diagnostics.side_by_side((), 5, parts, dofs)
+    preview = dataclasses.replace(measured, diagnostics=nothing)
     path = tmp_path / "session.json"
     session = save_result(cases.session(), path, cases.result(preview))
     tracks = load_tracks(session, path)
     assert tracks.tracked.all()
-    assert (tracks.rank == -1).all()
+    assert (tracks.diagnostics.rank == -1).all()
 
 
 def test_what_a_keyframe_would_mend_is_kept_where_it_is_known(tmp_path: Path) -> None:
     gains = np.array([0.0, 1.0, 5.0, 2.0, 0.0])
-    known = dataclasses.replace(cases.segment(0, 4), need=gains)
+    found = cases.segment(0, 4)
+    diagnostics = dataclasses.replace(found.diagnostics, expected_gain=gains)
+    known = dataclasses.replace(found, diagnostics=diagnostics)
     path = tmp_path / "session.json"
     session = save_result(cases.session(), path, cases.result(known, cases.segment(4, 8)))
-    np.testing.assert_array_equal(load_tracks(session, path).need, [*gains, *[np.nan] * 4])
+    kept = load_tracks(session, path).diagnostics.expected_gain
+    np.testing.assert_array_equal(kept, [*gains, *[np.nan] * 4])
 
 
 def test_a_file_that_does_not_tell_it_is_the_file_of_an_older_keypose() -> None:
-    content = Tracks.of(cases.result()).to_bytes()
+    content = Tracks.of(cases.result().segments, cases.SKELETON).to_bytes()
     assert "need" not in archive_arrays(content)
-    assert Tracks.from_bytes(content).need is None
+    assert Tracks.from_bytes(content).diagnostics.expected_gain is None
 
 
 def _with(**changes: object) -> bytes:
-    arrays = archive_arrays(Tracks.of(cases.result()).to_bytes())
+    arrays = archive_arrays(Tracks.of(cases.result().segments, cases.SKELETON).to_bytes())
     for name, value in changes.items():
         if value is None:
             del arrays[name]

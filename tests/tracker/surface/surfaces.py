@@ -9,7 +9,7 @@ import numpy as np
 
 from tracker.body.body import Body, Part
 from tracker.body.pose import Pose, joint_positions, pose_transforms
-from tracker.body.shapes import Box, Cylinder, Shape
+from tracker.body.shapes import Box, Capsule, Cylinder, Shape
 from tracker.body.skeleton import Skeleton
 from tracker.errors import SurfaceError
 from tracker.geometry.rotations import Array, apply_transform, exp_rotation
@@ -23,6 +23,7 @@ ROUND = (
     Cylinder(start_m=-0.05, end_m=0.5, radius_m=0.08),
     Cylinder(start_m=0.03, end_m=0.45, radius_m=0.05),
 )
+CAPSULES = tuple(Capsule.like(shape) for shape in ROUND)
 
 
 def two_bars(shapes: Sequence[Shape] = BOXES) -> Body:

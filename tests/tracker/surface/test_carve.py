@@ -15,7 +15,7 @@ from tracker.body.pose import pose_transforms
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import Array
 from tracker.surface.cameras import carve
-from tracker.surface.cameras.carve import STRIDE, carve_field, depth_maps, seen_through
+from tracker.surface.cameras.carve import STRIDE, carve_field, carve_seen_through, depth_maps
 from tracker.surface.cameras.hull import hull_field, hull_mesh
 
 VOXEL_M = 0.02
@@ -67,7 +67,7 @@ def test_what_one_view_alone_sees_through_stays() -> None:
     field = hull_field(views, silhouettes(shots), VOXEL_M)
     far_away = [np.full(shot.depth.shape, np.inf, np.float32) for shot in shots]
     far_away[0] = np.full_like(far_away[0], 99.0)
-    one = seen_through(field, views, far_away, 1, 0.02)
+    one = carve_seen_through(field, views, far_away, 1, 0.02)
     np.testing.assert_array_equal(one.depths, field.depths)
     far_away[1] = far_away[0]
-    assert not (seen_through(field, views, far_away, 1, 0.02).depths > 0).any()
+    assert not (carve_seen_through(field, views, far_away, 1, 0.02).depths > 0).any()

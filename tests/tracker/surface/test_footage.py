@@ -55,7 +55,7 @@ def test_pictures_and_silhouettes_are_those_taken(cameras: Path) -> None:
 def test_a_mesh_is_judged_where_the_session_places_it(cameras: Path) -> None:
     mesh = surface_of(ball_field(P_BALL, 0.3))
     with opened(cameras) as images:
-        zncc = images.judged(mesh, 0).consistency
+        zncc = images.rate(mesh, 0).consistency
     assert zncc is not None
     assert np.median(zncc[zncc > -1]) > 0.6
 

@@ -18,7 +18,7 @@ from tracker.session.schema import Surface
 from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.painting import CLAY, GROUND, paint
 from tracker.surface.picture import SurfaceVideo, surface_video
-from tracker.surface.source import KEPT, SurfaceSteps
+from tracker.surface.source import MOST_KEPT, SurfaceSteps
 from tracker.video import MissingFrame
 
 CAMERA = Camera(width=160, height=120, fx=200.0, fy=200.0, cx=79.5, cy=59.5)
@@ -166,7 +166,7 @@ def test_steps_asked_for_in_a_row_are_read_ahead_and_forgotten_again() -> None:
     assert meshes.read == list(range(10, 10 + len(meshes.read)))
     assert 20 <= len(meshes.read) <= 21
     assert meshes.closed
-    assert len(steps._shapes._kept) <= KEPT
+    assert len(steps._shapes._kept) <= MOST_KEPT
 
 
 def test_a_step_looked_at_again_is_not_read_again() -> None:

@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 import io
+import json
+import subprocess
+import sys
 from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -143,6 +148,52 @@ def test_an_obj_may_number_backwards_name_textures_and_break_its_lines() -> None
     assert mesh.vertices.tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
 
 
+def test_corners_numbered_backwards_count_from_the_vertices_above_their_face() -> None:
+    content = (
+        b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 0 0 1\nv 1 0 1\nv 0 1 1\nf -3 -2 -1\nf -6 5 -1\n"
+    )
+    assert read("obj", content).faces.tolist() == [[0, 1, 2], [3, 4, 5], [0, 4, 5]]
+    too_far = read("obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf -4 -2 -1\nv 0 0 1\n")
+    assert "not among its vertices" in refusal(lambda: tidy(too_far))
+
+
+def test_parts_and_materials_of_an_obj_change_no_order_and_repeat_no_vertex() -> None:
+    names = [b"usemtl a", b"usemtl b", b"g arm", b"o leg", b"s 1", b"usemtl a", b"g arm"]
+    lines = obj().splitlines()
+    for number, name in enumerate(names):
+        lines.insert(9 + 2 * number, name)
+    mesh = read("obj", b"mtllib a.mtl\n" + b"\n".join(lines))
+    assert mesh.vertices.tolist() == CORNERS.tolist()
+    assert mesh.faces.tolist() == BOX.tolist()
+
+
+@pytest.mark.parametrize("kind", ["ply", "ascii", "obj", "off"])
+def test_the_triangles_of_a_polygon_stand_where_it_stood_around_its_first_corner(kind: str) -> None:
+    polygons = [(0, 2, 3, 1), (4, 5, 6), (0, 1, 5, 7, 6), (2, 6, 7, 3)]
+    expected = [
+        [0, 2, 3], [0, 3, 1], [4, 5, 6], [0, 1, 5], [0, 5, 7], [0, 7, 6], [2, 6, 7], [2, 7, 3]
+    ]  # fmt: skip
+    write = {"ply": ply, "ascii": partial(ply, form="ascii"), "obj": obj, "off": off}[kind]
+    mesh = read("ply" if kind == "ascii" else kind, write(faces=polygons))
+    assert mesh.faces.tolist() == expected
+    np.testing.assert_allclose(mesh.vertices, CORNERS, atol=1e-6)
+
+
+def test_a_text_ply_may_break_its_rows_anywhere() -> None:
+    whole = ply(form="ascii")
+    broken = whole.replace(b"\n3 0 2 1\n3 1 2 3\n", b"\n3\n0 2\n1 3 1 2 3\n")
+    assert broken != whole
+    assert read("ply", broken).faces.tolist() == BOX.tolist()
+
+
+@pytest.mark.parametrize("kind", ["ply", "ascii", "off"])
+def test_what_follows_the_last_face_is_not_looked_at(kind: str) -> None:
+    rest = b"0 0 0\n" if kind == "ascii" else b"\n3 0 0 0\n"
+    content = {"ply": ply(), "ascii": ply(form="ascii"), "off": off()}[kind]
+    mesh = read("ply" if kind == "ascii" else kind, content + rest)
+    assert mesh.faces.tolist() == BOX.tolist()
+
+
 @pytest.mark.parametrize("end", [b"\n", b"\r\n", b"\r"])
 def test_lines_may_end_as_on_any_system(end: bytes) -> None:
     for kind, content in (("obj", b"  " + obj()), ("off", off())):
@@ -167,7 +218,9 @@ def test_an_off_may_hold_comments_and_colours() -> None:
 def test_vertices_that_a_file_repeats_are_one(kind: str) -> None:
     soup = CORNERS[BOX.ravel()]  # every face has corners of its own, as at the seams of a texture
     write = {"ply": ply, "obj": obj, "off": off}[kind]
-    mesh = tidy(read(kind, write(soup, np.arange(36).reshape(12, 3))))
+    stated = read(kind, write(soup, np.arange(36).reshape(12, 3)))
+    assert stated.faces.tolist() == np.arange(36).reshape(12, 3).tolist()
+    mesh = tidy(stated)
     assert mesh.vertices.shape == (8, 3)
     assert_closed(mesh.faces)
     np.testing.assert_allclose(corners(mesh), CORNERS[BOX], atol=1e-6)
@@ -216,6 +269,14 @@ def many(count: int) -> bytes:
     return ply().replace(b"element face 12", b"element face %d" % count)
 
 
+def lists(counted: bytes, count: float) -> bytes:
+    """A PLY file whose first face has so many corners, counted in this type."""
+    kind = {b"uint": "<u4", b"float": "<f4", b"double": "<f8", b"char": "<i1"}[counted]
+    row = 1 + 3 * 4  # bytes of the face as it is written there
+    head = ply(faces=[(0, 1, 2)]).replace(b"list uchar", b"list " + counted)[:-row]
+    return head + np.array(count, kind).tobytes() + np.arange(3, dtype="<i4").tobytes()
+
+
 @pytest.mark.parametrize(
     ("kind", "content", "words"),
     [
@@ -247,6 +308,14 @@ def many(count: int) -> bytes:
         ("off", off()[:-9], "cut short"),
         ("off", off().replace(b"3 0 2 1", b"9 0 2 1"), "cut short"),
         ("off", off().replace(b"3 0 2 1", b"3 0 2 -1"), "negative corner"),
+        ("off", off().replace(b"8 12 0", b"8 13 0"), "cut short"),
+        ("off", off().replace(b"3 0 2 1", b"1e300 0 2 1"), "cut short"),
+        ("off", off().replace(b"3 0 2 1", b"3 0 2 nan"), "impossible corner"),
+        ("ply", lists(b"uint", 0xFFFFFFFF), "impossible length"),
+        ("ply", lists(b"float", np.nan), "impossible length"),
+        ("ply", lists(b"double", 1e300), "impossible length"),
+        ("ply", lists(b"char", -1), "impossible length"),
+        ("ply", lists(b"uint", 900_000), "cut short"),
         ("glb", b"\x80\x04\x95pickle", "does not begin as a GLB file"),
         ("glb", standing_box()[:-40], "cut short"),
         ("glb", standing_box()[:200], "cut short"),
@@ -316,3 +385,64 @@ def test_no_other_file_is_opened(monkeypatch: pytest.MonkeyPatch) -> None:
     glb.document["buffers"][0]["uri"] = "secret.bin"
     assert "in other files" in refusal(lambda: read("glb", glb.content()))
     assert opened == []
+
+
+_READ_UNDER_WATCH = """
+import io, json, sys
+from tracker.surface.files.child import READERS
+kind, content, opened = sys.argv[1], sys.stdin.buffer.read(), []
+READERS[kind](io.BytesIO(content))  # so that nothing is imported while it is watched
+def note(event, facts):
+    if event.split(".")[0] in ("open", "os", "socket", "subprocess", "urllib", "shutil", "import"):
+        opened.append(f"{event} {facts}")
+sys.addaudithook(note)
+READERS[kind](io.BytesIO(content))
+seen = list(opened)
+open("/dev/null").close()  # the watch is awake
+print(json.dumps([seen, len(opened)]))
+"""
+
+
+def naming_others(kind: str) -> bytes:
+    """A whole mesh that names files, addresses and commands wherever its kind has room for them."""
+    if kind == ".glb":
+        glb = GlbFile()
+        glb.document["images"] = [{"uri": "http://127.0.0.1:1/a.png"}, {"uri": "/etc/passwd"}]
+        glb.document["buffers"] += [{"uri": "file:///etc/passwd", "byteLength": 9}]
+        glb.document["extensions"] = {"X_links": {"uri": "../../secret.glb"}}
+        glb.node(mesh=glb.mesh(glb.box()))
+        return glb.content()
+    if kind == ".obj":
+        called = b"call /etc/passwd\ncsh touch x\nmtllib http://127.0.0.1:1/a.mtl\n"
+        return called + b"maplib /etc/passwd\nshadow_obj /etc/passwd\n" + obj() + b"call a.obj 1\n"
+    if kind == ".ply":
+        return ply().replace(b"by hand", b"TextureFile /etc/passwd\nobj_info file:///etc/passwd")
+    return off() + b"# file:///etc/passwd\n"
+
+
+@pytest.mark.parametrize("kind", [".ply", ".obj", ".off", ".glb"])
+def test_nothing_that_a_file_names_is_opened_fetched_or_run(kind: str) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", _READ_UNDER_WATCH, kind],
+        input=naming_others(kind),
+        cwd=Path(__file__).parents[3],
+        stdout=subprocess.PIPE,
+        check=True,
+    )
+    assert json.loads(done.stdout) == [[], 1]
+
+
+@pytest.mark.parametrize(
+    "uri", ["secret.bin", "/etc/passwd", "http://127.0.0.1:1/a.bin", "data:;base64,AAAA", "", None]
+)
+@pytest.mark.parametrize("number", [0, 1])
+def test_numbers_that_a_glb_keeps_elsewhere_are_not_looked_for(
+    uri: str | None, number: int
+) -> None:
+    glb = GlbFile()
+    glb.document["buffers"] += [{"byteLength": 10**6}]
+    glb.document["buffers"][number]["uri"] = uri
+    glb.node(mesh=glb.mesh(glb.box()))
+    for view in glb.document["bufferViews"]:
+        view["buffer"] = number
+    assert "in other files" in refusal(lambda: read("glb", glb.content()))

@@ -60,7 +60,7 @@ def test_a_mesh_goes_into_the_file_and_comes_back(tmp_path: Path) -> None:
     rig = Rig.open(written(tmp_path, plain("-x")))
     mesh = SurfaceMesh(P_CENTRE + np.eye(3), np.array([[0, 1, 2]]))
     there = rig.in_file(mesh, P_SURFACE)
-    np.testing.assert_allclose(rig.placement(P_SURFACE).placed(there).vertices, mesh.vertices)
+    np.testing.assert_allclose(rig.placement(P_SURFACE).place(there).vertices, mesh.vertices)
 
 
 def without(key: str) -> dict[str, Any]:

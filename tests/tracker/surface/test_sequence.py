@@ -27,7 +27,7 @@ from tracker.surface.files.guessing import guess_units, guess_up
 from tracker.surface.files.reading import MeshReader
 from tracker.surface.files.sequence import Glance, MeshSequence
 from tracker.surface.files.sources import FolderSource
-from tracker.surface.files.unusable import unusable_words
+from tracker.surface.files.unusable import describe_unusable
 from tracker.surface.mesh import SurfaceMesh
 
 
@@ -508,4 +508,4 @@ def test_a_glance_at_one_animated_file_has_nothing_to_look_at(tmp_path: Path) ->
     ],
 )
 def test_steps_that_cannot_be_used_are_named_in_a_sentence(steps: list[int], words: str) -> None:
-    assert unusable_words({step: f"Why {step}." for step in steps}) == words
+    assert describe_unusable({step: f"Why {step}." for step in steps}) == words

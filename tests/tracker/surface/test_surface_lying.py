@@ -9,7 +9,7 @@ import pytest
 
 from tests.benchmarks.keeping import DATA
 from tests.rendering.walker_body import Human, body_and_poses
-from tests.tracker.surface.surfaces import BOXES, ROUND, bent, surface_of, two_bars
+from tests.tracker.surface.surfaces import BOXES, CAPSULES, ROUND, bent, surface_of, two_bars
 from tracker.body.body import Body
 from tracker.body.pose import Pose
 from tracker.geometry.rotations import exp_rotation
@@ -56,7 +56,7 @@ def _is_off(mesh: SurfaceMesh, body: Body, pose: Pose) -> bool:
     return lies_off(SurfaceModel.of(mesh, body, pose, 1000), pose)
 
 
-@pytest.mark.parametrize("shapes", [BOXES, ROUND])
+@pytest.mark.parametrize("shapes", [BOXES, ROUND, CAPSULES])
 def test_a_body_that_is_only_roughly_sized_or_posed_lies_in_its_surface(shapes) -> None:
     body = two_bars(shapes)
     mesh = surface_of(body, POSE)
@@ -66,7 +66,7 @@ def test_a_body_that_is_only_roughly_sized_or_posed_lies_in_its_surface(shapes) 
     assert not _is_off(mesh, body, _turned(POSE, 5.0))
 
 
-@pytest.mark.parametrize("shapes", [BOXES, ROUND])
+@pytest.mark.parametrize("shapes", [BOXES, ROUND, CAPSULES])
 def test_a_body_of_other_sizes_or_beside_its_surface_is_found_out(shapes) -> None:
     body = two_bars(shapes)
     mesh = surface_of(body, POSE)

@@ -17,9 +17,9 @@ from tracker.session.settings import UpAxis
 from tracker.surface.fit.binding import distances_to_parts, shares_of
 from tracker.surface.fit.model import SurfaceModel, with_all_rotations
 from tracker.surface.fit.options import Options
-from tracker.surface.fit.pairing import clear_of
+from tracker.surface.fit.pairing import clearance
 from tracker.surface.fit.points import SurfaceSamples
-from tracker.surface.fit.weights import LEAST_SHARE, clear_of_contact, floored, in_agreement
+from tracker.surface.fit.weights import LEAST_SHARE, contact_weights, photo_weights, raise_to_floor
 from tracker.surface.mesh import SurfaceMesh
 from tracker.surface.placing import METRES, Placement
 
@@ -139,18 +139,18 @@ def test_every_part_of_a_freed_body_turns_in_every_way() -> None:
 
 
 def test_weights_are_half_at_their_middle_and_switch_in_the_right_direction() -> None:
-    clear = clear_of_contact(np.array([-0.05, 0.0, 0.03, 0.06, np.inf]), 0.03)
+    clear = contact_weights(np.array([-0.05, 0.0, 0.03, 0.06, np.inf]), 0.03)
     assert clear[2] == pytest.approx(0.5)
     assert clear[0] < clear[1] < 0.01
     assert clear[3] > 0.99
     assert clear[4] == 1.0
-    photo = in_agreement(np.array([-1.0, 0.4, 1.0]))
+    photo = photo_weights(np.array([-1.0, 0.4, 1.0]))
     np.testing.assert_allclose(photo, [0.0, 0.5, 1.0], atol=1e-3)
 
 
 def test_a_part_wholly_in_contact_keeps_a_least_weight_and_others_theirs() -> None:
     weights = np.array([0.001, 0.003, 1.0, 0.5])
-    kept = floored(weights, np.array([0, 0, 1, 1]), 2)
+    kept = raise_to_floor(weights, np.array([0, 0, 1, 1]), 2)
     assert kept[:2].mean() == pytest.approx(LEAST_SHARE)
     assert kept[1] > kept[0]
     np.testing.assert_allclose(kept[2:], weights[2:])
@@ -168,7 +168,7 @@ def test_only_the_side_that_touches_another_part_counts_less() -> None:
     def clear(pose: Pose):
         posed = model.posed(pose_transforms(model.skeleton, pose))
         grid = grid_of(posed.p, 2 * model.spacing_m)
-        return posed, clear_of(model, posed, grid, Options(floor=False))
+        return posed, clearance(model, posed, grid, Options(floor=False))
 
     _, at_rest = clear(start)
     assert at_rest.min() > 0.9

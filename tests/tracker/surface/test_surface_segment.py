@@ -18,7 +18,8 @@ from tracker.session.verdict import Verdict
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.segment import SurfaceTracker
 from tracker.surface.mesh import SurfaceMesh
-from tracker.tracking.pool import Cancelled, SegmentResult
+from tracker.tracking.pool import Cancelled
+from tracker.tracking.result import SegmentResult
 
 BODY = two_bars()
 OPTIONS = Options(points=700)
@@ -66,8 +67,8 @@ def test_one_keyframe_is_enough_to_follow_all_steps_after_it() -> None:
     result = _run(_tracker({0: TRUE[0]}))
     assert _errors_m(result).max() < 0.005
     assert result.verdict.kind == "good"
-    assert result.residual.shape == (COUNT - 1, 2)
-    assert result.observability.min() > 0.5
+    assert result.diagnostics.residual.shape == (COUNT - 1, 2)
+    assert result.diagnostics.observability.min() > 0.5
 
 
 def test_the_steps_before_a_keyframe_are_followed_backward() -> None:
@@ -102,8 +103,8 @@ def test_a_step_that_cannot_be_used_is_led_over_and_told() -> None:
     assert _errors_m(result).max() < 0.02
     assert result.verdict == Verdict.check("no_surface", (3, 4))
     assert result.notes[:2] == ("Step 3 holds no faces: export it again.", "Step 4 is missing.")
-    assert result.rank[2:4].tolist() == [-1, -1]
-    assert np.isfinite(result.residual[4:]).all()
+    assert result.diagnostics.rank[2:4].tolist() == [-1, -1]
+    assert np.isfinite(result.diagnostics.residual[4:]).all()
 
 
 def test_when_the_last_steps_cannot_be_used_the_last_pose_stays() -> None:
@@ -120,9 +121,9 @@ def test_many_unusable_steps_are_told_in_a_few_words() -> None:
 
 
 @pytest.fixture
-def told_all(monkeypatch: pytest.MonkeyPatch) -> None:
+def report_all(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every step is told, however quick it was."""
-    monkeypatch.setattr("tracker.surface.fit.segment.TELL_S", 0.0)
+    monkeypatch.setattr("tracker.surface.fit.segment.REPORT_S", 0.0)
 
 
 def _stop_at(step: int) -> Callable[[Pass, int], None]:
@@ -134,32 +135,33 @@ def _stop_at(step: int) -> Callable[[Pass, int], None]:
 
 
 def _is_same(one: SegmentResult, other: SegmentResult) -> bool:
-    names = ("rank", "singular_values", "observability", "residual")
     return (
         np.array_equal(one.trajectory.Rs_parent_part, other.trajectory.Rs_parent_part)
         and np.array_equal(one.trajectory.ps_camera_root, other.trajectory.ps_camera_root)
         and all(
-            np.array_equal(getattr(one, name), getattr(other, name), equal_nan=True)
-            for name in names
+            np.array_equal(mine, its, equal_nan=True)
+            for (_, mine), (_, its) in zip(
+                one.diagnostics.arrays(), other.diagnostics.arrays(), strict=True
+            )
         )
         and one.verdict == other.verdict
         and (one.notes, one.missing) == (other.notes, other.missing)
     )
 
 
-@pytest.mark.usefixtures("told_all")
+@pytest.mark.usefixtures("report_all")
 def test_a_fit_that_is_stopped_keeps_what_was_done_and_says_what_was_not() -> None:
     found = _tracker({0: TRUE[0]}).run_segment((0, 8), _stop_at(5))
     assert found.missing == 3
     assert found.verdict == Verdict.check("not_fitted", (6, 8))
     assert _errors_m(found)[:6].max() < 0.005
     assert _is_pose(found.trajectory.pose(8), found.trajectory.pose(5))
-    assert found.rank[5:].tolist() == [-1] * 3
-    assert np.isnan(found.residual[5:]).all()
+    assert found.diagnostics.rank[5:].tolist() == [-1] * 3
+    assert np.isnan(found.diagnostics.residual[5:]).all()
     assert (found.unreached, found.notes) == ((6, 8), ())
 
 
-@pytest.mark.usefixtures("told_all")
+@pytest.mark.usefixtures("report_all")
 @pytest.mark.parametrize(
     ("ends", "steps"),
     [
@@ -183,7 +185,7 @@ def test_a_fit_goes_on_where_it_was_stopped_and_comes_out_the_same(
     assert went_on.missing == 0
 
 
-@pytest.mark.usefixtures("told_all")
+@pytest.mark.usefixtures("report_all")
 def test_between_two_keyframes_what_one_chain_has_reached_leads_over_to_the_other() -> None:
     tracker = _tracker({0: TRUE[0], 8: TRUE[8]})
     early = tracker.run_segment((0, 8), _stop_at(3))
@@ -197,7 +199,7 @@ def test_between_two_keyframes_what_one_chain_has_reached_leads_over_to_the_othe
     assert _errors_m(late).max() < 0.005
 
 
-@pytest.mark.usefixtures("told_all")
+@pytest.mark.usefixtures("report_all")
 def test_a_stopped_fit_that_was_lost_before_says_so() -> None:
     meshes = [MESHES[0], *(surface_of(BODY, bent(BODY, 2.5, (0, 0, 2.0)), 2) for _ in range(5))]
     tracker = SurfaceTracker(Given(meshes), BODY, {0: TRUE[0]}, 0, OPTIONS)
@@ -294,7 +296,7 @@ def test_the_model_needs_the_surface_of_its_own_step() -> None:
 
 
 def test_work_can_be_stopped_at_every_step(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tracker.surface.fit.segment.TELL_S", 0.0)
+    monkeypatch.setattr("tracker.surface.fit.segment.REPORT_S", 0.0)
     done = []
 
     def stop_at_three(step: Pass, number: int) -> None:
@@ -308,7 +310,7 @@ def test_work_can_be_stopped_at_every_step(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_what_is_told_on_the_way_covers_the_whole_span(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("tracker.surface.fit.segment.TELL_S", 0.0)
+    monkeypatch.setattr("tracker.surface.fit.segment.REPORT_S", 0.0)
     told: list[tuple[Pass, int]] = []
     tracker = _tracker({0: TRUE[0], 8: TRUE[8]})
     tracker.run_segment((0, 8), lambda step, number: told.append((step, number)))

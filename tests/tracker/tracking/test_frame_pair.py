@@ -166,7 +166,7 @@ def test_a_telephoto_camera_leaves_one_motion_unseen_and_depth_at_its_prediction
     found, _ = robust(telephoto, clip, before)
     assert found.p_camera_root[2] == pytest.approx(ahead[2], abs=2e-3)
     seen = observe(telephoto.scene(), clip, before)
-    assert seen.rank[0] <= dofs - 1
+    assert seen.diagnostics.rank[0] <= dofs - 1
     near = stepped(person, 1, standing(person, 1))
     assert near.singular_values[-1] > 10 * step.singular_values[-1]
 
@@ -184,14 +184,14 @@ def test_observability_is_the_pictures_share_beside_the_prior(person: Case) -> N
     precision = scene.prior(1).precision
     data = A[0] * scene.information(1) / sigma[0] ** 2
     share = 1 - precision * np.diag(np.linalg.inv(data + np.diag(precision)))
-    seen = observe(scene, clip, path)
+    seen = observe(scene, clip, path).diagnostics.observability
     for i in range(parts):
         mine = person.skeleton.dof_part == i
         if mine.any():
-            assert seen.observability[0, i] == pytest.approx(share[mine].mean(), abs=1e-6)
+            assert seen[0, i] == pytest.approx(share[mine].mean(), abs=1e-6)
         else:
-            assert np.isnan(seen.observability[0, i])
-    assert 0.01 < np.nanmin(seen.observability) < np.nanmax(seen.observability) < 0.999
+            assert np.isnan(seen[0, i])
+    assert 0.01 < np.nanmin(seen) < np.nanmax(seen) < 0.999
 
 
 def hidden_arm() -> tuple[Skeleton, Camera]:
@@ -225,10 +225,10 @@ def test_what_is_hidden_follows_the_prediction() -> None:
         assert np.abs(t - true.p_camera_root)[0] < 0.003
     assert step.rank == 6
     seen = observe(shown.scene(), shown.clip(), truth)
-    assert seen.observability[0, 1] == pytest.approx(0.0, abs=1e-6)
-    assert seen.observability[0, 0] > 0.3
+    assert seen.diagnostics.observability[0, 1] == pytest.approx(0.0, abs=1e-6)
+    assert seen.diagnostics.observability[0, 0] > 0.3
     assert seen.shown[0, 1] == 0
-    assert np.isnan(seen.residual[0, 1])
+    assert np.isnan(seen.diagnostics.residual[0, 1])
 
 
 @pytest.mark.parametrize("pictured", ["all ignored", "one grey", "target ignored"])
@@ -253,15 +253,15 @@ def test_where_nothing_shows_everything_follows_the_prediction(box: Case, pictur
     assert step.rank == 0
     assert score == pytest.approx(0.0, abs=0.02)  # the middle of the first bin
     seen = observe(scene, clip, before)
-    assert seen.rank[0] == 0
-    np.testing.assert_allclose(seen.observability, 0.0, atol=1e-9)
+    assert seen.diagnostics.rank[0] == 0
+    np.testing.assert_allclose(seen.diagnostics.observability, 0.0, atol=1e-9)
 
 
 def test_a_residual_without_a_target_is_none(box: Case) -> None:
     clip = clip_of(box.pictures[:2])
     clip.levels[0][1, ..., 3] = IGNORED
     pair = Trajectory(0, box.truth.Rs_parent_part[:2], box.truth.ps_camera_root[:2])
-    assert np.isnan(observe(box.scene(), clip, pair).residual[0, 0])
+    assert np.isnan(observe(box.scene(), clip, pair).diagnostics.residual[0, 0])
     with pytest.raises(IndexError, match="frames 0 to 4 are not all in the clip"):
         observe(box.scene(), clip, box.truth)
 
@@ -337,7 +337,7 @@ def test_a_limb_that_one_chain_has_lost_is_taken_from_the_other(person: Case) ->
     away = np.linspace(0.0, 1.2, len(truth))[:, None] * np.array([1.0, 0.0, 0.0])
 
     def strayed(turns: Floats) -> Chain:
-        R, t = truth.loose()
+        R, t = truth.writable()
         R[:, arm] = R[:, arm] @ exp_rotation(turns)
         return Chain.even(Trajectory(truth.first_frame, R, t))
 
@@ -359,7 +359,7 @@ def test_the_way_from_one_chain_to_the_other_is_made_where_a_part_is_hidden(pers
 
     def lost(after: bool) -> Chain:
         """0.1 rad off on the far side of the hidden step, which is where it was lost."""
-        R, t = truth.loose()
+        R, t = truth.writable()
         frames = slice(hidden + 1, None) if after else slice(0, hidden + 1)
         R[frames, arm] = R[frames, arm] @ exp_rotation(np.array([0.1, 0.0, 0.0]))
         chain = Chain.even(Trajectory(truth.first_frame, R, t))

@@ -16,10 +16,10 @@ from tracker.session.settings import IgnoreMask
 from tracker.tracking import cycle as segment_module
 from tracker.tracking.drift import Motions
 from tracker.tracking.frame_pair import printed_score, robust_pass
-from tracker.tracking.initial import choose as starts_module
+from tracker.tracking.initial import chains as chains_module
 from tracker.tracking.initial.chains import Chain
 from tracker.tracking.method import FAST, FULL, PREVIEW, Method, Paper
-from tracker.tracking.pool import SegmentResult
+from tracker.tracking.result import SegmentResult
 from tracker.tracking.scene import Scene
 from tracker.video.pyramid import Clip
 
@@ -112,7 +112,7 @@ def test_chains_that_leave_the_scene_are_not_followed(
             )
         )
 
-    monkeypatch.setattr(starts_module, "follow", gone)
+    monkeypatch.setattr(chains_module, "follow", gone)
     steps, outcome = worked(shown, segment_of(shown), FULL)
     assert not outcome.followed
     assert {step.what for step in steps} <= {"interpolation", "templates", "pass", "refinement"}
@@ -168,7 +168,7 @@ def test_where_there_is_nothing_to_see_the_verdict_is_not_good(
     blank = textureless(cases["person"])
     (result,) = tracked(blank.tracker(0, 20), method=method)
     assert result.verdict.kind != "good"
-    assert (result.rank == 0).all()
+    assert (result.diagnostics.rank == 0).all()
     joints = result.trajectory.joints(blank.skeleton)
     assert np.isfinite(joints).all()
     assert blank.error_cm(result.trajectory) < 3 * blank.error_cm(plain(blank))

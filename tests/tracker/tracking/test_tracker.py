@@ -24,11 +24,11 @@ from tracker.tracking.pool import (
     PassFinished,
     Progress,
     SegmentFinished,
-    SegmentResult,
     SegmentStarted,
     TrackFinished,
     run,
 )
+from tracker.tracking.result import SegmentResult
 from tracker.tracking.tracker import Tracker
 
 KEYS = (0, 6, 12, 18)
@@ -47,8 +47,8 @@ def box() -> Case:
 def same(a: SegmentResult, b: SegmentResult) -> bool:
     """Byte by byte."""
     arrays: list[list[NDArray[Any]]] = [
-        [r.trajectory.Rs_parent_part, r.trajectory.ps_camera_root, r.rank, r.singular_values,
-         r.observability, r.residual, np.array(r.scores)]
+        [r.trajectory.Rs_parent_part, r.trajectory.ps_camera_root, np.array(r.scores),
+         *(rows for _, rows in r.diagnostics.arrays())]
         for r in (a, b)
     ]  # fmt: skip
     equal = all(x.tobytes() == y.tobytes() for x, y in zip(*arrays, strict=True))
@@ -99,30 +99,34 @@ def test_results_have_the_shapes_that_are_promised(person: Case) -> None:
     dofs, parts = person.skeleton.dof_count, person.skeleton.part_count
     for result in tracked(person.tracker(*KEYS)):
         assert len(result.trajectory) == 7
-        assert result.rank.shape == (6,)
-        assert result.singular_values.shape == (6, dofs)
-        assert result.observability.shape == result.residual.shape == (6, parts)
+        assert result.diagnostics.rank.shape == (6,)
+        assert result.diagnostics.singular_values.shape == (6, dofs)
+        assert (
+            result.diagnostics.observability.shape
+            == result.diagnostics.residual.shape
+            == (6, parts)
+        )
         assert result.closing_error <= 1e-9
-        assert (np.diff(result.singular_values, axis=1) <= 0).all()
-        shares = result.observability[:, np.unique(person.skeleton.dof_part)]
+        assert (np.diff(result.diagnostics.singular_values, axis=1) <= 0).all()
+        shares = result.diagnostics.observability[:, np.unique(person.skeleton.dof_part)]
         assert ((shares >= 0) & (shares <= 1)).all()
-        assert ((result.rank > 0) & (result.rank <= dofs)).all()
+        assert ((result.diagnostics.rank > 0) & (result.diagnostics.rank <= dofs)).all()
 
 
 @pytest.mark.parametrize("method", ["keypose", "paper"])
 def test_every_segment_tells_what_a_keyframe_more_would_mend(person: Case, method: str) -> None:
     for segment in tracked(person.tracker(0, 18), method=method):
-        assert segment.need is not None
-        assert segment.need.shape == (19,)
-        assert segment.need[0] == segment.need[-1] == 0
-        assert (segment.need[1:-1] > 0).all()
+        assert segment.diagnostics.expected_gain is not None
+        assert segment.diagnostics.expected_gain.shape == (19,)
+        assert segment.diagnostics.expected_gain[0] == segment.diagnostics.expected_gain[-1] == 0
+        assert (segment.diagnostics.expected_gain[1:-1] > 0).all()
 
 
 def test_a_preview_does_not_look_and_says_so(person: Case) -> None:
     (result,) = tracked(person.tracker(0, 6), quality="preview")
-    assert (result.rank == -1).all()
-    assert np.isnan(result.observability).all()
-    assert np.isnan(result.residual).all()
+    assert (result.diagnostics.rank == -1).all()
+    assert np.isnan(result.diagnostics.observability).all()
+    assert np.isnan(result.diagnostics.residual).all()
 
 
 def test_the_whole_motion_passes_through_every_keyframe(person: Case) -> None:
@@ -166,7 +170,7 @@ def test_a_renewed_tracker_finds_what_a_fresh_one_finds_with_the_same_pictures(
     added = {k: person.truth.pose(k) for k in (0, 9, 18)}
     renewed = tracker.renewed(tracker.skeleton, added)
     assert renewed.spans == [(0, 9), (9, 18)]
-    assert renewed.loader is tracker.loader
+    assert renewed.loader((0, 6)) is tracker.loader((0, 6))
     for mine, other in zip(tracked(renewed), tracked(person.tracker(*added)), strict=True):
         assert same(mine, other)
     assert tracker.spans == [(0, 6), (6, 12), (12, 18)]
@@ -180,7 +184,7 @@ def test_a_renewed_tracker_takes_another_body(person: Case) -> None:
     other = Skeleton.of(old.with_part(head))
     poses = {k: person.truth.pose(k) for k in (0, 6)}
     renewed = person.tracker(*KEYS).renewed(other, poses)
-    fresh = Tracker(renewed.loader.video, person.camera, other, poses)
+    fresh = Tracker(renewed.loader((0, 6)).video, person.camera, other, poses)
     assert same(tracked(renewed)[0], tracked(fresh)[0])
     with pytest.raises(SessionError, match="at least two"):
         renewed.renewed(other, {})
@@ -191,7 +195,7 @@ def test_segments_do_not_depend_on_keyframes_that_are_not_theirs(person: Case) -
     far = person.truth.pose(18)
     moved = person.tracker(*KEYS)
     fresh = Tracker(
-        moved.loader.video, person.camera, person.skeleton,
+        moved.loader((0, 6)).video, person.camera, person.skeleton,
         moved.keyposes | {18: Pose(far.Rs_parent_part, far.p_camera_root * 1.02)},
     )  # fmt: skip
     assert same(before[0], tracked(fresh)[0])
@@ -336,8 +340,10 @@ def test_a_long_session_is_tracked_at_the_same_size_by_any_number_of_workers(
     np.testing.assert_array_equal(found[0].Rs_parent_part, found[1].Rs_parent_part)
 
 
-def test_keyframes_too_far_apart_are_refused_before_any_work(person: Case) -> None:
+def test_keyframes_too_far_apart_are_refused_and_the_other_segments_tracked(person: Case) -> None:
     poses = {frame: person.truth.pose(0) for frame in (0, 6, 5000)}
-    video = person.tracker(*KEYS).loader.video
+    tracker = person.tracker(*KEYS).renewed(person.skeleton, poses)
+    events: list[Any] = []
     with pytest.raises(SessionError, match=r"Keyframes 6 and 5000 lie 4994 frames apart"):
-        Tracker(video, person.camera, person.skeleton, poses)
+        events.extend(run(tracker, TrackSettings(quality="preview")))
+    assert [event.index for event in events if isinstance(event, SegmentFinished)] == [0]

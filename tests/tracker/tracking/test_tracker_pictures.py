@@ -43,12 +43,12 @@ def test_missing_frames_cost_little_and_break_nothing(
         assert person.error_cm(holed.trajectory) < 4 * person.error_cm(whole.trajectory)
     for pair in range(6):
         if pair in missing or pair + 1 in missing:
-            assert holed.rank[pair] == 0
+            assert holed.diagnostics.rank[pair] == 0
 
 
 def test_a_missing_frame_reaches_the_loops_as_ignored_everywhere(person: Case) -> None:
     tracker = person.tracker(0, 6, missing=(3,))
-    clip = tracker.loader.load(0, 6)
+    clip = tracker.loader((0, 6)).load(0, 6)
     for level in range(LEVELS):
         assert not clip.levels[level][3, ..., 3].any()
 
@@ -101,7 +101,8 @@ def test_large_pictures_are_tracked_at_half_their_size(box: Case) -> None:
     )  # fmt: skip
     shown = Case(box.skeleton, camera, box.truth, large)
     tracker = shown.tracker(0, 8)
-    assert (tracker.camera.width, tracker.camera.height) == (640, 360)
+    halved = tracker.scene((0, 8), 1.0).camera
+    assert (halved.width, halved.height) == (640, 360)
     (found,) = tracked(tracker)
     straight = interpolate(box.truth.pose(0), box.truth.pose(8), 0, 8)
     assert box.error_cm(found.trajectory) < 0.4 * box.error_cm(straight)
@@ -120,7 +121,7 @@ def test_parts_that_are_not_tracked_follow_interpolation(person: Case) -> None:
     np.testing.assert_allclose(
         found.trajectory.Rs_parent_part[:, shin], straight.Rs_parent_part[:, shin], atol=1e-6
     )
-    assert np.isnan(found.observability[:, shin]).all()
+    assert np.isnan(found.diagnostics.observability[:, shin]).all()
 
 
 def test_a_root_that_only_turns_stays_on_its_line() -> None:

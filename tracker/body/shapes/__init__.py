@@ -1,16 +1,17 @@
 """The solid shapes a part may have, in the part's own frame. Lengths in metres.
 
-One file a shape, which holds all that the program asks of it (`Solid`). Another shape is one more
-file, and its name in `Shape`.
+Each shape is one file with everything the program needs of it (`Solid`). A new shape is a new file,
+plus its name in `Shape`, from which session files and the page know it.
 """
 
 from __future__ import annotations
 
-from typing import Annotated, TypeAlias
+from typing import Annotated, TypeAlias, get_args
 
 from pydantic import Field
 
 from tracker.body.shapes.box import Box
+from tracker.body.shapes.capsule import Capsule
 from tracker.body.shapes.cylinder import Cylinder
 from tracker.body.shapes.frustum import Frustum
 from tracker.body.shapes.mesh import Mesh
@@ -18,11 +19,18 @@ from tracker.body.shapes.numbers import Length, Point, Size
 from tracker.body.shapes.solid import ShapeSize, Solid
 from tracker.body.shapes.wireframe import SIDES, Wireframe
 
-Shape: TypeAlias = Annotated[Cylinder | Frustum | Box, Field(discriminator="kind")]
+Shape: TypeAlias = Annotated[Cylinder | Capsule | Frustum | Box, Field(discriminator="kind")]
+
+KINDS: dict[str, type[Shape]] = {
+    solid.model_fields["kind"].default: solid for solid in get_args(get_args(Shape)[0])
+}
+"""The shapes by what files call them."""
 
 __all__ = [
+    "KINDS",
     "SIDES",
     "Box",
+    "Capsule",
     "Cylinder",
     "Frustum",
     "Length",

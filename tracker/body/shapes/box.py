@@ -37,6 +37,13 @@ class Box(Solid):
                 raise ValueError(f"high_m must be larger than low_m along {axis}")
         return self
 
+    @classmethod
+    def like(cls, other: Solid) -> Self:
+        ends = np.array([other.half_widths(y) for y in other.span_y])
+        half = np.array([ends[:, 0].mean(), other.length_m / 2, ends[:, 1].mean()])
+        low, high = other.centre - half, other.centre + half
+        return cls.model_validate({"low_m": low.tolist(), "high_m": high.tolist()})
+
     def mesh(self) -> Mesh:
         return Mesh.convex(self._corners(0.0), _FACES, np.arange(len(_FACES)) // 2)
 

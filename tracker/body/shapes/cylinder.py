@@ -6,7 +6,7 @@ from typing import Literal, Self
 
 from tracker.body.shapes.numbers import Size
 from tracker.body.shapes.round import Radii, RoundSolid
-from tracker.body.shapes.solid import ShapeSize
+from tracker.body.shapes.solid import ShapeSize, Solid
 
 
 class Cylinder(RoundSolid):
@@ -25,6 +25,11 @@ class Cylinder(RoundSolid):
 
     def half_widths(self, y: float) -> tuple[float, float]:
         return self.radius_m, self.radius_m
+
+    @classmethod
+    def like(cls, other: Solid) -> Self:
+        start, end = other.span_y
+        return cls(start_m=start, end_m=end, radius_m=other.width_m / 2)
 
     def sizes(self) -> tuple[ShapeSize, ...]:
         return (

@@ -8,7 +8,7 @@ import numpy as np
 
 from tracker.body.shapes.numbers import Point, Size
 from tracker.body.shapes.round import Radii, RoundSolid
-from tracker.body.shapes.solid import ShapeSize
+from tracker.body.shapes.solid import ShapeSize, Solid
 
 
 class Frustum(RoundSolid):
@@ -34,6 +34,12 @@ class Frustum(RoundSolid):
         share = min(max(share, 0.0), 1.0)
         (x0, z0), (x1, z1) = self.ends
         return (1 - share) * x0 + share * x1, (1 - share) * z0 + share * z1
+
+    @classmethod
+    def like(cls, other: Solid) -> Self:
+        start, end = other.span_y
+        radii = {"start_radii_m": other.half_widths(start), "end_radii_m": other.half_widths(end)}
+        return cls.model_validate({"start_m": start, "end_m": end, **radii})
 
     def sizes(self) -> tuple[ShapeSize, ...]:
         length = ShapeSize("length", self.length_m, (0.0, self.end_m, 0.0))
@@ -62,13 +68,4 @@ class Frustum(RoundSolid):
 
     def face_points(self) -> dict[str, Point]:
         (x0, z0), (x1, z1) = self.ends
-        rx, rz = (x0 + x1) / 2, (z0 + z1) / 2
-
-        def at(share: float, x: float, z: float) -> Point:
-            return (x * rx, self.start_m + share * (self.end_m - self.start_m), -z * rz)
-
-        face = {"nose": at(0.4, 0.0, 1.15)}
-        for side, sign in (("left", 1.0), ("right", -1.0)):
-            face[f"{side}_eye"] = at(0.55, 0.45 * sign, 0.9)
-            face[f"{side}_ear"] = at(0.5, sign, 0.0)
-        return face
+        return self._face((x0 + x1) / 2, (z0 + z1) / 2)

@@ -1,4 +1,4 @@
-"""What shapes have in common that stand along y and are round across it, with flat ends."""
+"""What shapes along the y axis have in common, and those of them with flat ends."""
 
 from __future__ import annotations
 
@@ -18,9 +18,8 @@ Radii: TypeAlias = tuple[float, float]
 """Half-axes of a cross-section along x and z."""
 
 
-class RoundSolid(Solid):
-    """From y = start_m to y = end_m, its cross-sections ellipses; what is asked of a `Solid` and
-    follows from these."""
+class UprightSolid(Solid):
+    """A solid about the y axis from y = start_m to y = end_m."""
 
     start_m: Length = 0.0
     end_m: Length
@@ -30,6 +29,43 @@ class RoundSolid(Solid):
         if abs(self.end_m - self.start_m) < 1e-6:
             raise ValueError("end_m must differ from start_m")
         return self
+
+    @property
+    def centre(self) -> Point:
+        return (0.0, (self.start_m + self.end_m) / 2, 0.0)
+
+    @property
+    def far_end(self) -> Point:
+        return (0.0, max(self.start_m, self.end_m, key=abs), 0.0)
+
+    @property
+    def length_m(self) -> float:
+        return abs(self.end_m - self.start_m)
+
+    @property
+    def span_y(self) -> tuple[float, float]:
+        return self.start_m, self.end_m
+
+    def longer(self, ratio: float) -> Self:
+        """Times a ratio along y, unvalidated."""
+        update = {"start_m": self.start_m * ratio, "end_m": self.end_m * ratio}
+        return self.model_copy(update=update)
+
+    def _face(self, rx: float, rz: float) -> dict[str, Point]:
+        """The points of a face on a head with these half-axes."""
+
+        def at(share: float, x: float, z: float) -> Point:
+            return (x * rx, self.start_m + share * (self.end_m - self.start_m), -z * rz)
+
+        face = {"nose": at(0.4, 0.0, 1.15)}
+        for side, sign in (("left", 1.0), ("right", -1.0)):
+            face[f"{side}_eye"] = at(0.55, 0.45 * sign, 0.9)
+            face[f"{side}_ear"] = at(0.5, sign, 0.0)
+        return face
+
+
+class RoundSolid(UprightSolid):
+    """A solid with elliptic cross-sections and flat ends."""
 
     @property
     @abstractmethod
@@ -69,8 +105,8 @@ class RoundSolid(Solid):
     def marks(self) -> Array:
         """The middles of both ends; of a shape as wide as it is long also the rims.
 
-        A rim of a slender limb would also tell its turn about its own length, which no picture
-        shows.
+        The rim of a slender limb would also move when it turns about its own length, which no
+        picture shows.
         """
         start, end = self.ends
         marks = [(0.0, self.start_m, 0.0), (0.0, self.end_m, 0.0)]
@@ -78,20 +114,3 @@ class RoundSolid(Solid):
             for y, (rx, rz) in ((self.start_m, start), (self.end_m, end)):
                 marks += [(rx, y, 0.0), (-rx, y, 0.0), (0.0, y, rz), (0.0, y, -rz)]
         return frozen(marks)
-
-    @property
-    def centre(self) -> Point:
-        return (0.0, (self.start_m + self.end_m) / 2, 0.0)
-
-    @property
-    def far_end(self) -> Point:
-        return (0.0, max(self.start_m, self.end_m, key=abs), 0.0)
-
-    @property
-    def length_m(self) -> float:
-        return abs(self.end_m - self.start_m)
-
-    def longer(self, ratio: float) -> Self:
-        """Times a ratio along y, unvalidated."""
-        update = {"start_m": self.start_m * ratio, "end_m": self.end_m * ratio}
-        return self.model_copy(update=update)

@@ -1,4 +1,4 @@
-"""What the program asks of every shape."""
+"""What every shape provides."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tracker.geometry.rotations import Array
 
 @dataclass(frozen=True)
 class ShapeSize:
-    """One size of a shape, and where on it a hand takes hold to change it.
+    """One size of a shape, and where its handle is.
 
     key: "length" is along the part's y axis, and every shape has it; "radius", and "width" and
         "depth" along x and z, may say at which end: "start_radius", "end_width".
@@ -32,12 +32,17 @@ class ShapeSize:
 class Solid(BaseModel, ABC):
     """A convex solid in its part's frame, whose origin is the joint: plain numbers, frozen.
 
-    A subclass says its `kind` and its numbers, and answers what is asked here.
+    A subclass declares its `kind` and its numbers, and implements the methods below.
     """
 
     model_config = ConfigDict(frozen=True, extra="allow")
 
     kind: str
+
+    @classmethod
+    @abstractmethod
+    def like(cls, other: Solid) -> Self:
+        """A solid of this kind in the place of another: as long, and as wide on average."""
 
     @abstractmethod
     def mesh(self) -> Mesh:
@@ -53,7 +58,7 @@ class Solid(BaseModel, ABC):
 
     @abstractmethod
     def marks(self) -> Array:
-        """Points (N, 3) by which a motion of the shape can be told."""
+        """Points (N, 3) by which motions of the shape are compared."""
 
     @property
     @abstractmethod
@@ -71,14 +76,20 @@ class Solid(BaseModel, ABC):
         """How long it is, along y."""
 
     @property
+    def span_y(self) -> tuple[float, float]:
+        """Where along y it starts and ends: it ends on the side away from the joint."""
+        y, half = self.centre[1], self.length_m / 2
+        return (y - half, y + half) if y >= 0 else (y + half, y - half)
+
+    @property
     @abstractmethod
     def width_m(self) -> float:
         """How wide it is on average, across y."""
 
     @abstractmethod
     def half_widths(self, y: float) -> tuple[float, float]:
-        """Half the width and half the depth of its sides at a height: what hangs on them is carried
-        along by these. Above 0 everywhere, beyond its ends as well."""
+        """Half the width and half the depth of its sides at a height, by which attached parts move
+        when it is resized. Above 0 everywhere, also beyond its ends."""
 
     @abstractmethod
     def sizes(self) -> tuple[ShapeSize, ...]:

@@ -20,7 +20,7 @@ class Wireframe:
 
     creases: (N, 2, 3) the ends of the edges at which the surface is not smooth.
     rings:   (R, SIDES, 3) points around a round side, from one end of it to the other; neighbours
-             in the list bound a strip of that side, and where such a strip turns away from the eye
+             in the list bound a strip of that side, and where such a strip turns from the viewer
              its outline runs. None of them where nothing is round.
     """
 
@@ -29,12 +29,12 @@ class Wireframe:
 
     @classmethod
     def straight(cls, creases: Array) -> Wireframe:
-        """Of a solid that has edges and no round side."""
+        """The lines of a solid with edges and no round side."""
         return cls(frozen(creases), frozen(np.zeros((0, SIDES, 3))))
 
     @classmethod
     def rimmed(cls, rings: Array) -> Wireframe:
-        """Of a round side whose first and last ring are rims."""
+        """The lines of a round side whose first and last ring are rims."""
         rims = rings[[0, -1]]
         creases = np.stack([rims, np.roll(rims, -1, axis=1)], axis=2)
         return cls(frozen(creases.reshape(-1, 2, 3)), frozen(rings))

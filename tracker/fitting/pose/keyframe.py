@@ -1,8 +1,8 @@
 """A roughly posed keyframe improved from the picture itself.
 
 A person poses to about 3° at a joint and 1.5 cm at the hips. What the picture shows better than
-that is moved; what it cannot tell, such as a hidden limb or depth, stays as it was posed. It is a
-suggestion: whoever asks for it can take it back.
+that is moved; what it does not show, such as a hidden limb or depth, stays as it was posed. The
+result is a suggestion, which can be undone.
 """
 
 from __future__ import annotations
@@ -24,10 +24,11 @@ from tracker.fitting.pose.inputs import (
     keyframes_near,
     textures_near,
 )
-from tracker.fitting.pose.likeness import Likeness, Texture, visible_points
+from tracker.fitting.pose.likeness import Likeness
+from tracker.fitting.pose.messages import Moves, describe_moves
 from tracker.fitting.pose.outline import Outline, gain
-from tracker.fitting.pose.settling import Settled, decided_share, settle
-from tracker.fitting.pose.words import Moves, describe_moves
+from tracker.fitting.pose.refinement import RefinedPose, decided_share, refine
+from tracker.fitting.pose.texture import Texture, visible_points
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
 from tracker.session.settings import IgnoreMask
@@ -38,7 +39,7 @@ from tracker.video.pyramid import IGNORED
 Way = Literal["neighbours", "outline", "nothing"]
 
 OTHER_STARTS = 4
-"""Poses about the hand's from which the search is begun as well."""
+"""Poses about the one as set from which the search starts as well."""
 START_SHARE = 0.8
 AGREEING = 0.6
 """Share of the difference to neighbouring keyframes below which they are as exact as can be."""
@@ -49,29 +50,29 @@ BETTER_LIKENESS, BETTER_OUTLINE = 0.9, 0.02
 """What must be gained for a pose to be moved: share of the difference to the neighbours that may
 remain, and nats for each pixel of the outline."""
 PRIOR_SHARE = 0.03
-"""What one σ² of distance from the hand costs when poses are chosen by likeness."""
+"""What one σ² of distance from the pose as set costs when poses are chosen by likeness."""
 HIDDEN = 0.06
 """Share of a part's surface, all sides, that must be seen; half of it is the most there is."""
 
 
 @dataclass(frozen=True, eq=False)
-class Fitted:
+class PictureFit:
     """A pose as the picture shows it.
 
     moved_px: (P,) how far each part moved in the picture, pixels of the video.
     decided: (P,) share of a part's pose that the picture decided, 0 (all as posed) to 1.
     way: what decided: frames beside it, the body's outline, or nothing (the pose is unchanged).
-    words: one or two sentences for a person.
+    message: one or two sentences for a person.
     """
 
     pose: Pose
     moved_px: Array
     decided: Array
     way: Way
-    words: str
+    message: str
 
 
-def fit_here(
+def fit_pose_to_picture(
     video: Video,
     camera: Camera,
     skeleton: Skeleton,
@@ -81,158 +82,160 @@ def fit_here(
     tracked: Mapping[int, Pose],
     masks: Sequence[IgnoreMask] = (),
     cancelled: Callable[[], bool] = never,
-) -> Fitted:
-    """The pose of `frame` laid onto what the picture shows.
+) -> PictureFit:
+    """The pose of `frame` fitted to what the picture shows.
 
-    keyposes: the other keyframes; tracked: tracked poses of frames near, maybe none. The pose comes
-    back unchanged, with words saying why, where nothing tells or where it is cancelled.
+    keyposes: the other keyframes; tracked: tracked poses of frames near, maybe none. The pose is
+    unchanged, and the message says why, where nothing decides it or where it is cancelled.
     """
     unchanged = _unchanged(skeleton, pose)
     if not skeleton.dof_count:
-        return unchanged("No motion of this body is tracked: the pose is unchanged.")
+        return unchanged("No motion of this body is tracked. Pose unchanged.")
     inputs = FitInputs.of(video, camera, skeleton, frame, pose, masks)
     if not (inputs.pictures[0][..., 3] != IGNORED).any():
-        return unchanged("Nothing of this frame may be used: the pose is unchanged.")
+        return unchanged("Nothing of this frame may be used. Pose unchanged.")
     outline = inputs.outline()
-    found = _found(inputs, outline, keyframes_near(inputs, keyposes), tracked, cancelled)
+    found = _best_candidate(inputs, outline, keyframes_near(inputs, keyposes), tracked, cancelled)
     if cancelled():
-        return unchanged("Stopped: the pose is unchanged.")
+        return unchanged("Cancelled. Pose unchanged.")
     if found is None:
         return unchanged(
-            "No other keyframe is near, and colour does not part the body from what is behind it: "
-            "the pose is unchanged."
+            "No other keyframe is near, and the body’s colours are too close to the background’s. "
+            "Pose unchanged."
         )
-    if not _is_better(inputs, found.likeness, outline, found.settled.pose):
-        return unchanged("The picture shows nothing that fits better: the pose is unchanged.")
-    return _fitted(inputs, found.settled, "outline" if found.likeness is None else "neighbours")
+    if not _is_better(inputs, found.likeness, outline, found.refined.pose):
+        return unchanged("No better fit found. Pose unchanged.")
+    return _as_fitted(inputs, found.refined, "outline" if found.likeness is None else "neighbours")
 
 
 @dataclass(frozen=True, eq=False)
-class _Found:
-    """A settled pose, the textures it was settled on, and what it costs to believe it."""
+class _Candidate:
+    """A refined pose, the likeness it was refined by, and its cost."""
 
-    settled: Settled
+    refined: RefinedPose
     likeness: Likeness | None
     cost: float
 
 
-def _found(
+def _best_candidate(
     inputs: FitInputs,
     outline: Outline | None,
     near: Mapping[int, Pose],
     tracked: Mapping[int, Pose],
     cancelled: Callable[[], bool],
-) -> _Found | None:
-    """The best pose; None where nothing tells.
+) -> _Candidate | None:
+    """The best pose; None without textures and outline.
 
-    The keyframes near were posed by hand too. Where this frame does not agree with them as they
-    are, each is laid into its own outline first, then they and this frame are settled on one
-    another once; that counts where this frame then fits them clearly better.
+    The keyframes near were posed by eye too. Where this frame does not agree with them as they
+    are, each is fitted to its own outline first, then they and this frame to one another once;
+    that counts where this frame then fits them clearly better.
     """
-    outlined = (
-        None if outline is None else settle(inputs.hand, inputs.hand.pose, None, outline, cancelled)
-    )
+    keyframe, outlined = inputs.keyframe, None
+    if outline is not None:
+        outlined = refine(keyframe, keyframe.pose, None, outline, cancelled)
     textures = textures_near(inputs, near, tracked)
     if not textures:
-        return None if outlined is None else _Found(outlined, None, 0.0)
-    given = _on(inputs, outline, outlined, textures, tracked, cancelled)
-    if outline is None or outlined is None or not near or _agree(inputs, outline, outlined, given):
-        return given
+        return None if outlined is None else _Candidate(outlined, None, 0.0)
+    as_posed = _fit_from_starts(inputs, outline, outlined, textures, tracked, cancelled)
+    if outline is None or outlined is None or not near:
+        return as_posed
+    if _agree(inputs, outline, outlined, as_posed):
+        return as_posed
     tidy = fit_to_outlines(inputs, near, cancelled)
-    tidied = _on(
-        inputs, outline, outlined, textures_near(inputs, tidy, tracked), tracked, cancelled
-    )
-    drawn_better = gain(outline, given.settled.pose, tidied.settled.pose) > OTHER_OUTLINE
-    if tidied.cost > (1.0 if drawn_better else BETTER_TIDIED) * given.cost:
-        return given
-    tidy = align_textures(inputs, near, tidy, tidied.settled.pose, cancelled)
+    textures = textures_near(inputs, tidy, tracked)
+    tidied = _fit_from_starts(inputs, outline, outlined, textures, tracked, cancelled)
+    drawn_better = gain(outline, as_posed.refined.pose, tidied.refined.pose) > OTHER_OUTLINE
+    if tidied.cost > (1.0 if drawn_better else BETTER_TIDIED) * as_posed.cost:
+        return as_posed
+    tidy = align_textures(inputs, near, tidy, tidied.refined.pose, cancelled)
     likeness = Likeness(inputs.scene, inputs.pictures, textures_near(inputs, tidy, tracked))
-    settled = settle(inputs.hand, tidied.settled.pose, likeness, outline, cancelled, coarsest=0)
-    return _Found(settled, likeness, _cost(inputs, likeness, settled.pose))
+    refined = refine(keyframe, tidied.refined.pose, likeness, outline, cancelled, coarsest=0)
+    return _Candidate(refined, likeness, _cost(inputs, likeness, refined.pose))
 
 
-def _agree(inputs: FitInputs, outline: Outline, outlined: Settled, given: _Found) -> bool:
+def _agree(
+    inputs: FitInputs, outline: Outline, outlined: RefinedPose, as_posed: _Candidate
+) -> bool:
     """Whether a pose fits the frames beside it so well that their poses are beyond doubt, and the
-    outline does not gainsay it."""
-    if given.cost > AGREEING * _cost(inputs, given.likeness, inputs.hand.pose):
+    outline agrees."""
+    if as_posed.cost > AGREEING * _cost(inputs, as_posed.likeness, inputs.keyframe.pose):
         return False
-    return gain(outline, given.settled.pose, outlined.pose) < OTHER_OUTLINE
+    return gain(outline, as_posed.refined.pose, outlined.pose) < OTHER_OUTLINE
 
 
-def _on(
+def _fit_from_starts(
     inputs: FitInputs,
     outline: Outline | None,
-    outlined: Settled | None,
+    outlined: RefinedPose | None,
     textures: Sequence[Texture],
     tracked: Mapping[int, Pose],
     cancelled: Callable[[], bool],
-) -> _Found:
+) -> _Candidate:
     """The best pose on these textures and the outline.
 
     Textures have many wrong places close by: the search begins at several.
     """
     likeness = Likeness(inputs.scene, inputs.pictures, textures)
-    starts = _starts(inputs, tracked) + ([] if outlined is None else [outlined.pose])
-    alone = [settle(inputs.hand, start, likeness, None, cancelled).pose for start in starts]
+    starts = _start_poses(inputs, tracked) + ([] if outlined is None else [outlined.pose])
+    alone = [refine(inputs.keyframe, start, likeness, None, cancelled).pose for start in starts]
     starts = [min(alone, key=lambda pose: _cost(inputs, likeness, pose))]
     starts += [] if outlined is None else [outlined.pose]
-    found = [settle(inputs.hand, s, likeness, outline, cancelled, coarsest=1) for s in starts]
-    costs = [_cost(inputs, likeness, settled.pose) for settled in found]
+    found = [refine(inputs.keyframe, s, likeness, outline, cancelled, coarsest=1) for s in starts]
+    costs = [_cost(inputs, likeness, refined.pose) for refined in found]
     least = int(np.argmin(costs))
-    return _Found(found[least], likeness, costs[least])
+    return _Candidate(found[least], likeness, costs[least])
 
 
-def _starts(inputs: FitInputs, tracked: Mapping[int, Pose]) -> list[Pose]:
-    """The tracked pose, as far as it may move the hand's, and some poses about the hand's."""
-    hand, rng = inputs.hand, np.random.default_rng(inputs.frame)
-    motions = [hand.away(tracked[inputs.frame])] if inputs.frame in tracked else []
-    spread = START_SHARE * hand.precision**-0.5
+def _start_poses(inputs: FitInputs, tracked: Mapping[int, Pose]) -> list[Pose]:
+    """The pose as set, the tracked one, as far as its motions are tracked, and some random ones."""
+    keyframe, skeleton = inputs.keyframe, inputs.scene.skeleton
+    rng = np.random.default_rng(inputs.frame)
+    motions = [keyframe.away(tracked[inputs.frame])] if inputs.frame in tracked else []
+    spread = START_SHARE * keyframe.precision**-0.5
     motions += [rng.normal(0.0, 1.0, len(spread)) * spread for _ in range(OTHER_STARTS)]
-    return [hand.pose, *(moved(inputs.scene.skeleton, hand.pose, motion) for motion in motions)]
+    return [keyframe.pose, *(moved(skeleton, keyframe.pose, motion) for motion in motions)]
 
 
 def _cost(inputs: FitInputs, likeness: Likeness | None, pose: Pose) -> float:
-    """By which one of several settled poses is chosen; lower is better."""
-    away = inputs.hand.away(pose) ** 2 @ inputs.hand.precision
+    """By which one of several refined poses is chosen; lower is better."""
+    away = inputs.keyframe.away(pose) ** 2 @ inputs.keyframe.precision
     if likeness is None:
         return float(away)
-    likeness.look(inputs.hand.pose)
-    return likeness.score(pose) * (1.0 + PRIOR_SHARE * float(away) / len(inputs.hand.precision))
+    likeness.update_visibility(inputs.keyframe.pose)
+    return likeness.score(pose) * (1.0 + PRIOR_SHARE * float(away) / len(inputs.keyframe.precision))
 
 
 def _is_better(
     inputs: FitInputs, likeness: Likeness | None, outline: Outline | None, pose: Pose
 ) -> bool:
-    """Whether a pose fits the picture clearly better than the hand's, on the same pixels."""
+    """Whether a pose fits the picture clearly better than the one as set, on the same pixels."""
     if likeness is not None:
-        likeness.look(inputs.hand.pose)
-        before, after = (likeness.score(p) for p in (inputs.hand.pose, pose))
+        likeness.update_visibility(inputs.keyframe.pose)
+        before, after = (likeness.score(p) for p in (inputs.keyframe.pose, pose))
         if after < BETTER_LIKENESS * before:
             return True
         if after > before:
             return False
     if outline is None:
         return False
-    return gain(outline, inputs.hand.pose, pose) > BETTER_OUTLINE
+    return gain(outline, inputs.keyframe.pose, pose) > BETTER_OUTLINE
 
 
-def _fitted(inputs: FitInputs, settled: Settled, way: Way) -> Fitted:
-    skeleton, hand = inputs.scene.skeleton, inputs.hand.pose
-    share = decided_share(inputs.hand, settled)
-    turned = np.where(share[:, None, None] > 0, settled.pose.Rs_parent_part, hand.Rs_parent_part)
-    pose = Pose(turned, settled.pose.p_camera_root)  # what is not told stays to the last digit
+def _as_fitted(inputs: FitInputs, refined: RefinedPose, way: Way) -> PictureFit:
+    skeleton, posed = inputs.scene.skeleton, inputs.keyframe.pose
+    share = decided_share(inputs.keyframe, refined)
+    turned = np.where(share[:, None, None] > 0, refined.pose.Rs_parent_part, posed.Rs_parent_part)
+    pose = Pose(turned, refined.pose.p_camera_root)  # what is not decided stays to the last digit
     moved_px = _moved_px(inputs, pose)
     tracked = np.isin(np.arange(skeleton.part_count), skeleton.dof_part)
-    words = describe_moves(
-        Moves(skeleton.body.names, moved_px, share, tracked, _hidden(inputs, pose))
-    )
-    return Fitted(pose, moved_px, share, way, words)
+    moves = Moves(skeleton.body.names, moved_px, share, tracked, _hidden_parts(inputs, pose))
+    return PictureFit(pose, moved_px, share, way, describe_moves(moves))
 
 
 def _moved_px(inputs: FitInputs, pose: Pose) -> Array:
-    """(P,) mean distance in the video's picture that the marks of each part have moved."""
+    """(P,) mean distance by which the marks of each part moved, pixels of the video."""
     scene = inputs.scene
-    poses = (inputs.hand.pose, pose)
+    poses = (inputs.keyframe.pose, pose)
     both = Trajectory(
         inputs.frame,
         np.stack([p.Rs_parent_part for p in poses]),
@@ -246,7 +249,7 @@ def _moved_px(inputs: FitInputs, pose: Pose) -> Array:
     return np.asarray(mean * 2.0**inputs.loader.size.halvings)
 
 
-def _hidden(inputs: FitInputs, pose: Pose) -> NDArray[np.bool_]:
+def _hidden_parts(inputs: FitInputs, pose: Pose) -> NDArray[np.bool_]:
     """(P,) parts of which the pose shows hardly anything."""
     height, width = inputs.pictures[0].shape[:2]
     seen = visible_points(inputs.scene, (height, width), pose)[0]
@@ -255,6 +258,6 @@ def _hidden(inputs: FitInputs, pose: Pose) -> NDArray[np.bool_]:
     return np.asarray(shown < HIDDEN * np.diff(starts))
 
 
-def _unchanged(skeleton: Skeleton, pose: Pose) -> Callable[[str], Fitted]:
+def _unchanged(skeleton: Skeleton, pose: Pose) -> Callable[[str], PictureFit]:
     nothing = np.zeros(skeleton.part_count)
-    return lambda words: Fitted(pose, nothing, nothing, "nothing", words)
+    return lambda message: PictureFit(pose, nothing, nothing, "nothing", message)

@@ -1,10 +1,9 @@
 """The body's outline in one picture: where colour says that the body ends.
 
-Near the posed body, histograms tell each part's colours from those of what lies behind it. Across
-every edge of the posed body runs a short line; along it, the likelihood that the colours change
-from the part's to the others' gives the place of the edge and how sure it is (region-based tracking
-by correspondence lines, Stoiber et al. 2020). Clothes are thicker than the body: how far all edges
-of a part lie outward is free, within limits, so that thickness is not taken for nearness.
+Near the posed body, histograms give each part's colours and those of its background. Across every
+edge of the posed body runs a short line; along it, the likelihood that the colours change from the
+part's to the others' gives the place of the edge and its variance (region-based tracking
+by correspondence lines, Stoiber et al. 2020).
 """
 
 from __future__ import annotations
@@ -21,18 +20,17 @@ from tracker.body.skeleton import Skeleton
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
 from tracker.geometry.view import ViewCamera
-from tracker.solver.posed import Posed, image_jacobian
 
 SIDE = 16
 """Colour steps along each axis of a histogram."""
 NEAR_M = 0.14
-"""How far around the body its background is learnt."""
+"""How far around the body its background colours are learnt."""
 RIM_PX, CORE_PX = 3, 2
 """What is left out on both sides of the body's edge where colours are learnt."""
 AROUND_PX = 40
 """What is cut out around the body: enough for its background, and for poses nearby."""
 GAP_M = 0.03
-"""An edge is one where what lies behind is at least so much further away."""
+"""At an edge, what lies behind is at least so much further away."""
 LEAST_LIKELY = 2e-4
 CLEAREST = 3.0
 """Odds are cut at exp of this: no pixel alone decides an edge."""
@@ -40,16 +38,10 @@ TEMPER = 6.0
 """Neighbouring pixels share their colour: so many count as one."""
 EVERY = 4
 """One contour pixel of so many has a line."""
-EDGE_SIGMA_PX, MOST_SPREAD_PX, STRAY_PX = 1.0, 4.0, 3.0
-"""How well an edge is placed at best, and how far edges may lie apart from a body that fits: shapes
-are not exact. From the last on, an edge counts less."""
-THICKNESS_SIGMA_M = 0.016
-INFORMATION = 0.3
-"""Independent observations that one line stands for."""
 CLEAR_REACH_M, CLEAR_M = 0.055, 0.02
 """An edge is clear where it is placed as well as the latter, sought so far to both sides."""
-TOLD = 0.8
-"""A line whose edge may lie nearly anywhere on it (share of an even spread) says nothing."""
+MOST_SPREAD = 0.8
+"""A line whose edge may lie nearly anywhere on it (share of a uniform variance) is not used."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +56,8 @@ class Edges:
     """M places on the posed body's edges, and where the picture has the edge.
 
     p_camera (M, 3), part (M,), normal (M, 2) outward in the picture.
-    away_px (M,): how far outward the edge is seen; variance (M,) of that.
+    away_px (M,): how far outward the edge is seen; variance (M,) of that; located (M,): whether it
+    is seen at all.
     """
 
     p_camera: Array
@@ -72,7 +65,7 @@ class Edges:
     normal: Array
     away_px: Array
     variance: Array
-    told: NDArray[np.bool_]
+    located: NDArray[np.bool_]
 
 
 def colour_steps(rgb: NDArray[np.uint8]) -> NDArray[np.int64]:
@@ -133,12 +126,12 @@ class Outline:
     def colours(self, shown: Raster) -> Colours:
         """The colours of each part and of what lies behind, where the body is drawn."""
         body = (shown.part >= 0).astype(np.uint8)
-        around = (_grown(body, self.pixels(NEAR_M)) > 0) & (_grown(body, RIM_PX) == 0) & self.usable
-        behind = _histogram(self.steps[around])
-        likely = [self._of_part(shown, i, behind) for i in range(self.skeleton.part_count)]
+        near, rim = _dilate(body, self.pixels(NEAR_M)) > 0, _dilate(body, RIM_PX) > 0
+        behind = _histogram(self.steps[near & ~rim & self.usable])
+        likely = [self._part_histogram(shown, i, behind) for i in range(self.skeleton.part_count)]
         return Colours(np.stack([*likely, behind]))
 
-    def _of_part(self, shown: Raster, part: int, behind: Array) -> Array:
+    def _part_histogram(self, shown: Raster, part: int, behind: Array) -> Array:
         own = (shown.part == part) & self.usable
         core = cv2.erode(own.astype(np.uint8), _square(CORE_PX)) > 0
         inside = core if core.sum() >= 30 else own
@@ -147,12 +140,12 @@ class Outline:
     def edges(self, shown: Raster, colours: Colours, reach_m: float) -> Edges:
         """Where the picture has the edges of the body as drawn, up to reach_m away."""
         reach_px = self.pixels(reach_m)
-        v, u, part, other = _contour(shown)
-        normal = _outward(shown, v, u, part)
+        v, u, part, other = _contour_pixels(shown)
+        normal = _outward_normals(shown, v, u, part)
         kept = np.linalg.norm(normal, axis=1) > 0.5
         v, u, part, other, normal = v[kept], u[kept], part[kept], other[kept], normal[kept]
         along = np.arange(-reach_px, reach_px + 1)
-        odds = self._odds(colours, v, u, part, other, normal, along)
+        odds = self._line_odds(colours, v, u, part, other, normal, along)
         sums = np.cumsum(odds, axis=1)
         chance = (2 * sums - sums[:, -1:]) / TEMPER
         chance = np.exp(chance - chance.max(axis=1, keepdims=True, initial=-np.inf))
@@ -161,10 +154,10 @@ class Outline:
         variance = (chance * (along - away[:, None]) ** 2).sum(axis=1)
         uv = np.stack([u, v], axis=1) + np.array(self.corner, dtype=float)
         p = self.camera.back_project(uv, shown.depth[v, u].astype(float))
-        told = variance < TOLD * (2 * reach_px + 1) ** 2 / 12
-        return Edges(p, part, normal, away, variance, told)
+        located = variance < MOST_SPREAD * (2 * reach_px + 1) ** 2 / 12
+        return Edges(p, part, normal, away, variance, located)
 
-    def _odds(
+    def _line_odds(
         self, colours: Colours, v: NDArray[np.int64], u: NDArray[np.int64],
         part: NDArray[np.int64], other: NDArray[np.int64], normal: Array, along: NDArray[np.int64],
     ) -> Array:  # fmt: skip
@@ -181,50 +174,19 @@ class Outline:
         return np.asarray(np.where(inside & self.usable[V, U], odds, 0.0))
 
 
-def slopes(skeleton: Skeleton, camera: Camera, pose: Pose, edges: Edges) -> Array:
-    """(M, D) pixels by which each place moves outward with every degree of freedom."""
-    p = edges.p_camera
-    J = Posed.of(skeleton, pose).point_jacobian(edges.part, p)
-    return np.asarray((image_jacobian(camera, p, J) * edges.normal[:, None]).sum(axis=-1))
-
-
-def edge_equations(outline: Outline, pose: Pose, edges: Edges) -> tuple[Array, Array]:
-    """A (D, D) and b (D,) of the edges' distances, each part's thickness taken out (Schur).
-
-    Parts that are not tracked, such as hands and feet, have no say: as they stay as posed, their
-    edges would pull at what carries them.
-    """
-    skeleton, thickness = outline.skeleton, THICKNESS_SIGMA_M / outline.pixel_m
-    dofs, parts = skeleton.dof_count, skeleton.part_count
-    asked = edges.told & np.isin(edges.part, skeleton.dof_part)
-    away = np.abs(edges.away_px[asked])
-    spread = max(EDGE_SIGMA_PX, 1.4826 * float(np.median(away))) if away.size else EDGE_SIGMA_PX
-    weights = INFORMATION * asked / (edges.variance + min(spread, MOST_SPREAD_PX) ** 2)
-    weights *= np.minimum(1.0, STRAY_PX / np.maximum(np.abs(edges.away_px), 1e-9))
-    thicker = (edges.part[:, None] == np.arange(parts)).astype(float)
-    rows = np.concatenate([slopes(skeleton, outline.camera, pose, edges), thicker], axis=1)
-    weighed = rows * weights[:, None]  # so small that threads of a matrix product only cost
-    A = np.einsum("md,me->de", weighed, rows)
-    b = -np.einsum("md,m->d", weighed, edges.away_px)
-    kept = A[dofs:, dofs:] + np.eye(parts) / thickness**2
-    taken = np.linalg.solve(kept, np.concatenate([A[dofs:, :dofs], b[dofs:, None]], axis=1))
-    cross = A[:dofs, dofs:]
-    return A[:dofs, :dofs] - cross @ taken[:, :dofs], b[:dofs] - cross @ taken[:, dofs]
-
-
 def separation(outline: Outline, pose: Pose) -> float:
     """Share of the edges of a pose, hands and feet left out, that colour can place."""
     shown = outline.draw(pose)
     edges = outline.edges(shown, outline.colours(shown), CLEAR_REACH_M)
     own = np.isin(edges.part, outline.skeleton.dof_part)
-    clear = edges.told & (edges.variance < (CLEAR_M / outline.pixel_m) ** 2)
+    clear = edges.located & (edges.variance < (CLEAR_M / outline.pixel_m) ** 2)
     return float(clear[own].mean()) if own.any() else 0.0
 
 
 def gain(outline: Outline, before: Pose, after: Pose) -> float:
     """By how much likelier (nats, mean) `after` makes the pixels that the two explain otherwise.
 
-    Colours are learnt from both alike, so that neither is judged by its own.
+    Colours are learnt from both alike, so that neither is scored by its own.
     """
     first, second = outline.draw(before), outline.draw(after)
     likely = 0.5 * (outline.colours(first).likely + outline.colours(second).likely) + LEAST_LIKELY
@@ -236,13 +198,13 @@ def gain(outline: Outline, before: Pose, after: Pose) -> float:
     return float(np.clip(odds, -CLEAREST, CLEAREST).mean())
 
 
-def _contour(shown: Raster) -> tuple[NDArray[np.int64], ...]:
+def _contour_pixels(shown: Raster) -> tuple[NDArray[np.int64], ...]:
     """v, u, part and what is behind (the last row of Colours for none) of every EVERY-th pixel on
     an edge at which a part hides something further away."""
     part = shown.part.astype(np.int64)
     depth = np.where(part >= 0, shown.depth, np.float32(1e9))
     width, found = part.shape[1], []
-    for one, two in (_beside(0), _beside(1)):
+    for one, two in (_neighbours(0), _neighbours(1)):
         for own, other in ((one, two), (two, one)):
             edge = (part[own] >= 0) & (part[other] != part[own])
             edge &= depth[other] > depth[own] + np.float32(GAP_M)
@@ -255,13 +217,13 @@ def _contour(shown: Raster) -> tuple[NDArray[np.int64], ...]:
     return at // width, at % width, own_part, other_part
 
 
-def _beside(axis: int) -> tuple[tuple[slice, slice], tuple[slice, slice]]:
+def _neighbours(axis: int) -> tuple[tuple[slice, slice], tuple[slice, slice]]:
     """Two cuts of a picture whose pixels are neighbours along an axis."""
     low, high, whole = slice(None, -1), slice(1, None), slice(None)
     return ((low, whole), (high, whole)) if axis == 0 else ((whole, low), (whole, high))
 
 
-def _outward(
+def _outward_normals(
     shown: Raster, v: NDArray[np.int64], u: NDArray[np.int64], part: NDArray[np.int64]
 ) -> Array:
     """(M, 2) unit normals, out of the part; zero where there is none."""
@@ -288,7 +250,7 @@ def _histogram(steps: NDArray[np.int64]) -> Array:
     return np.asarray((counts / max(counts.sum(), 1e-12)).ravel())
 
 
-def _grown(mask: NDArray[np.uint8], by_px: int) -> NDArray[np.uint8]:
+def _dilate(mask: NDArray[np.uint8], by_px: int) -> NDArray[np.uint8]:
     return np.asarray(cv2.dilate(mask, _square(by_px)), np.uint8)
 
 

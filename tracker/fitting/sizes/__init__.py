@@ -1,4 +1,4 @@
-"""A body's sizes from several keyframes: a suggestion, which may be taken back."""
+"""A body's sizes from several keyframes: a suggestion, which can be undone."""
 
 from tracker.fitting.sizes.sizes import SizesFitted, fit_sizes
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracker.body.raster import BodyMesh, raster
-from tracker.fitting.sizes.grounds import Grounds
+from tracker.fitting.sizes.colours import ColourModels
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
 from tracker.geometry.view import ViewCamera
@@ -24,12 +24,12 @@ FINE = 3
 APART_PX = 2.0
 STEP_PX = 0.5
 MARGIN = 2.0
-"""By how much, in logarithms of odds, a place must beat all others for a contour."""
+"""By how much, log odds, a place must beat all others for a contour."""
 SURE = 0.25
-"""What pixels just inside and just outside must tell at least, in the same."""
+"""Least log odds of pixels just inside and just outside."""
 LEAST_CONTRAST = 8.0
 """Grey levels between inside and outside below which a contour is not seen."""
-NEAR_PX, MATTE_PX = 1.5, 3.5
+NEAR_PX = 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,7 @@ def contour_of(mesh: BodyMesh, Ts_camera_part: Array, camera: Camera) -> Contour
     """The outer contours, and those of gaps between limbs, of parts at Ts_camera_part (P, 4, 4)."""
     view = ViewCamera.of(camera)
     shown = np.full((camera.height, camera.width), -1, np.int16)
-    left, top, width, height = _frame(view.project(mesh.posed(Ts_camera_part)), camera)
+    left, top, width, height = _bounding_box(view.project(mesh.posed(Ts_camera_part)), camera)
     if width < 3 or height < 3:
         nothing = np.zeros((0, 2))
         return Contour(np.zeros(0, np.int64), np.zeros((0, 3)), nothing, nothing, shown)
@@ -60,7 +60,7 @@ def contour_of(mesh: BodyMesh, Ts_camera_part: Array, camera: Camera) -> Contour
     shown[top : top + height, left : left + width] = drawn.part[
         FINE // 2 :: FINE, FINE // 2 :: FINE
     ]
-    column, row, normals = _rim(drawn.part >= 0)
+    column, row, normals = _rim_pixels(drawn.part >= 0)
     parts = drawn.part[row, column].astype(np.int64)
     place = np.column_stack([column, row]).astype(np.float64)
     p = fine.back_project(place, drawn.depth[row, column].astype(np.float64))
@@ -70,7 +70,7 @@ def contour_of(mesh: BodyMesh, Ts_camera_part: Array, camera: Camera) -> Contour
     return Contour(parts, points, uv, normals, shown)
 
 
-def _frame(uv: Array, camera: Camera) -> tuple[int, int, int, int]:
+def _bounding_box(uv: Array, camera: Camera) -> tuple[int, int, int, int]:
     """Left, top, width and height of what the body covers of the picture."""
     uv = uv[np.isfinite(uv).all(-1)].reshape(-1, 2)
     if not len(uv):
@@ -81,7 +81,7 @@ def _frame(uv: Array, camera: Camera) -> tuple[int, int, int, int]:
     return int(low[0]), int(low[1]), int(high[0] - low[0]), int(high[1] - low[1])
 
 
-def _rim(
+def _rim_pixels(
     inside: NDArray[np.bool_],
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
     """Columns, rows (M,) and outward normals (M, 2) of pixels on the rim, APART_PX apart."""
@@ -102,20 +102,20 @@ def _rim(
     return column[kept], row[kept], normals[kept] / length[kept, None]
 
 
-def offsets(contour: Contour, grounds: Grounds, frame: int, reach_px: float) -> Array:
+def offsets(contour: Contour, colour_models: ColourModels, frame: int, reach_px: float) -> Array:
     """(M,) pixels outward from each contour point to where the picture shows the body's end.
 
-    NaN where it does not: nothing tells inside from outside, or another limb lies there.
+    NaN where it does not: inside and outside look alike, or another limb lies there.
     """
     t = np.arange(-reach_px, reach_px + STEP_PX / 2, STEP_PX)
     uv = contour.uv[:, None] + t[:, None] * contour.normals[:, None]
-    tells = grounds.odds(frame, contour.parts, uv)
-    tells = np.where(_own(contour, uv, t), tells, np.nan)
-    best = _turning(tells, t)
-    return _matted(grounds.sampled(frame, contour.uv, contour.normals, best), best)
+    odds = colour_models.odds(frame, contour.parts, uv)
+    odds = np.where(_is_unobstructed(contour, uv, t), odds, np.nan)
+    best = _find_edges(odds, t)
+    return _refine_edges(colour_models.sample(frame, contour.uv, contour.normals, best), best)
 
 
-def _own(contour: Contour, uv: Array, t: Array) -> NDArray[np.bool_]:
+def _is_unobstructed(contour: Contour, uv: Array, t: Array) -> NDArray[np.bool_]:
     """(M, T) whether, on the way from the contour, nothing but the part and background is met."""
     height, width = contour.shown.shape
     column, row = np.round(uv).astype(np.int64).transpose(2, 0, 1)
@@ -128,10 +128,10 @@ def _own(contour: Contour, uv: Array, t: Array) -> NDArray[np.bool_]:
     return np.concatenate([inward[:, :-1], outward], axis=1)
 
 
-def _turning(tells: Array, t: Array) -> Array:
+def _find_edges(odds: Array, t: Array) -> Array:
     """(M,) where what looks like the part turns into what looks like background; NaN if nowhere."""
-    known = np.isfinite(tells)
-    odds = np.where(known, tells, 0.0) * STEP_PX
+    known = np.isfinite(odds)
+    odds = np.where(known, odds, 0.0) * STEP_PX
     inside = np.cumsum(odds, axis=1)
     score = 2 * inside - inside[:, -1:] - 0.5 * (t / 6.0) ** 2
     edge = int(2 / STEP_PX)
@@ -149,7 +149,7 @@ def _turning(tells: Array, t: Array) -> Array:
     return np.where(sure, t[k] + STEP_PX / 2, np.nan)
 
 
-def _matted(colours: tuple[Array, Array], coarse: Array) -> Array:
+def _refine_edges(colours: tuple[Array, Array], coarse: Array) -> Array:
     """The place to a share of a pixel: what lies between inside and outside is a mixture of both.
 
     colours: t (T,) about the coarse place and what is seen there (M, T, 3).

@@ -1,4 +1,4 @@
-"""What pictures say about sizes and poses, as rows to fit to: contours, and joints as posed."""
+"""Residuals of sizes and poses in pictures: at contours, and at joints as posed."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from tracker.body.pose import Pose, pose_transforms
 from tracker.body.raster import BodyMesh
+from tracker.fitting.sizes.colours import ColourModels, colour_cells, learn_colours, plate_odds
 from tracker.fitting.sizes.contours import Contour, contour_of, offsets
-from tracker.fitting.sizes.grounds import Grounds, cells_of, learn_grounds, plates_of
 from tracker.fitting.sizes.shared import Residuals, Shared, SharedFit
 from tracker.geometry.camera import Camera
 from tracker.session.settings import IgnoreMask
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from tracker.video import Video
 
 CONTOUR_PX, JOINT_PX = 1.0, 3.0
-"""How far off a contour is seen, and a joint is posed."""
+"""Sigmas of a contour as seen, and of a joint as posed."""
 ALONE = 24
 """So many points of one part in one picture count; more of them share the same error, for no person
 is made of cylinders."""
@@ -33,7 +33,7 @@ PLATE_FRAMES = 12
 @dataclass(frozen=True, eq=False)
 class Pictures:
     """Some pictures (h, w, 3) at the working size, what may be used of them, their colours' cells,
-    and what the empty scene tells."""
+    and the log odds by the empty scene."""
 
     rgb: list[NDArray[np.uint8]]
     usable: list[NDArray[np.bool_]]
@@ -55,14 +55,14 @@ class Pictures:
         others = sorted({int(frame) for frame in spread} - set(frames))
         rgb = [_colours(video, camera, size, frame) for frame in frames]
         usable = [loader.load(frame, frame).levels[0][0, ..., 3] >= 1 for frame in frames]
-        plates = plates_of(rgb, [_colours(video, camera, size, frame) for frame in others])
-        return cls(rgb, usable, [cells_of(picture) for picture in rgb], plates)
+        plates = plate_odds(rgb, [_colours(video, camera, size, frame) for frame in others])
+        return cls(rgb, usable, [colour_cells(picture) for picture in rgb], plates)
 
-    def grounds(self, seen: Sequence[Contour], fit: SharedFit) -> Grounds:
-        """What the pictures tell of parts that show where the contours say."""
+    def colour_models(self, seen: Sequence[Contour], fit: SharedFit) -> ColourModels:
+        """Those of parts that show where the contours say."""
         shown = [contour.shown for contour in seen]
         groups = fit.proportions.group_of
-        return learn_grounds(self.rgb, self.usable, self.cells, shown, groups, self.plates)
+        return learn_colours(self.rgb, self.usable, self.cells, shown, groups, self.plates)
 
 
 def _colours(video: Video, camera: Camera, size: WorkingSize, frame: int) -> NDArray[np.uint8]:
@@ -77,7 +77,7 @@ def contours(fit: SharedFit, shared: Shared, looked: Sequence[int]) -> list[Cont
     """The contours of the poses of these indices."""
     mesh, ratios = BodyMesh.of(fit.proportions.skeleton), fit.proportions.ratios(shared.sizes)
     sized = replace(mesh, vertices=mesh.vertices * ratios[mesh.vertex_part])
-    camera = fit.camera_at(shared)
+    camera = shared.focus(fit.camera)
     return [contour_of(sized, fit.transforms(shared, k), camera) for k in looked]
 
 
@@ -113,10 +113,10 @@ def joint_rows(fit: SharedFit, posed: Pose) -> Residuals:
 
 def residuals_by_pose(
     fit: SharedFit, shared: Shared, looked: Sequence[int], seen: Sequence[Contour],
-    grounds: Grounds, reach_px: float,
+    colour_models: ColourModels, reach_px: float,
 ) -> dict[int, Residuals]:  # fmt: skip
     """The contour rows of the poses that are looked at."""
     return {
-        k: contour_rows(fit, shared, k, contour, offsets(contour, grounds, j, reach_px))
+        k: contour_rows(fit, shared, k, contour, offsets(contour, colour_models, j, reach_px))
         for j, (k, contour) in enumerate(zip(looked, seen, strict=True))
     }

@@ -17,18 +17,25 @@ from tracker.body.joint_limits import Limits
 from tracker.body.pose import Pose, moved, part_transforms
 from tracker.fitting.sizes.proportions import Proportions
 from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array, log_rotation, transpose
+from tracker.geometry.rotations import Array
 from tracker.solver.least_squares import Criteria, Damping, Problem, least_squares
 from tracker.solver.posed import Posed, image_jacobian
 from tracker.solver.robust import Cauchy
-from tracker.solver.terms import JointLimits
+from tracker.solver.terms import (
+    JointLimits,
+    PosePrior,
+    RootPosition,
+    Term,
+    total_cost,
+    total_equations,
+)
 
 TURNS_RAD = np.radians([8.0, 15.0, 8.0])
 SHIFT_M, DEPTH_SHARE = 0.015, 0.02
 HEIGHT_SHARE = 0.02
-"""How far a hand's pose may be off: turns about a part's x, y and z, the root across and along the
-view. Turns out of the picture were used to make up for wrong lengths, so they are off by more than
-a hand's own error; a twist, about y, is hard to see."""
+"""Sigmas of a pose as set: turns about a part's x, y and z, the root across and along the view.
+Turns out of the picture made up for wrong lengths, so they are off by more than a person's own
+error; a twist, about y, is hard to see."""
 LIMIT_RAD = np.radians(3.0)
 KERNEL = Cauchy(2.0)
 SMALL = 1e-4
@@ -38,10 +45,10 @@ PIECE = 32
 
 @dataclass(frozen=True, eq=False)
 class Residuals:
-    """M statements about one picture: `normals` (M, 2) times a point's pixel is `target` (M,).
+    """M residuals in one picture: `normals` (M, 2) times a point's pixel is `target` (M,).
 
     parts (M,); points (M, 3) in the parts' frames at sizes that change nothing, metres.
-    sigma_px (M,): how far a statement may be off. A far outlier counts little.
+    sigma_px (M,): of each. A far outlier counts little.
     """
 
     parts: NDArray[np.int64]
@@ -55,7 +62,7 @@ class Residuals:
         return np.asarray((self.normals * uv).sum(-1))
 
     @classmethod
-    def joined(cls, some: Sequence[Residuals]) -> Residuals:
+    def concatenate(cls, some: Sequence[Residuals]) -> Residuals:
         """All of them."""
         names = ("parts", "points", "normals", "target", "sigma_px")
         return cls(
@@ -84,13 +91,18 @@ class Shared:
         focal, distance = self.values[-2:]
         return np.exp([distance, distance, distance + focal])
 
+    def focus(self, camera: Camera) -> Camera:
+        """A camera with the focal length found."""
+        ratio = float(np.exp(self.values[-2]))
+        return camera.model_copy(update={"fx": camera.fx * ratio, "fy": camera.fy * ratio})
+
 
 @dataclass(frozen=True, eq=False)
 class SharedFit:
     """What is fitted: the body, the camera, the poses as they were posed, and what stays fixed.
 
-    free (S + 2,): which of the shared values may change; usual (S + 2,): by how much they may be
-    off in general, share (S + 2,): and by how much here.
+    free (S + 2,): which of the shared values may change; usual (S + 2,): their sigmas in general,
+    share (S + 2,): and here.
     """
 
     proportions: Proportions
@@ -103,7 +115,7 @@ class SharedFit:
 
     @property
     def precision(self) -> Array:
-        """(S + 2, S + 2) how firmly each value is held, and how long the body is all in all.
+        """(S + 2, S + 2) of the prior on each value, and on how long the body is all in all.
 
         A larger body farther away looks the same, so that what was set as its height stays.
         """
@@ -111,19 +123,13 @@ class SharedFit:
         lengths[:-2:2] = 1 / len(self.proportions.groups)
         return np.diag(self.share**-2.0) + np.outer(lengths, lengths) / HEIGHT_SHARE**2
 
-    def camera_at(self, shared: Shared) -> Camera:
-        """The camera with the focal length found."""
-        ratio = float(np.exp(shared.values[-2]))
-        size = {"fx": self.camera.fx * ratio, "fy": self.camera.fy * ratio}
-        return self.camera.model_copy(update=size)
-
     def transforms(self, shared: Shared, k: int) -> Array:
         """Ts_camera_part (P, 4, 4) in picture k."""
         pose = shared.poses[k]
         skeleton = self.proportions.skeleton_at(shared.sizes)
         return part_transforms(skeleton, pose.Rs_parent_part, pose.p_camera_root)
 
-    def places(self, shared: Shared, k: int, residuals: Residuals) -> Array:
+    def camera_points(self, shared: Shared, k: int, residuals: Residuals) -> Array:
         """(M, 3) the points of the rows in the camera's frame."""
         T = self.transforms(shared, k)[residuals.parts]
         points = residuals.points * self.proportions.ratios(shared.sizes)[residuals.parts]
@@ -131,9 +137,9 @@ class SharedFit:
 
     def pixels(self, shared: Shared, k: int, residuals: Residuals) -> Array:
         """(M, 2) where the points of the rows are seen."""
-        return self.camera_at(shared).project(self.places(shared, k, residuals))
+        return shared.focus(self.camera).project(self.camera_points(shared, k, residuals))
 
-    def changed(self, shared: Shared, step: Array) -> Shared:
+    def with_step(self, shared: Shared, step: Array) -> Shared:
         """The shared values changed by a step (S + 2,), and where the poses are along with it."""
         nearer = Shared(step, ()).nearer
         poses = (Pose(p.Rs_parent_part, p.p_camera_root * nearer) for p in shared.poses)
@@ -142,7 +148,7 @@ class SharedFit:
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """What was found; spread (S + 2,): standard deviations of the shared values."""
+    """What was found; spread (S + 2,): sigmas of the shared values."""
 
     shared: Shared
     spread: Array
@@ -150,30 +156,30 @@ class Solved:
 
 def solve(fit: SharedFit, start: Shared, rows: Sequence[Residuals], steps: int) -> Solved:
     """A few steps downhill from a start; one that makes things worse is shortened or not taken."""
-    found = least_squares(_Pictures(fit, rows), start, replace(CRITERIA, most_steps=steps))
+    found = least_squares(_SizesProblem(fit, rows), start, replace(CRITERIA, most_steps=steps))
     last = found.solved
     spread = np.zeros(len(start.values)) if last is None else last.spread(found.damping)
     return Solved(found.state, spread)
 
 
 @dataclass(frozen=True, eq=False)
-class _Pictures(Problem[Shared, "_Point"]):
+class _SizesProblem(Problem[Shared, "_Iterate"]):
     """A step is that of what is shared (S + 2,), and then the motion (D,) of every pose."""
 
     fit: SharedFit
     rows: Sequence[Residuals]
 
-    def at(self, state: Shared, count: int) -> _Point:
-        return _Point(self.fit, state, self.rows)
+    def at(self, state: Shared, count: int) -> _Iterate:
+        return _Iterate(self.fit, state, self.rows)
 
     def moved(self, state: Shared, step: Array) -> Shared:
         sizes, motions = np.split(step, [len(state.values)])
-        return _stepped(self.fit, state, sizes, motions.reshape(len(state.poses), -1))
+        return _take_step(self.fit, state, sizes, motions.reshape(len(state.poses), -1))
 
 
 @dataclass(frozen=True, eq=False)
-class _Point:
-    """What the pictures say of sizes and poses."""
+class _Iterate:
+    """Sizes and poses, and the residuals there."""
 
     fit: SharedFit
     shared: Shared
@@ -184,54 +190,56 @@ class _Point:
         return _cost(self.fit, self.shared, self.rows)
 
     @cached_property
-    def _blocks(self) -> list[Array]:
-        return [_block(self.fit, self.shared, k, some) for k, some in enumerate(self.rows)]
+    def _normal_blocks(self) -> list[Array]:
+        return [_normal_block(self.fit, self.shared, k, some) for k, some in enumerate(self.rows)]
 
     def step(self, damping: float) -> Array | None:
-        A, b, shares = _eliminated(self.fit, self.shared, self._blocks, damping)
-        return _arrow(self.fit.free, A, b, shares)
+        A, b, shares = _marginalise_poses(self.fit, self.shared, self._normal_blocks, damping)
+        return _solve_arrow(self.fit.free, A, b, shares)
 
     def spread(self, damping: float) -> Array:
-        """(S + 2,) standard deviations of what is shared."""
-        A, _, _ = _eliminated(self.fit, self.shared, self._blocks, damping)
+        """(S + 2,) sigmas of what is shared."""
+        A, _, _ = _marginalise_poses(self.fit, self.shared, self._normal_blocks, damping)
         return np.sqrt(np.maximum(np.diag(np.linalg.inv(A)), 0.0))
 
 
-def _stepped(fit: SharedFit, shared: Shared, step: Array, motions: Array) -> Shared:
+def _take_step(fit: SharedFit, shared: Shared, step: Array, motions: Array) -> Shared:
     skeleton = fit.proportions.skeleton
     poses = tuple(moved(skeleton, p, x) for p, x in zip(shared.poses, motions, strict=True))
-    return fit.changed(replace(shared, poses=poses), step)
+    return fit.with_step(replace(shared, poses=poses), step)
 
 
-def _block(fit: SharedFit, shared: Shared, k: int, residuals: Residuals) -> Array:
+def _normal_block(fit: SharedFit, shared: Shared, k: int, residuals: Residuals) -> Array:
     """(D + S + 3, D + S + 3) JᵀJ of one picture over its pose, what is shared, the residual."""
     dofs, sizes = fit.proportions.skeleton.dof_count, len(fit.free)
-    r, J_pose = _prior_residuals(fit, shared, k)
+    prior = total_equations(_prior_terms(fit, shared, k), _posed_body(fit, shared, k))
     there = fit.pixels(shared, k, residuals)
     away = (residuals.along(there) - residuals.target) / residuals.sigma_px
     weight = np.sqrt(KERNEL.weight(away))
-    J = np.zeros((len(r) + len(away), dofs + sizes + 1))
-    J[: len(r), :dofs], J[: len(r), -1] = J_pose, r
-    told = J[len(r) :]
-    told[:, :dofs] = _pose_slopes(fit, shared, k, residuals)
-    told[:, dofs:-1] = _size_slopes(fit, shared, k, residuals, there)
-    told[:, :-1] *= (weight / residuals.sigma_px)[:, None]
-    told[:, -1] = away * weight
-    return _products(J)
+    J = np.zeros((len(away), dofs + sizes + 1))
+    J[:, :dofs] = _pose_jacobian(fit, shared, k, residuals)
+    J[:, dofs:-1] = _size_jacobian(fit, shared, k, residuals, there)
+    J[:, :-1] *= (weight / residuals.sigma_px)[:, None]
+    J[:, -1] = away * weight
+    block = _products(J)
+    block[:dofs, :dofs] += prior.A
+    block[:dofs, -1] += prior.b
+    return block
 
 
 def _products(J: Array) -> Array:
-    """JᵀJ in small pieces: a large product would be shared out to threads, which costs more than
-    it saves beside other work."""
+    """JᵀJ in small pieces: a large product would run in threads, which costs more than it saves
+    beside other work."""
     padded = np.zeros((-(-len(J) // PIECE), PIECE, J.shape[1]))
     padded.reshape(-1, J.shape[1])[: len(J)] = J
     return np.asarray((np.swapaxes(padded, 1, 2).copy() @ padded).sum(axis=0))
 
 
-def _eliminated(
+def _marginalise_poses(
     fit: SharedFit, shared: Shared, blocks: Sequence[Array], damping: float
 ) -> tuple[Array, Array, list[Array]]:
-    """Equations of what is shared alone, and every pose's share in its motion (D, S + 3)."""
+    """Equations of what is shared, the poses marginalised (Schur complement), and how every pose
+    follows from it (D, S + 3)."""
     dofs, A = fit.proportions.skeleton.dof_count, fit.precision
     b = A @ shared.values
     shares: list[Array] = []
@@ -244,7 +252,7 @@ def _eliminated(
     return A, b, shares
 
 
-def _arrow(free: NDArray[np.bool_], A: Array, b: Array, shares: Sequence[Array]) -> Array:
+def _solve_arrow(free: NDArray[np.bool_], A: Array, b: Array, shares: Sequence[Array]) -> Array:
     """The step of what is shared, and the motions of all poses that follow from it."""
     step = np.where(free, -np.linalg.solve(A, b), 0.0)
     if not free.all():
@@ -256,24 +264,24 @@ def _cost(fit: SharedFit, shared: Shared, rows: Sequence[Residuals]) -> float:
     """Half the sum of squares, those of the rows robust; infinite behind the camera."""
     total = shared.values @ fit.precision @ shared.values
     for k, some in enumerate(rows):
-        r, _ = _prior_residuals(fit, shared, k)
+        prior = total_cost(_prior_terms(fit, shared, k), _posed_body(fit, shared, k))
         away = (some.along(fit.pixels(shared, k, some)) - some.target) / some.sigma_px
         if not np.isfinite(away).all():
             return np.inf
-        total += (r**2).sum() + KERNEL.loss(away).sum()
+        total += 2 * prior + KERNEL.loss(away).sum()
     return 0.5 * float(total)
 
 
-def _pose_slopes(fit: SharedFit, shared: Shared, k: int, residuals: Residuals) -> Array:
+def _pose_jacobian(fit: SharedFit, shared: Shared, k: int, residuals: Residuals) -> Array:
     """(M, D) how the rows change with small motions of the pose."""
     pose, skeleton = shared.poses[k], fit.proportions.skeleton_at(shared.sizes)
-    p = fit.places(shared, k, residuals)
+    p = fit.camera_points(shared, k, residuals)
     J = Posed.of(skeleton, pose).point_jacobian(residuals.parts, p)
-    uv = image_jacobian(fit.camera_at(shared), p, J)
+    uv = image_jacobian(shared.focus(fit.camera), p, J)
     return np.asarray(np.einsum("mdc,mc->md", uv, residuals.normals))
 
 
-def _size_slopes(
+def _size_jacobian(
     fit: SharedFit, shared: Shared, k: int, residuals: Residuals, there: Array
 ) -> Array:
     """(M, S + 2) how they change with what is shared, by small differences."""
@@ -281,38 +289,30 @@ def _size_slopes(
     for s in np.flatnonzero(fit.free):
         step = np.zeros(len(fit.free))
         step[s] = SMALL
-        beside = fit.pixels(fit.changed(shared, step), k, residuals)
+        beside = fit.pixels(fit.with_step(shared, step), k, residuals)
         slopes[:, s] = residuals.along(beside - there) / SMALL
     return slopes
 
 
-def _prior_residuals(fit: SharedFit, shared: Shared, k: int) -> tuple[Array, Array]:
-    """Residuals and slopes (…, D) of staying near what was posed, and within the joints' limits."""
-    skeleton, pose, posed = fit.proportions.skeleton, shared.poses[k], fit.posed[k]
-    turns = np.flatnonzero(skeleton.dof_turns == 1)
-    part, axis = skeleton.dof_part[turns], skeleton.dof_axis[turns]
-    turn = log_rotation(transpose(posed.Rs_parent_part) @ pose.Rs_parent_part)
-    sigma = TURNS_RAD[axis]
-    r_turn = turn[part, axis] / sigma
-    J_turn = np.zeros((len(turns), skeleton.dof_count))
-    J_turn[np.arange(len(turns)), turns] = 1 / sigma
-    r_shift, along = _shifted(fit, shared, pose.p_camera_root, posed.p_camera_root)
-    J_shift = np.zeros((3, skeleton.dof_count))
-    shifts = np.flatnonzero(skeleton.dof_turns == 0)
-    J_shift[:, shifts] = along @ pose.Rs_parent_part[0][:, skeleton.dof_axis[shifts]]
-    limits = JointLimits(fit.limits, LIMIT_RAD).rows(Posed.of(skeleton, pose))
-    r = np.concatenate([r_turn, r_shift, limits.r])
-    return r, np.concatenate([J_turn, J_shift, limits.J])
+def _posed_body(fit: SharedFit, shared: Shared, k: int) -> Posed:
+    return Posed.of(fit.proportions.skeleton, shared.poses[k])
 
 
-def _shifted(fit: SharedFit, shared: Shared, p: Array, p_posed: Array) -> tuple[Array, Array]:
-    """(3,) how far the root has left where it was posed, and how that changes with its place.
+def _prior_terms(fit: SharedFit, shared: Shared, k: int) -> list[Term]:
+    """Staying near what was posed, and within the joints' limits.
 
-    Across the view it is compared along the ray on which it was posed: nearer or farther is free.
+    Across the view the root is compared along the ray on which it was posed: nearer or farther is
+    free.
     """
-    p_posed = p_posed * shared.nearer
+    skeleton, posed = fit.proportions.skeleton, fit.posed[k]
+    turns = np.where(skeleton.dof_turns == 1, TURNS_RAD[skeleton.dof_axis] ** -2.0, 0.0)
+    p_posed = posed.p_camera_root * shared.nearer
     along = np.eye(3)
     if fit.camera.projection == "perspective":
         along[:2, 2] = -p_posed[:2] / p_posed[2]
     sigma = np.array([SHIFT_M, SHIFT_M, DEPTH_SHARE * p_posed[2]])
-    return along @ (p - p_posed) / sigma, along / sigma[:, None]
+    return [
+        PosePrior.of(posed, turns),
+        RootPosition(p_posed, along / sigma[:, None]),
+        JointLimits(fit.limits, LIMIT_RAD),
+    ]

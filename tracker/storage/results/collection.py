@@ -9,12 +9,15 @@ from typing import Literal, TypeAlias
 
 from tracker.session import Session
 from tracker.session.settings import Quality
-from tracker.storage.results.keys import Span, segment_keys
-from tracker.storage.results.track import RANK, SegmentTrack
+from tracker.storage.fingerprints import Span, segment_keys
+from tracker.tracking.result import SegmentResult
+
+CARE = {"preview": 0, "fast": 1, "full": 2}
+"""Of two results with one key, the one found with more care stays."""
 
 MOST_SEGMENTS = 400
 MOST_FRAMES = 60_000
-"""Kept at most, about 100 MB for a person's body; what was found longest ago goes first."""
+"""Kept at most, about 100 MB for a person's body; the oldest goes first."""
 
 State: TypeAlias = Literal["good", "check", "lost", "outdated", "none"]
 
@@ -23,30 +26,29 @@ State: TypeAlias = Literal["good", "check", "lost", "outdated", "none"]
 class Results:
     """Results by key, the oldest first. Immutable."""
 
-    tracks: Mapping[str, SegmentTrack] = field(default_factory=dict)
+    by_key: Mapping[str, SegmentResult] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "tracks", MappingProxyType(dict(self.tracks)))
+        object.__setattr__(self, "by_key", MappingProxyType(dict(self.by_key)))
 
     def __len__(self) -> int:
-        return len(self.tracks)
+        return len(self.by_key)
 
-    def with_track(self, track: SegmentTrack, keep: Collection[str] = ()) -> Results:
+    def with_result(self, found: SegmentResult, keep: Collection[str] = ()) -> Results:
         """These and one more, unless a better one of its key is here; then these themselves.
 
         keep: keys that are never forgotten to make room, such as those of the present segments.
         """
-        known = self.tracks.get(track.key)
-        if known is not None and not track.supersedes(known):
+        known = self.by_key.get(found.key)
+        if known is not None and not _supersedes(found, known):
             return self
-        tracks = {key: old for key, old in self.tracks.items() if key != track.key}
-        tracks[track.key] = track
-        return Results(_bounded(tracks, {*keep, track.key}))
+        others = {key: old for key, old in self.by_key.items() if key != found.key}
+        return Results(_drop_oldest({**others, found.key: found}, {*keep, found.key}))
 
-    def fitting(self, session: Session) -> dict[Span, SegmentTrack]:
+    def fitting(self, session: Session) -> dict[Span, SegmentResult]:
         """The results that are those of the session's present segments, finished or not."""
         keys = segment_keys(session)
-        return {span: self.tracks[key] for span, key in keys.items() if key in self.tracks}
+        return {span: self.by_key[key] for span, key in keys.items() if key in self.by_key}
 
     def wanted(
         self, session: Session, quality: Quality | None = None
@@ -55,7 +57,7 @@ class Results:
 
         quality: the session's own when left out.
         """
-        least = RANK[quality or session.settings.quality]
+        least = CARE[quality or session.settings.quality]
         return [
             (*span, key)
             for span, key in segment_keys(session).items()
@@ -63,32 +65,42 @@ class Results:
         ]
 
     def states(self, session: Session) -> dict[Span, State]:
-        """Of every segment: its verdict; "outdated" where it was tracked otherwise; "none"."""
+        """The state of every segment: its verdict, "outdated", or "none"."""
         keys = segment_keys(session)
         return {span: self._state(span, key) for span, key in keys.items()}
 
     def _holds(self, key: str, least: int) -> bool:
-        track = self.tracks.get(key)
-        if track is None or not track.finished or track.missing:
+        found = self.by_key.get(key)
+        if found is None or not found.finished or found.missing:
             return False
-        return RANK[track.quality] >= least
+        return CARE[found.quality] >= least
 
     def _state(self, span: Span, key: str) -> State:
-        track = self.tracks.get(key)
-        if track is not None and track.kind is not None:
-            return track.kind
+        found = self.by_key.get(key)
+        if found is not None and found.kind is not None:
+            return found.kind
         first, last = span
-        touched = any(t.first < last and t.last > first for t in self.tracks.values())
+        touched = any(r.first < last and r.last > first for r in self.by_key.values())
         return "outdated" if touched else "none"
 
 
-def _bounded(tracks: dict[str, SegmentTrack], keep: set[str]) -> dict[str, SegmentTrack]:
-    """Without the oldest, as far as there are too many."""
-    frames = sum(len(track.trajectory) for track in tracks.values())
-    for key, track in list(tracks.items()):
-        if len(tracks) <= MOST_SEGMENTS and frames <= MOST_FRAMES:
+def _supersedes(one: SegmentResult, other: SegmentResult) -> bool:
+    """Whether a result replaces another of the same key.
+
+    A finished result is replaced only by a finished one that lacks no more of the work and has no
+    lower quality.
+    """
+    mine, its = ((r.finished, -r.missing, CARE[r.quality]) for r in (one, other))
+    return mine >= its
+
+
+def _drop_oldest(by_key: dict[str, SegmentResult], keep: set[str]) -> dict[str, SegmentResult]:
+    """Without the oldest where there are too many."""
+    frames = sum(len(result.trajectory) for result in by_key.values())
+    for key, result in list(by_key.items()):
+        if len(by_key) <= MOST_SEGMENTS and frames <= MOST_FRAMES:
             break
         if key not in keep:
-            del tracks[key]
-            frames -= len(track.trajectory)
-    return tracks
+            del by_key[key]
+            frames -= len(result.trajectory)
+    return by_key

@@ -6,24 +6,23 @@ import hashlib
 import re
 import time
 from contextlib import suppress
+from dataclasses import fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.files import read_regular
-from tracker.geometry.rotations import Array
+from tracker.session import Results as FileResults
 from tracker.session import SegmentSummary, Session
-from tracker.session.settings import Quality
 from tracker.storage.files import LARGEST_SESSION_BYTES
-from tracker.storage.fingerprints import setup_hash
+from tracker.storage.fingerprints import Span, present_keys, setup_hash
 from tracker.storage.outdated import KEYFRAME_TOLERANCE
-from tracker.storage.results.collection import Results
-from tracker.storage.results.keys import Span, segment_keys
-from tracker.storage.results.track import RANK, SegmentTrack
+from tracker.storage.results.collection import CARE, Results
 from tracker.storage.tracks import Tracks, load_tracks, save_result
-from tracker.tracking.pool import SegmentResult, TrackResult
+from tracker.tracking.result import SegmentResult, TrackResult
 
 YOUNG_SECONDS = 60
 TRACKS_NAME = re.compile(r"tracks-[0-9a-f]{12}\.npz")
@@ -39,16 +38,14 @@ def load_results(session: Session, session_path: Path) -> Results:
     if session.results is None:
         return results
     tracks = load_tracks(session, session_path)
-    keys = _present_keys(session)
+    known = session.results.tracked_for in (None, setup_hash(session))
+    keys = present_keys(session) if known else {}
     for summary in session.results.segments:
-        span = (summary.first_frame, summary.last_frame)
-        frames = slice(span[0] - tracks.first_frame, span[1] - tracks.first_frame + 1)
-        path = _path(tracks, span, frames, summary.unreached)
-        if path is None:
-            continue
-        key = summary.key or _key(session, keys, path)
-        track = _load(session, tracks, summary, frames, path, key)
-        results = results.with_track(track, keep=results.tracks)
+        path = _path(tracks, summary)
+        if path is not None:
+            key = summary.key or _key(session, keys, path)
+            found = _result(session.results, summary, tracks, path, key)
+            results = results.with_result(found, keep=results.by_key)
     return results
 
 
@@ -58,31 +55,24 @@ def save_results(session: Session, session_path: Path, results: Results) -> Sess
 
     SessionError when the disk refuses.
     """
-    kept = [track for track in results.fitting(session).values() if track.finished]
+    kept = [found for found in results.fitting(session).values() if found.finished]
     if not kept:
         return session
-    lowest = min((track.quality for track in kept), key=RANK.__getitem__)
+    lowest = min((found.quality for found in kept), key=CARE.__getitem__)
     settings = session.settings.model_copy(update={"quality": lowest})
-    segments = tuple(_segment_result(track) for track in kept)
-    result = TrackResult(Skeleton.of(session.body), settings, segments)
-    saved = save_result(session, session_path, result).results
-    assert saved is not None
-    summaries = tuple(
-        summary.model_copy(update={"key": track.key, "quality": track.quality})
-        for summary, track in zip(saved.segments, kept, strict=True)
-    )
-    return session.model_copy(update={"results": saved.model_copy(update={"segments": summaries})})
+    result = TrackResult(Skeleton.of(session.body), settings, tuple(kept))
+    return save_result(session, session_path, result)
 
 
 def tidy_tracks(folder: Path) -> None:
-    """Remove tracks files that no session in the folder speaks of any more.
+    """Remove tracks files that no session in the folder refers to any more.
 
     The file before the last save counts, too: `session.json.previous` can be put back. Young files
     stay: another program may be about to name them in its session.
     """
-    told = b"".join(_content(file) for file in folder.glob("*.json*"))
+    named = b"".join(_content(file) for file in folder.glob("*.json*"))
     for file in folder.glob("tracks-*.npz"):
-        if TRACKS_NAME.fullmatch(file.name) and file.name.encode() not in told:
+        if TRACKS_NAME.fullmatch(file.name) and file.name.encode() not in named:
             with suppress(OSError):  # then it stays, and does no harm
                 if time.time() - file.stat().st_mtime > YOUNG_SECONDS:
                     file.unlink()
@@ -95,20 +85,8 @@ def _content(file: Path) -> bytes:
         return b""
 
 
-def _present_keys(session: Session) -> dict[Span, str]:
-    """Keys of the present segments if they were tracked by the method of the session's results.
-
-    None where body, camera or masks are known to be others now.
-    """
-    assert session.results is not None
-    if session.results.tracked_for not in (None, setup_hash(session)):
-        return {}
-    settings = session.results.settings_used(session.settings)
-    return segment_keys(session.model_copy(update={"settings": settings}))
-
-
 def _key(session: Session, keys: dict[Span, str], path: Trajectory) -> str:
-    """The key of a result that does not say it, by what it goes through."""
+    """The key of a result that has none, from the keyframes it goes through."""
     span = (path.first_frame, path.last_frame)
     if span in keys and _goes_through(session, path):
         return keys[span]
@@ -117,7 +95,7 @@ def _key(session: Session, keys: dict[Span, str], path: Trajectory) -> str:
 
 
 def _goes_through(session: Session, path: Trajectory) -> bool:
-    """Whether the keyframes are where the motion ends; an open end is nobody's."""
+    """Whether the motion ends at the keyframes' poses; open ends always fit."""
     skeleton = Skeleton.of(session.body)
     at = {keyframe.frame: keyframe for keyframe in session.keyframes}
     for frame in (path.first_frame, path.last_frame):
@@ -131,67 +109,41 @@ def _goes_through(session: Session, path: Trajectory) -> bool:
     return True
 
 
-def _path(tracks: Tracks, span: Span, frames: slice, unreached: Span | None) -> Trajectory | None:
+def _path(tracks: Tracks, summary: SegmentSummary) -> Trajectory | None:
     """The motion of a segment, the nearest pose where it was not reached; None where the file does
     not hold all the rest."""
-    count = span[1] - span[0] + 1
-    if frames.start < 0 or count < 2:
+    first, last, unreached = summary.first_frame, summary.last_frame, summary.unreached
+    count, start = last - first + 1, first - tracks.first_frame
+    if start < 0 or count < 2:
         return None
-    there = np.flatnonzero(tracks.tracked[frames])
+    there = np.flatnonzero(tracks.tracked[start : start + count])
     beyond = 0 if unreached is None else unreached[1] - unreached[0] + 1
     if not len(there) or len(there) + beyond != count:
         return None
     nearest = there[np.maximum(np.searchsorted(there, np.arange(count), "right") - 1, 0)]
-    rows = frames.start + nearest
-    return Trajectory(span[0], tracks.Rs_parent_part[rows], tracks.ps_camera_root[rows])
+    rows = start + nearest
+    return Trajectory(first, tracks.Rs_parent_part[rows], tracks.ps_camera_root[rows])
 
 
-def _load(
-    session: Session, tracks: Tracks, summary: SegmentSummary, frames: slice, path: Trajectory,
-    key: str,
-) -> SegmentTrack:  # fmt: skip
-    steps = slice(frames.start, frames.stop - 1)
-    rank = tracks.rank[steps]
-    return SegmentTrack(
-        path.first_frame, path.last_frame, key, _quality(session, summary), path,
-        summary.verdict, tuple(_number(score) for score in summary.scores), (),
-        summary.best_pass, _number(summary.closing_error), rank, tracks.singular_values[steps],
-        tracks.observability[steps], tracks.residual[steps], _need(tracks, frames),
-        summary.notes, summary.missing, summary.unreached,
-    )  # fmt: skip
+def _result(
+    saved: FileResults, summary: SegmentSummary, tracks: Tracks, path: Trajectory, key: str
+) -> SegmentResult:
+    """A segment from its summary, whose fields have the names of the result's, and its frames."""
+    first, last = (frame - tracks.first_frame for frame in (path.first_frame, path.last_frame))
+    said = {
+        field.name: _numbers(getattr(summary, field.name), str(field.type))
+        for field in fields(SegmentResult)
+        if field.name in SegmentSummary.model_fields
+    }
+    given = {**said, "key": key, "quality": summary.quality or saved.quality}
+    found = tracks.diagnostics.between(first, last).complete()
+    return SegmentResult(trajectory=path, diagnostics=found, **given)
 
 
-def _need(tracks: Tracks, frames: slice) -> Array | None:
-    """What keyframes would mend in a segment; None where the file does not tell."""
-    if tracks.need is None or not np.isfinite(tracks.need[frames]).all():
-        return None
-    return tracks.need[frames]
-
-
-def _quality(session: Session, summary: SegmentSummary) -> Quality:
-    assert session.results is not None
-    return summary.quality or session.results.quality
-
-
-def _number(value: float | None) -> float:
-    return np.nan if value is None else value
-
-
-def _segment_result(track: SegmentTrack) -> SegmentResult:
-    assert track.verdict is not None
-    return SegmentResult(
-        trajectory=track.trajectory,
-        scores=track.scores,
-        steps=track.steps,
-        best_pass=track.best_pass,
-        closing_error=track.closing_error,
-        verdict=track.verdict,
-        rank=track.rank,
-        singular_values=track.singular_values,
-        observability=track.observability,
-        residual=track.residual,
-        need=track.need,
-        notes=track.notes,
-        missing=track.missing,
-        unreached=track.unreached,
-    )
+def _numbers(value: Any, annotation: str) -> Any:
+    """A field of a result: null in the file is NaN here."""
+    if annotation == "float" and value is None:
+        return np.nan
+    if annotation == "tuple[float, ...]":
+        return tuple(np.nan if one is None else one for one in value)
+    return value

@@ -6,44 +6,72 @@ ready for JSON.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import TypeAlias
 
 import numpy as np
 
 from tracker.body.pose import Pose
 from tracker.geometry.rotations import Array
-from tracker.storage.results.keys import Span
-from tracker.storage.results.track import SegmentTrack
+from tracker.storage.fingerprints import Span
+from tracker.tracking.result import SegmentResult, side_by_side
 
-Fitting: TypeAlias = Mapping[Span, SegmentTrack]
+Fitting: TypeAlias = Mapping[Span, SegmentResult]
 
 
 def pose_at(fitting: Fitting, frame: int) -> Pose | None:
     """The tracked pose at a frame, None where there is none."""
-    for (first, last), track in fitting.items():
-        if first <= frame <= last and track.tracked[frame - first]:
-            return track.trajectory.pose(frame)
+    for (first, last), found in fitting.items():
+        if first <= frame <= last and found.tracked[frame - first]:
+            return found.trajectory.pose(frame)
     return None
 
 
 def observability(fitting: Fitting, frame_count: int, part_count: int) -> Array:
-    """(F, P) how much the picture tells of a part's motion about a frame, 0 to 1."""
-    return _by_frame(fitting, (frame_count, part_count), lambda track: track.observability)
+    """(F, P) observability of a part's motion at a frame, 0 to 1."""
+    steps = [(first, found.diagnostics.observability) for (first, _), found in fitting.items()]
+    return _by_frame(side_by_side(steps, max(frame_count - 1, 0), (part_count,)))[:frame_count]
 
 
 def residual(fitting: Fitting, frame_count: int, part_count: int) -> Array:
-    """(F, P) root mean square difference of brightness about a frame, grey levels."""
-    return _by_frame(fitting, (frame_count, part_count), lambda track: track.residual)
+    """(F, P) root mean square difference of brightness at a frame, grey levels."""
+    steps = [(first, found.diagnostics.residual) for (first, _), found in fitting.items()]
+    return _by_frame(side_by_side(steps, max(frame_count - 1, 0), (part_count,)))[:frame_count]
+
+
+def ranks(fitting: Fitting, frame_count: int) -> Array:
+    """(F − 1,) singular values above the cut of every step, NaN where nothing was measured."""
+    steps = [(first, found.diagnostics.rank) for (first, _), found in fitting.items()]
+    found = side_by_side(steps, max(frame_count - 1, 0))
+    return np.where(found >= 0, found, np.nan)
+
+
+def expected_gain(fitting: Fitting, frame_count: int) -> Array:
+    """(F,) expected gain of a keyframe at each frame, NaN where not known."""
+    gains = [
+        (first, found.diagnostics.expected_gain)
+        for (first, _), found in fitting.items()
+        if found.diagnostics.expected_gain is not None
+    ]
+    return side_by_side(gains, frame_count)
 
 
 def rotations(fitting: Fitting, frame_count: int, part: int) -> Array:
     """(F, 3, 3) a part's rotation in its parent's frame."""
-    table = np.full((frame_count, 3, 3), np.nan)
-    for (first, last), track in fitting.items():
-        Rs = track.trajectory.Rs_parent_part[:, part]
-        table[first : last + 1] = np.where(track.tracked[:, None, None], Rs, np.nan)
-    return table
+    rows = [
+        (first, found.where_tracked(found.trajectory.Rs_parent_part[:, part]))
+        for (first, _), found in fitting.items()
+    ]
+    return side_by_side(rows, frame_count, (3, 3))
+
+
+def root_positions(fitting: Fitting, frame_count: int) -> Array:
+    """(F, 3) the root in the camera frame, metres."""
+    rows = [
+        (first, found.where_tracked(found.trajectory.ps_camera_root))
+        for (first, _), found in fitting.items()
+    ]
+    return side_by_side(rows, frame_count, (3,))
 
 
 def listed(column: Array, decimals: int = 3) -> list[float | None]:
@@ -56,17 +84,12 @@ def listed(column: Array, decimals: int = 3) -> list[float | None]:
     ]
 
 
-def _by_frame(
-    fitting: Fitting, shape: tuple[int, int], of: Callable[[SegmentTrack], Array]
-) -> Array:
-    """A frame's value is the mean of those of the steps to it and from it."""
-    total, count = np.zeros(shape), np.zeros(shape)
-    for (first, last), track in fitting.items():
-        steps = of(track)
-        if len(steps) != last - first:
-            continue  # not finished, or not measured
-        known = np.isfinite(steps)
-        for frames in (slice(first, last), slice(first + 1, last + 1)):
-            total[frames] += np.where(known, steps, 0.0)
-            count[frames] += known
+def _by_frame(steps: Array) -> Array:
+    """(F, …) of (F − 1, …): a frame's value is the mean of those of the steps to it and from it."""
+    known = np.isfinite(steps)
+    values = np.where(known, steps, 0.0)
+    none = np.zeros((1, *steps.shape[1:]))
+    total, count = (
+        np.concatenate([table, none]) + np.concatenate([none, table]) for table in (values, known)
+    )
     return np.where(count > 0, total / np.maximum(count, 1), np.nan)

@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from tracker.geometry.rotations import Array
 from tracker.kernels.sweeping import sweep
-from tracker.surface.cameras.nets import Field
-from tracker.surface.cameras.views import Grey, Lenses, View
+from tracker.surface.cameras.nets import CORNERS, Field
+from tracker.surface.cameras.views import Grey, Lenses, View, stack_pictures
 
 Depths = NDArray[np.float32]
 
@@ -27,7 +27,7 @@ STRIDE = 2
 """Depths are sought for every other pixel."""
 NEIGHBOURS = 4
 LEAST_ANGLE_DEG = 8.0
-"""Views from nearly the same side tell no depth."""
+"""Views from nearly the same side show no depth."""
 LEAST_SCORE = 0.6
 STEP_PX = 1.0
 """Steps along a ray, in pixels' sizes at the thing's distance."""
@@ -40,10 +40,10 @@ def carve_field(field: Field, views: Sequence[View], pictures: Sequence[Grey]) -
     if len(views) < 3 or not (field.depths > 0).any():
         return field
     maps = depth_maps(field, views, pictures)
-    return seen_through(field, views, maps, STRIDE, THROUGH_PX * _footprint(field, views))
+    return carve_seen_through(field, views, maps, STRIDE, THROUGH_PX * _footprint(field, views))
 
 
-def seen_through(
+def carve_seen_through(
     field: Field, views: Sequence[View], maps: Sequence[Depths], stride: int, through_m: float
 ) -> Field:
     """The field without what at least two views see through.
@@ -56,7 +56,7 @@ def seen_through(
     behind = np.full((2, len(p)), np.inf)
     for view, depths in zip(views, maps, strict=True):
         p_view = view.of_view(p)
-        depth = p_view[:, 2] - _read(depths, view.camera.project(p_view) / stride)
+        depth = p_view[:, 2] - _depths_at(depths, view.camera.project(p_view) / stride)
         depth[~np.isfinite(depth)] = np.inf
         behind = np.sort(np.vstack([behind, depth]), axis=0)[:2]
     depths = field.depths.copy()
@@ -71,19 +71,19 @@ def depth_maps(field: Field, views: Sequence[View], pictures: Sequence[Grey]) ->
     step_m = STEP_PX * _footprint(field, views)
     with ThreadPoolExecutor(os.cpu_count()) as threads:
         maps = list(
-            threads.map(lambda k: _swept(k, field, views, pictures, step_m), range(len(views)))
+            threads.map(
+                lambda k: _sweep_depths(k, field, views, pictures, step_m), range(len(views))
+            )
         )
-    return [_confirmed(k, views, maps, 3 * step_m) for k in range(len(views))]
+    return [_confirm_depths(k, views, maps, 3 * step_m) for k in range(len(views))]
 
 
-def _swept(
+def _sweep_depths(
     k: int, field: Field, views: Sequence[View], pictures: Sequence[Grey], step_m: float
 ) -> Depths:
     view, chosen = views[k], _neighbours(k, field, views)
     lenses = Lenses.of([views[m] for m in chosen])
-    stack = np.zeros((len(chosen), *lenses.sizes.max(axis=0)[::-1]), np.uint8)
-    for whole, m in zip(stack, chosen, strict=True):
-        whole[: pictures[m].shape[0], : pictures[m].shape[1]] = pictures[m]
+    stack = stack_pictures([pictures[m] for m in chosen], 0)
     T_world_view = np.linalg.inv(view.T_view_world)
     Ts_other_view = np.stack([views[m].T_view_world for m in chosen]) @ T_world_view
     Ks = np.stack([views[m].camera.K for m in chosen])
@@ -103,7 +103,9 @@ def _swept(
     return np.where((depth > 0) & (middle > 0), middle, np.float32(np.nan))
 
 
-def _confirmed(k: int, views: Sequence[View], maps: Sequence[Depths], tolerance_m: float) -> Depths:
+def _confirm_depths(
+    k: int, views: Sequence[View], maps: Sequence[Depths], tolerance_m: float
+) -> Depths:
     """The depths of a view at whose places another view has found nearly the same."""
     depths, view = maps[k], views[k]
     rows, columns = np.nonzero(np.isfinite(depths))
@@ -115,14 +117,14 @@ def _confirmed(k: int, views: Sequence[View], maps: Sequence[Depths], tolerance_
         if other == k:
             continue
         p_other = views[other].of_view(p)
-        found = _read(maps[other], views[other].camera.project(p_other) / STRIDE)
+        found = _depths_at(maps[other], views[other].camera.project(p_other) / STRIDE)
         agreed |= np.abs(found - p_other[:, 2]) < tolerance_m
     kept = np.full_like(depths, np.nan)
     kept[rows[agreed], columns[agreed]] = depths[rows[agreed], columns[agreed]]
     return kept
 
 
-def _read(depths: Depths, uv: Array) -> Array:
+def _depths_at(depths: Depths, uv: Array) -> Array:
     """The depths (N,) at the pixels (N, 2) of a map; NaN beside it."""
     columns, rows = np.rint(uv).T
     there = (columns >= 0) & (rows >= 0) & (columns < depths.shape[1]) & (rows < depths.shape[0])
@@ -133,7 +135,7 @@ def _read(depths: Depths, uv: Array) -> Array:
 
 def _neighbours(k: int, field: Field, views: Sequence[View]) -> list[int]:
     """The views nearest in direction, without those from the same side."""
-    towards = np.stack([view.p_world_view for view in views]) - _middle(field)
+    towards = np.stack([view.p_world_view for view in views]) - _centre(field)
     towards /= np.linalg.norm(towards, axis=1, keepdims=True)
     angles = np.degrees(np.arccos(np.clip(towards @ towards[k], -1, 1)))
     order = [int(m) for m in np.argsort(angles) if m != k]
@@ -141,19 +143,18 @@ def _neighbours(k: int, field: Field, views: Sequence[View]) -> list[int]:
     return (apart or order)[:NEIGHBOURS]
 
 
-def _middle(field: Field) -> Array:
+def _centre(field: Field) -> Array:
     return np.asarray(field.p_origin + field.voxel_m * np.array(field.depths.shape) / 2)
 
 
 def _footprint(field: Field, views: Sequence[View]) -> float:
     """The size of a pixel at the thing's middle, in the mean of the views, metres."""
-    middle = _middle(field)
+    middle = _centre(field)
     return float(np.mean([view.of_view(middle)[2] / view.camera.fx for view in views]))
 
 
 def _reach(field: Field, view: View) -> Array:
     """Nearest and farthest z of the grid in a view."""
     size = field.voxel_m * np.array(field.depths.shape)
-    corners = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)])
-    z = view.of_view(field.p_origin + corners * size)[:, 2]
+    z = view.of_view(field.p_origin + CORNERS * size)[:, 2]
     return np.array([max(z.min(), 0.01), z.max()])

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
-from types import TracebackType
 from typing import Literal, Self, TypeAlias
 
 import cv2
@@ -25,7 +24,7 @@ What: TypeAlias = Literal["images", "silhouettes"]
 
 
 @dataclass(frozen=True, eq=False)
-class _Taken:
+class _CameraVideo:
     """A view, without the lens's distortion, and its video."""
 
     view: View
@@ -41,7 +40,7 @@ class Footage:
         self._what = what
         self._open = ExitStack()
         try:
-            self._taken = self._videos(rig, p_camera_surface)
+            self._taken = self._open_videos(rig, p_camera_surface)
             self.frame_count = _common_count(self._taken, what)
         except BaseException:
             self._open.close()
@@ -50,16 +49,11 @@ class Footage:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *exception: object) -> None:
         self.close()
 
     def close(self) -> None:
-        """Let go of the videos."""
+        """Close the videos."""
         self._open.close()
 
     @property
@@ -78,12 +72,12 @@ class Footage:
         found = [(taken, grey) for taken, grey in self._greys(step) if grey is not None]
         return [taken.view for taken, _ in found], [_silhouette(t.lens, g) for t, g in found]
 
-    def judged(self, mesh: SurfaceMesh, step: int) -> SurfaceMesh:
+    def rate(self, mesh: SurfaceMesh, step: int) -> SurfaceMesh:
         """A mesh in the views' world, with its photo-consistency at a step."""
         views, pictures = self.pictures(step)
         return replace(mesh, consistency=consistency(mesh, views, pictures))
 
-    def _videos(self, rig: Rig, p_camera_surface: Array) -> list[_Taken]:
+    def _open_videos(self, rig: Rig, p_camera_surface: Array) -> list[_CameraVideo]:
         taken = []
         for camera, view in zip(rig.cameras, rig.views(p_camera_surface), strict=True):
             name = camera.images if self._what == "images" else camera.silhouettes
@@ -93,7 +87,7 @@ class Footage:
             video = self._open.enter_context(Video.open(rig.folder / name, cache_bytes=0))
             _require_size(camera, video, self._what)
             ideal = replace(view, camera=view.camera.without_distortion())
-            taken.append(_Taken(ideal, view.camera, video))
+            taken.append(_CameraVideo(ideal, view.camera, video))
         if len(taken) < 2:
             raise SurfaceError(
                 f"Only {len(taken)} of the {len(rig.cameras)} cameras have {self._what}: at least "
@@ -101,7 +95,7 @@ class Footage:
             )
         return taken
 
-    def _greys(self, step: int) -> list[tuple[_Taken, Grey | None]]:
+    def _greys(self, step: int) -> list[tuple[_CameraVideo, Grey | None]]:
         return [(taken, _grey(taken.video, step)) for taken in self._taken]
 
 
@@ -117,7 +111,7 @@ def _silhouette(lens: Camera, grey: Grey) -> Silhouette:
     mask = np.where(grey > 127, np.uint8(255), np.uint8(0))
     if not lens.is_distorted:
         return Silhouette(mask > 0)
-    # An ideal lens would show more than was taken: of that nothing is known.
+    # An ideal lens would show more than was taken: that is unknown.
     known = lens.rectify(np.full_like(mask, 255)) > 254
     return Silhouette((lens.rectify(mask) > 127) & known, known)
 
@@ -131,7 +125,7 @@ def _require_size(camera: RigCamera, video: Video, what: What) -> None:
         )
 
 
-def _common_count(taken: Sequence[_Taken], what: What) -> int:
+def _common_count(taken: Sequence[_CameraVideo], what: What) -> int:
     counts: dict[int, str] = {}
     for one in taken:
         counts.setdefault(one.video.info.frame_count, one.view.name)

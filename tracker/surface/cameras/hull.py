@@ -1,6 +1,6 @@
 """Visual hulls: the largest thing that all silhouettes allow, as a mesh.
 
-A place outside a picture is neither in nor out for that view: it tells nothing. More than half of
+A place outside a picture is neither in nor out for that view: it is unknown. More than half of
 the views must show a place for it to belong to the hull.
 """
 
@@ -17,8 +17,8 @@ from scipy import ndimage, sparse
 from tracker.errors import SurfaceError
 from tracker.geometry.rotations import Array
 from tracker.kernels.carving import judge_cells, measure_cells
-from tracker.surface.cameras.nets import Field, surface_of
-from tracker.surface.cameras.views import Lenses, View
+from tracker.surface.cameras.nets import CORNERS, Field, surface_of
+from tracker.surface.cameras.views import Lenses, View, stack_pictures
 from tracker.surface.mesh import SurfaceMesh
 
 MOST_POINTS = 30_000_000
@@ -31,12 +31,10 @@ CELL = 8
 """Grid points along the side of the smallest cells that are judged as one."""
 
 LIMIT_VOXELS = 3.0
-"""Depths are told exactly up to this many voxels."""
+"""Depths are exact up to this many voxels."""
 
 SMOOTHING_VOXELS = 0.7
 """The pixels' steps in the silhouettes' outlines are finer than this."""
-
-_CORNERS = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 
 SMALLEST_PIECE = 0.02
 """Pieces of less than this share of the largest one are stray."""
@@ -44,7 +42,7 @@ SMALLEST_PIECE = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Silhouette:
-    """Which pixels (H, W) show the thing; which can tell at all (None: every one)."""
+    """Which pixels (H, W) show the thing; which are known at all (None: every one)."""
 
     inside: NDArray[np.bool_]
     known: NDArray[np.bool_] | None = None
@@ -63,7 +61,8 @@ def hull_field(
     least = max(2, len(views) // 2 + 1) if least_views is None else least_views
     if len(views) < least:
         raise SurfaceError(f"A hull needs at least {least} silhouettes: there are {len(views)}.")
-    lenses, maps = Lenses.of(views), _stacked([outline_distances(s) for s in silhouettes])
+    lenses = Lenses.of(views)
+    maps = stack_pictures([outline_distances(s) for s in silhouettes], np.nan)
     p_origin, cells = _cells(views, lenses, maps, voxel_m, least)
     limit = LIMIT_VOXELS * voxel_m
     measured = np.empty((len(cells), CELL, CELL, CELL), np.float32)
@@ -115,15 +114,6 @@ def _distance_to(mask: NDArray[np.bool_]) -> NDArray[np.float32]:
     return np.asarray(cv2.distanceTransform(free, cv2.DIST_L2, cv2.DIST_MASK_PRECISE), np.float32)
 
 
-def _stacked(maps: list[NDArray[np.float32]]) -> NDArray[np.float32]:
-    """(K, H, W) maps of the largest size; NaN where a smaller one has ended."""
-    height, width = (max(m.shape[axis] for m in maps) for axis in (0, 1))
-    stack = np.full((len(maps), height, width), np.nan, np.float32)
-    for whole, part in zip(stack, maps, strict=True):
-        whole[: part.shape[0], : part.shape[1]] = part
-    return stack
-
-
 def _cells(
     views: Sequence[View], lenses: Lenses, maps: NDArray[np.float32], voxel_m: float, least: int
 ) -> tuple[Array, NDArray[np.int64]]:
@@ -145,7 +135,7 @@ def _cells(
             return p_origin, cells
         side //= 2
         _require_affordable(8 * len(cells) * CELL_COSTS, voxel_m)
-        cells = (cells[:, None] + side * _CORNERS).reshape(-1, 3)
+        cells = (cells[:, None] + side * CORNERS).reshape(-1, 3)
 
 
 def focus_of(views: Sequence[View]) -> tuple[Array, float]:

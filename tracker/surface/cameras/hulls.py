@@ -1,10 +1,9 @@
-"""The hulls of a rig's silhouettes, step by step, judged by its images where there are any."""
+"""The hulls of a rig's silhouettes, step by step, rated by its images where there are any."""
 
 from __future__ import annotations
 
 from contextlib import ExitStack
 from dataclasses import replace
-from types import TracebackType
 from typing import Self
 
 import numpy as np
@@ -24,7 +23,7 @@ class Hulls:
     """Meshes by step, in the units and the world of the cameras' file. Close it, or use `with`."""
 
     def __init__(self, rig: Rig, voxel_m: float, *, carve: bool = False) -> None:
-        """carve: take away what the images say the cameras see through.  SurfaceError where there
+        """carve: remove what the cameras see through, by the images.  SurfaceError where there
         are too few silhouettes, or no images to carve by."""
         self._rig, self._voxel_m, self._carve = rig, voxel_m, carve
         self.has_images = any(camera.images for camera in rig.cameras)
@@ -57,18 +56,13 @@ class Hulls:
         return self._rig.in_file(mesh, _NOWHERE)
 
     def close(self) -> None:
-        """Let go of the videos."""
+        """Close the videos."""
         self._open.close()
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *exception: object) -> None:
         self.close()
 
 

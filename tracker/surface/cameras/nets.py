@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from tracker.geometry.rotations import Array
 from tracker.surface.mesh import SurfaceMesh
 
-_CORNERS = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+CORNERS = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)])
 _EDGES = [
-    (a, b) for a in range(8) for b in range(a, 8) if np.abs(_CORNERS[a] - _CORNERS[b]).sum() == 1
+    (a, b) for a in range(8) for b in range(a, 8) if np.abs(CORNERS[a] - CORNERS[b]).sum() == 1
 ]
 
 
@@ -49,24 +49,24 @@ def surface_of(field: Field) -> SurfaceMesh:
 def _mixed_cells(inside: NDArray[np.bool_]) -> NDArray[np.int64]:
     """(M, 3) the cells with corners on both sides, in the order of their places in memory."""
     count = np.zeros(tuple(n - 1 for n in inside.shape), np.uint8)
-    for x, y, z in _CORNERS:
-        count += inside[_shifted(x), _shifted(y), _shifted(z)]
+    for x, y, z in CORNERS:
+        count += inside[_cell_corner(x), _cell_corner(y), _cell_corner(z)]
     return np.argwhere((count > 0) & (count < 8))
 
 
-def _shifted(by: int) -> slice:
+def _cell_corner(by: int) -> slice:
     return slice(1, None) if by else slice(None, -1)
 
 
 def _vertices(depths: NDArray[np.float32], cells: NDArray[np.int64]) -> Array:
     """(M, 3) the middle of the places where the surface crosses a cell's edges, in voxels."""
-    at = cells[:, None] + _CORNERS
+    at = cells[:, None] + CORNERS
     values = depths[at[..., 0], at[..., 1], at[..., 2]].astype(np.float64)
     total, count = np.zeros((len(cells), 3)), np.zeros(len(cells))
     for a, b in _EDGES:
         crossed = (values[:, a] > 0) != (values[:, b] > 0)
         share = values[crossed, a] / (values[crossed, a] - values[crossed, b])
-        total[crossed] += _CORNERS[a] + share[:, None] * (_CORNERS[b] - _CORNERS[a])
+        total[crossed] += CORNERS[a] + share[:, None] * (CORNERS[b] - CORNERS[a])
         count[crossed] += 1
     return np.asarray(cells + total / count[:, None])
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from tracker.geometry.rotations import Array
 from tracker.kernels.patches import correlate
 from tracker.kernels.raster import PERSPECTIVE, fill
-from tracker.surface.cameras.views import Grey, Lenses, View
+from tracker.surface.cameras.views import Grey, Lenses, View, stack_pictures
 from tracker.surface.mesh import SurfaceMesh
 
 SPACING_PX = 1.0
@@ -25,14 +25,14 @@ SLACK_PX = 3.0
 changes by about as much within a pixel."""
 
 LEAST_COSINE = 0.35
-"""Of the angle between a surface's normal and the way to a camera that may speak for it."""
+"""Of the angle between a surface's normal and the way to a camera that is compared."""
 
 NEAR_M = 0.01
 
 
 @dataclass(frozen=True, eq=False)
 class Agreement:
-    """What the cameras say of each vertex.
+    """How well the cameras agree on each vertex.
 
     zncc:    (V,) mean zero-mean normalised cross correlation over all pairs that see it; −1 where
              fewer than two do.
@@ -52,10 +52,7 @@ def agreement(mesh: SurfaceMesh, views: Sequence[View], pictures: Sequence[Grey]
     """The same with the number of views."""
     zncc, seen_by = np.full(len(mesh.vertices), -1.0), np.zeros(len(mesh.vertices), np.int64)
     if views:
-        lenses = Lenses.of(views)
-        stack = np.zeros((len(views), *lenses.sizes.max(axis=0)[::-1]), np.uint8)
-        for whole, picture in zip(stack, pictures, strict=True):
-            whole[: picture.shape[0], : picture.shape[1]] = picture
+        lenses, stack = Lenses.of(views), stack_pictures(pictures, 0)
         correlate(
             np.ascontiguousarray(mesh.vertices), np.ascontiguousarray(mesh.normals),
             lenses.Ts, lenses.lenses, lenses.sizes, stack, _nearness(mesh, views, stack.shape),

@@ -1,4 +1,4 @@
-"""A rig: calibrated cameras about a scene, as a JSON file tells them.
+"""A rig: calibrated cameras about a scene, as a JSON file states them.
 
     {"units": "cm", "up": "+z", "cameras": [
       {"name": "north", "width": 640, "height": 480, "fx": 620, "fy": 620, "cx": 319.5, "cy": 239.5,

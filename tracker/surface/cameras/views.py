@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,16 @@ from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, frozen
 
 Grey = NDArray[np.uint8]
+Pixel = TypeVar("Pixel", np.uint8, np.float32)
+
+
+def stack_pictures(pictures: Sequence[NDArray[Pixel]], beyond: float) -> NDArray[Pixel]:
+    """(K, H, W) of the largest size; `beyond` where a smaller picture has ended."""
+    height, width = (max(picture.shape[axis] for picture in pictures) for axis in (0, 1))
+    stack = np.full((len(pictures), height, width), beyond, pictures[0].dtype)
+    for whole, picture in zip(stack, pictures, strict=True):
+        whole[: picture.shape[0], : picture.shape[1]] = picture
+    return stack
 
 
 @dataclass(frozen=True, eq=False)

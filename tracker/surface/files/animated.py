@@ -1,6 +1,8 @@
 """A GLB file as surfaces over time: node motion, skins and morph targets, worked out step by step.
 
 It runs in the child process. Lengths are metres and +y is up, as glTF prescribes.
+
+Own code: short of a game engine nothing in Python plays skins and morph targets.
 """
 
 from __future__ import annotations
@@ -42,7 +44,7 @@ class AnimatedScene:
     def read(cls, file: BinaryIO) -> AnimatedScene:
         """Refused where the file is no GLB, damaged, too large or without a mesh."""
         glb = Glb.read(file)
-        pieces, faces, piece_of_face = _as_one(pieces_of(glb))
+        pieces, faces, piece_of_face = _merge_pieces(pieces_of(glb))
         scene = cls(Nodes.of(glb), pieces, channels_of(glb), faces, piece_of_face)
         if scene._length_s * FPS >= _MOST_STEPS:
             raise Refused("has an animation of many hours: cut out what is to be followed.")
@@ -63,7 +65,7 @@ class AnimatedScene:
         time_s = self._start_s + step / FPS
         Ts_world_node = self.nodes.worlds(self.channels, time_s)
         p_world = [piece.posed(Ts_world_node, self.channels, time_s) for piece in self.pieces]
-        over = np.array([piece.turned_over(Ts_world_node) for piece in self.pieces])
+        over = np.array([piece.is_mirrored(Ts_world_node) for piece in self.pieces])
         faces = self.faces.copy()
         turned = over[self.piece_of_face]
         faces[turned] = faces[turned][:, ::-1]
@@ -92,7 +94,7 @@ def read_resting(file: BinaryIO) -> RawMesh:
     return AnimatedScene.read(file).mesh(0)
 
 
-def _as_one(
+def _merge_pieces(
     pieces: list[Piece],
 ) -> tuple[list[Piece], NDArray[np.int64], NDArray[np.int64]]:
     """The pieces with only the vertices that remain; all faces between them; each face's piece."""
@@ -110,14 +112,14 @@ def _as_one(
     used[faces] = True
     number = np.cumsum(used) - 1
     kept = [
-        _only(piece, used[start:end])
+        _select_vertices(piece, used[start:end])
         for piece, start, end in zip(pieces, offsets, offsets[1:], strict=False)
     ]
     return kept, number[faces], piece_of_face
 
 
-def _only(piece: Piece, kept: NDArray[np.bool_]) -> Piece:
-    """The piece with some of its vertices; its own faces say nothing any more."""
+def _select_vertices(piece: Piece, kept: NDArray[np.bool_]) -> Piece:
+    """The piece with some of its vertices; its own faces no longer hold."""
     return replace(
         piece,
         p_mesh=piece.p_mesh[kept],

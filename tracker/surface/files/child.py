@@ -3,8 +3,9 @@
     python -m tracker.surface.files.child MEMORY_BYTES SECONDS
 
 It answers the questions of `reading` on its standard input until that ends: with a mesh, or with
-the end of a sentence that says why there is none. What it may use beyond what it needs to start
-is MEMORY_BYTES, and SECONDS of a processor for one question; it may write no file.
+the end of a sentence that says why there is none. Its limits are
+MEMORY_BYTES beyond what it needs to start, and SECONDS of a processor for one question; it may
+write no file.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ READERS: Final[dict[str, Callable[[BinaryIO], RawMesh]]] = {
 
 def main() -> None:
     memory, seconds = int(sys.argv[1]), int(sys.argv[2])
-    # Whatever prints, a library or a warning, must not speak in between.
+    # Whatever a library prints must not get between the answers.
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     limit_memory(memory)
@@ -52,7 +53,7 @@ def main() -> None:
             refusal = "needs too much memory to be read: simplify it."
             answer(answers, {"refused": refusal, "leaving": True})
             return
-        except Exception:  # noqa: BLE001 — a parser met what nobody thought of
+        except Exception:  # noqa: BLE001 — a parser met something unforeseen
             answer(answers, {"refused": "cannot be read: export it again."})
 
 
@@ -90,7 +91,7 @@ class MeshServer:
 
 
 def limit_memory(extra: int) -> None:
-    """What the process may use more than it does now; and it may write no file."""
+    """Limit what the process may use beyond what it does now, and let it write no file."""
     try:
         import resource
     except ImportError:  # a system without such limits: the caps on sizes and time remain
@@ -109,7 +110,7 @@ def limit_memory(extra: int) -> None:
 
 
 def limit_time(seconds: int) -> None:
-    """Seconds of a processor from now on; the process ends when they are over."""
+    """Limit the seconds of a processor from now on; the process ends when they are over."""
     try:
         import resource
     except ImportError:

@@ -22,11 +22,11 @@ from numpy.typing import NDArray
 
 from tracker.errors import SurfaceError
 from tracker.surface.files.parsing.raw import MOST_FACES, MOST_VERTICES, Refused
-from tracker.surface.files.wire import BrokenOff, ask, receive
+from tracker.surface.files.wire import BrokenConnection, ask, receive
 from tracker.surface.mesh import SurfaceMesh
 
 MEMORY_BYTES: Final = 2 * 2**30
-"""What the child may use beyond what it starts with."""
+"""Memory of the child beyond what it starts with."""
 SECONDS: Final = 30
 """For one file, of a processor as well as of the clock."""
 MOST_STEPS: Final = 1_000_000
@@ -53,7 +53,7 @@ class MeshReader:
         return _mesh(self._ask(question)[1])
 
     def glance(self, path: Path) -> None:
-        """Refused where already the beginning of a file tells that it cannot be used."""
+        """Refused where already the beginning of a file shows that it cannot be used."""
         self._ask({"wanted": "beginning", "path": str(path), "kind": path.suffix.lower()})
 
     def steps(self, path: Path) -> tuple[int, bool]:
@@ -93,22 +93,22 @@ class MeshReader:
         assert child.stdin is not None
         assert child.stdout is not None
         late = threading.Event()
-        clock = threading.Timer(self._limits[1], _hurry, (child, late))
+        clock = threading.Timer(self._limits[1], _end_late, (child, late))
         clock.daemon = True
         clock.start()
         try:
             ask(child.stdin, question)
             return receive(child.stdout)
-        except (BrokenOff, OSError) as error:
+        except (BrokenConnection, OSError) as error:
             self._stop()
-            raise Refused(self._last_words(child.returncode, late.is_set())) from error
+            raise Refused(self._failure(child.returncode, late.is_set())) from error
         except BaseException:
-            self._stop()  # what it still says would be taken for the next answer
+            self._stop()  # its late answer would be taken for the next one
             raise
         finally:
             clock.cancel()
 
-    def _last_words(self, code: int | None, late: bool) -> str:
+    def _failure(self, code: int | None, late: bool) -> str:
         """Why the child ended without an answer."""
         if late or code == -getattr(signal, "SIGXCPU", 0):
             return f"takes longer than {self._limits[1]} s to read: simplify it."
@@ -124,7 +124,7 @@ class MeshReader:
             raise SurfaceError(
                 "The process that reads meshes could not be started: close other programs."
             ) from error
-        self._end = weakref.finalize(self, _ended, self._child)
+        self._end = weakref.finalize(self, _end_child, self._child)
         return self._child
 
     def _stop(self) -> None:
@@ -154,23 +154,23 @@ def _start(memory_bytes: int, seconds: int) -> subprocess.Popen[bytes]:
     )
 
 
-def _hurry(child: subprocess.Popen[bytes], late: threading.Event) -> None:
+def _end_late(child: subprocess.Popen[bytes], late: threading.Event) -> None:
     """End a child that takes too long, and note that this was why."""
     late.set()
     child.kill()
 
 
-def _ended(child: subprocess.Popen[bytes]) -> None:
+def _end_child(child: subprocess.Popen[bytes]) -> None:
     child.kill()
     child.wait()
     for stream in (child.stdin, child.stdout):
         if stream is not None:
-            with suppress(OSError):  # what was still to be sent has nobody to read it
+            with suppress(OSError):  # nobody reads what was still to be sent
                 stream.close()
 
 
 def _mesh(arrays: dict[str, NDArray[Any]]) -> SurfaceMesh:
-    """The arrays of an answer, looked at again: the child met the file, and may be anything now."""
+    """The arrays of an answer, checked again: the file may have taken over the child."""
     vertices, faces = arrays.get("vertices"), arrays.get("faces")
     consistency = arrays.get("consistency")
     if (

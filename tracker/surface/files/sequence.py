@@ -115,7 +115,7 @@ class MeshSequence:
     ) -> Glance:
         """Look at the beginnings of the files, for so long at most; GLANCE_S when left out.
 
-        What is found is only told: a step may be asked for all the same, should its file have been
+        What is found is only reported: a step can still be asked for, should its file have been
         exported anew meanwhile.
         """
         problems = dict(self.missing)
@@ -160,7 +160,7 @@ class MeshSequence:
         return f'Step {frame} ("{self._source.name(frame)}") {why}'
 
     def _require_usual_size(self, frame: int) -> None:
-        """One of the first ones that is odd itself does not decide: their median does."""
+        """Against the median of the first ones, so that an odd one among them does not decide."""
         size = self._sizes[frame]
         usual = median_low(self._first_sizes() or [size])
         if usual / OTHER_SIZE <= size <= usual * OTHER_SIZE:

@@ -39,7 +39,7 @@ class Source(Protocol):
         """The mesh of a step that has a file. Raises Refused."""
 
     def glance(self, reader: MeshReader, frame: int) -> None:
-        """Refused where the beginning of a step's file tells that it cannot be used."""
+        """Refused where the beginning of a step's file shows that it cannot be used."""
 
     def fingerprint(self) -> str:
         """ "sha256:…", equal for copies."""

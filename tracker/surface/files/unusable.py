@@ -1,4 +1,4 @@
-"""Steps that cannot be used, in words."""
+"""Steps that cannot be used, in a sentence."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ MOST_NAMED = 8
 """Steps, or runs of them, that are called by their numbers."""
 
 
-def unusable_words(problems: Mapping[int, str]) -> str:
-    """Which steps these are, and what is wrong with the first of them, said to be of it alone;
-    nothing where there are none.
+def describe_unusable(problems: Mapping[int, str]) -> str:
+    """Which steps these are, and what is wrong with the first of them; empty where there are
+    none.
 
     problems: of each step a sentence, which is enough where it is one step.
     """

@@ -21,7 +21,7 @@ _LONGEST_HEADER: Final = 64 * 1024
 _MOST_NUMBERS: Final = 3 * max(MOST_FACES, MOST_VERTICES)
 
 
-class BrokenOff(Exception):
+class BrokenConnection(Exception):
     """The other side ended, or sent nonsense."""
 
 
@@ -53,10 +53,10 @@ def answer(
 
 
 def receive(stream: IO[bytes]) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
-    """An answer's facts and arrays. BrokenOff where the other side ended or sent nonsense."""
+    """An answer's facts and arrays. BrokenConnection where the child ended or sent nonsense."""
     (length,) = struct.unpack("<Q", _exactly(stream, 8))
     if length > _LONGEST_HEADER:
-        raise BrokenOff
+        raise BrokenConnection
     try:
         header = json.loads(_exactly(stream, length))
         facts = dict(header["facts"])
@@ -64,7 +64,7 @@ def receive(stream: IO[bytes]) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]
             str(name): _array(stream, str(kind), shape) for name, kind, *shape in header["arrays"]
         }
     except (ValueError, TypeError, LookupError, OverflowError, RecursionError) as error:
-        raise BrokenOff from error
+        raise BrokenConnection from error
     return facts, arrays
 
 
@@ -72,7 +72,7 @@ def _array(stream: IO[bytes], kind: str, shape: list[Any]) -> NDArray[Any]:
     sizes = [int(size) for size in shape]
     count = int(np.prod(sizes, dtype=object))
     if min(sizes) < 0 or not 0 <= count <= _MOST_NUMBERS:
-        raise BrokenOff
+        raise BrokenConnection
     content = _exactly(stream, count * _TYPES[kind].itemsize)
     return np.frombuffer(content, _TYPES[kind]).reshape(sizes)
 
@@ -80,5 +80,5 @@ def _array(stream: IO[bytes], kind: str, shape: list[Any]) -> NDArray[Any]:
 def _exactly(stream: IO[bytes], length: int) -> bytes:
     content = stream.read(length)
     if len(content) != length:
-        raise BrokenOff
+        raise BrokenConnection
     return content

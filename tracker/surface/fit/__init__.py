@@ -1,1 +1,1 @@
-"""The body laid into observed surfaces: SURFACE's weights, pairs and energy, step by step."""
+"""The body fitted to observed surfaces: SURFACE's weights, pairs and energy, step by step."""

@@ -48,8 +48,8 @@ def apart_m(to_solids: Array, p_surface: Array, p_solids: Array, far_m: float) -
     """How far a body and its surface lie apart, metres.
 
     The larger of two: how far the surface's points are from the nearest solid, on average, which
-    tells of a body that lies elsewhere or is too small; and how far the nearest quarter of the
-    solids is from the surface, which tells of one that is too large.
+    is large for a body that lies elsewhere or is too small; and how far the nearest quarter of the
+    solids is from the surface, which is large for one that is too large.
 
     to_solids: (V,) distances of the surface's points p_surface (V, 3).  p_solids: (N, 3) on the
     solids.  far_m: what is farther counts as that, for it may be a thing held in a hand.

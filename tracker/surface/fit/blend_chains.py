@@ -1,6 +1,6 @@
 """Chains of steps as one motion: from one keyframe, or from two and then blended part by part.
 
-What a chain has not reached yet is held, and led over evenly where both sides are known.
+Steps that no chain has reached yet keep the nearest pose, or are interpolated between two.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ TRUST_POWER = 2
 
 
 @dataclass(frozen=True, eq=False)
-class Joined:
+class JoinedChains:
     """A segment's links in the order of their frames.
 
     apart_m: (N, P) how far two whole chains put each joint apart; None where there was one.
@@ -41,7 +41,7 @@ def join_chains(
     span: tuple[int, int],
     chains: Sequence[Sequence[Link]],
     keyposes: Mapping[int, Pose],
-) -> Joined:
+) -> JoinedChains:
     """All steps of a segment of the one or two chains that begin at its keyframes.
 
     chains: each in the order in which it was followed, its keyframe first, as far as it has come.
@@ -49,15 +49,15 @@ def join_chains(
     count = span[1] - span[0] + 1
     missing = sum(count - len(chain) for chain in chains)
     if missing:
-        return _as_far_as(skeleton, span, chains, missing)
-    whole = [_whole(chain, keyposes) for chain in chains]
+        return _join_partial(skeleton, span, chains, missing)
+    whole = [_complete(chain, keyposes) for chain in chains]
     one, two = whole[0], whole[-1]
     if len(whole) == 1:
-        return Joined(tuple(one), None)
-    return Joined(tuple(_both(skeleton, one, two)), _apart(skeleton, one, two))
+        return JoinedChains(tuple(one), None)
+    return JoinedChains(tuple(_blend(skeleton, one, two)), _joint_distances(skeleton, one, two))
 
 
-def _whole(chain: Sequence[Link], keyposes: Mapping[int, Pose]) -> list[Link]:
+def _complete(chain: Sequence[Link], keyposes: Mapping[int, Pose]) -> list[Link]:
     """One chain in the order of the frames; a keyframe at its far end is never changed."""
     far = chain[-1].frame
     links = fill_gaps(sorted(chain, key=lambda link: link.frame))
@@ -67,10 +67,10 @@ def _whole(chain: Sequence[Link], keyposes: Mapping[int, Pose]) -> list[Link]:
     return links
 
 
-def _as_far_as(
+def _join_partial(
     skeleton: Skeleton, span: tuple[int, int], chains: Sequence[Sequence[Link]], missing: int
-) -> Joined:
-    """What chains that were left have reached; the nearest pose before holds beyond."""
+) -> JoinedChains:
+    """What unfinished chains have reached; beyond, the nearest pose before is kept."""
     first, last = span
     keyed = {chain[0].frame: chain[0] for chain in chains}
     at = [{link.frame: link for link in chain} for chain in chains]
@@ -93,17 +93,17 @@ def _as_far_as(
         pose = link.pose
     beyond = [frame for frame in range(first, last + 1) if frame not in known]
     unreached = (beyond[0], beyond[-1]) if beyond else None
-    return Joined(tuple(fill_gaps(links)), None, unreached, missing)
+    return JoinedChains(tuple(fill_gaps(links)), None, unreached, missing)
 
 
 def fill_gaps(links: Sequence[Link]) -> list[Link]:
-    """Links of consecutive frames; where a step could not be used, its pose leads over evenly."""
+    """Links of consecutive frames; where a step could not be used, its pose is interpolated."""
     good = [k for k, link in enumerate(links) if link.step is not None]
     whole = list(links)
     for before, after in pairwise(good):
         for k in range(before + 1, after):
             share = (k - before) / (after - before)
-            pose = _mixed(links[before].pose, links[after].pose, share)
+            pose = _interpolate(links[before].pose, links[after].pose, share)
             whole[k] = replace(links[k], pose=pose)
     return whole
 
@@ -115,16 +115,16 @@ def blend_links(skeleton: Skeleton, forward: Link, backward: Link, share: float)
     the chain whose surfaces lie nearer to each other, on that part and on what hangs from it.
     """
     if forward.step is None or backward.step is None:
-        between = _mixed(forward.pose, backward.pose, share)
+        between = _interpolate(forward.pose, backward.pose, share)
         return Link(forward.frame, between, None, forward.problem)
-    ahead = _pull(skeleton, forward.step, 1.0 - share)
-    behind = _pull(skeleton, backward.step, share)
+    ahead = _chain_weight(skeleton, forward.step, 1.0 - share)
+    behind = _chain_weight(skeleton, backward.step, share)
     back = behind / np.maximum(ahead + behind, 1e-30)
     better = forward if ahead[0] >= behind[0] else backward
-    return Link(forward.frame, _mixed(forward.pose, backward.pose, back), better.step)
+    return Link(forward.frame, _interpolate(forward.pose, backward.pose, back), better.step)
 
 
-def _pull(skeleton: Skeleton, step: StepFit, nearness: float) -> Array:
+def _chain_weight(skeleton: Skeleton, step: StepFit, nearness: float) -> Array:
     """(P,) how much a chain counts for each part."""
     square = np.where(np.isfinite(step.residual), step.residual**2, 0.0) + 1e-9
     weight = np.where(np.isfinite(step.residual), step.counts, 0.0) + 1e-6
@@ -133,7 +133,7 @@ def _pull(skeleton: Skeleton, step: StepFit, nearness: float) -> Array:
     return np.asarray(max(nearness, 1e-3) / mean**TRUST_POWER)
 
 
-def _mixed(one: Pose, other: Pose, share: Array | float) -> Pose:
+def _interpolate(one: Pose, other: Pose, share: Array | float) -> Pose:
     """From one pose (share 0) to the other (share 1), part by part."""
     shares = np.broadcast_to(np.asarray(share, dtype=np.float64), (len(one.Rs_parent_part),))
     turn = log_rotation(transpose(one.Rs_parent_part) @ other.Rs_parent_part)
@@ -142,7 +142,7 @@ def _mixed(one: Pose, other: Pose, share: Array | float) -> Pose:
     return Pose(Rs, root)
 
 
-def _both(skeleton: Skeleton, one: Sequence[Link], two: Sequence[Link]) -> list[Link]:
+def _blend(skeleton: Skeleton, one: Sequence[Link], two: Sequence[Link]) -> list[Link]:
     """Two chains as one; the keyframes at both ends stay as they are."""
     inner = [
         blend_links(skeleton, ahead, behind, k / (len(one) - 1))
@@ -151,8 +151,8 @@ def _both(skeleton: Skeleton, one: Sequence[Link], two: Sequence[Link]) -> list[
     return [one[0], *inner[1:-1], two[-1]]
 
 
-def _apart(skeleton: Skeleton, one: Sequence[Link], two: Sequence[Link]) -> Array:
-    """(N, P) metres between the joints of two chains; near a keyframe the far one has no say."""
+def _joint_distances(skeleton: Skeleton, one: Sequence[Link], two: Sequence[Link]) -> Array:
+    """(N, P) metres between the joints of two chains; near a keyframe the far one has no weight."""
     joints = [_joints(skeleton, links) for links in (one, two)]
     share = np.linspace(0.0, 1.0, len(one))
     return np.asarray(

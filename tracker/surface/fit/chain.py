@@ -17,7 +17,7 @@ from tracker.surface.fit.solving import Fit, fit_pose
 from tracker.surface.steps import Steps
 
 TROUBLE = 0.05
-"""Of the observed surface: when so much is not explained, another start is tried."""
+"""Of the observed surface: where so much is not explained, another start is tried."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,15 +26,15 @@ class Link:
 
     step:    None where the surface of the step could not be used; the pose is then the one before.
     problem: why, in a sentence.
-    record:  what the chain knows of the body's surface when it goes on from here; only its last
-             link needs to keep it.
+    reliability: of the model's points when the chain goes on from here; only its last link needs
+             to keep it.
     """
 
     frame: int
     pose: Pose
     step: StepFit | None
     problem: str = ""
-    record: PointReliability | None = None
+    reliability: PointReliability | None = None
 
 
 def keyframe_link(
@@ -54,27 +54,27 @@ def follow(
 ) -> Iterator[Link]:
     """Fit the steps of these frames in their order, going on from the links before them.
 
-    before: a chain as far as it is known, its keyframe first. Wherever it was left, what follows
+    before: a chain as far as it is known, its keyframe first. Wherever it was stopped, what follows
         is the same.
     """
     usable = [link.pose for k, link in enumerate(before) if k == 0 or link.step is not None]
     pose = usable[-1]
-    ahead = _extrapolated(*usable[-2:]) if len(usable) > 1 else None
-    record = before[-1].record or PointReliability.of(model)
+    ahead = _extrapolate(*usable[-2:]) if len(usable) > 1 else None
+    reliability = before[-1].reliability or PointReliability.of(model)
     for frame in frames:
         try:
             observed = Observed.of(steps.mesh(frame), options)
         except SurfaceError as error:
-            yield Link(frame, pose, None, str(error), record)
+            yield Link(frame, pose, None, str(error), reliability)
             continue
-        trusted = record.apply_to(model)
-        fit, step = _fitted(trusted, observed, pose, ahead, options)
-        pose, ahead = fit.pose, _extrapolated(pose, fit.pose)
-        record = record.after(trusted, fit) if options.trust else record
-        yield Link(frame, pose, step, "", record)
+        weighted = reliability.apply_to(model)
+        fit, step = _fit_step(weighted, observed, pose, ahead, options)
+        pose, ahead = fit.pose, _extrapolate(pose, fit.pose)
+        reliability = reliability.after(weighted, fit) if options.trust else reliability
+        yield Link(frame, pose, step, "", reliability)
 
 
-def _fitted(
+def _fit_step(
     model: SurfaceModel, observed: Observed, pose: Pose, ahead: Pose | None, options: Options
 ) -> tuple[Fit, StepFit]:
     """The step fitted from the pose before; where that leaves much unexplained, also from where
@@ -89,7 +89,7 @@ def _fitted(
     return other, measure(model, observed, other)
 
 
-def _extrapolated(before: Pose, now: Pose) -> Pose:
+def _extrapolate(before: Pose, now: Pose) -> Pose:
     """The pose after as much motion again."""
     turn = transpose(before.Rs_parent_part) @ now.Rs_parent_part
     return Pose(now.Rs_parent_part @ turn, 2 * now.p_camera_root - before.p_camera_root)

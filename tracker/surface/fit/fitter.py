@@ -1,10 +1,9 @@
-"""A session about surfaces made ready to be fitted, in the shape in which films are tracked."""
+"""A session about surfaces made ready to be fitted, by the interface of tracked films."""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from copy import copy
 from dataclasses import replace
 from typing import TypeAlias
 
@@ -18,7 +17,7 @@ from tracker.surface.fit.judging import lies_off, off_its_surface
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.segment import SurfaceTracker
 from tracker.surface.steps import Steps
-from tracker.tracking.pool import SegmentResult
+from tracker.tracking.result import SegmentResult
 
 Span: TypeAlias = tuple[int, int]
 
@@ -43,54 +42,49 @@ class SurfaceFitter:
         self._trackers: dict[Quality, SurfaceTracker] = {}
         self._lock = threading.Lock()
 
-    def only(self, first: int, last: int) -> SurfaceFitter:
-        """The same with one segment, which is then its first. What is laid out is shared."""
-        if (first, last) not in self.spans:
-            raise SessionError(f"Frames {first} to {last} are no segment of the session.")
-        other = copy(self)
-        other.spans = ((first, last),)
-        return other
-
-    def expected_steps(self, index: int, settings: TrackSettings) -> int:
+    def expected_steps(self, span: Span, settings: TrackSettings) -> int:
         """Steps of time that `run_segment` works through."""
-        return self._tracker(settings.quality).expected_steps(self.spans[index])
+        return self._tracker(settings.quality).expected_steps(span)
 
     def run_segment(
-        self, index: int, settings: TrackSettings, emit: Callable[[Pass, int], None]
+        self, span: Span, settings: TrackSettings, emit: Callable[[Pass, int], None]
     ) -> SegmentResult:
-        """Fit one segment; `emit` is told now and then which step, from 0, was the last to be
-        done, and may raise Left to stop."""
+        """Fit one segment; `emit` is called now and then with the step, from 0, that was last done,
+        and may raise Cancelled to stop. SessionError where the session has no such segment.
+        """
+        if span not in self.spans:
+            raise SessionError(f"Frames {span[0]} to {span[1]} are no segment of the session.")
 
-        def tell(step: Pass, done: int) -> None:
+        def report(step: Pass, done: int) -> None:
             emit(step, done - 1)
 
-        span, tracker = self.spans[index], self._tracker(settings.quality)
-        found = tracker.run_segment(span, tell)
+        tracker = self._tracker(settings.quality)
+        found = tracker.run_segment(span, report)
         off = lies_off(tracker.model, self._keyposes[self.model_frame])
-        if self._is_told_of_model(span):
-            notes = (*self._astray(off), *self._holes(), *self._cuts())
+        if self._reports_model(span):
+            notes = (*self._describe_off(off), *self._describe_holes(), *self._describe_cuts())
             found = replace(found, notes=(*notes, *found.notes))
         return replace(found, verdict=off_its_surface(self.model_frame)) if off else found
 
     def fit_frame(self, frame: int, pose: Pose, quality: Quality = "full") -> Pose:
-        """A pose laid onto the surface of one step; SurfaceError where that cannot be used."""
+        """A pose fitted to the surface of one step; SurfaceError where that cannot be used."""
         return self._tracker(quality).fit_frame(frame, pose)
 
-    def _is_told_of_model(self, span: Span) -> bool:
-        """Of the segments that touch the model's keyframe one says what is to be said of it."""
+    def _reports_model(self, span: Span) -> bool:
+        """Of the segments that touch the model's keyframe one carries the notes on it."""
         return self.model_frame == (span[1] if self.model_frame else span[0])
 
-    def _astray(self, off: bool) -> tuple[str, ...]:
+    def _describe_off(self, off: bool) -> tuple[str, ...]:
         """A sentence where the body does not lie in that mesh."""
         if not off:
             return ()
         return (
             f"At frame {self.model_frame} the body does not lie in the mesh that moves with it: "
-            "look at its pose there (F lays it into the mesh), at its height and sizes in Body, "
+            "look at its pose there (F fits it to the mesh), at its height and sizes in Body, "
             "and at the units of the meshes.",
         )
 
-    def _holes(self) -> tuple[str, ...]:
+    def _describe_holes(self) -> tuple[str, ...]:
         """A sentence where the mesh that moves with the body is not whole."""
         rims = len(self._steps.mesh(self.model_frame).rim)
         if not rims:
@@ -101,7 +95,7 @@ class SurfaceFitter:
             "fitted anywhere; pose the body in a mesh that is whole, if there is one.",
         )
 
-    def _cuts(self) -> tuple[str, ...]:
+    def _describe_cuts(self) -> tuple[str, ...]:
         """A sentence where cameras did not see all of that mesh."""
         names = self._steps.cut_by(self.model_frame)
         if not names:

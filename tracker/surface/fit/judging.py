@@ -1,8 +1,8 @@
 """The verdict on fitted surfaces: good, check these frames, or lost: add a keyframe there.
 
 The evidence is how near the surfaces lie, never the truth. The thresholds are shares of the
-surface's size; they were set where, on generated arms and walkers of known motion, they part steps
-that are right from steps that are not.
+surface's size; they were set where, on generated arms and walkers of known motion, they separate
+right steps from wrong ones.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from tracker.tracking.diagnostics.runs import runs
 LOST_UNEXPLAINED, LOST_UNCOVERED = 0.25, 0.45
 """Of what is seen, and of the body: so much without a counterpart is another pose."""
 ROUGH_SHARE = 0.012
-"""Of the surface's size: a part whose pairs lie farther apart is not where it is said to be."""
+"""Of the surface's size: a part whose pairs lie farther apart is misplaced."""
 APART_SHARE = 0.03
 """Of the surface's size: chains from two keyframes that put a joint so far apart."""
 HIDDEN = 0.12
-"""Of a part's surface: when less of it counts, it goes by what the rest leaves it."""
+"""Of a part's surface: where less of it counts, its pose is hardly observed."""
 BEYOND_RAD = np.radians(10.0)
 """Past a joint's limits: so far nothing but a wrong pose, or wrong sizes, turns it."""
 OFF_SHARE = 0.04
@@ -36,11 +36,11 @@ OFF_SHARE = 0.04
 their surface, come to 0.03; three times too large or small, or a limb's thickness and a half across
 their limbs, to more."""
 SHORTEST_RUN = 3
-"""Steps for which a part must be doubtful before it is worth a word."""
+"""Steps for which a part must be doubtful before that is reported."""
 RANK: Mapping[Cause, int] = {"beyond_limits": 0, "not_seen": 1, "uncertain": 2}
 """Of doubts that last equally long, the highest is the cause."""
-MOST_TOLD = 5
-"""Steps that could not be used, told one by one."""
+MOST_LISTED = 5
+"""Steps that could not be used, listed one by one."""
 
 
 def judge_links(
@@ -54,13 +54,13 @@ def judge_links(
     frames = [link.frame for link in links]
     astray = np.array([_is_astray(link) for link in links])
     followed = np.array([frame not in keyed for frame in frames])
-    lost = _longest(astray & followed)
+    lost = _longest_run(astray & followed)
     if lost is not None:
         return Verdict.not_followed(frames[lost[0]])
-    if astray.any():  # a person said so, but looked at another frame, or at another mesh
+    if astray.any():  # a person posed it so, but at another frame, or in another mesh
         frame = frames[int(astray.argmax())]
         return Verdict.check("keyframe_off_surface", (frame, frame))
-    unusable = _longest(np.array([link.step is None for link in links]))
+    unusable = _longest_run(np.array([link.step is None for link in links]))
     if unusable is not None:
         return Verdict.check("no_surface", (frames[unusable[0]], frames[unusable[1]]))
     doubts = [
@@ -77,7 +77,7 @@ def judge_links(
 
 
 def lies_off(model: SurfaceModel, pose: Pose) -> bool:
-    """Whether the body, in the pose at which its surface was laid out, clearly lies elsewhere."""
+    """Whether the body, in the pose at which its surface was bound, clearly lies elsewhere."""
     return model.off_share(pose) > OFF_SHARE
 
 
@@ -102,7 +102,7 @@ def unseen_turns(model: SurfaceModel, links: Sequence[Link]) -> tuple[str, ...]:
     if not steps:
         return ()
     unseen = np.mean([step.least_seen < UNSEEN for step in steps], axis=0) > 0.5
-    unseen &= _carries(model)
+    unseen &= _carries_surface(model)
     names = [spoken(n) for n, no in zip(model.skeleton.body.names, unseen, strict=True) if no]
     if not names:
         return ()
@@ -114,10 +114,10 @@ def unseen_turns(model: SurfaceModel, links: Sequence[Link]) -> tuple[str, ...]:
 
 def unusable_steps(links: Sequence[Link]) -> tuple[str, ...]:
     """What was wrong with steps that were left out, a few of them in full."""
-    told = [link.problem for link in links if link.step is None and link.problem]
-    more = len(told) - MOST_TOLD
+    problems = [link.problem for link in links if link.step is None and link.problem]
+    more = len(problems) - MOST_LISTED
     rest = (f"{more} more steps could not be used either.",) if more > 0 else ()
-    return (*told[:MOST_TOLD], *rest)
+    return (*problems[:MOST_LISTED], *rest)
 
 
 def _is_astray(link: Link) -> bool:
@@ -135,22 +135,22 @@ def _doubts(
     nothing = np.full(count, np.nan)
     residual = np.array([link.step.residual if link.step else nothing for link in links])
     counts = np.array([link.step.counts if link.step else nothing for link in links])
-    carries = _carries(model)
+    carries = _carries_surface(model)
     uncertain = residual > ROUGH_SHARE * size
     if apart_m is not None:
         uncertain |= apart_m > APART_SHARE * size
-    bent = np.array([model.limits.excess(link.pose.Rs_parent_part)[0] for link in links])
+    excess = np.array([model.limits.excess(link.pose.Rs_parent_part)[0] for link in links])
     return {
         "uncertain": uncertain & carries,
         "not_seen": (counts < HIDDEN) & carries,
-        "beyond_limits": np.asarray(np.abs(bent).max(axis=2) > BEYOND_RAD),
+        "beyond_limits": np.asarray(np.abs(excess).max(axis=2) > BEYOND_RAD),
     }
 
 
-def _carries(model: SurfaceModel) -> NDArray[np.bool_]:
+def _carries_surface(model: SurfaceModel) -> NDArray[np.bool_]:
     """(P,) whether anything of the surface goes with a part."""
     return np.asarray(np.bincount(model.own, minlength=model.skeleton.part_count) > 0)
 
 
-def _longest(flags: NDArray[np.bool_]) -> tuple[int, int] | None:
+def _longest_run(flags: NDArray[np.bool_]) -> tuple[int, int] | None:
     return max(runs(flags), key=lambda run: run[1] - run[0], default=None)

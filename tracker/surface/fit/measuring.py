@@ -1,4 +1,4 @@
-"""What a fitted step tells of itself: how near the surfaces lie, and what they do not show."""
+"""Measures of a fitted step: how near the surfaces lie, and what they do not show."""
 
 from __future__ import annotations
 
@@ -25,12 +25,12 @@ class StepFit:
 
     residual:      root mean square distance of the part's pairs, metres; NaN where none counts.
     counts:        share of the part's surface that counts, 0 to 1: the rest is in contact or has no
-                   counterpart to be believed.
+                   reliable counterpart.
     observability: how well the surface shows the part's turning, mean over three axes, 0 to 1.
     least_seen:    the same of the axis that is shown least.
     singular:      (D,) square roots of the information's eigenvalues, metres per radian or metre.
     rank:          degrees of freedom that the surface shows.
-    unexplained:   share of the observed surface that is believed and lies far from the body's.
+    unexplained:   share of the observed surface, by ρ_p, that lies far from the body's.
     uncovered:     share of the body's surface out of contact that lies far from the observed one.
     rms_m:         root mean square of all pairs, by their weights, metres; NaN without any.
     """
@@ -49,7 +49,7 @@ class StepFit:
 def misfit(model: SurfaceModel, observed: Observed, pairs: Pairs) -> float:
     """Mean squared distance of the two surfaces, both ways, each point's capped; metres².
 
-    Unlike the energy, which asks only what it believes, it compares poses that are far apart.
+    Unlike the energy, which counts only reliable pairs, it compares poses that are far apart.
     """
     square = np.minimum(pairs.square, (FAR_SHARE * model.size_m) ** 2)
     sides = (
@@ -60,9 +60,9 @@ def misfit(model: SurfaceModel, observed: Observed, pairs: Pairs) -> float:
 
 
 def measure(model: SurfaceModel, observed: Observed, fit: Fit) -> StepFit:
-    """Read off a step's outcome."""
+    """The measures of a step's outcome."""
     pairs = fit.pairs
-    turns = turns_seen(model, counting(model, pairs))
+    turns = turns_seen(model, point_weights(model, pairs))
     information = np.linalg.eigvalsh(fit.information)[::-1]
     far = FAR_SHARE * model.size_m
     off = pairs.square > far * far
@@ -92,13 +92,13 @@ def _counts(model: SurfaceModel, pairs: Pairs) -> Array:
     """Of each part's own points the share that counts as much as any."""
     own, count = model.own, model.skeleton.part_count
     points = np.maximum(np.bincount(own, minlength=count), 1)
-    return np.asarray(np.bincount(own, counting(model, pairs), count) / points)
+    return np.asarray(np.bincount(own, point_weights(model, pairs), count) / points)
 
 
-def counting(model: SurfaceModel, pairs: Pairs) -> Array:
+def point_weights(model: SurfaceModel, pairs: Pairs) -> Array:
     """(V,) how much each of the model's points counts at a step, 1 for those that count most.
 
-    How far it was trusted before is not asked.
+    Without the trust that the model gives it.
     """
     weights = pairs.weights[: pairs.forward] / model.trust
     return np.asarray(weights / max(weights.max(initial=0.0), 1e-12))

@@ -28,7 +28,7 @@ SEAM_SHARE = 0.025
 BLEND_SHARE = 0.02
 """Of the surface's size: within it two joined parts share the surface, where that is smooth."""
 HARDNESS = 1e-3
-"""Per radian² beyond a joint's limit and (surface size)²: what a limb's surface tells of its
+"""Per radian² beyond a joint's limit and (surface size)²: as strong as a limb's surface on its
 turning. Surfaces of rough proportions would turn a foot around."""
 FAR_SHARE = 0.1
 """Of the surface's size: a place so far from every solid may be of something else."""
@@ -87,7 +87,7 @@ class SurfaceModel:
     def of_solids(cls, body: Body, pose: Pose, count: int, size_m: float) -> SurfaceModel:
         """The body's own solids, for a first pose: what of them lies inside another is left out.
 
-        size_m: of the surface that it is to be laid into.
+        size_m: of the surface that it is fitted to.
         """
         skeleton = Skeleton.of(with_all_rotations(body))
         Ts = pose_transforms(skeleton, pose)
@@ -99,14 +99,14 @@ class SurfaceModel:
         bare = others.min(axis=1) > 0.0
         parts = np.stack([own, own], axis=1)[bare]
         shares = np.tile([1.0, 0.0], (len(parts), 1))
-        return cls._bind(skeleton, samples.only(bare), pose, Ts, parts, shares, size_m)
+        return cls._bind(skeleton, samples.select(bare), pose, Ts, parts, shares, size_m)
 
     @classmethod
     def _bind(
         cls, skeleton: Skeleton, samples: SurfaceSamples, pose: Pose, Ts_camera_part: Array,
         parts: NDArray[np.int64], shares: Array, size_m: float,
     ) -> SurfaceModel:  # fmt: skip
-        """Points of a posed surface, laid into the frames of the parts that carry them."""
+        """Points of a posed surface, in the frames of the parts that carry them."""
         Ts = Ts_camera_part[parts]
         Rs, origins = Ts[..., :3, :3], Ts[..., :3, 3]
         pairs, groups = np.unique(parts, axis=0, return_inverse=True)
@@ -136,14 +136,14 @@ class SurfaceModel:
         """(V,) the part that carries most of each point."""
         return np.ascontiguousarray(self.parts[:, 0])
 
-    def trusting(self, trust: Array) -> SurfaceModel:
+    def with_trust(self, trust: Array) -> SurfaceModel:
         """The same with its points counting by trust (V,)."""
         return replace(self, trust=frozen(trust))
 
     def off_share(self, pose: Pose) -> float:
         """How far the body's solids and the surface lie apart, over the surface's size.
 
-        pose: the one at which the surface was laid out.
+        pose: the one at which the surface was bound.
         """
         Ts = pose_transforms(self.skeleton, pose)
         p_surface = self.posed(Ts).p

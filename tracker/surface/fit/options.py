@@ -20,8 +20,8 @@ class Options:
     mutual: a point counts less whose nearest has a nearer one of its own.
     floor, stiff: whether small parts keep a least weight, and what the surface does not show stays
         as it was.
-    trust: a point of the body's surface counts less where the steps before did not bear it out.
-    swell: along normals the observed surface may stand out from the body's, by direction.
+    trust: a point of the body's surface counts less where the steps before did not confirm it.
+    offset: along normals the observed surface may stand out from the body's, by direction.
     """
 
     contact: bool = True
@@ -35,7 +35,7 @@ class Options:
     floor: bool = True
     stiff: float = 1.0
     trust: bool = True
-    swell: bool = True
+    offset: bool = True
 
     def at(self, quality: Quality) -> Options:
         """With less work for a quick look."""

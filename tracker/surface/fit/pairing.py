@@ -14,7 +14,7 @@ from tracker.kernels.surface import distance_to_others
 from tracker.surface.fit.model import PosedSurface, SurfaceModel
 from tracker.surface.fit.options import Options
 from tracker.surface.fit.points import SurfaceSamples
-from tracker.surface.fit.weights import clear_of_contact, floored, in_agreement
+from tracker.surface.fit.weights import contact_weights, photo_weights, raise_to_floor
 from tracker.surface.mesh import SurfaceMesh
 
 REACH_SHARE = 0.15
@@ -23,7 +23,7 @@ SPURIOUS, MUTUAL = 0.1, 0.5
 """Of a pair's squared distance, that of its partner's own pair: below the one it is nothing, above
 the other it counts in full."""
 SPURIOUS_SHARE = 0.005
-"""Of the surface's size: pairs nearer than that are not asked whether they are mutual."""
+"""Of the surface's size: nearer pairs need not be mutual."""
 CONTACT_SHARE = 0.015
 """Of the surface's size: τ_c, three voxels of a hull of a person at a centimetre."""
 
@@ -41,7 +41,7 @@ class Observed:
         """Of a mesh in the camera frame, metres."""
         samples = SurfaceSamples.of(mesh, options.points)
         photo = options.photo and mesh.consistency is not None
-        believed = in_agreement(samples.consistency) if photo else np.ones(len(samples.p))
+        believed = photo_weights(samples.consistency) if photo else np.ones(len(samples.p))
         return cls(samples, believed, grid_of(samples.p, 2 * samples.spacing_m))
 
 
@@ -69,7 +69,7 @@ def pairs_of(
     """Nearest points, both ways."""
     seen = observed.samples
     grid = grid_of(posed.p, 2 * model.spacing_m)
-    clear = clear_of(model, posed, grid, options)
+    clear = clearance(model, posed, grid, options)
     reach = REACH_SHARE * model.size_m
     to_seen, far_there = _nearest(posed, seen, observed.grid, reach, options)
     to_model, far_back = _nearest(seen, posed, grid, reach, options)
@@ -84,21 +84,21 @@ def pairs_of(
         np.concatenate([np.arange(len(posed.p)), np.maximum(to_model, 0)]),  # those weigh nothing
         np.concatenate([seen.p[to_seen], seen.p]),
         np.concatenate([seen.normals[to_seen], seen.normals]),
-        np.concatenate([_of_one(there), _of_one(back)]),
+        np.concatenate([_normalise(there), _normalise(back)]),
         len(posed.p),
         np.concatenate([far_there, far_back]),
         clear,
     )
 
 
-def clear_of(model: SurfaceModel, posed: PosedSurface, grid: Any, options: Options) -> Array:
+def clearance(model: SurfaceModel, posed: PosedSurface, grid: Any, options: Options) -> Array:
     """ρ_c (V,) of the model's points.  SURFACE (2)"""
     if not options.contact:
         return np.ones(len(posed.p))
     middle = CONTACT_SHARE * model.size_m
     distance = contact_distances(model, posed, grid, 2 * middle)
-    clear = clear_of_contact(distance, middle)
-    return floored(clear, model.own, model.skeleton.part_count) if options.floor else clear
+    clear = contact_weights(distance, middle)
+    return raise_to_floor(clear, model.own, model.skeleton.part_count) if options.floor else clear
 
 
 def contact_distances(model: SurfaceModel, posed: PosedSurface, grid: Any, reach: float) -> Array:
@@ -121,7 +121,7 @@ def _nearest(
 
 
 def _mutual(square: Array, partner: Array, near: float) -> Array:
-    """What of a pair is to be believed when its partner has a better one of its own.
+    """How much a pair counts when its partner has a better one of its own.
 
     A hand whose surface is missing is near the hip's, but that has the hip to lie on; so has the
     model's arm beside a volume that is not there. square, partner: squared distances of a point to
@@ -131,6 +131,6 @@ def _mutual(square: Array, partner: Array, near: float) -> Array:
     return np.asarray(np.clip((share - SPURIOUS) / (MUTUAL - SPURIOUS), 0.0, 1.0))
 
 
-def _of_one(weights: Array) -> Array:
+def _normalise(weights: Array) -> Array:
     """Weights that sum to 1."""
     return np.asarray(weights / max(weights.sum(), 1e-12))

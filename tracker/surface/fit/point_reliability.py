@@ -1,4 +1,4 @@
-"""Which points of the body's surface the steps bear out; what they do not counts less from then on.
+"""Which points of the body's surface the steps confirm; others count less from then on.
 
 The surface that moves with the body is that of one step. What of it was not the body's, such as
 volume that no camera could see past, has no counterpart at other steps, and draws ever new places.
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tracker.geometry.rotations import Array, frozen
-from tracker.surface.fit.measuring import counting
+from tracker.surface.fit.measuring import point_weights
 from tracker.surface.fit.model import SurfaceModel
 from tracker.surface.fit.solving import Fit
 
@@ -20,7 +20,7 @@ OFF_SHARE = 0.0025
 OFF_MOST_SHARE = 0.015
 """Of the surface's size: farther off than that no point is taken to be; the pose may be wrong."""
 FORETRUST = 3.0
-"""Steps at which every point lay on the surface, put before those that are fitted."""
+"""Prior: so many steps at which every point lay on the surface."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,11 +46,11 @@ class PointReliability:
         there = slice(pairs.forward)
         gap = pairs.target[there] - fit.posed.p
         off = np.abs(np.einsum("vi,vi->v", gap, pairs.normals[there]))
-        counted = counting(model, pairs)
+        counted = point_weights(model, pairs)
         capped = np.minimum(off, OFF_MOST_SHARE * model.size_m)
         return PointReliability(frozen(self.off + counted * capped), frozen(self.steps + counted))
 
     def apply_to(self, model: SurfaceModel) -> SurfaceModel:
-        """The model with its points trusted as the record has it."""
+        """The model with its points weighted by how far off they were."""
         mean = self.off / (self.steps + FORETRUST)
-        return model.trusting(1.0 / (1.0 + (mean / (OFF_SHARE * model.size_m)) ** 2))
+        return model.with_trust(1.0 / (1.0 + (mean / (OFF_SHARE * model.size_m)) ** 2))

@@ -54,7 +54,7 @@ class SurfaceSamples:
             spacing,
         )
 
-    def only(self, which: NDArray[np.bool_]) -> SurfaceSamples:
+    def select(self, which: NDArray[np.bool_]) -> SurfaceSamples:
         """Some of them."""
         return SurfaceSamples(
             frozen(self.p[which]),

@@ -12,7 +12,7 @@ from tracker.surface.fit.model import SurfaceModel
 WANDER = 0.15
 """Radians by which normals of an observed surface are off, about."""
 UNSEEN = 0.5
-"""Certainty below which a turn is as much the normals' as the body's."""
+"""Certainty below which a turn is not observed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +27,7 @@ class Turns:
     certainty: Array
     axes: Array
 
-    def holding(self) -> Array:
+    def stiffness(self) -> Array:
         """(P, 3, 3) a pull on every part that holds the turns which are not seen."""
         unseen = (self.certainty < UNSEEN).astype(np.float64)
         return np.asarray(np.einsum("pik,pk,pjk->pij", self.axes, unseen, self.axes))

@@ -17,7 +17,7 @@ from tracker.body.pose import Pose
 from tracker.body.trajectory import Pass, Trajectory
 from tracker.errors import SessionError
 from tracker.session.verdict import Verdict
-from tracker.surface.fit.blend_chains import Joined, join_chains
+from tracker.surface.fit.blend_chains import JoinedChains, join_chains
 from tracker.surface.fit.chain import Link, follow, keyframe_link
 from tracker.surface.fit.judging import (
     judge_links,
@@ -30,28 +30,29 @@ from tracker.surface.fit.options import Options
 from tracker.surface.fit.pairing import Observed
 from tracker.surface.fit.solving import fit_pose
 from tracker.surface.steps import Steps
-from tracker.tracking.pool import Cancelled, SegmentResult
+from tracker.tracking.pool import Cancelled
+from tracker.tracking.result import Diagnostics, SegmentResult
 
-TELL_S = 0.25
+REPORT_S = 0.25
 """Between two trajectories on the way."""
 
-Tell = Callable[[Pass, int], None]
+Report = Callable[[Pass, int], None]
 
 
-class _Teller:
-    """Tells trajectories on the way, not too often. done: steps that need no telling any more."""
+class _Reporter:
+    """Reports trajectories on the way, not too often. done: steps reported before."""
 
-    def __init__(self, span: tuple[int, int], emit: Tell, done: int) -> None:
+    def __init__(self, span: tuple[int, int], emit: Report, done: int) -> None:
         self._span, self._emit = span, emit
-        self._done, self._told_at = done, time.monotonic()
+        self._done, self._reported_at = done, time.monotonic()
 
-    def tell(self, links: Sequence[Link]) -> None:
+    def report(self, links: Sequence[Link]) -> None:
         """One more step is done: links from one end of the span so far, the latest last."""
         self._done += 1
         now = time.monotonic()
-        if now - self._told_at < TELL_S:
+        if now - self._reported_at < REPORT_S:
             return
-        self._told_at = now
+        self._reported_at = now
         first, last = self._span
         held = [links[-1]] * (last - first + 1 - len(links))
         onward = links[0].frame == first
@@ -85,30 +86,30 @@ class SurfaceTracker:
         posed = [pose.Rs_parent_part for pose in keyposes.values()]
         self.model = replace(model, limits=model.limits.widened(posed))
         self._steps, self._options = steps, options
-        self._left: dict[tuple[int, int], list[list[Link]]] = {}
+        self._unfinished: dict[tuple[int, int], list[list[Link]]] = {}
 
-    def run_segment(self, span: tuple[int, int], emit: Tell) -> SegmentResult:
+    def run_segment(self, span: tuple[int, int], emit: Report) -> SegmentResult:
         """Fit the steps from span[0] to span[1].
 
-        emit: told a trajectory now and then, with the number of steps that are done; where a step
-        has not been fitted yet it keeps the nearest pose. It may raise Left: then the result has
-        what was done until then, and the next run of the segment goes on from there. SessionError
-        unless one end of the span at least is a keyframe.
+        emit: given a trajectory now and then, with the number of steps that are done; where a step
+        has not been fitted yet it keeps the nearest pose. It may raise Cancelled: then the result
+        has what was done until then, and the next run of the segment goes on from there.
+        SessionError unless one end of the span at least is a keyframe.
         """
         keys = [frame for frame in span if frame in self.keyposes]
         if not keys:
             raise SessionError(f"Neither {span[0]} nor {span[1]} has a keyframe: pose one of them.")
-        chains = self._left.pop(span, None) or [[self._keyed(frame)] for frame in keys]
-        teller = _Teller(span, emit, sum(len(chain) - 1 for chain in chains))
+        chains = self._unfinished.pop(span, None) or [[self._begin_chain(frame)] for frame in keys]
+        reporter = _Reporter(span, emit, sum(len(chain) - 1 for chain in chains))
         try:
             for chain in chains:
-                self._extend(chain, span, teller)
+                self._extend(chain, span, reporter)
         except Cancelled:
             if all(len(chain) == 1 for chain in chains):
                 raise
         every = join_chains(self.model.skeleton, span, chains, self.keyposes)
         if every.missing:
-            self._left[span] = chains
+            self._unfinished[span] = chains
         return _result(self.model, every, keys)
 
     def expected_steps(self, span: tuple[int, int]) -> int:
@@ -117,11 +118,11 @@ class SurfaceTracker:
         return chains * (span[1] - span[0])
 
     def fit_frame(self, frame: int, pose: Pose) -> Pose:
-        """A pose laid onto the surface of one step; SurfaceError where that cannot be used."""
+        """A pose fitted to the surface of one step; SurfaceError where that cannot be used."""
         observed = Observed.of(self._steps.mesh(frame), self._options)
         return fit_pose(self.model, observed, pose, self._options).pose
 
-    def _extend(self, chain: list[Link], span: tuple[int, int], teller: _Teller) -> None:
+    def _extend(self, chain: list[Link], span: tuple[int, int], reporter: _Reporter) -> None:
         """Follow a chain on to the other end of the span."""
         first, last = span
         at = chain[-1].frame
@@ -129,15 +130,15 @@ class SurfaceTracker:
             range(at + 1, last + 1) if chain[0].frame == first else range(at - 1, first - 1, -1)
         )
         for link in follow(self.model, self._steps, chain, onward, self._options):
-            chain[-1] = replace(chain[-1], record=None)
+            chain[-1] = replace(chain[-1], reliability=None)
             chain.append(link)
-            teller.tell(chain)
+            reporter.report(chain)
 
-    def _keyed(self, frame: int) -> Link:
+    def _begin_chain(self, frame: int) -> Link:
         return keyframe_link(self.model, self._steps, frame, self.keyposes[frame], self._options)
 
 
-def _result(model: SurfaceModel, every: Joined, keys: Sequence[int]) -> SegmentResult:
+def _result(model: SurfaceModel, every: JoinedChains, keys: Sequence[int]) -> SegmentResult:
     links = every.links
     steps = [link.step for link in links[1:]]
     parts, dofs = model.skeleton.part_count, model.skeleton.dof_count
@@ -150,19 +151,21 @@ def _result(model: SurfaceModel, every: Joined, keys: Sequence[int]) -> SegmentR
         best_pass=0,
         closing_error=0.0,
         verdict=_verdict(model, every, keys),
-        rank=np.array([-1 if step is None else step.rank for step in steps], np.int64),
-        singular_values=np.array(
-            [np.full(dofs, np.nan) if step is None else step.singular for step in steps]
+        diagnostics=Diagnostics(
+            rank=np.array([-1 if step is None else step.rank for step in steps], np.int64),
+            singular_values=np.array(
+                [np.full(dofs, np.nan) if step is None else step.singular for step in steps]
+            ),
+            observability=np.array([unknown if s is None else s.observability for s in steps]),
+            residual=np.array([unknown if s is None else s.residual for s in steps]),
         ),
-        observability=np.array([unknown if s is None else s.observability for s in steps]),
-        residual=np.array([unknown if s is None else s.residual for s in steps]),
         notes=(*unusable_steps(links), *unseen_turns(model, links)),
         missing=every.missing,
         unreached=every.unreached,
     )
 
 
-def _verdict(model: SurfaceModel, every: Joined, keys: Sequence[int]) -> Verdict:
+def _verdict(model: SurfaceModel, every: JoinedChains, keys: Sequence[int]) -> Verdict:
     """Of what was reached; where that is not lost, what was not reached comes first."""
     first, last = every.unreached or (0, -1)
     reached = [link for link in every.links if not first <= link.frame <= last]

@@ -2,8 +2,8 @@
 
 Points are paired anew at every pose that is tried, and a pose that does not lower the energy is
 rejected. What the surface does not show, such as the turn of a round limb about its own length,
-stays as it was: a weak pull to the pose the step began from holds it. How far the observed surface
-stands out from the body's is found beside the pose.
+stays as it was: a weak prior at the pose the step started from. How far the observed surface
+stands out from the body's is solved with the pose.
 """
 
 from __future__ import annotations
@@ -12,9 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tracker.body.pose import Pose, moved, pose_transforms, twists
+from tracker.body.pose import Pose, moved
 from tracker.geometry.rotations import Array
-from tracker.kernels.surface import pull
 from tracker.solver.least_squares import (
     Criteria,
     Damping,
@@ -23,9 +22,10 @@ from tracker.solver.least_squares import (
     least_squares,
 )
 from tracker.solver.posed import Posed
+from tracker.solver.terms import total_equations
 from tracker.surface.fit.model import PosedSurface, SurfaceModel
-from tracker.surface.fit.normal_offset import SWELLINGS, normal_equations
 from tracker.surface.fit.options import Options
+from tracker.surface.fit.paired import PairDistances
 from tracker.surface.fit.pairing import Observed, Pairs, pairs_of
 from tracker.surface.fit.rotation_observability import turns_seen
 
@@ -34,16 +34,16 @@ STIFFNESS = 3e-6
 or so, beside a few hundred points that agree to half a hundredth of the size."""
 CRITERIA = Criteria(longest_step=0.3, settled=2e-5, damping=Damping(easier=5.0, most=0.99e6))
 """Radians that a part turns in one solve; and, of the surface's size, what a solve moves points on
-the average once all is gained."""
+the average at the end."""
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
     """The outcome of one step.
 
-    energy:      SURFACE (4) at the best swelling, with the pull and the limits, metres².
-    information: (D, D) of the free degrees of freedom beside any swelling, without the pull;
-                 metres² per unit².
+    energy:      SURFACE (4) at the best offset, with the pull and the limits, metres².
+    information: (D, D) of the free degrees of freedom with the offset marginalised, without the
+                 pull; metres² per unit².
     """
 
     pose: Pose
@@ -54,21 +54,17 @@ class Fit:
 
 
 @dataclass(frozen=True, eq=False)
-class _Look:
-    """A pose that was tried. slope (D,) is half the energy's, with the pull and the limits;
-    information (D, D) is without the pull, stiffness (D, D) is that."""
+class _Iterate:
+    """A pose that was tried. cost is half the energy, slope (D,) its gradient, both with the pull
+    and the limits; information (D, D) is without the pull, stiffness (D, D) is that."""
 
     pose: Pose
-    energy: float
+    cost: float
     information: Array
     slope: Array
     stiffness: Array
     pairs: Pairs
     posed: PosedSurface
-
-    @property
-    def cost(self) -> float:
-        return self.energy
 
     def step(self, damping: float) -> Array | None:
         normal = self.information + self.stiffness
@@ -80,15 +76,15 @@ def fit_pose(model: SurfaceModel, observed: Observed, start: Pose, options: Opti
     skeleton = model.skeleton
     stiffness = options.stiff * STIFFNESS * model.size_m**2 * np.diag(skeleton.dof_turns == 1)
     if options.stiff > 0:
-        stiffness = stiffness + _holding(model)
+        stiffness = stiffness + _unseen_stiffness(model)
     criteria = replace(CRITERIA, most_solves=options.solves)
-    begun = start, np.zeros(skeleton.dof_count)
-    look = least_squares(_Step(model, observed, stiffness, options), begun, criteria).here
-    return Fit(look.pose, look.energy, look.information, look.pairs, look.posed)
+    start_state = start, np.zeros(skeleton.dof_count)
+    last = least_squares(_Step(model, observed, stiffness, options), start_state, criteria).here
+    return Fit(last.pose, 2 * last.cost, last.information, last.pairs, last.posed)
 
 
 @dataclass(frozen=True, eq=False)
-class _Step(Problem[tuple[Pose, Array], _Look]):
+class _Step(Problem[tuple[Pose, Array], _Iterate]):
     """A step's problem. Its states: a pose, and the sum (D,) of all motions that led to it."""
 
     model: SurfaceModel
@@ -96,60 +92,44 @@ class _Step(Problem[tuple[Pose, Array], _Look]):
     stiffness: Array
     options: Options
 
-    def at(self, state: tuple[Pose, Array], count: int) -> _Look:
-        return _look(self.model, self.observed, *state, self.stiffness, self.options)
+    def at(self, state: tuple[Pose, Array], count: int) -> _Iterate:
+        return _evaluate(self.model, self.observed, *state, self.stiffness, self.options)
 
     def moved(self, state: tuple[Pose, Array], step: Array) -> tuple[Pose, Array]:
         return moved(self.model.skeleton, state[0], step), state[1] + step
 
-    def travel(self, here: _Look, there: _Look, step: Array) -> float:
+    def travel(self, here: _Iterate, there: _Iterate, step: Array) -> float:
         """What points move on the average, over the surface's size."""
         away = np.linalg.norm(there.posed.p - here.posed.p, axis=1).mean()
         return float(away / self.model.size_m)
 
 
-def _holding(model: SurfaceModel) -> Array:
+def _unseen_stiffness(model: SurfaceModel) -> Array:
     """(D, D) the pull on turns that the surface cannot show."""
     skeleton = model.skeleton
     turns = turns_seen(model, np.ones(len(model.own)))
     stiffness = np.zeros((skeleton.dof_count, skeleton.dof_count))
-    for part, block in enumerate(turns.holding()):
+    for part, block in enumerate(turns.stiffness()):
         its = np.flatnonzero((skeleton.dof_part == part) & (skeleton.dof_turns == 1))
         stiffness[np.ix_(its, its)] = block
     return stiffness
 
 
-def _look(
+def _evaluate(
     model: SurfaceModel,
     observed: Observed,
     pose: Pose,
     away: Array,
     stiffness: Array,
     options: Options,
-) -> _Look:
-    """Pair at a pose, and lay out the normal equations there."""
-    Ts = pose_transforms(model.skeleton, pose)
-    posed = model.posed(Ts)
+) -> _Iterate:
+    """Pair at a pose, and set up the normal equations there."""
+    at = Posed.of(model.skeleton, pose)
+    posed = model.posed(at.Ts_camera_part)
     pairs = pairs_of(model, posed, observed, options)
-    size = SWELLINGS + 12
-    A, b = np.empty((len(model.pairs), size, size)), np.empty((len(model.pairs), size))
-    energy = pull(
-        posed.p_each, model.shares, model.groups, pairs.model, pairs.target, pairs.normals,
-        pairs.weights, posed.normals, float(options.plane), A, b,
-    )  # fmt: skip
-    swell = options.swell and options.plane == 1.0
-    seen = normal_equations(A, b, _jacobians(model, Ts), energy, swell)
-    bounds = model.limit_term.equations(Posed.of(model.skeleton, pose))
-    energy = seen.energy + float(away @ stiffness @ away) + 2 * bounds.cost
-    slope = seen.slope + stiffness @ away + bounds.b
-    information = seen.information + bounds.A
-    return _Look(pose, energy, information, slope, stiffness, pairs, posed)
-
-
-def _jacobians(model: SurfaceModel, Ts_camera_part: Array) -> Array:
-    """(G, 12, D): twists of both parts of every group, for a change of each degree of freedom."""
-    skeleton = model.skeleton
-    all_twists = twists(skeleton, Ts_camera_part)
-    carried = skeleton.below[model.pairs][:, :, skeleton.dof_part]  # (G, 2, D)
-    of_parts = carried[:, :, None, :] * all_twists.T[None, None]
-    return np.asarray(of_parts.reshape(len(model.pairs), 12, skeleton.dof_count))
+    offset = options.offset and options.plane == 1.0
+    apart = PairDistances(model, pairs, at, posed, float(options.plane), offset)
+    equations = total_equations([apart, model.limit_term], at)
+    cost = equations.cost + 0.5 * float(away @ stiffness @ away)
+    slope = equations.b + stiffness @ away
+    return _Iterate(pose, cost, equations.A, slope, stiffness, pairs, posed)

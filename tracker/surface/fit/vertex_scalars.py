@@ -11,7 +11,7 @@ from tracker.geometry.rotations import Array
 from tracker.kernels.cells import grid_of, nearest
 from tracker.surface.fit.model import SurfaceModel
 from tracker.surface.fit.options import Options
-from tracker.surface.fit.pairing import REACH_SHARE, clear_of
+from tracker.surface.fit.pairing import REACH_SHARE, clearance
 from tracker.surface.mesh import SurfaceMesh
 
 Kind: TypeAlias = Literal["contact", "distance"]
@@ -19,7 +19,7 @@ Kind: TypeAlias = Literal["contact", "distance"]
 _ANY_NORMAL = -2.0
 
 
-def look(model: SurfaceModel, mesh: SurfaceMesh, pose: Pose, kind: Kind) -> Array:
+def vertex_scalars(model: SurfaceModel, mesh: SurfaceMesh, pose: Pose, kind: Kind) -> Array:
     """(V,) of a step's mesh in the camera frame, the body at a pose.
 
     contact: ρ_c of the body's nearest point, 0 to 1.
@@ -33,5 +33,5 @@ def look(model: SurfaceModel, mesh: SurfaceMesh, pose: Pose, kind: Kind) -> Arra
     )
     if kind == "distance":
         return np.sqrt(square)
-    clear = clear_of(model, posed, grid, Options(floor=False))
+    clear = clearance(model, posed, grid, Options(floor=False))
     return np.where(found >= 0, clear[found], 1.0)

@@ -1,14 +1,14 @@
-"""What one keyframe more would mend in a segment, frame by frame.
+"""The expected gain of one more keyframe in a segment, frame by frame.
 
-How far a tracked motion is off is not seen, but what goes with it is: the drift that had to be
-taken away, how far the chains from the two keyframes lie apart, how much of the motion the picture
-leaves open, and how far the other trajectories that were tried lie from the one that was kept. On
-rendered motions with known truth these tell a segment's mean error to within a factor of 1.8, from
-a third of a pixel to fifty.
+The error of a tracked motion is not seen, but it goes with what is: the drift that was corrected,
+how far the chains from the two keyframes lie apart, how much of the motion the picture does not
+determine, and how far the other trajectories lie from the one chosen. On rendered motions with
+known truth these predict a segment's mean error to within a factor of 1.8, from a third of a pixel
+to fifty.
 
-A keyframe mends the more the more is wrong in the whole segment, and is best set where most is: at
-the frames where a motion turns or is fast, not simply in the middle. Set there, fewer are needed
-than where the sum of all errors would fall most at once, as was tried on the same motions.
+The gain grows with the error of the whole segment, and is largest where the error is: where a
+motion turns or is fast, not simply in the middle. On the same motions this needed fewer
+keyframes than choosing the frame that lowers the sum of all errors most.
 """
 
 from __future__ import annotations
@@ -28,19 +28,19 @@ if TYPE_CHECKING:
 ERROR, DRIFT_POWER = 0.22, 2 / 3
 """Mean error in pixels = ERROR · drift^DRIFT_POWER · apart^(1 − DRIFT_POWER) · (1 + unseen)."""
 LEAST_PX = 0.05
-"""Two chains are never trusted to lie nearer to each other than this."""
+"""Chains count as at least this far apart."""
 MOST_PX = 200.0
-"""What leads further away than this is lost; how far does not matter."""
+"""Anything further away than this is lost; how far does not matter."""
 EVEN = 0.6
-"""Share of a segment's frames, beside that of its drift, in the clock by which errors grow."""
+"""Weight of a segment's frames, beside that of its drift, in how errors grow over time."""
 MENDED = 0.6
-"""Share of a segment's error that one keyframe takes away."""
+"""Share of a segment's error that one keyframe removes."""
 LOST_EXTENT = 0.15
 """Mean error, as a share of the body's extent in the picture, where both chains were lost."""
 
 
 def expected_gain(scene: Scene, outcome: Outcome, seen: Observation) -> Array:
-    """(N,) pixels that a keyframe at each frame would be expected to mend.
+    """(N,) pixels of error that a keyframe at each frame is expected to remove.
 
     Pixels of the pictures worked on: the mean over the body, summed over the segment's frames. Zero
     at the keyframes that are there.
@@ -50,26 +50,26 @@ def expected_gain(scene: Scene, outcome: Outcome, seen: Observation) -> Array:
     others = _others_px(scene, outcome)
     if others is not None:
         error = np.sqrt(error * others)
-    error[[0, -1]] = 0.0  # by rounding it may be a little beside
+    error[[0, -1]] = 0.0  # rounding may take it slightly outside
     return np.asarray(MENDED * error.sum() * error / max(float(error.max()), 1e-12))
 
 
 def _error_px(scene: Scene, outcome: Outcome, seen: Observation) -> Array:
-    """(N,) the segment's expected mean error, more where the picture decides less."""
+    """(N,) the segment's expected mean error, more at less observable frames."""
     gave_up = outcome.diverged and outcome.passes[outcome.best].what == "interpolation"
     if gave_up or not outcome.followed:
         return np.full(len(outcome.trajectory), LOST_EXTENT * extent_px(scene, outcome.trajectory))
     drift = _capped(outcome.drift_px).mean(axis=1).sum()
     share = np.linspace(0.0, 1.0, len(outcome.apart_px))
     apart = (_capped(outcome.apart_px).mean(axis=1) * 4 * share * (1 - share)).mean()
-    if not outcome.apart_px.any():  # a method that does not follow from both: drift alone tells
+    if not outcome.apart_px.any():  # no chains from both keyframes: drift alone counts
         apart = drift
     evidence = drift**DRIFT_POWER * (apart + LEAST_PX) ** (1 - DRIFT_POWER)
     return np.asarray(ERROR * evidence * (1 + _unseen(seen)))
 
 
 def _others_px(scene: Scene, outcome: Outcome) -> Array | None:
-    """(N,) how far the other trajectories lie from the one kept; None where there are no others."""
+    """(N,) how far the other trajectories lie from the chosen one; None where there are none."""
     kept = scene.mark_pixels(outcome.trajectory)
     others = [p.trajectory for i, p in enumerate(outcome.passes) if i != outcome.best]
     if not others:
@@ -88,9 +88,9 @@ def _clock(outcome: Outcome) -> Array:
 
 
 def _unseen(seen: Observation) -> Array:
-    """(N,) mean share of the motion that the picture leaves open; 0 where nobody looked."""
-    known = np.isfinite(seen.observability)
-    unseen = np.where(known, 1 - np.nan_to_num(seen.observability), 0.0).sum(axis=1)
+    """(N,) mean share of the motion that is not observed; 0 where nothing was measured."""
+    known = np.isfinite(seen.diagnostics.observability)
+    unseen = np.where(known, 1 - np.nan_to_num(seen.diagnostics.observability), 0.0).sum(axis=1)
     share = unseen / np.maximum(known.sum(axis=1), 1)
     return np.concatenate([share[:1], share])
 

@@ -2,8 +2,8 @@
 
 The evidence is what tracking saw, never the truth: how far the chains from the two keyframes lie
 apart, how much drift had to be corrected, which parts the picture did not decide, whether a pass
-diverged. The thresholds were set where, on rendered sequences with known truth, they part segments
-that are right from segments that are not.
+diverged. The thresholds were set where, on rendered sequences with known truth, they separate
+correct segments from wrong ones.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ from tracker.tracking.segment import Segment, extent_px
 
 LOST_APART, LOST_DRIFT = 0.28, 0.23
 CHECK_APART, CHECK_DRIFT = 0.18, 0.044
-"""Shares of the body's extent in the picture. A segment is lost where both evidences say so."""
+"""Shares of the body's extent in the picture. A segment is lost where both are exceeded."""
 UNSEEN = 0.15
 """Observability below which a part's motion is a guess."""
 SHORTEST_RUN = 3
-"""Frames for which a part must stay unseen before it is worth a word."""
+"""Frames for which a part must stay unseen before it is reported."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Evidence:
     """Shares of the body's extent: apart (N, M) by mark, drift (N - 1, M) of every frame pair.
 
-    At a keyframe itself the chain from the other side has no say, so `apart` is weighed by how far
-    a frame lies from the nearer keyframe.
+    At a keyframe the chain from the other side does not count, so `apart` is weighted by a frame's
+    distance from the nearer keyframe.
     """
 
     apart: Array
@@ -55,7 +55,7 @@ def judge(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -
     gave_up = outcome.diverged and outcome.passes[outcome.best].what == "interpolation"
     if gave_up or not outcome.followed or (apart > LOST_APART and drift > LOST_DRIFT):
         return _lost(segment, evidence)
-    if not seen.shown.any() and (seen.rank >= 0).any():
+    if not seen.shown.any() and (seen.diagnostics.rank >= 0).any():
         return Verdict.nothing_seen(segment.first_frame, segment.last_frame)
     if outcome.diverged:
         return Verdict.check("diverged", (segment.first_frame, segment.last_frame))
@@ -85,7 +85,7 @@ def _lost(segment: Segment, evidence: _Evidence) -> Verdict:
     first, last = segment.first_frame, segment.last_frame
     if last - first < 2:
         return Verdict.contradiction(first, last)
-    return Verdict.not_followed(min(max(first + _neediest(evidence), first + 1), last - 1))
+    return Verdict.not_followed(min(max(first + _best_keyframe(evidence), first + 1), last - 1))
 
 
 def _evidence(scene: Scene, outcome: Outcome) -> _Evidence:
@@ -96,7 +96,7 @@ def _evidence(scene: Scene, outcome: Outcome) -> _Evidence:
     return _Evidence(apart / extent, np.nan_to_num(outcome.drift_px, nan=NOWHERE_PX) / extent)
 
 
-def _neediest(evidence: _Evidence) -> int:
+def _best_keyframe(evidence: _Evidence) -> int:
     """The frame, from the segment's first, where a keyframe would help most."""
     n = len(evidence.apart) - 1
     share = np.linspace(0.0, 1.0, n + 1)
@@ -119,7 +119,7 @@ def _most_uncertain(scene: Scene, segment: Segment, evidence: _Evidence) -> tupl
 
 
 def _carrier(scene: Scene, part: int) -> int:
-    """The part itself where it is tracked, else what carries it: a hand goes with its forearm."""
+    """The part itself where it is tracked, else what carries it: of a hand the forearm."""
     skeleton = scene.skeleton
     tracked = set(skeleton.dof_part.tolist())
     at = part
@@ -129,21 +129,23 @@ def _carrier(scene: Scene, part: int) -> int:
 
 
 def _is_hidden(segment: Segment, seen: Observation, part: int, first: int, last: int) -> bool:
-    """Whether the part was looked for and not seen in most of these frames."""
+    """Whether the part was tracked but not seen in most of these frames."""
     start = segment.first_frame + 1
     within = slice(first - start, last - start + 1)
-    looked = seen.rank[within] >= 0
-    unseen = (seen.observability[within, part] < UNSEEN) | (seen.shown[within, part] == 0)
+    looked = seen.diagnostics.rank[within] >= 0
+    unseen = (seen.diagnostics.observability[within, part] < UNSEEN) | (
+        seen.shown[within, part] == 0
+    )
     return bool(2 * (unseen & looked).sum() > looked.sum())
 
 
 def _longest_unseen(
     scene: Scene, segment: Segment, seen: Observation
 ) -> tuple[str, int, int] | None:
-    """The part that goes unseen for the longest run of frames: name, first and last frame."""
+    """The part that is unseen for the longest run of frames: name, first and last frame."""
     found = []
     for i, name in enumerate(scene.skeleton.body.names):
-        hidden = seen.observability[:, i] < UNSEEN  # NaN, not tracked, is never below
+        hidden = seen.diagnostics.observability[:, i] < UNSEEN  # NaN, not tracked, is never below
         found += [(last - first, name, first, last) for first, last in runs(hidden)]
     found = [run for run in found if run[0] + 1 >= SHORTEST_RUN]
     if not found:

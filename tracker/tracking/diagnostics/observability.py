@@ -1,4 +1,4 @@
-"""What the pictures tell about a motion: rank, observability, residual (DRIFT §5.3, Fig. 10)."""
+"""How observable a motion is: rank, observability, residual (DRIFT §5.3, Fig. 10)."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from tracker.body.trajectory import Trajectory
 from tracker.geometry.rotations import Array
 from tracker.kernels.pairs import observe_pairs
 from tracker.tracking.frame_pair import SINGULAR_CUT
+from tracker.tracking.result import Diagnostics
 from tracker.tracking.scene import Scene
 from tracker.video.pyramid import Clip
 
@@ -19,23 +20,18 @@ from tracker.video.pyramid import Clip
 class Observation:
     """Facts about every frame pair (n of them) of a trajectory.
 
-    rank: (n,) singular values above the cut.
-    singular_values: (n, D) of A with its columns scaled, largest first.
-    observability: (n, P) share of a part's motion that the picture decides, 0 (all prediction) to
-        1; NaN for parts that are not tracked.
-    residual: (n, P) root mean square difference of brightness, grey levels; NaN where unseen.
+    diagnostics: singular values are those of A with its columns scaled; observability is the share
+        of a part's motion that the picture decides, 0 (all prediction) to 1, NaN for parts that are
+        not tracked; the residual is the root mean square difference of brightness.
     shown: (n, P) number of surface points seen.
     """
 
-    rank: NDArray[np.int64]
-    singular_values: Array
-    observability: Array
-    residual: Array
+    diagnostics: Diagnostics
     shown: NDArray[np.int64]
 
 
 def observe(scene: Scene, clip: Clip, trajectory: Trajectory) -> Observation:
-    """Look at a trajectory where it is; nothing moves."""
+    """Measure a trajectory as it is, without moving it."""
     n, parts = len(trajectory) - 1, scene.skeleton.part_count
     dofs = scene.skeleton.dof_count
     A, sigma = np.empty((n, dofs, dofs)), np.empty(n)
@@ -43,22 +39,22 @@ def observe(scene: Scene, clip: Clip, trajectory: Trajectory) -> Observation:
     observe_pairs(
         scene.arrays, scene.lens, scene.sight, clip.levels[0],
         clip.slots(trajectory.first_frame, trajectory.last_frame),
-        *trajectory.loose(), A, residual, shown, sigma,
+        *trajectory.writable(), A, residual, shown, sigma,
     )  # fmt: skip
     scale = scene.skeleton.column_scale
     values = np.linalg.eigvalsh(A * scale * scale[:, None])[:, ::-1]
     singular = np.sqrt(np.maximum(values, 0.0))
     rank = (singular > SINGULAR_CUT * singular[:, :1]).sum(axis=1)
     q = scene.information(1) / sigma**2
-    return Observation(rank, singular, _observability(scene, A * q[:, None, None]), residual, shown)
+    observability = _observability(scene, A * q[:, None, None])
+    return Observation(Diagnostics(rank, singular, observability, residual), shown)
 
 
 def unobserved(scene: Scene, clip: Clip, trajectory: Trajectory) -> Observation:
-    """The observation of one who did not look: rank −1, NaN elsewhere."""
+    """An observation without measurements: rank −1, NaN elsewhere."""
     n, parts, dofs = len(trajectory) - 1, scene.skeleton.part_count, scene.skeleton.dof_count
-    nothing = np.full((n, parts), np.nan)
-    rank, shown = np.full(n, -1, np.int64), np.zeros((n, parts), np.int64)
-    return Observation(rank, np.full((n, dofs), np.nan), nothing, nothing, shown)
+    unknown = Diagnostics.side_by_side((), n + 1, parts, dofs)
+    return Observation(unknown, np.zeros((n, parts), np.int64))
 
 
 def _observability(scene: Scene, data: Array) -> Array:

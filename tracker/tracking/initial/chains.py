@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,14 +14,16 @@ from tracker.geometry.rotations import Array, log_rotation, nearest_rotation, tr
 from tracker.kernels.closing import blend
 from tracker.kernels.pairs import follow_chain
 from tracker.tracking.drift import DOUBT_FLOOR, Doubt, Motions, correct_drift
+from tracker.tracking.method import Keypose
 from tracker.tracking.scene import Scene
+from tracker.tracking.segment import Segment, is_sound
 from tracker.video.pyramid import Clip
 
 TRUST_TURN_RAD = np.radians(20.0)
 TRUST_SHIFT_PX = 30.0
-"""Misses well below which two chains are trusted alike: small ones tell little of who is right."""
-EVENED_FRAMES = 2.0
-"""Spread of the mean over time that takes the jitter of a motion from elsewhere: passes would
+"""Misses well below which two chains have equal weight: small ones hardly show which is right."""
+SMOOTHING_FRAMES = 2.0
+"""Sigma of the smoothing over time that removes the jitter of an imported motion: passes would
 accumulate it."""
 
 
@@ -32,9 +35,12 @@ class Chain(Trajectory):
 
     @classmethod
     def even(cls, trajectory: Trajectory) -> Chain:
-        """A trajectory whose steps are all alike."""
-        doubt = Doubt.none(len(trajectory) - 1, trajectory.Rs_parent_part.shape[1])
-        return cls(trajectory.first_frame, *trajectory.loose(), doubt)
+        """A trajectory with equal doubts for all steps."""
+        doubt = Doubt.equal(len(trajectory) - 1, trajectory.Rs_parent_part.shape[1])
+        return cls(trajectory.first_frame, *trajectory.writable(), doubt)
+
+
+Chains: TypeAlias = tuple[Chain, Chain]
 
 
 def follow(
@@ -55,9 +61,9 @@ def follow(
     """
     forward = last > first
     slots = clip.slots(min(first, last), max(first, last))
-    R, t = _room(scene, len(slots))
+    R, t = _empty(scene, len(slots))
     R[0], t[0] = start.Rs_parent_part, start.p_camera_root
-    doubt = Doubt.none(len(slots) - 1, R.shape[1])
+    doubt = Doubt.equal(len(slots) - 1, R.shape[1])
     follow_chain(
         scene.arrays, scene.lens, scene.sight, scene.prior(stride), clip.levels, finest,
         slots if forward else slots[::-1].copy(), R, t, stride, inner, stop,
@@ -68,14 +74,25 @@ def follow(
     return Chain(min(first, last), R[::step], t[::step], doubt)
 
 
+def follow_both(scene: Scene, segment: Segment, method: Keypose) -> Chains | None:
+    """The chains from both keyframes; None where one of them leaves the scene."""
+    how = (method.stride, method.chain_inner, method.stop, method.finest)
+    first, last = segment.first_frame, segment.last_frame
+    forward = follow(scene, segment.clip, segment.start, first, last, *how)
+    backward = follow(scene, segment.clip, segment.end, last, first, *how)
+    if is_sound(scene, segment, forward) and is_sound(scene, segment, backward):
+        return forward, backward
+    return None
+
+
 def blend_chains(scene: Scene, forward: Chain, backward: Chain) -> Trajectory:
     """From the forward chain to the backward one, each part's rotation along one axis.
 
     Both start exactly at their keyframes, so the blend meets both. A chain's variance grows with
-    every step, the more the less the picture told of it: the way to the other chain is made where a
-    part is hidden, not in the middle. Each limb leans as well to the chain that came nearer to the
+    every step, the more the less observable the step is: the blend moves to the other chain where
+    a part is hidden, not in the middle. Each limb also prefers the chain that came nearer to the
     keyframe at its far end: one that loses an arm halfway misses that keyframe by the arm. With V
-    the variance so far and g the miss, a chain weighs 1 / (V · (g² + ε)).
+    the variance so far and g the miss, a chain has the weight 1 / (V · (g² + ε)).
     """
     turn_f, turn_b = (
         _limb_miss(scene, a.Rs_parent_part[k], b.Rs_parent_part[k])
@@ -84,26 +101,25 @@ def blend_chains(scene: Scene, forward: Chain, backward: Chain) -> Trajectory:
     shift = forward.ps_camera_root[[-1, 0]] - backward.ps_camera_root[[-1, 0]]
     shift_f, shift_b = np.linalg.norm(shift, axis=1)
     there, back = forward.doubt, backward.doubt
-    turned = _leaning(there.turned, back.turned, turn_f, turn_b, TRUST_TURN_RAD)
+    turned = _backward_share(there.turned, back.turned, turn_f, turn_b, TRUST_TURN_RAD)
     even = np.linspace(0.0, 1.0, len(forward))
-    turned[:, ~_is_tracked(scene)] = even[:, None]  # led evenly, as everywhere
+    turned[:, ~_is_tracked(scene)] = even[:, None]  # interpolated evenly, as everywhere
     least_m = TRUST_SHIFT_PX * scene.pixel_m
-    shifted = _leaning(there.shifted, back.shifted, shift_f, shift_b, least_m)
-    return _mixed(forward, backward, turned, shifted)
+    shifted = _backward_share(there.shifted, back.shifted, shift_f, shift_b, least_m)
+    return _blend(forward, backward, turned, shifted)
 
 
 def fit_to_keyframes(
     motion: Trajectory, start: Pose, end: Pose, first: int, last: int
 ) -> Trajectory | None:
-    """A motion from elsewhere made to meet both keyframes; None where it does not reach both.
+    """An imported motion made to meet both keyframes; None where it does not reach both.
 
-    Its jitter is evened out. Its turns are carried on from the first keyframe, and drift correction
-    closes them on the second one. The root's path is shifted, evenly from what is missing at one
-    end to that at the other.
+    It is smoothed. Its turns continue from the first keyframe, and drift correction makes them meet
+    the second one. The root's path is shifted by what is missing at either end, linearly between.
     """
     if first < motion.first_frame or last > motion.last_frame:
         return None
-    R, t = _evened(motion, first, last)
+    R, t = _smooth(motion, first, last)
     s = np.linspace(0.0, 1.0, len(t))[:, None]
     path = t + (1 - s) * (start.p_camera_root - t[0]) + s * (end.p_camera_root - t[-1])
     path[0], path[-1] = start.p_camera_root, end.p_camera_root
@@ -114,16 +130,16 @@ def fit_to_keyframes(
     return Trajectory(first, closed.trajectory.Rs_parent_part, path)
 
 
-def _evened(motion: Trajectory, first: int, last: int) -> tuple[Array, Array]:
+def _smooth(motion: Trajectory, first: int, last: int) -> tuple[Array, Array]:
     """Rotations and root positions of these frames, each the mean over those around it.
 
-    As many count before as after, so that an even motion stays where it is.
+    As many count before as after, so that an even motion does not change.
     """
     n = np.arange(first, last + 1) - motion.first_frame
     Rs, ps = motion.Rs_parent_part[n].copy(), motion.ps_camera_root[n].copy()
     weights = np.ones(len(n))
-    for away in range(1, int(3 * EVENED_FRAMES) + 1):
-        weight = np.exp(-0.5 * (away / EVENED_FRAMES) ** 2)
+    for away in range(1, int(3 * SMOOTHING_FRAMES) + 1):
+        weight = np.exp(-0.5 * (away / SMOOTHING_FRAMES) ** 2)
         k = np.flatnonzero((n >= away) & (n + away < len(motion)))
         for side in (n[k] - away, n[k] + away):
             Rs[k] += weight * motion.Rs_parent_part[side]
@@ -132,7 +148,7 @@ def _evened(motion: Trajectory, first: int, last: int) -> tuple[Array, Array]:
     return nearest_rotation(Rs), ps / weights[:, None]
 
 
-def _leaning(
+def _backward_share(
     doubt_forward: Array,
     doubt_backward: Array,
     miss_forward: Array,
@@ -160,11 +176,11 @@ def _is_tracked(scene: Scene) -> NDArray[np.bool_]:
     return np.isin(np.arange(scene.skeleton.part_count), scene.skeleton.dof_part)
 
 
-def _mixed(forward: Trajectory, backward: Trajectory, turned: Array, shifted: Array) -> Trajectory:
-    R, t = forward.loose()
-    blend(*forward.loose(), *backward.loose(), turned, shifted, R, t)
+def _blend(forward: Trajectory, backward: Trajectory, turned: Array, shifted: Array) -> Trajectory:
+    R, t = forward.writable()
+    blend(*forward.writable(), *backward.writable(), turned, shifted, R, t)
     return Trajectory(forward.first_frame, R, t)
 
 
-def _room(scene: Scene, count: int) -> tuple[Array, Array]:
+def _empty(scene: Scene, count: int) -> tuple[Array, Array]:
     return np.empty((count, scene.skeleton.part_count, 3, 3)), np.empty((count, 3))

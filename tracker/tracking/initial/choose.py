@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tracker.body.trajectory import Pass, Trajectory, interpolate
+from tracker.body.trajectory import Pass, Trajectory
 from tracker.tracking.frame_pair import printed_score
-from tracker.tracking.initial.chains import Chain, blend_chains, follow
+from tracker.tracking.initial.chains import Chains, blend_chains, follow_both
 from tracker.tracking.initial.lifting import lift
 from tracker.tracking.initial.planar import planar_start
 from tracker.tracking.initial.templates import limb_tracks
@@ -16,8 +16,6 @@ from tracker.tracking.method import FULL, Keypose, Paper
 from tracker.tracking.scene import Scene
 from tracker.tracking.score import capped_score
 from tracker.tracking.segment import Segment, distance_px, extent_px, is_sound
-
-Chains = tuple[Chain, Chain]
 
 DOUBT = 0.5
 """Distance between the two chains, as a share of that between them and plain interpolation, above
@@ -28,17 +26,17 @@ limbs are looked for by templates as well, which takes longer than all the rest.
 CHAIN_LOST = "the body was lost on the way from a keyframe: interpolated instead"
 NO_TEMPLATES = "no limb could be followed by templates: the whole body was followed instead"
 TEMPLATES_LOST = "templates led out of sight"
-NOT_REACHED = "the imported motion does not reach over this stretch"
+NOT_REACHED = "the imported motion does not reach over this segment"
 
 
 @dataclass(frozen=True, eq=False)
 class Starts:
     """First trajectories of a segment.
 
-    ways: the one to begin with first; the others stay choices, so that what comes of it is worse
-        than none of them. Scored where there are several and the method judges.
+    ways: the first is where tracking begins; the others remain candidates for the result. Scored
+        where there are several and the method judges.
     chains: the body followed from both keyframes; None where it was not, or left the scene.
-    notes: what could not be done as wished, for a person.
+    notes: sentences for a person about what could not be done as asked.
     """
 
     ways: tuple[Pass, ...]
@@ -48,52 +46,52 @@ class Starts:
 
 def starts(scene: Scene, segment: Segment, method: Keypose) -> Starts:
     """The ways that the method's `initial` allows; auto takes the one that scores best."""
-    chains = _chains(scene, segment, method)
-    plain, initial = Pass("interpolation", _plain(segment), None), method.initial
+    chains = follow_both(scene, segment, method)
+    interpolated, initial = Pass("interpolation", segment.interpolated(), None), method.initial
     if initial == "linear":
-        return Starts((plain,), chains)
-    ways, notes = [plain], [CHAIN_LOST]
+        return Starts((interpolated,), chains)
+    ways, notes = [interpolated], [CHAIN_LOST]
     if chains is not None:
         both = Pass("both ways", blend_chains(scene, *chains), None)
-        in_doubt = _is_doubtful(scene, chains, plain.trajectory, both.trajectory)
-        ways, notes = [both, plain] if in_doubt and method.judged else [both], []
+        in_doubt = _is_doubtful(scene, chains, interpolated.trajectory, both.trajectory)
+        ways, notes = [both, interpolated] if in_doubt and method.judged else [both], []
     found = [_by_templates(scene, segment, method, chains, ways[0].trajectory)]
     found += [_imported(scene, segment, method)]
     for start in found:
         notes += start.notes
         ways += start.ways
-    return _ranked(scene, segment, method, ways, chains, notes)
+    return _rank(scene, segment, method, ways, chains, notes)
 
 
 def printed_start(scene: Scene, segment: Segment, method: Paper) -> Starts:
-    """The printed method's one start: interpolation, unless something else is asked for.
+    """The printed method's one start: interpolation, unless the settings say otherwise.
 
     An imported motion is taken where it scores better as printed.
     """
-    plain = Pass("interpolation", _plain(segment), None)
+    interpolated = Pass("interpolation", segment.interpolated(), None)
     match method.initial:
         case "templates":
             start = planar_start(scene, segment, method.left_out)
             if is_sound(scene, segment, start.trajectory):
                 return Starts((Pass("templates", start.trajectory, None),), None, start.notes)
-            return Starts((plain,), None, (f"{TEMPLATES_LOST}: interpolated instead",))
+            return Starts((interpolated,), None, (f"{TEMPLATES_LOST}: interpolated instead",))
         case "both-ways":
-            chains = _chains(scene, segment, FULL)
+            chains = follow_both(scene, segment, FULL)
             if chains is None:
-                return Starts((plain,), None, (CHAIN_LOST,))
+                return Starts((interpolated,), None, (CHAIN_LOST,))
             return Starts((Pass("both ways", blend_chains(scene, *chains), None),))
         case "import":
             found = _imported(scene, segment, method)
-            return Starts((*found.ways, plain)[:1], None, found.notes)
+            return Starts((*found.ways, interpolated)[:1], None, found.notes)
         case "auto":
             found = _imported(scene, segment, method)
-            tried = [*found.ways, plain]
+            tried = [*found.ways, interpolated]
             scores = [printed_score(scene, segment.clip, way.trajectory) for way in tried]
             return Starts((tried[int(np.argmin(scores))],))
-    return Starts((plain,))
+    return Starts((interpolated,))
 
 
-def _ranked(
+def _rank(
     scene: Scene,
     segment: Segment,
     method: Keypose,
@@ -101,7 +99,7 @@ def _ranked(
     chains: Chains | None,
     notes: list[str],
 ) -> Starts:
-    """The ways by their scores, what was asked for by name before all others."""
+    """The ways by their scores, one asked for by name before all others."""
     if len(ways) > 1:
         ways = [
             replace(way, score=capped_score(scene, segment.clip, way.trajectory, method.stride))
@@ -119,7 +117,7 @@ def _ranked(
 def _by_templates(
     scene: Scene, segment: Segment, method: Keypose, chains: Chains | None, base: Trajectory
 ) -> Starts:
-    """The base with its limbs laid onto their tracks, where that is wanted or may be worth it."""
+    """The base with its limbs fitted to their tracks, where asked for or promising."""
     asked = method.initial == "templates"
     allowed = method.initial == "auto" and method.templates
     if not asked and not (allowed and _is_unsure(scene, chains, base)):
@@ -144,25 +142,14 @@ def _imported(scene: Scene, segment: Segment, method: Keypose | Paper) -> Starts
     return Starts((Pass("import", imported, None),))
 
 
-def _chains(scene: Scene, segment: Segment, method: Keypose) -> Chains | None:
-    """The chains from both keyframes, or None where one of them leaves the scene."""
-    how = (method.stride, method.chain_inner, method.stop, method.finest)
-    first, last = segment.first_frame, segment.last_frame
-    forward = follow(scene, segment.clip, segment.start, first, last, *how)
-    backward = follow(scene, segment.clip, segment.end, last, first, *how)
-    if is_sound(scene, segment, forward) and is_sound(scene, segment, backward):
-        return forward, backward
-    return None
-
-
-def _is_doubtful(scene: Scene, chains: Chains, plain: Trajectory, both: Trajectory) -> bool:
-    """Whether interpolation may be better than what the chains say."""
+def _is_doubtful(scene: Scene, chains: Chains, interpolated: Trajectory, both: Trajectory) -> bool:
+    """Whether interpolation may be better than the chains."""
     apart = distance_px(scene, *chains).mean()
-    return bool(apart > DOUBT * distance_px(scene, plain, both).mean())
+    return bool(apart > DOUBT * distance_px(scene, interpolated, both).mean())
 
 
 def _is_unsure(scene: Scene, chains: Chains | None, base: Trajectory) -> bool:
-    """Whether the chains lie so far apart somewhere that templates may know better."""
+    """Whether the chains lie so far apart somewhere that templates may be better."""
     if chains is None:
         return True
     if len(base) < 3:
@@ -170,7 +157,3 @@ def _is_unsure(scene: Scene, chains: Chains | None, base: Trajectory) -> bool:
     share = np.linspace(0.0, 1.0, len(base))[1:-1]
     apart = np.nan_to_num(distance_px(scene, *chains)[1:-1], nan=np.inf)
     return bool((apart.T * 4 * share * (1 - share)).max() > UNSURE * extent_px(scene, base))
-
-
-def _plain(segment: Segment) -> Trajectory:
-    return interpolate(segment.start, segment.end, segment.first_frame, segment.last_frame)

@@ -1,10 +1,10 @@
 """From tracks in the picture to a motion in space: whole limb chains fitted over a segment.
 
 INITIAL follows head, hands and feet in the picture and takes the motion to lie in a plane; it names
-motion in 3D as what is left to do. Here all inner poses of a segment are unknown at once, and the
+motion in 3D as future work. Here all inner poses of a segment are unknown at once, and the
 followed points must fall on their tracks. Bones keep their lengths because only turns and the
-root's place are unknown. What a picture leaves open, nearer or farther, comes from both keyframes:
-the motion is smooth, bends no joint beyond its limits, and keeps to a start where nothing is told.
+root's place are unknown. What a picture leaves open, such as depth, comes from both keyframes: the
+motion is smooth, bends no joint beyond its limits, and has a start as its prior.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from tracker.solver.body_points import BodyPoints
 from tracker.solver.least_squares import Criteria, Damping, Problem, least_squares
 from tracker.solver.posed import Posed
 from tracker.solver.robust import Cauchy, Huber, Kernel
-from tracker.solver.smoothness import Smoothness, bends
+from tracker.solver.smoothness import Smoothness, second_differences
 from tracker.solver.terms import (
     JointLimits,
     PointsInPicture,
@@ -45,7 +45,8 @@ SMOOTH_SHIFT_PX = 0.7
 """Standard deviations of how the motion's change from frame to frame differs from the start's."""
 LIMB_TURN_RAD, TRUNK_TURN_RAD = np.radians(14.0), np.radians(4.0)
 KEEP_SHIFT_PX = 4.0
-"""How far a limb's part, a part that carries several limbs, and the root may leave the start."""
+"""Standard deviations of a limb's part, of a part that carries several limbs, and of the root, from
+the start."""
 LIMIT_RAD = np.radians(3.0)
 LEAST_SIGMA_PX = 0.5
 CRITERIA = Criteria(
@@ -55,16 +56,16 @@ CRITERIA = Criteria(
     gain=1e-3,
     damping=Damping(least=1e-6, most=1e6),
 )
-"""Solves come from far at first, with Huber's kernel, and then sort out, with Cauchy's."""
+"""Used twice: with Huber's kernel from far, then with Cauchy's against outliers."""
 
 
 def lift(scene: Scene, segment: Segment, base: Trajectory, tracks: LimbTracks) -> Trajectory:
     """The motion near `base` whose limbs fall on their tracks; its ends are the keyframes.
 
-    It never fits worse than `base`, which comes back where there is nothing to fit.
+    It never fits worse than `base`, which is returned where there is nothing to fit.
     """
     base = _between_keyframes(segment, base)
-    if len(base) < 3 or not scene.skeleton.dof_count or not _is_told(tracks).any():
+    if len(base) < 3 or not scene.skeleton.dof_count or not _is_followed(tracks).any():
         return base
     first = _Fit.of(scene, segment, base, tracks, Huber())
     found = least_squares(first, base, CRITERIA).state
@@ -73,13 +74,13 @@ def lift(scene: Scene, segment: Segment, base: Trajectory, tracks: LimbTracks) -
 
 
 def _between_keyframes(segment: Segment, base: Trajectory) -> Trajectory:
-    R, t = base.loose()
+    R, t = base.writable()
     R[0], R[-1] = segment.start.Rs_parent_part, segment.end.Rs_parent_part
     t[0], t[-1] = segment.start.p_camera_root, segment.end.p_camera_root
     return Trajectory(base.first_frame, R, t)
 
 
-def _is_told(tracks: LimbTracks) -> NDArray[np.bool_]:
+def _is_followed(tracks: LimbTracks) -> NDArray[np.bool_]:
     """(L, n) where a point was followed to, at the inner frames."""
     uv, sigma = tracks.uv[:, 1:-1], tracks.sigma_px[:, 1:-1]
     return np.asarray(np.isfinite(uv).all(axis=-1) & np.isfinite(sigma))
@@ -97,11 +98,12 @@ class _Fit(Problem[Trajectory, "_Point"]):
     def of(
         cls, scene: Scene, segment: Segment, base: Trajectory, tracks: LimbTracks, kernel: Kernel
     ) -> _Fit:
-        """kernel: that of the tracks. What leaves the start counts by Huber's."""
+        """kernel: that of the tracks. The prior has Huber's."""
         skeleton = scene.skeleton
-        told = _is_told(tracks)
-        sigma = np.maximum(np.where(told, tracks.sigma_px[:, 1:-1], 1.0), LEAST_SIGMA_PX)
-        uv = np.swapaxes(np.where(told[..., None], tracks.uv[:, 1:-1], 0.0), 0, 1)
+        followed = _is_followed(tracks)
+        sigma = np.maximum(np.where(followed, tracks.sigma_px[:, 1:-1], 1.0), LEAST_SIGMA_PX)
+        scale = np.where(followed, 1 / sigma, 0.0).T
+        uv = np.swapaxes(np.where(followed[..., None], tracks.uv[:, 1:-1], 0.0), 0, 1)
         points = BodyPoints.single(skeleton, tracks.parts, tracks.points)
         keyed = [pose.Rs_parent_part for pose in (segment.start, segment.end)]
         start = base.Rs_parent_part[1:-1], base.ps_camera_root[1:-1]
@@ -109,27 +111,25 @@ class _Fit(Problem[Trajectory, "_Point"]):
         return cls(
             scene,
             (
-                PointsInPicture(
-                    points, scene.camera, uv, np.where(told, 1 / sigma, 0.0).T, NEAREST_M, kernel
-                ),
+                PointsInPicture(points, scene.camera, uv, scale, NEAREST_M, kernel),
                 JointLimits(Limits.of(skeleton.body).widened(keyed), LIMIT_RAD),
                 PosePrior(*start, _keep_precision(scene), Huber()),
             ),
-            Smoothness(skeleton, bends(skeleton, base), smooth, Huber()),
+            Smoothness(skeleton, second_differences(skeleton, base), smooth, Huber()),
         )
 
     def at(self, state: Trajectory, count: int) -> _Point:
         return _Point(self, state)
 
     def moved(self, state: Trajectory, step: Array) -> Trajectory:
-        R, t = state.loose()
+        R, t = state.writable()
         move_inner(self.scene.arrays, R, t, step.reshape(len(state) - 2, -1))
         return Trajectory(state.first_frame, R, t)
 
 
 @dataclass(frozen=True, eq=False)
 class _Point:
-    """What the terms say of a motion; of one that is rejected no equations are computed."""
+    """The terms at a motion; the equations of a rejected one are never computed."""
 
     fit: _Fit
     motion: Trajectory
@@ -157,7 +157,7 @@ class _Point:
 
 
 def _keep_precision(scene: Scene) -> Array:
-    """(D,) a trunk leaves the start less than the limbs it carries."""
+    """(D,) precision of the prior, higher for the trunk than for the limbs it carries."""
     skeleton = scene.skeleton
     carried = np.bincount(skeleton.parents[1:], minlength=skeleton.part_count)
     turn = np.where(carried > 1, TRUNK_TURN_RAD, LIMB_TURN_RAD)[skeleton.dof_part]

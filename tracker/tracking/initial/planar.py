@@ -6,7 +6,7 @@ head leans the trunk, and every arm and leg is a planar chain of two links. What
 such as all depths, is interpolated between the keyframes; both keyframes are met exactly.
 
 INITIAL does not say what carries the body, nor how its templates cope with parts that turn. Ours
-turn as the limb does that carries them, since the chain tells how.
+turn with the limb that carries them, as the chain predicts.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from collections.abc import Collection
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.trajectory import Trajectory, interpolate
+from tracker.body.trajectory import Trajectory
 from tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
 from tracker.tracking.initial.templates import Start
 from tracker.tracking.initial.templates.ends import (
@@ -26,7 +26,7 @@ from tracker.tracking.initial.templates.ends import (
     middle,
     two_link_limbs,
 )
-from tracker.tracking.initial.templates.keyed import FirstKeyed, NotFollowed
+from tracker.tracking.initial.templates.first_keyframe import FirstKeyframe, NotFollowed
 from tracker.tracking.scene import Scene
 from tracker.tracking.segment import Segment
 
@@ -43,9 +43,9 @@ INSTEAD = "interpolated instead"
 
 
 def two_link_angles(p: Array, L1: Array | float, L2: Array | float) -> tuple[Array, Array]:
-    """The angles (…) of two links whose end lies at p (…, 2), the second one bent by θ2 ≥ 0.
+    """The angles (…) of two links whose end lies at p (…, 2), the second at the joint angle θ2 ≥ 0.
 
-    A place out of reach is brought to the nearest one within.  INITIAL §3.2
+    A position out of reach is replaced by the nearest one within.  INITIAL §3.2
     """
     x, y = p[..., 0], p[..., 1]
     cosine = (x**2 + y**2 - L1**2 - L2**2) / (2 * L1 * L2)
@@ -59,13 +59,13 @@ def planar_start(scene: Scene, segment: Segment, left_out: Collection[str] = ())
 
     left_out: names of parts; the limb of each is interpolated.
     """
-    plain = interpolate(segment.start, segment.end, segment.first_frame, segment.last_frame)
+    interpolated = segment.interpolated()
     limbs = two_link_limbs(scene.skeleton)
     if not limbs:
-        return Start(plain, (f"the body has no limbs of two links: {INSTEAD}",))
-    keyed = FirstKeyed.of(scene, segment)
-    carried, notes = _carry_root(keyed, plain, _head(scene, limbs), left_out)
-    Rs, ps = carried.loose()
+        return Start(interpolated, (f"the body has no limbs of two links: {INSTEAD}",))
+    keyed = FirstKeyframe.of(scene, segment)
+    carried, notes = _carry_root(keyed, interpolated, _head(scene, limbs), left_out)
+    Rs, ps = carried.writable()
     for limb in limbs:
         if is_left_out(scene.skeleton, limb.leaf, left_out):
             continue
@@ -76,7 +76,7 @@ def planar_start(scene: Scene, segment: Segment, left_out: Collection[str] = ())
         except NotFollowed as reason:
             notes.append(f"{reason}: {INSTEAD}")
     Rs[0], Rs[-1] = segment.start.Rs_parent_part, segment.end.Rs_parent_part
-    return Start(Trajectory(plain.first_frame, Rs, ps), tuple(notes))
+    return Start(Trajectory(interpolated.first_frame, Rs, ps), tuple(notes))
 
 
 def _head(scene: Scene, limbs: list[TwoLinks]) -> int | None:
@@ -87,69 +87,70 @@ def _head(scene: Scene, limbs: list[TwoLinks]) -> int | None:
 
 
 def _carry_root(
-    keyed: FirstKeyed, plain: Trajectory, head: int | None, left_out: Collection[str]
+    keyed: FirstKeyframe, motion: Trajectory, head: int | None, left_out: Collection[str]
 ) -> tuple[Trajectory, list[str]]:
     """Interpolation with the root carried by the hips and the trunk leant by the head.
 
     Without the hips the head carries the root, and the trunk leans as interpolated.
     """
-    motion, notes, has_hips = plain, [], False
+    notes, has_hips = [], False
     if not is_left_out(keyed.scene.skeleton, 0, left_out):
         try:
-            motion, has_hips = _shifted(keyed.scene, plain, _beside(keyed, plain, 0)), True
+            motion = _shift_in_picture(keyed.scene, motion, _offset_px(keyed, motion, 0))
+            has_hips = True
         except NotFollowed as reason:
             notes.append(f"{reason}: {INSTEAD if head is None else 'carried by the head instead'}")
     if head is None or is_left_out(keyed.scene.skeleton, head, left_out):
         return motion, notes
     try:
-        beside = _beside(keyed, motion, head)
+        offset = _offset_px(keyed, motion, head)
     except NotFollowed as reason:
         return motion, [*notes, f"{reason}: {INSTEAD}"]
     if has_hips:
-        return _lean_trunk(keyed, motion, head, beside), notes
-    return _shifted(keyed.scene, motion, beside), notes
+        return _lean_trunk(keyed, motion, head, offset), notes
+    return _shift_in_picture(keyed.scene, motion, offset), notes
 
 
-def _beside(keyed: FirstKeyed, motion: Trajectory, part: int) -> Array:
-    """(N, 2) pixels by which a part is seen beside where a motion has it; zero at the ends."""
-    expected = keyed.places(motion, part, middle(keyed.scene.skeleton, part))
+def _offset_px(keyed: FirstKeyframe, motion: Trajectory, part: int) -> Array:
+    """(N, 2) pixels by which a part is seen away from where a motion has it; zero at the ends."""
+    expected = keyed.scene.point_pixels(motion, part, middle(keyed.scene.skeleton, part))
     template = keyed.template(part, expected[0])
     found = keyed.track(part, template, lambda n, uv: 0.0, expected[-1], LEAST_REACH)
     return np.asarray(found - expected)
 
 
-def _shifted(scene: Scene, motion: Trajectory, uv: Array) -> Trajectory:
+def _shift_in_picture(scene: Scene, motion: Trajectory, uv: Array) -> Trajectory:
     """A motion whose root is shifted parallel to the picture, by pixels (N, 2)."""
-    Rs, ps = motion.loose()
+    Rs, ps = motion.writable()
     metres = scene.camera.depth(ps)[1:-1, None] / (scene.camera.fx, scene.camera.fy)
     ps[1:-1, :2] += uv[1:-1] * metres
     return Trajectory(motion.first_frame, Rs, ps)
 
 
-def _lean_trunk(keyed: FirstKeyed, motion: Trajectory, head: int, beside: Array) -> Trajectory:
+def _lean_trunk(keyed: FirstKeyframe, motion: Trajectory, head: int, offset: Array) -> Trajectory:
     """The part that the head hangs from, next to the root, turned until the head is in place."""
     skeleton = keyed.scene.skeleton
     trunk = head
     while skeleton.parents[trunk] > 0:
         trunk = int(skeleton.parents[trunk])
-    pivot = keyed.places(motion, trunk, np.zeros(3))
-    was = keyed.places(motion, head, middle(skeleton, head)) - pivot
-    turn = _wrapped(_angle(was + beside) - _angle(was))
+    pivot = keyed.scene.point_pixels(motion, trunk, np.zeros(3))
+    was = keyed.scene.point_pixels(motion, head, middle(skeleton, head)) - pivot
+    turn = _wrapped(_angle(was + offset) - _angle(was))
     Ts = motion.transforms(skeleton)
     above = Ts[:, skeleton.parents[trunk], :3, :3]
-    Rs, ps = motion.loose()
+    Rs, ps = motion.writable()
     Rs[:, trunk] = transpose(above) @ _about_view(turn) @ Ts[:, trunk, :3, :3]
     return Trajectory(motion.first_frame, Rs, ps)
 
 
-def _angles(keyed: FirstKeyed, carried: Trajectory, limb: TwoLinks) -> tuple[Array, Array]:
+def _angles(keyed: FirstKeyframe, carried: Trajectory, limb: TwoLinks) -> tuple[Array, Array]:
     """(N,) how the upper and the lower link point in the picture, radians from u towards v.
 
     The lengths are those seen in the keyframes. θ2 is taken positive with the picture's v axis
     pointing the way that makes the keyframes' own bends so.
     """
     hip, first, second = _links(keyed, carried, limb)
-    L1, L2 = (_evenly(np.linalg.norm(d[[0, -1]], axis=-1), len(d)) for d in (first, second))
+    L1, L2 = (_linear(np.linalg.norm(d[[0, -1]], axis=-1), len(d)) for d in (first, second))
     ends = [_angle(d[[0, -1]]) for d in (first, second)]
     if not _is_planar(keyed.scene, carried, limb, L1[[0, -1]], L2[[0, -1]]):
         raise NotFollowed(f"{keyed.name(limb.leaf)} does not move in the picture's plane")
@@ -170,15 +171,15 @@ def _angles(keyed: FirstKeyed, carried: Trajectory, limb: TwoLinks) -> tuple[Arr
     if beyond.mean() > MOST_BEYOND:
         raise NotFollowed(f"{keyed.name(limb.leaf)} reaches further than in the picture's plane")
     upper, lower = pointing(np.arange(len(uv)), uv)
-    return _closed(upper, ends[0]), _closed(lower, ends[1])
+    return _meet_ends(upper, ends[0]), _meet_ends(lower, ends[1])
 
 
-def _links(keyed: FirstKeyed, motion: Trajectory, limb: TwoLinks) -> tuple[Array, Array, Array]:
+def _links(keyed: FirstKeyframe, motion: Trajectory, limb: TwoLinks) -> tuple[Array, Array, Array]:
     """In the picture, (N, 2): where a limb begins, and its upper and lower link."""
     origin = np.zeros(3)
-    hip = keyed.places(motion, limb.upper, origin)
-    knee = keyed.places(motion, limb.lower, origin)
-    return hip, knee - hip, keyed.places(motion, limb.leaf, limb.p_leaf) - knee
+    hip = keyed.scene.point_pixels(motion, limb.upper, origin)
+    knee = keyed.scene.point_pixels(motion, limb.lower, origin)
+    return hip, knee - hip, keyed.scene.point_pixels(motion, limb.leaf, limb.p_leaf) - knee
 
 
 def _is_planar(scene: Scene, motion: Trajectory, limb: TwoLinks, L1: Array, L2: Array) -> bool:
@@ -200,7 +201,7 @@ def _as_rotations(
 ) -> tuple[Array, Array]:
     """(N, 3, 3) both links in their parents, turned in the picture's plane from the first keyframe.
 
-    What that misses of the last keyframe, turns out of the plane, is spread evenly.
+    The miss at the last keyframe, turns out of the plane, is spread evenly.
     """
     Ts = carried.transforms(scene.skeleton)
     above, links = Ts[:, scene.skeleton.parents[limb.upper], :3, :3], []
@@ -213,13 +214,13 @@ def _as_rotations(
     return links[0], links[1]
 
 
-def _closed(angle: Array, ends: Array) -> Array:
+def _meet_ends(angle: Array, ends: Array) -> Array:
     """Angles (N,) that begin and end at the keyed ones (2,), the misses spread evenly."""
     angle = np.unwrap(angle)
-    return np.asarray(angle + _evenly(_wrapped(ends - angle[[0, -1]]), len(angle)))
+    return np.asarray(angle + _linear(_wrapped(ends - angle[[0, -1]]), len(angle)))
 
 
-def _evenly(ends: Array, count: int) -> Array:
+def _linear(ends: Array, count: int) -> Array:
     return np.linspace(ends[0], ends[1], count)
 
 

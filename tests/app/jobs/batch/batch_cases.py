@@ -48,10 +48,10 @@ class Here:
         self._waiting: list[tuple[int, Task]] = []
         self._stop = Event()
 
-    def room(self) -> int:
+    def free_slots(self) -> int:
         return self.processes - len(self._waiting)
 
-    def give(self, number: int, task: Task) -> None:
+    def submit(self, number: int, task: Task) -> None:
         self.given.append((number, task))
         self._waiting.append((number, task))
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from threading import Thread
 
 from app.document.folder_lock import NAME
-from tests.app.serving import ROOT
+from tests.app.serving import LONGEST_S, ROOT
 
 HERE = ("--host", "127.0.0.1", "--no-dashboard", "--dashboard-address", "127.0.0.1:0")
 ALONE = ("--no-nanny", "--nthreads", "1", "--memory-limit", "0")
@@ -68,7 +68,7 @@ def holders(paths: list[Path]) -> list[int]:
 
 def kill_at_work(pid: int, paths: list[Path]) -> None:
     """Kill a worker as soon as it has taken up a session: it still has its loops to load."""
-    end = time.monotonic() + 60
+    end = time.monotonic() + LONGEST_S
     while pid not in holders(paths):
         assert time.monotonic() < end, "it never began"
         time.sleep(0.005)

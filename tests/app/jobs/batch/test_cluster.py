@@ -14,10 +14,11 @@ import pytest
 from app.cli.main import main
 from app.jobs.batch.cluster import ClusterPool
 from app.jobs.batch.run_one import run_task
-from app.jobs.batch.scheduler import Begun, Ended, run
+from app.jobs.batch.scheduler import TaskFinished, TaskStarted, run
 from app.jobs.batch.task import Task
 from tests.app.jobs.batch.batch_cases import bytes_of, write_sessions
 from tests.app.jobs.batch.dask_cases import cluster, holders, kill_at_work
+from tests.app.serving import LONGEST_S
 from tracker.errors import KeyposeError
 
 NAMES = ("a", "b", "c", "d")
@@ -30,11 +31,11 @@ def test_a_killed_worker_s_session_is_done_by_another_with_the_same_bytes(tmp_pa
         crew = ClusterPool(address)
         try:
             for event in run([Task(path) for path in paths], crew, Event()):
-                if isinstance(event, Begun):
+                if isinstance(event, TaskStarted):
                     begun.append(event.number)
                     if event.number == 1:
                         kill_at_work(victim, paths)
-                elif isinstance(event, Ended):
+                elif isinstance(event, TaskFinished):
                     ended[event.number] = event.summary.state
         finally:
             crew.close()
@@ -63,10 +64,10 @@ def test_the_command_works_on_a_cluster_and_one_that_goes_away_is_told(
 
 def _go_on(crew: Any) -> None:
     """Use it until it notices."""
-    end = time.monotonic() + 30
+    end = time.monotonic() + LONGEST_S
     while time.monotonic() < end:
         crew.wait(0.1)
-        crew.room()
+        crew.free_slots()
 
 
 def test_where_dask_is_not_installed_one_sentence_tells_what_to_install(

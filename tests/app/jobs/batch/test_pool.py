@@ -12,7 +12,7 @@ import pytest
 
 from app.jobs.batch.pool import LocalPool
 from app.jobs.batch.run_one import run_task
-from app.jobs.batch.scheduler import Begun, Ended, Stepped, Told, run
+from app.jobs.batch.scheduler import TaskEvent, TaskFinished, TaskProgressed, TaskStarted, run
 from app.jobs.batch.task import Summary, Task
 from tests.app.jobs.batch.batch_cases import bytes_of, write_sessions
 
@@ -33,16 +33,18 @@ def test_of_several_processes_one_is_killed_and_all_is_as_one_alone_would_do_it(
 ) -> None:
     names = ("a", "b", "c", "d")
     paths, alone = (write_sessions(tmp_path / where, *names) for where in ("many", "alone"))
-    told: list[Told] = []
+    told: list[TaskEvent] = []
     for event in run([Task(path) for path in paths], crew, Event()):
         told.append(event)
-        if event == Begun(1, again=False):
+        if event == TaskStarted(1, again=False):
             kill(crew, 1)
-    again = [event.number for event in told if isinstance(event, Begun) and event.again]
+    again = [event.number for event in told if isinstance(event, TaskStarted) and event.again]
     assert again == [1]
-    states = {event.number: event.summary.state for event in told if isinstance(event, Ended)}
+    states = {
+        event.number: event.summary.state for event in told if isinstance(event, TaskFinished)
+    }
     assert states == dict.fromkeys(range(4), "tracked")
-    assert any(isinstance(event, Stepped) for event in told)
+    assert any(isinstance(event, TaskProgressed) for event in told)
     for path in alone:
         run_task(Task(path), lambda step: None, Event())
     assert bytes_of(paths) == bytes_of(alone)
@@ -54,16 +56,16 @@ def test_a_session_that_is_killed_every_time_fails_by_itself(
     paths = write_sessions(tmp_path, "a", "b")
     ended: dict[int, Summary] = {}
     for event in run([Task(path) for path in paths], crew, Event()):
-        if isinstance(event, Begun) and event.number == 0:
+        if isinstance(event, TaskStarted) and event.number == 0:
             kill(crew, 0)
-        if isinstance(event, Ended):
+        if isinstance(event, TaskFinished):
             ended[event.number] = event.summary
     assert ended[0].words == "Its worker process was killed by signal 9, twice."
     assert ended[1].state == "tracked"
 
 
 def test_closed_it_leaves_no_process_behind(tmp_path: Path, crew: LocalPool) -> None:
-    crew.give(0, Task(write_sessions(tmp_path, "a")[0]))
+    crew.submit(0, Task(write_sessions(tmp_path, "a")[0]))
     pid = crew.pids[0]
     crew.close()
     with pytest.raises(ProcessLookupError):

@@ -9,8 +9,9 @@ from typing import Any
 
 import pytest
 
+from app.export.motion_formats import FORMATS, formats_of
 from app.jobs.batch import run_one
-from app.jobs.batch.exporting import TABLES, export_of, formats_of, places
+from app.jobs.batch.exporting import export_of, places
 from app.jobs.batch.run_one import run_task
 from app.jobs.batch.task import Step, Summary, Task
 from app.jobs.rerun import rerun
@@ -164,7 +165,7 @@ def test_stopped_midway_the_finished_segments_are_kept_beside_those_that_still_f
     def stopped(*given: Any, **more: Any) -> Iterator[Any]:
         for report in rerun(*given, **more):
             yield report
-            if getattr(report, "track", None) is not None and report.track.finished:
+            if getattr(report, "result", None) is not None and report.result.finished:
                 stop.set()
 
     monkeypatch.setattr(run_one, "rerun", stopped)
@@ -183,7 +184,7 @@ def test_motion_is_written_in_every_format_where_it_was_said_to_be(
     export = export_of(take, tmp_path, tmp_path / "out", formats)
     summary, _ = done(take, export=export)
     assert [Path(name) for name in summary.exported] == places(export)
-    names = ["motion.bvh", "motion.glb", *TABLES]
+    names = ["motion.bvh", "motion.glb", *FORMATS["csv"].names]
     folder = tmp_path / "out" / "job"
     assert sorted(folder.iterdir()) == sorted(folder / f"take2-{name}" for name in names)
 
@@ -195,5 +196,5 @@ def test_without_a_folder_of_their_own_files_go_beside_the_session(tmp_path: Pat
 
 @pytest.mark.parametrize("text", ["", "fbx", "bvh,,glb", "bvh;glb"])
 def test_a_format_that_is_none_is_refused(text: str) -> None:
-    with pytest.raises(ValueError, match="is none of"):
+    with pytest.raises(ValueError, match="choose from bvh, glb"):
         formats_of(text)

@@ -6,25 +6,27 @@ from collections.abc import Sequence
 from pathlib import Path
 from threading import Event
 
-from app.jobs.batch.pool import Died, News
-from app.jobs.batch.scheduler import Begun, Ended, Stepped, Told, run
+from app.jobs.batch.pool import News, WorkerDied
+from app.jobs.batch.scheduler import TaskEvent, TaskFinished, TaskProgressed, TaskStarted, run
 from app.jobs.batch.task import Step, Summary, Task
 
 
 class Script:
     """A crew whose every task meets what the script says, one thing after the other."""
 
-    def __init__(self, processes: int, script: dict[int, list[Step | Summary | Died]]) -> None:
+    def __init__(
+        self, processes: int, script: dict[int, list[Step | Summary | WorkerDied]]
+    ) -> None:
         self._processes = processes
         self._script = script
         self.at_work: list[int] = []
         self.most_together: set[frozenset[int]] = set()
         self.stopped = False
 
-    def room(self) -> int:
+    def free_slots(self) -> int:
         return self._processes - len(self.at_work)
 
-    def give(self, number: int, task: Task) -> None:
+    def submit(self, number: int, task: Task) -> None:
         self.at_work.append(number)
         self.most_together.add(frozenset(self.at_work))
 
@@ -50,20 +52,20 @@ def done(number: int) -> Summary:
     return Summary(f"{number}", "tracked")
 
 
-def ended(told: list[Told]) -> dict[int, Summary]:
-    return {event.number: event.summary for event in told if isinstance(event, Ended)}
+def ended(told: list[TaskEvent]) -> dict[int, Summary]:
+    return {event.number: event.summary for event in told if isinstance(event, TaskFinished)}
 
 
 def test_a_session_whose_worker_dies_is_tried_once_more() -> None:
-    script = Script(2, {0: [Step(50), Died("Gone"), done(0)], 1: [done(1)]})
+    script = Script(2, {0: [Step(50), WorkerDied("Gone"), done(0)], 1: [done(1)]})
     told = list(run(tasks("a", "b"), script, Event()))
-    assert [e.again for e in told if isinstance(e, Begun) and e.number == 0] == [False, True]
-    assert [e.step.percent for e in told if isinstance(e, Stepped)] == [50]
+    assert [e.again for e in told if isinstance(e, TaskStarted) and e.number == 0] == [False, True]
+    assert [e.step.percent for e in told if isinstance(e, TaskProgressed)] == [50]
     assert ended(told) == {0: done(0), 1: done(1)}
 
 
 def test_a_session_that_takes_two_workers_with_it_fails_and_the_others_are_done() -> None:
-    script = Script(1, {0: [Died("Gone"), Died("Gone")], 1: [done(1)]})
+    script = Script(1, {0: [WorkerDied("Gone"), WorkerDied("Gone")], 1: [done(1)]})
     found = ended(list(run(tasks("a", "b"), script, Event())))
     assert (found[0].state, found[0].words) == ("failed", "Gone, twice.")
     assert found[1].state == "tracked"
@@ -84,7 +86,7 @@ def test_once_stopped_nothing_is_begun_and_what_is_at_work_may_end() -> None:
     told = []
     for event in run(tasks("a", "b"), script, stop):
         told.append(event)
-        if isinstance(event, Stepped):
+        if isinstance(event, TaskProgressed):
             stop.set()
     assert script.stopped
     assert ended(told) == {0: halfway}
@@ -92,10 +94,10 @@ def test_once_stopped_nothing_is_begun_and_what_is_at_work_may_end() -> None:
 
 def test_a_worker_that_dies_while_all_is_stopped_is_not_replaced() -> None:
     stop = Event()
-    script = Script(1, {0: [Step(10), Died("Gone")]})
+    script = Script(1, {0: [Step(10), WorkerDied("Gone")]})
     told = []
     for event in run(tasks("a"), script, stop):
         told.append(event)
-        if isinstance(event, Stepped):
+        if isinstance(event, TaskProgressed):
             stop.set()
     assert ended(told)[0].state == "failed"

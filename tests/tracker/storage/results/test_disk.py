@@ -14,8 +14,9 @@ from tracker.body.pose import Pose
 from tracker.errors import SessionError
 from tracker.session import Keyframe, Session
 from tracker.storage.files import load_session, save_session
-from tracker.storage.results import Results, SegmentTrack, load_results, save_results
+from tracker.storage.results import Results, load_results, save_results
 from tracker.storage.tracks import load_tracks, save_result
+from tracker.tracking.result import SegmentResult
 
 
 def saved(results: Results, folder: Path, of: Session) -> tuple[Session, Path]:
@@ -24,16 +25,26 @@ def saved(results: Results, folder: Path, of: Session) -> tuple[Session, Path]:
     return load_session(path), path
 
 
-def assert_same(one: SegmentTrack, other: SegmentTrack) -> None:
+def assert_same(one: SegmentResult, other: SegmentResult) -> None:
     assert (one.span, one.key, one.quality, one.verdict, one.best_pass) == (
         (other.span, other.key, other.quality, other.verdict, other.best_pass)
     )
-    for name in ("rank", "singular_values", "observability", "residual", "scores"):
-        np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
+    np.testing.assert_array_equal(one.scores, other.scores)
+    for (column, rows), (same, its_rows) in zip(
+        one.diagnostics.arrays(), other.diagnostics.arrays(), strict=True
+    ):
+        assert column == same
+        np.testing.assert_array_equal(rows, its_rows)
     mine, its = one.trajectory, other.trajectory
     assert mine.first_frame == its.first_frame
     np.testing.assert_array_equal(mine.Rs_parent_part, its.Rs_parent_part)
     np.testing.assert_array_equal(mine.ps_camera_root, its.ps_camera_root)
+
+
+def knowing(found: SegmentResult, gains: np.ndarray) -> SegmentResult:
+    """A result that says what keyframes would mend."""
+    diagnostics = dataclasses.replace(found.diagnostics, expected_gain=gains)
+    return dataclasses.replace(found, diagnostics=diagnostics)
 
 
 def at(frame: int) -> Keyframe:
@@ -42,7 +53,7 @@ def at(frame: int) -> Keyframe:
 
 def test_results_come_back_from_the_disk_as_they_were(tmp_path: Path) -> None:
     of = session()
-    results = Results().with_track(track(of, 0, 4, "preview")).with_track(track(of, 4, 8))
+    results = Results().with_result(track(of, 0, 4, "preview")).with_result(track(of, 4, 8))
     again, path = saved(results, tmp_path, of)
     loaded = load_results(again, path).fitting(again)
     assert list(loaded) == [(0, 4), (4, 8)]
@@ -54,16 +65,16 @@ def test_what_a_keyframe_would_mend_comes_back_with_the_segments_that_know_it(
     tmp_path: Path,
 ) -> None:
     of, gains = session(), np.array([0.0, 1.0, 5.0, 2.0, 0.0])
-    known = dataclasses.replace(track(of, 4, 8), need=gains)
-    again, path = saved(Results().with_track(track(of, 0, 4)).with_track(known), tmp_path, of)
+    known = knowing(track(of, 4, 8), gains)
+    again, path = saved(Results().with_result(track(of, 0, 4)).with_result(known), tmp_path, of)
     loaded = load_results(again, path).fitting(again)
-    assert loaded[0, 4].need is None
-    np.testing.assert_array_equal(loaded[4, 8].need, gains)
+    assert loaded[0, 4].diagnostics.expected_gain is None
+    np.testing.assert_array_equal(loaded[4, 8].diagnostics.expected_gain, gains)
 
 
 def test_gaps_between_results_stay_gaps(tmp_path: Path) -> None:
     of = session(keyframes=tuple(at(frame) for frame in (0, 2, 4, 8)))
-    results = Results().with_track(track(of, 0, 2)).with_track(track(of, 4, 8))
+    results = Results().with_result(track(of, 0, 2)).with_result(track(of, 4, 8))
     again, path = saved(results, tmp_path, of)
     assert load_tracks(again, path).runs(tracked=False) == "3"
     loaded = load_results(again, path)
@@ -128,8 +139,8 @@ def test_a_setting_the_file_does_not_tell_is_known_by_the_key(tmp_path: Path) ->
 
 def test_only_what_fits_and_is_finished_is_written(tmp_path: Path) -> None:
     of = session()
-    results = Results().with_track(track(of, 0, 4)).with_track(passing(of, 4, 8, 0.1))
-    again, path = saved(results.with_track(track(moved(of), 4, 8)), tmp_path, of)
+    results = Results().with_result(track(of, 0, 4)).with_result(passing(of, 4, 8, 0.1))
+    again, path = saved(results.with_result(track(moved(of), 4, 8)), tmp_path, of)
     assert again.results is not None
     assert [s.first_frame for s in again.results.segments] == [0]
     assert len(load_results(again, path)) == 1
@@ -139,7 +150,7 @@ def test_the_lowest_quality_is_told_of_the_whole_and_each_segment_s_own_beside_i
     tmp_path: Path,
 ) -> None:
     of = session()
-    results = Results().with_track(track(of, 0, 4, "fast")).with_track(track(of, 4, 8))
+    results = Results().with_result(track(of, 0, 4, "fast")).with_result(track(of, 4, 8))
     again, _ = saved(results, tmp_path, of)
     assert again.results is not None
     assert again.results.quality == "fast"

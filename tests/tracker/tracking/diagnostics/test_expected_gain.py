@@ -40,7 +40,9 @@ def gain(
 
 
 def seen_by(share: float) -> Observation:
-    return replace(NOBODY_LOOKED, observability=np.full((N, SKELETON.part_count), share))
+    observability = np.full((N, SKELETON.part_count), share)
+    found = replace(NOBODY_LOOKED.diagnostics, observability=observability)
+    return replace(NOBODY_LOOKED, diagnostics=found)
 
 
 def test_where_there_is_a_keyframe_another_one_mends_nothing() -> None:

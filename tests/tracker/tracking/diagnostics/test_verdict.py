@@ -17,6 +17,7 @@ from tracker.session.verdict import GOOD, Verdict
 from tracker.tracking.cycle import Outcome
 from tracker.tracking.diagnostics.judge import judge
 from tracker.tracking.diagnostics.observability import Observation, unobserved
+from tracker.tracking.result import Diagnostics
 from tracker.tracking.scene import Scene
 from tracker.tracking.segment import Segment
 from tracker.video.pyramid import Clip
@@ -53,18 +54,22 @@ def clear() -> Observation:
     observability = np.where(np.isin(np.arange(parts), SKELETON.dof_part), 0.9, np.nan) * np.ones(
         (N, 1)
     )
-    return Observation(
-        np.full(N, 23), np.ones((N, 23)), observability, np.full((N, parts), 2.0),
-        np.full((N, parts), 100),
-    )  # fmt: skip
+    residual = np.full((N, parts), 2.0)
+    found = Diagnostics(np.full(N, 23), np.ones((N, 23)), observability, residual)
+    return Observation(found, np.full((N, parts), 100))
+
+
+def seen_as(observability: np.ndarray) -> Observation:
+    """As clear, but for how much the picture tells."""
+    seen = clear()
+    return replace(seen, diagnostics=replace(seen.diagnostics, observability=observability))
 
 
 def hidden(part: str, first: int, last: int) -> Observation:
     """A part is not seen from the pair `first` to the pair `last`, counted from 0."""
-    seen = clear()
-    observability = seen.observability.copy()
+    observability = clear().diagnostics.observability.copy()
     observability[first : last + 1, SKELETON.body.index(part)] = 0.01
-    return replace(seen, observability=observability)
+    return seen_as(observability)
 
 
 def verdict(found: Outcome, seen: Observation | None = None) -> Verdict:
@@ -166,10 +171,9 @@ def test_a_part_that_goes_unseen_is_named_with_its_frames() -> None:
 
 
 def test_the_part_unseen_for_longest_is_the_one_that_is_named() -> None:
-    both = hidden("head", 2, 5).observability
-    longer = hidden("left_shin", 1, 15)
-    seen = replace(longer, observability=np.fmin(longer.observability, both))
-    assert verdict(outcome(), seen).part == "left_shin"
+    both = hidden("head", 2, 5).diagnostics.observability
+    longer = hidden("left_shin", 1, 15).diagnostics.observability
+    assert verdict(outcome(), seen_as(np.fmin(longer, both))).part == "left_shin"
 
 
 def test_a_part_unseen_for_a_moment_is_not_worth_a_word() -> None:
@@ -214,7 +218,11 @@ def test_neighbouring_keyframes_that_contradict_each_other_are_told_as_such() ->
 
 def test_a_body_that_is_nowhere_to_be_seen_is_lost() -> None:
     seen = clear()
-    none = replace(seen, shown=np.zeros_like(seen.shown), rank=np.zeros_like(seen.rank))
+    none = replace(
+        seen,
+        shown=np.zeros_like(seen.shown),
+        diagnostics=replace(seen.diagnostics, rank=np.zeros_like(seen.diagnostics.rank)),
+    )
     found = verdict(outcome(), none)
     assert found == Verdict.nothing_seen(FIRST, LAST)
     assert found.go is None

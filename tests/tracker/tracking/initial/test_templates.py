@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from tests.tracker import tracking_cases as cases
 from tracker.tracking.initial.templates import LimbTracks, limb_tracks
-from tracker.tracking.initial.templates.course import Course
+from tracker.tracking.initial.templates.combine_courses import combine_courses
 from tracker.tracking.initial.templates.ends import followed_points, two_link_limbs
-from tracker.tracking.initial.templates.meeting import combine_courses
+from tracker.tracking.initial.templates.follow_point import Course
 from tracker.tracking.scene import Scene
 from tracker.tracking.segment import Segment
 

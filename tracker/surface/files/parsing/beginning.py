@@ -1,7 +1,7 @@
-"""What the beginning of a mesh file tells already: that it cannot be used.
+"""Refusing a mesh file that cannot be used by its beginning alone.
 
-Little is read, and none of it kept. Whatever is refused here is refused in the same words when the
-file is read; what is not may be damaged all the same.
+Little is read, and none of it kept. Whatever is refused here is refused with the same sentence when
+the file is read; what is not may still be damaged.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def _row_bytes(file: BinaryIO, element: Element, order: str, size: int) -> int |
 
 
 def _row(file: BinaryIO, element: Element, order: str, start: int) -> list[int] | None:
-    """The bytes of every column of a row; None where the file ends before they are told."""
+    """The bytes of every column of a row; None where the file ends before they are known."""
     found: list[int] = []
     for column in element.columns:
         if column.counted is None:

@@ -61,7 +61,7 @@ class Nodes:
         for channel in channels:
             if channel.target != "weights":
                 moved[channel.target][channel.node] = channel.value(time_s)
-        Ts = composed(moved["translation"], moved["rotation"], moved["scale"])
+        Ts = compose(moved["translation"], moved["rotation"], moved["scale"])
         animated = {channel.node for channel in channels if channel.target != "weights"}
         for number, matrix in self.matrices.items():
             if number not in animated:
@@ -72,7 +72,7 @@ class Nodes:
         return Ts
 
 
-def composed(translations: Array, rotations: Array, scales: Array) -> Array:
+def compose(translations: Array, rotations: Array, scales: Array) -> Array:
     """(N, 4, 4) first scaled, then turned, then moved."""
     lengths = np.linalg.norm(rotations, axis=1, keepdims=True)
     x, y, z, w = (rotations / np.where(lengths > 0, lengths, 1.0)).T

@@ -1,4 +1,7 @@
-"""OBJ: only vertices and faces are read. Materials, in other files, are never looked for."""
+"""OBJ: only vertices and faces are read. Materials, in other files, are never looked for.
+
+Own code: trimesh counts negative corners from the end, takes 0 for 1, and sorts faces by material.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The door: only regular files of a sensible size get through."""
+"""Opening mesh files: only regular ones of a sensible size."""
 
 from __future__ import annotations
 

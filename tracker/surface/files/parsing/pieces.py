@@ -58,26 +58,26 @@ class Piece:
         """(V, 3) in the scene's frame at a time."""
         p_mesh = self._morphed(channels, time_s)
         if self.skin is None:
-            return _moved(p_mesh, Ts_world_node[self.node])
+            return _transform(p_mesh, Ts_world_node[self.node])
         Ts = Ts_world_node[self.skin.joints] @ self.skin.Ts_joint_mesh
         p_world = np.zeros_like(p_mesh)
         for joint, share in zip(self.joint.T, self.share.T, strict=True):
-            p_world += share[:, None] * _moved(p_mesh, Ts[joint])
+            p_world += share[:, None] * _transform(p_mesh, Ts[joint])
         return p_world
 
-    def turned_over(self, Ts_world_node: Array) -> bool:
+    def is_mirrored(self, Ts_world_node: Array) -> bool:
         """Whether the node mirrors the piece, so that its faces show their backs."""
         return self.skin is None and bool(np.linalg.det(Ts_world_node[self.node, :3, :3]) < 0)
 
     def marks(self) -> Array:
         """(V, M) numbers; vertices with equal ones move alike, whatever happens."""
-        # A node's own place says nothing about vertices that move with joints.
+        # A node's own transform does not move vertices that move with joints.
         owner = float(self.node)
         if self.skin is not None and not self.targets:
             owner = -1.0 - self.skin.number
         shift = np.zeros_like(self.p_mesh)
         for number, target in enumerate(self.targets):
-            shift += np.sqrt(number + 2.0) * target  # tells different sets of targets apart
+            shift += np.sqrt(number + 2.0) * target  # so that different sets of targets differ
         known = np.full((len(self.p_mesh), 1), owner)
         return np.hstack([known, self.p_mesh, shift, self.joint, self.share])
 
@@ -95,7 +95,7 @@ class Piece:
 
 def pieces_of(glb: Glb) -> list[Piece]:
     """The pieces of the scene that is shown. Refused where there are none, or too many faces."""
-    shown = _shown(glb)
+    shown = _shown_nodes(glb)
     _require_counts(glb, shown)
     pieces = []
     for number in shown:
@@ -108,7 +108,7 @@ def pieces_of(glb: Glb) -> list[Piece]:
     return pieces
 
 
-def _shown(glb: Glb) -> list[int]:
+def _shown_nodes(glb: Glb) -> list[int]:
     """The nodes with a mesh that hang in the scene."""
     nodes, scenes = glb.items("nodes"), glb.items("scenes")
     number = glb.document.get("scene", 0)
@@ -204,7 +204,7 @@ def _shares(
     return joint, share / np.where(total > 0, total, 1.0)
 
 
-def _moved(p_mesh: Array, Ts: Array) -> Array:
+def _transform(p_mesh: Array, Ts: Array) -> Array:
     """(V, 3) points moved by one (4, 4) transform, or each by its own (V, 4, 4)."""
     return np.asarray(np.einsum("...ij,...j->...i", Ts[..., :3, :3], p_mesh) + Ts[..., :3, 3])
 

@@ -1,4 +1,7 @@
-"""PLY: the mesh of a scanner or of a visual hull, with how well the cameras agree where it says."""
+"""PLY: the mesh of a scanner or of a visual hull, with its photo-consistency where it has one.
+
+Own code: trimesh refuses binary files of mixed polygons, and takes a text cut short for whole.
+"""
 
 from __future__ import annotations
 
@@ -9,19 +12,19 @@ from numpy.typing import NDArray
 
 from tracker.geometry.rotations import Array
 from tracker.surface.files.parsing.ply_header import Element, read_header
-from tracker.surface.files.parsing.ply_rows import Values, rows_of
+from tracker.surface.files.parsing.ply_rows import Rows, Values
 from tracker.surface.files.parsing.polygons import fan
 from tracker.surface.files.parsing.raw import RawMesh, Refused
 
 CONSISTENCY: Final = ("zncc", "quality")
-"""Names under which a vertex tells how well the cameras agree on it. `quality` is MeshLab's."""
+"""Names of a vertex's photo-consistency. `quality` is MeshLab's."""
 _CORNERS: Final = ("vertex_indices", "vertex_index")
 
 
 def read_ply(file: BinaryIO) -> RawMesh:
     """The mesh of an open PLY file. Refused where it is none, cut short or too large."""
     header = read_header(file)
-    rows = rows_of(header, file.read())
+    rows = Rows(header, file.read())
     found: dict[str, dict[str, Values]] = {}
     elements = {element.name: element for element in header.elements}
     for element in header.elements:

@@ -1,18 +1,20 @@
 """The rows of a PLY file, written as text or as binary numbers.
 
 Nearly always all lists of one column are equally long (triangles): the rows then make one table,
-which is read at once. Where they differ, row after row is read.
+which is read at once. Where they differ, row after row is read. The numbers of a text, wherever its
+lines end, are read as if they had been written in binary, each as a double.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, Protocol, TypeAlias
+from dataclasses import replace
+from functools import cache
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.geometry.rotations import Array
 from tracker.surface.files.parsing.ply_header import Column, Element, Header
 from tracker.surface.files.parsing.raw import Refused
 from tracker.surface.files.parsing.text import numbers
@@ -20,90 +22,29 @@ from tracker.surface.files.parsing.text import numbers
 Values: TypeAlias = tuple[NDArray[Any], NDArray[np.int64]]
 """Of one column: all its numbers row after row, and how many each row has."""
 
+_DOUBLE: Final = "f8"
 
-class Rows(Protocol):
-    """What is not read yet of a file's rows."""
+
+class Rows:
+    """What is not read yet of the rows that follow a header."""
+
+    def __init__(self, header: Header, content: bytes) -> None:
+        self._is_text = header.form == "text"
+        self._order = "=" if self._is_text else header.form
+        self._content = numbers(content).data.cast("B") if self._is_text else memoryview(content)
+        self._at = 0
 
     def read(self, element: Element) -> dict[str, Values]:
         """The columns of the next element. Refused where the file ends before."""
-
-
-def rows_of(header: Header, content: bytes) -> Rows:
-    """The rows that follow the header."""
-    if header.form == "text":
-        return TextRows(numbers(content))
-    return BinaryRows(content, header.form)
-
-
-class TextRows:
-    """Rows of numbers one after the other, wherever lines end."""
-
-    def __init__(self, values: Array) -> None:
-        self._values = values
-        self._at = 0
-
-    def read(self, element: Element) -> dict[str, Values]:
-        return self._table(element) or _joined(element, self._row_by_row(element))
-
-    def _table(self, element: Element) -> dict[str, Values] | None:
-        if element.rows == 0:
-            return _joined(element, iter(()))
-        lengths = self._lengths(element)
-        width = sum(lengths) + sum(c.counted is not None for c in element.columns)
-        end = self._at + width * element.rows
-        if width == 0 or end > len(self._values):
-            return None
-        block = self._values[self._at : end].reshape(element.rows, width)
-        found, at = {}, 0
-        for column, length in zip(element.columns, lengths, strict=True):
-            if column.counted is not None:
-                if (block[:, at] != length).any():
-                    return None
-                at += 1
-            found[column.name] = _equal(block[:, at : at + length])
-            at += length
-        self._at = end
-        return found
-
-    def _lengths(self, element: Element) -> list[int]:
-        """How many numbers each column has in the next row."""
-        lengths, at = [], self._at
-        for column in element.columns:
-            lengths.append(1 if column.counted is None else _whole(self._values, at))
-            at += lengths[-1] + (column.counted is not None)
-        return lengths
-
-    def _row_by_row(self, element: Element) -> Iterator[list[NDArray[Any]]]:
-        for _ in range(element.rows):
-            row = []
-            for column in element.columns:
-                length = 1
-                if column.counted is not None:
-                    length = _whole(self._values, self._at)
-                    self._at += 1
-                row.append(self._values[self._at : self._at + length])
-                self._at += length
-            if self._at > len(self._values):
-                raise cut_short()
-            yield row
-
-
-class BinaryRows:
-    """Rows of packed numbers."""
-
-    def __init__(self, content: bytes, order: str) -> None:
-        self._content = content
-        self._order = order
-        self._at = 0
-
-    def read(self, element: Element) -> dict[str, Values]:
+        if self._is_text:
+            element = _as_doubles(element)
         if self._at + element.least_bytes > len(self._content):
             raise cut_short()
-        return self._table(element) or _joined(element, self._row_by_row(element))
+        return self._table(element) or _join_rows(element, self._row_by_row(element))
 
     def _table(self, element: Element) -> dict[str, Values] | None:
-        if element.rows == 0:
-            return _joined(element, iter(()))
+        if element.rows == 0 or not element.columns:
+            return _join_rows(element, iter(()))
         start = self._at
         first = next(self._row_by_row(element))
         self._at = start
@@ -121,7 +62,7 @@ class BinaryRows:
             if column.counted is not None and (block[f"n{number}"] != len(values)).any():
                 return None
         self._at = end
-        return {c.name: _equal(block[f"v{number}"]) for number, c in enumerate(element.columns)}
+        return {c.name: _flatten(block[f"v{number}"]) for number, c in enumerate(element.columns)}
 
     def _row_by_row(self, element: Element) -> Iterator[list[NDArray[Any]]]:
         for _ in range(element.rows):
@@ -130,11 +71,11 @@ class BinaryRows:
     def _next(self, column: Column) -> NDArray[Any]:
         length = 1
         if column.counted is not None:
-            length = _whole(self._take(column.counted, 1), 0)
+            length = _list_length(float(self._take(column.counted, 1)[0]))
         return self._take(column.type, length)
 
     def _take(self, type_: str, count: int) -> NDArray[Any]:
-        layout = np.dtype(self._order + type_)
+        layout = _layout(self._order + type_)
         start = self._at
         self._at += count * layout.itemsize
         if self._at > len(self._content):
@@ -142,27 +83,36 @@ class BinaryRows:
         return np.frombuffer(self._content, layout, count, start)
 
 
+_layout = cache(np.dtype)  # asked for twice a row
+
+
 def cut_short() -> Refused:
     """The refusal of a file that ends before what its header announces."""
     return Refused("is cut short, it ends before its last face: export it again.")
 
 
-def _whole(values: NDArray[Any], at: int) -> int:
+def _as_doubles(element: Element) -> Element:
+    """The element with every number, and every list's length, a double."""
+    columns = [
+        Column(column.name, _DOUBLE, None if column.counted is None else _DOUBLE)
+        for column in element.columns
+    ]
+    return replace(element, columns=tuple(columns))
+
+
+def _list_length(length: float) -> int:
     """A list's length."""
-    if at >= len(values):
-        raise cut_short()
-    length = float(values[at])
     if not 0 <= length <= 1_000_000:  # not a number is neither
         raise Refused("has a list of impossible length: export it again.")
     return int(length)
 
 
-def _equal(block: NDArray[Any]) -> Values:
+def _flatten(block: NDArray[Any]) -> Values:
     """The values of a column whose rows are equally long: block (rows, length)."""
     return block.ravel(), np.full(len(block), block.shape[1], dtype=np.int64)
 
 
-def _joined(element: Element, rows: Iterator[list[NDArray[Any]]]) -> dict[str, Values]:
+def _join_rows(element: Element, rows: Iterator[list[NDArray[Any]]]) -> dict[str, Values]:
     """The columns of rows that were read one by one."""
     pieces: list[list[NDArray[Any]]] = [[] for _ in element.columns]
     for row in rows:

@@ -1,4 +1,4 @@
-"""What a parser gives, and how it says no."""
+"""What a parser returns, and how it refuses a file."""
 
 from __future__ import annotations
 

@@ -17,16 +17,16 @@ LEAST_AREA = 1e-9
 
 
 def tidy(raw: RawMesh) -> RawMesh:
-    """The same surface without what is none. Refused where nothing is left, or it is nonsense.
+    """The same surface without degenerate faces. Refused where nothing is left, or it is nonsense.
 
     Vertices at one place become one: files split them at the seams of a texture, which are no
     holes. Faces that then have no three corners go, and vertices of no face; both keep their order.
     Thin faces stay, for without them there would be holes.
     """
     require_range(raw.faces, len(raw.vertices))
-    raw = _used(raw)
+    raw = _drop_unused(raw)
     _require_sense(raw.vertices)
-    merged = _used(merge(raw, same_rows(raw.vertices)))
+    merged = _drop_unused(merge(raw, same_rows(raw.vertices)))
     return require_surface(replace(merged, consistency=_as_zncc(merged.consistency)))
 
 
@@ -71,14 +71,14 @@ def merge(raw: RawMesh, into: NDArray[np.int64]) -> RawMesh:
     faces = faces[(a != b) & (b != c) & (c != a)]
     consistency = raw.consistency
     if consistency is not None:
-        # What cameras say of one place, under several numbers: the mean.
+        # Of one place under several numbers: the mean.
         count = np.bincount(into, minlength=len(into))
         total = np.bincount(into, consistency, minlength=len(into))
         consistency = np.divide(total, count, out=np.full(len(into), -1.0), where=count > 0)
     return RawMesh(raw.vertices, faces, consistency)
 
 
-def _used(raw: RawMesh) -> RawMesh:
+def _drop_unused(raw: RawMesh) -> RawMesh:
     """Without the vertices that no face has."""
     used = np.zeros(len(raw.vertices), dtype=bool)
     used[raw.faces] = True

@@ -1,4 +1,4 @@
-"""Points on the body's surface that a keyframe shows, where they go by a base, and when hidden."""
+"""Points on the body's surface that a keyframe shows, and when a base trajectory hides them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tracker.tracking.initial.templates.ends import Followed
 from tracker.tracking.scene import Scene
 
 NEAR_M = 0.07
-"""Surface points no further than this from an anchor tell whether it is hidden."""
+"""Surface points no further than this from an anchor decide whether it is hidden."""
 STILL_SEEN = 0.4
 """Of those that the keyframe shows, how many must be seen for it not to be."""
 
@@ -55,12 +55,6 @@ def find_anchor(scene: Scene, point: Followed, T: Array, seen: Raster, half: int
         uv, p_part = at, T[:3, :3].T @ (p_camera - T[:3, 3])
     shows = np.isin(seen.part, point.rigid)
     return Anchor(point.part, p_part, uv, shows, point.size_m, is_seen)
-
-
-def places(scene: Scene, motion: Trajectory, anchor: Anchor) -> Array:
-    """(N, 2) where a motion has an anchor."""
-    T = motion.transforms(scene.skeleton)[:, anchor.part]
-    return scene.camera.project(T[:, :3, :3] @ anchor.p_part + T[:, :3, 3])
 
 
 def hidden(

@@ -11,7 +11,7 @@ from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import Array
 
 KNEE_SHARE = 0.3
-"""How far along the lower link, from its joint to its end, knee and elbow are told from."""
+"""How far along the lower link, from its joint to its end, the point for knee and elbow is."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,11 +69,6 @@ def is_left_out(skeleton: Skeleton, part: int, left_out: Collection[str]) -> boo
     return any(skeleton.body.names[i] in left_out for i in limb)
 
 
-def plain_name(skeleton: Skeleton, part: int) -> str:
-    """What a person calls a part, such as "left hand"."""
-    return skeleton.body.names[part].replace("_", " ")
-
-
 @dataclass(frozen=True, eq=False)
 class Followed:
     """A point that is followed: of which part, where in its frame (3,), and what moves with it.
@@ -90,7 +85,7 @@ class Followed:
 def followed_points(skeleton: Skeleton, left_out: Collection[str] = ()) -> list[Followed]:
     """The middles of all leaves, and of limbs of two links a point of the lower one near its joint.
 
-    That point tells of knee and elbow; it lies far enough from the joint that what is around it
+    That point shows knee and elbow; it lies far enough from the joint that what is around it
     moves as one.
     """
     points = []

@@ -1,4 +1,4 @@
-"""A piece of a picture laid upright, found again at any place, turn and scale."""
+"""A piece of a picture turned upright, and found at any place, turn and scale."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from numpy.typing import NDArray
 
 from tracker.geometry.rotations import Array
 from tracker.kernels.settling import settle
-from tracker.tracking.initial.templates.turned import Turned
+from tracker.tracking.initial.templates.rotatable import Rotatable
 from tracker.video.pyramid import USABLE, Picture
 
 MARGIN = 1.45
-"""A patch is laid this many times as wide as it is compared, so that its corners may turn in."""
+"""A patch is cut this many times as wide as it is compared, so that it can turn."""
 SOFT_SHARE, LEAST_SOFT = 0.7, 5.0
 """Difference beyond which a pixel counts less: as a share of the patch's contrast, grey levels."""
 LEAST_PIXELS = 40
 SOLVES = 8
 STRAY = np.array([3.0, 3.0, np.radians(12.0), 0.04])
-"""How far u, v, turn and log scale may lie from where settling starts, one standard deviation."""
+"""Standard deviations of u, v, turn and log scale from where the refinement starts."""
 NOISE = 60.0
 """Grey levels² that a pixel is off by, ten times: neighbouring pixels share texture and noise."""
 
@@ -31,7 +31,7 @@ Place: TypeAlias = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True)
-class Settled:
+class PatchMatch:
     """Where a patch was found: u, v in pixels, turn in radians, log scale.
 
     alike: the mean weight of its pixels, 0 to 1. correlation: of its brightness with the picture's,
@@ -62,7 +62,7 @@ class Patch:
     """
 
     piece: Picture
-    turned: Turned
+    turned: Rotatable
     xy: NDArray[np.float32]
     values: NDArray[np.float32]
     soft: float
@@ -80,14 +80,14 @@ class Patch:
         side = 2 * wide + 1
         warp = _warp(place, wide)
         flags = cv2.WARP_INVERSE_MAP | cv2.INTER_LINEAR
-        laid = cv2.warpAffine(picture, warp, (side, side), flags=flags)
+        upright = cv2.warpAffine(picture, warp, (side, side), flags=flags)
         if counts.shape != (side, side):
             flat = cv2.warpAffine(counts.astype(np.float32), warp, (side, side), flags=flags)
             counts = flat > 0.5
-        counts = counts & (laid[..., 3] > 0.99 * USABLE)
-        piece = np.ascontiguousarray(laid, np.float32)
+        counts = counts & (upright[..., 3] > 0.99 * USABLE)
+        piece = np.ascontiguousarray(upright, np.float32)
         piece[..., 3] = np.where(counts, USABLE, 0.0)
-        turned = Turned(piece, counts, np.array([wide, wide], np.float64), half)
+        turned = Rotatable(piece, counts, np.array([wide, wide], np.float64), half)
         template = turned.at(0.0)
         if template is None:
             return None
@@ -99,11 +99,11 @@ class Patch:
         soft = max(LEAST_SOFT, SOFT_SHARE * template.contrast)
         return cls(piece, turned, xy, piece[v[near], u[near], 0], soft)
 
-    def again(self, picture: Picture, place: Place) -> Patch | None:
+    def renew(self, picture: Picture, place: Place) -> Patch | None:
         """The same patch as another picture shows it."""
         return Patch.cut(picture, place, self.turned.half, self.turned.wanted)
 
-    def settled(self, picture: Picture, place: Place) -> Settled:
+    def refine(self, picture: Picture, place: Place) -> PatchMatch:
         """Its place to a fraction of a pixel, from a start at most a few pixels away."""
         at, spread = np.array(place, np.float64), np.empty(2)
         alike = settle(
@@ -112,7 +112,7 @@ class Patch:
         u, v, turn, scale = at.tolist()
         place = (u, v, turn, scale)
         sigma = float(np.sqrt(NOISE * spread.mean()))
-        return Settled(place, float(alike), self._correlation(picture, place), sigma)
+        return PatchMatch(place, float(alike), self._correlation(picture, place), sigma)
 
     def _correlation(self, picture: Picture, place: Place) -> float:
         """How the brightness of the patch and that of the picture at a place go together."""

@@ -20,14 +20,14 @@ LEAST_SHARE = 0.12
 
 
 @dataclass(frozen=True, eq=False)
-class Shown:
-    """A prepared picture as the searches want it: grey (h, w) whole numbers."""
+class GreyPicture:
+    """A prepared picture for the searches: grey (h, w) whole numbers."""
 
     grey: Grey
 
     @classmethod
-    def of(cls, picture: Picture) -> Shown:
-        """Of one (h, w, 4) picture of a clip."""
+    def of(cls, picture: Picture) -> GreyPicture:
+        """From one (h, w, 4) picture of a clip."""
         grey = np.where(picture[..., 3] != IGNORED, np.rint(picture[..., 0]), UNUSABLE)
         return cls(grey.astype(np.int16))
 
@@ -89,7 +89,7 @@ def cut(
     return Template(grey, counts, rows, offset, float(away.sum() / counts.sum()))
 
 
-def find_match(template: Template, shown: Shown, uv: Array, reach: int) -> Match:
+def find_match(template: Template, shown: GreyPicture, uv: Array, reach: int) -> Match:
     """Where a template fits best within `reach` pixels of a predicted place."""
     column, row = np.rint(np.asarray(uv) - template.offset).astype(int)
     v, u, total, _ = find_sequentially(

@@ -1,42 +1,40 @@
 """The ends of limbs followed from both keyframes: INITIAL's templates, carried further.
 
 Beyond INITIAL §3.1: a patch of each keyframe and one that is renewed on the way, places to a
-fraction of a pixel, both directions beside each other, and what lies before a part heeded as far as
-a base trajectory tells.
+fraction of a pixel, both directions combined, and occlusion as predicted by a base trajectory.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tracker.body.raster import BodyMesh, Raster, raster
-from tracker.body.trajectory import Trajectory, interpolate
+from tracker.body.trajectory import Trajectory
+from tracker.errors import spoken
 from tracker.geometry.rotations import Array
 from tracker.geometry.view import ViewCamera
-from tracker.tracking.initial.chains import Chain, blend_chains, follow
-from tracker.tracking.initial.templates.anchors import Anchor, find_anchor, hidden, places
-from tracker.tracking.initial.templates.course import Course, Guide, follow_point
-from tracker.tracking.initial.templates.ends import Followed, followed_points, plain_name
-from tracker.tracking.initial.templates.given import LimbTracks
-from tracker.tracking.initial.templates.meeting import combine_courses
+from tracker.tracking.initial.chains import Chain, Chains, blend_chains, follow_both
+from tracker.tracking.initial.templates.anchors import Anchor, find_anchor, hidden
+from tracker.tracking.initial.templates.combine_courses import combine_courses
+from tracker.tracking.initial.templates.ends import Followed, followed_points
+from tracker.tracking.initial.templates.follow_point import BaseCourse, Course, follow_point
 from tracker.tracking.initial.templates.patch import Patch
-from tracker.tracking.initial.templates.search import Shown
+from tracker.tracking.initial.templates.results import LimbTracks
+from tracker.tracking.initial.templates.search import GreyPicture
 from tracker.tracking.method import FULL
 from tracker.tracking.scene import Scene
-from tracker.tracking.segment import Segment, is_sound
+from tracker.tracking.segment import Segment
 from tracker.video.pyramid import Picture
-
-Chains = tuple[Chain, Chain]
 
 LEAST_HALF, MOST_HALF = 5, 16
 """Half a patch's side, pixels."""
-TRUSTED_PX, HEEDED_PX = 6.0, 20.0
-"""How near each other the two chains must lie for where they have a point to be believed, and for
-what they have before it."""
+TRUSTED_PX, OCCLUDER_PX = 6.0, 20.0
+"""Distance of the two chains up to which their position of a point is used, and up to which their
+occlusion of it is."""
 INSTEAD = "followed from both keyframes there"
 REACH_M, LEAST_REACH, MOST_REACH = 0.055, 6, 24
 """How far beside its expected place a point is looked for: metres on the body, and pixels."""
@@ -50,11 +48,16 @@ def limb_tracks(
 ) -> LimbTracks:
     """Where the ends of limbs are seen.
 
-    Every point is followed twice, as either keyframe shows it: what one of them sees of a part's
-    surface the other one need not. chains: the body followed from both keyframes, if known.
+    Every point is followed twice, as either keyframe shows it: they may show different sides of a
+    part. chains: the body followed from both keyframes, if known.
     """
     points = followed_points(scene.skeleton, left_out)
-    view = _View.of(scene, segment, chains or _followed(scene, segment))
+    if chains is None:
+        chains = follow_both(scene, segment, replace(FULL, finest=1))
+    if chains is None:
+        even = Chain.even(segment.interpolated())
+        chains = even, even
+    view = _View.of(scene, segment, chains)
     anchors = [view.anchor(point, forward) for point in points for forward in (True, False)]
     covered = hidden(scene, view.base, [(a, k % 2 == 0) for k, a in enumerate(anchors)])
     uv, sigma = np.full((len(anchors), len(view.shown), 2), np.nan), np.full(covered.shape, np.inf)
@@ -62,8 +65,10 @@ def limb_tracks(
     for i in range(0, len(anchors), 2):
         pair = slice(i, i + 2)
         courses = [view.course(anchors[k], covered[k], forward=k == i) for k in (i, i + 1)]
-        offset = places(scene, view.base, anchors[i + 1]) - places(scene, view.base, anchors[i])
-        uv[pair], sigma[pair] = combine_courses(courses[0], courses[1], offset)
+        first, second = (
+            scene.point_pixels(view.base, anchors[k].part, anchors[k].p_part) for k in (i, i + 1)
+        )
+        uv[pair], sigma[pair] = combine_courses(courses[0], courses[1], second - first)
         notes += _words(view, points[i // 2], uv[pair])
     return LimbTracks(
         np.array([anchor.part for anchor in anchors], np.int64),
@@ -74,14 +79,14 @@ def limb_tracks(
 
 @dataclass(frozen=True, eq=False)
 class _View:
-    """A segment's pictures, and what the chains from both keyframes say of the body in them.
+    """A segment's pictures, and the chains from both keyframes.
 
     ends: what the first and the last keyframe show.
     """
 
     scene: Scene
     pictures: list[Picture]
-    shown: list[Shown]
+    shown: list[GreyPicture]
     chains: Chains
     base: Trajectory
     ends: tuple[Raster, Raster]
@@ -95,7 +100,7 @@ class _View:
         mesh, view = BodyMesh.of(scene.skeleton), ViewCamera.of(scene.camera)
         Ts = base.transforms(scene.skeleton)
         ends = (raster(mesh, Ts[0], view), raster(mesh, Ts[-1], view))
-        return cls(scene, pictures, [Shown.of(p) for p in pictures], chains, base, ends)
+        return cls(scene, pictures, [GreyPicture.of(p) for p in pictures], chains, base, ends)
 
     def anchor(self, point: Followed, forward: bool) -> Anchor:
         """The point as the first keyframe shows it, or the last one."""
@@ -106,11 +111,11 @@ class _View:
     def course(self, anchor: Anchor, covered: NDArray[np.bool_], forward: bool) -> Course:
         """An anchor followed from its keyframe on, in frame order."""
         along = slice(None, None, 1 if forward else -1)
-        uv = places(self.scene, self.base, anchor)
-        ways = [places(self.scene, chain, anchor) for chain in self.chains]
+        uv = self.scene.point_pixels(self.base, anchor.part, anchor.p_part)
+        ways = [self.scene.point_pixels(chain, anchor.part, anchor.p_part) for chain in self.chains]
         apart = np.linalg.norm(ways[0] - ways[1], axis=-1)
-        covered, trusted = covered & (apart < HEEDED_PX), apart < TRUSTED_PX
-        guide = Guide(uv[along], covered[along], trusted[along])
+        covered, trusted = covered & (apart < OCCLUDER_PX), apart < TRUSTED_PX
+        expected = BaseCourse(uv[along], covered[along], trusted[along])
         start, pictures = anchor.uv, self.pictures[along]
         key = None
         if anchor.is_seen:
@@ -119,33 +124,19 @@ class _View:
         course = Course.at_its_start(start, len(pictures))
         if key is not None:
             reach = int(np.clip(REACH_M / self.scene.pixel_m, LEAST_REACH, MOST_REACH))
-            course = follow_point(key, start, pictures, self.shown[along], guide, reach)
+            course = follow_point(key, start, pictures, self.shown[along], expected, reach)
         return course if forward else course.reversed()
 
     def _half(self, size_m: float) -> int:
         return int(np.clip(size_m / self.scene.pixel_m / 2, LEAST_HALF, MOST_HALF))
 
 
-def _followed(scene: Scene, segment: Segment) -> Chains:
-    """The body followed from both keyframes; interpolation where that gets lost."""
-    first, last = segment.first_frame, segment.last_frame
-    how = (FULL.stride, FULL.chain_inner, FULL.stop, 1)
-    chains = (
-        follow(scene, segment.clip, segment.start, first, last, *how),
-        follow(scene, segment.clip, segment.end, last, first, *how),
-    )
-    if all(is_sound(scene, segment, chain) for chain in chains):
-        return chains
-    plain = Chain.even(interpolate(segment.start, segment.end, first, last))
-    return plain, plain
-
-
 def _words(view: _View, point: Followed, uv: Array) -> list[str]:
-    """What a person should know of a point's tracks (2, N, 2): hands and feet stand for limbs."""
+    """Notes for a person on a point's tracks (2, N, 2): hands and feet represent their limbs."""
     lost = 1 + np.flatnonzero(np.isnan(uv[:, 1:-1, 0]).all(axis=0))  # the ends are posed
     if not len(lost) or point.part in view.scene.skeleton.parents:
         return []
-    name, first = plain_name(view.scene.skeleton, point.part), view.base.first_frame
+    name, first = spoken(view.scene.skeleton.body.names[point.part]), view.base.first_frame
     if len(lost) >= uv.shape[1] - 2:
         return [f"{name} was not found between the keyframes: {INSTEAD}"]
     at = f"{name} lost at frame {first + int(lost[0])}"

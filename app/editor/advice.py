@@ -1,0 +1,59 @@
+"""What to do next, by what the body is compared with; and why nothing can be done."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from app.editor.suggest import Fitting, Suggestion, suggestion
+from app.editor.suggest_surfaces import surface_suggestion
+from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
+from tracker.session.schema import Session
+
+
+@dataclass(frozen=True)
+class _Advice:
+    """next: of the keyframes' frames, the session and its results.  missing: of a session without
+    a segment, what it lacks."""
+
+    next: Callable[[Sequence[int], Session, Fitting], Suggestion]
+    missing: Callable[[Session], str]
+
+
+def next_step(keys: Sequence[int], session: Session, fitting: Fitting) -> Suggestion:
+    """The one thing that helps most. keys: frames of the keyframes, ascending.
+
+    fitting: the results of the present segments; unfinished ones count as none.
+    """
+    return _ADVICE.of(session).next(keys, session, fitting)
+
+
+def why_nothing_to_do(session: Session) -> str:
+    """Why there is no segment whose motion could be found."""
+    return _ADVICE.of(session).missing(session)
+
+
+def _next_of_film(keys: Sequence[int], session: Session, fitting: Fitting) -> Suggestion:
+    return suggestion(keys, session.video.frame_count, fitting, session.body.names)
+
+
+def _missing_of_film(session: Session) -> str:
+    return "Add a second keyframe first."
+
+
+def _next_of_surfaces(keys: Sequence[int], session: Session, fitting: Fitting) -> Suggestion:
+    return surface_suggestion(keys, session.spans, fitting)
+
+
+def _missing_of_surfaces(session: Session) -> str:
+    if session.video.frame_count < 2:
+        return "Nothing to fit: there is only one mesh."
+    return "Add a keyframe first: pose the body in one of the meshes."
+
+
+_ADVICE = ByEvidence(
+    {
+        FilmEvidence: _Advice(_next_of_film, _missing_of_film),
+        SurfaceEvidence: _Advice(_next_of_surfaces, _missing_of_surfaces),
+    }
+)

@@ -1,0 +1,121 @@
+"""Every edit of the document in one table: how it is made, and what undo calls it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from app.editor import actions as do
+from app.editor import (
+    body_edits,
+    camera_edits,
+    keyframe_edits,
+    posing_edits,
+    surface_edits,
+    tracking_edits,
+)
+from app.editor.refusal import Refused
+from app.editor.state import EditorState
+from app.posing import part_label
+from app.posing.gesture import Surface
+from tracker.session.schema import Session
+
+
+@dataclass(frozen=True)
+class EditKind:
+    """One kind of edit.
+
+    apply: the document after it; KeyposeError, in one sentence, when it cannot be done.
+    verb: what undo calls it.  target: the action's field that names what it is done to.
+    """
+
+    apply: Callable[[EditorState, Any], Session]
+    verb: str
+    target: str | None = None
+
+
+def _add_keyframe(state: EditorState, action: do.AddKey) -> Session:
+    return keyframe_edits.add_keyframe(state, _in_video(state, action.frame))
+
+
+def _delete_keyframe(state: EditorState, action: do.DeleteKey) -> Session:
+    return keyframe_edits.delete_keyframe(state, action.frame)
+
+
+def _move_keyframe(state: EditorState, action: do.MoveKey) -> Session:
+    _in_video(state, action.to)
+    return keyframe_edits.move_keyframe(state, action)
+
+
+def _duplicate_keyframe(state: EditorState, action: do.DuplicateKey) -> Session:
+    _in_video(state, action.to)
+    return keyframe_edits.duplicate_keyframe(state, action)
+
+
+def _in_video(state: EditorState, frame: int) -> int:
+    if frame >= state.frame_count:
+        raise Refused(f"The video has frames 0 to {state.frame_count - 1}.")
+    return frame
+
+
+def _alone(apply: Callable[[EditorState], Session]) -> Callable[[EditorState, Any], Session]:
+    """An edit that needs no more than its name."""
+    return lambda state, _: apply(state)
+
+
+EDITS: Mapping[type[do.Edit], EditKind] = {
+    do.Angles: EditKind(posing_edits.set_angles, "turn", "part"),
+    do.Root: EditKind(posing_edits.set_root, "move the body"),
+    do.Face: EditKind(posing_edits.set_facing, "turn the body"),
+    do.ResetPart: EditKind(posing_edits.reset_part, "reset", "part"),
+    do.ResetPose: EditKind(_alone(posing_edits.reset_pose), "reset the pose"),
+    do.Exchange: EditKind(_alone(posing_edits.swap_sides), "swap left and right"),
+    do.PastePose: EditKind(posing_edits.paste_pose, "paste the pose"),
+    do.CopyKey: EditKind(posing_edits.copy_key, "copy keyframe", "from_frame"),
+    do.TakeTracked: EditKind(_alone(posing_edits.take_tracked), "use the tracked pose"),
+    do.KeyAngle: EditKind(posing_edits.turn_key, "turn", "part"),
+    do.AddKey: EditKind(_add_keyframe, "add keyframe", "frame"),
+    do.DeleteKey: EditKind(_delete_keyframe, "delete keyframe", "frame"),
+    do.MoveKey: EditKind(_move_keyframe, "move keyframe", "frame"),
+    do.DuplicateKey: EditKind(_duplicate_keyframe, "duplicate keyframe", "frame"),
+    do.Shape: EditKind(body_edits.set_shape, "change the shape of", "part"),
+    do.Size: EditKind(body_edits.set_size, "resize", "part"),
+    do.Joint: EditKind(body_edits.set_joint, "move the joint of", "part"),
+    do.Height: EditKind(body_edits.set_height, "change the height"),
+    do.Preset: EditKind(body_edits.set_preset, "change the body to", "name"),
+    do.ResetBody: EditKind(_alone(body_edits.reset_body), "reset the body"),
+    do.Tracked: EditKind(body_edits.set_tracked, "change the tracked motions of", "part"),
+    do.Intrinsics: EditKind(camera_edits.set_intrinsics, "change the camera"),
+    do.FieldOfView: EditKind(camera_edits.set_fov, "change the field of view"),
+    do.Distortion: EditKind(camera_edits.set_distortion, "change the distortion"),
+    do.Vertical: EditKind(camera_edits.set_up, "change the up direction"),
+    do.ResetUp: EditKind(_alone(camera_edits.reset_up), "reset the up direction"),
+    do.AddMask: EditKind(tracking_edits.add_mask, "draw a mask"),
+    do.ChangeMask: EditKind(tracking_edits.change_mask, "change a mask"),
+    do.DeleteMask: EditKind(tracking_edits.delete_mask, "delete a mask"),
+    do.Settings: EditKind(tracking_edits.set_settings, "change the settings"),
+    do.Observe: EditKind(surface_edits.set_surface, "change the surfaces"),
+}
+"""All edits but a drag, which is a gesture and says what it turns or moves (`label_of`)."""
+
+
+def label_of(action: do.Edit) -> str:
+    """What undo offers to undo: "turn right forearm"."""
+    if isinstance(action, do.Drag):
+        return _drag_label(action)
+    kind = EDITS[type(action)]
+    target = getattr(action, kind.target) if kind.target else None
+    if target is None:
+        return kind.verb
+    return f"{kind.verb} {part_label(target).lower() if isinstance(target, str) else target}"
+
+
+def _drag_label(action: do.Drag) -> str:
+    handle = action.handle
+    if isinstance(handle, Surface) and (handle.tool or action.tool) == "move":
+        return "move the body"
+    verbs = {"ring": "turn", "root": "move the body", "size": "resize", "surface": "turn"}
+    verb = verbs.get(handle.kind, "move")
+    name = getattr(handle, "part", None) or getattr(handle, "name", None)
+    return verb if name is None else f"{verb} {part_label(name).lower()}"

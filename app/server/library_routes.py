@@ -1,0 +1,73 @@
+"""The library behind the page: what can be opened, uploads, small pictures."""
+
+from __future__ import annotations
+
+import asyncio
+
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+
+from app.document.library import Library, Upload
+from app.server.guard import headers_for
+from tracker.errors import KeyposeError
+
+ENOUGH = {"private": "private, max-age=86400", "none": "no-store"}
+
+
+class LibraryRoutes:
+    """The library's routes."""
+
+    def __init__(self, library: Library) -> None:
+        self._library = library
+
+    def routes(self) -> list[Route]:
+        """Where the page asks for all this."""
+        return [
+            Route("/library", self._contents),
+            Route("/thumb/{id}.jpg", self._thumb),
+            Route("/upload", self._upload, methods=["POST"]),
+        ]
+
+    async def _contents(self, _: Request) -> Response:
+        contents = await asyncio.to_thread(self._library.contents)
+        headers = {**headers_for("data"), "Cache-Control": ENOUGH["none"]}
+        return JSONResponse(contents, headers=headers)
+
+    async def _thumb(self, request: Request) -> Response:
+        try:
+            content = await asyncio.to_thread(self._library.thumb, request.path_params["id"])
+        except asyncio.CancelledError:  # the program ends: nobody waits for it any more
+            content = None
+        if content is None:
+            return _words("There is no such picture.", 404)
+        headers = {**headers_for("data"), "Cache-Control": ENOUGH["private"]}
+        return Response(content, media_type="image/jpeg", headers=headers)
+
+    async def _upload(self, request: Request) -> Response:
+        try:
+            size = _content_length(request)
+            name = request.query_params.get("name", "")
+            with await asyncio.to_thread(self._library.upload, name, size) as upload:
+                return await _received(request, upload)
+        except KeyposeError as error:
+            return _words(str(error), 400)
+        except ClientDisconnect:
+            return _words("The upload was interrupted.", 400)
+
+
+async def _received(request: Request, upload: Upload) -> Response:
+    """Written piece by piece, so that its size does not matter to the memory."""
+    async for chunk in request.stream():
+        await asyncio.to_thread(upload.write, chunk)
+    name = await asyncio.to_thread(upload.finish)
+    return JSONResponse({"id": name}, headers=headers_for("data"))
+
+
+def _content_length(request: Request) -> int | None:
+    length = request.headers.get("content-length", "")
+    return int(length) if length.isascii() and length.isdigit() else None
+
+
+def _words(words: str, status: int) -> Response:
+    return JSONResponse({"words": words}, status, headers_for("data"))

@@ -1,0 +1,47 @@
+// Adding and deleting a keyframe. K only ever adds one; what is deleted can be had back at once.
+
+import { lastFrame } from '../store/clip.js';
+import { isNewest } from '../store/edits.js';
+import { send } from '../store/link.js';
+import { toast } from '../controls/toasts.js';
+import { draftFrames, frame, goTo, isKey, keyBeside, keyFrames } from './playhead.js';
+
+/** K: the pose here is this frame's keyframe. Where it is one already, nothing is lost. */
+export function addKey() {
+  const at = frame();
+  if (isKey(at) && !draftFrames().includes(at)) {
+    const words = `Frame ${at} is already a keyframe.`;
+    toast({ kind: 'info', words, detail: 'Changes to its pose are kept. Delete removes it.' });
+  }
+  send({ do: 'add_key', frame: at });
+}
+
+/** Delete a keyframe, by default the one under the playhead. */
+export function deleteKey(at = frame()) {
+  const n = send({ do: 'delete_key', frame: at });
+  const button = { label: 'Undo', run: () => bringBack(n) };
+  toast({ kind: 'info', words: `Keyframe ${at} deleted.`, button, brief: true });
+}
+
+export const whyNotDelete = (at = frame()) => (isKey(at) ? '' : `Frame ${at} is not a keyframe`);
+
+function bringBack(n) {
+  if (isNewest(n)) send({ do: 'undo' });
+  else toast({ kind: 'info', words: 'Undo later steps first (Ctrl Z)' });
+}
+
+/** The pose of another keyframe goes to the playhead, −1 from the one before, +1 from the one after. */
+export const copyKey = (way) => ({ do: 'copy_key', from_frame: keyBeside(way) });
+
+/** A copy of a keyframe, to be worked on at once. */
+export function duplicateKey(at, to) {
+  send({ do: 'duplicate_key', frame: at, to });
+  goTo(to);
+}
+
+/** Where a copy most likely goes: under the playhead, or half-way to the next key. */
+export function placeForCopy(at) {
+  if (!isKey(frame())) return frame();
+  const after = keyFrames().find((key) => key > at) ?? lastFrame();
+  return Math.round((at + after) / 2);
+}

@@ -1,0 +1,352 @@
+// Everything that one can do at the page, in one table: what it is called, its keys, when it can be
+// done and how. The keyboard, the sheet of keys, menus, buttons and their tips are made from it.
+
+import { openChooser, toggleSheet } from '../controls/dialogs.js';
+import { lastFrame } from '../store/clip.js';
+import { partNamed, selectedPart } from '../store/parts.js';
+import { server, setUi, ui } from '../store/state.js';
+import { words } from '../store/subject.js';
+import { fitLarge, showLarge, VIEW_NAMES, VIEWS } from '../views/views.js';
+import { count } from '../controls/words.js';
+import { alongChain, endOfChain, otherSide, outward } from './chain.js';
+import { copyPath, copyPicture, hasMotion, saveMotion, savePicture, saveReport } from './export.js';
+import { addKey, copyKey, deleteKey, duplicateKey, whyNotDelete } from './keying.js';
+import { foldLanes } from './lanes.js';
+import {
+  goTo, keyBeside, middle, next, nextProblem, problems, step, suggestedFrame, toFirst,
+  togglePlaying, toKey, toLast,
+} from './playhead.js';
+import {
+  atFirst, atLast, hasNoChild, isRoot, noKeyframe, noOtherSide, nothingCopied, whyNotFitPose, whyNotFitSizes, whyNotSwap,
+} from './reasons.js';
+import { chooseTheme, chosenTheme } from './theme.js';
+import {
+  changedSegments, namesOf, trackSegment, whyNotTrack, whyNotTrackChanged, whyNotTracked, whyNotTrackThis,
+} from './tracking.js';
+import { isZoomed, zoomTo, zoomToInterval } from './window.js';
+
+/**
+ * A text, or one made of the state and of what it is about, such as a frame or a segment.
+ * @typedef {string | ((about?: any) => string)} Text
+ */
+
+/**
+ * One thing that can be done: by a message to the server, or by a function of the page.
+ * @typedef {object} Action
+ * @property {Text} label  in menus, on buttons, to screen readers and on the sheet of keys
+ * @property {Text} [title]  the tip, where the label does not say enough
+ * @property {Text} [icon]
+ * @property {string[]} [keys]  chords as "Ctrl Shift Z"; the first is shown beside the label
+ * @property {string[]} [aliases]  chords that work as well and are shown nowhere
+ * @property {string} [row]  on the sheet of keys; neighbours with the same words share a line
+ * @property {(about?: any) => string} [off]  why it cannot be done now, or ''
+ * @property {(about?: any) => boolean} [on]  whether it is switched on, or the one that is chosen
+ * @property {(about?: any) => { do: string }} [message]
+ * @property {(...about: any[]) => unknown} [run]
+ * @property {boolean} [repeats]  while its key stays down; where it leads nowhere, nothing is said
+ * @property {boolean} [always]  also while no file is open
+ * @property {'drag' | 'pointer' | 'escape' | 'release'} [heard]  by whom its keys are heard, if not
+ *   by the keyboard's table: by a drag, by a view, by Esc in its order, when Space is let go
+ */
+
+const REPEATS = { repeats: true };
+
+/** @satisfies {Record<string, Action>} */
+const FRAMES = {
+  previousFrame: {
+    label: 'Back one frame', icon: 'sb', keys: ['ArrowLeft'], row: 'One frame', ...REPEATS,
+    off: atFirst, run: () => step(-1),
+  },
+  nextFrame: {
+    label: 'Forward one frame', icon: 'sf', keys: ['ArrowRight'], row: 'One frame', ...REPEATS,
+    off: atLast, run: () => step(1),
+  },
+  tenBack: {
+    label: 'Back ten frames', keys: ['Shift ArrowLeft'], row: 'Ten frames', ...REPEATS,
+    off: atFirst, run: () => step(-10),
+  },
+  tenForward: {
+    label: 'Forward ten frames', keys: ['Shift ArrowRight'], row: 'Ten frames', ...REPEATS,
+    off: atLast, run: () => step(10),
+  },
+  firstFrame: {
+    label: 'First frame', icon: 'first', keys: ['Home'], row: 'First, last frame', ...REPEATS,
+    off: atFirst, run: toFirst,
+  },
+  lastFrame: {
+    label: 'Last frame', icon: 'last', keys: ['End'], row: 'First, last frame', ...REPEATS,
+    off: atLast, run: toLast,
+  },
+  play: {
+    label: () => (ui.playing ? 'Stop' : 'Play'), icon: () => (ui.playing ? 'pause' : 'play'),
+    keys: ['Space'], row: 'Play, stop', heard: 'release',
+    off: () => (lastFrame() === 0 ? 'There is only one frame' : ''), run: togglePlaying,
+  },
+  previousKeyframe: {
+    label: 'Previous keyframe', icon: 'pk', keys: [','], row: 'Previous, next keyframe', ...REPEATS,
+    off: () => noKeyframe(-1), run: () => toKey(-1),
+  },
+  nextKeyframe: {
+    label: 'Next keyframe', icon: 'nk', keys: ['.'], row: 'Previous, next keyframe', ...REPEATS,
+    off: () => noKeyframe(1), run: () => toKey(1),
+  },
+  middle: { label: 'Middle of this interval', icon: 'mid', keys: ['/'], run: middle },
+  suggestedFrame: {
+    label: 'Go to the suggested frame', keys: ['N'],
+    off: () => (suggestedFrame() === null ? 'No frame is suggested' : ''), run: next,
+  },
+  zoomToInterval: { label: 'Zoom to this interval', icon: 'grow', keys: ['Z'], on: isZoomed, run: zoomToInterval },
+  zoomToSegment: { label: 'Zoom to segment', icon: 'grow', run: ({ first, last }) => zoomTo(first, last) },
+  goTo: { label: (to) => `Go to frame ${to}`, icon: 'flag', run: goTo },
+};
+
+/** @satisfies {Record<string, Action>} */
+const POSE = {
+  addKeyframe: { label: 'Add keyframe', icon: 'key', keys: ['K'], run: addKey },
+  deleteKeyframe: { label: 'Delete keyframe', icon: 'key', keys: ['Delete'], off: whyNotDelete, run: deleteKey },
+  duplicateKeyframe: { label: 'Duplicate to frame', icon: 'copy', run: duplicateKey },
+  fitPose: {
+    label: 'Fit pose', icon: 'wand', keys: ['F'], off: whyNotFitPose,
+    title: () => `Refine the pose to match the ${words().image}`,
+    message: () => ({ do: 'fit_here' }),
+  },
+  fitSizes: {
+    label: 'Fit sizes', icon: 'wand', off: whyNotFitSizes,
+    title: () => `Estimate the body’s sizes from all ${count(server.keys?.frames.length ?? 0, 'keyframe')}`,
+    message: () => ({ do: 'fit_sizes', focal: Boolean(ui.fitFocal) }),
+  },
+  useTracked: {
+    label: () => `Use ${words().done} pose`, icon: 'take', off: whyNotTracked,
+    title: () => `Replace this frame’s pose with the ${words().done} one`,
+    message: () => ({ do: 'take_tracked' }),
+  },
+  copyPose: { label: 'Copy pose', icon: 'copy', keys: ['Ctrl C'], row: 'Copy, paste pose', message: () => ({ do: 'copy_pose' }) },
+  pastePose: {
+    label: 'Paste pose', icon: 'paste', keys: ['Ctrl V'], row: 'Copy, paste pose', off: nothingCopied,
+    message: () => ({ do: 'paste_pose', mirrored: false }),
+  },
+  pasteMirrored: {
+    label: 'Paste mirrored', icon: 'mirror', keys: ['Ctrl Shift V'], off: nothingCopied,
+    title: 'Paste the copied pose with left and right swapped',
+    message: () => ({ do: 'paste_pose', mirrored: true }),
+  },
+  copyPrevious: {
+    label: () => copyLabel(-1), icon: 'prev', keys: ['P'], row: 'Copy from previous keyframe',
+    title: 'Copy the previous keyframe’s pose to this frame',
+    off: () => noKeyframe(-1), message: () => copyKey(-1),
+  },
+  copyNext: {
+    label: () => copyLabel(1), icon: 'prev', title: 'Copy the next keyframe’s pose to this frame',
+    off: () => noKeyframe(1), message: () => copyKey(1),
+  },
+  swapSides: {
+    label: 'Swap left and right', icon: 'loop', off: whyNotSwap,
+    title: 'Move the left limbs to where the right ones are seen, and the other way round',
+    message: () => ({ do: 'exchange' }),
+  },
+  resetPart: {
+    label: 'Reset part', icon: 'reset', keys: ['Backspace'], row: 'Reset part, pose',
+    off: () => (server.view?.selected ? '' : 'Select a part first'),
+    message: () => ({ do: 'reset_part', part: server.view.selected }),
+  },
+  resetPose: {
+    label: 'Reset pose', icon: 'reset', keys: ['Shift Backspace'], row: 'Reset part, pose',
+    message: () => ({ do: 'reset_pose' }),
+  },
+  undo: {
+    label: () => stepLabel('Undo', server.undo?.undo), icon: 'undo', keys: ['Ctrl Z'], row: 'Undo, redo', ...REPEATS,
+    off: () => (server.undo?.undo ? '' : 'Nothing to undo'), message: () => ({ do: 'undo' }),
+  },
+  redo: {
+    label: () => stepLabel('Redo', server.undo?.redo), icon: 'redo', keys: ['Ctrl Shift Z'], aliases: ['Ctrl Y'],
+    row: 'Undo, redo', ...REPEATS,
+    off: () => (server.undo?.redo ? '' : 'Nothing to redo'), message: () => ({ do: 'redo' }),
+  },
+};
+
+/** @satisfies {Record<string, Action>} */
+const TRACK = {
+  trackChanged: {
+    label: () => `${words().verb} changed segments`, icon: 'track', keys: ['T'], off: whyNotTrackChanged,
+    title: () => `${words().verb} ${namesOf(changedSegments())}`,
+    message: () => ({ do: 'track', what: 'changed' }),
+  },
+  trackThis: {
+    label: () => `${words().verb} this segment`, icon: 'mid', keys: ['Shift T'], off: whyNotTrackThis,
+    run: trackSegment,
+  },
+  trackAll: {
+    label: () => `${words().verb} all ${count((server.segments ?? []).length, 'segment')}`, icon: 'reset',
+    off: whyNotTrack, message: () => ({ do: 'track', what: 'all' }),
+  },
+  cancel: {
+    label: 'Cancel', icon: 'x', keys: ['Escape'], heard: 'escape',
+    off: () => (server.job?.state === 'running' ? '' : 'Nothing is running'), message: () => ({ do: 'cancel' }),
+  },
+  live: {
+    label: () => `${words().verb} while posing`, keys: ['L'],
+    title: () => `${words().verb} the neighbouring segments each time a keyframe changes`,
+    on: () => Boolean(server.view?.live), message: () => ({ do: 'live', on: !server.view?.live }),
+  },
+  nextProblem: {
+    label: 'Next problem', keys: ['Shift N'],
+    title: (state) => ({ check: 'Go to the next segment to check', lost: 'Go to the next lost segment' })[state],
+    off: (state) => (problems(state).length ? '' : 'No segment needs attention'), run: nextProblem,
+  },
+  showKeys: { label: 'Keys and help', icon: 'help', keys: ['?'], always: true, run: toggleSheet },
+};
+
+/** @satisfies {Record<string, Action>} */
+const TOOLS = {
+  select: { label: 'Select', icon: 'sel', keys: ['V'], ...tool('select') },
+  rotate: { label: 'Rotate', icon: 'rot', keys: ['R'], ...tool('rotate') },
+  move: { label: 'Move body', icon: 'move', keys: ['G'], ...tool('move') },
+  ends: { label: 'Drag hands and feet', icon: 'ik', keys: ['E'], ...tool('ends') },
+  size: { label: 'Sizes', icon: 'size', keys: ['S'], ...tool('size') },
+  pan: { label: 'Pan and zoom', icon: 'hand', ...tool('pan') },
+  otherSide: {
+    label: 'Other side of the body', icon: 'mirror', keys: ['Q'], ...REPEATS, off: noOtherSide, run: otherSide,
+  },
+  inward: {
+    label: () => towards('body', partNamed(selectedPart()?.parent)), icon: 'sb', keys: ['['], row: 'Along the limb',
+    ...REPEATS, off: isRoot, run: () => alongChain(-1),
+  },
+  outward: {
+    label: outwardLabel, icon: 'sf', keys: [']'],
+    row: 'Along the limb', ...REPEATS, off: hasNoChild, run: () => alongChain(1),
+  },
+};
+
+/** @satisfies {Record<string, Action>} */
+const VIEW = {
+  mainView: large('main'),
+  topView: large('top'),
+  sideView: large('side'),
+  frontView: large('front'),
+  allViews: { label: 'All four views', keys: ['5'], run: () => showLarge('quad') },
+  wire: mode('Wire'),
+  solid: mode('Solid'),
+  both: mode('Both'),
+  nextMode: {
+    label: 'Wire, solid, both', keys: ['W'],
+    message: () => ({ do: 'display', mode: nextOf(['wire', 'solid', 'both'], server.view.mode) }),
+  },
+  ghosts: {
+    label: 'Ghosts of the neighbouring keyframes', icon: 'ghost', keys: ['O'], row: 'Ghosts, trail, lanes',
+    on: () => Boolean(server.view?.ghosts), message: () => ({ do: 'display', ghosts: !server.view.ghosts }),
+  },
+  trail: {
+    label: 'Motion trail', icon: 'trail', keys: ['M'], row: 'Ghosts, trail, lanes',
+    on: () => Boolean(server.view?.trail), message: () => ({ do: 'display', trail: !server.view.trail }),
+  },
+  lanes: {
+    label: () => (ui.lanes ? 'Collapse the lanes' : 'Show all lanes'), icon: 'chev', keys: ['I'],
+    row: 'Ghosts, trail, lanes', run: foldLanes,
+  },
+  fitView: { label: 'Fit view', keys: ['0'], run: fitLarge },
+  panView: { label: 'Pan', keys: ['Space drag'], row: 'Pan, zoom', heard: 'pointer' },
+  zoomView: { label: 'Zoom', keys: ['Wheel'], row: 'Pan, zoom', heard: 'pointer' },
+  saveImage: { label: 'This view, PNG', icon: 'img', keys: ['Shift E'], row: 'Save, copy image', run: () => savePicture() },
+  copyImage: { label: 'Copy this view', icon: 'clip', keys: ['Shift C'], row: 'Save, copy image', run: copyPicture },
+  saveAllImages: { label: 'All four views, PNG', icon: 'quad', run: () => savePicture('all') },
+};
+
+/**
+ * Keys pressed while something is dragged: they do nothing by themselves.
+ * @satisfies {Record<string, Action>}
+ */
+const DRAGGING = {
+  fine: { label: 'Fine, one tenth', keys: ['Shift'], heard: 'drag' },
+  snapAngle: { label: '5° steps', keys: ['Ctrl'], row: '5° or 1 cm steps', heard: 'drag' },
+  snapLength: { label: '1 cm steps', keys: ['Ctrl'], row: '5° or 1 cm steps', heard: 'drag' },
+  depth: { label: 'Nearer or farther', keys: ['D'], heard: 'drag' },
+  free: { label: 'Ignore joint limits', keys: ['U'], heard: 'drag' },
+  oneAxis: { label: 'One axis', keys: ['X', 'Y', 'Z'], heard: 'drag' },
+  cancelDrag: { label: 'Cancel', keys: ['Escape'], heard: 'drag' },
+};
+
+/** The file formats of motion; what writes them is in `app/export/motion_formats.py`. */
+export const MOTION = {
+  saveBvh: motion('bvh', 'bone', 'Blender, Maya'),
+  saveGlb: motion('glb', 'both', 'any 3D viewer'),
+  saveTrc: motion('trc', 'trail', 'OpenSim'),
+  saveC3d: motion('c3d', 'ghost', 'motion laboratories'),
+  saveCsv: motion('csv', 'copy', 'joints, angles, verdicts'),
+  saveNpz: motion('npz', 'quad', 'NumPy'),
+};
+
+/** @satisfies {Record<string, Action>} */
+const FILE = {
+  openFile: { label: 'Open…', icon: 'folder', run: () => openChooser('any') },
+  openRecent: { label: (recent) => recent.name, icon: 'film', message: ({ id }) => ({ do: 'open', kind: 'recent', id }) },
+  copyPath: { label: 'Copy path', icon: 'copy', run: copyPath },
+  closeFile: { label: 'Close', icon: 'x', message: () => ({ do: 'close' }) },
+  ...MOTION,
+  saveReport: {
+    label: 'Report, HTML', icon: 'film', run: saveReport,
+    off: () => (server.keys?.frames.length ? '' : 'Add a keyframe first'),
+  },
+  darkTheme: theme('dark', 'Dark', 'moon'),
+  lightTheme: theme('light', 'Light', 'sun'),
+  systemTheme: theme('auto', 'System', 'both'),
+};
+
+/** In the order of the sheet of keys; without a title a group is not on it. */
+export const GROUPS = [
+  { title: () => 'Frames', actions: FRAMES },
+  { title: () => 'Pose', actions: POSE },
+  { title: () => words().verb, actions: TRACK },
+  { title: () => 'Tools', actions: TOOLS },
+  { title: () => 'Views', actions: VIEW },
+  { title: () => 'While dragging', actions: DRAGGING },
+  { title: null, actions: FILE },
+];
+
+export const ACTIONS = { ...FRAMES, ...POSE, ...TRACK, ...TOOLS, ...VIEW, ...DRAGGING, ...FILE };
+
+/** @typedef {keyof typeof ACTIONS} ActionId */
+
+// --- entries that are alike
+
+function tool(name) {
+  return { on: () => ui.tool === name, run: () => setUi('tool', name) };
+}
+
+function large(name) {
+  const keys = [String(VIEWS.indexOf(name) + 1)];
+  return { label: `${VIEW_NAMES[name]} view`, keys, row: 'Camera, top, side, front', run: () => showLarge(name) };
+}
+
+function mode(label) {
+  const name = label.toLowerCase();
+  return { label, icon: name, on: () => server.view?.mode === name, message: () => ({ do: 'display', mode: name }) };
+}
+
+function motion(format, icon, reader) {
+  const off = () => (hasMotion() ? '' : `${words().verb} first: there is no motion yet`);
+  return { label: format.toUpperCase(), icon, reader, off, run: () => saveMotion(format) };
+}
+
+function theme(name, label, icon) {
+  return { label, icon, always: true, on: () => chosenTheme() === name, run: () => chooseTheme(name) };
+}
+
+const nextOf = (all, one) => all[(all.indexOf(one) + 1) % all.length];
+
+// --- words made of the state
+
+const stepLabel = (word, what) => (what ? `${word} ${what}` : word);
+
+function copyLabel(way) {
+  const key = keyBeside(way);
+  if (key === undefined) return `Copy from ${way < 0 ? 'previous' : 'next'}`;
+  return `Copy from key ${key}`;
+}
+
+const towards = (end, part) => `Towards the ${end}${part ? `: ${part.label.toLowerCase()}` : ''}`;
+
+function outwardLabel() {
+  const part = selectedPart();
+  const child = part && outward(part);
+  return child ? towards(endOfChain(part).short.toLowerCase(), child) : 'Towards the end of the limb';
+}

@@ -1,0 +1,58 @@
+// Which segments tracking would do, and why it cannot begin.
+
+import { send } from '../store/link.js';
+import { server } from '../store/state.js';
+import { fewestKeys, tooFewWords, words } from '../store/subject.js';
+import { count, range } from '../controls/words.js';
+import { frame, goTo, segmentAt } from './playhead.js';
+
+/** Whether there is a result that still fits the keyframes. */
+export const isTracked = ({ state }) => ['good', 'check', 'lost'].includes(state);
+
+const isChanged = ({ state, unfinished }) => state === 'outdated' || state === 'none' || unfinished;
+
+/** The segments whose result is missing or does not fit any more. */
+export const changedSegments = () => (server.segments ?? []).filter(isChanged);
+
+/** Whether nothing was tracked yet. */
+export const isFirstTrack = () =>
+  !(server.segments ?? []).some((s) => isTracked(s) || s.state === 'outdated' || s.percent);
+
+/** The segment that the server's frame lies in; at a keyframe those on both sides. */
+export function segmentsHere() {
+  const { frame: here } = server.view;
+  return (server.segments ?? []).filter(({ first, last }) => first <= here && here <= last);
+}
+
+/** "39–50, 50–61", or how many there are when that would be long. */
+export function namesOf(segments) {
+  if (segments.length > 3) return count(segments.length, 'segment');
+  return segments.map((s) => range(s.first, s.last)).join(', ');
+}
+
+export const whyNotTrack = () =>
+  (server.keys?.frames.length ?? 0) < fewestKeys() ? tooFewWords() : '';
+
+export function whyNotTrackChanged() {
+  const why = whyNotTrack();
+  if (why || changedSegments().length) return why;
+  return server.job?.state === 'running' ? `${words().doing} already` : 'All segments are up to date';
+}
+
+/** Of a segment, by default the one of the playhead. */
+export const whyNotTrackThis = (segment = segmentAt(frame())) =>
+  whyNotTrack() || (segment ? '' : 'This frame lies outside the keyframes');
+
+/** A segment is tracked from within: the playhead goes there first. By default that of the playhead. */
+export function trackSegment(segment = null) {
+  if (segment && segmentAt(frame())?.first !== segment.first) goTo(segment.first);
+  send({ do: 'track', what: 'this' });
+}
+
+/** Why there is no tracked pose at the playhead, or ''. */
+export function whyNotTracked() {
+  const here = frame();
+  const hasPose = (s) => s.first <= here && here <= s.last && (isTracked(s) || s.scores?.length);
+  if ((server.segments ?? []).some(hasPose)) return '';
+  return `Frame ${here} is not ${words().done} yet`;
+}

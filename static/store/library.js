@@ -1,0 +1,31 @@
+// What can be opened: recent sessions, samples, the files of the server's folders.
+
+import { fetchOwn } from './key.js';
+import { setUi, ui } from './state.js';
+
+let asked = null;
+
+/** Ask the server anew; the answer becomes ui.library. */
+export function loadLibrary() {
+  asked ??= fetchLibrary().finally(() => (asked = null));
+  return asked;
+}
+
+/** Whether a name's ending is one of a video; while none are known, the server will say. */
+export function isVideoName(name) {
+  return videoSuffixes()?.some((suffix) => name.toLowerCase().endsWith(suffix)) ?? true;
+}
+
+/** The endings of all that can be opened, undefined until the server has sent them. */
+export function videoSuffixes() {
+  return ui.library?.suffixes;
+}
+
+async function fetchLibrary() {
+  try {
+    const response = await fetchOwn('/library');
+    if (response.ok) setUi('library', await response.json());
+  } catch {
+    // The line is down; the status bar says so, and the next opening asks again.
+  }
+}

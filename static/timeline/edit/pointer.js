@@ -1,0 +1,27 @@
+// What the pointer drags or hovers on the timeline, so that the drawing can show it.
+
+import { ui, setUi } from '../../store/state.js';
+
+ui.timeGrabbed = null;
+ui.timeHover = null;
+
+/**
+ * null | {kind: "scrub"} | {kind: "pan"}
+ * | {kind: "key", from, to, copy, taken, refused} | {kind: "angle", frame, axis, from, deg}
+ */
+export function grabbed() {
+  return ui.timeGrabbed;
+}
+
+export function setGrabbed(what) {
+  setUi('timeGrabbed', what);
+}
+
+/** null | {kind: "key", frame} | {kind: "segment", first, last} | {kind: "curvekey", frame} */
+export function hovered() {
+  return ui.timeHover;
+}
+
+export function setHovered(what) {
+  if (JSON.stringify(what) !== JSON.stringify(ui.timeHover)) setUi('timeHover', what);
+}

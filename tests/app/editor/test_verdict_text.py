@@ -1,0 +1,66 @@
+"""The verdict in the page's words."""
+
+from __future__ import annotations
+
+from typing import get_args
+
+import pytest
+
+from app.editor.verdict_text import reason_with_frames, sentence, short_sentence
+from tracker.session.verdict import GOOD, Cause, Verdict
+
+HAND = "right_hand"
+SAID = {
+    "Good": GOOD,
+    "Check: right hand hidden, frames 31–36": Verdict.check("not_seen", (31, 36), HAND),
+    "Check: left foot may be wrong, frame 46": Verdict.check("uncertain", (46, 46), "left_foot"),
+    "Check: left foot hidden": Verdict.check("not_seen", (25, 47), "left_foot"),
+    "Check: right hand beyond its joint limits, frames 30–32": Verdict.check(
+        "beyond_limits", (30, 32), HAND
+    ),
+    "Check: a pass diverged": Verdict.check("diverged", (24, 48)),
+    "Check: frames 31–40 are damaged in the video": Verdict.check("damaged", (31, 40)),
+    "Check: frame 31 is damaged in the video": Verdict.check("damaged", (31, 31)),
+    "Check: no surface that can be used, frames 33–34": Verdict.check("no_surface", (33, 34)),
+    "Check: not fitted yet, frames 40–48": Verdict.check("not_fitted", (40, 48)),
+    "Check: fitted from one keyframe only so far": Verdict.check("one_keyframe", (25, 47)),
+    "Check: the keyframe lies off its surface, frame 48": Verdict.check(
+        "keyframe_off_surface", (48, 48)
+    ),
+    "Check: at key 0 the body lies off its surface": Verdict.check("body_off_surface", (0, 0)),
+    "Lost. Add a keyframe at 37": Verdict.not_followed(37),
+    "Lost. Nothing of the body is seen: check keys, camera and masks": Verdict.nothing_seen(24, 48),
+    "Lost. Keys 24 and 25 contradict each other": Verdict.contradiction(24, 25),
+    "Check frames 30–40: the moon is full": Verdict(
+        kind="check", cause="other", text="check frames 30–40: the moon is full"
+    ),
+}
+
+
+@pytest.mark.parametrize("said", SAID)
+def test_a_verdict_is_said_in_sentence_case_without_repeating_the_frames_of_its_segment(
+    said: str,
+) -> None:
+    assert sentence(SAID[said], 24, 48) == said
+
+
+def test_there_is_a_sentence_for_every_cause() -> None:
+    assert {verdict.cause for verdict in SAID.values()} == set(get_args(Cause))
+
+
+def test_beside_a_button_that_adds_the_keyframe_the_sentence_is_short() -> None:
+    assert short_sentence(Verdict.not_followed(37), 24, 48) == "Lost"
+
+
+def test_beside_the_sign_for_check_the_sentence_does_not_say_check_again() -> None:
+    others = [verdict for verdict in SAID.values() if verdict.cause != "not_followed"]
+    short = [short_sentence(verdict, 24, 48) for verdict in others]
+    whole = [sentence(verdict, 24, 48).removeprefix("Check: ") for verdict in others]
+    assert short == [words[:1].upper() + words[1:] for words in whole]
+
+
+def test_as_a_reason_a_verdict_always_names_its_frames() -> None:
+    hidden = Verdict.check("not_seen", (25, 47), "left_foot")
+    assert reason_with_frames(hidden, capital=True) == "Left foot hidden, frames 25–47"
+    damaged = Verdict.check("damaged", (31, 40))
+    assert reason_with_frames(damaged, capital=True) == "Frames 31–40 are damaged in the video"

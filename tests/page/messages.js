@@ -1,0 +1,13 @@
+// Every message of the table of actions, as JSON, for a test to hold against what the program takes.
+
+import './browser.js';
+import { server, ui } from '../../static/store/state.js';
+import { ACTIONS } from '../../static/actions/table.js';
+
+server.file = { frames: 60 };
+server.view = { frame: 4, selected: 'left_hand', mode: 'both' };
+server.keys = { frames: [0, 8], drafts: [] };
+ui.fitFocal = true;
+const about = { openRecent: { id: 'a' } };
+const messages = Object.entries(ACTIONS).flatMap(([id, { message }]) => (message ? [[id, message(about[id])]] : []));
+process.stdout.write(JSON.stringify(Object.fromEntries(messages)));

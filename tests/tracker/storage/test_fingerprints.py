@@ -1,0 +1,249 @@
+"""Results by their keys: what makes one outdated, what finds it again, what stays."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.app.results_cases import PARTS, both, passing, session, track
+from tests.tracker import session_cases as cases
+from tracker.body.shapes import Cylinder
+from tracker.session import IgnoreMask, Session, TrackSettings
+from tracker.storage.fingerprints import segment_key, segment_keys
+from tracker.storage.results import (
+    Results,
+    collection,
+    listed,
+    observability,
+    pose_at,
+    residual,
+    rotations,
+    tidy_tracks,
+)
+
+SQUARE = ((0.0, 0.0), (9.0, 0.0), (9.0, 9.0))
+Change = Callable[[Session], dict[str, Any]]
+
+
+def mask(first: int, last: int, note: str = "", polygon: Any = SQUARE) -> IgnoreMask:
+    return IgnoreMask(polygon=polygon, first_frame=first, last_frame=last, note=note)
+
+
+def part(of: Session, name: str, **changes: Any) -> dict[str, Any]:
+    old = of.body.parts[of.body.index(name)]
+    return {"body": of.body.with_part(old.model_copy(update=changes))}
+
+
+def posed(of: Session, index: int, **changes: Any) -> dict[str, Any]:
+    frames = list(of.keyframes)
+    frames[index] = frames[index].model_copy(update=changes)
+    return {"keyframes": tuple(frames)}
+
+
+def turned_over(of: Session) -> dict[str, Any]:
+    """Every quaternion with the other sign, which is the same rotation."""
+    rotations = of.keyframes[1].rotations_wxyz.items()
+    return posed(of, 1, rotations_wxyz={n: tuple(-c for c in q) for n, q in rotations})
+
+
+def without_rest(of: Session) -> dict[str, Any]:
+    """The keyframe at 0 is the rest pose; then its rotations may be left out."""
+    return posed(of, 0, rotations_wxyz={})
+
+
+def settings(**changes: Any) -> Change:
+    return lambda of: {"settings": of.settings.model_copy(update=changes)}
+
+
+OUTDATES_ALL: dict[str, Change] = {
+    "a longer part": lambda of: part(of, "left_arm", shape=Cylinder(end_m=0.5, radius_m=0.05)),
+    "a joint elsewhere": lambda of: part(of, "left_arm", joint_m=(0.3, -0.2, 0.0)),
+    "other motions tracked": lambda of: part(of, "left_arm", tracked=("rx",)),
+    "a landmark elsewhere": lambda of: part(of, "left_hand", landmarks={"tip": (0.0, 0.1, 0.0)}),
+    "another focal length": lambda of: {"camera": of.camera.model_copy(update={"fx": 61.0})},
+    "a distorted lens": lambda of: {
+        "camera": of.camera.model_copy(update={"distortion": (0.1, 0.0, 0.0, 0.0, 0.0)})
+    },
+    "the other method": settings(method="paper"),
+    "more passes": settings(passes=7),
+    "a static camera": settings(static_camera=True),
+    "a mask over everything": lambda of: {"ignore_masks": (mask(0, 8),)},
+    "the middle keyframe moved": lambda of: posed(of, 1, root_m=(0.2, 0.0, 3.0)),
+    "the middle keyframe turned": lambda of: posed(of, 1, rotations_wxyz={}),
+}
+OUTDATES_NONE: dict[str, Change] = {
+    "the quality": settings(quality="preview"),
+    "the body's name": lambda of: {"body": of.body.model_copy(update={"name": "other"})},
+    "where sizes come from": lambda of: {"body": of.body.model_copy(update={"source": "a book"})},
+    "a limit of posing": lambda of: part(of, "left_arm", limits_deg={"x": (-10.0, 90.0)}),
+    "the camera's origin": lambda of: {"camera": of.camera.model_copy(update={"origin": "guess"})},
+    "a keyframe's time": lambda of: posed(of, 1, time_s=0.2),
+    "signs of quaternions": turned_over,
+    "rotations at rest left out": without_rest,
+    "a draft": lambda of: {"drafts": (of.keyframes[1].model_copy(update={"frame": 2}),)},
+    "old results": lambda of: {"results": None},
+}
+
+
+@pytest.mark.parametrize("change", OUTDATES_ALL.values(), ids=OUTDATES_ALL)
+def test_what_changes_the_motion_outdates_both_segments_and_undo_finds_them(change: Change) -> None:
+    before = session()
+    results = both(before)
+    after = before.model_copy(update=change(before))
+    assert results.fitting(after) == {}
+    assert set(results.states(after).values()) == {"outdated"}
+    assert results.fitting(before) == {(0, 4): track_at(results, 0), (4, 8): track_at(results, 4)}
+
+
+@pytest.mark.parametrize("change", OUTDATES_NONE.values(), ids=OUTDATES_NONE)
+def test_what_changes_no_motion_outdates_nothing(change: Change) -> None:
+    before = session()
+    after = before.model_copy(update=change(before))
+    assert segment_keys(after) == segment_keys(before)
+
+
+def track_at(results: Results, first: int) -> Any:
+    return next(t for t in results.by_key.values() if t.first == first)
+
+
+def test_a_keyframe_outdates_the_segments_beside_it_and_no_other() -> None:
+    before = session()
+    after = before.model_copy(update=posed(before, 2, root_m=(0.0, 0.0, 3.1)))
+    assert list(both(before).fitting(after)) == [(0, 4)]
+    assert both(before).states(after) == {(0, 4): "good", (4, 8): "outdated"}
+
+
+def test_a_mask_outdates_the_segments_it_lies_in_by_what_it_does_there() -> None:
+    def keys(*masks: IgnoreMask) -> list[str]:
+        return list(segment_keys(session(ignore_masks=masks)).values())
+
+    none, late, longer = keys(), keys(mask(6, 7)), keys(mask(6, 30))
+    assert late[0] == none[0]
+    assert len({none[1], late[1], longer[1]}) == 3
+    assert longer == keys(mask(6, 8))  # beyond the last frame it does nothing
+    assert keys(mask(6, 7, note="a chair")) == late
+    assert keys(mask(6, 7, polygon=SQUARE[::-1])) != late
+    one, other = mask(0, 3), mask(2, 5)
+    assert keys(one, other) == keys(other, one)
+
+
+def test_adding_and_taking_away_a_keyframe_finds_the_old_segment_again() -> None:
+    before = session()
+    results = both(before)
+    fewer = before.model_copy(update={"keyframes": before.keyframes[::2]})
+    assert results.fitting(fewer) == {}
+    assert results.states(fewer) == {(0, 8): "outdated"}
+    assert len(results.fitting(before)) == 2
+
+
+def test_what_was_never_tracked_is_not_outdated() -> None:
+    of = session()
+    assert set(Results().states(of).values()) == {"none"}
+    assert Results().with_result(track(of, 0, 4)).states(of) == {(0, 4): "good", (4, 8): "none"}
+
+
+def test_a_preview_never_replaces_a_better_result_of_the_same_key() -> None:
+    of = session()
+    preview, fast, full = (track(of, 0, 4, quality) for quality in ("preview", "fast", "full"))
+    results = Results().with_result(preview).with_result(full)
+    assert results.fitting(of) == {(0, 4): full}
+    for worse in (preview, fast, passing(of, 0, 4, 0.2)):
+        assert results.with_result(worse) is results
+    again = track(of, 0, 4)
+    assert results.with_result(again).fitting(of) == {(0, 4): again}
+
+
+def test_a_trajectory_on_the_way_stands_until_something_is_finished() -> None:
+    of = session()
+    first, second = passing(of, 0, 4, 0.1), passing(of, 0, 4, 0.2)
+    results = Results().with_result(first).with_result(second)
+    assert results.fitting(of) == {(0, 4): second}
+    assert not second.finished
+    assert second.verdict is None
+    assert results.states(of)[0, 4] == "outdated"
+    preview = track(of, 0, 4, "preview")
+    assert results.with_result(preview).with_result(second).fitting(of) == {(0, 4): preview}
+
+
+def test_wanted_is_what_has_no_finished_result_of_the_quality_asked_for() -> None:
+    of = session(settings=TrackSettings(quality="full"))
+    results = Results().with_result(track(of, 0, 4, "preview")).with_result(track(of, 4, 8))
+    assert results.wanted(of) == [(0, 4, segment_key(of, 0, 4))]
+    assert results.wanted(of, "preview") == []
+    unfinished = Results().with_result(passing(of, 4, 8, 0.1))
+    assert [w[:2] for w in unfinished.wanted(of, "preview")] == [(0, 4), (4, 8)]
+
+
+def test_of_too_many_results_the_oldest_go_and_those_in_use_stay(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(collection, "MOST_SEGMENTS", 3)
+    results, of = Results(), session()
+    variants = [of.model_copy(update=posed(of, 0, root_m=(0.0, 0.0, 3 + k))) for k in range(6)]
+    kept = segment_key(variants[0], 0, 4)
+    for variant in variants:
+        results = results.with_result(track(variant, 0, 4), keep=(kept,))
+    assert list(results.by_key) == [segment_key(v, 0, 4) for v in (variants[0], *variants[4:])]
+
+
+def test_long_segments_fill_the_room_sooner(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(collection, "MOST_FRAMES", 9)
+    assert len(both(session())) == 1
+
+
+def test_the_tracked_pose_is_known_within_what_fits() -> None:
+    of = session()
+    fitting = Results().with_result(track(of, 4, 8)).fitting(of)
+    pose = pose_at(fitting, 6)
+    assert pose is not None
+    np.testing.assert_array_equal(
+        pose.p_camera_root, cases.segment(4, 8).trajectory.pose(6).p_camera_root
+    )
+    assert pose_at(fitting, 3) is None
+    assert pose_at(fitting, 9) is None
+
+
+def test_what_the_picture_tells_is_known_by_frame_and_part() -> None:
+    of = session()
+    seen = observability(both(of).fitting(of), 12, PARTS)
+    assert seen.shape == (12, PARTS)
+    np.testing.assert_array_equal(seen[:9, 0], 0.5)
+    assert np.isnan(seen[9:]).all()
+    assert np.isnan(seen[:, 1]).all()  # a part that is not tracked
+    assert listed(seen[7:10, 0]) == [0.5, 0.5, None]
+    assert listed(residual(both(of).fitting(of), 9, PARTS)[:1, 0]) == [2.5]
+
+
+def test_a_trajectory_on_the_way_measures_nothing() -> None:
+    of = session()
+    fitting = Results().with_result(passing(of, 0, 4, 0.1)).fitting(of)
+    assert np.isnan(observability(fitting, 9, PARTS)).all()
+    assert np.isfinite(rotations(fitting, 9, 0)[:5]).all()
+
+
+def test_rotations_are_known_by_frame_where_something_fits() -> None:
+    of = session()
+    table = rotations(both(of).fitting(of), 12, 2)
+    assert np.isnan(table[9:]).all()
+    np.testing.assert_allclose(table[:9] @ np.swapaxes(table[:9], 1, 2), [np.eye(3)] * 9, atol=1e-9)
+
+
+def test_old_tracks_files_go_when_no_session_speaks_of_them_and_young_ones_stay(
+    tmp_path: Path,
+) -> None:
+    names = [f"tracks-{letter * 12}.npz" for letter in "abcd"]
+    for name in names:
+        (tmp_path / name).write_bytes(b"")
+        os.utime(tmp_path / name, (1.0, 1.0))
+    os.utime(tmp_path / names[3])
+    (tmp_path / "session.json").write_text(f'"{names[0]}"')
+    (tmp_path / "session.json.previous").write_text(f'"{names[1]}"')
+    (tmp_path / "tracks-mine.npz").write_bytes(b"")
+    tidy_tracks(tmp_path)
+    left = {file.name for file in tmp_path.glob("*.npz")}
+    assert left == {names[0], names[1], names[3], "tracks-mine.npz"}

@@ -1,0 +1,210 @@
+"""A pose refined on a picture, with the pose as a person set it, good to a few degrees, as prior.
+
+Gauss–Newton from coarse to fine on the differences to known textures and on the outline. At the end
+only those directions of motion count about which the picture has more information than the prior:
+along all others the pose is exactly as set.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from tracker.body.joint_limits import Limits
+from tracker.body.pose import Pose, moved
+from tracker.fitting.pose.edge_distances import EdgeDistances
+from tracker.fitting.pose.likeness import Likeness
+from tracker.fitting.pose.outline import Colours, Outline
+from tracker.geometry.rotations import Array
+from tracker.solver.least_squares import (
+    UNDAMPED,
+    Criteria,
+    Problem,
+    damped_step,
+    least_squares,
+)
+from tracker.solver.posed import Posed
+from tracker.solver.terms import Equations, JointLimits, PosePrior, Term, total_equations
+from tracker.tracking.scene import Scene
+from tracker.video.pyramid import LEVELS
+
+POSED_TURN_RAD, POSED_SHIFT_M = np.radians(3.0), 0.015
+"""How well a person poses: sigmas of a joint angle and of the hips."""
+LIMIT_SIGMA_RAD = np.radians(2.0)
+SOLVES = (10, 8, 8)
+"""Solves at most at each level of the pyramid, finest first."""
+ROUGH = 4
+"""Of the finest ones, the first few still allow the pose to be far off."""
+REACH_M = (0.03, 0.055, 0.1)
+"""How far from an edge the picture's own is sought, at each level."""
+LOOK_AGAIN, LEARN_AGAIN = 3, 3
+"""Solves after which visibility and colours are found anew."""
+CRITERIA = Criteria(longest_step=0.1, settled=5e-4, rejects=False, damping=UNDAMPED)
+DECISIVE = 1.0
+"""Information of the picture, as a share of the prior's, above which it decides a direction."""
+
+
+@dataclass(frozen=True, eq=False)
+class RefinedPose:
+    """A pose, and the information (D, D) that the picture holds about it."""
+
+    pose: Pose
+    information: Array
+
+
+@dataclass(frozen=True, eq=False)
+class PosedKeyframe:
+    """A pose as a person set it, and how surely: precision (D,) is 1/σ² of each motion."""
+
+    scene: Scene
+    pose: Pose
+    limits: Limits
+
+    @cached_property
+    def precision(self) -> Array:
+        return self.scene.precision(POSED_TURN_RAD, POSED_SHIFT_M)
+
+    @cached_property
+    def prior(self) -> PosePrior:
+        """The pose as set."""
+        return PosePrior.of(self.pose, self.precision, backward=False)
+
+    def away(self, pose: Pose) -> Array:
+        """(D,) the tracked part of the motion from the pose as set to another."""
+        return self.prior.away(Posed.of(self.scene.skeleton, pose))
+
+    @cached_property
+    def joint_limits(self) -> JointLimits:
+        """No angle further past its limits than as set."""
+        as_posed, _ = self.limits.excess(self.pose.Rs_parent_part)
+        return JointLimits(self.limits, LIMIT_SIGMA_RAD, as_posed)
+
+
+class _OutlineTerm:
+    """The outline as a term, its colours learnt anew every few solves."""
+
+    def __init__(self, outline: Outline) -> None:
+        self._outline = outline
+        self._colours: Colours | None = None
+
+    def term(self, pose: Pose, posed: Posed, level: int, solve: int) -> EdgeDistances:
+        shown = self._outline.draw(pose)
+        if self._colours is None or solve % LEARN_AGAIN == 0:
+            self._colours = self._outline.colours(shown)
+        edges = self._outline.edges(shown, self._colours, REACH_M[level])
+        return EdgeDistances.of(self._outline, posed, edges)
+
+
+@dataclass(frozen=True, eq=False)
+class _PictureProblem(Problem[Pose, "_Iterate"]):
+    """A pose on picture and prior, at one level of the pyramid."""
+
+    keyframe: PosedKeyframe
+    likeness: Likeness | None
+    outlined: _OutlineTerm | None
+    level: int
+
+    def at(self, state: Pose, count: int) -> _Iterate:
+        return _Iterate(self, state, count)
+
+    def moved(self, state: Pose, step: Array) -> Pose:
+        return moved(self.keyframe.scene.skeleton, state, step)
+
+    def terms(self, pose: Pose, posed: Posed, solve: int, fine: bool) -> list[Term]:
+        """Textures and outline linearised about a pose, without the prior."""
+        terms: list[Term] = []
+        if self.likeness is not None:
+            if solve % LOOK_AGAIN == 0:
+                self.likeness.update_visibility(pose)
+            terms.append(self.likeness.term(posed, self.level, fine))
+        if self.outlined is not None:
+            terms.append(self.outlined.term(pose, posed, self.level, solve))
+        return terms
+
+
+@dataclass(frozen=True, eq=False)
+class _Iterate:
+    """A pose after some solves. It has no cost: colours, visibility and noise are learnt anew on
+    the way, so that those of two poses do not compare."""
+
+    picture: _PictureProblem
+    pose: Pose
+    solve: int
+    cost = np.nan
+
+    @cached_property
+    def posed(self) -> Posed:
+        return Posed.of(self.picture.keyframe.scene.skeleton, self.pose)
+
+    @cached_property
+    def evidence(self) -> Equations:
+        terms = self.picture.terms(self.pose, self.posed, self.solve, self._fine)
+        return total_equations(terms, self.posed)
+
+    @property
+    def _fine(self) -> bool:
+        return self.picture.level == 0 and self.solve >= ROUGH
+
+    def step(self, damping: float) -> Array | None:
+        return _step(self.picture.keyframe, self.posed, self.evidence, only_decided=self._fine)
+
+
+def refine(
+    keyframe: PosedKeyframe,
+    start: Pose,
+    likeness: Likeness | None,
+    outline: Outline | None,
+    cancelled: Callable[[], bool],
+    coarsest: int = LEVELS - 1,
+) -> RefinedPose:
+    """The most likely pose on textures, outline and the pose as set, from a start.
+
+    coarsest: the level of the pyramid to begin at.
+    """
+    outlined = None if outline is None else _OutlineTerm(outline)
+    evidence = Equations.none(keyframe.scene.skeleton.dof_count)
+    pose = start
+    for level in range(coarsest, -1, -1):
+        if likeness is not None:
+            likeness.reset_noise(level)
+        criteria = replace(CRITERIA, most_steps=SOLVES[level])
+        found = least_squares(
+            _PictureProblem(keyframe, likeness, outlined, level), pose, criteria, cancelled
+        )
+        if found.solved is None or found.end in ("cancelled", "unsolvable"):
+            return RefinedPose(keyframe.pose, np.zeros_like(evidence.A))
+        pose, evidence = found.state, found.solved.evidence
+    return RefinedPose(pose, evidence.A)
+
+
+def _step(keyframe: PosedKeyframe, posed: Posed, evidence: Equations, only_decided: bool) -> Array:
+    """The next motion; with `only_decided`, along the directions that the picture decides.
+
+    In sigmas of the pose as set, the directions are the eigenvectors of the picture's information;
+    along the others the motion leads straight back to the pose as set.
+    """
+    evidence = evidence + keyframe.joint_limits.equations(posed)
+    if not only_decided:
+        whole = evidence + keyframe.prior.equations(posed)
+        return damped_step(whole.A, whole.b, 0.0)
+    sigma, away = keyframe.precision**-0.5, keyframe.prior.away(posed)
+    values, V = np.linalg.eigh(evidence.A * sigma * sigma[:, None])
+    y = V.T @ (away / sigma)
+    g = V.T @ (evidence.b * sigma)
+    along = np.where(values >= DECISIVE, -(g + y) / (values + 1.0), -y)
+    return np.asarray(sigma * (V @ along))
+
+
+def decided_share(keyframe: PosedKeyframe, refined: RefinedPose) -> Array:
+    """(P,) share of each part's own motions that the picture decides; 0 where none is tracked."""
+    skeleton = keyframe.scene.skeleton
+    sigma = keyframe.precision**-0.5
+    values, V = np.linalg.eigh(refined.information * sigma * sigma[:, None])
+    share = np.where(values >= DECISIVE, values / (values + 1.0), 0.0)
+    by_dof = (V**2 * share).sum(axis=1)
+    total = np.bincount(skeleton.dof_part, weights=by_dof, minlength=skeleton.part_count)
+    count = np.bincount(skeleton.dof_part, minlength=skeleton.part_count)
+    return np.asarray(total / np.maximum(count, 1))

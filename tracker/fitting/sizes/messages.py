@@ -1,0 +1,105 @@
+"""What was found about a body's sizes, in sentences and in centimetres."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.errors import listed, spoken
+from tracker.fitting.sizes.proportions import Proportions
+from tracker.fitting.sizes.shared import Shared
+
+WHAT = ("length", "thickness")
+MORE, LESS = ("longer", "thicker"), ("shorter", "thinner")
+
+
+@dataclass(frozen=True, eq=False)
+class SizesFound:
+    """The sizes found, and how they were found.
+
+    changed, observable, implausible (S + 2,): which of the shared values changed, which the
+    pictures determine, and which fit best at an unlikely value. enough: whether the pictures show
+    the body's contour at all.
+    """
+
+    proportions: Proportions
+    shared: Shared
+    changed: NDArray[np.bool_]
+    observable: NDArray[np.bool_]
+    implausible: NDArray[np.bool_]
+    enough: bool
+    focal_asked: bool
+    telephoto: bool
+
+
+def describe_sizes(found: SizesFound) -> str:
+    """A few sentences for a person."""
+    if not found.enough:
+        return "The images do not show the body’s outline well enough. Sizes unchanged."
+    sentences = [_changed(found)]
+    names = found.proportions.names
+    unobservable = ~(found.observable | found.changed | found.implausible)
+    left = [
+        f"{what} of {_listed(some)}"
+        for k, what in enumerate(WHAT)
+        if (some := [names[g] for g in np.flatnonzero(unobservable[k:-2:2])])
+    ]
+    if left:
+        text = " and ".join(left)
+        sentences.append(f"{text[:1].upper()}{text[1:]} could not be estimated. Unchanged.")
+    implausible = [
+        f"{spoken(found.proportions.names[s // 2])}'s {WHAT[s % 2]}"
+        for s in np.flatnonzero(found.implausible[:-2]).tolist()
+    ]
+    if implausible:
+        sentences.append(
+            f"The best fit of the {_listed(implausible)} was unrealistic, so it was not used. "
+            "Set it by hand."
+        )
+    if found.focal_asked:
+        sentences.append(_focal(found))
+    return " ".join(sentences)
+
+
+def size_changes(found: SizesFound) -> tuple[tuple[str, str, float, float], ...]:
+    """(part, what, before, after) of every size that changed, centimetres."""
+    before = 100 * found.proportions.metres()
+    after = before * np.exp(found.shared.sizes)
+    return tuple(
+        (found.proportions.names[s // 2], WHAT[s % 2], float(before[s]), float(after[s]))
+        for s in np.flatnonzero(found.changed[:-2]).tolist()
+    )
+
+
+def _changed(found: SizesFound) -> str:
+    some = [
+        f"{spoken(found.proportions.names[s // 2])} {_by(found.shared.sizes[s], s % 2)}"
+        for s in np.flatnonzero(found.changed[:-2]).tolist()
+    ]
+    if not some:
+        return "The sizes already match the images."
+    what = f"Fitted to the images: {some[0]}" if len(some) == 1 else f"{len(some)} sizes changed"
+    return f"{what}. Your keyframe poses were changed too."
+
+
+def _by(size: float, what: int) -> str:
+    """Such as "8 % longer"."""
+    percent = 100 * abs(np.expm1(size))
+    return f"{percent:.0f} % {(MORE if size > 0 else LESS)[what]}"
+
+
+def _focal(found: SizesFound) -> str:
+    if found.telephoto:
+        return "A telephoto camera has no focal length to estimate."
+    if found.implausible[-2]:
+        return "The best focal length was unrealistic, so it was not used."
+    if not found.changed[-2]:
+        return "The focal length could not be estimated. Unchanged."
+    percent = 100 * np.expm1(found.shared.values[-2])
+    return f"The focal length is {abs(percent):.0f} % {'longer' if percent > 0 else 'shorter'}."
+
+
+def _listed(names: list[str]) -> str:
+    return listed([spoken(name) for name in names])

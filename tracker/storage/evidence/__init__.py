@@ -1,0 +1,18 @@
+"""The files of a session's evidence: how they are opened, found and recognised."""
+
+from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
+from tracker.session.schema import Session
+from tracker.storage.evidence.files import EvidenceFiles
+from tracker.storage.evidence.film import FilmFiles
+from tracker.storage.evidence.surfaces import SurfaceFiles, surfaces_of, with_cameras_fingerprint
+
+__all__ = ["EvidenceFiles", "files_of", "surfaces_of", "with_cameras_fingerprint"]
+
+FILES: ByEvidence[EvidenceFiles] = ByEvidence(
+    {FilmEvidence: FilmFiles(), SurfaceEvidence: SurfaceFiles()}
+)
+
+
+def files_of(session: Session) -> EvidenceFiles:
+    """The operations on the files of a session's evidence."""
+    return FILES.of(session)

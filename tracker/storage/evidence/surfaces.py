@@ -1,0 +1,88 @@
+"""The files of observed surfaces: meshes, and that of the cameras that took them."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tracker.errors import SessionError, SurfaceError
+from tracker.files import read_head
+from tracker.session.evidence import surface_of
+from tracker.session.schema import Session, Surface
+from tracker.storage.evidence.files import identity
+
+if TYPE_CHECKING:
+    from tracker.surface.picture import SurfaceVideo
+    from tracker.video import Video
+
+MOST_CAMERA_BYTES = 4 * 2**20
+"""A longer file is no file of cameras, and the reader refuses it."""
+
+
+class SurfaceFiles:
+    """Meshes and cameras may have been exported again: their present fingerprints count."""
+
+    def open(self, session: Session, path: Path, folder: Path) -> Video:
+        from tracker.surface.picture import open_surfaces  # loads only when needed
+
+        return open_surfaces(session, path, folder)
+
+    def fingerprint_at(self, session: Session, path: Path) -> str | None:
+        from tracker.surface.files.sequence import MeshSequence
+
+        if not (path.is_dir() or path.suffix.lower() == ".glb"):
+            return None
+        try:
+            with MeshSequence.open(path) as meshes:
+                return meshes.fingerprint()
+        except SurfaceError:  # no meshes
+            return None
+
+    def state(self, session: Session, path: Path, folder: Path) -> tuple[Any, ...]:
+        surface = surface_of(session)
+        cameras = None if surface.cameras is None else identity(folder / surface.cameras)
+        files = _identities(path) if path.is_dir() else ()
+        read_as = (surface.units, surface.up, surface.p_camera_surface)
+        return (identity(path), *read_as, cameras, files)
+
+    def refresh_fingerprints(self, session: Session, folder: Path, video: Video) -> Session:
+        surface, fingerprint = surface_of(session), video.fingerprint()
+        if surface.cameras is not None:
+            surface = with_cameras_fingerprint(surface, folder / surface.cameras)
+        if (fingerprint, surface) == (session.video.fingerprint, session.surface):
+            return session
+        meshes = session.video.model_copy(update={"fingerprint": fingerprint})
+        return session.model_copy(update={"video": meshes, "surface": surface})
+
+
+def surfaces_of(video: Video) -> SurfaceVideo:
+    """The pictures of a session's surfaces, as `open_video_of` opens them, with the surfaces
+    themselves; SessionError where it is a film."""
+    from tracker.surface.picture import SurfaceVideo  # a film does without
+
+    if not isinstance(video, SurfaceVideo):
+        raise SessionError("The session is about surfaces: open them with open_video_of.")
+    return video
+
+
+def with_cameras_fingerprint(surface: Surface, place: Path) -> Surface:
+    """The same with the fingerprint of its cameras' file at `place`; unchanged where that cannot be
+    read."""
+    try:
+        content = read_head(place, MOST_CAMERA_BYTES)
+    except (OSError, ValueError):  # ValueError: a NUL character in its name
+        return surface
+    fingerprint = f"sha256:{hashlib.sha256(content).hexdigest()}"
+    return surface.model_copy(update={"cameras_fingerprint": fingerprint})
+
+
+def _identities(folder: Path) -> tuple[Any, ...]:
+    """Equal as long as a folder has the same meshes: overwriting one does not change the folder."""
+    from tracker.surface.files.sources import SUFFIXES
+
+    try:
+        files = [file for file in folder.iterdir() if file.suffix.lower() in SUFFIXES]
+    except OSError:  # opening it will report what is wrong
+        return ()
+    return tuple(identity(file) for file in sorted(files))
