@@ -30,6 +30,10 @@ LARGEST_SESSION_BYTES = 64 * 2**20
 """Far above any session: a larger file is a video or an archive chosen by mistake."""
 
 
+READING_TRIES = 20
+"""How often session file and journal are read anew while another program writes them."""
+
+
 @dataclass(frozen=True, eq=False)
 class Opened:
     """A session as it was left, from its file and its journal.
@@ -56,14 +60,34 @@ def load_session(path: Path) -> Session:
 
 def open_session(path: Path) -> Opened:
     """The same with its history."""
-    session = read_session(path)
-    try:
-        journal, problem = read_journal(journal_path(path)), ""
-    except SessionError as error:  # the session file is whole by itself
-        journal, problem = Read(), str(error)
+    session, journal, problem = _read_both(path)
     found = recover(session, journal.records)
     newest = found.moment.doc.model_copy(update={"results": session.results})
     return Opened(newest if found.ahead else session, found, journal, problem)
+
+
+def _read_both(path: Path) -> tuple[Session, Read, str]:
+    """Session file, journal, and why that cannot be read, as they stand at one moment: where the
+    file is written anew between the two, it would seem older than its journal."""
+    for _ in range(READING_TRIES):
+        version = _version(path)
+        session = read_session(path)
+        try:
+            journal, problem = read_journal(journal_path(path)), ""
+        except SessionError as error:  # the session file is whole by itself
+            journal, problem = Read(), str(error)
+        if _version(path) == version:
+            break
+    return session, journal, problem
+
+
+def _version(path: Path) -> tuple[int, int, int] | None:
+    """Changes when a file is replaced or written; None where it is not to be seen."""
+    try:
+        facts = path.stat()
+    except (OSError, ValueError):  # reading it says which
+        return None
+    return facts.st_ino, facts.st_mtime_ns, facts.st_size
 
 
 def read_session(path: Path) -> Session:

@@ -29,7 +29,7 @@ from tracker.storage.chronicle import (
     whole_record,
 )
 from tracker.storage.files import journal_path, load_session, open_session, save_session
-from tracker.storage.journal import Journal, lines, read_journal
+from tracker.storage.journal import Journal, Read, lines, read_journal
 
 RECORDS: list[dict[str, Any]] = [{"n": 0}, {"n": 1, "text": "ä\n"}, {"n": 2, "list": [1.5, None]}]
 
@@ -352,6 +352,30 @@ def test_results_stay_with_what_the_journal_brings_back(tmp_path: Path) -> None:
     assert found.session.results == session.results
     save_session(found.session, path)
     assert open_session(path).recovered.ahead == 0
+
+
+def test_a_session_saved_anew_while_it_is_read_is_read_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The file of before and the journal of after would look as if another program wrote it."""
+    path = tmp_path / "session.json"
+    before, after = VERSIONS[0], VERSIONS[1]
+    save_session(before, path)
+    journal = Journal(journal_path(path), 0)
+    journal.append(_records([Moment(before), Moment(after, History((Step(before, "edit", 0),)))]))
+    saves = [after]
+
+    def read_after_saving(journal_file: Path) -> Read:
+        for session in saves:
+            save_session(session, path)
+            journal.append([saved_record(mark_of(session))])
+        saves.clear()
+        return read_journal(journal_file)
+
+    monkeypatch.setattr("tracker.storage.files.read_journal", read_after_saving)
+    found = open_session(path)
+    assert found.session == after
+    assert found.recovered.follows
 
 
 def test_every_session_file_has_a_journal_of_its_own(tmp_path: Path) -> None:
