@@ -1,0 +1,1 @@
+"""What a detector sees of one body, frame by frame."""
