@@ -204,6 +204,40 @@ class PointsInPicture(RowTerm):
 
 
 @dataclass(frozen=True, eq=False)
+class DepthFromRoot(RowTerm):
+    """Points of the body so much farther away than its root: depth (..., K), metres along z.
+
+    scale (..., K): 1/σ in 1/m, 0 where a depth is not known.
+    """
+
+    points: BodyPoints
+    depth: Array
+    scale: Array
+    kernel: Kernel = SQUARED
+
+    def cost(self, posed: Posed) -> float:
+        return self._cost(self._away(posed, self.points.of(posed)))
+
+    def rows(self, posed: Posed) -> Rows:
+        skeleton = posed.skeleton
+        p, J = self.points.jacobian(posed)
+        away = self._away(posed, p)
+        shifts = np.flatnonzero(skeleton.dof_turns == 0)
+        along = J[..., 2].copy()
+        R_root = posed.Rs_parent_part[..., 0, :, :]
+        along[..., shifts] -= R_root[..., None, 2, skeleton.dof_axis[shifts]]
+        weight = np.sqrt(self.kernel.weight(np.abs(away)))
+        return Rows(away * weight, along * (weight * self.scale)[..., None], self._cost(away))
+
+    def _away(self, posed: Posed, p: Array) -> Array:
+        """(..., K) in σ."""
+        return np.asarray((p[..., 2] - posed.p_camera_root[..., None, 2] - self.depth) * self.scale)
+
+    def _cost(self, away: Array) -> float:
+        return 0.5 * float(self.kernel.loss(np.abs(away)).sum())
+
+
+@dataclass(frozen=True, eq=False)
 class JointLimits(RowTerm):
     """Joint angles within their limits.
 

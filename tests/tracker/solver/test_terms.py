@@ -25,6 +25,7 @@ from tracker.solver.body_points import BodyPoint, BodyPoints, free_skeleton
 from tracker.solver.posed import Posed
 from tracker.solver.robust import Cauchy, Huber, Kernel, Tukey
 from tracker.solver.terms import (
+    DepthFromRoot,
     JointLimits,
     PointsInPicture,
     PointsInSpace,
@@ -74,6 +75,12 @@ def _in_picture(camera: Camera, kernel: Kernel) -> Callable[[BodyPoints], Term]:
     rng = np.random.default_rng(2)
     uv, scale = rng.normal((320, 240), 90, (len(POINTS), 2)), rng.uniform(0, 0.5, len(POINTS))
     return lambda points: PointsInPicture(points, camera, uv, scale, 0.05, kernel)
+
+
+def _from_root(kernel: Kernel) -> Callable[[BodyPoints], Term]:
+    rng = np.random.default_rng(3)
+    depth, scale = rng.normal(0, 0.3, len(POINTS)), rng.uniform(0, 12, len(POINTS))
+    return lambda points: DepthFromRoot(points, depth, scale, kernel)
 
 
 def _limits(allowed: Floats | None) -> Callable[[BodyPoints], Term]:
@@ -136,6 +143,8 @@ TERMS: dict[str, Callable[[BodyPoints], Term]] = {
     "points in a picture, far ones not counting": _in_picture(FLAT, Tukey(40.0)),
     "points in a telephoto picture": _in_picture(TELEPHOTO, Huber(1e9)),
     "points in a telephoto picture, robust": _in_picture(TELEPHOTO, Huber()),
+    "depth from the root": _from_root(Huber(1e9)),
+    "depth from the root, far ones pulling no harder": _from_root(Huber()),
     "joint limits": _limits(None),
     "joint limits as somebody posed beyond them": _limits(np.full((PARTS, 3), 2e-4)),
     "prior": lambda points: PosePrior.of(

@@ -9,8 +9,6 @@ motion is smooth, bends no joint beyond its limits, and has a start as its prior
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,20 +17,15 @@ from numpy.typing import NDArray
 from tracker.body.joint_limits import Limits
 from tracker.body.trajectory import Trajectory
 from tracker.geometry.rotations import Array
-from tracker.kernels.whole import move_inner
-from tracker.solver.banded import banded_step, with_frames
 from tracker.solver.body_points import BodyPoints
-from tracker.solver.least_squares import Criteria, Damping, Problem, least_squares
-from tracker.solver.posed import Posed
+from tracker.solver.least_squares import Criteria, Damping, least_squares
 from tracker.solver.robust import Cauchy, Huber, Kernel
+from tracker.solver.segment_poses import SegmentPoses
 from tracker.solver.smoothness import Smoothness, second_differences
 from tracker.solver.terms import (
     JointLimits,
     PointsInPicture,
     PosePrior,
-    Term,
-    total_cost,
-    total_equations,
 )
 from tracker.tracking.scene import Scene
 from tracker.tracking.segment import NEAREST_M, Segment
@@ -67,9 +60,9 @@ def lift(scene: Scene, segment: Segment, base: Trajectory, tracks: LimbTracks) -
     base = _between_keyframes(segment, base)
     if len(base) < 3 or not scene.skeleton.dof_count or not _is_followed(tracks).any():
         return base
-    first = _Fit.of(scene, segment, base, tracks, Huber())
+    first = _fit(scene, segment, base, tracks, Huber())
     found = least_squares(first, base, CRITERIA).state
-    found = least_squares(_Fit.of(scene, segment, base, tracks, Cauchy()), found, CRITERIA).state
+    found = least_squares(_fit(scene, segment, base, tracks, Cauchy()), found, CRITERIA).state
     return found if first.at(found, 0).cost < first.at(base, 0).cost else base
 
 
@@ -86,74 +79,26 @@ def _is_followed(tracks: LimbTracks) -> NDArray[np.bool_]:
     return np.asarray(np.isfinite(uv).all(axis=-1) & np.isfinite(sigma))
 
 
-@dataclass(frozen=True, eq=False)
-class _Fit(Problem[Trajectory, "_Point"]):
-    """What a motion is compared with: terms of every inner frame by itself, and its smoothness."""
-
-    scene: Scene
-    terms: tuple[Term, ...]
-    smoothness: Smoothness
-
-    @classmethod
-    def of(
-        cls, scene: Scene, segment: Segment, base: Trajectory, tracks: LimbTracks, kernel: Kernel
-    ) -> _Fit:
-        """kernel: that of the tracks. The prior has Huber's."""
-        skeleton = scene.skeleton
-        followed = _is_followed(tracks)
-        sigma = np.maximum(np.where(followed, tracks.sigma_px[:, 1:-1], 1.0), LEAST_SIGMA_PX)
-        scale = np.where(followed, 1 / sigma, 0.0).T
-        uv = np.swapaxes(np.where(followed[..., None], tracks.uv[:, 1:-1], 0.0), 0, 1)
-        points = BodyPoints.single(skeleton, tracks.parts, tracks.points)
-        keyed = [pose.Rs_parent_part for pose in (segment.start, segment.end)]
-        start = base.Rs_parent_part[1:-1], base.ps_camera_root[1:-1]
-        smooth = scene.precision(SMOOTH_TURN_RAD, SMOOTH_SHIFT_PX * scene.pixel_m)
-        return cls(
-            scene,
-            (
-                PointsInPicture(points, scene.camera, uv, scale, NEAREST_M, kernel),
-                JointLimits(Limits.of(skeleton.body).widened(keyed), LIMIT_RAD),
-                PosePrior(*start, _keep_precision(scene), Huber()),
-            ),
-            Smoothness(skeleton, second_differences(skeleton, base), smooth, Huber()),
-        )
-
-    def at(self, state: Trajectory, count: int) -> _Point:
-        return _Point(self, state)
-
-    def moved(self, state: Trajectory, step: Array) -> Trajectory:
-        R, t = state.writable()
-        move_inner(self.scene.arrays, R, t, step.reshape(len(state) - 2, -1))
-        return Trajectory(state.first_frame, R, t)
-
-
-@dataclass(frozen=True, eq=False)
-class _Point:
-    """The terms at a motion; the equations of a rejected one are never computed."""
-
-    fit: _Fit
-    motion: Trajectory
-
-    @cached_property
-    def _posed(self) -> Posed:
-        """The inner poses."""
-        motion = self.motion
-        R, t = motion.Rs_parent_part[1:-1], motion.ps_camera_root[1:-1]
-        return Posed(self.fit.scene.skeleton, R, t)
-
-    @cached_property
-    def cost(self) -> float:
-        return total_cost(self.fit.terms, self._posed) + self.fit.smoothness.cost(self.motion)
-
-    @cached_property
-    def _equations(self) -> tuple[Array, Array]:
-        """Upper banded (3D, nD) and gradient (nD,)."""
-        frames = total_equations(self.fit.terms, self._posed)
-        stiff, pull = self.fit.smoothness.equations(self.motion)
-        return with_frames(stiff, frames.A), (frames.b + pull).ravel()
-
-    def step(self, damping: float) -> Array | None:
-        return banded_step(*self._equations, damping)
+def _fit(
+    scene: Scene, segment: Segment, base: Trajectory, tracks: LimbTracks, kernel: Kernel
+) -> SegmentPoses:
+    """What a motion is compared with. kernel: that of the tracks; the prior has Huber's."""
+    skeleton = scene.skeleton
+    followed = _is_followed(tracks)
+    sigma = np.maximum(np.where(followed, tracks.sigma_px[:, 1:-1], 1.0), LEAST_SIGMA_PX)
+    scale = np.where(followed, 1 / sigma, 0.0).T
+    uv = np.swapaxes(np.where(followed[..., None], tracks.uv[:, 1:-1], 0.0), 0, 1)
+    points = BodyPoints.single(skeleton, tracks.parts, tracks.points)
+    keyed = [pose.Rs_parent_part for pose in (segment.start, segment.end)]
+    start = base.Rs_parent_part[1:-1], base.ps_camera_root[1:-1]
+    smooth = scene.precision(SMOOTH_TURN_RAD, SMOOTH_SHIFT_PX * scene.pixel_m)
+    terms = (
+        PointsInPicture(points, scene.camera, uv, scale, NEAREST_M, kernel),
+        JointLimits(Limits.of(skeleton.body).widened(keyed), LIMIT_RAD),
+        PosePrior(*start, _keep_precision(scene), Huber()),
+    )
+    smoothness = Smoothness(skeleton, second_differences(skeleton, base), smooth, Huber())
+    return SegmentPoses(skeleton, scene.arrays, terms, (smoothness,))
 
 
 def _keep_precision(scene: Scene) -> Array:
