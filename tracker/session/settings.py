@@ -13,6 +13,7 @@ Quality: TypeAlias = Literal["full", "fast", "preview"]
 Weights: TypeAlias = Literal["both", "contact", "photo", "none"]
 Units: TypeAlias = Literal["m", "dm", "cm", "mm", "in", "ft"]
 UpAxis: TypeAlias = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
+Cue: TypeAlias = Literal["brightness", "keypoints"]
 Initial: TypeAlias = Literal["auto", "linear", "templates", "both-ways", "import"]
 
 
@@ -45,6 +46,11 @@ class TrackSettings(Plain):
     static_camera: bool = Field(
         default=False,
         description="The camera stands still: a background plate keeps foreign pixels out.",
+    )
+    cues: Annotated[tuple[Cue, ...], Field(min_length=1)] = Field(
+        default=("brightness", "keypoints"),
+        description="What the motion between keyframes is found from: brightness, how it changes "
+        "from frame to frame; keypoints, where a detector sees joints, if the session has any.",
     )
     passes: Annotated[int, Field(ge=1, le=50)] | None = Field(
         default=None, description="Passes over a segment; the method's own number when left out."

@@ -24,6 +24,7 @@ from tracker.tracking.scene import Scene
 from tracker.video.pyramid import Clip, Picture
 
 if TYPE_CHECKING:
+    from tracker.solver.segment_poses import SegmentPoses
     from tracker.tracking.method import Refinement
 
 SMOOTH_TURN_RAD = np.radians(1.0)
@@ -46,11 +47,20 @@ class _Textures:
     starts: NDArray[np.int64]
 
 
-def refine(scene: Scene, clip: Clip, start: Trajectory, how: Refinement) -> Trajectory:
-    """The refined trajectory; its ends stay exactly where they are."""
+def refine(
+    scene: Scene,
+    clip: Clip,
+    start: Trajectory,
+    how: Refinement,
+    others: SegmentPoses | None = None,
+) -> Trajectory:
+    """The refined trajectory; its ends stay exactly where they are.
+
+    others: what the motion is compared with besides the pictures.
+    """
     if len(start) < 3 or not scene.skeleton.dof_count:
         return start
-    pictures = _Pictures.of(scene, clip, start, how)
+    pictures = _Pictures.of(scene, clip, start, how, others)
     R, t = least_squares(pictures, start.writable(), replace(CRITERIA, most_steps=how.solves)).state
     return Trajectory(start.first_frame, R, t)
 
@@ -74,9 +84,18 @@ class _Pictures(Problem[Poses, "_Point"]):
     smooth: Array
     seen: NDArray[np.uint8]
     sigma: Array
+    first_frame: int
+    others: SegmentPoses | None
 
     @classmethod
-    def of(cls, scene: Scene, clip: Clip, start: Trajectory, how: Refinement) -> _Pictures:
+    def of(
+        cls,
+        scene: Scene,
+        clip: Clip,
+        start: Trajectory,
+        how: Refinement,
+        others: SegmentPoses | None,
+    ) -> _Pictures:
         """The pictures at the start."""
         frames, pictures = len(start), clip.levels[0]
         slots = clip.slots(start.first_frame, start.last_frame)
@@ -86,7 +105,7 @@ class _Pictures(Problem[Poses, "_Point"]):
             scene.information(how.stride),
             scene.precision(SMOOTH_TURN_RAD, SMOOTH_SHIFT_PX * scene.pixel_m),
             np.zeros((frames, len(scene.points.points)), np.uint8),
-            np.full((2, frames), FIRST_SIGMA),
+            np.full((2, frames), FIRST_SIGMA), start.first_frame, others,
         )  # fmt: skip
 
     def at(self, state: Poses, count: int) -> _Point:
@@ -107,6 +126,9 @@ class _Pictures(Problem[Poses, "_Point"]):
             textures.chosen, textures.grey, textures.starts, self.seen,
             self.information, self.smooth, self.sigma, banded, gradient,
         )  # fmt: skip
+        if self.others is not None:
+            more, pull = self.others.at(Trajectory(self.first_frame, *poses), 0).equations
+            banded, gradient = banded + more, gradient + pull
         return banded, gradient
 
     def look(self, poses: Poses) -> None:

@@ -77,7 +77,7 @@ def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
             yield tried[-1]
             break
         motions, score = least_squares_pass(scene, segment.clip, present, method.inner)
-        drift = _drift_px(scene, present, motions)
+        drift = drift_px(scene, present, motions)
         tried.append(Pass(what, present, score))
         yield tried[-1]
         if number - best_of(tried) >= method.patience:
@@ -102,7 +102,7 @@ def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
     drift, gap, diverged = _zeros_px(scene, present)[1:], 0.0, False
     for _ in range(method.passes):
         motions, score = robust_pass(scene, clip, present, method.stride, method.inner, method.stop)
-        drift = _drift_px(scene, present, motions)
+        drift = drift_px(scene, present, motions)
         tried.append(Pass(what, present, score))
         yield tried[-1]
         following = _correct(scene, segment, present, motions)
@@ -162,7 +162,7 @@ def _correct(
     return corrected if is_sound(scene, segment, corrected.trajectory) else None
 
 
-def _drift_px(scene: Scene, present: Trajectory, motions: Motions) -> Array:
+def drift_px(scene: Scene, present: Trajectory, motions: Motions) -> Array:
     """(N - 1, M) distance in the picture of where motions lead and where the trajectory goes."""
     led = Trajectory(present.first_frame + 1, motions.Rs_parent_part, motions.ps_camera_root)
     rest = Trajectory(led.first_frame, present.Rs_parent_part[1:], present.ps_camera_root[1:])

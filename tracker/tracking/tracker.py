@@ -13,14 +13,17 @@ from tracker.body.surface_points import SurfacePoints, sample_points
 from tracker.body.trajectory import Pass, Trajectory
 from tracker.errors import SessionError
 from tracker.geometry.camera import Camera
+from tracker.keypoints.keypoints import Keypoints
 from tracker.session.settings import IgnoreMask, TrackSettings
-from tracker.tracking.cycle import Outcome, track_segment
+from tracker.tracking.anchored_cycle import track_anchored
+from tracker.tracking.cues.anchors import anchors_of, freed
+from tracker.tracking.cycle import Outcome, Work, track_segment
 from tracker.tracking.diagnostics.expected_gain import expected_gain
 from tracker.tracking.diagnostics.judge import judge
 from tracker.tracking.diagnostics.observability import observe, unobserved
 from tracker.tracking.drift import closing_error
 from tracker.tracking.initial.chains import fit_to_keyframes
-from tracker.tracking.method import Method, Paper, method_of
+from tracker.tracking.method import Keypose, Method, Paper, method_of
 from tracker.tracking.result import SegmentResult
 from tracker.tracking.scene import Scene
 from tracker.tracking.segment import Segment
@@ -63,8 +66,10 @@ class Tracker:
         static_camera: bool = False,
         memory: int = MEMORY_BYTES,
         first_motion: Trajectory | None = None,
+        keypoints: Keypoints | None = None,
     ) -> None:
-        self._first_motion = first_motion
+        self._first_motion, self._keypoints = first_motion, keypoints
+        self._video_camera = camera
         self._prepared = _Prepared(video, camera, masks, static_camera, memory)
         self._laid: dict[float, SurfacePoints] = {}
         self._pose(skeleton, keyposes)
@@ -80,6 +85,7 @@ class Tracker:
         skeleton: Skeleton,
         keyposes: Mapping[int, Pose],
         first_motion: Trajectory | None = None,
+        keypoints: Keypoints | None = None,
     ) -> Tracker:
         """A tracker of other keyposes, or of another body, before the same video.
 
@@ -87,7 +93,7 @@ class Tracker:
         the same object. Both may be in use at the same time.
         """
         other = copy(self)
-        other._first_motion = first_motion
+        other._first_motion, other._keypoints = first_motion, keypoints
         if skeleton is not self.skeleton:
             other._laid = {}
         other._pose(skeleton, keyposes)
@@ -97,15 +103,19 @@ class Tracker:
         """What loads the pictures of a segment, in the size that its length allows."""
         return self._prepared.loader(span[1] - span[0] + 1)
 
-    def scene(self, span: tuple[int, int], density: float) -> Scene:
-        """The scene of one segment, for its own two keyposes."""
+    def scene(self, span: tuple[int, int], density: float, free: bool = False) -> Scene:
+        """The scene of one segment, for its own two keyposes.
+
+        free: with all parts that carry keypoints free to turn.
+        """
         loader, poses = self.loader(span), [self.keyposes[frame] for frame in span]
         camera = loader.size.camera(loader.camera)
-        return Scene.of(self.skeleton, camera, poses, density, self._sample)
+        skeleton = freed(self.skeleton) if free else self.skeleton
+        return Scene.of(skeleton, camera, poses, density, self._sample)
 
     def _sample(self, skeleton: Skeleton, spacing_m: float) -> SurfacePoints:
         """Surface points, cached by spacing."""
-        if spacing_m not in self._laid:
+        if spacing_m not in self._laid:  # what is free to turn does not matter
             self._laid[spacing_m] = sample_points(skeleton, spacing_m)
         return self._laid[spacing_m]
 
@@ -143,7 +153,7 @@ class Tracker:
         segment = Segment(first, last, start, end, self.loader(span).load(first, last), imported)
         method = method_of(settings)
         scene = self.scene(span, method.density)
-        work, number = track_segment(scene, segment, method), 0
+        work, number = self._work(scene, segment, method, settings), 0
         while True:
             try:
                 step = next(work)
@@ -151,6 +161,19 @@ class Tracker:
                 return _result(scene, segment, done.value, method)
             emit(step, number)
             number += 1
+
+    def _work(
+        self, scene: Scene, segment: Segment, method: Method, settings: TrackSettings
+    ) -> Work:
+        """With keypoints where there are any of this body; without, as if there never were."""
+        keypoints = self._keypoints if "keypoints" in settings.cues else None
+        if keypoints is not None and isinstance(method, Keypose):
+            span = segment.first_frame, segment.last_frame
+            free = self.scene(span, method.density, free=True)
+            told = anchors_of(free, segment, self._video_camera, keypoints)
+            if told:
+                return track_anchored(scene, free, segment, method, told)
+        return track_segment(scene, segment, method)
 
 
 def _result(scene: Scene, segment: Segment, outcome: Outcome, method: Method) -> SegmentResult:

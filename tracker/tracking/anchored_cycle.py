@@ -1,0 +1,127 @@
+"""One segment tracked by brightness and keypoints together: the cycle of DRIFT §2.2 with drift
+correction over soft anchors, see `cues/soft_correction.py`, in place of closing.
+
+Brightness follows a limb closely while it is seen, and loses it behind the trunk; keypoints jitter,
+but lose nothing. From two starts, the body followed from both keyframes and the keypoints alone,
+the same cycle leads to two motions, as a rule to nearly the same. Of these the one counts that all
+evidence together contradicts least; how far they lie apart tells how sure it is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tracker.body.trajectory import Pass, Trajectory
+from tracker.solver.robust import Cauchy
+from tracker.tracking.bundle import refine
+from tracker.tracking.cues.from_keypoints import from_keypoints
+from tracker.tracking.cues.soft_correction import Correction, measured_increments
+from tracker.tracking.cycle import Outcome, Work, drift_px
+from tracker.tracking.frame_pair import robust_pass
+from tracker.tracking.initial.choose import starts
+from tracker.tracking.segment import distance_px, is_sound
+
+if TYPE_CHECKING:
+    from tracker.geometry.rotations import Array
+    from tracker.solver.smoothness import Increments
+    from tracker.tracking.cues.anchors import Anchors
+    from tracker.tracking.initial.choose import Starts
+    from tracker.tracking.method import Keypose
+    from tracker.tracking.scene import Scene
+    from tracker.tracking.segment import Segment
+
+
+@dataclass(frozen=True, eq=False)
+class _Ended:
+    """Where the cycle led from one start. index: of its last trajectory among all passes.
+
+    cost: of all evidence together.  drift_px (N - 1, M): what was left to correct.
+    """
+
+    index: int
+    trajectory: Trajectory
+    cost: float
+    drift_px: Array
+    anchors: Anchors
+
+
+def track_anchored(
+    scene: Scene, free: Scene, segment: Segment, method: Keypose, told: Sequence[Anchors]
+) -> Work:
+    """Track one segment; yields every trajectory as it is found and returns the outcome.
+
+    free: the scene with all parts that carry keypoints free to turn.  told: the anchors, where left
+    and right are in doubt in two ways.
+    """
+    begun = starts(scene, segment, replace(method, templates=False))
+    tried: list[Pass] = []
+    ends: list[_Ended] = []
+    for anchors in told:
+        correction = Correction(free, segment, anchors)
+        alone = Pass("keypoints", from_keypoints(correction), None)
+        for start in (alone, *begun.ways[:1]):
+            if not is_sound(scene, segment, start.trajectory):
+                continue
+            ended = yield from _cycle(correction, method, start, tried)
+            ends.append(ended)
+    best = min(ends, key=lambda ended: ended.cost)
+    return _outcome(scene, begun, tried, ends, best)
+
+
+def _cycle(
+    correction: Correction, method: Keypose, start: Pass, tried: list[Pass]
+) -> Generator[Pass, None, _Ended]:
+    """All passes from one start, which are put into `tried` one by one."""
+    free, segment = correction.scene, correction.segment
+    present, what = start.trajectory, start.what
+    for _ in range(method.passes):
+        measured, _, score = _measure(free, segment, method, present)
+        tried.append(Pass(what, present, score))
+        yield tried[-1]
+        following = correction.solve(present, measured, Cauchy())
+        if not is_sound(free, segment, following):
+            break
+        present, what = following, "pass"
+    measured, drift, score = _measure(free, segment, method, present)
+    tried.append(Pass(what, present, score))
+    yield tried[-1]
+    others = correction.problem(measured, Cauchy(), bends=False)
+    refined = refine(free, segment.clip, present, method.refinement, others)
+    if refined is not present and is_sound(free, segment, refined):
+        present = refined
+        measured, drift, score = _measure(free, segment, method, present)
+        tried.append(Pass("refinement", present, score))
+        yield tried[-1]
+    cost = correction.cost(present, measured)
+    return _Ended(len(tried) - 1, present, cost, drift, correction.anchors)
+
+
+def _measure(
+    scene: Scene, segment: Segment, method: Keypose, present: Trajectory
+) -> tuple[Increments, Array, float]:
+    """What the picture says of every step, how far that leads from the motion, and its score."""
+    motions, score = robust_pass(
+        scene, segment.clip, present, method.stride, method.inner, method.stop
+    )
+    return measured_increments(scene, present, motions), drift_px(scene, present, motions), score
+
+
+def _outcome(
+    scene: Scene, begun: Starts, tried: list[Pass], ends: list[_Ended], best: _Ended
+) -> Outcome:
+    chains = begun.chains
+    zeros = np.zeros((len(best.trajectory), len(scene.marks[1])))
+    return Outcome(
+        passes=tuple(tried),
+        best=best.index,
+        apart_px=zeros if chains is None else distance_px(scene, *chains),
+        drift_px=best.drift_px,
+        followed=True,
+        diverged=False,
+        gap=0.0,
+        notes=begun.notes,
+    )

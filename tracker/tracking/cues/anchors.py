@@ -1,0 +1,216 @@
+"""Soft anchors: a detector's keypoints of one segment, corrected by what its keyframes say of them.
+
+A detector puts each joint at a place of its own on the body, and knows depth only roughly. Both
+keyframes are exact: they say where on its part the detector puts a joint (an offset in the part's
+frame, held near zero), and by how much its depth is off.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.body.body import ROTATIONS
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array
+from tracker.keypoints.keypoints import JOINTS, Keypoints
+from tracker.keypoints.on_body import points_on_body
+from tracker.solver.body_points import BodyPoints
+from tracker.solver.least_squares import damped_step
+from tracker.solver.posed import Posed, image_jacobian, image_points
+from tracker.solver.robust import Huber, Kernel
+from tracker.solver.terms import DepthFromRoot, PointsInPicture, Term
+from tracker.tracking.cues.sides import exchanged_sides
+from tracker.tracking.scene import Scene
+from tracker.tracking.segment import NEAREST_M, Segment
+
+SIGMA = 0.010
+"""Standard deviation of a sure keypoint, after its offset: a share of the body's height."""
+SURE, BLUR = 0.6, 3.0
+"""Visibility from which a keypoint is sure, and how many times wider it is at visibility 0."""
+OFFSET_M = 0.02
+"""Standard deviation of where on its part a detector puts a joint."""
+FAR_SIGMA = 4.0
+"""A keypoint farther than this from a keyframe's joint pulls no harder: it may be another's."""
+DEPTH_M = 0.08
+"""Standard deviation of a keypoint's depth beside the root's, once corrected at the keyframes."""
+ELSEWHERE = 0.10
+"""Keypoints that miss a posed body by this share of its height lie on another person."""
+FEWEST = 4
+"""Joints that have to be seen in a keyframe for its keypoints to be compared with the body."""
+
+
+@dataclass(frozen=True, eq=False)
+class Anchors:
+    """Where the joints of the N frames of a segment are, as far as a detector tells.
+
+    points: K on the body.  uv (N, K, 2): pixels of the undistorted pictures worked on.
+    scale (N, K): 1/σ in 1/px, 0 where nothing is known.  depth (N, K): metres farther than the
+    root; depth_scale (N, K): 1/σ, 0 where unknown.  visibility (N, K).
+    height_px: of the body, standing.
+    exchanged: left and right of some frames were exchanged against what the detector says.
+    """
+
+    points: BodyPoints
+    uv: Array
+    scale: Array
+    depth: Array
+    depth_scale: Array
+    visibility: Array
+    height_px: float
+    exchanged: bool = False
+
+    def terms(self, camera: Camera, kernel: Kernel, frames: slice | int) -> tuple[Term, ...]:
+        """About the poses of these frames, or of one. kernel: of the distances in the picture."""
+        seen = PointsInPicture(
+            self.points, camera, self.uv[frames], self.scale[frames], NEAREST_M, kernel
+        )
+        depth, scale = self.depth[frames], self.depth_scale[frames]
+        if not scale.any():
+            return (seen,)
+        return seen, DepthFromRoot(self.points, depth, scale, Huber())
+
+
+@lru_cache(maxsize=8)
+def freed(skeleton: Skeleton) -> Skeleton:
+    """The skeleton with those parts free to turn that carry a keypoint, whatever is tracked.
+
+    What a picture's brightness does not decide, such as a limb's turn about itself, a keypoint at
+    the limb's far end may.
+    """
+    body = skeleton.body
+    _, parts, _ = points_on_body(body, JOINTS)
+    carrying = {body.names[part] for part in parts}
+    some = (
+        part.model_copy(update={"tracked": (*(d for d in part.tracked if d[0] == "t"), *ROTATIONS)})
+        if part.name in carrying
+        else part
+        for part in body.parts
+    )
+    return Skeleton.of(body.replaced(some))
+
+
+def anchors_of(
+    scene: Scene, segment: Segment, camera: Camera, keypoints: Keypoints
+) -> tuple[Anchors, ...]:
+    """The anchors of a segment: as the detector tells left and right, and, where it seems to
+    exchange them, also set right. None where they lie on another body, or there are none.
+
+    scene: of the freed skeleton.  camera: of the video, with its distortion.
+    """
+    index, parts, points = points_on_body(scene.skeleton.body, keypoints.names)
+    if len(index) < FEWEST:
+        return ()
+    seen = _undistorted(keypoints.over(segment.first_frame, segment.last_frame), scene, camera)
+    height = height_px(scene.skeleton, scene.camera, segment.start)
+    keyed = {0: segment.start, len(seen) - 1: segment.end}
+    told = [seen]
+    nominal = {n: _places(scene, pose, parts, points) for n, pose in keyed.items()}
+    swapped = exchanged_sides(seen, index, nominal, height)
+    if swapped is not None:
+        told.append(swapped)
+    found = [_anchors(scene, k, index, parts, points, keyed, height) for k in told]
+    whole = [
+        replace(anchors, exchanged=k > 0) for k, anchors in enumerate(found) if anchors is not None
+    ]
+    return tuple(whole)
+
+
+def height_px(skeleton: Skeleton, camera: Camera, pose: Pose) -> float:
+    """How tall the body is in the picture, were it to stand where it is."""
+    rest = pose_transforms(skeleton, Pose.rest(skeleton, (0.0, 0.0, 0.0)))[:, :3, 3]
+    tall = float(np.ptp(rest, axis=0).max()) * 1.1  # joints end at ankles and neck
+    return tall * camera.fy / float(camera.depth(pose.p_camera_root))
+
+
+def _undistorted(keypoints: Keypoints, scene: Scene, camera: Camera) -> Keypoints:
+    """With pixels of the undistorted pictures worked on."""
+    uv = scene.camera.project(camera.back_project(keypoints.uv, 1.0))
+    return replace(
+        keypoints, uv=uv, visibility=np.where(np.isfinite(uv[..., 0]), keypoints.visibility, 0.0)
+    )
+
+
+def _places(scene: Scene, pose: Pose, parts: NDArray[np.int64], points: Array) -> Array:
+    """(K, 2) pixels of points on the body."""
+    return image_points(scene.camera, Posed.of(scene.skeleton, pose).points(parts, points))
+
+
+def _sigma_px(height: float, visibility: Array) -> Array:
+    unsure = np.clip((SURE - visibility) / SURE, 0.0, 1.0)
+    return np.asarray(SIGMA * height * (1 + (BLUR - 1) * unsure))
+
+
+def _anchors(
+    scene: Scene, seen: Keypoints, index: NDArray[np.int64], parts: NDArray[np.int64],
+    points: Array, keyed: dict[int, Pose], height: float,
+) -> Anchors | None:  # fmt: skip
+    """None where they lie on another body than the one posed."""
+    uv, visibility = seen.uv[:, index], seen.visibility[:, index]
+    known = np.asarray(np.isfinite(uv).all(axis=-1))
+    for n, pose in keyed.items():
+        miss = np.linalg.norm(_places(scene, pose, parts, points) - uv[n], axis=-1)
+        if known[n].sum() >= FEWEST and np.nanmedian(miss) > ELSEWHERE * height:
+            return None
+    scale = np.where(known, 1 / _sigma_px(height, visibility), 0.0)
+    uv = np.where(known[..., None], uv, 0.0)
+    at_keys = list(keyed)
+    points = points + _offsets(
+        scene, parts, points, list(keyed.values()), uv[at_keys], scale[at_keys]
+    )
+    depth, depth_scale = _depths(scene, seen, index, parts, points, keyed)
+    where = BodyPoints.single(scene.skeleton, parts, points)
+    return Anchors(where, uv, scale, depth, depth_scale * (scale > 0), visibility, height)
+
+
+def _offsets(
+    scene: Scene,
+    parts: NDArray[np.int64],
+    points: Array,
+    poses: list[Pose],
+    uv: Array,
+    scale: Array,
+) -> Array:
+    """(K, 3) from each point to where on its part the detector puts it.
+
+    The least |offset|²/σ² and distances in the pictures of the keyframes; points near what they
+    are, so one linear step is enough.
+    """
+    A = np.tile(np.eye(3) / OFFSET_M**2, (len(parts), 1, 1))
+    b = np.zeros((len(parts), 3))
+    for pose, seen, sure in zip(poses, uv, scale, strict=True):
+        posed = Posed.of(scene.skeleton, pose)
+        p = posed.points(parts, points)
+        R = posed.Ts_camera_part[parts, :3, :3]
+        J = image_jacobian(scene.camera, p, np.swapaxes(R, -1, -2))  # (K, 3, 2)
+        r = (image_points(scene.camera, p) - seen) * sure[:, None]
+        near = np.minimum(1.0, FAR_SIGMA / np.maximum(np.linalg.norm(r, axis=-1), 1e-9))
+        J = J * sure[:, None, None]
+        A += J @ np.swapaxes(J, -1, -2)
+        b += (J @ (r * near[:, None])[..., None])[..., 0]
+    return np.stack([damped_step(A[k], b[k], 0.0) for k in range(len(parts))])
+
+
+def _depths(
+    scene: Scene, seen: Keypoints, index: NDArray[np.int64], parts: NDArray[np.int64],
+    points: Array, keyed: dict[int, Pose],
+) -> tuple[Array, Array]:  # fmt: skip
+    """(N, K) depth from the root and its 1/σ: the detector's, plus what it lacks at both keyframes,
+    linearly between."""
+    if seen.p_hips is None:
+        return np.zeros((len(seen), len(index))), np.zeros((len(seen), len(index)))
+    z = seen.p_hips[:, index, 2]
+    missing = np.full((2, len(index)), np.nan)
+    for row, (n, pose) in enumerate(keyed.items()):
+        p = Posed.of(scene.skeleton, pose).points(parts, points)
+        missing[row] = p[:, 2] - pose.p_camera_root[2] - z[n]
+    missing = np.where(np.isfinite(missing), missing, missing[::-1])  # one keyframe may not show it
+    share = np.linspace(0.0, 1.0, len(z))[:, None]
+    depth = z + (1 - share) * missing[0] + share * missing[1]
+    known = np.isfinite(depth)
+    return np.where(known, depth, 0.0), np.where(known, 1 / DEPTH_M, 0.0)

@@ -1,0 +1,58 @@
+"""A first motion from keypoints alone, for where the body could not be followed in the picture."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tracker.body.pose import Pose
+from tracker.body.trajectory import Trajectory
+from tracker.solver.least_squares import Criteria, Damping, least_squares
+from tracker.solver.one_pose import OnePose
+from tracker.solver.robust import Cauchy, Huber
+from tracker.solver.terms import PosePrior
+from tracker.tracking.cues.soft_correction import Correction, even_increments
+
+AHEAD_TURN_RAD, AHEAD_SHIFT_PX = np.radians(12.0), 25.0
+"""Standard deviations of a pose about the one before it."""
+ONE_FRAME = Criteria(
+    most_steps=8, longest_step=0.3, settled=1e-3, damping=Damping(first=1e-3, least=1e-7, most=1e5)
+)
+
+
+def from_keypoints(correction: Correction) -> Trajectory:
+    """The motion that the anchors tell, smooth, within the limits, its ends the keyframes.
+
+    Twice: from interpolation, and from following the keypoints frame by frame, which reaches what
+    interpolation is too far from. With Huber's kernel first, which comes from afar, then with
+    Cauchy's, which disbelieves what stays far. The cheaper one counts.
+    """
+    path = correction.segment.interpolated()
+    held = even_increments(correction.scene, path)
+    ways: list[tuple[float, int, Trajectory]] = []
+    for way in (path, _frame_by_frame(correction)):
+        for kernel in (Huber(), Cauchy()):
+            way = correction.solve(way, held, kernel)
+        cost = correction.problem(held, Cauchy()).at(way, 0).cost
+        ways.append((float(cost), len(ways), way))
+    return min(ways)[-1]
+
+
+def _frame_by_frame(correction: Correction) -> Trajectory:
+    """Every pose from the one before it, where the root went on as it did."""
+    segment = correction.segment
+    R, t = segment.interpolated().writable()
+    for n in range(1, len(t)):
+        velocity = t[n - 1] - t[n - 2] if n > 1 else np.zeros(3)
+        found = _next(correction, n, Pose(R[n - 1], t[n - 1] + velocity))
+        R[n], t[n] = found.Rs_parent_part, found.p_camera_root
+    if not correction.open_end:
+        R[-1], t[-1] = segment.end.Rs_parent_part, segment.end.p_camera_root
+    return Trajectory(segment.first_frame, R, t)
+
+
+def _next(correction: Correction, n: int, near: Pose) -> Pose:
+    """The pose of the nth frame near another one."""
+    scene = correction.scene
+    keep = scene.precision(AHEAD_TURN_RAD, AHEAD_SHIFT_PX * scene.pixel_m)
+    terms = (*correction.frame_terms(n, Cauchy()), PosePrior.of(near, keep))
+    return least_squares(OnePose(scene.skeleton, terms), near, ONE_FRAME).state

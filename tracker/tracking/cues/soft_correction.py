@@ -1,0 +1,111 @@
+"""Drift correction over soft anchors: all poses of a segment in one solve, the keyframes exact.
+
+Unknown are the poses x_1 … x_{n−1}, and x_n where the end is open. With inc_j the motion from x_j
+to x_{j+1} and m_j that which a pass measured at the present motion,
+
+    E = Σ ρ(√w_j (inc_j − m_j)) + Σ ρ(|π(x_j) − uv_j| / σ_j) + Σ ρ((z_j − ẑ_j) / σ_z)
+        + Σ (excess / 3°)² + Σ (Δinc)² / bend²,     w_j = 1 / (step² (floor + doubt_j)).
+
+Without keypoints the first sum alone spreads what is missing at the second keyframe over the steps
+by their doubts: that is DRIFT §3 in least squares.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from tracker.body.joint_limits import Limits
+from tracker.body.trajectory import Trajectory
+from tracker.geometry.rotations import log_rotation, transpose
+from tracker.solver.least_squares import Criteria, Damping, least_squares
+from tracker.solver.posed import by_dof
+from tracker.solver.robust import SQUARED, Cauchy, Huber, Kernel
+from tracker.solver.segment_poses import SegmentPoses
+from tracker.solver.smoothness import Increments, Link, Smoothness, increments
+from tracker.solver.terms import JointLimits, Term
+from tracker.tracking.drift import DOUBT_FLOOR, Doubt, Motions
+
+if TYPE_CHECKING:
+    from tracker.tracking.cues.anchors import Anchors
+    from tracker.tracking.scene import Scene
+    from tracker.tracking.segment import Segment
+
+STEP_TURN_RAD, STEP_SHIFT_PX = np.radians(2.0), 1.4
+"""Standard deviations of one step's motion about what the picture tells, where it tells nothing."""
+BEND_TURN_RAD, BEND_SHIFT_PX = np.radians(3.0), 2.5
+"""Standard deviations of the motion's change from frame to frame."""
+LIMIT_RAD = np.radians(3.0)
+CRITERIA = Criteria(
+    most_steps=12, longest_step=0.3, settled=1e-3, gain=1e-3,
+    damping=Damping(first=1e-4, least=1e-7, most=1e5),
+)  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Correction:
+    """What a segment's motion is corrected with: anchors, limits and smoothness.
+
+    scene: of the freed skeleton.
+    """
+
+    scene: Scene
+    segment: Segment
+    anchors: Anchors
+    open_end: bool = False
+
+    def solve(self, present: Trajectory, measured: Increments, kernel: Kernel) -> Trajectory:
+        """The motion nearest to what was measured and to the anchors, from `present` on."""
+        if len(present) < 3 and not self.open_end:
+            return present
+        return least_squares(self.problem(measured, kernel), present, CRITERIA).state
+
+    def problem(self, measured: Link, kernel: Kernel, *, bends: bool = True) -> SegmentPoses:
+        """All terms; without `bends` smoothness is left to somebody else."""
+        scene, skeleton = self.scene, self.scene.skeleton
+        terms = self.frame_terms(slice(1, None if self.open_end else -1), kernel)
+        links: tuple[Link, ...] = (measured,)
+        if bends:
+            inner = self.segment.last_frame - self.segment.first_frame - 1
+            bend = scene.precision(BEND_TURN_RAD, BEND_SHIFT_PX * scene.pixel_m)
+            even = np.zeros((inner, skeleton.dof_count))
+            links = (measured, Smoothness(skeleton, even, bend, SQUARED))
+        return SegmentPoses(skeleton, scene.arrays, terms, links, self.open_end)
+
+    def frame_terms(self, frames: slice | int, kernel: Kernel) -> tuple[Term, ...]:
+        """What the poses of some frames, or that of one, are compared with by themselves."""
+        posed = [self.segment.start.Rs_parent_part, self.segment.end.Rs_parent_part]
+        limits = Limits.of(self.scene.skeleton.body).widened(posed[: 1 if self.open_end else 2])
+        anchored = self.anchors.terms(self.scene.camera, kernel, frames)
+        return *anchored, JointLimits(limits, LIMIT_RAD)
+
+    def cost(self, motion: Trajectory, measured: Increments) -> float:
+        """What motions from different starts are compared by: the anchors, the limits, and how far
+        each step is from what the picture tells there."""
+        return float(self.problem(measured, Cauchy(), bends=False).at(motion, 0).cost)
+
+
+def measured_increments(scene: Scene, present: Trajectory, motions: Motions) -> Increments:
+    """What a pass measured at the present motion, with its doubts."""
+    skeleton = scene.skeleton
+    R, t = present.Rs_parent_part[:-1], present.ps_camera_root[:-1]
+    turn = log_rotation(transpose(R) @ motions.Rs_parent_part)
+    steps = by_dof(skeleton, turn, R[:, 0], motions.ps_camera_root - t)
+    doubt = motions.doubt or Doubt.equal(*motions.Rs_parent_part.shape[:2])
+    by_part, of_root = doubt.turned[:, skeleton.dof_part], doubt.shifted[:, None]
+    variance = DOUBT_FLOOR + np.where(skeleton.dof_turns == 1, by_part, of_root)
+    precision = scene.precision(STEP_TURN_RAD, STEP_SHIFT_PX * scene.pixel_m) / variance
+    known = np.isfinite(steps)
+    return Increments(
+        skeleton, np.where(known, steps, 0.0), np.where(known, precision, 0.0), Huber()
+    )
+
+
+def even_increments(scene: Scene, path: Trajectory) -> Increments:
+    """The steps of a path, held weakly: where no picture is asked."""
+    skeleton = scene.skeleton
+    weak = scene.precision(STEP_TURN_RAD, STEP_SHIFT_PX * scene.pixel_m)
+    own = increments(skeleton, path)
+    return Increments(skeleton, own, np.broadcast_to(weak, own.shape), Huber())
