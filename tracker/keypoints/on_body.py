@@ -1,0 +1,71 @@
+"""Where on a body the keypoints are that every detector of people knows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.body.body import Body, Point
+from tracker.geometry.rotations import Array
+from tracker.keypoints.keypoints import JOINTS
+
+_LIMB_PARTS: Final = {
+    "shoulder": (None, "upper_arm"),
+    "elbow": ("upper_arm", "forearm"),
+    "wrist": ("forearm", "hand"),
+    "hip": (None, "thigh"),
+    "knee": ("thigh", "shin"),
+    "ankle": ("shin", "foot"),
+}
+"""By joint the limb's part before it and the one after it; a limb's first joint is on the trunk."""
+
+
+class PointsOnBody(NamedTuple):
+    """Which keypoints are on the body, and where.
+
+    indices: (L,) among the names that were asked for.
+    part:    (L,) index of the part that carries the point, the one nearer to the trunk.
+    point:   (L, 3) metres in that part's frame.
+    """
+
+    indices: NDArray[np.int64]
+    part: NDArray[np.int64]
+    point: Array
+
+
+def points_on_body(body: Body, names: Sequence[str]) -> PointsOnBody:
+    """The points of a body at which these keypoints are seen, in the order of the names.
+
+    Known are `JOINTS`, by the parts' names as in the presets: a joint lies on the part nearer to
+    the trunk, where the next part begins. A body without such parts, a box, has none.
+    """
+    found = [(index, *place) for index, name in enumerate(names) if (place := _place(body, name))]
+    return PointsOnBody(
+        np.array([index for index, _, _ in found], dtype=np.int64),
+        np.array([part for _, part, _ in found], dtype=np.int64),
+        np.array([point for _, _, point in found], dtype=np.float64).reshape(-1, 3),
+    )
+
+
+def _place(body: Body, name: str) -> tuple[int, Point] | None:
+    """The part that carries a joint, and the joint in its frame.
+
+    It is where the limb's next part begins. A limb that ends there, a forearm without a hand, has
+    the joint as a landmark of the same name, or not at all.
+    """
+    if name not in JOINTS:
+        return None
+    side, joint = name.split("_")
+    before, after = (part and f"{side}_{part}" for part in _LIMB_PARTS[joint])
+    if after in body.names:
+        part = body.parts[body.index(after)]
+        if part.parent is not None and before in (None, part.parent):
+            return body.index(part.parent), part.joint_m
+    if before in body.names:
+        index = body.index(before)
+        landmark = body.parts[index].landmarks.get(name)
+        return None if landmark is None else (index, landmark)
+    return None
