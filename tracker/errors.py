@@ -5,6 +5,7 @@ KeyposeError
 ├── CameraError     a camera that cannot project
 ├── BodyError       a body that is not a tree of solid parts
 ├── SessionError    a session file, its keyframes or its video do not fit together
+├── KeypointError   keypoints that cannot be found, or a file of them that cannot be used
 ├── SurfaceError    observed surfaces, or one step of them, that cannot be used
 └── FormatError     a reference or motion file that cannot be read or written
 """
@@ -36,6 +37,10 @@ class BodyError(KeyposeError):
 
 class SessionError(KeyposeError):
     """A session cannot be read, or its parts do not fit together."""
+
+
+class KeypointError(KeyposeError):
+    """Keypoints cannot be found, or their network or file cannot be used."""
 
 
 class SurfaceError(KeyposeError):

@@ -1,0 +1,78 @@
+"""Pictures with a person in them, and a network that a test can steer."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+import sample_videos
+from tracker.keypoints.network import NAMES, Seen
+from tracker.keypoints.region import Region
+from tracker.video.video import Video
+
+BALANCE = Path(sample_videos.__file__).with_name("balance")
+BOX = (220.0, 200.0, 390.0, 680.0)
+"""Around the man at the first frame, as roughly as one draws it."""
+WIDTH, HEIGHT = 320, 240
+SIDE = 100.0
+
+
+@contextmanager
+def balance() -> Iterator[Video]:
+    with Video.open(BALANCE / "balance.mp4") as video:
+        yield video
+
+
+def marks() -> dict[int, dict[str, NDArray[np.float64]]]:
+    """Marked pixels (2,) by frame and joint."""
+    frames = json.loads((BALANCE / "marks.json").read_text())["frames"]
+    return {
+        int(frame): {name: np.array(place[:2]) for name, place in joints.items()}
+        for frame, joints in frames.items()
+    }
+
+
+def body_at(x: float, y: float) -> Region:
+    return Region(x, y, SIDE)
+
+
+@dataclass
+class Walker:
+    """A made-up network: a body goes from left to right, a pixel a frame, starting at x = 100.
+
+    The pictures hold nothing but their own number. Where the region is not around the body it sees
+    nobody. `hidden` frames show nobody; from `strays_at` on, looking forward, it takes up
+    something that stays behind, and is as sure of that.
+    """
+
+    hidden: frozenset[int] = frozenset()
+    strays_at: int | None = None
+    looked: list[int] = field(default_factory=list)
+    fingerprint: str = "walker"
+
+    def look(self, picture: NDArray[np.uint8], region: Region) -> Seen:
+        number = int(picture[0, 0, 0])
+        self.looked.append(number)
+        x = true_x(number)
+        behind = None if self.strays_at is None else true_x(self.strays_at) - 1
+        if behind is not None and number >= self.strays_at and abs(region.x - behind) < 2:
+            x = behind
+        is_there = abs(region.x - x) < SIDE / 2 and number not in self.hidden
+        points = np.full((len(NAMES), 2), (x, 120.0))
+        metres = np.zeros((len(NAMES), 3))
+        sure = 1.0 if is_there else 0.0
+        return Seen(points, np.full(len(NAMES), 0.9), metres, sure, body_at(x, 120.0))
+
+
+def true_x(number: int) -> float:
+    return 100.0 + number
+
+
+def numbered(number: int) -> NDArray[np.uint8]:
+    return np.full((HEIGHT, WIDTH, 3), number, dtype=np.uint8)

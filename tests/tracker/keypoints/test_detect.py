@@ -1,0 +1,174 @@
+"""One body followed from its seeds: forward, backward, lost, found again, cancelled."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.tracker.keypoints import keypoint_cases as cases
+from tests.tracker.keypoints.keypoint_cases import Walker, body_at, numbered, true_x
+from tracker.errors import KeypointError
+from tracker.keypoints.detect import PATIENCE, STRETCH, Progress, Seed, Stretch, detect
+from tracker.keypoints.keypoints import Keypoints
+from tracker.keypoints.network import Network
+
+
+class Kept(dict[str, Stretch]):
+    """Stretches in memory."""
+
+    def put(self, key: str, stretch: Stretch) -> None:
+        self[key] = stretch
+
+
+class Stop(Exception):
+    pass
+
+
+def seeds(*frames: int) -> list[Seed]:
+    return [Seed(frame, body_at(true_x(frame), 120)) for frame in frames]
+
+
+def seen_x(found: Keypoints) -> np.ndarray:
+    return found.uv[:, 0, 0]
+
+
+def test_a_body_is_followed_both_ways_from_one_seed() -> None:
+    found = detect(numbered, (0, 80), seeds(40), Walker())
+    assert (found.first_frame, found.last_frame) == (0, 80)
+    assert seen_x(found) == pytest.approx([true_x(n) for n in range(81)])
+    assert (found.visibility > 0).all()
+
+
+def test_between_seeds_every_frame_is_looked_at_once() -> None:
+    walker = Walker()
+    detect(numbered, (0, 60), seeds(0, 60), walker)
+    assert all(walker.looked.count(n) == 1 for n in range(1, 60))
+
+
+def test_where_the_forward_chain_takes_up_something_else_the_backward_one_is_used() -> None:
+    walker = Walker(strays_at=20)
+    found = detect(numbered, (0, 100), seeds(0, 100), walker)
+    assert seen_x(found) == pytest.approx([true_x(n) for n in range(101)], abs=2)
+
+
+def test_a_body_that_is_hidden_longer_than_a_chain_waits_is_found_from_the_other_seed() -> None:
+    hidden = frozenset(range(20, 22 + PATIENCE))
+    found = detect(numbered, (0, 80), seeds(0, 80), Walker(hidden=hidden))
+    unseen = np.isnan(seen_x(found))
+    assert set(np.flatnonzero(unseen)) == hidden
+    assert (found.visibility[unseen] == 0).all()
+    assert found.p_hips is not None
+    assert np.isnan(found.p_hips[unseen]).all()
+
+
+def test_a_short_gap_is_bridged() -> None:
+    hidden = frozenset(range(20, 20 + PATIENCE))
+    found = detect(numbered, (0, 80), seeds(0), Walker(hidden=hidden))
+    assert set(np.flatnonzero(np.isnan(seen_x(found)))) == hidden
+
+
+def test_a_body_that_has_gone_is_not_looked_for_for_ever() -> None:
+    walker = Walker(hidden=frozenset(range(20, 200)))
+    found = detect(numbered, (0, 199), seeds(0), walker)
+    assert np.isnan(seen_x(found)[20:]).all()
+    assert max(walker.looked) == 20 + PATIENCE
+
+
+def test_a_body_that_walks_out_of_the_picture_is_gone() -> None:
+    found = detect(numbered, (0, 250), seeds(0), Walker())
+    outside = np.array([true_x(n) > cases.WIDTH - 0.5 for n in range(251)])
+    assert np.array_equal(np.isnan(seen_x(found)), outside)
+
+
+def test_a_frame_that_cannot_be_decoded_is_left_out() -> None:
+    found = detect(lambda n: None if n == 7 else numbered(n), (0, 20), seeds(0), Walker())
+    assert list(np.flatnonzero(np.isnan(seen_x(found)))) == [7]
+
+
+def test_a_seed_that_shows_nobody_is_named() -> None:
+    with pytest.raises(KeypointError, match="No person was found at frame 5: "):
+        detect(numbered, (0, 9), seeds(5), Walker(hidden=frozenset([5])))
+
+
+def test_a_seed_that_shows_nobody_is_left_out_beside_one_that_does() -> None:
+    found = detect(numbered, (0, 9), seeds(2, 5), Walker(hidden=frozenset([5])))
+    assert list(np.flatnonzero(np.isnan(seen_x(found)))) == [5]
+
+
+@pytest.mark.parametrize("frames", [(), (3, 3), (30,)])
+def test_seeds_are_of_different_frames_of_the_range(frames: tuple[int, ...]) -> None:
+    with pytest.raises(ValueError, match="seeds"):
+        detect(numbered, (0, 20), seeds(*frames), Walker())
+
+
+def test_every_look_is_reported_and_what_is_raised_ends_the_work_at_once() -> None:
+    walker, kept = Walker(), Kept()
+
+    def report(progress: Progress) -> None:
+        if progress.frame == STRETCH + 10:
+            raise Stop
+
+    with pytest.raises(Stop):
+        detect(numbered, (0, 200), seeds(0), walker, report=report, kept=kept)
+    assert max(walker.looked) == STRETCH + 9
+    assert {len(stretch) for stretch in kept.values()} == {1, STRETCH}
+
+
+def test_progress_grows_to_what_was_expected() -> None:
+    told: list[Progress] = []
+    detect(numbered, (0, 50), seeds(20), Walker(), report=told.append)
+    assert [p.done for p in told] == list(range(51))
+    assert {p.expected for p in told} == {51}
+    assert {p.frame for p in told} == set(range(51))
+
+
+def test_work_that_was_cancelled_is_taken_up_where_it_was_left() -> None:
+    whole, kept = detect(numbered, (0, 100), seeds(0), Walker()), Kept()
+
+    def report(progress: Progress) -> None:
+        if progress.frame == 70:
+            raise Stop
+
+    with pytest.raises(Stop):
+        detect(numbered, (0, 100), seeds(0), Walker(), report=report, kept=kept)
+    walker = Walker()
+    found = detect(numbered, (0, 100), seeds(0), walker, kept=kept)
+    assert min(walker.looked) == 2 * STRETCH + 1
+    assert np.array_equal(found.uv, whole.uv)
+
+
+def test_what_was_kept_serves_no_other_film_network_or_region() -> None:
+    kept = Kept()
+    detect(numbered, (0, 9), seeds(0), Walker(), film="a", kept=kept)
+    again, other = Walker(), Walker(fingerprint="other")
+    detect(numbered, (0, 9), seeds(0), again, film="a", kept=kept)
+    assert not again.looked
+    for film, network in (("b", Walker()), ("a", other)):
+        detect(numbered, (0, 9), seeds(0), network, film=film, kept=kept)
+        assert network.looked
+    elsewhere = Walker()
+    detect(numbered, (0, 9), [Seed(0, body_at(101, 120))], elsewhere, film="a", kept=kept)
+    assert 0 in elsewhere.looked
+
+
+def test_a_real_man_is_followed_from_a_box_and_backward_as_well_as_forward() -> None:
+    network = Network.open(fast=False)
+    with cases.balance() as video:
+        width, height = video.info.width, video.info.height
+        seed = Seed.of_box(0, cases.BOX, width, height)
+        forward = detect(video.frame, (0, 15), [seed], network)
+        back = Seed(15, seed.region)
+        backward = detect(video.frame, (0, 15), [back], network)
+    for found in (forward, backward):
+        assert found.p_hips is not None
+        assert np.isfinite(found.uv).all()
+        assert np.isfinite(found.p_hips).all()
+    apart = np.hypot(*np.moveaxis(forward.uv - backward.uv, -1, 0))
+    assert np.median(apart[5:10]) < 3
+
+
+def test_nobody_in_a_flat_picture_is_one_sentence() -> None:
+    flat = np.full((240, 320, 3), 90, dtype=np.uint8)
+    seed = Seed.of_box(3, (100, 50, 200, 220), 320, 240)
+    with pytest.raises(KeypointError, match="No person was found at frame 3"):
+        detect(lambda number: flat, (0, 9), [seed], Network.open(fast=False))

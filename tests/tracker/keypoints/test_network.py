@@ -1,0 +1,164 @@
+"""The network: it finds what was marked, the same every time, and reads no other file."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from tests.tracker.keypoints import keypoint_cases as cases
+from tracker.errors import KeypointError
+from tracker.keypoints import model_files
+from tracker.keypoints.keypoints import JOINTS
+from tracker.keypoints.model_files import FULL, HEAVY, Model, verified
+from tracker.keypoints.network import NAMES, Network, Seen, fast_is_here
+from tracker.keypoints.region import Region
+
+
+@pytest.fixture(scope="module")
+def network() -> Network:
+    return Network.open(fast=False)
+
+
+def first_picture() -> np.ndarray:
+    with cases.balance() as video:
+        return video.frame(0)
+
+
+def looked_at(network: Network, picture: np.ndarray, region: Region | None = None) -> Seen:
+    height, width = picture.shape[:2]
+    region = region or Region.of_box(cases.BOX, width, height)
+    for _ in range(3):
+        seen = network.look(picture, region)
+        region = seen.next
+    return seen
+
+
+def test_the_names_are_those_of_the_network_and_hold_every_joint() -> None:
+    assert len(set(NAMES)) == 33
+    assert set(JOINTS) < set(NAMES)
+    assert (NAMES[0], NAMES[11], NAMES[24], NAMES[32]) == (
+        *("nose", "left_shoulder", "right_hip", "right_foot_index"),
+    )
+
+
+def test_marked_joints_are_found_to_a_few_hundredths_of_the_mans_height(network: Network) -> None:
+    seen = looked_at(network, first_picture())
+    marked = cases.marks()[0]
+    height = np.ptp([uv[1] for uv in marked.values()])
+    apart = [
+        np.hypot(*(seen.uv[NAMES.index(joint)] - marked[joint]))
+        for joint in JOINTS
+        if joint in marked
+    ]
+    assert len(apart) >= 10
+    assert np.median(apart) < 0.02 * height
+    assert seen.presence > 0.9
+
+
+def test_metres_are_about_the_hips_and_as_large_as_a_man(network: Network) -> None:
+    seen = looked_at(network, first_picture())
+    p = dict(zip(NAMES, seen.p_hips, strict=True))
+    assert np.isfinite(seen.p_hips).all()
+    assert (p["left_hip"] + p["right_hip"]) / 2 == pytest.approx([0, 0, 0], abs=0.02)
+    assert p["nose"][1] < p["left_hip"][1] < p["left_ankle"][1]
+    assert 1.2 < np.ptp(seen.p_hips[:, 1]) < 2.0
+
+
+def test_the_same_picture_gives_the_same_numbers(network: Network) -> None:
+    picture = first_picture()
+    one, other = looked_at(network, picture), looked_at(Network.open(fast=False), picture)
+    for name in ("uv", "visibility", "p_hips"):
+        assert np.array_equal(getattr(one, name), getattr(other, name))
+    assert one.next == other.next
+
+
+def test_the_number_of_threads_is_as_before(network: Network) -> None:
+    before = cv2.getNumThreads()
+    looked_at(network, first_picture())
+    assert cv2.getNumThreads() == before
+
+
+@pytest.mark.parametrize("quarter_turns", [1, 2, 3])
+def test_a_turned_picture_gives_turned_keypoints(network: Network, quarter_turns: int) -> None:
+    picture = first_picture()
+    seen = looked_at(network, picture)
+    turned = np.ascontiguousarray(np.rot90(picture, -quarter_turns))
+    A = np.array([[0, -1], [1, 0]])  # a quarter turn clockwise, y down
+    size = np.array([picture.shape[1], picture.shape[0]])
+
+    def there(uv: np.ndarray) -> np.ndarray:
+        width, height = size
+        for _ in range(quarter_turns):
+            uv = uv @ A.T + [height - 1, 0]
+            width, height = height, width
+        return uv
+
+    where = there(np.array([seen.next.x, seen.next.y]))
+    turn = seen.next.turn_rad + quarter_turns * np.pi / 2
+    again = network.look(turned, Region(*where, seen.next.side, turn))
+    straight = network.look(picture, seen.next)
+    assert again.uv == pytest.approx(there(straight.uv), abs=0.5)
+    up = np.linalg.matrix_power(A, quarter_turns)
+    assert again.p_hips[:, :2] == pytest.approx(straight.p_hips[:, :2] @ up.T, abs=0.02)
+    assert again.p_hips[:, 2] == pytest.approx(straight.p_hips[:, 2], abs=0.02)
+
+
+@pytest.mark.parametrize("grey", [0, 128, 255])
+def test_nobody_is_in_a_flat_picture(network: Network, grey: int) -> None:
+    picture = np.full((240, 320, 3), grey, dtype=np.uint8)
+    assert network.look(picture, Region(160, 120, 200)).presence < 0.1
+
+
+@pytest.mark.skipif(not fast_is_here(), reason="LiteRT is not installed")
+def test_litert_agrees_to_a_hundredth_of_a_pixel(network: Network) -> None:
+    picture = first_picture()
+    region = Region.of_box(cases.BOX, picture.shape[1], picture.shape[0])
+    one, other = network.look(picture, region), Network.open(fast=True).look(picture, region)
+    assert other.uv == pytest.approx(one.uv, abs=0.01)
+    assert other.p_hips == pytest.approx(one.p_hips, abs=1e-4)
+
+
+@pytest.mark.skipif(fast_is_here(), reason="LiteRT is installed")
+def test_litert_that_is_not_installed_is_named() -> None:
+    with pytest.raises(KeypointError, match="pip install"):
+        Network.open(fast=True)
+
+
+def damaged(monkeypatch: pytest.MonkeyPatch, folder: Path, content: bytes) -> Model:
+    """A network to be added whose file holds this."""
+    monkeypatch.setattr(model_files, "added_folder", lambda: folder)
+    (folder / HEAVY.file).write_bytes(content)
+    return HEAVY
+
+
+def test_the_bundled_network_is_the_one_it_is_named_for() -> None:
+    assert verified(FULL) == FULL.path
+    assert (FULL.path.with_name("LICENSE")).is_file()
+    assert FULL.sha256 in (FULL.path.with_name("NOTICE")).read_text()
+
+
+@pytest.mark.parametrize("content", [b"", b"\x1c\0\0\0TFL3", b"GIF89a" * 100])
+def test_a_foreign_file_is_refused(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, content: bytes
+) -> None:
+    model = damaged(monkeypatch, tmp_path, content)
+    with pytest.raises(KeypointError, match="damaged or is not the heavy network"):
+        Network.open(model)
+
+
+def test_a_truncated_file_is_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    model = damaged(monkeypatch, tmp_path, FULL.path.read_bytes()[:-1])
+    with pytest.raises(KeypointError, match="damaged"):
+        Network.open(replace(model, sha256=FULL.sha256))
+
+
+def test_a_network_that_is_not_there_says_how_to_get_it(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(model_files, "added_folder", lambda: tmp_path)
+    with pytest.raises(KeypointError, match="keypose models add heavy"):
+        Network.open(HEAVY)

@@ -1,0 +1,367 @@
+"""Keypoints over many frames: the network follows one body from frame to frame.
+
+What it sees in one frame tells where to look in the next. It starts at seeds, frames where somebody
+said where the body is. Between two seeds the chain forward from the first is taken, and where that
+loses the body, or comes out beside the second seed's, the chain backward from the second.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import astuple, dataclass
+from itertools import pairwise
+from typing import Final, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.errors import KeypointError, listed
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array
+from tracker.keypoints.keypoints import Keypoints
+from tracker.keypoints.network import NAMES, Seen
+from tracker.keypoints.region import Box, Region
+
+LEAST_PRESENCE: Final = 0.5
+LOOKS_AT_SEED: Final = 3
+"""The region at a seed is mended so often: a rough box will do."""
+PATIENCE: Final = 15
+"""Frames that a chain looks for a lost body where it was last, before it ends."""
+STRETCH: Final = 32
+"""Frames that are kept together."""
+CLEARLY_BESIDE: Final = 0.25
+"""Distance of regions at which two chains are on different bodies, or one of them is wrong."""
+
+Frame: TypeAlias = Callable[[int], NDArray[np.uint8] | None]
+"""A picture (H, W, 3), RGB, by its number; None where it cannot be decoded."""
+
+
+class Looks(Protocol):
+    """What sees keypoints in a region, as `Network`."""
+
+    @property
+    def fingerprint(self) -> str: ...
+    def look(self, picture: NDArray[np.uint8], region: Region) -> Seen: ...
+
+
+@dataclass(frozen=True)
+class Seed:
+    """Where the body is at one frame."""
+
+    frame: int
+    region: Region
+
+    @classmethod
+    def of_box(cls, frame: int, box: Box, width: int, height: int) -> Seed:
+        """A box drawn at a frame; KeypointError as `Region.of_box`."""
+        return cls(frame, Region.of_box(box, width, height))
+
+    @classmethod
+    def of_pose(cls, frame: int, skeleton: Skeleton, pose: Pose, camera: Camera) -> Seed:
+        """A body posed at a frame; KeypointError as `Region.of_pose`."""
+        return cls(frame, Region.of_pose(skeleton, pose, camera))
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """A piece of a chain: N frames in its direction.
+
+    uv, visibility, p_hips: (N, 33, ...) as of Keypoints, NaN and 0 where nobody was seen.
+    regions: (N, 4) where to look after each frame.
+    lost_for: (N,) since how many frames the body is lost.
+    """
+
+    uv: Array
+    visibility: Array
+    p_hips: Array
+    regions: Array
+    lost_for: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        return len(self.uv)
+
+
+class Kept(Protocol):
+    """Stretches of earlier runs, by key."""
+
+    def get(self, key: str) -> Stretch | None: ...
+    def put(self, key: str, stretch: Stretch) -> None: ...
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Before each look. done, expected: frames, also those that are looked at a second time;
+    `expected` may grow, by those where the chain backward is needed."""
+
+    frame: int
+    done: int
+    expected: int
+
+
+def detect(
+    frame: Frame,
+    frames: tuple[int, int],
+    seeds: Sequence[Seed],
+    network: Looks,
+    *,
+    report: Callable[[Progress], None] = lambda progress: None,
+    film: str = "",
+    kept: Kept | None = None,
+) -> Keypoints:
+    """The keypoints of one body in all frames from the first to the last asked for.
+
+    frames: first and last.
+    seeds:  one or more, of different frames among these.
+    report: called before each look; what it raises ends the work within a frame.
+    film:   fingerprint of the pictures, under which stretches are kept; with `kept` alone.
+
+    Where nobody is found, and in frames that cannot be decoded, keypoints are NaN and unseen.
+    KeypointError when no seed's region shows anybody.
+    """
+    first, last = frames
+    ordered = sorted(seeds, key=lambda seed: seed.frame)
+    numbers = [seed.frame for seed in ordered]
+    inside = bool(numbers) and first <= numbers[0] <= numbers[-1] <= last
+    if not inside or len(set(numbers)) < len(numbers):
+        raise ValueError("seeds are of different frames among those asked for")
+    work = _Work(frame, network, report, film, kept, expected=last - first + 1)
+    starts = [start for start in map(work.start, ordered) if start is not None]
+    if not starts:
+        raise _nobody(numbers)
+    found = _Found(first, last)
+    found.put(starts[0].frame, -1, work.chain(starts[0], -1, first))
+    for one, other in pairwise(starts):
+        found.between(one.frame, *_both_ways(work, one, other))
+    found.put(starts[-1].frame, 1, work.chain(starts[-1], 1, last))
+    for start in starts:
+        found.put(start.frame - 1, 1, start.seen)
+    return found.keypoints()
+
+
+def _nobody(frames: Sequence[int]) -> KeypointError:
+    where = f"frame{'s' if len(frames) > 1 else ''} {listed([str(f) for f in frames])}"
+    return KeypointError(
+        f"No person was found at {where}: draw the box around the whole body, in a frame that "
+        "shows it well."
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Start:
+    """A seed where somebody was seen; one frame, its region mended."""
+
+    frame: int
+    seen: Stretch
+
+    @property
+    def region(self) -> Region:
+        return _region(self.seen.regions[0])
+
+
+def _both_ways(work: _Work, one: _Start, other: _Start) -> tuple[Stretch, Stretch | None, int]:
+    """Forward from one start to the frame of the other; backward, where that is needed, as far as
+    the frame of the first, ordered by frame; and the step from which backward is taken."""
+    forward = work.chain(one, 1, other.frame)
+    if not forward.lost_for.any() and _is_near(forward, other):
+        return forward, None, 0
+    work.expected += other.frame - one.frame
+    backward = _reversed(work.chain(other, -1, one.frame))
+    return forward, backward, _change(forward, backward)
+
+
+def _is_near(forward: Stretch, other: _Start) -> bool:
+    return _region(forward.regions[-1]).distance(other.region) < CLEARLY_BESIDE
+
+
+def _change(forward: Stretch, backward: Stretch) -> int:
+    """Where the body passes from one chain to the other: where both are nearest to each other.
+
+    Row k of forward is of frame one + 1 + k, of backward of one + k.
+    """
+    steps = len(forward) - 1
+    gaps = [
+        _region(forward.regions[k]).distance(_region(backward.regions[k + 1]))
+        if not (forward.lost_for[k] or backward.lost_for[k + 1])
+        else np.inf
+        for k in range(steps)
+    ]
+    if gaps and np.isfinite(min(gaps)):
+        return int(np.argmin(gaps))
+    # They never see it at once: each as far as it goes.
+    lost = np.flatnonzero(forward.lost_for)
+    return int(lost[0]) if len(lost) else steps
+
+
+def _reversed(s: Stretch) -> Stretch:
+    return _taken(s, slice(None, None, -1))
+
+
+class _Found:
+    """Rows of the frames asked for, filled in."""
+
+    def __init__(self, first: int, last: int) -> None:
+        self._first = first
+        count, points = last - first + 1, len(NAMES)
+        self._uv = np.full((count, points, 2), np.nan)
+        self._visibility = np.zeros((count, points))
+        self._p_hips = np.full((count, points, 3), np.nan)
+
+    def put(self, after: int, direction: int, rows: Stretch) -> None:
+        """The frames that follow this one in the direction."""
+        for k in range(len(rows)):
+            self._put(after + direction * (k + 1), rows, k)
+
+    def between(self, first: int, forward: Stretch, backward: Stretch | None, change: int) -> None:
+        """The frames after the first, from two chains."""
+        for k in range(len(forward) - 1):
+            if backward is None or (k < change and not forward.lost_for[k]):
+                self._put(first + 1 + k, forward, k)
+            else:
+                self._put(first + 1 + k, backward, k + 1)
+
+    def _put(self, frame: int, rows: Stretch, k: int) -> None:
+        n = frame - self._first
+        self._uv[n], self._visibility[n] = rows.uv[k], rows.visibility[k]
+        self._p_hips[n] = rows.p_hips[k]
+
+    def keypoints(self) -> Keypoints:
+        return Keypoints(self._first, NAMES, self._uv, self._visibility, self._p_hips)
+
+
+@dataclass(eq=False)
+class _Work:
+    """One run: looks at frames, or takes what was kept."""
+
+    frame: Frame
+    network: Looks
+    report: Callable[[Progress], None]
+    film: str
+    kept: Kept | None
+    expected: int
+    done: int = 0
+
+    def start(self, seed: Seed) -> _Start | None:
+        """The seed's frame, looked at several times; None where nobody is there."""
+
+        def look() -> Stretch:
+            rows = _Rows(seed.region)
+            self._tell(seed.frame)
+            picture = self.frame(seed.frame)
+            for _ in range(LOOKS_AT_SEED if picture is not None else 1):
+                rows = _Rows(rows.region)
+                rows.add(self.network, picture)
+            return rows.stretch()
+
+        stretch = self._kept(("seed", seed.frame, astuple(seed.region)), 1, look)
+        return None if stretch.lost_for[0] else _Start(seed.frame, stretch)
+
+    def chain(self, start: _Start, direction: int, last: int) -> Stretch:
+        """All frames after the start up to the last, in this direction."""
+        frames = range(start.frame + direction, last + direction, direction)
+        region, lost_for = start.region, 0
+        pieces = [_Rows(region).stretch()]
+        for at in range(0, len(frames), STRETCH):
+            piece = self._stretch(frames[at : at + STRETCH], region, lost_for)
+            pieces.append(piece)
+            region, lost_for = _region(piece.regions[-1]), int(piece.lost_for[-1])
+        return _joined(pieces)
+
+    def _stretch(self, frames: range, region: Region, lost_for: int) -> Stretch:
+        def look() -> Stretch:
+            rows = _Rows(region, lost_for)
+            for number in frames:
+                self._tell(number)
+                rows.add(self.network, self.frame(number) if rows.lost_for <= PATIENCE else None)
+            return rows.stretch()
+
+        key = ("chain", frames[0], frames.step, astuple(region), lost_for)
+        return self._kept(key, len(frames), look)
+
+    def _kept(self, key: tuple[object, ...], count: int, look: Callable[[], Stretch]) -> Stretch:
+        if self.kept is None:
+            return look()
+        text = json.dumps([self.film, self.network.fingerprint, repr(key)])
+        name = hashlib.sha256(text.encode()).hexdigest()[:32]
+        before = self.kept.get(name)
+        if before is not None and len(before) >= count:
+            self.done += count
+            return _taken(before, slice(count))
+        stretch = look()
+        self.kept.put(name, stretch)
+        return stretch
+
+    def _tell(self, frame: int) -> None:
+        self.report(Progress(frame, self.done, max(self.expected, self.done + 1)))
+        self.done += 1
+
+
+class _Rows:
+    """A stretch while it grows."""
+
+    def __init__(self, region: Region, lost_for: int = 0) -> None:
+        self.region, self.lost_for = region, lost_for
+        self._seen: list[Seen | None] = []
+        self._regions: list[Region] = []
+        self._lost_for: list[int] = []
+
+    def add(self, network: Looks, picture: NDArray[np.uint8] | None) -> None:
+        """The next frame, looked at where the body was last."""
+        seen = None
+        if picture is not None:
+            height, width = picture.shape[:2]
+            if self.region.is_within(width, height):
+                seen = network.look(picture, self.region)
+                if not _is_somebody(seen, width, height):
+                    seen = None
+        if seen is None:
+            self.lost_for += 1
+        else:
+            self.region, self.lost_for = seen.next, 0
+        self._seen.append(seen)
+        self._regions.append(self.region)
+        self._lost_for.append(self.lost_for)
+
+    def stretch(self) -> Stretch:
+        points = len(NAMES)
+        uv, metres = np.full((points, 2), np.nan), np.full((points, 3), np.nan)
+        unseen = np.zeros(points)
+        return Stretch(
+            _stack([uv if s is None else s.uv for s in self._seen], (points, 2)),
+            _stack([unseen if s is None else s.visibility for s in self._seen], (points,)),
+            _stack([metres if s is None else s.p_hips for s in self._seen], (points, 3)),
+            _stack([np.array(astuple(region)) for region in self._regions], (4,)),
+            np.array(self._lost_for, dtype=np.int64),
+        )
+
+
+def _is_somebody(seen: Seen, width: int, height: int) -> bool:
+    finite = np.isfinite(seen.uv).all() and np.isfinite(seen.p_hips).all()
+    return bool(finite and seen.presence >= LEAST_PRESENCE and seen.next.is_within(width, height))
+
+
+def _stack(rows: list[Array], shape: tuple[int, ...]) -> Array:
+    return np.array(rows, dtype=float).reshape(len(rows), *shape)
+
+
+def _region(row: Array) -> Region:
+    x, y, side, turn = row.tolist()
+    return Region(x, y, side, turn)
+
+
+def _taken(s: Stretch, rows: slice) -> Stretch:
+    uv, visibility, p_hips = s.uv[rows], s.visibility[rows], s.p_hips[rows]
+    return Stretch(uv, visibility, p_hips, s.regions[rows], s.lost_for[rows])
+
+
+def _joined(pieces: Sequence[Stretch]) -> Stretch:
+    return Stretch(
+        np.concatenate([p.uv for p in pieces]),
+        np.concatenate([p.visibility for p in pieces]),
+        np.concatenate([p.p_hips for p in pieces]),
+        np.concatenate([p.regions for p in pieces]),
+        np.concatenate([p.lost_for for p in pieces]),
+    )

@@ -1,0 +1,139 @@
+"""The part of a picture that the network looks at: a square, turned so that the body is upright."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.errors import KeypointError
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array
+
+MARGIN: Final = 1.25
+"""Side of the square over the diameter of the circle around the body, as it was trained."""
+
+SMALLEST_BOX_PX: Final = 2.0
+LEAST_DEPTH_M: Final = 0.05
+_HIPS, _SHOULDERS = ("left_thigh", "right_thigh"), ("left_upper_arm", "right_upper_arm")
+
+Box = tuple[float, float, float, float]
+"""Left, top, right and bottom in pixels."""
+
+
+@dataclass(frozen=True)
+class Region:
+    """A turned square of the picture.
+
+    x, y: its centre in pixels.  side: in pixels.
+    turn_rad: how far the body's upward direction is turned from the picture's, clockwise.
+    """
+
+    x: float
+    y: float
+    side: float
+    turn_rad: float = 0.0
+
+    @classmethod
+    def of_box(cls, box: Box, width: int, height: int) -> Region:
+        """Around a box that was drawn on a picture of this size; its corners in any order.
+
+        KeypointError when the box has no size or lies outside the picture.
+        """
+        if not np.isfinite(box).all():
+            raise KeypointError("The box around the person has a corner that is no number.")
+        left, right = sorted((box[0], box[2]))
+        top, bottom = sorted((box[1], box[3]))
+        if min(right - left, bottom - top) < SMALLEST_BOX_PX:
+            raise KeypointError("The box around the person has no size: draw it around the body.")
+        if right < 0 or bottom < 0 or left > width - 1 or top > height - 1:
+            raise KeypointError(
+                f"The box around the person lies outside the picture of {width} × {height} pixels."
+            )
+        return cls._around(left, top, right, bottom)
+
+    @classmethod
+    def of_pose(cls, skeleton: Skeleton, pose: Pose, camera: Camera) -> Region:
+        """Around all joints and landmarks of a posed body, as the camera filmed them.
+
+        KeypointError when the whole body is behind the camera.
+        """
+        p = joint_positions(skeleton, pose_transforms(skeleton, pose))
+        in_front = p[:, 2] > LEAST_DEPTH_M
+        if not in_front.any():
+            raise KeypointError("The posed body is behind the camera.")
+        uv = np.full((len(p), 2), np.nan)
+        uv[in_front] = camera.project(p[in_front])
+        return cls.of_joints(uv, _upward(joint_names(skeleton), uv))
+
+    @classmethod
+    def of_joints(cls, uv: Array, upward: Array | None = None) -> Region:
+        """Around pixels (J, 2), NaN where unknown.
+
+        upward: (2,) direction in the picture from hips to shoulders; None where unknown.
+        """
+        turn = 0.0 if upward is None else float(np.arctan2(upward[0], -upward[1]))
+        upright = _turn(-turn)
+        seen = (uv @ upright.T)[np.isfinite(uv).all(axis=1)]
+        low, high = seen.min(axis=0), seen.max(axis=0)
+        around = cls._around(*low.tolist(), *high.tolist())
+        x, y = upright.T @ (around.x, around.y)
+        return cls(float(x), float(y), around.side, turn)
+
+    @classmethod
+    def of_circle(cls, middle: Array, rim: Array) -> Region:
+        """Around the circle about the middle of the hips (2,) through a point above the head (2,),
+        as the network tells both."""
+        d = np.asarray(rim, dtype=float) - middle
+        side = 2 * MARGIN * float(np.hypot(*d))
+        return cls(float(middle[0]), float(middle[1]), side, float(np.arctan2(d[0], -d[1])))
+
+    @classmethod
+    def _around(cls, left: float, top: float, right: float, bottom: float) -> Region:
+        side = MARGIN * max(right - left, bottom - top, SMALLEST_BOX_PX)
+        return cls((left + right) / 2, (top + bottom) / 2, side)
+
+    @property
+    def R_picture_body(self) -> Array:
+        """(2, 2) from directions in the square to directions in the picture."""
+        return _turn(self.turn_rad)
+
+    def to_picture(self, pixels: int) -> Array:
+        """(2, 3) affine map from pixels of the square, drawn with so many a side, to the picture's.
+
+        The square's corners are the outer corners of its pixels, whose centres are at integers.
+        """
+        A = self.side / pixels * self.R_picture_body
+        return np.column_stack([A, np.array([self.x, self.y]) - A @ np.full(2, (pixels - 1) / 2)])
+
+    def is_within(self, width: int, height: int) -> bool:
+        """Whether the network can look there: its centre in the picture, of a usable size."""
+        numbers = (self.x, self.y, self.side, self.turn_rad)
+        if not np.isfinite(numbers).all() or not 8 <= self.side <= 8 * max(width, height):
+            return False
+        return -0.5 <= self.x <= width - 0.5 and -0.5 <= self.y <= height - 0.5
+
+    def distance(self, other: Region) -> float:
+        """How far two regions differ: 0 where equal, 1 where one lies a side away, or is
+        e times as large. Turns are not compared."""
+        apart = np.hypot(self.x - other.x, self.y - other.y) / np.sqrt(self.side * other.side)
+        return float(max(apart, abs(np.log(self.side / other.side))))
+
+
+def _turn(angle_rad: float) -> NDArray[np.float64]:
+    c, s = np.cos(angle_rad), np.sin(angle_rad)
+    return np.array([[c, -s], [s, c]])
+
+
+def _upward(names: tuple[str, ...], uv: Array) -> Array | None:
+    """From the hips to the shoulders; None for a body without them, or seen along its trunk."""
+    if not set(_HIPS + _SHOULDERS) <= set(names):
+        return None
+    hips, shoulders = (uv[[names.index(n) for n in pair]].mean(0) for pair in (_HIPS, _SHOULDERS))
+    upward = shoulders - hips
+    size = np.hypot(*np.nanmax(uv, axis=0) - np.nanmin(uv, axis=0))
+    return upward if np.hypot(*upward) > 0.1 * size else None
