@@ -15,6 +15,7 @@ from tracker.errors import SessionError, VideoError
 from tracker.geometry.camera import Camera
 from tracker.session.settings import IgnoreMask
 from tracker.video import Video
+from tracker.video.plate import background, moving, smooth
 from tracker.video.pyramid import (
     IGNORED,
     LEVELS,
@@ -37,8 +38,6 @@ LONGEST_SEGMENT = 2000
 FAR_OUT = 1e6
 """Pixels beyond which a polygon's corner lies anyway outside every picture."""
 PLATE_FRAMES = 41
-PLATE_DIFFERENCE = 8.0
-"""Grey levels by which a pixel must differ from the plate to count as the body's."""
 
 
 def require_short(first: int, last: int) -> None:
@@ -216,8 +215,7 @@ class ClipLoader:
         """Pixels that look as the empty scene does: no part of a moving body."""
         if self._plate is None:
             self._plate = self._median_picture()
-        change = np.abs(_smooth(grey) - self._plate)
-        return np.asarray(change < PLATE_DIFFERENCE)
+        return ~moving(smooth(grey), self._plate)
 
     def _median_picture(self) -> Picture:
         """The static background: every pixel's median over frames spread over the video."""
@@ -229,7 +227,7 @@ class ClipLoader:
             for _, rgb in self.video.frames(int(frame), int(frame) + 1)  # a median tolerates damage
             if rgb is not None
         ]
-        return _smooth(np.median(np.stack(pictures), axis=0).astype(np.float32))
+        return smooth(background(pictures))
 
 
 def _gaps(start: int, stop: int, ready: Collection[int]) -> list[tuple[int, int]]:
@@ -238,7 +236,3 @@ def _gaps(start: int, stop: int, ready: Collection[int]) -> list[tuple[int, int]
     starts = [frame for frame in sorted(wanted) if frame - 1 not in wanted]
     stops = [frame + 1 for frame in sorted(wanted) if frame + 1 not in wanted]
     return list(zip(starts, stops, strict=True))
-
-
-def _smooth(grey: NDArray[np.uint8] | Picture) -> Picture:
-    return np.asarray(cv2.GaussianBlur(grey.astype(np.float32), (0, 0), 1.2), dtype=np.float32)

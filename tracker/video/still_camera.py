@@ -1,0 +1,199 @@
+"""Does the camera stand still? Told from a few frames of the film alone.
+
+Two looks must agree, each by cells of the picture, since people and leaves move before a camera
+that stands still and only some cells are theirs. Corners are followed from the first frame to the
+sampled ones and back (Lucas and Kanade); and what differs from the background, every pixel's
+median over the samples, is asked for the shift of the whole cell that would explain it. The second
+look also tells of soft gradients, where a pan leaves no corner to follow.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.geometry.rotations import Array
+from tracker.video.plate import Grey, background, moving, smooth
+from tracker.video.video import Video
+
+SAMPLES = 9
+"""Frames that are looked at, however long the film is."""
+FEWEST_SAMPLES = 3
+"""With fewer a background is no median."""
+LOOK_PIXELS = 640 * 960
+"""Larger pictures are looked at in half, as they are tracked."""
+STILL_PX = 0.35
+"""A cell stands still where the median of its corners, or its whole, has moved less."""
+GRID = 5
+"""Cells along each side of the picture."""
+FEWEST_IN_CELL, FEWEST_CELLS, SHARE = 4, 6, 0.7
+"""Corners that make a cell speak; cells that must speak, and their share that must stand still."""
+CORNERS, CORNER_QUALITY = 500, 0.005
+RETURN_PX = 0.5
+"""A corner counts where it is followed back to within this of where it began."""
+MOST_MOVING = 0.5
+"""Share of the picture that may move before a camera that stands still."""
+SHIFT_SIGMA_PX = 0.05
+"""A cell tells its shift where noise would leave it no less certain than this."""
+NOISE_GREY = 1.0
+"""What the smoothed pictures of a still scene differ by, grey levels, compression included."""
+AROUND_PX = 5
+"""Room around moving pixels in which a corner's window would hold them."""
+
+WINDOW_PX, HALVED = (15, 15), 1
+"""Coarser levels are left out: how far a corner has gone that went far need not be known."""
+
+
+@dataclass(frozen=True)
+class StillCamera:
+    """Whether a camera stands still, and what was seen; pixels of the picture looked at.
+
+    still: every sampled frame has enough cells, and enough of them stand still, by both looks.
+    share: of the cells that stand still, at the worst frame.  cells: that spoke, at the poorest.
+    largest_median_px: the largest of the frames' medians over cells; infinite where nothing spoke.
+    moving: the largest share of pixels that differ from the background.  samples: frames read.
+    """
+
+    still: bool
+    share: float
+    cells: int
+    largest_median_px: float
+    moving: float
+    samples: int
+
+
+def still_camera(video: Video) -> StillCamera:
+    """Whether the camera of a film stands still. Equal for equal frames.
+
+    A film of fewer than three readable frames is never called still.
+    """
+    return still_pictures(_sampled(video))
+
+
+def still_pictures(pictures: list[NDArray[np.uint8]]) -> StillCamera:
+    """The same of grey pictures (H, W), the sampled frames in order."""
+    if len(pictures) < FEWEST_SAMPLES:
+        return StillCamera(False, 0.0, 0, np.inf, 1.0, len(pictures))
+    smoothed = [smooth(picture) for picture in pictures]
+    plate = background(smoothed)
+    away = [moving(picture, plate) for picture in smoothed]
+    by_corners = _corner_shifts(pictures, away)
+    by_residual = [_residual_shifts(s, plate, a) for s, a in zip(smoothed, away, strict=True)]
+    looks = [*by_corners, *by_residual]
+    cells = min(len(shifts) for shifts in looks)
+    share = min(float((shifts < STILL_PX).mean()) if len(shifts) else 0.0 for shifts in looks)
+    median = max(float(np.median(shifts)) if len(shifts) else np.inf for shifts in looks)
+    most = max(float(a.mean()) for a in away)
+    still = cells >= FEWEST_CELLS and share >= SHARE and most <= MOST_MOVING
+    return StillCamera(still, share, cells, median, most, len(pictures))
+
+
+def sampled_frames(count: int) -> list[int]:
+    """Numbers of the frames that are looked at: the ends, and between them at uneven distances,
+    so that a shake that keeps time with them is not mistaken for standing still."""
+    golden = (np.sqrt(5) - 1) / 2
+    inner = np.arange(1, SAMPLES - 1)
+    places = (inner + 0.6 * ((inner * golden) % 1.0 - 0.5)) / (SAMPLES - 1)
+    return sorted({0, count - 1, *np.rint(places * (count - 1)).astype(int).tolist()})
+
+
+def _sampled(video: Video) -> list[NDArray[np.uint8]]:
+    """The sampled frames that can be read, grey, at the size they are looked at."""
+    pictures = []
+    for frame in sampled_frames(video.info.frame_count):
+        for _, rgb in video.frames(frame, frame + 1):
+            if rgb is not None:
+                pictures.append(_small(np.asarray(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY))))
+    return pictures
+
+
+def _small(grey: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    while grey.size > LOOK_PIXELS:
+        grey = np.asarray(cv2.pyrDown(grey), dtype=np.uint8)
+    return grey
+
+
+def _corner_shifts(pictures: list[NDArray[np.uint8]], away: list[NDArray[np.bool_]]) -> list[Array]:
+    """For every picture but the first, the median way of the corners of each cell, pixels.
+
+    Corners at pixels that move in either picture do not count.
+    """
+    first, (height, width) = pictures[0], pictures[0].shape
+    apart = max(5, width // 80)
+    corners = cv2.goodFeaturesToTrack(
+        first, CORNERS, CORNER_QUALITY, apart, mask=_standing(away[0])
+    )
+    if corners is None:
+        return [np.zeros(0) for _ in pictures[1:]]
+    start = np.asarray(corners, np.float32)
+    cell = _cell_of(start[:, 0], width, height)
+    shifts = []
+    for picture, away_now in zip(pictures[1:], away[1:], strict=True):
+        reached, returned = _followed(first, picture, start)
+        column, row = np.rint(start[:, 0].T).astype(int)
+        counts = returned & (_standing(away_now)[row, column] > 0)
+        way = np.linalg.norm(reached - start[:, 0], axis=1)
+        shifts.append(_medians(way[counts], cell[counts]))
+    return shifts
+
+
+def _standing(away: NDArray[np.bool_]) -> NDArray[np.uint8]:
+    """255 where nothing near moves."""
+    kernel = np.ones((2 * AROUND_PX + 1,) * 2, np.uint8)
+    return np.asarray(255 * (1 - cv2.dilate(away.astype(np.uint8), kernel)), dtype=np.uint8)
+
+
+def _followed(
+    first: NDArray[np.uint8], picture: NDArray[np.uint8], start: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    """Where corners (K, 1, 2) are in another picture (K, 2), and whether they are found back."""
+    reached, forward = _follow(first, picture, start)
+    back, backward = _follow(picture, first, reached)
+    found = forward & backward
+    return reached[:, 0], found & (np.linalg.norm((back - start)[:, 0], axis=1) < RETURN_PX)
+
+
+def _follow(
+    one: NDArray[np.uint8], other: NDArray[np.uint8], start: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    reached, found, _ = cv2.calcOpticalFlowPyrLK(
+        one, other, start, start.copy(), winSize=WINDOW_PX, maxLevel=HALVED
+    )
+    return np.asarray(reached, np.float32), np.asarray(found)[:, 0] > 0
+
+
+def _cell_of(uv: NDArray[np.float32], width: int, height: int) -> NDArray[np.int64]:
+    columns, rows = np.clip((uv * GRID / (width, height)).astype(int), 0, GRID - 1).T
+    return np.asarray(columns + GRID * rows)
+
+
+def _medians(ways: NDArray[np.float32], cell: NDArray[np.int64]) -> Array:
+    """The median of each cell that has enough corners."""
+    inside = [ways[cell == c] for c in range(GRID**2)]
+    return np.array([np.median(w) for w in inside if len(w) >= FEWEST_IN_CELL])
+
+
+def _residual_shifts(picture: Grey, plate: Grey, away: NDArray[np.bool_]) -> Array:
+    """How far each cell of the background would have to be shifted to look as the picture does.
+
+    Linear least squares on the gradients of the background, outside moving pixels; cells whose
+    gradients say too little in one direction are left out.
+    """
+    right, down = (cv2.Sobel(plate, cv2.CV_32F, *axis, scale=1 / 8) for axis in ((1, 0), (0, 1)))
+    right[away] = down[away] = 0.0
+    residual = plate - picture
+    xx, xy, yy = (_by_cell(product) for product in (right * right, right * down, down * down))
+    normal = np.stack([np.stack([xx, xy], -1), np.stack([xy, yy], -1)], -2)
+    moment = np.stack([_by_cell(right * residual), _by_cell(down * residual)], -1)
+    told = np.linalg.eigvalsh(normal)[:, 0] > (NOISE_GREY / SHIFT_SIGMA_PX) ** 2
+    shifts = np.linalg.solve(normal[told], moment[told][..., None])[..., 0]
+    return np.asarray(np.linalg.norm(shifts, axis=-1))
+
+
+def _by_cell(values: Grey) -> Array:
+    """The sums (GRID²,) of values (H, W) over the cells."""
+    means = cv2.resize(values, (GRID, GRID), interpolation=cv2.INTER_AREA)
+    return np.asarray(means.ravel() * (values.size / GRID**2), dtype=float)
