@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import cv2
 import numpy as np
@@ -22,10 +22,9 @@ def smooth(grey: NDArray[np.uint8] | Grey) -> Grey:
     return np.asarray(blurred, dtype=np.float32)
 
 
-def background(pictures: Sequence[NDArray[np.uint8]] | Sequence[Grey]) -> Grey:
+def background(pictures: Sequence[NDArray[Any]]) -> Grey:
     """Every pixel's median over grey pictures (H, W)."""
-    every: NDArray[np.uint8] | Grey = np.asarray(pictures)
-    return np.asarray(np.median(every, axis=0), dtype=np.float32)
+    return np.asarray(np.median(np.stack(pictures), axis=0), dtype=np.float32)
 
 
 def moving(picture: Grey, plate: Grey) -> NDArray[np.bool_]:

@@ -1,0 +1,132 @@
+"""Where a posed body and what moves in the picture disagree, before a camera that stands still.
+
+The loader marks pixels that look as the empty scene does. Pixels near the body that move and that
+no part covers are missing from the pose; a part's pixels that stand still show no body there.
+Neither needs the truth, and both grow with the error of a pose.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.body.raster import BodyMesh, raster
+from tracker.body.trajectory import Trajectory
+from tracker.geometry.rotations import Array, frozen
+from tracker.geometry.view import ViewCamera
+from tracker.tracking.scene import Scene
+from tracker.video.pyramid import TARGET_ONLY, USABLE, Clip
+
+REACH = 0.15
+"""Share of the body's extent: how far from the body what moves is taken to be the body's."""
+RIM = 0.012
+"""Of the same: on either side of the outline nothing counts, since clothes are no exact shape."""
+HALO_PX = 3.0
+"""Outside it is no narrower than this: a bright body shines as far into the smoothed picture."""
+SPECK_PX = 3
+"""What moves and is narrower than this is noise."""
+
+
+@dataclass(frozen=True, eq=False)
+class SilhouetteMismatch:
+    """Mismatch of N poses of P parts with what moves, as shares of the body's area in its frame.
+
+    uncovered_by_part: (N, P) moving pixels that no part covers, by the part that lies nearest.
+    unmoved_by_part: (N, P) pixels of a part that look as the empty scene does.
+    Both are NaN in frames without a background to compare with, as where the picture is missing
+    or the camera does not stand still, and in those whose picture shows nothing of the body.
+    """
+
+    uncovered_by_part: Array
+    unmoved_by_part: Array
+
+    @property
+    def by_part(self) -> Array:
+        """(N, P) the sum of both."""
+        return self.uncovered_by_part + self.unmoved_by_part
+
+    @property
+    def uncovered(self) -> Array:
+        """(N,) moving pixels near the body that no part covers."""
+        return np.asarray(self.uncovered_by_part.sum(axis=1))
+
+    @property
+    def unmoved(self) -> Array:
+        """(N,) pixels of the body that look as the empty scene does."""
+        return np.asarray(self.unmoved_by_part.sum(axis=1))
+
+    @property
+    def total(self) -> Array:
+        """(N,) the sum of both."""
+        return self.uncovered + self.unmoved
+
+
+def silhouette_mismatch(scene: Scene, clip: Clip, trajectory: Trajectory) -> SilhouetteMismatch:
+    """The mismatch of every pose of a trajectory whose frames are all in the clip.
+
+    The clip is one of a loader with `static_camera`; of any other, everything is NaN.
+    IndexError where the clip lacks a frame.
+    """
+    mesh, parts = BodyMesh.of(scene.skeleton), scene.skeleton.part_count
+    view, Ts = ViewCamera.of(scene.camera), trajectory.transforms(scene.skeleton)
+    slots = clip.slots(trajectory.first_frame, trajectory.last_frame)
+    found = np.full((2, len(trajectory), parts), np.nan)
+    for n, (slot, uv) in enumerate(zip(slots, scene.mark_pixels(trajectory), strict=True)):
+        use = clip.levels[0][slot, ..., 3]
+        extent = float((uv.max(axis=0) - uv.min(axis=0)).max())
+        window = _window(uv, 2 * REACH * extent, use.shape)
+        if window is None or not (use == TARGET_ONLY).any():
+            continue
+        shown = raster(mesh, Ts[n], _within(view, window)).part
+        found[:, n] = _shares(shown, use[window], extent, parts)
+    return SilhouetteMismatch(*frozen(found))
+
+
+def _window(uv: Array, margin: float, shape: tuple[int, ...]) -> tuple[slice, slice] | None:
+    """Rows and columns of the picture around pixels (M, 2); None where they are not in it."""
+    if not np.isfinite(uv).all():
+        return None
+    sizes = np.array(shape[1::-1])
+    low = np.clip(np.floor(uv.min(axis=0) - margin), 0, sizes).astype(int)
+    high = np.clip(np.ceil(uv.max(axis=0) + margin) + 1, 0, sizes).astype(int)
+    return (slice(low[1], high[1]), slice(low[0], high[0])) if (low < high).all() else None
+
+
+def _within(view: ViewCamera, window: tuple[slice, slice]) -> ViewCamera:
+    """The view of a window of the picture alone."""
+    rows, columns = window
+    centre = (view.centre[0] - columns.start, view.centre[1] - rows.start)
+    size = {"width": columns.stop - columns.start, "height": rows.stop - rows.start}
+    return replace(view, centre=centre, **size)
+
+
+def _shares(shown: NDArray[np.int16], use: NDArray[np.float32], extent: float, parts: int) -> Array:
+    """(2, P) uncovered and unmoved shares of one frame; shown (h, w) part of every pixel or −1."""
+    covered = shown >= 0
+    area = int(covered.sum())
+    if not area:
+        return np.full((2, parts), np.nan)
+    rim = RIM * extent
+    outside, nearest = _nearest_part(shown, covered)
+    kernel = np.ones((SPECK_PX, SPECK_PX), np.uint8)
+    moving = cv2.morphologyEx((use == USABLE).astype(np.uint8), cv2.MORPH_OPEN, kernel) > 0
+    uncovered = moving & (outside > max(rim, HALO_PX)) & (outside <= REACH * extent)
+    inside = cv2.distanceTransform(covered.astype(np.uint8), cv2.DIST_L2, 3)
+    unmoved = (use == TARGET_ONLY) & (inside > max(rim, 1.0))
+    counts = [np.bincount(p, minlength=parts) for p in (nearest[uncovered], shown[unmoved])]
+    return np.array(counts) / area
+
+
+def _nearest_part(
+    shown: NDArray[np.int16], covered: NDArray[np.bool_]
+) -> tuple[NDArray[np.float32], NDArray[np.int16]]:
+    """How far every pixel lies from the body, pixels, and which part lies nearest."""
+    distance, label = cv2.distanceTransformWithLabels(
+        (~covered).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    part_of = np.zeros(int(label.max()) + 1, np.int16)
+    part_of[label[covered]] = shown[covered]
+    return np.asarray(distance, np.float32), part_of[label]
