@@ -16,9 +16,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tracker.body.trajectory import Pass, Trajectory
+from tracker.solver.posed import image_points
 from tracker.solver.robust import Cauchy
 from tracker.tracking.bundle import refine
 from tracker.tracking.cues.from_keypoints import from_keypoints
+from tracker.tracking.cues.joint_evidence import UNKNOWN, JointEvidence
 from tracker.tracking.cues.soft_correction import Correction, measured_increments
 from tracker.tracking.cycle import Outcome, Work, drift_px
 from tracker.tracking.frame_pair import robust_pass
@@ -69,7 +71,12 @@ def track_anchored(
             ended = yield from _cycle(correction, method, start, tried)
             ends.append(ended)
     best = min(ends, key=lambda ended: ended.cost)
-    return _outcome(scene, begun, tried, ends, best)
+    return _outcome(scene, free, begun, tried, ends, best)
+
+
+def expected_anchored_steps(passes: int) -> int:
+    """Trajectories a segment is expected to yield: from two starts passes, the last, refinement."""
+    return 2 * (passes + 2)
 
 
 def _cycle(
@@ -111,7 +118,7 @@ def _measure(
 
 
 def _outcome(
-    scene: Scene, begun: Starts, tried: list[Pass], ends: list[_Ended], best: _Ended
+    scene: Scene, free: Scene, begun: Starts, tried: list[Pass], ends: list[_Ended], best: _Ended
 ) -> Outcome:
     chains = begun.chains
     zeros = np.zeros((len(best.trajectory), len(scene.marks[1])))
@@ -124,4 +131,26 @@ def _outcome(
         diverged=False,
         gap=0.0,
         notes=begun.notes,
+        joints=_joint_evidence(free, ends, best),
     )
+
+
+def _joint_evidence(free: Scene, ends: list[_Ended], best: _Ended) -> JointEvidence:
+    anchors, height = best.anchors, best.anchors.height_px
+    here = _joint_pixels(free, best)
+    away = np.linalg.norm(here - anchors.uv, axis=-1) / height
+    others = [end for end in ends if end is not best]
+    apart = [np.linalg.norm(_joint_pixels(free, end) - here, axis=-1) for end in others]
+    return JointEvidence(
+        anchors.parts,
+        np.where(anchors.scale > 0, away, np.nan),
+        anchors.visibility,
+        np.max(apart, axis=0) / height if apart else np.full(away.shape, UNKNOWN),
+        height,
+    )
+
+
+def _joint_pixels(free: Scene, end: _Ended) -> Array:
+    """(N, K) where the joints are that have keypoints."""
+    p = end.anchors.points.at(end.trajectory.transforms(free.skeleton))
+    return image_points(free.camera, p)

@@ -10,6 +10,7 @@ import numpy as np
 from tracker.body.trajectory import Pass, Trajectory
 from tracker.geometry.rotations import Array
 from tracker.tracking.bundle import refine
+from tracker.tracking.cues.joint_evidence import JointEvidence
 from tracker.tracking.drift import Corrected, Motions, correct_drift
 from tracker.tracking.frame_pair import least_squares_pass, printed_score, robust_pass
 from tracker.tracking.initial.choose import printed_start, starts
@@ -39,6 +40,7 @@ class Outcome:
     diverged: a pass left it; the pass was dropped.
     gap: how far the last correction missed the keyframe before it was set exactly: radians.
     notes: sentences for a person about what could not be done as asked.
+    joints: what keypoints tell of the motion, where there are any.
     """
 
     passes: tuple[Pass, ...]
@@ -49,6 +51,7 @@ class Outcome:
     diverged: bool
     gap: float
     notes: tuple[str, ...] = ()
+    joints: JointEvidence | None = None
 
     @property
     def trajectory(self) -> Trajectory:

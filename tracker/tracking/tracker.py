@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
-from itertools import pairwise
+from itertools import count, pairwise
+from typing import TypeAlias
 
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
@@ -15,8 +16,9 @@ from tracker.errors import SessionError
 from tracker.geometry.camera import Camera
 from tracker.keypoints.keypoints import Keypoints
 from tracker.session.settings import IgnoreMask, TrackSettings
-from tracker.tracking.anchored_cycle import track_anchored
-from tracker.tracking.cues.anchors import anchors_of, freed
+from tracker.tracking.anchored_cycle import expected_anchored_steps, track_anchored
+from tracker.tracking.cues.anchors import anchors_of, carries_keypoints, freed
+from tracker.tracking.cues.sources import KeypointSource
 from tracker.tracking.cycle import Outcome, Work, track_segment
 from tracker.tracking.diagnostics.expected_gain import expected_gain
 from tracker.tracking.diagnostics.judge import judge
@@ -29,6 +31,11 @@ from tracker.tracking.scene import Scene
 from tracker.tracking.segment import Segment
 from tracker.video import Video
 from tracker.video.clip_loader import MEMORY_BYTES, ClipLoader, WorkingSize
+
+Emit: TypeAlias = Callable[[Pass, int], None]
+"""Is given every trajectory on the way, and its number; may raise Cancelled."""
+LOOKS_UNTOLD = 8
+"""Frames in which keypoints are looked for between two looks at whether to stop."""
 
 
 class _Prepared:
@@ -66,10 +73,9 @@ class Tracker:
         static_camera: bool = False,
         memory: int = MEMORY_BYTES,
         first_motion: Trajectory | None = None,
-        keypoints: Keypoints | None = None,
+        keypoints: KeypointSource | None = None,
     ) -> None:
         self._first_motion, self._keypoints = first_motion, keypoints
-        self._video_camera = camera
         self._prepared = _Prepared(video, camera, masks, static_camera, memory)
         self._laid: dict[float, SurfacePoints] = {}
         self._pose(skeleton, keyposes)
@@ -85,7 +91,7 @@ class Tracker:
         skeleton: Skeleton,
         keyposes: Mapping[int, Pose],
         first_motion: Trajectory | None = None,
-        keypoints: Keypoints | None = None,
+        keypoints: KeypointSource | None = None,
     ) -> Tracker:
         """A tracker of other keyposes, or of another body, before the same video.
 
@@ -126,6 +132,8 @@ class Tracker:
 
     def expected_steps(self, span: tuple[int, int], settings: TrackSettings) -> int:
         """The expected number of trajectories from `run_segment`."""
+        if self._listens_to_keypoints(settings):
+            return expected_anchored_steps(method_of(settings).passes)
         return expected_steps(settings)
 
     def move_keyframe(self, frame: int, pose: Pose) -> None:
@@ -135,7 +143,7 @@ class Tracker:
         self.keyposes[frame] = pose
 
     def run_segment(
-        self, span: tuple[int, int], settings: TrackSettings, emit: Callable[[Pass, int], None]
+        self, span: tuple[int, int], settings: TrackSettings, emit: Emit
     ) -> SegmentResult:
         """Track one segment, which depends on nothing but its own frames and keyposes.
 
@@ -153,7 +161,7 @@ class Tracker:
         segment = Segment(first, last, start, end, self.loader(span).load(first, last), imported)
         method = method_of(settings)
         scene = self.scene(span, method.density)
-        work, number = self._work(scene, segment, method, settings), 0
+        work, number = self._work(scene, segment, settings, emit), 0
         while True:
             try:
                 step = next(work)
@@ -162,18 +170,37 @@ class Tracker:
             emit(step, number)
             number += 1
 
-    def _work(
-        self, scene: Scene, segment: Segment, method: Method, settings: TrackSettings
-    ) -> Work:
-        """With keypoints where there are any of this body; without, as if there never were."""
-        keypoints = self._keypoints if "keypoints" in settings.cues else None
+    def _work(self, scene: Scene, segment: Segment, settings: TrackSettings, emit: Emit) -> Work:
+        """With keypoints where there are any; without, as if there never were."""
+        method, keypoints = method_of(settings), self._keypoints_of(segment, settings, emit)
         if keypoints is not None and isinstance(method, Keypose):
             span = segment.first_frame, segment.last_frame
             free = self.scene(span, method.density, free=True)
-            told = anchors_of(free, segment, self._video_camera, keypoints)
+            told = anchors_of(free, segment, self.loader(span).camera, keypoints)
             if told:
                 return track_anchored(scene, free, segment, method, told)
         return track_segment(scene, segment, method)
+
+    def _keypoints_of(
+        self, segment: Segment, settings: TrackSettings, emit: Emit
+    ) -> Keypoints | None:
+        """While they are looked for, the motion is interpolation: that is emitted now and then, so
+        that the work can be stopped."""
+        if self._keypoints is None or not self._listens_to_keypoints(settings):
+            return None
+        looks, waiting = count(), Pass("interpolation", segment.interpolated(), None)
+
+        def report() -> None:
+            if next(looks) % LOOKS_UNTOLD == 0:
+                emit(waiting, 0)
+
+        return self._keypoints.over(segment, self.skeleton, report)
+
+    def _listens_to_keypoints(self, settings: TrackSettings) -> bool:
+        """Whether keypoints count where there are any: never for the printed method, nor for bodies
+        that are no person's."""
+        wanted = settings.method == "keypose" and "keypoints" in settings.cues
+        return self._keypoints is not None and wanted and carries_keypoints(self.skeleton)
 
 
 def _result(scene: Scene, segment: Segment, outcome: Outcome, method: Method) -> SegmentResult:

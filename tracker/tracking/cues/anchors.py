@@ -49,14 +49,15 @@ FEWEST = 4
 class Anchors:
     """Where the joints of the N frames of a segment are, as far as a detector tells.
 
-    points: K on the body.  uv (N, K, 2): pixels of the undistorted pictures worked on.
-    scale (N, K): 1/σ in 1/px, 0 where nothing is known.  depth (N, K): metres farther than the
+    points: K on the body, carried by parts (K,).
+    uv (N, K, 2): pixels of the undistorted pictures worked on.  scale (N, K): 1/σ in 1/px, 0 where nothing is known.  depth (N, K): metres farther than the
     root; depth_scale (N, K): 1/σ, 0 where unknown.  visibility (N, K).
     height_px: of the body, standing.
     exchanged: left and right of some frames were exchanged against what the detector says.
     """
 
     points: BodyPoints
+    parts: NDArray[np.int64]
     uv: Array
     scale: Array
     depth: Array
@@ -74,6 +75,11 @@ class Anchors:
         if not scale.any():
             return (seen,)
         return seen, DepthFromRoot(self.points, depth, scale, Huber())
+
+
+def carries_keypoints(skeleton: Skeleton) -> bool:
+    """Whether enough of a person's joints are on the body for keypoints to be compared with it."""
+    return len(points_on_body(skeleton.body, JOINTS).indices) >= FEWEST
 
 
 @lru_cache(maxsize=8)
@@ -165,7 +171,7 @@ def _anchors(
     )
     depth, depth_scale = _depths(scene, seen, index, parts, points, keyed)
     where = BodyPoints.single(scene.skeleton, parts, points)
-    return Anchors(where, uv, scale, depth, depth_scale * (scale > 0), visibility, height)
+    return Anchors(where, parts, uv, scale, depth, depth_scale * (scale > 0), visibility, height)
 
 
 def _offsets(

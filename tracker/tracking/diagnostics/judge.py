@@ -15,6 +15,7 @@ import numpy as np
 
 from tracker.geometry.rotations import Array
 from tracker.session.verdict import GOOD, Verdict
+from tracker.tracking.cues.joint_evidence import JointEvidence
 from tracker.tracking.cycle import NOWHERE_PX, Outcome
 from tracker.tracking.diagnostics.observability import Observation
 from tracker.tracking.diagnostics.runs import runs
@@ -24,6 +25,12 @@ from tracker.tracking.segment import Segment, extent_px
 LOST_APART, LOST_DRIFT = 0.28, 0.23
 CHECK_APART, CHECK_DRIFT = 0.18, 0.044
 """Shares of the body's extent in the picture. A segment is lost where both are exceeded."""
+LOST_WRONG, CHECK_WRONG = 0.25, 0.08
+"""Mean probability of a wrong joint from which a segment is lost, or to be checked."""
+DOUBTFUL, CHECK_FRAMES = 0.35, 0.10
+"""A segment is to be checked where in this share of its frames a joint is wrong with so much."""
+HIDDEN = 0.5
+"""Mean visibility of a joint below which it counts as not seen."""
 UNSEEN = 0.15
 """Observability below which a part's motion is a guess."""
 SHORTEST_RUN = 3
@@ -49,6 +56,8 @@ class _Evidence:
 
 def judge(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -> Verdict:
     """The verdict on a tracked segment."""
+    if outcome.joints is not None:
+        return _judge_joints(scene, segment, outcome.joints, seen)
     evidence = _evidence(scene, outcome)
     apart = evidence.apart.max(initial=0.0)
     drift = evidence.whole_drift.max(initial=0.0)
@@ -70,6 +79,35 @@ def judge(scene: Scene, segment: Segment, outcome: Outcome, seen: Observation) -
         is_hidden = _is_hidden(segment, seen, index, first, last)
         name = scene.skeleton.body.names[index]
         return Verdict.check("not_seen" if is_hidden else "uncertain", (first, last), name)
+    return GOOD
+
+
+def _judge_joints(
+    scene: Scene, segment: Segment, joints: JointEvidence, seen: Observation
+) -> Verdict:
+    """By how likely each joint is wrong in each frame."""
+    wrong = joints.wrong
+    first, last = segment.first_frame, segment.last_frame
+    worst = first + int(wrong.sum(axis=1).argmax())
+    if wrong.mean() > LOST_WRONG:
+        inside = min(max(worst, first + 1), last - 1)
+        return (
+            Verdict.not_followed(inside) if last - first > 1 else Verdict.contradiction(first, last)
+        )
+    if segment.damaged:
+        return Verdict.check("damaged", _longest_run(segment.damaged))
+    doubtful = wrong > DOUBTFUL
+    if doubtful.any(axis=1).mean() > CHECK_FRAMES or wrong.mean() > CHECK_WRONG:
+        joint = int(wrong.sum(axis=0).argmax())
+        name = scene.skeleton.body.names[int(joints.parts[joint])]
+        at = wrong[:, joint]
+        rows = np.flatnonzero(at >= 0.5 * at.max())
+        hidden = joints.visibility[rows, joint].mean() < HIDDEN
+        cause: Cause = "not_seen" if hidden else "uncertain"
+        frames = first + int(rows[0]), first + int(rows[-1])
+        return Verdict(
+            kind="check", cause=cause, part=name, frames=frames, go=first + int(at.argmax())
+        )
     return GOOD
 
 
