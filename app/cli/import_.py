@@ -19,13 +19,15 @@ from app.cli.arguments import (
 )
 from app.cli.json_output import print_json
 from tracker.errors import FormatError
+from tracker.keypoints.layouts import LAYOUTS
 
 if TYPE_CHECKING:
     from app.export.import_motion import Draft, ImportedMotion
     from tracker.formats.joint_motion import JointMotion
-    from tracker.formats.reading_keypoints import Keypoints
     from tracker.geometry.rotations import Array
+    from tracker.keypoints.keypoints import Keypoints
     from tracker.session import Session
+    from tracker.video.info import VideoInfo
 
 EVERY = 24
 """Frames from one draft to the next, when none are named."""
@@ -47,12 +49,12 @@ def add(commands: Subcommands) -> None:
     details = (
         "BVH, TRC, C3D or CSV: the motion is fitted to the session's body, aligned with its "
         "keyframes, saved as a start for tracking, used where it scores better than the tracker's "
-        "own. With --keypoints, COCO or OpenPose: drafts of poses at some frames. Keyframes are "
-        "never changed."
+        "own. With --keypoints, COCO, AlphaPose, OpenPose or MediaPipe: drafts of poses at some "
+        "frames. Keyframes are never changed."
     )
     command = add_command(commands, "import", run, summary, details, _EXAMPLES)
     add_session(command)
-    what = "motion file; with --keypoints a COCO file or a folder of OpenPose files"
+    what = "motion file; with --keypoints a JSON file or a folder of OpenPose files"
     command.add_argument("file", metavar="FILE", type=file_name, help=what)
     motion = command.add_argument_group("motion")
     motion.add_argument(
@@ -74,6 +76,13 @@ def add(commands: Subcommands) -> None:
     motion.add_argument("--fps", metavar="X", type=_rate, help="the file's frames a second")
     points = command.add_argument_group("keypoints")
     points.add_argument("--keypoints", action="store_true", help="the file holds 2D keypoints")
+    points.add_argument(
+        "--layout",
+        metavar="NAME",
+        type=str.upper,
+        choices=tuple(LAYOUTS),
+        help=f"order of the keypoints where the file does not tell it: {', '.join(LAYOUTS)}",
+    )
     points.add_argument("--exchange", action="store_true", help="swap left and right of them")
     points.add_argument("--frames", metavar="N,N,…", type=_frames, help="frames to make drafts at")
     points.add_argument(
@@ -90,23 +99,22 @@ def run(arguments: argparse.Namespace) -> int:
     from tracker.storage.files import load_session, open_video_of
 
     _require_of_a_kind(arguments)
-    keypoints = _keypoints(arguments) if arguments.keypoints else None
     motion = None if arguments.keypoints else _motion(arguments)
     path: Path = arguments.session
     # Reading it reports one that is not there.
     with locked(path, "close it there first") if path.is_file() else nullcontext():
         session = load_session(arguments.session)
         with open_video_of(session, arguments.session) as video:
-            times_s = video.info.times_s
-        if keypoints is not None:
-            _import_keypoints(session, keypoints, arguments, times_s)
-        elif motion is not None:
-            _import_motion(session, motion, arguments, times_s)
+            info = video.info
+        if motion is None:
+            _import_keypoints(session, arguments, info)
+        else:
+            _import_motion(session, motion, arguments, info.times_s)
     return 0
 
 
 _MOTION = ("names", "offset_frames", "offset_s", "unit", "fps")
-_KEYPOINTS = ("exchange", "frames", "every")
+_KEYPOINTS = ("layout", "exchange", "frames", "every")
 
 
 def _require_of_a_kind(arguments: argparse.Namespace) -> None:
@@ -227,26 +235,28 @@ def _print_motion(facts: dict[str, Any], as_json: bool) -> None:
 # --- keypoints
 
 
-def _keypoints(arguments: argparse.Namespace) -> Keypoints:
-    from tracker.formats.reading_keypoints import load_keypoints
-
-    keypoints = load_keypoints(arguments.file)
-    return keypoints.exchanged() if arguments.exchange else keypoints
-
-
-def _import_keypoints(
-    session: Session, keypoints: Keypoints, arguments: argparse.Namespace, times_s: Array
-) -> None:
+def _import_keypoints(session: Session, arguments: argparse.Namespace, info: VideoInfo) -> None:
     from app.export.import_motion import drafts_of
     from tracker.storage.files import save_session
 
+    keypoints = _keypoints(session, arguments, info)
     frames = _wanted_frames(session, keypoints, arguments)
-    drafts = drafts_of(session, keypoints, arguments.file.name, frames, times_s)
+    drafts = drafts_of(session, keypoints, arguments.file.name, frames, info.times_s)
     if drafts:
         every = (*session.drafts, *(draft.keyframe for draft in drafts))
         ordered = tuple(sorted(every, key=lambda draft: draft.frame))
         save_session(session.model_copy(update={"drafts": ordered}), arguments.session)
     _print_drafts(session, drafts, frames, arguments)
+
+
+def _keypoints(session: Session, arguments: argparse.Namespace, info: VideoInfo) -> Keypoints:
+    from tracker.formats.reading_keypoints import VideoFacts, load_keypoints
+
+    video = session.video
+    told = info.container != "images" and not info.variable_rate  # images have no rate of their own
+    facts = VideoFacts(video.frame_count, video.width, video.height, info.fps if told else None)
+    keypoints = load_keypoints(arguments.file, arguments.layout, facts)
+    return keypoints.exchanged() if arguments.exchange else keypoints
 
 
 def _wanted_frames(
@@ -260,11 +270,9 @@ def _wanted_frames(
                 f"There is no frame {beyond[0]}; the video's frames are 0 to {count - 1}."
             )
         return sorted(set(arguments.frames))
-    there = [frame for frame in sorted(keypoints.frames) if frame < count]
-    if not there:
-        raise FormatError(f"{arguments.file.name} has no keypoints at the video's frames.")
     every = arguments.every or EVERY
-    return [frame for frame in there if (frame - there[0]) % every == 0]
+    rows = range(0, len(keypoints), every)
+    return [keypoints.first_frame + n for n in rows if keypoints.visibility[n].any()]
 
 
 def _print_drafts(

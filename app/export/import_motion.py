@@ -20,9 +20,9 @@ from tracker.body.trajectory import interpolate
 from tracker.errors import FormatError
 from tracker.formats.joint_motion import JointMotion
 from tracker.formats.joint_names import Matched, matched
-from tracker.formats.reading_keypoints import Keypoints
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, exp_rotation
+from tracker.keypoints.keypoints import Keypoints
 from tracker.session import Keyframe, Session
 from tracker.solver.body_points import BodyPoints
 from tracker.solver.fit_joints import Fit, fit_motion, fit_picture, rigid
@@ -116,9 +116,11 @@ def drafts_of(
     posed = {k.frame: k.pose(skeleton) for k in (*session.keyframes, *session.drafts)}
     drafts = []
     for frame in frames:
-        if frame in posed or frame not in keypoints.frames:
+        if frame in posed or not keypoints.first_frame <= frame <= keypoints.last_frame:
             continue
-        uv, sure = (values[known.indices] for values in keypoints.frames[frame])
+        row = frame - keypoints.first_frame
+        uv = keypoints.uv[row, known.indices]
+        sure = keypoints.visibility[row, known.indices]
         if np.isfinite(uv).all(-1).sum() < LEAST_KEYPOINTS:
             continue
         draft = _draft(session, known, uv, sure, frame, posed, times_s)

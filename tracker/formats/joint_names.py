@@ -49,7 +49,11 @@ _LIMBS = _both(
 )  # fmt: skip
 
 CONVENTIONS: dict[str, dict[str, str]] = {
-    "COCO, OpenPose": _LIMBS | _FACE | {"neck": _SHOULDERS, "midhip": _HIPS, "hip": _HIPS},
+    "COCO, OpenPose": _LIMBS
+    | _FACE
+    | {"neck": _SHOULDERS, "midhip": _HIPS, "hip": _HIPS}
+    | {"upperneck": "head", "headtop": "head_top"}
+    | _both(**{"{}footindex": "toe"}),
     "BVH with elbows and knees": _LIMBS
     | {"neck": "neck", "head": "head", "headend": "head_top"}
     | _both(**{"{}ankle": "foot", "{}toeend": "toe"}),

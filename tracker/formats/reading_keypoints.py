@@ -1,165 +1,103 @@
-"""2D keypoints in: COCO annotations, or a folder with one OpenPose file for each frame.
+"""2D keypoints in: COCO, AlphaPose and MediaPipe files, or a folder of OpenPose's.
 
-COCO: a list of annotations, or an object that holds it as `annotations`, beside `images` and
-`categories` when one likes. An annotation is of the frame whose number its `image_id` is, or else
-the last number in its image's file name. OpenPose: `…_000000000012_keypoints.json` is frame 12.
-Of several people in a frame the most confident counts. Pixels have their centres at integers.
+What each kind of file looks like is in `keypoint_files`, the orders of keypoints in
+`tracker.keypoints.layouts`. Names in the file count; without them the number of keypoints says
+which layout it is; where several have that number, the limbs do. Of several people in a frame the
+most confident counts. Pixels have their centres at integers; shares of the picture's size, as
+MediaPipe writes them, become pixels where the file says how large the picture is.
 """
 
 from __future__ import annotations
 
-import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from pydantic_core import from_json
 
-from tracker.errors import FormatError
-from tracker.files import TooLarge, read_regular
+from tracker.errors import FormatError, listed
+from tracker.formats.keypoint_files import People, read_people
 from tracker.geometry.rotations import Array
+from tracker.keypoints.keypoints import Keypoints
+from tracker.keypoints.layouts import LAYOUTS, keypoint_name, layouts_of
+from tracker.keypoints.telling_layout import told_layout
 
-LARGEST_KEYPOINT_BYTES: Final = 256 * 2**20
-LARGEST_PERSON_BYTES: Final = 16 * 2**20
-MOST_FILES: Final = 200_000
 FARTHEST_PX: Final = 1e6
-
-_FIVE = ("Nose", "LEye", "REye", "LEar", "REar")
-_COCO_17 = (
-    *_FIVE, "LShoulder", "RShoulder", "LElbow", "RElbow", "LWrist", "RWrist",
-    "LHip", "RHip", "LKnee", "RKnee", "LAnkle", "RAnkle",
-)  # fmt: skip
-_ARMS = (
-    "Nose", "Neck", "RShoulder", "RElbow", "RWrist", "LShoulder", "LElbow", "LWrist",
-)  # fmt: skip
-_LEGS = ("RHip", "RKnee", "RAnkle", "LHip", "LKnee", "LAnkle")
-_HEAD = ("REye", "LEye", "REar", "LEar")
-_FEET = ("LBigToe", "LSmallToe", "LHeel", "RBigToe", "RSmallToe", "RHeel")
-LAYOUTS: Final[dict[int, tuple[str, ...]]] = {
-    17: _COCO_17,
-    18: (*_ARMS, *_LEGS, *_HEAD),
-    25: (*_ARMS, "MidHip", *_LEGS, *_HEAD, *_FEET),
-}
-"""The usual names by how many keypoints a person has."""
+NORMALIZED: Final = 2.0
+"""No person is so small in pixels: coordinates within this are shares of the picture's size."""
+MOST_NUMBERS: Final = 10_000_000
+"""Keypoints over all frames from the first to the last."""
+OTHER_RATE: Final = 0.01
+"""Share by which frame rates differ of which one is not just the other one rounded."""
 
 
-@dataclass(frozen=True, eq=False)
-class Keypoints:
-    """Keypoints of one person over time.
+@dataclass(frozen=True)
+class VideoFacts:
+    """What the keypoints must fit: the video's frames, its size in pixels, its frames a second."""
 
-    names:  (J,).
-    frames: of every frame, pixels (J, 2), NaN where not seen, and confidences (J,), 0 to 1.
-    """
-
-    names: tuple[str, ...]
-    frames: Mapping[int, tuple[Array, Array]]
-
-    def exchanged(self) -> Keypoints:
-        """With left and right exchanged."""
-        order = [self.names.index(_other_side(name, self.names)) for name in self.names]
-        frames = {frame: (uv[order], sure[order]) for frame, (uv, sure) in self.frames.items()}
-        return Keypoints(self.names, frames)
+    frame_count: int
+    width: int
+    height: int
+    fps: float | None = None
 
 
-def load_keypoints(path: Path) -> Keypoints:
-    """The keypoints in a COCO file or a folder of OpenPose files; FormatError in one sentence."""
-    try:
-        if path.is_dir():
-            return _openpose(path)
-        if re.search(r"_keypoints\.json$", path.name):
-            return _from_people(path.name, None, {_number(path.name, 0): _people(path)})
-        return _coco(path)
-    except FileNotFoundError:
-        raise FormatError(f"There is no file of keypoints {str(path)!r}.") from None
-    except OSError as error:
-        raise FormatError(f"{path.name} cannot be read: {error.strerror or error}.") from None
-
-
-def _openpose(folder: Path) -> Keypoints:
-    files = sorted(folder.glob("*_keypoints.json"))
-    if not files:
-        raise FormatError(f"{folder.name} holds no file …_keypoints.json, one for each frame.")
-    if len(files) > MOST_FILES:
-        raise FormatError(f"{folder.name} holds {len(files)} files, which is too many.")
-    return _from_people(
-        folder.name, None, {_number(file.name, i): _people(file) for i, file in enumerate(files)}
-    )
-
-
-def _people(path: Path) -> list[Any]:
-    """The numbers of each person in an OpenPose file."""
-    data = _json(path, LARGEST_PERSON_BYTES)
-    people = data.get("people") if isinstance(data, dict) else None
-    if not isinstance(people, list) or not all(isinstance(one, dict) for one in people):
-        raise FormatError(f"{path.name} is no OpenPose file: it lists no people.")
-    return [one.get("pose_keypoints_2d") for one in people]
-
-
-def _coco(path: Path) -> Keypoints:
-    data = _json(path, LARGEST_KEYPOINT_BYTES)
-    given = data if isinstance(data, dict) else {"annotations": data}
-    annotations = given.get("annotations")
-    if not isinstance(annotations, list) or not all(isinstance(one, dict) for one in annotations):
-        raise FormatError(f"{path.name} is no COCO file: it holds no list of annotations.")
-    listed = given.get("images")
-    images = {
-        str(image.get("id")): str(image.get("file_name", ""))
-        for image in (listed if isinstance(listed, list) else [])
-        if isinstance(image, dict)
-    }
-    frames: dict[int, list[Any]] = {}
-    for place, one in enumerate(annotations):
-        image = one.get("image_id", place)
-        name = images.get(str(image)) or str(image)
-        frames.setdefault(_number(name, place), []).append(one.get("keypoints"))
-    return _from_people(path.name, _category_names(given.get("categories")), frames)
-
-
-def _category_names(categories: Any) -> tuple[str, ...] | None:
-    """The names a COCO file gives to its keypoints, if it does."""
-    for category in categories if isinstance(categories, list) else []:
-        names = category.get("keypoints") if isinstance(category, dict) else None
-        if isinstance(names, list) and names and all(isinstance(n, str) for n in names):
-            return tuple(names)
-    return None
-
-
-def _from_people(
-    file: str, names: tuple[str, ...] | None, frames: Mapping[int, Sequence[Any]]
+def load_keypoints(
+    path: Path, layout: str | None = None, video: VideoFacts | None = None
 ) -> Keypoints:
-    """Of each frame's people the most confident; FormatError where their numbers are no keypoints.
+    """The keypoints in a file or a folder, of the first to the last frame that has any.
+
+    layout: a name in `LAYOUTS`, for files that do not name their keypoints.
+    video:  what they are of: keypoints of another size, rate or number of frames are refused.
+    FormatError in one sentence.
+    """
+    people, file = read_people(path), path.name
+    tables = _surest_person_by_frame(file, people)
+    _require_frames(file, sorted(tables), video)
+    _require_rate(file, people.fps, video)
+    size = _size(file, people, video)
+    first, rows = _dense(file, tables)
+    visibility = np.clip(rows[..., 2], 0.0, 1.0)
+    uv = np.where(visibility[..., None] > 0, rows[..., :2], np.nan)
+    names = _names(file, people, layout, uv)
+    return Keypoints(first, names, _in_pixels(file, uv, size), visibility)
+
+
+# --- tables
+
+
+def _surest_person_by_frame(file: str, people: People) -> dict[int, Array]:
+    """(L, 3) of u, v and confidence for every frame that shows anything.
 
     A person may have none at all, such as one that is only a box, and is passed over.
     """
-    found: dict[int, tuple[Array, Array]] = {}
-    for frame, people in frames.items():
-        tables = [_table(file, numbers) for numbers in people if numbers not in (None, [])]
+    found: dict[int, Array] = {}
+    for frame, persons in people.frames.items():
+        tables = [_table(file, numbers) for numbers in persons if numbers not in (None, [])]
+        best = max(tables, key=lambda table: float(_confidence(table).sum()), default=None)
         for table in tables:
-            names = names or LAYOUTS.get(len(table))
-            if names is None or len(table) != len(names):
-                raise FormatError(
-                    f"{file} has a person of {len(table)} keypoints; 17, 18 or 25 are expected."
-                )
-        if tables:
-            best = max(tables, key=lambda table: float(_confidence(table).sum()))
-            sure = _confidence(best)
-            found[frame] = (np.where(sure[:, None] > 0, best[:, :2], np.nan), sure)
-    if names is None or not any((sure > 0).any() for _, sure in found.values()):
+            _require_count(file, len(table), people)
+        if best is not None and (best[:, 2] > 0).any():
+            found[frame] = best
+    counts = sorted({len(table) for table in found.values()})
+    if not counts:
         raise FormatError(f"{file} holds no keypoint of anybody.")
-    return Keypoints(names, found)
+    if len(counts) > 1:
+        raise FormatError(f"{file} has people of {counts[0]} and of {counts[1]} keypoints.")
+    return found
 
 
 def _table(file: str, numbers: Any) -> Array:
-    """(J, 3) of u, v and confidence, from a flat list."""
+    """(L, 3) of u, v and confidence, from a flat list."""
     try:
         flat = np.array(numbers, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         flat = np.empty(1)
     if flat.ndim != 1 or not len(flat) or len(flat) % 3:
         raise FormatError(f"{file} has keypoints that are not u, v and confidence in turn.")
-    if not np.isfinite(flat).all() or np.abs(flat).max() > FARTHEST_PX:
+    if not np.isfinite(flat).all():
+        raise FormatError(f"{file} has a keypoint that is not a finite number.")
+    if np.abs(flat).max() > FARTHEST_PX:
         raise FormatError(f"{file} has a keypoint that is nowhere near a picture.")
     return flat.reshape(-1, 3)
 
@@ -169,26 +107,109 @@ def _confidence(table: Array) -> Array:
     return np.asarray(np.clip(table[:, 2], 0.0, 1.0))
 
 
-def _number(name: str, otherwise: int) -> int:
-    """The last number in a name, without its ending."""
-    stem = name.removesuffix("_keypoints.json")
-    stem = stem.rsplit(".", 1)[0] if re.search(r"\.\D\w*$", stem) else stem
-    digits = re.findall(r"\d+", stem)
-    return int(digits[-1][-9:]) if digits else otherwise
+def _dense(file: str, tables: Mapping[int, Array]) -> tuple[int, Array]:
+    """The first frame, and (N, L, 3) from there to the last."""
+    first, last = min(tables), max(tables)
+    count = len(tables[first])
+    if (last - first + 1) * count > MOST_NUMBERS:
+        raise FormatError(
+            f"{file} has keypoints from frame {first} to frame {last}, which is too many frames."
+        )
+    rows = np.zeros((last - first + 1, count, 3))
+    for frame, table in tables.items():
+        rows[frame - first] = table
+    return first, rows
 
 
-def _other_side(name: str, names: Sequence[str]) -> str:
-    for one, other in (("left", "right"), ("Left", "Right"), ("L", "R")):
-        for a, b in ((one, other), (other, one)):
-            if name.startswith(a) and b + name[len(a) :] in names:
-                return b + name[len(a) :]
-    return name
+# --- what they are called
 
 
-def _json(path: Path, largest: int) -> Any:
-    try:
-        return from_json(read_regular(path, largest))
-    except TooLarge:
-        raise FormatError(f"{path.name} is too large for keypoints.") from None
-    except ValueError:
-        raise FormatError(f"{path.name} is not JSON.") from None
+def _require_count(file: str, count: int, people: People) -> None:
+    if people.names is not None:
+        if count != len(people.names):
+            raise FormatError(
+                f"{file} has a person of {count} keypoints and names {len(people.names)}."
+            )
+        return
+    known = LAYOUTS if people.layout is None else {people.layout: LAYOUTS[people.layout]}
+    counts = sorted({len(names) for names in known.values()})
+    if count not in counts:
+        expected = listed([str(count) for count in counts])
+        raise FormatError(f"{file} has a person of {count} keypoints; known are {expected}.")
+
+
+def _names(file: str, people: People, layout: str | None, uv: Array) -> tuple[str, ...]:
+    """The names of the keypoints (N, L, 2): the file's own, or those of its layout."""
+    if people.names is not None:
+        return _own_names(file, people.names, layout)
+    count = uv.shape[1]
+    layouts = layouts_of(count) if people.layout is None else (people.layout,)
+    if layout is None:
+        told = told_layout(layouts, uv)
+        if told is None:
+            raise FormatError(
+                f"{file} has {count} keypoints a person, which may be "
+                f"{' or '.join(layouts)}: choose with --layout."
+            )
+        return LAYOUTS[told]
+    if layout not in LAYOUTS:
+        raise FormatError(f"There is no layout {layout!r}; there are {listed(list(LAYOUTS))}.")
+    if layout not in layouts:
+        raise FormatError(
+            f"{file} has {count} keypoints a person and is {' or '.join(layouts)}, not {layout}."
+        )
+    return LAYOUTS[layout]
+
+
+def _own_names(file: str, given: tuple[str, ...], layout: str | None) -> tuple[str, ...]:
+    names = tuple(keypoint_name(name) for name in given)
+    twice = [name for name in names if names.count(name) > 1]
+    if twice:
+        raise FormatError(f"{file} names the keypoint {twice[0]} twice.")
+    if layout is not None and names != LAYOUTS.get(layout):
+        raise FormatError(f"{file} names its keypoints itself, and not as {layout} does.")
+    return names
+
+
+# --- the video they are of
+
+
+def _require_frames(file: str, frames: list[int], video: VideoFacts | None) -> None:
+    if video is not None and frames[-1] >= video.frame_count:
+        raise FormatError(
+            f"{file} has keypoints at frames {frames[0]} to {frames[-1]}, "
+            f"but the video's frames are 0 to {video.frame_count - 1}."
+        )
+
+
+def _require_rate(file: str, fps: float | None, video: VideoFacts | None) -> None:
+    ours = None if video is None else video.fps
+    if fps is not None and ours is not None and abs(fps / ours - 1) > OTHER_RATE:
+        raise FormatError(
+            f"{file} is of a video with {fps:.4g} frames a second; this one has {ours:.4g}."
+        )
+
+
+def _size(file: str, people: People, video: VideoFacts | None) -> tuple[float, float] | None:
+    """Width and height of the pictures, where the file gives them."""
+    if len(people.sizes) > 1:
+        raise FormatError(f"{file} is of pictures of different sizes.")
+    size = next(iter(people.sizes), None)
+    if size is not None and video is not None and size != (video.width, video.height):
+        raise FormatError(
+            f"{file} is of pictures of {size[0]:g} × {size[1]:g} pixels; "
+            f"the video's are {video.width} × {video.height}."
+        )
+    return size
+
+
+def _in_pixels(file: str, uv: Array, size: tuple[float, float] | None) -> Array:
+    """Shares of the picture's size are from edge to edge, and pixels from their centres."""
+    if np.nanmax(np.abs(uv)) > NORMALIZED:
+        return uv
+    if size is None:
+        raise FormatError(
+            f"{file} has coordinates that are shares of a picture's size, which it does not give: "
+            "add width and height to it."
+        )
+    return np.asarray(uv * np.array(size) - 0.5)

@@ -29,8 +29,9 @@ from tracker.formats.bvh import bvh
 from tracker.formats.csv import joints_csv
 from tracker.formats.joint_motion import JointMotion
 from tracker.formats.joint_names import matched
-from tracker.formats.reading_keypoints import LAYOUTS, Keypoints
 from tracker.geometry.rotations import exp_rotation, log_rotation
+from tracker.keypoints.keypoints import Keypoints
+from tracker.keypoints.layouts import LAYOUTS
 from tracker.session import Session
 from tracker.solver.body_points import BodyPoints
 from tracker.storage.files import load_session, open_video_of, save_session
@@ -323,19 +324,30 @@ def test_a_copied_session_takes_its_imported_motion_along(path: Path, tmp_path: 
 # --- keypoints
 
 
-def _keypoints(layout: int, noise: float = 0.0) -> Keypoints:
+def _keypoints(layout: str, noise: float = 0.0) -> Keypoints:
     """What a perfect detector sees of the true motion."""
     names = LAYOUTS[layout]
     known = matched(SKELETON, names, "a.json")
     laid, rng = BodyPoints(SKELETON, tuple(known.places)), np.random.default_rng(3)
-    frames = {}
+    uv, visibility = (
+        np.full((len(TRUTH), len(names), 2), np.nan),
+        np.zeros((len(TRUTH), len(names))),
+    )
     for frame in range(len(TRUTH)):
-        uv, sure = np.full((layout, 2), np.nan), np.zeros(layout)
         ps = laid.at(pose_transforms(SKELETON, TRUTH.pose(frame)))
-        uv[known.indices] = SESSION.camera.project(ps) + rng.normal(0, noise, (len(ps), 2))
-        sure[known.indices] = 1.0
-        frames[frame] = uv, sure
-    return Keypoints(names, frames)
+        seen = SESSION.camera.project(ps) + rng.normal(0, noise, (len(ps), 2))
+        uv[frame, known.indices] = seen
+    visibility[:, known.indices] = 1.0
+    return Keypoints(0, names, uv, visibility)
+
+
+def _coco(keypoints: Keypoints) -> list[dict[str, Any]]:
+    """The same as a list of annotations."""
+    tables = np.concatenate([np.nan_to_num(keypoints.uv), keypoints.visibility[..., None]], axis=-1)
+    return [
+        {"image_id": keypoints.first_frame + n, "keypoints": table.ravel().tolist()}
+        for n, table in enumerate(tables)
+    ]
 
 
 def _judged(draft: Any) -> tuple[float, float]:
@@ -349,9 +361,9 @@ def _judged(draft: Any) -> tuple[float, float]:
     return float(away), float(np.degrees(np.linalg.norm(turn)))
 
 
-@pytest.mark.parametrize("layout", [17, 25])
+@pytest.mark.parametrize("layout", LAYOUTS)
 @pytest.mark.parametrize("keyed", [False, True])
-def test_exact_keypoints_give_the_right_pose_facing_the_right_way(layout: int, keyed: bool) -> None:
+def test_exact_keypoints_give_the_right_pose_facing_the_right_way(layout: str, keyed: bool) -> None:
     session = SESSION if keyed else SESSION.model_copy(update={"keyframes": ()})
     drafts = drafts_of(session, _keypoints(layout), "a.json", [6, 36, 66], TIMES_S)
     assert [draft.keyframe.frame for draft in drafts] == [6, 36, 66]
@@ -365,7 +377,7 @@ def test_exact_keypoints_give_the_right_pose_facing_the_right_way(layout: int, k
 
 def test_keypoints_as_a_detector_sees_them_still_give_the_right_side() -> None:
     session = SESSION.model_copy(update={"keyframes": SESSION.keyframes[:1]})
-    for draft in drafts_of(session, _keypoints(17, noise=2.0), "a.json", [12, 36], TIMES_S):
+    for draft in drafts_of(session, _keypoints("COCO_17", noise=2.0), "a.json", [12, 36], TIMES_S):
         away, turn = _judged(draft)
         assert away < 6.0
         assert turn < 30.0
@@ -373,13 +385,8 @@ def test_keypoints_as_a_detector_sees_them_still_give_the_right_side() -> None:
 
 def test_drafts_never_stand_over_a_keyframe_or_another_draft(path: Path) -> None:
     before = load_session(path)
-    places = _keypoints(17)
-    people = [
-        {"image_id": frame, "keypoints": np.nan_to_num(np.c_[uv, sure]).ravel().tolist()}
-        for frame, (uv, sure) in places.frames.items()
-    ]
     file = path.parent / "points.json"
-    file.write_text(json.dumps(people))
+    file.write_text(json.dumps(_coco(_keypoints("COCO_17"))))
     assert _run("import", path, file, "--keypoints", "--frames", "24,30,48") == 0
     once = load_session(path)
     assert once.keyframes == before.keyframes
@@ -394,9 +401,55 @@ def test_drafts_never_stand_over_a_keyframe_or_another_draft(path: Path) -> None
     assert everything_in(path.parent) == content
 
 
+@pytest.mark.parametrize("layout", ["BODY_25", "BODY_25B", "HALPE_26"])
+def test_a_file_that_does_not_name_its_keypoints_gives_drafts_of_the_right_ones(
+    path: Path, layout: str
+) -> None:
+    file = path.parent / "points.json"
+    file.write_text(json.dumps(_coco(_keypoints(layout))))
+    assert _run("import", path, file, "--keypoints", "--frames", "30") == 0
+    (draft,) = load_session(path).drafts
+    truth = pose_transforms(SKELETON, TRUTH.pose(30))[:, :3, 3]
+    ours = pose_transforms(SKELETON, draft.pose(SKELETON))[:, :3, 3]
+    away = SESSION.camera.project(ours) - SESSION.camera.project(truth)
+    assert np.linalg.norm(away, axis=-1).mean() < 1.0
+
+
+def test_what_the_limbs_do_not_tell_is_asked_for_and_told_by_the_option(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    seen = _keypoints("BODY_25B")
+    arms = ("nose", "left_shoulder", "right_shoulder", "left_elbow", "left_wrist", "left_hip")
+    visibility = np.zeros_like(seen.visibility)
+    visibility[30, [seen.names.index(name) for name in arms]] = 1.0
+    file = path.parent / "points.json"
+    file.write_text(json.dumps(_coco(Keypoints(0, seen.names, seen.uv, visibility))))
+    said = refused(capsys, path.parent, ["import", path, file, "--keypoints"])
+    assert "BODY_25 or BODY_25B: choose with --layout." in said
+    assert _run("import", path, file, "--keypoints", "--layout", "body_25b") == 0
+    assert [draft.frame for draft in load_session(path).drafts] == [30]
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"images": [{"id": 30, "width": 99, "height": 99}]}, "99 × 99"),
+        ({"info": {"fps": 12.5}}, "12.5 frames a second"),
+        ({"annotations": [{"image_id": 4000, "keypoints": [9.0] * 51}]}, "frames 4000 to 4000"),
+        ({"annotations": [{"image_id": 4, "keypoints": [[1, 2, 3]]}]}, "in turn"),
+    ],
+)
+def test_keypoints_of_another_video_leave_the_session_as_it_was(
+    path: Path, capsys: pytest.CaptureFixture[str], changes: dict[str, Any], words: str
+) -> None:
+    file = path.parent / "points.json"
+    file.write_text(json.dumps({"annotations": _coco(_keypoints("COCO_17")), **changes}))
+    assert words in refused(capsys, path.parent, ["import", path, file, "--keypoints"])
+
+
 def test_exchanged_keypoints_give_the_body_its_sides_back() -> None:
     session = SESSION.model_copy(update={"keyframes": ()})
-    wrong = _keypoints(25).exchanged()
+    wrong = _keypoints("BODY_25").exchanged()
     for draft in drafts_of(session, wrong.exchanged(), "a.json", [36], TIMES_S):
         assert _judged(draft)[0] < 1.0
     for draft in drafts_of(session, wrong, "a.json", [36], TIMES_S):
@@ -406,7 +459,7 @@ def test_exchanged_keypoints_give_the_body_its_sides_back() -> None:
 def test_a_body_without_such_joints_is_told(tmp_path: Path) -> None:
     box = recordings.session("box")
     with pytest.raises(FormatError, match="too few places"):
-        drafts_of(box, _keypoints(17), "a.json", [3], TIMES_S)
+        drafts_of(box, _keypoints("COCO_17"), "a.json", [3], TIMES_S)
     motion = JointMotion(("a", "b", "c"), np.zeros((5, 3, 3)), np.arange(5.0), "y up", "m")
     with pytest.raises(FormatError, match="--names"):
         fit_to_session(box, motion, "a.bvh", TIMES_S)

@@ -11,7 +11,7 @@ from tracker.body.body import preset
 from tracker.body.skeleton import Skeleton
 from tracker.errors import FormatError
 from tracker.formats.joint_names import load_names, matched
-from tracker.formats.reading_keypoints import LAYOUTS
+from tracker.keypoints.layouts import LAYOUTS
 
 SKELETON = Skeleton.of(preset("adult_male"))
 LIMBS = {
@@ -52,8 +52,8 @@ def _found(names: list[str] | tuple[str, ...]) -> dict[str, str]:
 
 @pytest.mark.parametrize(
     "names",
-    [MIXAMO, CMU_BVH, CMU_ASF, OPENSIM, LAYOUTS[17], LAYOUTS[25], SKELETON.body.names],
-    ids=["Mixamo", "CMU BVH", "CMU", "OpenSim", "COCO", "BODY_25", "own"],
+    [MIXAMO, CMU_BVH, CMU_ASF, OPENSIM, SKELETON.body.names, *LAYOUTS.values()],
+    ids=["Mixamo", "CMU BVH", "CMU", "OpenSim", "own", *LAYOUTS],
 )
 def test_the_usual_names_find_all_limbs(names: list[str]) -> None:
     assert set(_found(names).values()) >= LIMBS
@@ -80,10 +80,17 @@ def test_what_has_no_place_is_left_out_and_told() -> None:
 
 
 def test_the_nose_is_before_the_head_and_the_left_ear_on_its_left() -> None:
-    places = {ours: place for _, ours, place in matched(SKELETON, LAYOUTS[17], "a").known}
+    places = {ours: place for _, ours, place in matched(SKELETON, LAYOUTS["COCO_17"], "a").known}
     (_, nose), (_, ear) = places["nose"][0], places["left_ear"][0]
     assert nose[2] < -0.05
     assert ear[0] > 0.05
+
+
+def test_the_heads_top_and_the_necks_upper_end_are_where_their_names_say() -> None:
+    found = _found(LAYOUTS["BODY_25B"])
+    assert found["head_top"] == "head_top"
+    assert found["upper_neck"] == "head"
+    assert _found(LAYOUTS["MEDIAPIPE_33"])["left_foot_index"] == "left_toe"
 
 
 def test_a_list_of_names_alone_counts_and_is_checked(tmp_path: Path) -> None:

@@ -1,0 +1,231 @@
+"""People as files of keypoints list them, frame by frame, before it is known what is what.
+
+COCO, AlphaPose: a list of annotations, or an object that holds it as `annotations`, beside `images`
+and `categories` when one likes. An annotation is of the frame whose number its `image_id` is, or
+else the last number in its image's file name.
+OpenPose: a folder with one file for each frame, `…_000000000012_keypoints.json` is frame 12.
+MediaPipe: its results under their own names, `pose_landmarks` in Python and `landmarks` or
+`poseLandmarks` in JavaScript, of one frame or in a list of frames, which may be under `frames`; the
+33 of one person, or a list of people. A landmark is an object with x, y and visibility, or a list
+of x, y, z and visibility; one that says nothing of its visibility is seen.
+
+Width, height and fps of the video count where they are given: at the top, under `metadata`, `info`
+or `video`, and the size in COCO's `images`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+from pydantic_core import from_json
+
+from tracker.errors import FormatError
+from tracker.files import TooLarge, read_regular
+
+LARGEST_KEYPOINT_BYTES: Final = 256 * 2**20
+LARGEST_PERSON_BYTES: Final = 16 * 2**20
+MOST_FILES: Final = 200_000
+
+_LANDMARKS: Final = ("pose_landmarks", "poseLandmarks", "landmarks", "landmark")
+_FRAME: Final = ("frame", "frame_index", "frameIndex", "frame_number", "frameNumber")
+_ABOUT: Final = ("metadata", "info", "video")
+"""Under which a file may tell of its video, beside the top."""
+
+
+@dataclass(frozen=True)
+class People:
+    """What a file says, not yet checked.
+
+    frames: by frame the numbers of each person, u, v and confidence in turn.
+    names:  of the keypoints, where the file gives them.
+    layout: the one layout that this kind of file has, or None.
+    sizes:  width and height of the pictures, where the file gives them.
+    fps:    the video's, where the file gives it.
+    """
+
+    frames: Mapping[int, Sequence[Any]]
+    names: tuple[str, ...] | None = None
+    layout: str | None = None
+    sizes: frozenset[tuple[float, float]] = frozenset()
+    fps: float | None = None
+
+
+def read_people(path: Path) -> People:
+    """The people in a file, or in a folder of files; FormatError in one sentence."""
+    try:
+        if path.is_dir():
+            return _openpose(path)
+        data = _json(path, LARGEST_KEYPOINT_BYTES)
+    except FileNotFoundError:
+        raise FormatError(f"There is no file of keypoints {str(path)!r}.") from None
+    except OSError as error:
+        raise FormatError(f"{path.name} cannot be read: {error.strerror or error}.") from None
+    if isinstance(data, dict) and ("people" in data or path.name.endswith("_keypoints.json")):
+        return People({_number(path.name, 0): _openpose_people(path.name, data)})
+    return _mediapipe(path.name, data) if _has_landmarks(data) else _coco(path.name, data)
+
+
+def _json(path: Path, largest: int) -> Any:
+    try:
+        return from_json(read_regular(path, largest))
+    except TooLarge:
+        raise FormatError(f"{path.name} is too large for keypoints.") from None
+    except ValueError:
+        raise FormatError(f"{path.name} is not JSON.") from None
+
+
+def _number(name: str, otherwise: int) -> int:
+    """The last number in a name, without its ending."""
+    stem = name.removesuffix("_keypoints.json")
+    stem = stem.rsplit(".", 1)[0] if re.search(r"\.\D\w*$", stem) else stem
+    digits = re.findall(r"\d+", stem)
+    return int(digits[-1][-9:]) if digits else otherwise
+
+
+# --- OpenPose
+
+
+def _openpose(folder: Path) -> People:
+    files = sorted(folder.glob("*_keypoints.json"))
+    if not files:
+        raise FormatError(f"{folder.name} holds no file …_keypoints.json, one for each frame.")
+    if len(files) > MOST_FILES:
+        raise FormatError(f"{folder.name} holds {len(files)} files, which is too many.")
+    frames = {
+        _number(file.name, i): _openpose_people(file.name, _json(file, LARGEST_PERSON_BYTES))
+        for i, file in enumerate(files)
+    }
+    return People(frames)
+
+
+def _openpose_people(file: str, data: Any) -> list[Any]:
+    """The numbers of each person in an OpenPose file."""
+    people = data.get("people") if isinstance(data, dict) else None
+    if not isinstance(people, list) or not all(isinstance(one, dict) for one in people):
+        raise FormatError(f"{file} is no OpenPose file: it lists no people.")
+    return [one.get("pose_keypoints_2d") for one in people]
+
+
+# --- COCO
+
+
+def _coco(file: str, data: Any) -> People:
+    given = data if isinstance(data, dict) else {"annotations": data}
+    annotations = given.get("annotations")
+    if not isinstance(annotations, list) or not all(isinstance(one, dict) for one in annotations):
+        raise FormatError(f"{file} is no COCO file: it holds no list of annotations.")
+    listed = given.get("images")
+    images = {
+        str(image.get("id")): image
+        for image in (listed if isinstance(listed, list) else [])
+        if isinstance(image, dict)
+    }
+    frames: dict[int, list[Any]] = {}
+    sizes = set(_size(given))
+    for place, one in enumerate(annotations):
+        number = str(one.get("image_id", place))
+        image = images.get(number, {})
+        name = str(image.get("file_name", "")) or number
+        frames.setdefault(_number(name, place), []).append(one.get("keypoints"))
+        if one.get("keypoints"):
+            sizes.update(_size(image))
+    names = _category_names(given.get("categories"))
+    return People(frames, names, sizes=frozenset(sizes), fps=_fps(given))
+
+
+def _category_names(categories: Any) -> tuple[str, ...] | None:
+    """The names a COCO file gives to its keypoints, if it does."""
+    for category in categories if isinstance(categories, list) else []:
+        names = category.get("keypoints") if isinstance(category, dict) else None
+        if isinstance(names, list) and names and all(isinstance(n, str) for n in names):
+            return tuple(names)
+    return None
+
+
+# --- MediaPipe
+
+
+def _has_landmarks(data: Any) -> bool:
+    """Whether these are landmarks rather than annotations."""
+    if isinstance(data, dict):
+        return "annotations" not in data and any(key in data for key in ("frames", *_LANDMARKS))
+    first = next((one for one in data if one), None) if isinstance(data, list) else None
+    if isinstance(first, dict):
+        return not {"keypoints", "image_id"} & first.keys() and (
+            any(key in one for one in data if isinstance(one, dict) for key in _LANDMARKS)
+        )
+    return isinstance(first, list)
+
+
+def _mediapipe(file: str, data: Any) -> People:
+    about = data if isinstance(data, dict) else {}
+    listed = about.get("frames", [data]) if isinstance(data, dict) else data
+    if not isinstance(listed, list):
+        raise FormatError(f"{file} holds no list of frames.")
+    frames: dict[int, list[Any]] = {}
+    for place, one in enumerate(listed):
+        frames.setdefault(_frame(file, one, place), []).extend(_landmark_people(file, one))
+    return People(frames, layout="MEDIAPIPE_33", sizes=frozenset(_size(about)), fps=_fps(about))
+
+
+def _frame(file: str, frame: Any, place: int) -> int:
+    """The number a frame gives itself, or else its place in the list."""
+    given = [frame[key] for key in _FRAME if key in frame] if isinstance(frame, dict) else []
+    number = given[0] if given else place
+    if not isinstance(number, int) or isinstance(number, bool) or number < 0:
+        raise FormatError(f"{file} has a frame that is numbered {number!r}.")
+    return number
+
+
+def _landmark_people(file: str, value: Any, deep: int = 0) -> list[Any]:
+    """The numbers of each person in a frame, however its landmarks are nested."""
+    if isinstance(value, dict):
+        return _landmark_people(
+            file, next((value[key] for key in _LANDMARKS if key in value), None), deep
+        )
+    if value is None or value == []:
+        return []
+    if not isinstance(value, list) or deep > 1:
+        raise FormatError(f"{file} has landmarks that are not a list for each person.")
+    if _is_landmark(value[0]):
+        return [[number for one in value for number in _u_v_visibility(file, one)]]
+    return [person for one in value for person in _landmark_people(file, one, deep + 1)]
+
+
+def _is_landmark(value: Any) -> bool:
+    if isinstance(value, dict):
+        return "x" in value
+    return isinstance(value, list) and bool(value) and not isinstance(value[0], dict | list)
+
+
+def _u_v_visibility(file: str, landmark: Any) -> tuple[Any, Any, Any]:
+    if isinstance(landmark, dict) and "x" in landmark and "y" in landmark:
+        return landmark["x"], landmark["y"], landmark.get("visibility", 1.0)
+    if isinstance(landmark, list) and len(landmark) == 4:
+        return landmark[0], landmark[1], landmark[3]
+    raise FormatError(f"{file} has a landmark that is not x, y, z and visibility.")
+
+
+# --- the video they are of
+
+
+def _size(about: Mapping[str, Any]) -> list[tuple[float, float]]:
+    """Width and height where both are given, beside or under what tells of the video."""
+    found: list[tuple[Any, Any]] = [(a.get("width"), a.get("height")) for a in _telling(about)]
+    return [(w, h) for w, h in found if _is_positive(w) and _is_positive(h)]
+
+
+def _fps(about: Mapping[str, Any]) -> float | None:
+    return next((one["fps"] for one in _telling(about) if _is_positive(one.get("fps"))), None)
+
+
+def _telling(about: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    return [about, *(about[key] for key in _ABOUT if isinstance(about.get(key), dict))]
+
+
+def _is_positive(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and 0 < value < 1e6
