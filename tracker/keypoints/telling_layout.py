@@ -15,8 +15,8 @@ from tracker.geometry.rotations import Array
 from tracker.keypoints.layouts import LAYOUTS
 
 CLEARLY: Final = 0.75
-"""The best order's implausibility is at most this share of the next one's. Random poses of a person
-with all joints seen give at most 0.7 with a single frame."""
+"""The best order's implausibility is below this share of the next one's. A person with all joints
+seen is below it in each of hundreds of random poses, by a single frame."""
 LEAST_LIMBS: Final = 10
 """Limbs seen in all frames together that are enough to judge by."""
 
