@@ -37,6 +37,7 @@ def track_and_save(session: Session, asked: Session, arguments: argparse.Namespa
             with_present_fingerprints(s, arguments.session, video) for s in (session, asked)
         )
         warm_tracker()
+        _say_what_was_found(asked)
         found = follow(asked, arguments.session, video, arguments.workers, arguments.json)
         if found.error is not None and not found.found:
             raise found.error
@@ -47,6 +48,13 @@ def track_and_save(session: Session, asked: Session, arguments: argparse.Namespa
     if found.interrupted:
         return INTERRUPTED
     return LOST if summary["lost"] else DONE
+
+
+def _say_what_was_found(session: Session) -> None:
+    """What nobody chose is said, with how to choose otherwise."""
+    if session.settings.static_camera is None and session.has_static_camera:
+        words = "The camera stands still: found by itself. --static-camera no tracks without that."
+        print(words, file=sys.stderr, flush=True)
 
 
 def _require_place(arguments: argparse.Namespace) -> None:

@@ -42,6 +42,11 @@ def add(commands: Subcommands) -> None:
         action="append",
         help=f"a part whose limb is not followed by its looks; may be given again{of_session}",
     )
+    command.add_argument(
+        "--static-camera",
+        choices=("yes", "no"),
+        help=f"whether the camera stands still{of_session}, which may be as found in the video",
+    )
     add_work(command)
 
 
@@ -52,7 +57,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     session = load_session(arguments.session)
     require_trackable(session, arguments.session)
+    still = None if arguments.static_camera is None else arguments.static_camera == "yes"
     asked = with_settings(
-        session, arguments.method, arguments.quality, arguments.initial, arguments.leave_out
+        session, arguments.method, arguments.quality, arguments.initial, arguments.leave_out, still
     )
     return track_and_save(session, asked, arguments)

@@ -28,6 +28,7 @@ from tracker.surface.files.sequence import MeshSequence
 from tracker.surface.new_session import Reading, choose_reading, first_mesh
 from tracker.surface.source import SurfaceSteps, holds_meshes
 from tracker.video import Video
+from tracker.video.still_camera import still_camera
 
 FIRST_BODY = "adult_male"
 PEOPLE_M = (0.5, 2.5)
@@ -35,9 +36,11 @@ PEOPLE_M = (0.5, 2.5)
 
 
 def new_session(video: Video, session_path: Path) -> Session:
-    """An empty session of a video: a guessed camera, an adult, no keyframes."""
-    info = video.info
-    _require_text(info.path)
+    """An empty session of a video: a guessed camera, an adult, no keyframes; and whether the
+    camera stands still, as a few frames show it."""
+    _require_text(video.info.path)
+    stands_still = still_camera(video).still
+    info = video.info  # only now: reading frames may have corrected it
     return Session(
         video=VideoReference(
             path=path_from(info.path, session_path.parent),
@@ -45,6 +48,7 @@ def new_session(video: Video, session_path: Path) -> Session:
             frame_count=info.frame_count,
             width=info.width,
             height=info.height,
+            stands_still=stands_still,
         ),
         camera=Camera.guess(info.width, info.height),
         body=preset(FIRST_BODY),

@@ -311,7 +311,8 @@ class DeleteMask(Edit):
 
 
 class Settings(Edit):
-    """Fields that are left out stay; `passes` may be given as null, the method's own number."""
+    """Fields that are left out stay; `passes` may be given as null, the method's own number, and
+    `static_camera`, as it was found."""
 
     do: Literal["settings"] = "settings"
     method: MethodName | None = None

@@ -42,6 +42,7 @@ def with_settings(
     quality: Quality | None,
     initial: Initial | None = None,
     left_out: Sequence[str] | None = None,
+    static_camera: bool | None = None,
 ) -> Session:
     """The session as it is to be tracked in this run; its file keeps its own settings.
 
@@ -50,7 +51,8 @@ def with_settings(
     for name in left_out or ():
         session.body.index(name)
     parts = None if left_out is None else tuple(left_out)
-    wanted = {"method": method, "quality": quality, "initial": initial, "left_out": parts}
+    wanted: dict[str, object] = {"method": method, "quality": quality, "initial": initial}
+    wanted |= {"left_out": parts, "static_camera": static_camera}
     chosen = {name: value for name, value in wanted.items() if value is not None}
     return session.model_copy(update={"settings": session.settings.model_copy(update=chosen)})
 

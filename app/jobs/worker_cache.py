@@ -57,7 +57,7 @@ class WorkerCache:
     def of_film(self, session: Session, path: str, folder: Path) -> SegmentTracker:
         """What tracks the segments of a film."""
         video = self.video(session, path)
-        masks, static = session.ignore_masks, session.settings.static_camera
+        masks, static = session.ignore_masks, session.has_static_camera
         prepared_for = (self._opened, session.camera, masks, static)
         if prepared_for != self._prepared_for:
             self._tracker, self._prepared_for = None, prepared_for

@@ -22,7 +22,7 @@ const QUALITIES = [
 ];
 
 export function method() {
-  const { method: name, static_camera: still } = server.settings;
+  const { method: name } = server.settings;
   return section(
     'Method',
     html`${line('Method', dropdown({
@@ -30,13 +30,21 @@ export function method() {
     }))}
     ${qualityLine(name === 'paper' ? 'The published method has only one quality' : '')}
     ${start()}${passes()}
-    ${checkbox({
-      label: 'Static camera', on: still,
-      title: 'Estimates the background, so that other people and things are ignored',
-      act: (on) => send({ do: 'settings', static_camera: on }),
-    })}
+    ${staticCamera()}
     ${actionBox('live')}`,
   );
+}
+
+/** Pressing it is a choice, which stands from then on whatever was found. */
+function staticCamera() {
+  const { static_camera: chosen, found_still: found } = server.settings;
+  const byItself = chosen === null && found === true;
+  const use = 'Estimates the background, so that other people and things are ignored';
+  return checkbox({
+    label: byItself ? 'Static camera · found' : 'Static camera', on: chosen ?? found === true,
+    title: byItself ? `The video shows that the camera stands still. ${use}` : use,
+    act: (on) => send({ do: 'settings', static_camera: on }),
+  });
 }
 
 /** How much work is done; off: why it cannot be chosen. */

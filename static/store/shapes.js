@@ -189,7 +189,8 @@
  * @property {string[]} left_out
  * @property {number | null} passes
  * @property {number} default_passes
- * @property {boolean} static_camera
+ * @property {boolean | null} static_camera  Null: as it was found.
+ * @property {boolean | null} found_still  Whether the camera was found to stand still.
  * @property {string | null} imported
  */
 

@@ -55,6 +55,10 @@ MOST: Mapping[str, int] = {"keyframes": 10_000, "drafts": 10_000, "ignore_masks"
 POSES_AT_A_TIME = 500
 
 
+def _is_unknown(value: object) -> bool:
+    return value is None
+
+
 class VideoReference(Plain):
     """Which video the session is about, and how to know that it is that one."""
 
@@ -65,6 +69,12 @@ class VideoReference(Plain):
     frame_count: Annotated[int, Field(ge=1, le=100_000_000)]
     width: Annotated[int, Field(ge=2)]
     height: Annotated[int, Field(ge=2)]
+    stands_still: bool | None = Field(
+        default=None,
+        exclude_if=_is_unknown,
+        description="Whether the camera stands still, as found in the frames when the session was "
+        "begun; left out where nobody looked.",
+    )
 
 
 class Surface(Plain):
@@ -187,6 +197,13 @@ class Session(Plain):
     def evidence(self) -> Evidence:
         """What the body is compared with."""
         return evidence_of(self)
+
+    @property
+    def has_static_camera(self) -> bool:
+        """Whether the camera is taken to stand still: as the settings say, else as it was found;
+        False where nobody looked."""
+        chosen, found = self.settings.static_camera, self.video.stands_still
+        return bool(found if chosen is None else chosen)
 
     @property
     def spans(self) -> tuple[tuple[int, int], ...]:

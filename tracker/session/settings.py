@@ -43,9 +43,10 @@ class TrackSettings(Plain):
 
     method: MethodName = "keypose"
     quality: Quality = Field(default="full", description="How much work `keypose` does.")
-    static_camera: bool = Field(
-        default=False,
-        description="The camera stands still: a background plate keeps foreign pixels out.",
+    static_camera: bool | None = Field(
+        default=None,
+        description="The camera stands still: a background plate keeps foreign pixels out. Null: "
+        "as it was found in the film, `video.stands_still`.",
     )
     cues: Annotated[tuple[Cue, ...], Field(min_length=1)] = Field(
         default=("brightness", "keypoints"),

@@ -104,6 +104,7 @@ def _setup(session: Session) -> bytes:
 
 def _film_setup(session: Session) -> bytes:
     settings = session.settings.model_dump(mode="json", exclude={"quality", "initial", "left_out"})
+    settings["static_camera"] = session.has_static_camera  # found or chosen is the same motion
     setup = [_body(_ById(session.body)), _camera(_ById(session.camera)), settings, *_start(session)]
     return hashlib.sha256(json.dumps(setup, sort_keys=True).encode()).digest()
 

@@ -45,7 +45,7 @@ def tracker_of(
         skeleton,
         poses,
         session.ignore_masks,
-        session.settings.static_camera,
+        session.has_static_camera,
         memory,
         first_motion,
     )

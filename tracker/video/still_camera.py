@@ -104,6 +104,8 @@ def _sampled(video: Video) -> list[NDArray[np.uint8]]:
     """The sampled frames that can be read, grey, at the size they are looked at."""
     pictures = []
     for frame in sampled_frames(video.info.frame_count):
+        if frame >= video.info.frame_count:  # reading may show that there are fewer
+            break
         for _, rgb in video.frames(frame, frame + 1):
             if rgb is not None:
                 pictures.append(_small(np.asarray(cv2.cvtColor(rgb, cv2.COLOR_RGB2GRAY))))

@@ -29,7 +29,9 @@ def settings(app_state: AppState) -> Json:
     given = doc.settings if doc else TrackSettings()
     usual = method_of(given.model_copy(update={"passes": None})).passes
     source = doc.first_motion.source if doc and doc.first_motion else None
-    return {**given.model_dump(), "default_passes": usual, "imported": source}
+    found = doc.video.stands_still if doc else None
+    known = {"default_passes": usual, "imported": source, "found_still": found}
+    return {**given.model_dump(), **known}
 
 
 def saved(app_state: AppState) -> Json:

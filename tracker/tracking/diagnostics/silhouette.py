@@ -18,9 +18,11 @@ from tracker.body.trajectory import Trajectory
 from tracker.geometry.rotations import Array, frozen
 from tracker.geometry.view import ViewCamera
 from tracker.tracking.scene import Scene
+from tracker.tracking.segment import extent_px
+from tracker.video.clip_loader import WorkingSize
 from tracker.video.pyramid import TARGET_ONLY, USABLE, Clip
 
-REACH = 0.15
+REACH = 0.07
 """Share of the body's extent: how far from the body what moves is taken to be the body's."""
 RIM = 0.012
 """Of the same: on either side of the outline nothing counts, since clothes are no exact shape."""
@@ -28,6 +30,8 @@ HALO_PX = 3.0
 """Outside it is no narrower than this: a bright body shines as far into the smoothed picture."""
 SPECK_PX = 3
 """What moves and is narrower than this is noise."""
+FINE_PX = 320.0
+"""A body that is larger in the picture is compared at half size, or a quarter."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,11 +75,14 @@ def silhouette_mismatch(scene: Scene, clip: Clip, trajectory: Trajectory) -> Sil
     IndexError where the clip lacks a frame.
     """
     mesh, parts = BodyMesh.of(scene.skeleton), scene.skeleton.part_count
-    view, Ts = ViewCamera.of(scene.camera), trajectory.transforms(scene.skeleton)
+    level = _level(extent_px(scene, trajectory), clip)
+    camera = WorkingSize(level).camera(scene.camera)
+    view, Ts = ViewCamera.of(camera), trajectory.transforms(scene.skeleton)
     slots = clip.slots(trajectory.first_frame, trajectory.last_frame)
+    marks = scene.mark_pixels(trajectory) / 2**level
     found = np.full((2, len(trajectory), parts), np.nan)
-    for n, (slot, uv) in enumerate(zip(slots, scene.mark_pixels(trajectory), strict=True)):
-        use = clip.levels[0][slot, ..., 3]
+    for n, (slot, uv) in enumerate(zip(slots, marks, strict=True)):
+        use = clip.levels[level][slot, ..., 3]
         extent = float((uv.max(axis=0) - uv.min(axis=0)).max())
         window = _window(uv, 2 * REACH * extent, use.shape)
         if window is None or not (use == TARGET_ONLY).any():
@@ -83,6 +90,12 @@ def silhouette_mismatch(scene: Scene, clip: Clip, trajectory: Trajectory) -> Sil
         shown = raster(mesh, Ts[n], _within(view, window)).part
         found[:, n] = _shares(shown, use[window], extent, parts)
     return SilhouetteMismatch(*frozen(found))
+
+
+def _level(extent: float, clip: Clip) -> int:
+    """The finest level of the clip at which a body of this extent, pixels, is small enough."""
+    halvings = max(0, int(np.ceil(np.log2(extent / FINE_PX))))
+    return min(halvings, len(clip.levels) - 1)
 
 
 def _window(uv: Array, margin: float, shape: tuple[int, ...]) -> tuple[slice, slice] | None:
