@@ -50,8 +50,9 @@ class Anchors:
     """Where the joints of the N frames of a segment are, as far as a detector tells.
 
     points: K on the body, carried by parts (K,).
-    uv (N, K, 2): pixels of the undistorted pictures worked on.  scale (N, K): 1/σ in 1/px, 0 where nothing is known.  depth (N, K): metres farther than the
-    root; depth_scale (N, K): 1/σ, 0 where unknown.  visibility (N, K).
+    uv (N, K, 2): pixels of the undistorted pictures worked on.
+    scale (N, K): 1/σ in 1/px, 0 where nothing is known.  visibility (N, K).
+    depth (N, K): metres farther than the root; depth_scale (N, K): 1/σ, 0 where unknown.
     height_px: of the body, standing.
     exchanged: left and right of some frames were exchanged against what the detector says.
     """

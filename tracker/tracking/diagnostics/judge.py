@@ -98,17 +98,24 @@ def _judge_joints(
         return Verdict.check("damaged", _longest_run(segment.damaged))
     doubtful = wrong > DOUBTFUL
     if doubtful.any(axis=1).mean() > CHECK_FRAMES or wrong.mean() > CHECK_WRONG:
-        joint = int(wrong.sum(axis=0).argmax())
-        name = scene.skeleton.body.names[int(joints.parts[joint])]
-        at = wrong[:, joint]
-        rows = np.flatnonzero(at >= 0.5 * at.max())
-        hidden = joints.visibility[rows, joint].mean() < HIDDEN
-        cause: Cause = "not_seen" if hidden else "uncertain"
-        frames = first + int(rows[0]), first + int(rows[-1])
-        return Verdict(
-            kind="check", cause=cause, part=name, frames=frames, go=first + int(at.argmax())
-        )
+        return _doubtful_joint(scene, first, joints)
     return GOOD
+
+
+def _doubtful_joint(scene: Scene, first: int, joints: JointEvidence) -> Verdict:
+    """The joint that is wrong most likely, where it is, and the worst of these frames."""
+    wrong = joints.wrong
+    joint = int(wrong.sum(axis=0).argmax())
+    at = wrong[:, joint]
+    rows = np.flatnonzero(at >= 0.5 * at.max())
+    hidden = joints.visibility[rows, joint].mean() < HIDDEN
+    return Verdict(
+        kind="check",
+        cause="not_seen" if hidden else "uncertain",
+        part=scene.skeleton.body.names[int(joints.parts[joint])],
+        frames=(first + int(rows[0]), first + int(rows[-1])),
+        go=first + int(at.argmax()),
+    )
 
 
 def _longest_run(frames: Collection[int]) -> tuple[int, int]:
