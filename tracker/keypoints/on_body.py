@@ -12,6 +12,8 @@ from tracker.body.body import Body, Point
 from tracker.geometry.rotations import Array
 from tracker.keypoints.keypoints import JOINTS
 
+FEWEST: Final = 4
+"""Joints with which a body, or what is seen of it, can be compared with keypoints."""
 _LIMB_PARTS: Final = {
     "shoulder": (None, "upper_arm"),
     "elbow": ("upper_arm", "forearm"),
@@ -48,6 +50,11 @@ def points_on_body(body: Body, names: Sequence[str]) -> PointsOnBody:
         np.array([part for _, part, _ in found], dtype=np.int64),
         np.array([point for _, _, point in found], dtype=np.float64).reshape(-1, 3),
     )
+
+
+def is_persons(body: Body) -> bool:
+    """Whether enough of a person's joints are on a body for keypoints to be compared with it."""
+    return len(points_on_body(body, JOINTS).indices) >= FEWEST
 
 
 def _place(body: Body, name: str) -> tuple[int, Point] | None:

@@ -21,6 +21,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from tracker.geometry.rotations import rotation_from_quaternion
+from tracker.keypoints.model_files import FULL
+from tracker.keypoints.on_body import is_persons
 from tracker.session import Keyframe, Session
 from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
 
@@ -29,6 +31,8 @@ Span: TypeAlias = tuple[int, int]
 
 DECIMALS = 9
 """Poses that agree to a billionth of a metre or radian are the same pose."""
+_BY_THEMSELVES = {"quality", "initial", "left_out", "cues"}
+"""Settings that count where they change a motion, or never."""
 AT_REST = (1.0, 0.0, 0.0, 0.0)
 
 
@@ -103,9 +107,10 @@ def _setup(session: Session) -> bytes:
 
 
 def _film_setup(session: Session) -> bytes:
-    settings = session.settings.model_dump(mode="json", exclude={"quality", "initial", "left_out"})
+    settings = session.settings.model_dump(mode="json", exclude=_BY_THEMSELVES)
     settings["static_camera"] = session.has_static_camera  # found or chosen is the same motion
     setup = [_body(_ById(session.body)), _camera(_ById(session.camera)), settings, *_start(session)]
+    setup += _cues(session)
     return hashlib.sha256(json.dumps(setup, sort_keys=True).encode()).digest()
 
 
@@ -174,6 +179,15 @@ _INPUTS = ByEvidence(
         SurfaceEvidence: _Inputs(_surface_setup, _keyframe_ends, _surface_hash),
     }
 )
+
+
+def _cues(session: Session) -> list[Any]:
+    """Which keypoints count; nothing where none do, as before there were any."""
+    settings = session.settings
+    wanted = settings.method == "keypose" and "keypoints" in settings.cues
+    if not wanted or not is_persons(session.body):
+        return []
+    return ["keypoints", FULL.sha256]
 
 
 def _start(session: Session) -> list[Any]:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.errors import SessionError
+from tracker.keypoints.on_body import is_persons
 from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
 from tracker.session.schema import Session
 from tracker.storage.evidence import surfaces_of
@@ -14,6 +15,7 @@ from tracker.storage.fingerprints import segment_keys
 from tracker.surface.fit.fitter import SurfaceFitter
 from tracker.surface.source import UnratedSteps
 from tracker.surface.steps import Steps
+from tracker.tracking.cues.sources import DetectedKeypoints, KeypointSource
 from tracker.tracking.pool import Progress, SegmentTracker, Task, never, run_chosen
 from tracker.tracking.tracker import Tracker
 from tracker.video import Video
@@ -37,8 +39,9 @@ def tracker_of(
     if like is not None and like.skeleton.body == session.body:
         skeleton = like.skeleton
     poses = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.keyframes}
+    source = _keypoints(session, video)
     if like is not None:
-        return like.renewed(skeleton, poses, first_motion)
+        return like.renewed(skeleton, poses, first_motion, source)
     return Tracker(
         video,
         session.camera,
@@ -48,7 +51,15 @@ def tracker_of(
         session.has_static_camera,
         memory,
         first_motion,
+        source,
     )
+
+
+def _keypoints(session: Session, video: Video) -> KeypointSource | None:
+    """Where keypoints come from; None where they do not count."""
+    if "keypoints" not in session.settings.cues or not is_persons(session.body):
+        return None
+    return DetectedKeypoints(video, session.camera, session.video.fingerprint)
 
 
 def fitter_of(session: Session, video: Video) -> SurfaceFitter:

@@ -15,9 +15,10 @@ from tracker.body.trajectory import Pass, Trajectory
 from tracker.errors import SessionError
 from tracker.geometry.camera import Camera
 from tracker.keypoints.keypoints import Keypoints
+from tracker.keypoints.on_body import is_persons
 from tracker.session.settings import IgnoreMask, TrackSettings
 from tracker.tracking.anchored_cycle import expected_anchored_steps, track_anchored
-from tracker.tracking.cues.anchors import anchors_of, carries_keypoints, freed
+from tracker.tracking.cues.anchors import anchors_of, freed
 from tracker.tracking.cues.sources import KeypointSource
 from tracker.tracking.cycle import Outcome, Work, track_segment
 from tracker.tracking.diagnostics.expected_gain import expected_gain
@@ -200,7 +201,7 @@ class Tracker:
         """Whether keypoints count where there are any: never for the printed method, nor for bodies
         that are no person's."""
         wanted = settings.method == "keypose" and "keypoints" in settings.cues
-        return self._keypoints is not None and wanted and carries_keypoints(self.skeleton)
+        return self._keypoints is not None and wanted and is_persons(self.skeleton.body)
 
 
 def _result(scene: Scene, segment: Segment, outcome: Outcome, method: Method) -> SegmentResult:

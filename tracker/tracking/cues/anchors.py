@@ -19,7 +19,7 @@ from tracker.body.skeleton import Skeleton
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
 from tracker.keypoints.keypoints import JOINTS, Keypoints
-from tracker.keypoints.on_body import points_on_body
+from tracker.keypoints.on_body import FEWEST, points_on_body
 from tracker.solver.body_points import BodyPoints
 from tracker.solver.least_squares import damped_step
 from tracker.solver.posed import Posed, image_jacobian, image_points
@@ -41,8 +41,6 @@ DEPTH_M = 0.08
 """Standard deviation of a keypoint's depth beside the root's, once corrected at the keyframes."""
 ELSEWHERE = 0.10
 """Keypoints that miss a posed body by this share of its height lie on another person."""
-FEWEST = 4
-"""Joints that have to be seen in a keyframe for its keypoints to be compared with the body."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,11 +74,6 @@ class Anchors:
         if not scale.any():
             return (seen,)
         return seen, DepthFromRoot(self.points, depth, scale, Huber())
-
-
-def carries_keypoints(skeleton: Skeleton) -> bool:
-    """Whether enough of a person's joints are on the body for keypoints to be compared with it."""
-    return len(points_on_body(skeleton.body, JOINTS).indices) >= FEWEST
 
 
 @lru_cache(maxsize=8)

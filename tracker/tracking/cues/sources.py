@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cache
 from threading import Lock
 from typing import TYPE_CHECKING, Protocol
 
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracker.errors import KeypointError
-from tracker.keypoints.detect import Kept, Looks, Progress, Seed, detect
+from tracker.keypoints.detect import Kept, Progress, Seed, detect
 from tracker.keypoints.keypoints import Keypoints
 from tracker.keypoints.network import Network
 from tracker.keypoints.region import Region
@@ -27,6 +28,15 @@ if TYPE_CHECKING:
 ROUNDING = 16
 """Regions start at whole parts of their size: a keyframe that is moved a little is looked at from
 where it was, and what was found there can be used again."""
+
+
+_LOOKING = Lock()
+"""A network looks at one picture at a time."""
+
+
+@cache
+def _network() -> Network:
+    return Network.open()
 
 
 class KeypointSource(Protocol):
@@ -65,8 +75,6 @@ class DetectedKeypoints:
     camera: Camera
     film: str = ""
     kept: Kept | None = None
-    _lock: Lock = field(default_factory=Lock)
-    _network: list[Looks] = field(default_factory=list)
 
     def over(
         self, segment: Segment, skeleton: Skeleton, report: Callable[[], None]
@@ -78,12 +86,10 @@ class DetectedKeypoints:
         def leave(progress: Progress) -> None:
             report()
 
-        with self._lock:  # a network looks at one picture at a time
-            if not self._network:
-                self._network.append(Network.open())
+        with _LOOKING:
             try:
                 return detect(
-                    self._frame, (first, last), seeds, self._network[0],
+                    self._frame, (first, last), seeds, _network(),
                     report=leave, film=self.film, kept=self.kept,
                 )  # fmt: skip
             except KeypointError:  # nobody is seen there: a body that is no person
