@@ -103,13 +103,13 @@ def _write(
     from app.document.open import with_paths_from
     from app.jobs.rerun import save_found, save_tracks_beside
     from tracker.storage.atomic import make_folder, write_file
+    from tracker.storage.beside import carry_beside
     from tracker.storage.files import session_json
-    from tracker.storage.first_motion import carry_first_motion
 
     if arguments.out is None or not found.found:
         return save_found(asked, arguments.session, found.found)
     make_folder(arguments.out, error=SessionError)
-    carry_first_motion(session, arguments.session.parent, arguments.out)
+    carry_beside(session, arguments.session.parent, arguments.out)
     place = _place(arguments)
     results = save_tracks_beside(asked, place, found.found)
     there = with_paths_from(session, arguments.session, arguments.out)

@@ -22,6 +22,7 @@ from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 from tracker.session.history import History
 from tracker.session.schema import Keyframe, Session
 from tracker.storage.atomic import make_folder
+from tracker.storage.beside import carry_beside
 from tracker.storage.chronicle import OUTSIDE, is_same_film, of_film
 from tracker.storage.evidence import surfaces_of
 from tracker.storage.files import (
@@ -36,7 +37,6 @@ from tracker.storage.files import (
     video_path,
 )
 from tracker.storage.finding import with_present_fingerprints
-from tracker.storage.first_motion import carry_first_motion
 from tracker.storage.results import Results, load_results
 from tracker.surface.new_session import Reading
 from tracker.surface.source import holds_meshes
@@ -255,7 +255,7 @@ def copy_session(path: Path, out: Path) -> Path:
             raise SessionError(f"{str(out)!r} holds the session of another video; choose another.")
         return target
     make_folder(out)
-    carry_first_motion(session, path.parent, out)
+    carry_beside(session, path.parent, out)
     save_session(with_paths_from(session, path, out).model_copy(update={"results": None}), target)
     return target
 

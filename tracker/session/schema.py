@@ -164,6 +164,23 @@ class FirstMotion(Plain):
     )
 
 
+class KeypointFile(Plain):
+    """Keypoints of the person in the film: evidence beside its pictures."""
+
+    file: Annotated[str, Field(pattern=r"^keypoints-[0-9a-f]{12}\.npz$")] = Field(
+        description="File of the keypoints, beside the session file."
+    )
+    source: str = Field(
+        description="What found them: a network's name, or the file they were imported from."
+    )
+    network: str = Field(
+        default="", description="Fingerprint of the network; empty for an imported file."
+    )
+    seeds: tuple[FrameIndex, ...] = Field(
+        default=(), description="Frames where it was said where the person is."
+    )
+
+
 class Session(Plain):
     """All about one video: the camera, the body, the keyframes, the settings, the results."""
 
@@ -186,6 +203,12 @@ class Session(Plain):
     first_motion: FirstMotion | None = Field(
         default=None, description="An imported motion that tracking may start from."
     )
+    keypoints: KeypointFile | None = Field(
+        default=None,
+        exclude_if=operator.not_,
+        description="Keypoints that tracking listens to beside the pictures; left out where there "
+        "are none.",
+    )
     surface: Surface | None = Field(
         default=None,
         exclude_if=operator.not_,
@@ -204,6 +227,11 @@ class Session(Plain):
         False where nobody looked."""
         chosen, found = self.settings.static_camera, self.video.stands_still
         return bool(found if chosen is None else chosen)
+
+    @property
+    def given_keypoints(self) -> KeypointFile | None:
+        """Imported keypoints, which count in place of those that the bundled network finds."""
+        return None if self.keypoints is None or self.keypoints.network else self.keypoints
 
     @property
     def spans(self) -> tuple[tuple[int, int], ...]:

@@ -182,12 +182,15 @@ _INPUTS = ByEvidence(
 
 
 def _cues(session: Session) -> list[Any]:
-    """Which keypoints count; nothing where none do, as before there were any."""
-    settings = session.settings
+    """Which keypoints count; nothing where none do, as before there were any.
+
+    Those that the bundled network finds follow from the film and the segment's own keyframes.
+    """
+    settings, given = session.settings, session.given_keypoints
     wanted = settings.method == "keypose" and "keypoints" in settings.cues
     if not wanted or not is_persons(session.body):
         return []
-    return ["keypoints", FULL.sha256]
+    return ["keypoints", FULL.sha256 if given is None else given.file]
 
 
 def _start(session: Session) -> list[Any]:

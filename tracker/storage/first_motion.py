@@ -61,20 +61,6 @@ def of_session(session: Session, folder: Path) -> Trajectory | None:
     return load_first_motion(folder / session.first_motion.file, session.body)
 
 
-def carry_first_motion(session: Session, folder: Path, other: Path) -> None:
-    """Copy the session's imported motion to another folder; SessionError when that cannot be."""
-    if session.first_motion is None:
-        return
-    source, place = (where / session.first_motion.file for where in (folder, other))
-    if place.exists():  # named by its content
-        return
-    try:
-        content = read_regular(source, LARGEST_PACKED_BYTES)
-    except OSError:  # tracking will report that it is missing
-        return
-    write_file(place, content, overwrite=True, error=SessionError)
-
-
 def load_first_motion(path: Path, body: Body) -> Trajectory:
     """The motion in a file; SessionError in one sentence when there is none for this body."""
     try:

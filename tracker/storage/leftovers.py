@@ -13,7 +13,7 @@ OLD_SECONDS = 3600.0
 
 _PART = re.compile(r"\.(?:(?P<name>.+)\.)?[0-9a-f]{12}\.part", re.DOTALL)
 _OF_SESSION = re.compile(
-    r"journal\.jsonl|.+\.journal\.jsonl|.+\.json(\.previous|\.v\d+)?|(tracks|first)-[0-9a-f]{12}\.npz"
+    r"journal\.jsonl|.+\.journal\.jsonl|.+\.json(\.previous|\.v\d+)?|(tracks|first|keypoints)-[0-9a-f]{12}\.npz"
 )
 """Files that only the holder of the session's lock writes."""
 

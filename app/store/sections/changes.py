@@ -75,7 +75,7 @@ LONG_CURVE = 1500
 """Frames of a curve that is not made anew with every move of the pointer."""
 
 _TRACKED = _both(
-    _settled("body", "camera", "keyframes", "ignore_masks", "settings", "surface"),
+    _settled(*("body", "camera", "keyframes", "ignore_masks", "settings", "keypoints", "surface")),
     _edit("results"),
 )
 

@@ -17,6 +17,7 @@ OF_SESSION = [
     f".journal.jsonl.{PART}",
     f".tracks-0123456789ab.npz.{PART}",
     f".first-0123456789ab.npz.{PART}",
+    f".keypoints-0123456789ab.npz.{PART}",
 ]
 NOT_OURS = [
     "session.json",

@@ -14,6 +14,7 @@ from tests.app.results_cases import PARTS, both, passing, session, track
 from tests.tracker import session_cases as cases
 from tracker.body.shapes import Cylinder
 from tracker.session import IgnoreMask, Session, TrackSettings
+from tracker.session.schema import KeypointFile
 from tracker.storage.fingerprints import segment_key, segment_keys
 from tracker.storage.results import (
     Results,
@@ -26,6 +27,7 @@ from tracker.storage.results import (
     tidy_tracks,
 )
 
+KEYPOINTS = "keypoints-0123456789ab.npz"
 SQUARE = ((0.0, 0.0), (9.0, 0.0), (9.0, 9.0))
 Change = Callable[[Session], dict[str, Any]]
 
@@ -72,6 +74,7 @@ OUTDATES_ALL: dict[str, Change] = {
     "the other method": settings(method="paper"),
     "more passes": settings(passes=7),
     "a static camera": settings(static_camera=True),
+    "keypoints": lambda of: {"keypoints": KeypointFile(file=KEYPOINTS, source="full")},
     "a mask over everything": lambda of: {"ignore_masks": (mask(0, 8),)},
     "the middle keyframe moved": lambda of: posed(of, 1, root_m=(0.2, 0.0, 3.0)),
     "the middle keyframe turned": lambda of: posed(of, 1, rotations_wxyz={}),

@@ -1,0 +1,129 @@
+"""Keypoints beside a session: written once, read whole or refused, taken along."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.document.open import copy_session
+from tests.tracker import session_cases as cases
+from tracker.errors import KeypointError
+from tracker.keypoints.keypoints import JOINTS, Keypoints
+from tracker.session import Session
+from tracker.storage.archive import archive_bytes
+from tracker.storage.files import load_session, save_session
+from tracker.storage.keypoints import load_keypoints, of_session, save_keypoints
+
+FRAMES = 6
+
+
+def keypoints(*, depth: bool = True, first_frame: int = 1) -> Keypoints:
+    rng = np.random.default_rng(4)
+    uv = rng.uniform(0, 60, (FRAMES, len(JOINTS), 2))
+    visibility = rng.uniform(0, 1, uv.shape[:2])
+    p_hips = rng.normal(size=(*uv.shape[:2], 3))
+    uv[2], visibility[2], p_hips[2] = np.nan, 0, np.nan
+    return Keypoints(first_frame, JOINTS, uv, visibility, p_hips if depth else None)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    place = tmp_path / "session.json"
+    save_session(cases.session(), place)
+    return place
+
+
+def saved(path: Path, found: Keypoints) -> Session:
+    session = save_keypoints(load_session(path), path, found, "full", network="a", seeds=(4, 1, 4))
+    save_session(session, path)
+    return load_session(path)
+
+
+@pytest.mark.parametrize("depth", [True, False])
+def test_saved_keypoints_come_back(path: Path, depth: bool) -> None:
+    given = keypoints(depth=depth)
+    session = saved(path, given)
+    assert session.keypoints is not None
+    assert (session.keypoints.source, session.keypoints.seeds) == ("full", (1, 4))
+    found = of_session(session, path.parent)
+    assert found is not None
+    assert (found.first_frame, found.names) == (given.first_frame, given.names)
+    np.testing.assert_allclose(found.uv, given.uv, rtol=1e-6)
+    np.testing.assert_allclose(found.visibility, given.visibility, rtol=1e-6)
+    if given.p_hips is None:
+        assert found.p_hips is None
+    else:
+        np.testing.assert_allclose(found.p_hips, given.p_hips, rtol=1e-6)
+
+
+def test_equal_keypoints_are_one_file(path: Path) -> None:
+    assert saved(path, keypoints()).keypoints == saved(path, keypoints()).keypoints
+    assert len(list(path.parent.glob("keypoints-*.npz"))) == 1
+
+
+def test_a_session_without_keypoints_is_saved_as_before_there_were_any(path: Path) -> None:
+    assert "keypoints" not in json.loads(path.read_text("utf-8"))
+    assert of_session(load_session(path), path.parent) is None
+
+
+def test_missing_or_damaged_keypoints_are_told_in_one_sentence(path: Path) -> None:
+    session = saved(path, keypoints())
+    assert session.keypoints is not None
+    place = path.parent / session.keypoints.file
+    place.write_bytes(place.read_bytes()[:-40])
+    with pytest.raises(KeypointError, match="damaged"):
+        of_session(session, path.parent)
+    place.unlink()
+    with pytest.raises(KeypointError, match=r"cannot be read.*find them again"):
+        of_session(session, path.parent)
+
+
+def test_keypoints_of_a_longer_film_are_told(path: Path) -> None:
+    count = load_session(path).video.frame_count
+    session = saved(path, keypoints(first_frame=count - 2))
+    with pytest.raises(KeypointError, match=f"the video ends at {count - 1}"):
+        of_session(session, path.parent)
+
+
+GOOD = {
+    "first_frame": np.array(0),
+    "names": np.array(["nose", "left_knee"]),
+    "uv": np.zeros((3, 2, 2)),
+    "visibility": np.ones((3, 2)),
+}
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"uv": np.zeros((3, 1, 2))},
+        {"uv": np.full((3, 2, 2), np.nan)},
+        {"uv": np.array("text")},
+        {"visibility": np.full((3, 2), np.nan)},
+        {"visibility": np.full((3, 2), 1.5)},
+        {"names": np.array(["nose", "nose"])},
+        {"first_frame": np.array(-1)},
+        {"p_hips": np.zeros((3, 2, 2))},
+    ],
+)
+def test_an_archive_of_something_else_is_refused(
+    tmp_path: Path, wrong: dict[str, np.ndarray], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tracker.storage.keypoints._name", lambda content: "given.npz")
+    place = tmp_path / "given.npz"
+    place.write_bytes(archive_bytes(GOOD))
+    assert len(load_keypoints(place)) == 3
+    place.write_bytes(archive_bytes({**GOOD, **wrong}))
+    with pytest.raises(KeypointError, match="damaged"):
+        load_keypoints(place)
+
+
+def test_a_copied_session_takes_its_keypoints_along(path: Path, tmp_path: Path) -> None:
+    saved(path, keypoints())
+    copied = copy_session(path, tmp_path / "copy")
+    found = of_session(load_session(copied), copied.parent)
+    assert found is not None
+    assert found.names == JOINTS
