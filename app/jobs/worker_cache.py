@@ -7,9 +7,9 @@ from typing import Any
 
 from tracker.session import Session
 from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
+from tracker.storage import first_motion, keypoints
 from tracker.storage.evidence import files_of
 from tracker.storage.files import open_for_work
-from tracker.storage.first_motion import of_session
 from tracker.storage.tracking import fitter_of, steps_of, tracker_of
 from tracker.surface.fit.fitter import SurfaceFitter
 from tracker.surface.steps import Steps
@@ -61,8 +61,13 @@ class WorkerCache:
         prepared_for = (self._opened, session.camera, masks, static)
         if prepared_for != self._prepared_for:
             self._tracker, self._prepared_for = None, prepared_for
-        start = of_session(session, folder)
-        self._tracker = tracker_of(session, video, first_motion=start, like=self._tracker)
+        self._tracker = tracker_of(
+            session,
+            video,
+            first_motion=first_motion.of_session(session, folder),
+            like=self._tracker,
+            keypoints=keypoints.of_session(session, folder),
+        )
         return self._tracker
 
     def video(self, session: Session, path: str, folder: Path = Path()) -> Video:

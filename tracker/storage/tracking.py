@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.errors import SessionError
+from tracker.keypoints.keypoints import Keypoints
 from tracker.keypoints.on_body import is_persons
 from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
 from tracker.session.schema import Session
@@ -15,7 +16,7 @@ from tracker.storage.fingerprints import segment_keys
 from tracker.surface.fit.fitter import SurfaceFitter
 from tracker.surface.source import UnratedSteps
 from tracker.surface.steps import Steps
-from tracker.tracking.cues.sources import DetectedKeypoints, KeypointSource
+from tracker.tracking.cues.sources import DetectedKeypoints, GivenKeypoints, KeypointSource
 from tracker.tracking.pool import Progress, SegmentTracker, Task, never, run_chosen
 from tracker.tracking.tracker import Tracker
 from tracker.video import Video
@@ -28,10 +29,12 @@ def tracker_of(
     memory: int = MEMORY_BYTES,
     first_motion: Trajectory | None = None,
     like: Tracker | None = None,
+    keypoints: Keypoints | None = None,
 ) -> Tracker:
     """A session's tracker; SessionError with fewer than two keyframes, or without the first motion
     that its settings use.
 
+    keypoints: what `keypoints.of_session` reads beside the session's file.
     like: a tracker of the same video, camera, masks and plate, whose prepared pictures are used.
     """
     require_first_motion(session, first_motion)
@@ -39,7 +42,7 @@ def tracker_of(
     if like is not None and like.skeleton.body == session.body:
         skeleton = like.skeleton
     poses = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.keyframes}
-    source = _keypoints(session, video)
+    source = _keypoints(session, video, keypoints)
     if like is not None:
         return like.renewed(skeleton, poses, first_motion, source)
     return Tracker(
@@ -55,10 +58,16 @@ def tracker_of(
     )
 
 
-def _keypoints(session: Session, video: Video) -> KeypointSource | None:
+def _keypoints(session: Session, video: Video, given: Keypoints | None) -> KeypointSource | None:
     """Where keypoints come from; None where they do not count."""
     if "keypoints" not in session.settings.cues or not is_persons(session.body):
         return None
+    if session.given_keypoints is not None:
+        if given is None:
+            raise SessionError(
+                f"The keypoints {session.given_keypoints.file} were not read; tracking uses them."
+            )
+        return GivenKeypoints(given)
     return DetectedKeypoints(video, session.camera, session.video.fingerprint)
 
 
@@ -84,13 +93,14 @@ def track_session(
     workers: int = 1,
     cancelled: Callable[[], bool] = never,
     first_motion: Trajectory | None = None,
+    keypoints: Keypoints | None = None,
 ) -> Iterator[Progress]:
     """Track a session's segments with its own settings; see `pool.run` for the events.
 
-    Each worker may hold one segment's pictures. first_motion: what `first_motion.of_session` reads
-    beside the session's file. A session about surfaces is fitted to them.
+    Each worker may hold one segment's pictures. first_motion, keypoints: what `of_session` of these
+    modules reads beside the session's file. A session about surfaces is fitted to them.
     """
-    tracker = _TRACKERS.of(session)(session, video, first_motion)
+    tracker = _TRACKERS.of(session)(session, video, first_motion, keypoints)
     keys = list(segment_keys(session).items())
     chosen = range(len(keys)) if segments is None else sorted(set(segments))
     tasks = [Task(index, keys[index][0], session.settings, keys[index][1]) for index in chosen]
@@ -98,13 +108,13 @@ def track_session(
 
 
 def _film_tracker(
-    session: Session, video: Video, first_motion: Trajectory | None
+    session: Session, video: Video, first_motion: Trajectory | None, keypoints: Keypoints | None
 ) -> SegmentTracker:
-    return tracker_of(session, video, MEMORY_BYTES, first_motion)
+    return tracker_of(session, video, MEMORY_BYTES, first_motion, keypoints=keypoints)
 
 
 def _surface_fitter(
-    session: Session, video: Video, first_motion: Trajectory | None
+    session: Session, video: Video, first_motion: Trajectory | None, keypoints: Keypoints | None
 ) -> SegmentTracker:
     return fitter_of(session, video)
 
