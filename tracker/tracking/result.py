@@ -93,6 +93,8 @@ class Diagnostics:
     residual: (n, P) grey levels, of surfaces metres; NaN where unseen.
     expected_gain: (N,) of a keyframe at each frame, see
         `tracker.tracking.diagnostics.expected_gain`; None where that is not known of any.
+    expected_error: (N, P) pixels of the video by which the joint at a part's far end is expected to
+        be off, see `tracker.tracking.cues.joint_evidence`; NaN where no keypoint tells.
     """
 
     rank: NDArray[np.int64] = field(metadata=_layout("step", dtype="<i8"))
@@ -101,6 +103,9 @@ class Diagnostics:
     residual: Array = field(metadata=_layout("step", "part"))
     expected_gain: Array | None = field(
         default=None, metadata=_layout("frame", stored_as="need", optional=True)
+    )
+    expected_error: Array | None = field(
+        default=None, metadata=_layout("frame", "part", optional=True)
     )
 
     def __post_init__(self) -> None:
@@ -146,9 +151,14 @@ class Diagnostics:
             **{
                 column.name: rows
                 for column, rows in self.arrays()
-                if not column.optional or np.isfinite(rows).all()
+                if not column.optional or _is_known(rows)
             }
         )
+
+
+def _is_known(rows: NDArray[Any]) -> bool:
+    """Whether something is known of every row."""
+    return bool(np.isfinite(rows).reshape(len(rows), -1).any(axis=1).all())
 
 
 COLUMNS = tuple(Column.of(one) for one in fields(Diagnostics))
