@@ -20,6 +20,7 @@ from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, apply_transform
 from tracker.session.evidence import surface_of
 from tracker.session.schema import Session, Surface, VideoReference
+from tracker.session.settings import ALL_CUES, TrackSettings
 from tracker.storage.atomic import make_folder
 from tracker.storage.evidence import with_cameras_fingerprint
 from tracker.storage.files import load_session, save_session, video_path
@@ -52,6 +53,7 @@ def new_session(video: Video, session_path: Path) -> Session:
         ),
         camera=Camera.guess(info.width, info.height),
         body=preset(FIRST_BODY),
+        settings=TrackSettings(cues=ALL_CUES),
     )
 
 

@@ -36,6 +36,7 @@ from tracker.session.settings import (
     Units,
     UpAxis,
     Weights,
+    is_unknown,
 )
 from tracker.session.versions import PRESENT
 
@@ -55,10 +56,6 @@ MOST: Mapping[str, int] = {"keyframes": 10_000, "drafts": 10_000, "ignore_masks"
 POSES_AT_A_TIME = 500
 
 
-def _is_unknown(value: object) -> bool:
-    return value is None
-
-
 class VideoReference(Plain):
     """Which video the session is about, and how to know that it is that one."""
 
@@ -71,7 +68,7 @@ class VideoReference(Plain):
     height: Annotated[int, Field(ge=2)]
     stands_still: bool | None = Field(
         default=None,
-        exclude_if=_is_unknown,
+        exclude_if=is_unknown,
         description="Whether the camera stands still, as found in the frames when the session was "
         "begun; left out where nobody looked.",
     )

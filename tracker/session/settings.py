@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self, TypeAlias
+from typing import Annotated, Final, Literal, Self, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
@@ -15,6 +15,14 @@ Units: TypeAlias = Literal["m", "dm", "cm", "mm", "in", "ft"]
 UpAxis: TypeAlias = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 Cue: TypeAlias = Literal["brightness", "keypoints"]
 Initial: TypeAlias = Literal["auto", "linear", "templates", "both-ways", "import"]
+
+
+ALL_CUES: Final[tuple[Cue, ...]] = ("brightness", "keypoints")
+
+
+def is_unknown(value: object) -> bool:
+    """Whether a field is left out of files: `exclude_if`."""
+    return value is None
 
 
 class Plain(BaseModel):
@@ -48,10 +56,12 @@ class TrackSettings(Plain):
         description="The camera stands still: a background plate keeps foreign pixels out. Null: "
         "as it was found in the film, `video.stands_still`.",
     )
-    cues: Annotated[tuple[Cue, ...], Field(min_length=1)] = Field(
-        default=("brightness", "keypoints"),
+    cues: Annotated[tuple[Cue, ...], Field(min_length=1)] | None = Field(
+        default=None,
+        exclude_if=is_unknown,
         description="What the motion between keyframes is found from: brightness, how it changes "
-        "from frame to frame; keypoints, where a detector sees joints, if the session has any.",
+        "from frame to frame; keypoints, where a detector sees a person's joints. Left out: "
+        "brightness alone, as before there were others.",
     )
     passes: Annotated[int, Field(ge=1, le=50)] | None = Field(
         default=None, description="Passes over a segment; the method's own number when left out."
@@ -66,3 +76,8 @@ class TrackSettings(Plain):
     left_out: tuple[Annotated[str, Field(min_length=1)], ...] = Field(
         default=(), description="Names of parts that are not followed by templates."
     )
+
+    @property
+    def cues_used(self) -> tuple[Cue, ...]:
+        """The cues, where none are named those of before."""
+        return ("brightness",) if self.cues is None else self.cues

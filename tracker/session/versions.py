@@ -1,8 +1,7 @@
 """Session files of other versions: older ones are migrated to the present one, in memory.
 
 Version 2 keeps fields it does not know, has a journal beside it, and may name a first motion.
-Version 3 has verdicts as facts, where version 2 had sentences. Its settings may name cues; what was
-tracked before they could was tracked by brightness.
+Version 3 has verdicts as facts, where version 2 had sentences.
 """
 
 from __future__ import annotations
@@ -51,15 +50,7 @@ def migrate(data: Any, name: str) -> Data:
         present = STEPS[version](present)
         version += 1
         present = {**present, "schema_version": version}
-    return _with_cues(present)
-
-
-def _with_cues(data: Data) -> Data:
-    """Results from before there were cues stay what they are, and new ones beside them alike."""
-    settings = data.get("settings")
-    if data.get("results") is None or not isinstance(settings, dict) or "cues" in settings:
-        return data
-    return {**data, "settings": {**settings, "cues": ["brightness"]}}
+    return present
 
 
 def version_in(content: bytes) -> int | None:

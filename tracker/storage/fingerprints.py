@@ -187,7 +187,7 @@ def _cues(session: Session) -> list[Any]:
     Those that the bundled network finds follow from the film and the segment's own keyframes.
     """
     settings, given = session.settings, session.given_keypoints
-    wanted = settings.method == "keypose" and "keypoints" in settings.cues
+    wanted = settings.method == "keypose" and "keypoints" in settings.cues_used
     if not wanted or not is_persons(session.body):
         return []
     return ["keypoints", FULL.sha256 if given is None else given.file]

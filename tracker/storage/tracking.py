@@ -60,7 +60,7 @@ def tracker_of(
 
 def _keypoints(session: Session, video: Video, given: Keypoints | None) -> KeypointSource | None:
     """Where keypoints come from; None where they do not count."""
-    if "keypoints" not in session.settings.cues or not is_persons(session.body):
+    if "keypoints" not in session.settings.cues_used or not is_persons(session.body):
         return None
     if session.given_keypoints is not None:
         if given is None:

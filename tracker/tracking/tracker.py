@@ -200,7 +200,7 @@ class Tracker:
     def _listens_to_keypoints(self, settings: TrackSettings) -> bool:
         """Whether keypoints count where there are any: never for the printed method, nor for bodies
         that are no person's."""
-        wanted = settings.method == "keypose" and "keypoints" in settings.cues
+        wanted = settings.method == "keypose" and "keypoints" in settings.cues_used
         return self._keypoints is not None and wanted and is_persons(self.skeleton.body)
 
 
