@@ -84,6 +84,18 @@ def test_method_and_quality_are_of_this_run_only(session_path: Path) -> None:
     assert (session.settings.method, session.settings.quality) == ("keypose", "fast")
 
 
+def test_a_camera_that_was_found_to_stand_still_is_said_and_may_be_undone(
+    session_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cases.altered(session_path, lambda data: data["settings"].update(static_camera=None))
+    cases.altered(session_path, lambda data: data["video"].update(stands_still=True))
+    assert main(["track", str(session_path)]) == 0
+    assert "The camera stands still: found by itself." in capsys.readouterr().err
+    assert main(["track", str(session_path), "--static-camera", "no"]) == 0
+    assert "found by itself" not in capsys.readouterr().err
+    assert load_session(session_path).settings.static_camera is None
+
+
 def test_the_start_and_what_is_left_out_are_of_this_run_only(
     session_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

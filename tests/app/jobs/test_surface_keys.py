@@ -39,6 +39,12 @@ def nudged(of: Session, frame: int) -> Session:
     return of.model_copy(update={"keyframes": keyframes})
 
 
+def decided(of: Session) -> Session:
+    """With a person's word on whether the camera stands still, as every older session has it."""
+    settings = of.settings.model_copy(update={"static_camera": False})
+    return of.model_copy(update={"settings": settings})
+
+
 def changed(before: Session, after: Session) -> list[tuple[int, int]]:
     """The segments whose keys differ."""
     old, new = segment_keys(before), segment_keys(after)
@@ -50,10 +56,7 @@ def test_keys_and_marks_of_films_are_what_they_were_before_there_were_surfaces()
     assert segment_key(of, 0, 4) == (
         "ffec13b18f97e7556c7e9b1a8e1a4888542c07d5694a6a692f27008d12543551"
     )
-    decided = of.model_copy(
-        update={"settings": of.settings.model_copy(update={"static_camera": False})}
-    )
-    assert mark_of(decided) == "9e1ddcfc7acf9efd"
+    assert mark_of(decided(of)) == "9e1ddcfc7acf9efd"
 
 
 def test_segments_of_surfaces_reach_to_the_first_and_last_mesh() -> None:
@@ -166,7 +169,7 @@ def test_a_keyframe_taken_away_or_set_at_an_end_puts_the_motion_out_of_date(
 
 def test_a_session_about_a_film_is_written_as_ever() -> None:
     """Byte for byte, results too."""
-    of = session_cases.session()
+    of = decided(session_cases.session())
     segment = SegmentSummary(
         first_frame=0, last_frame=4, verdict=GOOD, scores=(1.5, None), best_pass=1,
         closing_error=1e-17,

@@ -55,9 +55,9 @@ TRUTH = walking()
 SCENE = Scene.of(SKELETON, CAMERA, [TRUTH.pose(0), TRUTH.pose(COUNT - 1)])
 
 
-def covered(motion: Trajectory) -> NDArray[np.bool_]:
+def covered(motion: Trajectory, camera: Camera = CAMERA) -> NDArray[np.bool_]:
     """(N, H, W) which pixels the body covers."""
-    mesh, view = BodyMesh.of(SKELETON), ViewCamera.of(CAMERA)
+    mesh, view = BodyMesh.of(SKELETON), ViewCamera.of(camera)
     return np.stack([raster(mesh, T, view).part >= 0 for T in motion.transforms(SKELETON)])
 
 
@@ -71,14 +71,14 @@ def clip_with(moving: NDArray[np.bool_], first_frame: int = 0) -> Clip:
 CLIP = clip_with(covered(TRUTH))
 
 
-def filmed() -> Clip:
+def filmed(camera: Camera = CAMERA) -> Clip:
     """The figure before a patterned wall, loaded as the film of a camera that stands still."""
     rng = np.random.default_rng(0)
-    wall = rng.integers(60, 140, (CAMERA.height, CAMERA.width, 3)).astype(np.uint8)
+    wall = rng.integers(60, 140, (camera.height, camera.width, 3)).astype(np.uint8)
     pictures = np.repeat(wall[None], COUNT, axis=0)
-    pictures[covered(TRUTH)] = (230, 220, 240)
+    pictures[covered(TRUTH, camera)] = (230, 220, 240)
     video: Any = MemoryVideo(pictures)
-    return ClipLoader(video, CAMERA, WorkingSize(0), static_camera=True).load(0, COUNT - 1)
+    return ClipLoader(video, camera, WorkingSize(0), static_camera=True).load(0, COUNT - 1)
 
 
 def test_a_body_at_its_true_pose_has_no_mismatch() -> None:
@@ -94,6 +94,16 @@ def test_a_filmed_body_at_its_true_pose_has_next_to_none() -> None:
     assert at_truth.total.max() < 0.03
     wrong = silhouette_mismatch(SCENE, clip, turned(TRUTH, "left_upper_arm", ELBOW_DEG))
     assert wrong.total.min() > 2 * at_truth.total.max()
+
+
+def test_a_large_body_is_compared_as_a_small_one_is() -> None:
+    large = Camera(width=960, height=720, fx=1200.0, fy=1200.0, cx=479.5, cy=359.5)
+    scene = Scene.of(SKELETON, large, [TRUTH.pose(0), TRUTH.pose(COUNT - 1)])
+    clip, wrong = filmed(large), turned(TRUTH, "left_upper_arm", ELBOW_DEG)
+    assert silhouette_mismatch(scene, clip, TRUTH).total.max() < 0.03
+    at_large = silhouette_mismatch(scene, clip, wrong).total
+    at_small = silhouette_mismatch(SCENE, filmed(), wrong).total
+    np.testing.assert_allclose(at_large.mean(), at_small.mean(), rtol=0.3)
 
 
 @pytest.mark.parametrize("part", ["left_forearm", "right_shin", "left_upper_arm", "right_thigh"])
