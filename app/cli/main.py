@@ -27,6 +27,7 @@ from app.cli import (
     hull,
     import_,
     info,
+    models,
     open,
     report,
     schema,
@@ -128,6 +129,7 @@ def parser() -> argparse.ArgumentParser:
         import_,
         hull,
         info,
+        models,
         schema,
     ):
         command.add(commands)

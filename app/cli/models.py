@@ -1,0 +1,101 @@
+"""`keypose models`: the networks that find keypoints, and how to add one."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.cli.arguments import Subcommands, add_command, add_json
+from app.cli.json_output import print_json
+from tracker.errors import KeypointError
+
+if TYPE_CHECKING:
+    from tracker.keypoints.model_files import Model
+
+PACKAGE = "https://registry.npmjs.org/@mediapipe/pose/-/pose-0.5.1675469404.tgz"
+TIMEOUT_S = 30.0
+_EXAMPLES = """\
+  keypose models
+  keypose models add heavy
+  keypose models add heavy --from pose-0.5.1675469404.tgz
+"""
+
+
+def add(commands: Subcommands) -> None:
+    summary = "List the networks that find keypoints, or add one"
+    about = "Without anything: lists them. `add` downloads one, or takes it from a file."
+    command = add_command(commands, "models", run, summary, about, _EXAMPLES)
+    command.add_argument("what", nargs="?", choices=("list", "add"), default="list")
+    command.add_argument("name", nargs="?", help="with add: which network")
+    command.add_argument(
+        "--from", dest="file", type=Path, metavar="FILE", help="the .tflite file or the npm .tgz"
+    )
+    add_json(command)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    if arguments.what == "list":
+        if arguments.file is not None:
+            raise KeypointError("--from belongs to `keypose models add NAME`.")
+        return _list(arguments.json)
+    return _add(arguments)
+
+
+def _list(as_json: bool) -> int:
+    from tracker.keypoints.model_files import MODELS
+
+    if as_json:
+        print_json({"models": [_facts(model) for model in MODELS]})
+        return 0
+    for model in MODELS:
+        state = str(model.path) if model.is_here else f"not here: keypose models add {model.name}"
+        print(f"{model.name:6} {model.size_mb:5.1f} MB  {state}")
+    return 0
+
+
+def _add(arguments: argparse.Namespace) -> int:
+    from tracker.keypoints.model_files import find_model
+    from tracker.storage.models import add_content, add_from_file
+
+    if arguments.name is None:
+        raise KeypointError("Name the network to add, as in `keypose models add heavy`.")
+    model = find_model(arguments.name)
+    if model.bundled:
+        raise KeypointError(f"The {model.name} network comes with Keypose.")
+    if arguments.file is not None:
+        path = add_from_file(model, arguments.file)
+    else:
+        path = add_content(model, _downloaded(model), "The download")
+    if arguments.json:
+        print_json(_facts(model))
+    else:
+        print(f"{model.name}: {path}")
+    return 0
+
+
+def _facts(model: Model) -> dict[str, object]:
+    return {
+        "name": model.name,
+        "here": model.is_here,
+        "path": str(model.path),
+        "sha256": model.sha256,
+    }
+
+
+def _downloaded(model: Model) -> bytes:
+    from http.client import HTTPException
+    from urllib.request import urlopen
+
+    from tracker.storage.models import LARGEST_PACKAGE_BYTES
+
+    try:
+        with urlopen(PACKAGE, timeout=TIMEOUT_S) as answer:
+            content: bytes = answer.read(LARGEST_PACKAGE_BYTES)
+    except (OSError, HTTPException) as error:
+        reason = getattr(error, "reason", None) or error
+        raise KeypointError(
+            f"The network cannot be downloaded ({reason}): fetch {PACKAGE} elsewhere and run "
+            f"`keypose models add {model.name} --from FILE`."
+        ) from None
+    return content

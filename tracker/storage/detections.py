@@ -1,0 +1,91 @@
+"""Keypoints that were found once, by film, network and region, in this user's cache folder.
+
+They can be found again, so whatever is wrong with a file, or with the folder, it is as if there was
+none. Files used longest ago go first when there are too many bytes.
+"""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from tracker.errors import KeypointError
+from tracker.files import read_own
+from tracker.keypoints.detect import Stretch
+from tracker.keypoints.model_files import cache_folder
+from tracker.keypoints.network import NAMES
+from tracker.storage.archive import archive_arrays, archive_bytes
+from tracker.storage.atomic import make_folder, write_file
+
+MOST_BYTES: Final = 256 * 2**20
+"""Some 250,000 frames."""
+LARGEST_STRETCH_BYTES: Final = 2**20
+_ROWS: Final = {"uv": (len(NAMES), 2), "visibility": (len(NAMES),), "p_hips": (len(NAMES), 3)}
+
+
+class Detections:
+    """Stretches on disk, as `detect` keeps them."""
+
+    def __init__(self, folder: Path | None = None, most_bytes: int = MOST_BYTES) -> None:
+        self._folder = cache_folder() / "keypoints" if folder is None else folder
+        self._most_bytes = most_bytes
+
+    def get(self, key: str) -> Stretch | None:
+        """The stretch of this key; None where there is none that can be used."""
+        path = self._path(key)
+        try:
+            stretch = _stretch(read_own(path, LARGEST_STRETCH_BYTES))
+        except (OSError, ValueError):
+            return None
+        with suppress(OSError):
+            os.utime(path)  # used now
+        return stretch
+
+    def put(self, key: str, stretch: Stretch) -> None:
+        """Keep a stretch, if that can be done."""
+        content = archive_bytes({name: getattr(stretch, name) for name in (*_ROWS, *_STATE)})
+        with suppress(KeypointError):
+            make_folder(self._folder, error=KeypointError)
+            write_file(self._path(key), content, overwrite=True, error=KeypointError)
+        with suppress(OSError):
+            self._tidy()
+
+    def _path(self, key: str) -> Path:
+        return self._folder / f"{key}.npz"
+
+    def _tidy(self) -> None:
+        with os.scandir(self._folder) as entries:
+            files = [entry for entry in entries if entry.name.endswith(".npz")]
+        facts = [(entry.stat(follow_symlinks=False), entry.path) for entry in files]
+        too_many = sum(fact.st_size for fact, _ in facts) - self._most_bytes
+        for fact, path in sorted(facts, key=lambda each: each[0].st_mtime_ns):
+            if too_many <= 0:
+                return
+            with suppress(FileNotFoundError):  # another Keypose was quicker
+                Path(path).unlink()
+            too_many -= fact.st_size
+
+
+_STATE: Final = ("regions", "lost_for")
+
+
+def _stretch(content: bytes) -> Stretch:
+    """ValueError where it is none."""
+    arrays = archive_arrays(content)
+    if set(arrays) != {*_ROWS, *_STATE}:
+        raise ValueError("its entries are not those of a stretch")
+    count = len(np.atleast_1d(arrays["lost_for"]))
+    shapes = {**{name: (count, *shape) for name, shape in _ROWS.items()}, "regions": (count, 4)}
+    fits = all(arrays[name].shape == shape for name, shape in shapes.items())
+    numbers = all(arrays[name].dtype == np.float64 for name in shapes)
+    lost_for = arrays["lost_for"]
+    if not fits or not numbers or lost_for.shape != (count,) or lost_for.dtype != np.int64:
+        raise ValueError("its entries do not fit together")
+    seen = np.isfinite(arrays["uv"]).all(axis=(1, 2))
+    if count < 1 or not np.isfinite(arrays["regions"]).all() or (lost_for[seen] != 0).any():
+        raise ValueError("it holds no stretch")
+    return Stretch(*(arrays[name] for name in (*_ROWS, *_STATE)))
