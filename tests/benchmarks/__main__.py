@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from tests.benchmarks.keeping import ROOT, Absent, digest
+from tests.benchmarks.options import Options, add_options, options_of
 from tests.benchmarks.table import Report
 
 GROUPS = (
@@ -27,13 +28,15 @@ OUT = Path("benchmarks.json")
 def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m tests.benchmarks", description=__doc__)
     parser.add_argument("groups", nargs="*", metavar="GROUP", help=", ".join(GROUPS))
-    asked = parser.parse_args().groups or list(GROUPS)
+    add_options(parser)
+    given = parser.parse_args()
+    asked, options = given.groups or list(GROUPS), options_of(given)
     for name in asked:
         if name not in GROUPS:
             parser.error(f"there is no group {name!r}; the groups are {', '.join(GROUPS)}")
     kept = _earlier()
     for name in asked:
-        kept[name] = _measured(name)
+        kept[name] = _measured(name, options)
         OUT.write_text(json.dumps(kept, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     print()
     for name in asked:
@@ -41,9 +44,9 @@ def main() -> None:
         print(f"{name}: {short or 'no'} figures short, {seconds:.0f} s")
 
 
-def _measured(name: str) -> dict[str, Any]:
+def _measured(name: str, options: Options) -> dict[str, Any]:
     """Run one group."""
-    report, began = Report(name), time.perf_counter()
+    report, began = Report(name, options), time.perf_counter()
     try:
         getattr(importlib.import_module(f"tests.benchmarks.{name}"), name)(report)
     except Absent as absent:

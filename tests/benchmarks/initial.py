@@ -12,13 +12,13 @@ import numpy as np
 
 from app.render.pictures import contact_sheet, overlay
 from tests.benchmarks.arms import load_arms
-from tests.benchmarks.keeping import Absent
+from tests.benchmarks.keeping import ROOT, Absent
 from tests.benchmarks.marked import Person, load_walk
-from tests.benchmarks.real import OUT, _evaluation, _pair, _sheet
 from tests.benchmarks.sequences import Sequence, sequence
+from tests.benchmarks.sheets import OUT, Shown, beside_linear, evaluation, pair, sheet
 from tests.benchmarks.table import Expected, Pair, Report, Table
 from tests.benchmarks.tracking import Tracked, against, linear, mean_errors, track
-from tracker.body.trajectory import Trajectory
+from tracker.body.trajectory import Trajectory, joined
 from tracker.kernels.matching import find_exhaustively, find_sequentially
 from tracker.tracking.initial.templates.search import GreyPicture, Template, cut, outwards
 from tracker.tracking.tracker import Tracker
@@ -208,7 +208,16 @@ def _person(report: Report, table: Table, name: str, person: Person, interval: i
         found = {way: track(tracker, **settings) for way, settings in WAYS.items()}
         segments = zip(found["auto"].segments, linear(tracker), strict=True)
         plain = Tracked([replace(segment, trajectory=motion) for segment, motion in segments])
-    evaluated = [_evaluation(person, f, person.marks).estimate for f in (plain, *found.values())]
-    table.row(name, *(_pair(e.pixels.overall) for e in evaluated))
+    evaluated = [evaluation(person, f, person.marks).estimate for f in (plain, *found.values())]
+    table.row(name, *(pair(e.pixels.overall) for e in evaluated))
     _told(report, name, found["templates"])
-    _sheet(report, f"initial_{name.split()[0]}", interval, person, found["templates"])
+    lines = beside_linear(joined(found["templates"].trajectories), list(frames))
+    shown = Shown(person.video, person.camera, person.skeleton)
+    place = sheet(
+        f"initial_{name.replace(' ', '_')}",
+        shown,
+        lines,
+        list(frames),
+        person.marks.frames.tolist(),
+    )
+    report.note(f"written: {place.relative_to(ROOT)}")

@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field, is_dataclass
 from typing import Any
 
+from tests.benchmarks.options import Options
+
 NAME_WIDTH, CELL_WIDTH, WIDE = 31, 12, 24
 
 
@@ -67,8 +69,8 @@ class Table:
 class Report:
     """What one group of benchmarks found."""
 
-    def __init__(self, group: str) -> None:
-        self.group = group
+    def __init__(self, group: str, options: Options | None = None) -> None:
+        self.group, self.options = group, options or Options()
         self.tables: list[Table] = []
         self.expected: list[Expected] = []
         self.notes: list[str] = []

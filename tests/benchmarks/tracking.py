@@ -46,7 +46,7 @@ class Tracked:
     @property
     def verdicts(self) -> str:
         """Such as "5 good 1 lost"."""
-        kinds = Counter(segment.verdict.kind for segment in self.segments)
+        kinds = Counter(segment.kind for segment in self.segments)
         return " ".join(f"{kinds[k]} {k}" for k in ("good", "check", "lost") if kinds[k])
 
     @property

@@ -1,0 +1,88 @@
+"""What the benchmark of verdicts computes is what it says."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.benchmarks.told import (
+    Record,
+    auroc,
+    by_segment,
+    judged,
+    left_out,
+    logistic,
+    miscalibration,
+)
+
+
+def _pairs(told: np.ndarray, wrong: np.ndarray) -> float:
+    """The share of pairs in order, counted one by one."""
+    pairs = [(a > b) + 0.5 * (a == b) for a in told[wrong] for b in told[~wrong]]
+    return float(np.mean(pairs))
+
+
+@pytest.mark.parametrize("levels", [3, 1000])
+def test_the_auroc_is_the_share_of_pairs_in_the_right_order_with_and_without_ties(
+    levels: int,
+) -> None:
+    rng = np.random.default_rng(levels)
+    told = rng.integers(0, levels, 200).astype(float)
+    wrong = rng.random(200) < 0.2 + 0.5 * told / levels
+    assert auroc(told, wrong) == pytest.approx(_pairs(told, wrong))
+
+
+def test_the_auroc_of_nothing_wrong_is_not_known() -> None:
+    assert np.isnan(auroc(np.arange(4.0), np.zeros(4, dtype=bool)))
+
+
+def test_a_logistic_curve_is_found_again_from_what_it_predicts() -> None:
+    rng = np.random.default_rng(0)
+    told = rng.normal(size=20_000)
+    wrong = rng.random(20_000) < 1 / (1 + np.exp(1.0 - 2.0 * told))
+    assert logistic(told, wrong) == pytest.approx((-1.0, 2.0), abs=0.1)
+
+
+def test_a_telling_that_separates_perfectly_still_gets_a_finite_curve() -> None:
+    told = np.array([0.0, 0.0, 1.0, 1.0])
+    assert np.isfinite(logistic(told, told > 0)).all()
+
+
+def test_a_clip_is_judged_by_the_other_clips_alone() -> None:
+    told, clips = np.array([0.0, 1.0, 0.0, 1.0]), np.array(["a", "a", "b", "b"])
+    wrong = np.array([False, True, True, False])
+    p = left_out(told, wrong, clips)
+    assert p[0] > p[1]  # b says that larger is right
+    assert p[3] > p[2]
+
+
+def test_one_clip_alone_cannot_be_left_out() -> None:
+    assert np.isnan(left_out(np.arange(3.0), np.arange(3) > 1, np.full(3, "a"))).all()
+
+
+def test_probabilities_that_come_true_are_calibrated_and_their_opposites_are_not() -> None:
+    rng = np.random.default_rng(1)
+    p = rng.random(50_000)
+    wrong = rng.random(50_000) < p
+    assert miscalibration(p, wrong) < 0.01
+    assert miscalibration(1 - p, wrong) == pytest.approx(0.5, abs=0.02)
+
+
+def _record(clip: str, first: int, kind: str, px: float, told: float = 0.0) -> Record:
+    return Record(clip, "row", "way", 0, (first, first + 9), kind, first + 3, "j", px, {"t": told})
+
+
+def test_segments_are_right_under_five_pixels_in_the_mean() -> None:
+    some = [
+        _record("a", 0, "good", 4.0), _record("a", 0, "good", 5.5), _record("a", 10, "good", 9.0),
+        _record("a", 20, "check", 1.0), _record("a", 30, "lost", 40.0),
+    ]  # fmt: skip
+    found = by_segment(some)
+    assert (found.count, found.right) == (4, 2)
+    assert found.said_good == pytest.approx(0.5)
+    assert found.good_is_right == pytest.approx(0.5)
+
+
+def test_a_telling_is_judged_by_the_error_on_a_person_400_pixels_tall() -> None:
+    some = [_record(c, 0, "check", px, px) for c in "ab" for px in (1.0, 9.9, 10.1, 30.0)]
+    assert judged(some, "t").auroc == 1.0

@@ -1,0 +1,197 @@
+"""What a result says about its own errors, held against the errors: does the verdict tell?
+
+A joint is wrong when it is more than 10 px off on a person 400 px tall. A telling is any number
+that is larger the less the result trusts a joint; how well it orders joints is its AUROC, and how
+well it can be read as a probability is measured by calibrating it on all clips but one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+from scipy.special import expit
+from scipy.stats import rankdata
+
+from tests.benchmarks.clips import Clip, place
+from tests.benchmarks.measures import FAR_PX, marks_between
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import Array
+from tracker.tracking.result import SegmentResult
+
+Telling = Callable[[SegmentResult, int, int, str], float]
+"""Of a segment, a frame, a part by index and name: how little the result trusts it."""
+
+SMALL_PX = 5.0
+"""A segment is right when its marks are less than that off in the mean."""
+BINS = 10
+
+
+def of_segment(segment: SegmentResult, frame: int, part: int, name: str) -> float:
+    """The verdict on the whole segment."""
+    return float({"good": 0, "check": 1, "lost": 2, None: 1}[segment.kind])
+
+
+def of_named_part(segment: SegmentResult, frame: int, part: int, name: str) -> float:
+    """The same, a half more where the verdict names this part at this frame."""
+    verdict, told = segment.verdict, of_segment(segment, frame, part, name)
+    if verdict is None or verdict.part != name or verdict.frames is None:
+        return told
+    return told + 0.5 * (verdict.frames[0] <= frame <= verdict.frames[1])
+
+
+def of_observability(segment: SegmentResult, frame: int, part: int, name: str) -> float:
+    """How little the pictures decided of the part in the step that leads to the frame; of a part
+    that is not tracked, as of the whole body in the mean; where nothing was measured, 1."""
+    row = segment.diagnostics.observability[max(frame - segment.first - 1, 0)]
+    known = row[[part]] if np.isfinite(row[part]) else row[np.isfinite(row)]
+    return 1.0 - (float(known.mean()) if known.size else 0.0)
+
+
+TELLINGS: dict[str, Telling] = {
+    "verdict": of_segment,
+    "verdict and part": of_named_part,
+    "observability": of_observability,
+}
+"""All that are compared; a result that carries more adds a line."""
+
+
+@dataclass(frozen=True)
+class Record:
+    """A joint at a frame: how far it is off, scaled, and what was told of it."""
+
+    clip: str
+    row: str
+    way: str
+    jitter: int
+    span: tuple[int, int]
+    kind: str
+    frame: int
+    joint: str
+    scaled_px: float
+    told: Mapping[str, float]
+
+    @property
+    def wrong(self) -> bool:
+        return self.scaled_px > FAR_PX
+
+    @property
+    def segment(self) -> tuple[str, str, int, tuple[int, int]]:
+        return self.row, self.way, self.jitter, self.span
+
+    def as_json(self) -> dict[str, Any]:
+        return asdict(self)
+
+
+def records(
+    clip: Clip, skeleton: Skeleton, segments: Sequence[SegmentResult], row: str, way: str,
+    jitter: int,
+) -> list[Record]:  # fmt: skip
+    """One record for each mark strictly between keyframes."""
+    found = []
+    for segment in segments:
+        for mark in marks_between(clip, skeleton, segment.trajectory, segment.span):
+            part = place(skeleton.body, mark.joint)[0][0]
+            name = skeleton.body.names[part]
+            told = {k: tell(segment, mark.frame, part, name) for k, tell in TELLINGS.items()}
+            given = (row, way, jitter, segment.span, str(segment.kind))
+            found.append(Record(clip.name, *given, mark.frame, mark.joint, mark.scaled_px, told))
+    return found
+
+
+def auroc(told: Array, wrong: NDArray[np.bool_]) -> float:
+    """The share of pairs, one wrong and one right, of which the wrong one is told of more; ties
+    count half (Mann and Whitney 1947). NaN where all are wrong or all are right."""
+    bad, good = int(wrong.sum()), int((~wrong).sum())
+    if not bad or not good:
+        return np.nan
+    ranks = rankdata(told)[wrong].sum()
+    return float((ranks - bad * (bad + 1) / 2) / (bad * good))
+
+
+@dataclass(frozen=True)
+class Told:
+    """How well a telling tells.
+
+    auroc: over all clips.  left_out: of probabilities from a curve fitted to the other clips.
+    brier: mean squared error of these.  calibration: mean distance, over ten equal groups, of the
+    mean probability from the share that is wrong.
+    """
+
+    auroc: float
+    left_out: float
+    brier: float
+    calibration: float
+
+
+def judged(some: Sequence[Record], telling: str) -> Told:
+    """How well one telling tells over some records; NaN where fewer than two clips are there."""
+    told = np.array([r.told[telling] for r in some])
+    wrong, clips = np.array([r.wrong for r in some]), np.array([r.clip for r in some])
+    overall = auroc(told, wrong)
+    p = left_out(told, wrong, clips)
+    if not np.isfinite(p).all():
+        return Told(overall, np.nan, np.nan, np.nan)
+    return Told(
+        overall, auroc(p, wrong), float(((p - wrong) ** 2).mean()), miscalibration(p, wrong)
+    )
+
+
+def left_out(told: Array, wrong: NDArray[np.bool_], clips: NDArray[np.str_]) -> Array:
+    """Of each record the probability that it is wrong, by a curve fitted to the other clips."""
+    p = np.full(len(told), np.nan)
+    for clip in np.unique(clips):
+        others = clips != clip
+        if others.any():
+            a, b = logistic(told[others], wrong[others])
+            p[~others] = expit(a + b * told[~others])
+    return p
+
+
+def logistic(told: Array, wrong: NDArray[np.bool_]) -> tuple[float, float]:
+    """Offset and slope of the likeliest logistic curve; a weak prior keeps the slope finite."""
+
+    def loss(curve: Array) -> float:
+        z = curve[0] + curve[1] * told
+        return float(np.logaddexp(0, np.where(wrong, -z, z)).sum() + 0.005 * curve[1] ** 2)
+
+    a, b = minimize(loss, np.zeros(2)).x
+    return float(a), float(b)
+
+
+def miscalibration(p: Array, wrong: NDArray[np.bool_]) -> float:
+    """Over ten groups of equal number, by probability: how far it is from what is wrong."""
+    groups = np.array_split(np.argsort(p, kind="stable"), BINS)
+    apart = [len(g) * abs(p[g].mean() - wrong[g].mean()) for g in groups if len(g)]
+    return float(sum(apart) / len(p))
+
+
+@dataclass(frozen=True)
+class Segments:
+    """Of segments: how many are right, of these the share said to be good, and of those said to be
+    good the share that is right."""
+
+    count: int
+    right: int
+    said_good: float
+    good_is_right: float
+
+
+def by_segment(some: Sequence[Record]) -> Segments:
+    """The verdicts on whole segments."""
+    errors: dict[Any, list[float]] = {}
+    kinds: dict[Any, str] = {}
+    for record in some:
+        errors.setdefault(record.segment, []).append(record.scaled_px)
+        kinds[record.segment] = record.kind
+    right = np.array([np.mean(px) < SMALL_PX for px in errors.values()])
+    good = np.array([kinds[segment] == "good" for segment in errors])
+    both = float((right & good).sum())
+    return Segments(
+        len(right), int(right.sum()), both / right.sum() if right.any() else np.nan,
+        both / good.sum() if good.any() else np.nan,
+    )  # fmt: skip
