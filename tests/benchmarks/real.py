@@ -11,9 +11,9 @@ from __future__ import annotations
 import json
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import product
 from pathlib import Path
@@ -38,13 +38,43 @@ from tests.benchmarks.sheets import OUT, Shown, sheet
 from tests.benchmarks.table import Expected, Report, Table
 from tests.benchmarks.told import TELLINGS, Record, by_segment, judged, records
 from tests.benchmarks.tracking import Tracked, linear, track
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Pass, Trajectory, joined
 from tracker.session.settings import TrackSettings
 from tracker.tracking.result import SegmentResult
 from tracker.tracking.tracker import Tracker
 from tracker.video import Video
 
-Way = Callable[[Clip, Tracker], Tracked]
+
+@dataclass(frozen=True, eq=False)
+class Posed:
+    """A clip between keyframes; `tracker` makes one, with a picture of the empty scene or without.
+
+    Pictures are prepared once for all disturbances of the keyframes.
+    """
+
+    clip: Clip
+    video: Video
+    skeleton: Skeleton
+    keyposes: Mapping[int, Pose]
+    prepared: dict[bool, Tracker] = field(default_factory=dict)
+
+    def tracker(self, static_camera: bool = False) -> Tracker:
+        """A tracker of these keyframes."""
+        if static_camera not in self.prepared:
+            self.prepared[static_camera] = Tracker(
+                self.video, self.clip.camera, self.skeleton, self.keyposes,
+                static_camera=static_camera,
+            )  # fmt: skip
+        return self.prepared[static_camera].renewed(self.skeleton, self.keyposes)
+
+    def disturbed(self, seed: int) -> Posed:
+        """The same, its keyframes disturbed."""
+        return replace(self, keyposes=jittered(self.skeleton, self.keyposes, seed))
+
+
+Way = Callable[[Posed], Tracked]
 """A way to get from keyframes to the motion between them."""
 
 
@@ -89,17 +119,17 @@ PRINTED = (
 )
 
 
-def interpolated(clip: Clip, tracker: Tracker) -> Tracked:
+def interpolated(posed: Posed) -> Tracked:
     """Nothing tracked, nothing told."""
-    steps = [Pass("interpolation", trajectory, None) for trajectory in linear(tracker)]
+    steps = [Pass("interpolation", trajectory, None) for trajectory in linear(posed.tracker())]
     return Tracked([SegmentResult.on_the_way(step) for step in steps])
 
 
 def with_settings(settings: TrackSettings) -> Way:
     """Tracked as settings say."""
 
-    def way(clip: Clip, tracker: Tracker) -> Tracked:
-        return track(tracker, **settings.model_dump())
+    def way(posed: Posed) -> Tracked:
+        return track(posed.tracker(settings.static_camera), **settings.model_dump())
 
     return way
 
@@ -161,11 +191,10 @@ def _plain(value: Any) -> Any:
 
 
 @contextmanager
-def _trackers(shown: Clip, hand: Keyed) -> Iterator[Callable[[int], Tracker]]:
-    """A tracker of the keyframes as one of the disturbances moves them; pictures are shared."""
+def _opened(shown: Clip, hand: Keyed) -> Iterator[Posed]:
+    """Between these keyframes, while the film is open."""
     with Video.open(shown.video) as video:
-        plain = Tracker(video, shown.camera, hand.skeleton, hand.poses)
-        yield lambda seed: plain.renewed(hand.skeleton, jittered(hand.skeleton, hand.poses, seed))
+        yield Posed(shown, video, hand.skeleton, hand.poses)
 
 
 def _measured(
@@ -177,10 +206,10 @@ def _measured(
     runs: dict[str, list[dict[str, float]]] = {name: [] for name in ways}
     told: list[Record] = []
     motions: dict[str, Trajectory] = {}
-    with _trackers(shown, hand) as tracker_of:
+    with _opened(shown, hand) as posed:
         for seed, (name, way) in product(range(jitters), ways.items()):
             began = time.process_time()
-            found = way(shown, tracker_of(seed))
+            found = way(posed.disturbed(seed))
             spent = {"cpu_s": round(time.process_time() - began, 1)}
             motion = motions[name] = joined(found.trajectories)
             runs[name].append(figures(shown, hand.skeleton, motion, row.keyframes))
@@ -256,7 +285,7 @@ def _needed(report: Report, ways: dict[str, Way], kept: _Kept) -> None:
 
 def _outcome(shown: Clip, way: Way, keyframes: Sequence[int]) -> Outcome:
     hand = keyed(shown, keyframes)
-    with _trackers(shown, hand) as tracker_of:
-        found: list[SegmentResult] = way(shown, tracker_of(0)).segments
+    with _opened(shown, hand) as posed:
+        found = way(posed.disturbed(0)).segments
     motion = joined([segment.trajectory for segment in found])
     return found, marks_between(shown, hand.skeleton, motion, keyframes)

@@ -86,3 +86,9 @@ def test_segments_are_right_under_five_pixels_in_the_mean() -> None:
 def test_a_telling_is_judged_by_the_error_on_a_person_400_pixels_tall() -> None:
     some = [_record(c, 0, "check", px, px) for c in "ab" for px in (1.0, 9.9, 10.1, 30.0)]
     assert judged(some, "t").auroc == 1.0
+
+
+def test_a_left_out_clip_is_ordered_within_itself_however_often_it_is_wrong() -> None:
+    rare = [_record("a", 0, "check", px, px) for px in (1.0, 2.0, 3.0, 30.0)]
+    often = [_record("b", 0, "check", 10 * px, px) for px in (0.5, 2.0, 3.0, 4.0)]
+    assert judged(rare + often, "t").left_out == 1.0

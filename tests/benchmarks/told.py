@@ -117,9 +117,10 @@ def auroc(told: Array, wrong: NDArray[np.bool_]) -> float:
 class Told:
     """How well a telling tells.
 
-    auroc: over all clips.  left_out: of probabilities from a curve fitted to the other clips.
-    brier: mean squared error of these.  calibration: mean distance, over ten equal groups, of the
-    mean probability from the share that is wrong.
+    auroc: over all clips.  The others are of probabilities by a curve fitted to the other clips.
+    left_out: AUROC within the clip that was left out, the mean over clips.
+    brier: mean squared error.  calibration: mean distance, over ten equal groups, of the mean
+    probability from the share that is wrong.
     """
 
     auroc: float
@@ -133,23 +134,29 @@ def judged(some: Sequence[Record], telling: str) -> Told:
     told = np.array([r.told[telling] for r in some])
     wrong, clips = np.array([r.wrong for r in some]), np.array([r.clip for r in some])
     overall = auroc(told, wrong)
-    p = left_out(told, wrong, clips)
-    if not np.isfinite(p).all():
+    logits = left_out(told, wrong, clips)
+    if not np.isfinite(logits).all():
         return Told(overall, np.nan, np.nan, np.nan)
+    p = np.asarray(expit(logits))
+    within = [auroc(logits[clips == clip], wrong[clips == clip]) for clip in np.unique(clips)]
+    known = [one for one in within if np.isfinite(one)]
     return Told(
-        overall, auroc(p, wrong), float(((p - wrong) ** 2).mean()), miscalibration(p, wrong)
+        overall,
+        float(np.mean(known)) if known else np.nan,
+        float(((p - wrong) ** 2).mean()),
+        miscalibration(p, wrong),
     )
 
 
 def left_out(told: Array, wrong: NDArray[np.bool_], clips: NDArray[np.str_]) -> Array:
-    """Of each record the probability that it is wrong, by a curve fitted to the other clips."""
-    p = np.full(len(told), np.nan)
+    """Of each record the log odds that it is wrong, by a curve fitted to the other clips."""
+    logits = np.full(len(told), np.nan)
     for clip in np.unique(clips):
         others = clips != clip
         if others.any():
             a, b = logistic(told[others], wrong[others])
-            p[~others] = expit(a + b * told[~others])
-    return p
+            logits[~others] = a + b * told[~others]
+    return logits
 
 
 def logistic(told: Array, wrong: NDArray[np.bool_]) -> tuple[float, float]:
