@@ -42,6 +42,7 @@ from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Pass, Trajectory, joined
 from tracker.session.settings import TrackSettings
+from tracker.tracking.cues.sources import DetectedKeypoints
 from tracker.tracking.result import SegmentResult
 from tracker.tracking.tracker import Tracker
 from tracker.video import Video
@@ -49,10 +50,7 @@ from tracker.video import Video
 
 @dataclass(frozen=True, eq=False)
 class Posed:
-    """A clip between keyframes; `tracker` makes one, with a picture of the empty scene or without.
-
-    Pictures are prepared once for all disturbances of the keyframes.
-    """
+    """A clip between keyframes; its pictures are prepared once for all disturbances of these."""
 
     clip: Clip
     video: Video
@@ -60,14 +58,17 @@ class Posed:
     keyposes: Mapping[int, Pose]
     prepared: dict[bool, Tracker] = field(default_factory=dict)
 
-    def tracker(self, static_camera: bool = False) -> Tracker:
-        """A tracker of these keyframes."""
+    def tracker(self, static_camera: bool = False, keypoints: bool = False) -> Tracker:
+        """A tracker of these keyframes, with a picture of the empty scene or without, and with the
+        bundled network's keypoints or without."""
         if static_camera not in self.prepared:
             self.prepared[static_camera] = Tracker(
                 self.video, self.clip.camera, self.skeleton, self.keyposes,
                 static_camera=static_camera,
             )  # fmt: skip
-        return self.prepared[static_camera].renewed(self.skeleton, self.keyposes)
+        source = DetectedKeypoints(self.video, self.clip.camera) if keypoints else None
+        plain = self.prepared[static_camera]
+        return plain.renewed(self.skeleton, self.keyposes, keypoints=source)
 
     def disturbed(self, seed: int) -> Posed:
         """The same, its keyframes disturbed."""
@@ -129,12 +130,17 @@ def with_settings(settings: TrackSettings) -> Way:
     """Tracked as settings say."""
 
     def way(posed: Posed) -> Tracked:
-        return track(posed.tracker(settings.static_camera), **settings.model_dump())
+        tracker = posed.tracker(bool(settings.static_camera), "keypoints" in settings.cues_used)
+        return track(tracker, **settings.model_dump())
 
     return way
 
 
-WAYS: dict[str, Way] = {"linear": interpolated, "today": with_settings(TrackSettings())}
+WAYS: dict[str, Way] = {
+    "linear": interpolated,
+    "brightness": with_settings(TrackSettings(cues=("brightness",))),
+    "keypoints": with_settings(TrackSettings(cues=("brightness", "keypoints"))),
+}
 """What is compared; more are added by name, or on the command line by their settings."""
 
 
@@ -223,7 +229,7 @@ def _measured(
     for name, values in runs.items():
         over = {figure: Over(tuple(v[figure] for v in values)) for figure in values[0]}
         expected = []
-        if row.most is not None and name != "linear":
+        if row.most is not None and name not in ("linear", "brightness"):
             both = zip(("mean", "median"), row.most, strict=True)
             expected = [Expected(what, over[what].median, most, "px") for what, most in both]
         table.row(row.name, name, *(over.get(f, "–") for f in PRINTED), expected=expected)
