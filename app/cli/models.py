@@ -13,7 +13,8 @@ from tracker.errors import KeypointError
 if TYPE_CHECKING:
     from tracker.keypoints.model_files import Model
 
-PACKAGE = "https://registry.npmjs.org/@mediapipe/pose/-/pose-0.5.1675469404.tgz"
+PACKAGE = "https://cdn.jsdelivr.net/npm/@mediapipe/pose@0.5.1675469404"
+"""Where MediaPipe publishes the networks, file by file."""
 TIMEOUT_S = 30.0
 _EXAMPLES = """\
   keypose models
@@ -90,12 +91,12 @@ def _downloaded(model: Model) -> bytes:
     from tracker.storage.models import LARGEST_PACKAGE_BYTES
 
     try:
-        with urlopen(PACKAGE, timeout=TIMEOUT_S) as answer:
+        with urlopen(f"{PACKAGE}/{model.file}", timeout=TIMEOUT_S) as answer:
             content: bytes = answer.read(LARGEST_PACKAGE_BYTES)
     except (OSError, HTTPException) as error:
         reason = getattr(error, "reason", None) or error
         raise KeypointError(
-            f"The network cannot be downloaded ({reason}): fetch {PACKAGE} elsewhere and run "
+            f"The network cannot be downloaded ({reason}): fetch {PACKAGE}/{model.file} elsewhere and run "
             f"`keypose models add {model.name} --from FILE`."
         ) from None
     return content

@@ -12,6 +12,7 @@ import pytest
 
 from tests.app.results_cases import PARTS, both, passing, session, track
 from tests.tracker import session_cases as cases
+from tracker.body.body import preset
 from tracker.body.shapes import Cylinder
 from tracker.session import IgnoreMask, Session, TrackSettings
 from tracker.session.schema import KeypointFile
@@ -74,7 +75,6 @@ OUTDATES_ALL: dict[str, Change] = {
     "the other method": settings(method="paper"),
     "more passes": settings(passes=7),
     "a static camera": settings(static_camera=True),
-    "keypoints": lambda of: {"keypoints": KeypointFile(file=KEYPOINTS, source="full")},
     "a mask over everything": lambda of: {"ignore_masks": (mask(0, 8),)},
     "the middle keyframe moved": lambda of: posed(of, 1, root_m=(0.2, 0.0, 3.0)),
     "the middle keyframe turned": lambda of: posed(of, 1, rotations_wxyz={}),
@@ -88,9 +88,34 @@ OUTDATES_NONE: dict[str, Change] = {
     "a keyframe's time": lambda of: posed(of, 1, time_s=0.2),
     "signs of quaternions": turned_over,
     "rotations at rest left out": without_rest,
+    "keypoints, which are a person's": lambda of: {
+        "keypoints": KeypointFile(file=KEYPOINTS, source="file"),
+        "settings": of.settings.model_copy(update={"cues": ("brightness", "keypoints")}),
+    },
     "a draft": lambda of: {"drafts": (of.keyframes[1].model_copy(update={"frame": 2}),)},
     "old results": lambda of: {"results": None},
 }
+
+
+def test_the_motion_of_a_person_depends_on_the_keypoints_that_count() -> None:
+    bare = session().model_copy(update={"body": preset("adult_male"), "keyframes": ()})
+    frames = [k.model_copy(update={"rotations_wxyz": {}}) for k in session().keyframes]
+    bare = bare.model_copy(update={"keyframes": tuple(frames)})
+    both_cues = bare.settings.model_copy(update={"cues": ("brightness", "keypoints")})
+    detected = bare.model_copy(update={"settings": both_cues})
+    from_box = KeypointFile(file=KEYPOINTS, source="full", network="0")
+    imported = KeypointFile(file=KEYPOINTS, source="file.json")
+    paper = detected.settings.model_copy(update={"method": "paper"})
+
+    def keys(of: Session, **changes: Any) -> tuple[str, ...]:
+        return tuple(segment_keys(of.model_copy(update=changes)).values())
+
+    assert keys(bare, keypoints=imported) == keys(bare)
+    assert keys(detected) != keys(bare)
+    assert keys(detected, keypoints=imported) not in (keys(detected), keys(bare))
+    assert keys(detected, keypoints=from_box) == keys(detected)  # found again from the keyframes
+    no_cues = paper.model_copy(update={"cues": None})
+    assert keys(detected, settings=paper) == keys(detected, settings=no_cues)
 
 
 @pytest.mark.parametrize("change", OUTDATES_ALL.values(), ids=OUTDATES_ALL)
