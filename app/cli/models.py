@@ -96,7 +96,7 @@ def _downloaded(model: Model) -> bytes:
     except (OSError, HTTPException) as error:
         reason = getattr(error, "reason", None) or error
         raise KeypointError(
-            f"The network cannot be downloaded ({reason}): fetch {PACKAGE}/{model.file} elsewhere and run "
-            f"`keypose models add {model.name} --from FILE`."
+            f"The network cannot be downloaded ({reason}): fetch {PACKAGE}/{model.file} elsewhere "
+            f"and run `keypose models add {model.name} --from FILE`."
         ) from None
     return content

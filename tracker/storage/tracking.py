@@ -11,6 +11,7 @@ from tracker.keypoints.keypoints import Keypoints
 from tracker.keypoints.on_body import is_persons
 from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
 from tracker.session.schema import Session
+from tracker.storage.detections import Detections
 from tracker.storage.evidence import surfaces_of
 from tracker.storage.fingerprints import segment_keys
 from tracker.surface.fit.fitter import SurfaceFitter
@@ -68,7 +69,7 @@ def _keypoints(session: Session, video: Video, given: Keypoints | None) -> Keypo
                 f"The keypoints {session.given_keypoints.file} were not read; tracking uses them."
             )
         return GivenKeypoints(given)
-    return DetectedKeypoints(video, session.camera, session.video.fingerprint)
+    return DetectedKeypoints(video, session.camera, session.video.fingerprint, Detections())
 
 
 def fitter_of(session: Session, video: Video) -> SurfaceFitter:

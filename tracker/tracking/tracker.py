@@ -167,7 +167,8 @@ class Tracker:
             try:
                 step = next(work)
             except StopIteration as done:
-                return _result(scene, segment, done.value, method)
+                enlarged = self.loader(span).camera.fy / scene.camera.fy
+                return _result(scene, segment, done.value, method, enlarged)
             emit(step, number)
             number += 1
 
@@ -204,9 +205,21 @@ class Tracker:
         return self._keypoints is not None and wanted and is_persons(self.skeleton.body)
 
 
-def _result(scene: Scene, segment: Segment, outcome: Outcome, method: Method) -> SegmentResult:
+def _result(
+    scene: Scene, segment: Segment, outcome: Outcome, method: Method, enlarged: float
+) -> SegmentResult:
+    """enlarged: pixels of the video to one of the pictures worked on."""
     judged = isinstance(method, Paper) or method.judged
     seen = (observe if judged else unobserved)(scene, segment.clip, outcome.trajectory)
+    error = None
+    if outcome.joints is not None:
+        by_part = outcome.joints.expected_error(scene.skeleton.part_count)
+        error = by_part * outcome.joints.height_px * enlarged
+    diagnostics = replace(
+        seen.diagnostics,
+        expected_gain=expected_gain(scene, outcome, seen),
+        expected_error=error,
+    )
     return SegmentResult(
         trajectory=outcome.trajectory,
         scores=tuple(step.score_or_nan for step in outcome.passes),
@@ -216,7 +229,7 @@ def _result(scene: Scene, segment: Segment, outcome: Outcome, method: Method) ->
             outcome.gap, closing_error(outcome.trajectory, segment.start, segment.end)
         ),
         verdict=judge(scene, segment, outcome, seen),
-        diagnostics=replace(seen.diagnostics, expected_gain=expected_gain(scene, outcome, seen)),
+        diagnostics=diagnostics,
         notes=outcome.notes,
     )
 

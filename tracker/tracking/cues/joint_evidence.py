@@ -21,6 +21,8 @@ LEAST = 0.003
 """Below it differences say nothing."""
 BASE, BY_DISTANCE, BY_HIDDEN, BY_APART = 9.2, 1.04, 0.30, 1.33
 """Logistic regression of wrong joints on the logarithms of the three."""
+RIGHT_ERROR, WRONG_ERROR = 0.012, 0.05
+"""Mean error of joints that are right, and of those that are wrong: shares of the body's height."""
 UNKNOWN = 0.05
 """How far a joint is taken to be from its keypoint where there is none."""
 
@@ -31,7 +33,7 @@ class JointEvidence:
 
     parts (K,): the part that carries each.  distance (N, K): of its keypoint, NaN without one.
     visibility (N, K).  apart (N, K): of the motions from different starts.
-    height_px: of the body, in pixels of the video.
+    height_px: of the body, in pixels of the pictures worked on.
     """
 
     parts: NDArray[np.int64]
@@ -53,3 +55,13 @@ class JointEvidence:
         wrong = 1 / (1 + np.exp(-logit))
         wrong[[0, -1]] = 0.0
         return np.asarray(wrong)
+
+    def expected_error(self, parts: int) -> Array:
+        """(N, P) shares of the body's height by which a part's worst joint is expected to be off;
+        NaN for parts that carry none."""
+        by_joint = RIGHT_ERROR + (WRONG_ERROR - RIGHT_ERROR) * self.wrong
+        by_joint[[0, -1]] = 0.0
+        expected = np.full((len(by_joint), parts), np.nan)
+        for joint, part in enumerate(self.parts):
+            expected[:, part] = np.fmax(expected[:, part], by_joint[:, joint])
+        return expected

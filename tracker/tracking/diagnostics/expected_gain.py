@@ -45,12 +45,20 @@ def expected_gain(scene: Scene, outcome: Outcome, seen: Observation) -> Array:
     Pixels of the pictures worked on: the mean over the body, summed over the segment's frames. Zero
     at the keyframes that are there.
     """
+    if outcome.joints is not None:
+        by_joint = outcome.joints.expected_error(scene.skeleton.part_count)
+        return _gain(np.nanmean(by_joint, axis=1) * outcome.joints.height_px)
     clock = _clock(outcome)
     error = _error_px(scene, outcome, seen) * 6 * clock * (1 - clock)
     others = _others_px(scene, outcome)
     if others is not None:
         error = np.sqrt(error * others)
     error[[0, -1]] = 0.0  # rounding may take it slightly outside
+    return _gain(error)
+
+
+def _gain(error: Array) -> Array:
+    """(N,) the share of a segment's error that a keyframe removes, most of it where most is."""
     return np.asarray(MENDED * error.sum() * error / max(float(error.max()), 1e-12))
 
 
