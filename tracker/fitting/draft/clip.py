@@ -1,0 +1,172 @@
+"""Draft poses of a whole clip: a box round a person on one frame, and every frame gets a pose.
+
+What is assumed. A picture tells size and distance only together: the body keeps its height, and its
+distance follows from that and from the lens. The person is one, and seen by a camera that the
+session describes. Which way a limb points, toward the camera or away, is the network's word.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.body.body import Body
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
+from tracker.errors import KeypointError
+from tracker.fitting.draft.first_poses import first_pose
+from tracker.fitting.draft.judged import Judged, judged
+from tracker.fitting.draft.limbs import Joints
+from tracker.fitting.draft.observed import Observed
+from tracker.fitting.draft.proposals import Proposal
+from tracker.fitting.draft.sizes import with_proportions
+from tracker.fitting.draft.whole import Whole
+from tracker.geometry.camera import Camera
+from tracker.keypoints.detect import Frame, Kept, Looks, Progress, Seed, detect
+from tracker.keypoints.keypoints import Keypoints
+from tracker.keypoints.region import Box
+from tracker.tracking.cues.anchors import freed
+from tracker.tracking.scene import Scene
+
+
+@dataclass(frozen=True)
+class DraftProgress:
+    """How far the work is: frames looked at by the network, or posed after that."""
+
+    stage: Literal["keypoints", "poses"]
+    done: int
+    expected: int
+
+
+@dataclass(frozen=True, eq=False)
+class ClipDraft:
+    """The drafts of a clip.
+
+    body: with the person's proportions.  poses: by frame, of that body; none where nobody is seen
+    well enough.  keypoints: those of all frames looked at, as the network told them.
+    proposals: the drafts to confirm as keyframes.  judged: what that was decided by.
+    """
+
+    body: Body
+    poses: Mapping[int, Pose]
+    keypoints: Keypoints
+    proposals: tuple[Proposal, ...]
+    judged: Judged
+
+
+def draft_clip(
+    frame: Frame,
+    frames: tuple[int, int],
+    at: int,
+    box: Box,
+    camera: Camera,
+    body: Body,
+    network: Looks,
+    *,
+    proportions: bool = True,
+    report: Callable[[DraftProgress], None] = lambda progress: None,
+    film: str = "",
+    kept: Kept | None = None,
+) -> ClipDraft:
+    """Drafts of all frames from the first to the last, of the person in a box on one of them.
+
+    frame: a picture by its number.  at, box: the frame of the box, and left, top, right, bottom in
+    pixels of the video.  camera: of the video, with its distortion.
+    report: called again and again; what it raises ends the work within a frame.
+    proportions: whether the body's limbs may be scaled to the person's.
+    KeypointError in one sentence for a box that is none, or without a person in it.
+    """
+
+    def looked(progress: Progress) -> None:
+        report(DraftProgress("keypoints", progress.done, progress.expected))
+
+    seed = Seed.of_box(at, box, camera.width, camera.height)
+    keypoints = detect(frame, frames, [seed], network, report=looked, film=film, kept=kept)
+    return draft_from_keypoints(keypoints, camera, body, proportions=proportions, report=report)
+
+
+def draft_from_keypoints(
+    keypoints: Keypoints,
+    camera: Camera,
+    body: Body,
+    *,
+    proportions: bool = True,
+    report: Callable[[DraftProgress], None] = lambda progress: None,
+) -> ClipDraft:
+    """Drafts from keypoints with depth; KeypointError where they show nobody well enough."""
+    observed, ideal = Observed.of(keypoints, camera), camera.without_distortion()
+    Joints.of(Skeleton.of(body))
+    runs = observed.runs()
+    if not runs:
+        raise KeypointError(
+            "The person is nowhere seen well enough for a draft: draw the box in a frame that "
+            "shows the whole body."
+        )
+    if proportions:
+        body = with_proportions(body, ideal, observed)
+    work = _Work(Skeleton.of(body), ideal, report, int(observed.usable.sum()))
+    pieces = [(work.run(observed.rows(run))) for run in runs]
+    return _draft(work, body, keypoints, pieces)
+
+
+@dataclass(eq=False)
+class _Work:
+    """Runs of frames, one after the other."""
+
+    skeleton: Skeleton
+    camera: Camera
+    report: Callable[[DraftProgress], None]
+    expected: int
+    done: int = 0
+
+    def run(self, seen: Observed) -> tuple[Observed, Trajectory]:
+        """The poses of a stretch of frames."""
+        skeleton = freed(self.skeleton)
+        joints = Joints.of(skeleton)
+        first = self._first(joints, seen)
+        middle = first.pose(first.first_frame + len(first) // 2)
+        scene = Scene.of(skeleton, self.camera, [middle], 0.1)
+        motion = Whole.of(scene, joints, seen, first).solve(self._tell)
+        self.done += len(seen)
+        return seen, motion
+
+    def _first(self, joints: Joints, seen: Observed) -> Trajectory:
+        poses: list[Pose | None] = []
+        for n in range(len(seen)):
+            self._tell(0)
+            given = (seen.uv[n], seen.visibility[n], seen.p_hips[n])
+            poses.append(first_pose(joints, self.camera, *given) if seen.usable[n] else None)
+        return _filled(seen.first_frame, poses)
+
+    def _tell(self, more: int) -> None:
+        self.report(DraftProgress("poses", min(self.done + more, self.expected), self.expected))
+
+
+def _filled(first_frame: int, poses: list[Pose | None]) -> Trajectory:
+    """With the pose before it at a frame without one. The first has one."""
+    every: list[Pose] = []
+    for pose in poses:
+        every.append(pose if pose is not None else every[-1])
+    R = np.stack([pose.Rs_parent_part for pose in every])
+    return Trajectory(first_frame, R, np.stack([pose.p_camera_root for pose in every]))
+
+
+def _draft(
+    work: _Work,
+    body: Body,
+    keypoints: Keypoints,
+    pieces: list[tuple[Observed, Trajectory]],
+) -> ClipDraft:
+    found = judged(work.skeleton, work.camera, pieces)
+    every = {
+        seen.first_frame + n: motion.pose(seen.first_frame + n)
+        for seen, motion in pieces
+        for n in range(len(seen))
+    }
+    poses = {frame: every[frame] for frame in found.frames}
+    return ClipDraft(body, poses, keypoints, found.proposals(), found)

@@ -1,0 +1,152 @@
+"""A first pose of every frame by itself, in closed form, from landmarks in space.
+
+A network tells where joints are in space, in axes parallel to the picture's, as if the person were
+in the picture's middle, and only about as long as they are. Its bones are made as long as the
+body's, turned from the camera's axis onto the ray through the hips, and put at the distance from
+which the joints are seen at their pixels: that is linear.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tracker.body.pose import Pose, pose_transforms
+from tracker.fitting.draft.limbs import SIDES, Joints, Limb, place_of
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array, nearest_rotation
+from tracker.solver.fit_joints import aim_parts, rigid
+
+NEAREST_M = 0.3
+"""A body is not put nearer to the camera."""
+STRAIGHT = 0.05
+"""How much the hinge's plane is held to that of the least turn: it decides for a straight limb."""
+ROUNDS, FAR = 3, 2.0
+"""Robust rounds of placing; joints farther off than so many times the median count less."""
+_HIPS = [place_of(side, "hip") for side in SIDES]
+_SHOULDERS = [place_of(side, "shoulder") for side in SIDES]
+
+
+def first_pose(joints: Joints, camera: Camera, uv: Array, sure: Array, p_hips: Array) -> Pose:
+    """The pose of one frame.
+
+    camera: without distortion.  uv (12, 2), sure (12,) weights from 0 to 1, p_hips (12, 3): finite
+    where sure is not 0.
+    """
+    bones = _with_lengths_of(joints, p_hips)
+    known = sure > 0
+    R = _onto_ray(camera, uv[_HIPS].mean(0) if known[_HIPS].all() else uv[known].mean(0))
+    p = bones @ R.T
+    p = p + placed(camera, p, uv, sure)
+    return _posed(joints, p)
+
+
+def _with_lengths_of(joints: Joints, p_hips: Array) -> Array:
+    """(12, 3) the landmarks with bones in their directions and of the body's lengths; the middle
+    of the body's hips is at 0."""
+    p, rest = p_hips, joints.rest
+    out = np.zeros_like(p)
+    for pair, middle in ((_HIPS, np.zeros(3)), (_SHOULDERS, _trunk(joints, p))):
+        half = 0.5 * float(np.linalg.norm(rest[pair[0]] - rest[pair[1]]))
+        across = _unit(p[pair[0]] - p[pair[1]])
+        out[pair[0]], out[pair[1]] = middle + half * across, middle - half * across
+    for bone in joints.bones:
+        out[bone.far] = out[bone.near] + joints.length_m(bone) * _unit(p[bone.far] - p[bone.near])
+    return out
+
+
+def _trunk(joints: Joints, p: Array) -> Array:
+    """From the middle of the hips to that of the shoulders, as long as on the body."""
+    ours = joints.rest[_SHOULDERS].mean(0) - joints.rest[_HIPS].mean(0)
+    theirs = p[_SHOULDERS].mean(0) - p[_HIPS].mean(0)
+    return float(np.linalg.norm(ours)) * _unit(theirs)
+
+
+def _unit(v: Array) -> Array:
+    return np.asarray(v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-9))
+
+
+def _onto_ray(camera: Camera, uv: Array) -> Array:
+    """The rotation that turns the camera's axis onto the ray through a pixel, x kept level."""
+    if camera.telephoto_distance_m is not None:
+        return np.eye(3)
+    z = _unit(camera.back_project(uv, 1.0))
+    x = _unit(np.cross((0.0, 1.0, 0.0), z))
+    return np.stack([x, np.cross(z, x), z], axis=1)
+
+
+def placed(camera: Camera, p: Array, uv: Array, sure: Array) -> Array:
+    """(3,) the shift that puts points p (K, 3) where they are seen at pixels uv (K, 2).
+
+    u · (z + t_z) = f · (x + t_x) + c · (z + t_z) is linear in t; robust by reweighting.
+    """
+    weight = np.sqrt(sure)
+    for _ in range(ROUNDS):
+        t = _linear_place(camera, p, uv, weight)
+        away = np.linalg.norm(_project(camera, p + t) - uv, axis=-1)
+        usual = float(np.median(away[sure > 0]))
+        weight = np.sqrt(sure * np.minimum(1.0, FAR * usual / np.maximum(away, 1e-9)))
+    return t
+
+
+def _linear_place(camera: Camera, p: Array, uv: Array, weight: Array) -> Array:
+    ray = (uv - (camera.cx, camera.cy)) / (camera.fx, camera.fy)
+    if camera.telephoto_distance_m is not None:
+        distance = camera.telephoto_distance_m
+        shift = (weight[:, None] ** 2 * (ray * distance - p[:, :2])).sum(0) / (weight**2).sum()
+        return np.array([*shift, distance])
+    A, b = np.zeros((len(p), 2, 3)), p[:, 2:] * ray - p[:, :2]
+    A[:, 0, 0] = A[:, 1, 1] = 1.0
+    A[:, :, 2] = -ray
+    A, b = A * weight[:, None, None], b * weight[:, None]
+    t = np.linalg.lstsq(A.reshape(-1, 3), b.ravel(), rcond=None)[0]
+    nearest = NEAREST_M - float(p[:, 2].min())
+    return np.array([t[0], t[1], max(float(t[2]), nearest)])
+
+
+def _project(camera: Camera, p: Array) -> Array:
+    z = np.maximum(camera.depth(p), 1e-3)[:, None]
+    return np.asarray(p[:, :2] / z * (camera.fx, camera.fy) + (camera.cx, camera.cy))
+
+
+def _posed(joints: Joints, p: Array) -> Pose:
+    """The body with its joints toward points p (12, 3): the trunk as a whole, then every part."""
+    skeleton, trunk = joints.skeleton, [*_HIPS, *_SHOULDERS]
+    R, t = rigid(joints.rest[trunk], p[trunk])
+    Rs = np.tile(np.eye(3), (skeleton.part_count, 1, 1))
+    Rs[0] = R
+    aimed = aim_parts(joints.points, p, Pose(Rs, t))
+    return _with_hinges(joints, p, aimed)
+
+
+def _with_hinges(joints: Joints, p: Array, pose: Pose) -> Pose:
+    """With upper arms and thighs turned about themselves so that elbows and knees bend as hinges
+    do."""
+    H = pose_transforms(joints.skeleton, pose)[:, :3, :3]
+    Rs = pose.Rs_parent_part.copy()
+    for limb in joints.limbs:
+        upper, lower = hinged(limb, p, H[limb.upper.part])
+        above = H[joints.skeleton.parents[limb.upper.part]]
+        Rs[limb.upper.part] = nearest_rotation(above.T @ upper)
+        Rs[limb.lower.part] = nearest_rotation(upper.T @ lower)
+    return Pose(Rs, pose.p_camera_root)
+
+
+def hinged(limb: Limb, p: Array, H: Array) -> tuple[Array, Array]:
+    """The orientations (..., 3, 3) of both parts of a limb with joints at p (..., 12, 3).
+
+    H (..., 3, 3): of the upper part, which decides how it is turned about itself where the limb is
+    straight.
+    """
+    along = _unit(p[..., limb.upper.far, :] - p[..., limb.upper.near, :])
+    beyond = _unit(p[..., limb.lower.far, :] - p[..., limb.lower.near, :])
+    # as long as the sine of the bend
+    across = beyond - (beyond * along).sum(-1, keepdims=True) * along
+    x, y = np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
+    bends_to = np.array(limb.bends_to)
+    upper = nearest_rotation(_outer(along, y) + _outer(across, bends_to) + STRAIGHT * H)
+    lower = nearest_rotation(_outer(beyond, y) + _outer(upper[..., 0], x))
+    return upper, lower
+
+
+def _outer(a: Array, b: Array) -> Array:
+    return np.asarray(a[..., :, None] * b)

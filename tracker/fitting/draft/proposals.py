@@ -1,0 +1,76 @@
+"""Frames where a person should look: the drafts to confirm as keyframes first."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final, Literal, TypeAlias
+
+import numpy as np
+
+from tracker.geometry.rotations import Array
+
+Reason: TypeAlias = Literal["start", "end", "residual", "hidden", "flip", "person"]
+"""Why a draft should be confirmed: the first or the last one of a stretch; joints lie far from
+their keypoints; joints are hidden; a limb may point toward the camera or away from it; the person
+may be another one from here on."""
+
+EVERY: Final = 60
+"""About so many frames come to one proposal."""
+APART: Final = 10
+"""Frames between two proposals at least."""
+POOR: Final[Mapping[Reason, float]] = {"residual": 0.03, "hidden": 0.5, "flip": 0.5, "person": 1.0}
+"""From which value on a frame is proposed for a reason."""
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """A draft to confirm.
+
+    parts: those it is about, empty for all.  score: how far its worst value is above the limit
+    from which it is proposed, as a ratio; 0 for the ends.
+    """
+
+    frame: int
+    reason: Reason
+    parts: tuple[str, ...] = ()
+    score: float = 0.0
+
+
+def proposed(
+    frames: list[int],
+    ends: list[tuple[int, int]],
+    doubts: Mapping[Reason, Array],
+    parts: tuple[str, ...],
+) -> tuple[Proposal, ...]:
+    """The frames to confirm, ascending.
+
+    frames (N,): those with a draft.  ends: first and last of every stretch.
+    doubts: by reason, values (N, L) of L limbs, whose parts are `parts`.
+    """
+    chosen = {a: Proposal(a, "start") for a, _ in ends} | {
+        b: Proposal(b, "end") for a, b in ends if b > a
+    }
+    candidates = _candidates(frames, doubts, parts)
+    most = len(chosen) + max(1, len(frames) // EVERY) + 1
+    for candidate in candidates:
+        if len(chosen) >= most:
+            break
+        if all(abs(candidate.frame - frame) >= APART for frame in chosen):
+            chosen[candidate.frame] = candidate
+    return tuple(chosen[frame] for frame in sorted(chosen))
+
+
+def _candidates(
+    frames: list[int], doubts: Mapping[Reason, Array], parts: tuple[str, ...]
+) -> list[Proposal]:
+    """Everything above its limit, the worst first."""
+    found = []
+    for reason, values in doubts.items():
+        ratio = values / POOR[reason]
+        for n in np.flatnonzero(ratio.max(axis=1, initial=0.0) >= 1.0):
+            about = tuple(p for p, r in zip(parts, ratio[n], strict=True) if r >= 1.0)
+            whole = len(about) == len(parts)
+            score = round(float(ratio[n].max()), 6)
+            found.append(Proposal(frames[n], reason, () if whole else about, score))
+    return sorted(found, key=lambda p: (-p.score, p.frame, p.reason))
