@@ -377,6 +377,20 @@ class FitSizes(Message):
     focal: bool = False
 
 
+class Draft(Message):
+    """A pose for every frame, from a box around the person on one of them.
+
+    box: left, top, right and bottom, pixels of the video.  first, last: of the frames to draft,
+    those of the video where left out.
+    """
+
+    do: Literal["draft"] = "draft"
+    frame: FrameIndex
+    box: tuple[Coordinate, Coordinate, Coordinate, Coordinate]
+    first: FrameIndex | None = None
+    last: FrameIndex | None = None
+
+
 class LookBefore(Message):
     """What stood before the last fit is shown, as long as `on`."""
 
@@ -432,7 +446,7 @@ Rewinding: TypeAlias = Undo | Redo | EndStroke | CancelStroke
 Editing: TypeAlias = Looking | Posing | Keying | Shaping | Filming | Choosing | Rewinding
 """What `app.editor.update` knows to apply."""
 
-Fitting: TypeAlias = FitHere | FitSizes | LookBefore | CloseFit
+Fitting: TypeAlias = FitHere | FitSizes | Draft | LookBefore | CloseFit
 Running: TypeAlias = Track | Fitting | Cancel | SaveAgain | Close | Open
 """What the store does: jobs and files."""
 

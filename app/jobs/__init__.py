@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from app.jobs.messages import (
     Change,
+    Drafted,
+    Drafting,
+    DraftOrder,
     FitOrder,
     Fitted,
     JobFailed,
@@ -26,6 +29,9 @@ from app.jobs.tracking import LIVE, Tracking
 __all__ = [
     "LIVE",
     "Change",
+    "DraftOrder",
+    "Drafted",
+    "Drafting",
     "FitOrder",
     "Fitted",
     "JobFailed",

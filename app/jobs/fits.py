@@ -1,15 +1,20 @@
-"""One order to fit: a pose, or the sizes, to what the pictures show."""
+"""One order to fit: a pose, or the sizes, to what the pictures show, or drafts of a whole clip."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
 from threading import Event
+from typing import TYPE_CHECKING
 
 from pydantic import ValidationError
 
+from app.jobs.drafts import DraftLeft, Telling, drafted
 from app.jobs.failure import failure_message
 from app.jobs.messages import (
+    Drafted,
+    Drafting,
+    DraftOrder,
     FitOrder,
     Fitted,
     JobFailed,
@@ -26,6 +31,9 @@ from tracker.errors import SurfaceError, one_sentence
 from tracker.session import Session
 from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 from tracker.video import Video
+
+if TYPE_CHECKING:
+    from tracker.fitting.draft import DraftProgress
 
 Send = Callable[[Report], None]
 
@@ -45,6 +53,8 @@ class Fit:
         job = self.order.job
         try:
             fitted = self._fit(worker_cache)
+        except DraftLeft:
+            self._send(JobFinished(job, cancelled=True))
         except ValidationError as error:
             self._send(JobFailed(job, one_sentence(error)))
         except Exception as error:  # noqa: BLE001 — a fault, reported as such
@@ -58,14 +68,18 @@ class Fit:
         return _FITS.of(session)(self, self.order, session, worker_cache)
 
     def on_film(self, order: FitOrder, session: Session, worker_cache: WorkerCache) -> Fitted:
-        """A pose or the sizes fitted to pictures."""
+        """A pose or the sizes fitted to pictures, or a clip drafted."""
         video = worker_cache.video(session, order.video_path)
         if isinstance(order, PoseOrder):
             return self._pose(order, session, video)
+        if isinstance(order, DraftOrder):
+            return self._draft(order, session, video)
         return self._sizes(order, session, video)
 
     def on_surfaces(self, order: FitOrder, session: Session, worker_cache: WorkerCache) -> Fitted:
         """A pose fitted to the surface of its frame; SurfaceError where sizes are asked for."""
+        if isinstance(order, DraftOrder):
+            raise SurfaceError("Drafts are made from a video, not from surfaces.")
         if isinstance(order, SizesOrder):
             raise SurfaceError(
                 "Sizes are fitted to pictures, not to surfaces: set them in Body, by what you see."
@@ -104,6 +118,18 @@ class Fit:
         )  # fmt: skip
         return SizesFitted(
             order.job, found.body, found.camera, found.keyposes, found.message, found.changes
+        )
+
+    def _draft(self, order: DraftOrder, session: Session, video: Video) -> Drafted:
+        def tell(progress: DraftProgress) -> None:
+            self._send(Drafting(order.job, progress.stage, progress.done, progress.expected))
+
+        draft, network = drafted(
+            session, video, order.frame, order.box, order.frames,
+            proportions=order.proportions, report=Telling(tell, self._cancelled.is_set),
+        )  # fmt: skip
+        return Drafted(
+            order.job, draft.body, draft.poses, draft.keypoints, network, draft.proposals
         )
 
 

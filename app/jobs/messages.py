@@ -5,13 +5,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from tracker.body.body import Body
 from tracker.body.pose import Pose
 from tracker.geometry.camera import Camera
+from tracker.keypoints.keypoints import Keypoints
+from tracker.keypoints.region import Box
 from tracker.session.settings import Quality
 from tracker.tracking.result import SegmentResult
+
+if TYPE_CHECKING:
+    from tracker.fitting.draft import Proposal
 
 Wanted: TypeAlias = tuple[int, int, str]
 """First frame, last frame and key of a segment to track."""
@@ -64,7 +69,26 @@ class SizesOrder:
     job: int = 0
 
 
-FitOrder: TypeAlias = PoseOrder | SizesOrder
+@dataclass(frozen=True)
+class DraftOrder:
+    """Draft a pose of every frame from a box around the person on one of them.
+
+    session: JSON of a session with the body and the camera, without poses.
+    frame, box: the frame of the box, and left, top, right, bottom in pixels.
+    frames: first and last to draft.
+    proportions: whether the body's limbs may be scaled to the person's.
+    """
+
+    session: bytes
+    video_path: str
+    frame: int
+    box: Box
+    frames: tuple[int, int]
+    proportions: bool
+    job: int = 0
+
+
+FitOrder: TypeAlias = PoseOrder | SizesOrder | DraftOrder
 AnyOrder: TypeAlias = Order | FitOrder
 
 
@@ -180,9 +204,43 @@ class SizesFitted:
     changes: tuple[Change, ...]
 
 
-Fitted: TypeAlias = PoseFitted | SizesFitted
+@dataclass(frozen=True)
+class Drafting:
+    """How far a draft is: frames that the network has looked at, then frames that are posed."""
+
+    job: int
+    stage: Literal["keypoints", "poses"]
+    done: int
+    expected: int
+
+
+@dataclass(frozen=True, eq=False)
+class Drafted:
+    """A pose for every frame that shows the person well enough.
+
+    body: with the person's proportions.  keypoints: what the poses were made from.
+    network: its fingerprint.  proposals: the poses to confirm as keyframes.
+    """
+
+    job: int
+    body: Body
+    poses: Mapping[int, Pose]
+    keypoints: Keypoints
+    network: str
+    proposals: tuple[Proposal, ...]
+
+
+Fitted: TypeAlias = PoseFitted | SizesFitted | Drafted
 """What ends an order to fit, unless it was cancelled or failed."""
 
 Report: TypeAlias = (
-    Warming | Ready | Started | PassFinished | SegmentFinished | JobFinished | JobFailed | Fitted
+    Warming
+    | Ready
+    | Started
+    | PassFinished
+    | SegmentFinished
+    | Drafting
+    | JobFinished
+    | JobFailed
+    | Fitted
 )

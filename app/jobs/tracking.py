@@ -12,6 +12,7 @@ from typing import Any
 
 from app.jobs.messages import (
     Cancel,
+    Drafted,
     FitOrder,
     JobFailed,
     JobFinished,
@@ -78,10 +79,11 @@ class Tracking:
         return job
 
     def fit(self, order: FitOrder) -> int:
-        """Fit a pose or the sizes; the job's number, which takes the place of the order's own.
+        """Fit a pose or the sizes, or draft a clip; the job's number, which takes the place of the
+        order's own.
 
-        Ends a job that is at work, as tracking does. Ends in one PoseFitted or SizesFitted, or as
-        other jobs do.
+        Ends a job that is at work, as tracking does. Ends in one PoseFitted, SizesFitted or
+        Drafted, or as other jobs do.
         """
         job = self._begin(_DIED_FITTING)
         self._ensure_worker().send(replace(order, job=job))
@@ -140,7 +142,7 @@ class Tracking:
     def _on_message(self, worker: WorkerProcess, report: Report) -> None:
         if worker is not self._worker:
             return
-        if isinstance(report, JobFinished | JobFailed | PoseFitted | SizesFitted):
+        if isinstance(report, JobFinished | JobFailed | PoseFitted | SizesFitted | Drafted):
             self._open.pop(report.job, None)
         if isinstance(report, Warming | Ready):
             report = replace(report, job=self.job)

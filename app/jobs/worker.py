@@ -13,6 +13,7 @@ from app.jobs.latest_order import LatestOrder
 from app.jobs.messages import (
     AnyOrder,
     Cancel,
+    DraftOrder,
     JobFinished,
     Order,
     PassFinished,
@@ -64,7 +65,7 @@ class Worker:
             (self._may_go_on.clear if message.on else self._may_go_on.set)()
             return
         self._may_go_on.set()
-        if isinstance(message, Order | PoseOrder | SizesOrder):
+        if isinstance(message, Order | PoseOrder | SizesOrder | DraftOrder):
             dropped = self._latest.put(message)
         else:
             dropped = self._latest.cancel(message.job)

@@ -7,16 +7,33 @@ from typing import Any, Protocol
 
 from app.document.open import OpenSession
 from app.editor import actions as do
+from app.editor.drafted import (
+    KEYPOINT_SOURCE,
+    keeps_proportions,
+    require_draftable,
+    with_clip_drafted,
+)
 from app.editor.fitted import pose_to_fit, require_sizes_to_fit, with_pose_fitted, with_sizes_fitted
 from app.editor.shown import find
 from app.editor.state import EditorState
-from app.jobs import FitOrder, Fitted, JobFailed, PoseFitted, PoseOrder, SizesOrder
+from app.jobs import (
+    Drafted,
+    DraftOrder,
+    FitOrder,
+    Fitted,
+    JobFailed,
+    PoseFitted,
+    PoseOrder,
+    SizesFitted,
+    SizesOrder,
+)
 from app.store.identity import unchanged
 from app.store.runner import Runner
-from app.store.state import AppState, FitOutcome
+from app.store.state import AppState, DraftOutcome, FitOutcome
 from tracker.body.pose import Pose
 from tracker.errors import KeyposeError
 from tracker.session.schema import Session
+from tracker.storage.keypoints import save_keypoints
 from tracker.storage.results import pose_at
 
 NEAR_FRAMES = 8
@@ -25,9 +42,10 @@ NEAR_FRAMES = 8
 
 @dataclass(frozen=True, eq=False)
 class FitRequest:
-    """A fit that is under way.
+    """A fit, or a draft of the clip, that is under way.
 
-    frame: whose pose is fitted; None for the sizes.  began: the state when it was asked for.
+    frame: whose pose is fitted; None for the sizes and for a draft.
+    began: the state when it was asked for.
     """
 
     order: FitOrder
@@ -36,10 +54,12 @@ class FitRequest:
 
     @classmethod
     def of(
-        cls, opened: OpenSession, edit: EditorState, action: do.FitHere | do.FitSizes
+        cls, opened: OpenSession, edit: EditorState, action: do.FitHere | do.FitSizes | do.Draft
     ) -> FitRequest:
         """What is asked for; Refused with the reason where it cannot be had."""
         path = str(opened.video.info.path)
+        if isinstance(action, do.Draft):
+            return cls(_draft_order(path, edit, action), None, edit)
         if isinstance(action, do.FitSizes):
             require_sizes_to_fit(edit)
             return cls(SizesOrder(_content(edit.doc), path, action.focal), None, edit)
@@ -49,7 +69,17 @@ class FitRequest:
 
     @property
     def title(self) -> str:
+        if isinstance(self.order, DraftOrder):
+            return "Drafting poses"
         return "Fitting the sizes" if self.frame is None else f"Fitting frame {self.frame}"
+
+    @property
+    def why_cancelled(self) -> str:
+        """What is said when it began from something that has changed."""
+        if isinstance(self.order, DraftOrder):
+            return "Draft cancelled because the body, the camera or a keyframe changed."
+        what = "sizes" if self.frame is None else "pose"
+        return f"Fit cancelled because the {what} changed."
 
     def is_current(self, edit: EditorState) -> bool:
         """Whether what it began from still stands."""
@@ -57,6 +87,8 @@ class FitRequest:
 
     def is_like(self, other: FitRequest) -> bool:
         """Whether the other asks for the same of what still stands."""
+        if isinstance(self.order, DraftOrder) or isinstance(other.order, DraftOrder):
+            return self.order == other.order
         focal = (getattr(request.order, "focal", None) for request in (self, other))
         return (
             self.frame == other.frame
@@ -65,6 +97,8 @@ class FitRequest:
         )
 
     def _inputs(self, doc: Session) -> tuple[Any, ...]:
+        if isinstance(self.order, DraftOrder):
+            return doc.body, doc.camera, doc.surface, doc.keyframes
         what = (doc.body, doc.camera, doc.ignore_masks, doc.surface)
         if self.frame is None:
             return *what, doc.keyframes, doc.drafts
@@ -82,6 +116,8 @@ class Host(Protocol):
 
     def show_fit(self, edit: EditorState, outcome: FitOutcome) -> None: ...
 
+    def show_draft(self, edit: EditorState, outcome: DraftOutcome) -> None: ...
+
     def note(self, kind: str, words: str) -> None: ...
 
 
@@ -95,7 +131,7 @@ class Fitter:
         self._request: FitRequest | None = None
         self._found: Fitted | None = None
 
-    def ask(self, action: do.FitHere | do.FitSizes) -> None:
+    def ask(self, action: do.FitHere | do.FitSizes | do.Draft) -> None:
         """Begin; a fit that is asked for twice is done once."""
         opened, edit = self._current()
         request = FitRequest.of(opened, edit, action)
@@ -109,8 +145,7 @@ class Fitter:
             return
         _, edit = self._current()
         if not self._request.is_current(edit):
-            what = "sizes" if self._request.frame is None else "pose"
-            self._host.note("info", f"Fit cancelled because the {what} changed.")
+            self._host.note("info", self._request.why_cancelled)
             self.cancel()
         elif self._found is not None and edit.stroke is None:
             self._apply(self._request, self._found)
@@ -138,9 +173,12 @@ class Fitter:
         self.changed()
 
     def _apply(self, request: FitRequest, found: Fitted) -> None:
-        _, edit = self._current()
+        opened, edit = self._current()
         self._request = self._found = None
         try:
+            if isinstance(found, Drafted):
+                self._host.show_draft(*apply_draft(request, found, edit, opened))
+                return
             after, outcome = apply_fit(request, found, edit)
             if after is edit:
                 self._host.note("info", outcome.words)
@@ -163,7 +201,7 @@ class Fitter:
 
 
 def apply_fit(
-    request: FitRequest, fitted: Fitted, edit: EditorState
+    request: FitRequest, fitted: PoseFitted | SizesFitted, edit: EditorState
 ) -> tuple[EditorState, FitOutcome]:
     """The state with what was found, and a summary of it; KeyposeError where it is not valid."""
     if isinstance(fitted, PoseFitted):
@@ -174,6 +212,31 @@ def apply_fit(
         return edit, FitOutcome(None, fitted.words, edit.doc, edit.doc)
     after = with_sizes_fitted(edit, fitted.body, fitted.camera, fitted.keyposes)
     return after, FitOutcome(None, fitted.words, edit.doc, after.doc, fitted.changes)
+
+
+def apply_draft(
+    request: FitRequest, drafted: Drafted, edit: EditorState, opened: OpenSession
+) -> tuple[EditorState, DraftOutcome]:
+    """The state with the drafts, their keypoints written beside the session; KeyposeError where
+    that is not possible."""
+    order, path = request.order, opened.session_path
+    assert isinstance(order, DraftOrder)
+    referring = save_keypoints(
+        edit.doc, path, drafted.keypoints, KEYPOINT_SOURCE,
+        network=drafted.network, seeds=(order.frame,),
+    )  # fmt: skip
+    given = (order.frames, drafted.body, drafted.poses, referring.keypoints)
+    after = with_clip_drafted(edit, *given)
+    return after, DraftOutcome(order.frames, tuple(sorted(drafted.poses)), drafted.proposals)
+
+
+def _draft_order(path: str, edit: EditorState, action: do.Draft) -> DraftOrder:
+    doc, last = edit.doc, edit.frame_count - 1
+    frames = (action.first or 0, last if action.last is None else action.last)
+    require_draftable(doc, action.frame, action.box, frames)
+    bare = doc.model_copy(update={"keyframes": ()})
+    proportions = not keeps_proportions(doc)
+    return DraftOrder(_content(bare), path, action.frame, action.box, frames, proportions)
 
 
 def _content(doc: Session) -> bytes:

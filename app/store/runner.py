@@ -14,6 +14,9 @@ from app.editor.advice import why_nothing_to_do
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.jobs import (
+    Drafted,
+    Drafting,
+    DraftOrder,
     FitOrder,
     Fitted,
     JobFailed,
@@ -41,6 +44,10 @@ Ending: TypeAlias = Literal["done", "cancelled", "failed"]
 OnFitEnd: TypeAlias = Callable[[Fitted | JobFailed], None]
 
 
+FitKind: TypeAlias = Literal["fit", "draft"]
+
+NETWORK_SHARE = 0.9
+"""Of the time that a draft takes."""
 SECONDS_TO_LEAVE = 3.0
 """A pass, or a step of time, takes less."""
 
@@ -114,7 +121,8 @@ class Runner:
         self._progress = None
         self.running = dict.fromkeys(self._waiting, Running())
         words = "tracking continues after it" if self._waiting else ""
-        self.job = Job("running", title, words, kind="fit")
+        kind: FitKind = "draft" if isinstance(order, DraftOrder) else "fit"
+        self.job = Job("running", title, words, kind=kind)
         self._notify(self, False)
 
     def drop_fit(self) -> None:
@@ -199,7 +207,7 @@ class Runner:
         match report:
             case Warming():
                 self.job = replace(self.job, words=report.words)
-            case Ready() if self.job.kind == "fit":
+            case Ready() if self.job.kind != "track":
                 self.job = replace(self.job, words="")
             case Started():
                 self._progress = Progress.of(report, time.monotonic())
@@ -207,7 +215,9 @@ class Runner:
                 self._on_pass(report)
             case SegmentFinished():
                 self._on_segment(report.result)
-            case PoseFitted() | SizesFitted():
+            case Drafting():
+                self._on_drafting(report)
+            case PoseFitted() | SizesFitted() | Drafted():
                 self._on_fit_end(report)
             case JobFailed() if self._fit_done is not None:
                 self._on_fit_end(report)
@@ -215,6 +225,17 @@ class Runner:
                 self._on_end("cancelled" if report.cancelled else "done")
             case JobFailed():
                 self._on_end("failed", report.words)
+
+    def _on_drafting(self, report: Drafting) -> None:
+        """The network takes most of the time."""
+        share = report.done / max(report.expected, 1)
+        looking = report.stage == "keypoints"
+        percent = 100 * (
+            NETWORK_SHARE * share if looking else NETWORK_SHARE + (1 - NETWORK_SHARE) * share
+        )
+        verb = "Looking for the person" if looking else "Posing"
+        words = f"{verb}: {report.done} of {report.expected} frames"
+        self.job = replace(self.job, words=words, percent=percent)
 
     def _on_fit_end(self, report: Fitted | JobFailed) -> None:
         self._number = 0

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from app.editor.state import EditorState
 from app.jobs import Change
 from tracker.session.schema import Session
 from tracker.video import VideoInfo
+
+if TYPE_CHECKING:
+    from tracker.fitting.draft import Proposal
 
 
 @dataclass(frozen=True)
@@ -24,7 +27,7 @@ class Job:
     words: str = ""
     percent: float = 0.0
     seconds_left: float | None = None
-    kind: Literal["track", "fit"] = "track"
+    kind: Literal["track", "fit", "draft"] = "track"
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +44,27 @@ class FitOutcome:
     after: Session
     changes: tuple[Change, ...] = ()
     looking_back: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class DraftOutcome:
+    """What the last draft of the clip found.
+
+    frames: first and last that were to be drafted.  drafted: those that were, ascending.
+    proposals: the drafts to confirm as keyframes.
+    """
+
+    frames: tuple[int, int]
+    drafted: tuple[int, ...]
+    proposals: tuple[Proposal, ...]
+
+    @property
+    def words(self) -> str:
+        """What was done."""
+        of, done = self.frames[1] - self.frames[0] + 1, len(self.drafted)
+        if done == of:
+            return f"All {of} frames drafted." if of > 1 else "The frame is drafted."
+        return f"{done} of {of} frames drafted: the others do not show the person well enough."
 
 
 @dataclass(frozen=True)
@@ -122,6 +146,7 @@ class AppState:
     tabs: int = 0
     running: Mapping[tuple[int, int], Running] = field(default_factory=dict)
     fit: FitOutcome | None = None
+    draft: DraftOutcome | None = None
     surface: SurfaceSeen = SurfaceSeen()
     unusable: str = ""
 

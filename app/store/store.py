@@ -31,7 +31,16 @@ from app.store.guide import guide_after
 from app.store.runner import Runner
 from app.store.saving import SessionWriter
 from app.store.sections import Sections
-from app.store.state import AppState, FitOutcome, Guide, Job, OpenedFile, Saved, SurfaceSeen
+from app.store.state import (
+    AppState,
+    DraftOutcome,
+    FitOutcome,
+    Guide,
+    Job,
+    OpenedFile,
+    Saved,
+    SurfaceSeen,
+)
 from app.store.tabs import Tab, Tabs
 from tracker.errors import SessionError, SurfaceError, VideoError, one_sentence
 from tracker.storage.chronicle import mark_of
@@ -257,6 +266,12 @@ class Store:
         self._edit_to(edit)
         self._set(fit=outcome)
 
+    def show_draft(self, edit: EditorState, outcome: DraftOutcome) -> None:
+        """Go on from the drafts of the clip."""
+        self._edit_to(edit)
+        self._set(draft=outcome)
+        self.note("info", outcome.words)
+
     def _show_before(self, on: bool) -> None:
         fit = self._app_state.fit
         if fit is not None and fit.looking_back != on:
@@ -375,6 +390,7 @@ class Store:
         self._writer.close()
         self._clients = Clients()
         self._set(opened=None, edit=None, running={}, job=Job(), saved=Saved(), fit=None)
+        self._set(draft=None)
         self._set(surface=SurfaceSeen(), unusable="", revision="")
         if examiner is not None:
             await asyncio.to_thread(examiner.close)

@@ -72,6 +72,31 @@ def fit(app_state: AppState) -> Json:
     }
 
 
+def draft(app_state: AppState) -> Json:
+    """What the last draft of the clip found, until none of its drafts is left: the frames
+    without a draft, and the drafts that should be confirmed as keyframes and are none yet."""
+    given, doc = app_state.draft, doc_of(app_state)
+    waiting = {draft.frame for draft in doc.drafts} if doc else set()
+    if given is None or not waiting.intersection(given.drafted):
+        return None
+    first, last = given.frames
+    return {
+        "words": given.words,
+        "first": first,
+        "last": last,
+        "missing": sorted(set(range(first, last + 1)) - set(given.drafted)),
+        "proposals": [
+            {
+                "frame": proposal.frame,
+                "reason": proposal.reason,
+                "parts": [part_label(part) for part in proposal.parts],
+            }
+            for proposal in given.proposals
+            if proposal.frame in waiting
+        ],
+    }
+
+
 def guide(app_state: AppState) -> Json:
     """The first pose's steps."""
     given = app_state.guide

@@ -8,11 +8,10 @@ session describes. Which way a limb points, toward the camera or away, is the ne
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tracker.body.body import Body
 from tracker.body.pose import Pose

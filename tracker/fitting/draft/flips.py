@@ -34,9 +34,7 @@ def flip_odds(joints: Joints, camera: Camera, seen: Observed, motion: Trajectory
     p = joints.points.at(Ts)
     told = seen.p_hips[..., 2] - np.nanmean(seen.p_hips[..., 2], axis=1, keepdims=True)
     offset = np.nanmean(p[..., 2], axis=1, keepdims=True)
-    odds = [
-        _limb_odds(joints, limb, camera, p, told + offset, motion, Ts) for limb in joints.limbs
-    ]
+    odds = [_limb_odds(joints, limb, camera, p, told + offset, motion, Ts) for limb in joints.limbs]
     return np.stack(odds, axis=1)
 
 

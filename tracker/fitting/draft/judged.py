@@ -11,7 +11,7 @@ from tracker.body.trajectory import Trajectory
 from tracker.fitting.draft.flips import flip_odds
 from tracker.fitting.draft.limbs import Joints
 from tracker.fitting.draft.observed import Observed
-from tracker.fitting.draft.proposals import Proposal, proposed
+from tracker.fitting.draft.proposals import Proposal, Reason, proposed
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
 from tracker.solver.posed import image_points
@@ -48,16 +48,14 @@ class Judged:
 
     def proposals(self) -> tuple[Proposal, ...]:
         """The drafts to confirm."""
-        doubts = {
+        doubts: dict[Reason, Array] = {
             "residual": self.residual, "hidden": self.hidden, "flip": self.flips,
             "person": np.repeat(self.jump, len(self.parts), axis=1),
         }  # fmt: skip
         return proposed(list(self.frames), list(self.ends), doubts, self.parts)
 
 
-def judged(
-    skeleton: Skeleton, camera: Camera, pieces: list[tuple[Observed, Trajectory]]
-) -> Judged:
+def judged(skeleton: Skeleton, camera: Camera, pieces: list[tuple[Observed, Trajectory]]) -> Judged:
     """Of stretches of frames with their motions; camera without distortion."""
     joints = Joints.of(skeleton)
     names = tuple(skeleton.body.names[limb.upper.part] for limb in joints.limbs)

@@ -39,8 +39,9 @@ def with_proportions(body: Body, camera: Camera, observed: Observed) -> Body:
     joints = Joints.of(Skeleton.of(body))
     ratios = _ratios(joints, camera, observed)
     factors: dict[str, float] = {}
-    for left, right in zip(joints.bones[:2] + joints.bones[4:6],
-                           joints.bones[2:4] + joints.bones[6:], strict=True):
+    for left, right in zip(
+        joints.bones[:2] + joints.bones[4:6], joints.bones[2:4] + joints.bones[6:], strict=True
+    ):
         own = np.concatenate([ratios[left], ratios[right]])
         factors[body.names[left.part]] = _believed(own)
     changed = body

@@ -18,7 +18,6 @@ from tracker.body.joint_limits import Limits
 from tracker.body.trajectory import Trajectory
 from tracker.fitting.draft.limbs import Joints
 from tracker.fitting.draft.observed import Observed
-from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
 from tracker.solver.least_squares import Criteria, Damping, least_squares
 from tracker.solver.robust import SQUARED, Cauchy, Huber, Kernel
@@ -88,7 +87,7 @@ class Whole:
     def cost(self, motion: Trajectory) -> float:
         """What motions that tell left and right otherwise are compared by."""
         padded = _padded(motion)
-        return float(self._problem(slice(0, len(self)), Cauchy(), True).at(padded, 0).cost)
+        return float(self._problem(slice(0, len(self)), Cauchy()).at(padded, 0).cost)
 
     def solve(self, step: Callable[[int], None]) -> Trajectory:
         """The motion nearest to all.
@@ -101,24 +100,23 @@ class Whole:
         while True:
             end = min(start + WINDOW, len(self))
             rows = slice(start, end)
-            found = self._window(rows, R[rows], t[rows], start == 0, lambda at=start: step(at))
+            found = self._window(rows, R[rows], t[rows], step)
             R[rows], t[rows] = found.Rs_parent_part, found.ps_camera_root
             if end == len(self):
                 return Trajectory(self.first.first_frame, R, t)
             start = end - OVERLAP
 
-    def _window(
-        self, rows: slice, R: Array, t: Array, is_first: bool, step: Callable[[], None]
-    ) -> Trajectory:
+    def _window(self, rows: slice, R: Array, t: Array, step: Callable[[int], None]) -> Trajectory:
+        is_first = rows.start == 0
         motion = Trajectory(self.first.first_frame + rows.start, R, t)
         motion = _padded(motion) if is_first else motion
 
         def cancelled() -> bool:
-            step()
+            step(rows.start)
             return False
 
         for kernel in (Huber(), Cauchy()):
-            problem = self._problem(rows, kernel, is_first)
+            problem = self._problem(rows, kernel)
             motion = least_squares(problem, motion, CRITERIA, cancelled).state
         if not is_first:
             return motion
@@ -126,8 +124,9 @@ class Whole:
             motion.first_frame + 1, motion.Rs_parent_part[1:], motion.ps_camera_root[1:]
         )
 
-    def _problem(self, rows: slice, kernel: Kernel, is_first: bool) -> SegmentPoses:
-        """is_first: the motion begins with a pose that stays and is linked to nothing."""
+    def _problem(self, rows: slice, kernel: Kernel) -> SegmentPoses:
+        """The first window begins with a pose that stays and is linked to nothing."""
+        is_first = rows.start == 0
         scene, skeleton = self.scene, self.scene.skeleton
         unknown = rows if is_first else slice(rows.start + 1, rows.stop)
         bend = scene.precision(BEND_TURN_RAD, BEND_SHIFT_PX * scene.pixel_m)
@@ -143,9 +142,7 @@ class Whole:
         keep = scene.precision(KEEP_TURN_RAD, KEEP_SHIFT_PX * scene.pixel_m)
         uv, R, t = self.observed.uv, self.first.Rs_parent_part, self.first.ps_camera_root
         return (
-            PointsInPicture(
-                points, scene.camera, uv[rows], self.scale[rows], NEAREST_M, kernel
-            ),
+            PointsInPicture(points, scene.camera, uv[rows], self.scale[rows], NEAREST_M, kernel),
             DepthFromRoot(points, self.depth[rows], self.depth_scale[rows], Huber()),
             JointLimits(Limits.of(scene.skeleton.body), LIMIT_RAD),
             PosePrior(R[rows], t[rows], keep),

@@ -1,0 +1,87 @@
+"""Drafts of a whole clip: what may be drafted, and a finished draft taken over as one step."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from app.editor.documents import keyframe_of, require_sound, with_drafts
+from app.editor.refusal import Refused
+from app.editor.state import EditorState
+from tracker.body.body import PRESETS, Body, preset
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.errors import listed
+from tracker.geometry.rotations import Array
+from tracker.keypoints.keypoints import JOINTS
+from tracker.keypoints.on_body import points_on_body
+from tracker.keypoints.region import Box, Region
+from tracker.session.schema import MOST, KeypointFile, Session
+
+LABEL = "draft"
+"""What undo calls it."""
+KEYPOINT_SOURCE = "BlazePose"
+
+
+def require_draftable(doc: Session, frame: int, box: Box, frames: tuple[int, int]) -> None:
+    """Refused, or KeypointError, in one sentence where a draft of these frames, first and last,
+    from a box on one of them cannot be had."""
+    count = doc.video.frame_count
+    if doc.surface is not None:
+        raise Refused("Drafts are made from a video, not from surfaces.")
+    if len(points_on_body(doc.body, JOINTS).indices) < len(JOINTS):
+        raise Refused(
+            f"Drafts are made of people: choose one of the bodies {listed(PRESETS)} first."
+        )
+    first, last = frames
+    if not 0 <= first <= last < count:
+        raise Refused(f"The frames to draft must lie within those of the video, 0 to {count - 1}.")
+    if not first <= frame <= last:
+        raise Refused(f"The frame of the box must be one of those to draft, {first} to {last}.")
+    if last - first + 1 > MOST["drafts"]:
+        raise Refused(
+            f"A session holds at most {MOST['drafts']} drafts: draft fewer frames at a time."
+        )
+    Region.of_box(box, doc.video.width, doc.video.height)
+
+
+def keeps_proportions(doc: Session) -> bool:
+    """Whether somebody has sized the body: keyframes are posed with it, or it is no preset's."""
+    return bool(doc.keyframes) or doc.body not in map(preset, PRESETS)
+
+
+def drafted_session(
+    doc: Session,
+    frames: tuple[int, int],
+    body: Body,
+    poses: Mapping[int, Pose],
+    keypoints: KeypointFile | None,
+    times_s: Array,
+) -> Session:
+    """With these drafts in place of those there were from the first to the last of the frames.
+
+    Keyframes stay, and so do imported keypoints.
+    """
+    skeleton, keyed = Skeleton.of(body), {keyframe.frame for keyframe in doc.keyframes}
+    drafts = [draft for draft in doc.drafts if not frames[0] <= draft.frame <= frames[1]]
+    drafts += [
+        keyframe_of(skeleton, pose, frame, times_s)
+        for frame, pose in poses.items()
+        if frame not in keyed
+    ]
+    update = {"body": body} | ({} if doc.given_keypoints else {"keypoints": keypoints})
+    return with_drafts(doc.model_copy(update=update), drafts)
+
+
+def with_clip_drafted(
+    state: EditorState,
+    frames: tuple[int, int],
+    body: Body,
+    poses: Mapping[int, Pose],
+    keypoints: KeypointFile | None,
+) -> EditorState:
+    """With the drafts of a clip, as one step; see `drafted_session`."""
+    doc = drafted_session(state.doc, frames, body, poses, keypoints, state.times_s)
+    require_sound(state.doc, doc, LABEL)
+    history = state.history.after(state.doc, LABEL, state.frame)
+    return replace(state.with_doc(doc), history=history)

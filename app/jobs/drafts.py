@@ -1,0 +1,68 @@
+"""Drafts of a session's film: the bundled network at work on it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.keypoints.region import Box
+from tracker.session import Session
+from tracker.video import Video
+from tracker.video.info import MissingFrame
+
+if TYPE_CHECKING:
+    from tracker.fitting.draft import ClipDraft, DraftProgress
+
+
+class DraftLeft(Exception):
+    """Raised within a draft that somebody cancelled."""
+
+
+@dataclass
+class Telling:
+    """Passes progress on, once for every whole number of per cent, and leaves when cancelled."""
+
+    tell: Callable[[DraftProgress], None]
+    cancelled: Callable[[], bool]
+    told: tuple[str, int] = ("", -1)
+
+    def __call__(self, progress: DraftProgress) -> None:
+        if self.cancelled():
+            raise DraftLeft
+        now = (progress.stage, 100 * progress.done // max(progress.expected, 1))
+        if now != self.told:
+            self.told = now
+            self.tell(progress)
+
+
+def drafted(
+    session: Session,
+    video: Video,
+    at: int,
+    box: Box,
+    frames: tuple[int, int],
+    *,
+    proportions: bool,
+    report: Callable[[DraftProgress], None],
+) -> tuple[ClipDraft, str]:
+    """Drafts of these frames, first and last, and the network's fingerprint; see `draft_clip`."""
+
+    from tracker.fitting.draft import draft_clip  # loads what only this needs
+    from tracker.keypoints.network import Network
+
+    def picture(number: int) -> NDArray[np.uint8] | None:
+        try:
+            return video.frame(number)
+        except MissingFrame:
+            return None
+
+    network = Network.open()
+    found = draft_clip(
+        picture, frames, at, box, session.camera, session.body, network,
+        proportions=proportions, report=report,
+    )  # fmt: skip
+    return found, network.fingerprint

@@ -1,0 +1,227 @@
+"""Drafting a clip from the page: one job, one step of undo, and frames to confirm."""
+
+from __future__ import annotations
+
+import asyncio
+import shutil
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.document.library import Library
+from app.jobs import Drafted, Drafting, DraftOrder, FitOrder, JobFailed
+from app.store import runner, store
+from app.store.sections import Sections
+from app.store.store import Store
+from tests.app.serving import ROOT
+from tests.app.store.test_fitter import Worker
+from tracker.body.body import preset
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.fitting.draft import Proposal
+from tracker.keypoints.keypoints import JOINTS, Keypoints
+from tracker.session import Session
+from tracker.storage.files import load_session, save_session
+from tracker.storage.keypoints import load_keypoints
+
+BOX = [100.0, 100.0, 300.0, 400.0]
+DRAFT = {"do": "draft", "frame": 10, "box": BOX}
+BODY = preset("adult_male")
+"""That of the session, without keyframes."""
+
+
+@pytest.fixture(autouse=True)
+def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(runner, "Tracking", Worker)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    shutil.copytree(ROOT / "sample_videos" / "person", tmp_path / "person")
+    path = tmp_path / "person" / "session.json"
+    blank = {"keyframes": (), "drafts": (), "results": None, "body": BODY}
+    save_session(load_session(path).model_copy(update=blank), path)
+    return path
+
+
+class Desk:
+    """A store with a tab and the worker's side of its jobs."""
+
+    def __init__(self, store: Store) -> None:
+        self.store, self.tab = store, store.join()
+
+    def do(self, *messages: dict[str, Any]) -> None:
+        for message in messages:
+            self.store.receive(self.tab, message)
+
+    @property
+    def doc(self) -> Session:
+        assert self.store.app_state.edit is not None
+        return self.store.app_state.edit.doc
+
+    @property
+    def section(self) -> Any:
+        return Sections().changed(self.store.app_state)["draft"]
+
+    @property
+    def order(self) -> DraftOrder:
+        order: FitOrder = Worker.newest.fits[-1]
+        assert isinstance(order, DraftOrder)
+        return order
+
+    def find(self, *frames: int) -> None:
+        """The draft ends with poses at these frames."""
+        pose = Pose.rest(Skeleton.of(BODY), (0.0, 0.0, 4.0))
+        rows = np.full((5, len(JOINTS), 2), 7.0)
+        keypoints = Keypoints(0, JOINTS, rows, np.ones(rows.shape[:2]))
+        proposals = (Proposal(frames[0], "start"), Proposal(frames[-1], "flip", ("left_thigh",)))
+        Worker.newest.report(
+            Drafted(
+                self.order.job, BODY, dict.fromkeys(frames, pose), keypoints, "abc", proposals
+            )
+        )
+
+
+def try_at(path: Path, act: Callable[[Desk], Awaitable[None]]) -> None:
+    async def run() -> None:
+        store = Store(asyncio.get_running_loop(), lambda *_: None, Library(path.parent.parent))
+        await store.open(path)
+        try:
+            await act(Desk(store))
+        finally:
+            await store.stop()
+
+    asyncio.run(run())
+
+
+def test_a_draft_is_one_step_and_undo_is_exact(path: Path) -> None:
+    async def act(desk: Desk) -> None:
+        before = desk.doc
+        desk.do(DRAFT)
+        assert desk.order.frames == (0, before.video.frame_count - 1)
+        assert desk.order.proportions
+        desk.find(3, 4, 5)
+        assert [draft.frame for draft in desk.doc.drafts] == [3, 4, 5]
+        edit = desk.store.app_state.edit
+        assert edit is not None
+        assert edit.history.past[-1].label == "draft"
+        desk.do({"do": "undo"})
+        assert desk.doc == before
+        assert desk.section is None
+        desk.do({"do": "redo"})
+        assert [draft.frame for draft in desk.doc.drafts] == [3, 4, 5]
+
+    try_at(path, act)
+
+
+def test_the_keypoints_of_a_draft_lie_beside_the_session(path: Path) -> None:
+    async def act(desk: Desk) -> None:
+        desk.do(DRAFT)
+        desk.find(3)
+        reference = desk.doc.keypoints
+        assert reference is not None
+        assert (reference.network, reference.seeds) == ("abc", (10,))
+        assert load_keypoints(path.parent / reference.file).uv.max() == 7.0
+
+    try_at(path, act)
+
+
+def test_frames_to_confirm_are_shown_until_they_are_keyframes(path: Path) -> None:
+    async def act(desk: Desk) -> None:
+        assert desk.section is None
+        desk.do({**DRAFT, "first": 2, "last": 12})
+        desk.find(3, 8)
+        shown = desk.section
+        assert shown["missing"] == [2, 4, 5, 6, 7, 9, 10, 11, 12]
+        assert shown["proposals"] == [
+            {"frame": 3, "reason": "start", "parts": []},
+            {"frame": 8, "reason": "flip", "parts": ["Left thigh"]},
+        ]
+        desk.do({"do": "go", "frame": 3}, {"do": "add_key", "frame": 3})
+        assert [proposal["frame"] for proposal in desk.section["proposals"]] == [8]
+
+    try_at(path, act)
+
+
+def test_the_progress_of_a_draft_is_shown_and_rises(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(store, "SECONDS_BETWEEN_PROGRESS", 0.0)
+
+    async def act(desk: Desk) -> None:
+        desk.do(DRAFT)
+        shown = []
+        for stage, done in (("keypoints", 5), ("keypoints", 20), ("poses", 0), ("poses", 20)):
+            Worker.newest.report(Drafting(desk.order.job, stage, done, 20))  # type: ignore[arg-type]
+            job = desk.store.app_state.job
+            assert job.kind == "draft"
+            shown.append(job.percent)
+        assert shown == sorted(shown)
+        assert shown[-1] == pytest.approx(100)
+
+    try_at(path, act)
+
+
+def test_a_draft_that_is_cancelled_or_fails_changes_nothing(path: Path) -> None:
+    async def act(desk: Desk) -> None:
+        before = desk.doc
+        desk.do(DRAFT)
+        desk.do({"do": "cancel"})
+        assert Worker.newest.cancelled
+        desk.do(DRAFT)
+        Worker.newest.report(JobFailed(desk.order.job, "No person was found at frame 10."))
+        assert desk.doc is before
+        assert desk.store.app_state.job.state == "idle"
+
+    try_at(path, act)
+
+
+def test_a_draft_of_a_body_that_was_changed_meanwhile_is_left(path: Path) -> None:
+    async def act(desk: Desk) -> None:
+        desk.do(DRAFT, {"do": "height", "cm": 190})
+        changed = desk.doc
+        desk.find(3)
+        assert desk.doc is changed
+        desk.do(DRAFT)
+        assert not desk.order.proportions  # somebody sized it
+
+    try_at(path, act)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"box": [5000, 100, 5100, 200]},
+        {"box": [100, 100, 100, 100]},
+        {"frame": 99999},
+        {"frame": 10, "first": 20},
+        {"frame": 10, "last": 5},
+        {"frame": 10, "last": 99999},
+    ],
+)
+def test_what_cannot_be_drafted_is_refused_before_the_work(
+    path: Path, wrong: dict[str, Any]
+) -> None:
+    async def act(desk: Desk) -> None:
+        desk.do({**DRAFT, **wrong})
+        assert not Worker.newest.fits
+
+    try_at(path, act)
+
+
+def test_keyframes_and_drafts_of_other_frames_stay(path: Path) -> None:
+    async def act(desk: Desk) -> None:
+        desk.do({**DRAFT, "last": 12})
+        desk.find(3, 8)
+        desk.do({"do": "go", "frame": 3}, {"do": "add_key", "frame": 3})
+        (keyframe,) = desk.doc.keyframes
+        desk.do({"do": "draft", "frame": 2, "box": BOX, "last": 6})
+        assert not desk.order.proportions  # a keyframe is posed with this body
+        desk.find(2, 3, 4)
+        assert desk.doc.keyframes == (keyframe,)
+        assert [draft.frame for draft in desk.doc.drafts] == [2, 4, 8]
+
+    try_at(path, act)
