@@ -119,6 +119,20 @@ def whole_number(least: int, most: int | None = None) -> Callable[[str], int]:
     return parse
 
 
+def names_of(*known: str) -> Callable[[str], tuple[str, ...]]:
+    """A parser of one or several of these names, with commas between; in their own order."""
+
+    def parse(text: str) -> tuple[str, ...]:
+        asked = [name.strip() for name in text.split(",")]
+        unknown = [name for name in asked if name not in known]
+        if unknown:
+            choices = f"choose from {', '.join(known)}"
+            raise argparse.ArgumentTypeError(f"invalid choice: {unknown[0]!r} ({choices})")
+        return tuple(name for name in known if name in asked)
+
+    return parse
+
+
 def add_work(command: argparse.ArgumentParser) -> None:
     """Of work on a session's segments: where results go, how many at a time, how it is printed."""
     command.add_argument(

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 
-from app.cli.arguments import Subcommands, add_command, add_session, add_work
+from app.cli.arguments import Subcommands, add_command, add_session, add_work, names_of
 
 _EXAMPLES = """\
   keypose track session.json
   keypose track session.json --quality preview --workers 2 --out try
   keypose track session.json --json > events.jsonl
   keypose track session.json --method paper --initial templates --leave-out right_hand
+  keypose track session.json --cues brightness
 """
 
 
@@ -47,6 +48,13 @@ def add(commands: Subcommands) -> None:
         choices=("yes", "no"),
         help=f"whether the camera stands still{of_session}, which may be as found in the video",
     )
+    command.add_argument(
+        "--cues",
+        metavar="CUE,…",
+        type=names_of("brightness", "keypoints"),
+        help="what the motion is found from: brightness, keypoints or both, with a comma between"
+        f"{of_session}. Keypoints need a person's body; the published method does without",
+    )
     add_work(command)
 
 
@@ -59,6 +67,12 @@ def run(arguments: argparse.Namespace) -> int:
     require_trackable(session, arguments.session)
     still = None if arguments.static_camera is None else arguments.static_camera == "yes"
     asked = with_settings(
-        session, arguments.method, arguments.quality, arguments.initial, arguments.leave_out, still
+        session,
+        arguments.method,
+        arguments.quality,
+        arguments.initial,
+        arguments.leave_out,
+        still,
+        arguments.cues,
     )
     return track_and_save(session, asked, arguments)

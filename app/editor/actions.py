@@ -14,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, TypeAdapter
 from app.posing import Gesture, Way
 from tracker.body.body import Dof, Name
 from tracker.session.settings import (
+    Cue,
     FrameIndex,
     Initial,
     MethodName,
@@ -321,6 +322,7 @@ class Settings(Edit):
     left_out: Annotated[tuple[Name, ...], Field(max_length=1000)] | None = None
     passes: Annotated[int, Field(ge=1, le=50)] | None = None
     static_camera: bool | None = None
+    cues: Annotated[tuple[Cue, ...], Field(min_length=1, max_length=2)] | None = None
 
 
 class Observe(Edit):

@@ -3,6 +3,7 @@
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from './icons.js';
+import { say, shake } from './refuse.js';
 
 /**
  * A square button with an icon. off: why it cannot be used, or ''.
@@ -56,6 +57,31 @@ export function checkbox({ label, on, act, title = label, key = '', off = '' }) 
     @click=${() => off || act(!on)}
   >
     <i>${on ? icon('check') : nothing}</i>${label}
+  </button>`;
+}
+
+/**
+ * A switch. off: why it cannot be used, or ''; stays: why it cannot be switched off, or '': pressed
+ * then, it shakes and says so.
+ */
+export function switchField({ label, on, act, title = label, off = '', stays = '' }) {
+  const why = off || (on ? stays : '');
+  const press = ({ currentTarget }) => {
+    if (!why) return act(!on);
+    if (off) return undefined;
+    shake(currentTarget);
+    return say(currentTarget, `${why}.`);
+  };
+  return html`<button
+    type="button"
+    role="switch"
+    class="switch field ${off ? 'off' : ''}"
+    aria-checked=${on}
+    aria-disabled=${why ? 'true' : nothing}
+    title=${why || title}
+    @click=${press}
+  >
+    <i></i>${label}
   </button>`;
 }
 

@@ -5,5 +5,5 @@ export { numberField } from './number.js';
 export { slider } from './slider.js';
 export { dropdown } from './dropdown.js';
 export { textField } from './text.js';
-export { checkbox, segmented, button, iconButton } from './buttons.js';
+export { checkbox, segmented, switchField, button, iconButton } from './buttons.js';
 export { shortNumber } from './arithmetic.js';

@@ -5,6 +5,7 @@ import { icon } from '../controls/icons.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 import { isSurface } from '../store/subject.js';
 import { bodyTab } from './body_tab.js';
+import { cues } from './cues.js';
 import { freedom } from './freedom.js';
 import { lens, virtualCamera } from './lens.js';
 import { masks } from './masks.js';
@@ -110,7 +111,7 @@ function fitTab() {
 }
 
 function trackTab() {
-  return server.settings ? html`${method()}${segment()}${freedom()}` : nothing;
+  return server.settings ? html`${cues()}${segment()}${method()}${freedom()}` : nothing;
 }
 
 /** A control clicked with the mouse leaves the keys with the views; what was typed is taken over. */

@@ -98,6 +98,7 @@
  * @property {string | null} preset
  * @property {boolean} edited
  * @property {number} height_cm
+ * @property {boolean} is_persons  Whether keypoints of a person can be compared with it.
  * @property {number} dof_count
  * @property {number} dof_total
  * @property {{ name: string, label: string }[]} presets
@@ -192,6 +193,7 @@
  * @property {boolean | null} static_camera  Null: as it was found.
  * @property {boolean | null} found_still  Whether the camera was found to stand still.
  * @property {string | null} imported
+ * @property {('brightness' | 'keypoints')[]} cues  What the motion is found from.
  */
 
 /**

@@ -97,3 +97,21 @@ def screen(page: Page, name: str) -> None:
     settled(page)
     SCREENS.mkdir(parents=True, exist_ok=True)
     page.screenshot(path=SCREENS / f"{name}.png")
+
+
+def screens(page: Page, name: str) -> None:
+    """The same in both themes, and in a small window."""
+    size = page.viewport_size
+    assert size is not None
+    screen(page, name)
+    themed(page, "light")
+    screen(page, f"{name}-light")
+    themed(page, "dark")
+    page.set_viewport_size({"width": 1280, "height": 720})
+    screen(page, f"{name}-small")
+    page.set_viewport_size(size)
+
+
+def themed(page: Page, theme: str) -> None:
+    """Draw in this theme, until another one is chosen."""
+    page.evaluate("(theme) => { document.documentElement.dataset.theme = theme }", theme)

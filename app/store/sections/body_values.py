@@ -9,6 +9,7 @@ from app.store.state import AppState
 from tracker.body.body import PRESETS, Body, Part, preset
 from tracker.body.scaling import height
 from tracker.body.shapes import KINDS
+from tracker.keypoints.on_body import is_persons
 
 
 def body(app_state: AppState) -> Json:
@@ -22,6 +23,7 @@ def body(app_state: AppState) -> Json:
         "preset": given.name if given.name in PRESETS else None,
         "edited": given.name in PRESETS and given.parts != preset(given.name).parts,
         "height_cm": round(100 * height(given), 2),
+        "is_persons": is_persons(given),
         "dof_count": sum(len(part.tracked) for part in given.parts),
         "dof_total": 3 + 3 * len(given.parts),
         "presets": [{"name": name, "label": part_label(name)} for name in PRESETS],

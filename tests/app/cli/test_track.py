@@ -115,6 +115,18 @@ def test_the_start_and_what_is_left_out_are_of_this_run_only(
     assert load_session(session_path).settings == before
     assert main(["track", str(session_path)]) == 0
     assert asked[1].settings == before
+    assert main(["track", str(session_path), "--cues", "keypoints, brightness"]) == 0
+    assert asked[2].settings.cues == ("brightness", "keypoints")
+    assert main(["track", str(session_path), "--cues", "brightness"]) == 0
+    assert asked[3].settings.cues == ("brightness",)
+
+
+@pytest.mark.parametrize("cues", ["", "silhouette", "brightness,"])
+def test_a_cue_that_is_none_is_refused_with_those_there_are(
+    cues: str, session_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = refused(capsys, session_path.parent, ["track", session_path, "--cues", cues])
+    assert "choose from brightness, keypoints" in words
 
 
 def test_what_could_not_be_done_as_wished_is_told_of_its_segment(

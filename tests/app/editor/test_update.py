@@ -198,6 +198,8 @@ def test_what_cannot_be_done_is_refused_in_one_sentence(edit: dict[str, Any], wo
         {"do": "root", "x": float("inf")},
         {"do": "add_mask", "polygon": [[0, 0]], "first": 0, "last": 1},
         {"do": "settings", "passes": 1000},
+        {"do": "settings", "cues": []},
+        {"do": "settings", "cues": ["silhouette"]},
         {"do": "go", "frame": 1, "and": "more"},
         "go",
         None,
@@ -208,6 +210,12 @@ def test_what_cannot_be_done_is_refused_in_one_sentence(edit: dict[str, Any], wo
 def test_what_is_no_action_is_stopped_at_the_door(message: Any) -> None:
     with pytest.raises(ValidationError):
         ACTIONS.validate_python(message)
+
+
+def test_cues_are_chosen_and_undone_like_any_setting() -> None:
+    state = after(desk(), {"do": "settings", "cues": ["keypoints"]})
+    assert state.doc.settings.cues == ("keypoints",)
+    assert after(state, {"do": "undo"}).doc == desk().doc
 
 
 def test_copy_and_paste_mirrored_exchanges_the_sides() -> None:

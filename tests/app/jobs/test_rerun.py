@@ -176,3 +176,4 @@ def test_settings_that_are_not_asked_for_stay_the_session_s_own(tmp_path: Path) 
     assert with_settings(session, None, None) == session
     assert with_settings(session, "paper", None).settings.method == "paper"
     assert with_settings(session, "paper", None).settings.quality == session.settings.quality
+    assert with_settings(session, None, None, cues=["brightness"]).settings.cues == ("brightness",)

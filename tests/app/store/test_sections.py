@@ -8,10 +8,11 @@ import numpy as np
 
 from app.store.sections import Sections
 from app.store.state import AppState
-from tests.app.editor.desk import desk
+from tests.app.editor.desk import SAMPLE, desk
 from tracker.body.trajectory import Pass, interpolate
 from tracker.geometry.rotations import Array
 from tracker.session.verdict import GOOD
+from tracker.storage.files import load_session
 from tracker.storage.results import Results, segment_keys
 from tracker.tracking.result import SegmentResult
 
@@ -49,3 +50,10 @@ def test_what_could_not_be_done_as_wished_is_told_of_its_segment() -> None:
     first, second, _ = Sections().changed(seen(notes=(note,)))["segments"]
     assert first["notes"] == [note]
     assert second["notes"] == []
+
+
+def test_whether_keypoints_can_count_is_told_of_the_body() -> None:
+    box = load_session(SAMPLE.parents[1] / "box" / "session.json").body
+    edit = desk().with_doc(desk().doc.model_copy(update={"body": box, "keyframes": ()}))
+    assert Sections().changed(AppState(edit=desk()))["body"]["is_persons"]
+    assert not Sections().changed(AppState(edit=edit))["body"]["is_persons"]

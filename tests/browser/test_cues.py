@@ -1,0 +1,88 @@
+"""What tracking compares the body with, as a person chooses it in the Track tab."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Locator, Page
+
+from tests.app.serving import ROOT, Keypose
+from tests.browser.hands import screen, screens, section, until, until_told
+from tests.browser.shared import Desk, desk, let_in, opened
+
+SIZE = (1440, 900)
+
+
+@pytest.fixture(scope="module")
+def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    with desk(browser, tmp_path_factory.mktemp("cues"), size=SIZE) as made:
+        yield made
+
+
+@pytest.fixture
+def at(shared: Desk) -> Desk:
+    """The Track tab as it is when the page has just been opened."""
+    shared.fresh()
+    shared.page.get_by_role("tab", name="Track").click()
+    return shared
+
+
+def cue(page: Page, name: str) -> Locator:
+    return page.get_by_role("region", name="Cues").get_by_role("switch", name=name)
+
+
+def test_a_cue_is_switched_off_by_mouse_or_keyboard_and_undone(at: Desk) -> None:
+    page = at.page
+    screen(page, "cues-1-both")
+    cue(page, "Keypoints").click()
+    until_told(page, "settings.cues", lambda cues: cues == ["brightness"])
+    page.keyboard.press("Control+z")
+    until_told(page, "settings.cues", lambda cues: cues == ["brightness", "keypoints"])
+    cue(page, "Brightness").focus()
+    page.keyboard.press("Enter")
+    until_told(page, "settings.cues", lambda cues: cues == ["keypoints"])
+    at.agreed("undo")
+    at.visitor.do(do="undo")
+    at.agreed("settings")
+
+
+def test_the_last_cue_stays_on_and_says_why(at: Desk) -> None:
+    page = at.page
+    cue(page, "Keypoints").click()
+    until_told(page, "settings.cues", lambda cues: cues == ["brightness"])
+    last = cue(page, "Brightness")
+    until(lambda: last.get_attribute("aria-disabled") == "true", "the last cue")
+    assert last.get_attribute("title") == "At least one cue stays on"
+    last.click(force=True)
+    page.locator(".refusal", has_text="At least one cue stays on.").wait_for()
+    screen(page, "cues-2-last")
+    assert at.agreed("settings")["cues"] == ["brightness"]
+
+
+def test_the_published_method_uses_no_keypoints(at: Desk) -> None:
+    page = at.page
+    at.visitor.do(do="settings", method="paper")
+    page.get_by_text("Not in the published method").wait_for()
+    assert cue(page, "Keypoints").get_attribute("aria-checked") == "false"
+    cue(page, "Keypoints").click(force=True)
+    cue(page, "Brightness").click(force=True)
+    screens(page, "cues-3-paper")
+    assert at.agreed("settings")["cues"] == ["brightness", "keypoints"]
+
+
+def test_of_a_box_there_are_no_keypoints(browser: Browser, tmp_path: Path) -> None:
+    place = tmp_path / "box"
+    shutil.copytree(ROOT / "sample_videos" / "box", place)
+    given = (str(place / "session.json"), "--workspace", str(tmp_path / "workspace"))
+    with Keypose(*given) as keypose, let_in(browser, drawn=False) as context:
+        page = opened(context, keypose)
+        page.get_by_role("tab", name="Track").click()
+        off = cue(page, "Keypoints")
+        assert off.get_attribute("title") == "Needs a person’s body"
+        assert off.get_attribute("aria-checked") == "false"
+        assert cue(page, "Brightness").get_attribute("aria-checked") == "true"
+        screen(page, "cues-4-box")
+        assert section(page, "settings.cues") == ["brightness", "keypoints"]
