@@ -6,6 +6,19 @@ export const range = (first, last) => `${first}–${last}`;
 /** "1 keyframe", "8 keyframes". */
 export const count = (n, noun) => `${n} ${noun}${n === 1 ? '' : 's'}`;
 
+/**
+ * "≈ 6.8 px · 3.2 cm", "≈ 14 px", "under 0.5 px": an error in the picture, and in space where that is known.
+ * @param {number} px  Of the video.
+ * @param {number | null} cm
+ */
+export function roughError(px, cm) {
+  if (px < LEAST_PX) return `under ${LEAST_PX} px`;
+  return `≈ ${[`${short(px)} px`, ...(cm === null ? [] : [`${short(cm)} cm`])].join(' · ')}`;
+}
+
+const LEAST_PX = 0.5;
+const short = (n) => (n < 9.95 ? n.toFixed(1) : n.toFixed(0));
+
 /** "a, b and c". */
 export function joined(items) {
   if (items.length < 2) return items.join('');

@@ -44,6 +44,9 @@ function whyNotUsed(id) {
 
 const isUsed = (id) => server.settings.cues.includes(id) && !whyNotUsed(id);
 
+/** Whether keypoints count, where any are found. */
+export const hasKeypoints = () => isUsed('keypoints');
+
 const isLast = (id) => isUsed(id) && !CUES.some((other) => other.id !== id && isUsed(other.id));
 
 /** The cues with one of them switched, in their order. */

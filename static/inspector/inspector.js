@@ -31,7 +31,7 @@ const OTHERWISE = {
 
 /** @type {import('../store/shapes.js').Watched[]} */
 const SHOWN = [
-  'file', 'surface', 'camera', 'body', 'view', 'pose', 'keys', 'segments', 'lanes', 'masks', 'settings', 'clipboard',
+  'file', 'surface', 'camera', 'body', 'view', 'pose', 'keys', 'segments', 'errors', 'lanes', 'masks', 'settings', 'clipboard',
   'u:tab', 'u:tool', 'u:hover', 'u:figureHover', 'u:freeAxes', 'u:lens', 'u:mask',
   'u:segmentFirst', 'u:allFreedoms', 'u:fitFocal',
 ];

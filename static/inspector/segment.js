@@ -1,4 +1,5 @@
-// The segment of the present frame: its verdict in words, and its error after every pass.
+// The segment of the present frame: its verdict in words, the error expected of its parts, and its
+// error after every pass.
 
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { server, ui, setUi } from '../store/state.js';
@@ -10,6 +11,8 @@ import { VERDICTS } from '../controls/verdicts.js';
 import { range } from '../controls/words.js';
 import { segmented, shortNumber } from '../controls/fields.js';
 import { fewestKeys, isSurface, words as subject } from '../store/subject.js';
+import { hasKeypoints } from './cues.js';
+import { expectedErrors } from './expected.js';
 import { fact, section } from './section.js';
 
 export function segment() {
@@ -17,7 +20,7 @@ export function segment() {
   if (here.length === 0) return section('Segment', html`<p class="note">${why()}</p>`);
   const one = here.find((each) => each.first === ui.segmentFirst) ?? mostRelevant(here);
   const choice = here.length > 1 ? sides(here, one) : nothing;
-  return section(nameOf(one), html`${verdict(one)}${notes(one)}${isSurface() ? distance(one) : chart(one)}`, choice);
+  return section(nameOf(one), html`${verdict(one)}${notes(one)}${isSurface() ? distance(one) : measured(one)}`, choice);
 }
 
 const nameOf = ({ first, last }) => `Segment ${range(first, last)}`;
@@ -80,6 +83,16 @@ function distance(one) {
   if (one.state === 'tracking' || one.state === 'waiting') return nothing;
   if (!Number.isFinite(metres)) return html`<p class="note">Fit with ${keyOf('trackChanged')}.</p>`;
   return fact('Distance', `${shortNumber(1000 * metres, 1)} mm`, 'RMS distance between body and surface');
+}
+
+/** What was measured of it; before that, what will be. */
+function measured(one) {
+  const isNew = one.state === 'none' || one.state === 'outdated';
+  const rows = expectedErrors(one);
+  if (isNew && rows === nothing && hasKeypoints()) {
+    return html`<p class="note">Expected error appears here after tracking.</p>`;
+  }
+  return html`${rows}${chart(one)}`;
 }
 
 // --- the chart: 264 × 72, errors from the left top down to the right

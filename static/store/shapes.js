@@ -172,6 +172,15 @@
  */
 
 /**
+ * @typedef {object} ExpectedError  The largest of one part in a segment.
+ * @property {number} first  Of the segment.
+ * @property {string} part
+ * @property {number} frame  At which it is largest.
+ * @property {number} px  Of the video.
+ * @property {number | null} cm  Null where the lens is a guess.
+ */
+
+/**
  * @typedef {object} Suggestion
  * @property {number | null} frame
  * @property {string} title  What to do.
@@ -227,6 +236,7 @@
  * @property {Pose | null} pose
  * @property {{ frames: number[], drafts: number[] }} keys
  * @property {Segment[]} segments
+ * @property {ExpectedError[]} errors  The worst parts of every segment, the worst first.
  * @property {Suggestion | null} suggest
  * @property {Series} need  Pixels that a keyframe is expected to mend.
  * @property {Record<string, Series>} lanes  How much the picture tells of a part, 0 to 1.

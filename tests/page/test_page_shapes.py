@@ -15,7 +15,7 @@ from app.store.sections import Sections
 from app.store.state import AppState, FitOutcome
 from tests.app import surface_cases
 from tests.app.editor.desk import after, desk
-from tests.app.store.test_sections import seen
+from tests.app.store.test_sections import expecting, seen, some_errors
 
 (SHAPES,) = Path(static.__file__).parent.rglob("shapes.js")
 FIELD = re.compile(r"^ \* @property \{(.*)\} \[?(\w+)\]?", re.MULTILINE)
@@ -71,13 +71,14 @@ def outlooks() -> dict[str, AppState]:
     fit = FitOutcome(3, "Fitted", masked.doc, masked.doc, (("head", "turned", "1°", "2°"),))  # type: ignore[arg-type]
     return {
         "film": seen(),
+        "expecting": expecting(some_errors()),
         "dragged": AppState(edit=after(desk(), DRAG)),
         "masked": AppState(edit=masked, fit=fit),
         "surfaces": AppState(edit=desk().with_doc(surfaces)),
     }
 
 
-@pytest.mark.parametrize("name", ["film", "dragged", "masked", "surfaces"])
+@pytest.mark.parametrize("name", ["film", "expecting", "dragged", "masked", "surfaces"])
 def test_every_section_has_the_fields_that_the_page_declares(name: str) -> None:
     shapes, sections = declared(), Sections().changed(outlooks()[name])
     assert sections.keys() | {"done", "ack"} == shapes["Sections"].keys()

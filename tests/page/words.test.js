@@ -37,3 +37,10 @@ test('when a session was last open, by the days of the calendar', () => {
   assert.equal(words.longAgo(NOON - 2 * DAY, NOON), 'Monday');
   assert.match(words.longAgo(NOON - 9 * DAY, NOON), /^4 May/);
 });
+
+test('an error in the picture and, where that is known, in space', () => {
+  assert.equal(words.roughError(6.84, 3.16), '≈ 6.8 px · 3.2 cm');
+  assert.equal(words.roughError(14.2, null), '≈ 14 px');
+  assert.equal(words.roughError(0.49, 0.2), 'under 0.5 px');
+  assert.equal(words.roughError(0.5, 0.04), '≈ 0.5 px · 0.0 cm');
+});

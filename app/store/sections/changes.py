@@ -13,6 +13,7 @@ from typing import Any
 from app.store.identity import unchanged
 from app.store.sections import (
     body_values,
+    error_values,
     motion_values,
     pose_values,
     scene_values,
@@ -108,6 +109,7 @@ SECTIONS: dict[str, _Section] = {
     "pose": _Section(_both(_POSES, _TRACKED, _edit("frame", "stroke")), pose_values.pose),
     "keys": _Section(_doc("keyframes", "drafts"), pose_values.keys),
     "segments": _Section(_both(_TRACKED, lambda o: (o.running,)), motion_values.segments),
+    "errors": _Section(_TRACKED, error_values.errors),
     "suggest": _Section(_both(_TRACKED, _edit("frame")), motion_values.suggest),
     "need": _Section(_TRACKED, motion_values.need),
     "lanes": _Section(_TRACKED, motion_values.lanes),

@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from app.store.sections import Sections
 from app.store.state import AppState
 from tests.app.editor.desk import SAMPLE, desk
+from tracker.body.pose import pose_transforms
 from tracker.body.trajectory import Pass, interpolate
 from tracker.geometry.rotations import Array
 from tracker.session.verdict import GOOD
@@ -50,6 +52,60 @@ def test_what_could_not_be_done_as_wished_is_told_of_its_segment() -> None:
     first, second, _ = Sections().changed(seen(notes=(note,)))["segments"]
     assert first["notes"] == [note]
     assert second["notes"] == []
+
+
+def expecting(error: Array | None, origin: str = "intrinsics") -> AppState:
+    """The sample with these errors expected in 0–24."""
+    edit = desk()
+    camera = edit.doc.camera.model_copy(update={"origin": origin})
+    edit = edit.with_doc(edit.doc.model_copy(update={"camera": camera}))
+    (found,) = seen().edit.results.by_key.values()  # type: ignore[union-attr]
+    known = replace(found.diagnostics, expected_error=error)
+    key = segment_keys(edit.doc)[0, 24]
+    results = Results({key: replace(found, key=key, diagnostics=known)})
+    return AppState(edit=replace(edit, results=results))
+
+
+def some_errors() -> Array:
+    """(25, P) known of seven parts, the largest in frame 5 + k of part k."""
+    found = np.full((25, desk().skeleton.part_count), np.nan)
+    for k in range(7):
+        found[:, k] = 1.0 + k
+        found[5 + k, k] = 3.0 + k
+    return found
+
+
+def test_the_parts_expected_to_be_farthest_off_come_first_each_at_its_worst_frame() -> None:
+    told = Sections().changed(expecting(some_errors()))["errors"]
+    names = desk().doc.body.names
+    assert [one["part"] for one in told] == [names[k] for k in (6, 5, 4, 3, 2)]
+    assert [(one["first"], one["frame"], one["px"]) for one in told[:2]] == [
+        (0, 11, 9.0),
+        (0, 10, 8.0),
+    ]
+
+
+def test_an_error_in_space_is_that_in_the_picture_at_the_part_s_depth() -> None:
+    state = expecting(some_errors())
+    (worst, *_) = Sections().changed(state)["errors"]
+    assert state.edit is not None
+    found = state.edit.fitting[0, 24]
+    Ts = pose_transforms(state.edit.skeleton, found.trajectory.pose(worst["frame"]))
+    p = Ts[6, :3, 3]
+    uv = state.edit.doc.camera.project(np.array([p, p + (worst["cm"] / 100, 0, 0)]))
+    assert np.linalg.norm(uv[1] - uv[0]) == pytest.approx(worst["px"], rel=0.01)
+
+
+def test_of_a_guessed_lens_there_is_no_error_in_space() -> None:
+    told = Sections().changed(expecting(some_errors(), "guess"))["errors"]
+    assert {one["cm"] for one in told} == {None}
+    assert told[0]["px"] == 9.0
+
+
+def test_where_no_error_is_expected_of_any_part_none_is_told() -> None:
+    nothing = np.full_like(some_errors(), np.nan)
+    assert Sections().changed(expecting(None))["errors"] == []
+    assert Sections().changed(expecting(nothing))["errors"] == []
 
 
 def test_whether_keypoints_can_count_is_told_of_the_body() -> None:

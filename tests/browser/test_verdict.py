@@ -1,0 +1,101 @@
+"""What a tracked segment is expected to be off by, as the Track tab says it."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, Locator, Page
+
+from tests.app.serving import ROOT, Keypose
+from tests.browser.hands import screens, until_counted, until_told
+from tests.browser.shared import let_in, opened
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Pass, interpolate
+from tracker.session import Session
+from tracker.session.verdict import GOOD
+from tracker.storage.files import load_session, save_session
+from tracker.storage.results import Results, save_results, segment_keys
+from tracker.tracking.result import Diagnostics, SegmentResult
+
+WORST = {
+    "right_upper_arm": (10.4, 12),
+    "left_foot": (6.84, 9),
+    "right_forearm": (4.1, 15),
+    "head": (0.3, 3),
+    "chest": (1.6, 5),
+}
+"""Pixels by which a part is expected to be off at most, and the frame of 0–24 where."""
+
+
+def tracked(session: Session) -> SegmentResult:
+    """The segment 0–24 as if it had been tracked."""
+    skeleton = Skeleton.of(session.body)
+    one, other = (keyframe.pose(skeleton) for keyframe in session.keyframes[:2])
+    path, key = interpolate(one, other, 0, 24), segment_keys(session)[0, 24]
+    error = np.full((25, skeleton.part_count), np.nan)
+    for name, (px, frame) in WORST.items():
+        error[:, session.body.index(name)] = 0.8 * px
+        error[frame, session.body.index(name)] = px
+    unknown = Diagnostics.side_by_side((), 25, skeleton.part_count, skeleton.dof_count)
+    found = SegmentResult.on_the_way(Pass("pass", path, 1.0), key)
+    return replace(found, verdict=GOOD, diagnostics=replace(unknown, expected_error=error))
+
+
+@pytest.fixture(scope="module")
+def page(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
+    folder = tmp_path_factory.mktemp("verdict")
+    place = folder / "person"
+    place.mkdir()
+    for name in ("person.mp4", "session.json"):
+        shutil.copy(ROOT / "sample_videos" / "person" / name, place)
+    session = load_session(place / "session.json")
+    found = tracked(session)
+    known = save_results(session, place / "session.json", Results({found.key: found}))
+    save_session(known, place / "session.json")
+    given = (str(place / "session.json"), "--workspace", str(folder / "workspace"))
+    with Keypose(*given) as keypose:
+        size = (1440, 900)
+        with let_in(browser, drawn=False, size=size) as context:
+            page = opened(context, keypose)
+            page.get_by_role("tab", name="Track").click()
+            yield page
+
+
+def rows(page: Page) -> Locator:
+    return page.get_by_role("group", name="Expected error").get_by_role("button")
+
+
+def test_the_worst_parts_are_told_in_pixels_and_centimetres(page: Page) -> None:
+    until_counted(page, "#insp .error", 5)
+    told = [text.split("\n") for text in rows(page).all_inner_texts()]
+    names = ["Right upper arm", "Left foot", "Right forearm", "Chest", "Head"]
+    assert [name for name, _ in told] == names
+    assert told[0][1].startswith("≈ 10 px · ")
+    assert told[1][1].startswith("≈ 6.8 px · ")
+    assert told[1][1].endswith(" cm")
+    assert told[4][1] == "under 0.5 px"
+    screens(page, "verdict-1-errors")
+
+
+def test_a_row_selects_its_part_and_goes_to_its_worst_frame(page: Page) -> None:
+    rows(page).nth(1).focus()
+    page.keyboard.press("Enter")
+    until_told(page, "view.selected", lambda part: part == "left_foot")
+    until_told(page, "view.frame", lambda frame: frame == 9)
+    rows(page).nth(2).click()
+    until_told(page, "view.selected", lambda part: part == "right_forearm")
+    until_told(page, "view.frame", lambda frame: frame == 15)
+    assert "frame 15" in (rows(page).nth(2).get_attribute("title") or "")
+    screens(page, "verdict-2-worst")
+
+
+def test_a_segment_that_was_not_tracked_says_what_will_be_there(page: Page) -> None:
+    page.keyboard.press("End")
+    page.get_by_text("Expected error appears here after tracking.").wait_for()
+    assert rows(page).count() == 0
+    screens(page, "verdict-3-empty")
