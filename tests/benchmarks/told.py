@@ -23,28 +23,28 @@ from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import Array
 from tracker.tracking.result import SegmentResult
 
-Telling = Callable[[SegmentResult, int, int, str], float]
-"""Of a segment, a frame, a part by index and name: how little the result trusts it."""
+Telling = Callable[[SegmentResult, int, int, Skeleton], float]
+"""Of a segment, a frame, and the joint where a part begins: how little the result trusts it."""
 
 SMALL_PX = 5.0
 """A segment is right when its marks are less than that off in the mean."""
 BINS = 10
 
 
-def of_segment(segment: SegmentResult, frame: int, part: int, name: str) -> float:
+def of_segment(segment: SegmentResult, frame: int, part: int, skeleton: Skeleton) -> float:
     """The verdict on the whole segment."""
     return float({"good": 0, "check": 1, "lost": 2, None: 1}[segment.kind])
 
 
-def of_named_part(segment: SegmentResult, frame: int, part: int, name: str) -> float:
+def of_named_part(segment: SegmentResult, frame: int, part: int, skeleton: Skeleton) -> float:
     """The same, a half more where the verdict names this part at this frame."""
-    verdict, told = segment.verdict, of_segment(segment, frame, part, name)
-    if verdict is None or verdict.part != name or verdict.frames is None:
+    verdict, told = segment.verdict, of_segment(segment, frame, part, skeleton)
+    if verdict is None or verdict.part != skeleton.body.names[part] or verdict.frames is None:
         return told
     return told + 0.5 * (verdict.frames[0] <= frame <= verdict.frames[1])
 
 
-def of_observability(segment: SegmentResult, frame: int, part: int, name: str) -> float:
+def of_observability(segment: SegmentResult, frame: int, part: int, skeleton: Skeleton) -> float:
     """How little the pictures decided of the part in the step that leads to the frame; of a part
     that is not tracked, as of the whole body in the mean; where nothing was measured, 1."""
     row = segment.diagnostics.observability[max(frame - segment.first - 1, 0)]
@@ -52,10 +52,21 @@ def of_observability(segment: SegmentResult, frame: int, part: int, name: str) -
     return 1.0 - (float(known.mean()) if known.size else 0.0)
 
 
+def of_expected_error(segment: SegmentResult, frame: int, part: int, skeleton: Skeleton) -> float:
+    """Of the part that ends in the joint; where nothing is expected of it, of the whole body."""
+    expected = segment.diagnostics.expected_error
+    if expected is None:
+        return 0.0
+    row = expected[frame - segment.first]
+    own = float(row[skeleton.parents[part]])
+    return own if np.isfinite(own) else float(np.nanmean(row))
+
+
 TELLINGS: dict[str, Telling] = {
     "verdict": of_segment,
     "verdict and part": of_named_part,
     "observability": of_observability,
+    "expected error": of_expected_error,
 }
 """All that are compared; a result that carries more adds a line."""
 
@@ -96,8 +107,7 @@ def records(
     for segment in segments:
         for mark in marks_between(clip, skeleton, segment.trajectory, segment.span):
             part = place(skeleton.body, mark.joint)[0][0]
-            name = skeleton.body.names[part]
-            told = {k: tell(segment, mark.frame, part, name) for k, tell in TELLINGS.items()}
+            told = {k: tell(segment, mark.frame, part, skeleton) for k, tell in TELLINGS.items()}
             given = (row, way, jitter, segment.span, str(segment.kind))
             found.append(Record(clip.name, *given, mark.frame, mark.joint, mark.scaled_px, told))
     return found
