@@ -21,17 +21,16 @@ from tracker.solver.robust import Cauchy
 from tracker.tracking.bundle import refine
 from tracker.tracking.cues.from_keypoints import from_keypoints
 from tracker.tracking.cues.joint_evidence import UNKNOWN, JointEvidence
-from tracker.tracking.cues.soft_correction import Correction, measured_increments
+from tracker.tracking.cues.soft_correction import Correction, even_increments, measured_increments
 from tracker.tracking.cycle import Outcome, Work, drift_px
 from tracker.tracking.frame_pair import robust_pass
-from tracker.tracking.initial.choose import starts
+from tracker.tracking.initial.choose import Starts, starts
 from tracker.tracking.segment import distance_px, is_sound
 
 if TYPE_CHECKING:
     from tracker.geometry.rotations import Array
     from tracker.solver.smoothness import Increments
     from tracker.tracking.cues.anchors import Anchors
-    from tracker.tracking.initial.choose import Starts
     from tracker.tracking.method import Keypose
     from tracker.tracking.scene import Scene
     from tracker.tracking.segment import Segment
@@ -52,24 +51,33 @@ class _Ended:
 
 
 def track_anchored(
-    scene: Scene, free: Scene, segment: Segment, method: Keypose, told: Sequence[Anchors]
+    scene: Scene,
+    free: Scene,
+    segment: Segment,
+    method: Keypose,
+    told: Sequence[Anchors],
+    brightness: bool = True,
 ) -> Work:
     """Track one segment; yields every trajectory as it is found and returns the outcome.
 
     free: the scene with all parts that carry keypoints free to turn.  told: the anchors, where left
-    and right are in doubt in two ways.
+    and right are in doubt in two ways.  brightness: whether it counts as well.
     """
-    begun = starts(scene, segment, replace(method, templates=False))
+    begun = starts(scene, segment, replace(method, templates=False)) if brightness else Starts(())
     tried: list[Pass] = []
     ends: list[_Ended] = []
     for anchors in told:
         correction = Correction(free, segment, anchors)
         alone = Pass("keypoints", from_keypoints(correction), None)
+        if not brightness:
+            tried.append(alone)
+            yield alone
+            ends.append(_unmeasured(correction, alone.trajectory, len(tried) - 1))
+            continue
         for start in (alone, *begun.ways[:1]):
-            if not is_sound(scene, segment, start.trajectory):
-                continue
-            ended = yield from _cycle(correction, method, start, tried)
-            ends.append(ended)
+            if is_sound(scene, segment, start.trajectory):
+                ended = yield from _cycle(correction, method, start, tried)
+                ends.append(ended)
     best = min(ends, key=lambda ended: ended.cost)
     return _outcome(scene, free, begun, tried, ends, best)
 
@@ -77,6 +85,13 @@ def track_anchored(
 def expected_anchored_steps(passes: int) -> int:
     """Trajectories a segment is expected to yield: from two starts passes, the last, refinement."""
     return 2 * (passes + 2)
+
+
+def _unmeasured(correction: Correction, found: Trajectory, index: int) -> _Ended:
+    """What keypoints alone led to."""
+    held = even_increments(correction.scene, correction.segment.interpolated())
+    nothing = np.zeros((len(found) - 1, len(correction.scene.marks[1])))
+    return _Ended(index, found, correction.cost(found, held), nothing, correction.anchors)
 
 
 def _cycle(

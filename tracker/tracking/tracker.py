@@ -38,6 +38,8 @@ Emit: TypeAlias = Callable[[Pass, int], None]
 LOOKS_UNTOLD = 8
 """Frames in which keypoints are looked for between two looks at whether to stop."""
 
+NO_KEYPOINTS = "no keypoints were found on this body: brightness alone was used"
+
 
 class _Prepared:
     """The pictures of one video at every size they are worked on."""
@@ -167,8 +169,10 @@ class Tracker:
             try:
                 step = next(work)
             except StopIteration as done:
-                enlarged = self.loader(span).camera.fy / scene.camera.fy
-                return _result(scene, segment, done.value, method, enlarged)
+                outcome, enlarged = done.value, self.loader(span).camera.fy / scene.camera.fy
+                if outcome.joints is None and self._listens_to_keypoints(settings):
+                    outcome = replace(outcome, notes=(*outcome.notes, NO_KEYPOINTS))
+                return _result(scene, segment, outcome, method, enlarged)
             emit(step, number)
             number += 1
 
@@ -180,7 +184,8 @@ class Tracker:
             free = self.scene(span, method.density, free=True)
             told = anchors_of(free, segment, self.loader(span).camera, keypoints)
             if told:
-                return track_anchored(scene, free, segment, method, told)
+                brightness = "brightness" in settings.cues_used
+                return track_anchored(scene, free, segment, method, told, brightness)
         return track_segment(scene, segment, method)
 
     def _keypoints_of(

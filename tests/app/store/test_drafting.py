@@ -79,9 +79,7 @@ class Desk:
         keypoints = Keypoints(0, JOINTS, rows, np.ones(rows.shape[:2]))
         proposals = (Proposal(frames[0], "start"), Proposal(frames[-1], "flip", ("left_thigh",)))
         Worker.newest.report(
-            Drafted(
-                self.order.job, BODY, dict.fromkeys(frames, pose), keypoints, "abc", proposals
-            )
+            Drafted(self.order.job, BODY, dict.fromkeys(frames, pose), keypoints, "abc", proposals)
         )
 
 

@@ -92,7 +92,7 @@ def test_an_error_in_space_is_that_in_the_picture_at_the_part_s_depth() -> None:
     found = state.edit.fitting[0, 24]
     Ts = pose_transforms(state.edit.skeleton, found.trajectory.pose(worst["frame"]))
     p = Ts[6, :3, 3]
-    uv = state.edit.doc.camera.project(np.array([p, p + (worst["cm"] / 100, 0, 0)]))
+    uv = state.edit.doc.camera.project(np.stack([p, p + np.array([worst["cm"] / 100, 0.0, 0.0])]))
     assert np.linalg.norm(uv[1] - uv[0]) == pytest.approx(worst["px"], rel=0.01)
 
 

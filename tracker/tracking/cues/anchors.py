@@ -150,13 +150,13 @@ def _anchors(
     scene: Scene, seen: Keypoints, index: NDArray[np.int64], parts: NDArray[np.int64],
     points: Array, keyed: dict[int, Pose], height: float,
 ) -> Anchors | None:  # fmt: skip
-    """None where they lie on another body than the one posed."""
+    """None where they lie on another body than the one posed, or where no keyframe tells."""
     uv, visibility = seen.uv[:, index], seen.visibility[:, index]
     known = np.asarray(np.isfinite(uv).all(axis=-1))
-    for n, pose in keyed.items():
-        miss = np.linalg.norm(_places(scene, pose, parts, points) - uv[n], axis=-1)
-        if known[n].sum() >= FEWEST and np.nanmedian(miss) > ELSEWHERE * height:
-            return None
+    told = [n for n in keyed if known[n].sum() >= FEWEST]
+    miss = [np.linalg.norm(_places(scene, keyed[n], parts, points) - uv[n], axis=-1) for n in told]
+    if not told or any(np.nanmedian(away) > ELSEWHERE * height for away in miss):
+        return None
     scale = np.where(known, 1 / _sigma_px(height, visibility), 0.0)
     uv = np.where(known[..., None], uv, 0.0)
     at_keys = list(keyed)

@@ -1,0 +1,88 @@
+"""Keypoints become anchors: corrected by the keyframes, and kept off other bodies."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.tracker.tracking.cues.people import BENT, CAMERA, SKELETON, Filmed, moving
+from tracker.geometry.camera import Camera
+from tracker.keypoints.keypoints import JOINTS
+from tracker.solver.posed import image_points
+from tracker.solver.robust import SQUARED
+from tracker.solver.terms import DepthFromRoot, PointsInPicture
+from tracker.tracking.cues.anchors import freed
+
+
+@pytest.mark.parametrize("camera", [CAMERA, BENT], ids=["ideal lens", "distorted lens"])
+def test_the_offsets_of_a_detector_are_learned_at_the_keyframes(camera: Camera) -> None:
+    film = Filmed(moving(), camera)
+    (anchors,) = film.anchors()
+    p = anchors.points.at(film.truth.transforms(SKELETON))
+    missed = np.linalg.norm(image_points(film.free.camera, p) - anchors.uv, axis=-1)
+    plain = (
+        Filmed(moving(), camera, np.zeros(3))
+        .anchors()[0]
+        .points.at(film.truth.transforms(SKELETON))
+    )
+    unlearned = np.linalg.norm(image_points(film.free.camera, plain) - anchors.uv, axis=-1)
+    assert missed.mean() < 0.6 * unlearned.mean()
+    assert missed[[0, -1]].max() < 0.5
+
+
+def test_a_detectors_depth_is_what_the_keyframes_say_at_both_ends_and_linear_between() -> None:
+    film = Filmed(moving())
+    (anchors,) = film.anchors()
+    p = anchors.points.at(film.truth.transforms(SKELETON))
+    depth = p[..., 2] - film.truth.ps_camera_root[:, None, 2]
+    np.testing.assert_allclose(anchors.depth[[0, -1]], depth[[0, -1]], atol=0.02)
+    assert np.abs(anchors.depth - depth).max() < 0.05  # of a detector that is 11 cm off
+
+
+def test_keypoints_that_lie_on_another_person_are_not_used() -> None:
+    film = Filmed(moving())
+    height = film.anchors()[0].height_px
+    beside = replace(film.keypoints, uv=film.keypoints.uv + np.array([0.15 * height, 0.0]))
+    assert film.anchors(beside) == ()
+    near = replace(film.keypoints, uv=film.keypoints.uv + np.array([0.05 * height, 0.0]))
+    assert len(film.anchors(near)) == 1
+
+
+def test_what_is_not_seen_does_not_count() -> None:
+    film = Filmed(moving())
+    uv, visibility = film.keypoints.uv.copy(), film.keypoints.visibility.copy()
+    uv[4, 2] = np.nan
+    visibility[5] = 0.0
+    (anchors,) = film.anchors(replace(film.keypoints, uv=uv, visibility=visibility))
+    assert anchors.scale[4, 2] == 0.0
+    assert anchors.depth_scale[4, 2] == 0.0
+    np.testing.assert_allclose(anchors.scale[5] * 3, anchors.scale[6])
+    assert np.isfinite(anchors.uv).all()
+
+
+def test_keypoints_without_depth_are_compared_in_the_picture_alone() -> None:
+    film = Filmed(moving())
+    (flat,) = film.anchors(replace(film.keypoints, p_hips=None))
+    kinds = [type(term) for term in flat.terms(CAMERA, SQUARED, slice(1, -1))]
+    assert kinds == [PointsInPicture]
+    (deep,) = film.anchors()
+    kinds = [type(term) for term in deep.terms(CAMERA, SQUARED, slice(1, -1))]
+    assert kinds == [PointsInPicture, DepthFromRoot]
+
+
+def test_a_body_with_few_of_these_joints_has_no_anchors() -> None:
+    film = Filmed(moving())
+    some = replace(film.keypoints, names=tuple("nose" if n in JOINTS[:9] else n for n in JOINTS))
+    assert film.anchors(some) == ()
+
+
+def test_parts_that_carry_keypoints_may_turn_in_every_way_and_others_as_before() -> None:
+    free = freed(SKELETON)
+    counts = dict(zip(SKELETON.body.names, np.bincount(free.dof_part, minlength=16), strict=True))
+    before = np.bincount(SKELETON.dof_part, minlength=16)
+    assert counts["waist"] == 6
+    assert counts["left_upper_arm"] == counts["right_thigh"] == counts["left_shin"] == 3
+    assert counts["head"] == before[SKELETON.body.index("head")] == 2
+    assert counts["left_hand"] == 0

@@ -1,0 +1,39 @@
+"""What keypoints tell of wrong joints: more distance, less sight, more disagreement, more doubt."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tracker.tracking.cues.joint_evidence import RIGHT_ERROR, WRONG_ERROR, JointEvidence
+
+
+def _evidence(
+    distance: float = 0.01, visibility: float = 0.95, apart: float = 0.01
+) -> JointEvidence:
+    shape = (5, 3)
+    return JointEvidence(
+        np.array([1, 1, 4]), np.full(shape, distance), np.full(shape, visibility),
+        np.full(shape, apart), 200.0,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "worse", [{"distance": 0.06}, {"visibility": 0.1}, {"apart": 0.08}, {"distance": np.nan}]
+)
+def test_each_doubt_makes_a_wrong_joint_more_likely(worse: dict[str, float]) -> None:
+    assert _evidence(**worse).wrong[2, 0] > 1.2 * _evidence().wrong[2, 0]
+
+
+def test_what_agrees_is_trusted_and_what_does_not_is_not() -> None:
+    assert _evidence(0.004, 0.99, 0.002).wrong.max() < 0.02
+    assert _evidence(0.10, 0.1, 0.15).wrong[2].min() > 0.8
+
+
+def test_at_keyframes_nothing_is_wrong_and_a_part_is_as_doubtful_as_its_worst_joint() -> None:
+    evidence = _evidence()
+    evidence.distance[2, 1] = 0.2
+    error = evidence.expected_error(6)
+    assert not error[[0, -1]][:, [1, 4]].any()
+    assert RIGHT_ERROR < error[2, 4] < error[2, 1] < WRONG_ERROR
+    assert np.isnan(error[:, [0, 2, 3, 5]]).all()

@@ -1,0 +1,48 @@
+"""Left and right: what a detector exchanges suddenly is set right, and what it tells stands."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from tests.tracker.tracking.cues.people import Filmed, moving
+from tracker.keypoints.keypoints import Keypoints
+
+
+def _exchanged(keypoints: Keypoints, frames: slice) -> Keypoints:
+    other, uv = keypoints.exchanged(), keypoints.uv.copy()
+    uv[frames] = other.uv[frames]
+    return replace(keypoints, uv=uv)
+
+
+def test_as_told_there_is_one_way_to_take_them() -> None:
+    assert len(Filmed(moving()).anchors()) == 1
+
+
+def test_a_sudden_exchange_is_set_right_beside_what_was_told() -> None:
+    film = Filmed(moving())
+    wrong = _exchanged(film.keypoints, slice(5, 9))
+    as_told, mended = film.anchors(wrong)
+    (right,) = film.anchors()
+    assert not as_told.exchanged
+    assert mended.exchanged
+    np.testing.assert_allclose(mended.uv, right.uv, atol=1e-6)
+    assert np.abs(as_told.uv - right.uv)[5:9].max() > 10
+
+
+def test_keyframes_say_which_side_is_which_when_all_are_exchanged() -> None:
+    film = Filmed(moving())
+    (mended,) = film.anchors(_exchanged(film.keypoints, slice(None)))  # as told they miss the body
+    assert mended.exchanged
+    np.testing.assert_allclose(mended.uv, film.anchors()[0].uv, atol=1e-6)
+
+
+def test_frames_where_nothing_is_seen_are_passed_over() -> None:
+    film = Filmed(moving())
+    wrong = _exchanged(film.keypoints, slice(5, 9))
+    uv = wrong.uv.copy()
+    uv[7] = np.nan
+    _, mended = film.anchors(replace(wrong, uv=uv, visibility=np.isfinite(uv[..., 0]) * 1.0))
+    seen = [5, 6, 8]
+    np.testing.assert_allclose(mended.uv[seen], film.anchors()[0].uv[seen], atol=1e-6)

@@ -1,0 +1,140 @@
+"""A person tracked by brightness and keypoints: found again behind the trunk, never a must."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from tests.tracker.tracking.cues.people import CAMERA, SKELETON, Filmed, joints_apart_m, moving
+from tests.tracker.tracking_cases import tracked
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
+from tracker.keypoints.keypoints import Keypoints
+from tracker.session.settings import ALL_CUES, TrackSettings
+from tracker.tracking.cues.sources import GivenKeypoints
+from tracker.tracking.pool import Cancelled
+from tracker.tracking.segment import Segment
+from tracker.tracking.tracker import NO_KEYPOINTS, Tracker
+from tracker.video.clip_loader import ClipLoader
+from tracker.video.pyramid import Clip
+
+FILM = Filmed(moving())
+BRIGHTNESS = TrackSettings(cues=("brightness",))
+
+
+@dataclass(frozen=True, eq=False)
+class Film:
+    """A video of grey pictures: the loader's clips are given."""
+
+    clip: Clip
+
+
+@pytest.fixture(autouse=True)
+def _grey(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ClipLoader, "load", lambda *_: FILM.segment.clip)
+
+
+def _tracker(keypoints: Keypoints | None, skeleton: Skeleton = SKELETON) -> Tracker:
+    segment = FILM.segment
+    poses = {segment.first_frame: segment.start, segment.last_frame: segment.end}
+    source = None if keypoints is None else GivenKeypoints(keypoints)
+    return Tracker(Film(segment.clip), CAMERA, skeleton, poses, keypoints=source)  # type: ignore[arg-type]
+
+
+def _motion(keypoints: Keypoints | None, **settings: object) -> Trajectory:
+    return tracked(_tracker(keypoints), **settings)[0].trajectory
+
+
+@pytest.mark.parametrize("cues", [ALL_CUES, ("keypoints",)])
+@pytest.mark.parametrize("quality", ["full", "fast", "preview"])
+def test_where_brightness_tells_nothing_keypoints_lead(cues: object, quality: object) -> None:
+    (found,) = tracked(_tracker(FILM.keypoints), cues=cues, quality=quality)
+    away = joints_apart_m(found.trajectory, FILM.truth).mean()
+    assert away < 0.3 * joints_apart_m(FILM.segment.interpolated(), FILM.truth).mean()
+    assert found.closing_error == 0.0
+    assert found.verdict is not None
+
+
+def test_off_or_not_there_or_another_persons_everything_is_as_without() -> None:
+    without = _motion(None)
+    height = FILM.anchors()[0].height_px
+    elsewhere = replace(FILM.keypoints, uv=FILM.keypoints.uv + np.array([0.3 * height, 0.0]))
+    nowhere = replace(FILM.keypoints, uv=np.full_like(FILM.keypoints.uv, np.nan))
+    for motion in (
+        _motion(FILM.keypoints, cues=("brightness",)),
+        _motion(FILM.keypoints),  # named by nobody
+        _motion(elsewhere, cues=ALL_CUES),
+        _motion(nowhere, cues=ALL_CUES),
+    ):
+        np.testing.assert_array_equal(motion.Rs_parent_part, without.Rs_parent_part)
+        np.testing.assert_array_equal(motion.ps_camera_root, without.ps_camera_root)
+
+
+def test_the_papers_method_never_listens_to_them() -> None:
+    paper = _motion(FILM.keypoints, cues=ALL_CUES, method="paper")
+    np.testing.assert_array_equal(
+        paper.Rs_parent_part, _motion(None, method="paper").Rs_parent_part
+    )
+
+
+def test_that_no_keypoints_fit_is_told() -> None:
+    nowhere = replace(FILM.keypoints, uv=np.full_like(FILM.keypoints.uv, np.nan))
+    assert tracked(_tracker(nowhere), cues=ALL_CUES)[0].notes == (NO_KEYPOINTS,)
+    assert tracked(_tracker(nowhere))[0].notes == ()
+
+
+def test_the_same_keypoints_give_the_same_motion() -> None:
+    one, other = (_motion(FILM.keypoints, cues=ALL_CUES) for _ in range(2))
+    np.testing.assert_array_equal(one.Rs_parent_part, other.Rs_parent_part)
+
+
+def test_every_part_with_a_joint_says_what_error_is_expected_and_none_at_keyframes() -> None:
+    (found,) = tracked(_tracker(FILM.keypoints), cues=ALL_CUES)
+    error = found.diagnostics.expected_error
+    assert error is not None
+    assert error.shape == (len(FILM.truth), SKELETON.part_count)
+    told = np.isfinite(error).all(axis=0)
+    assert {n for n, k in zip(SKELETON.body.names, told, strict=True) if k} >= {
+        "left_forearm", "right_upper_arm", "left_shin", "chest",
+    }  # fmt: skip
+    assert not np.nan_to_num(error[[0, -1]]).any()
+    assert (error[1:-1][:, told] > 0).all()
+
+
+@pytest.mark.parametrize("swapped", [slice(4, 9), slice(1, -1)], ids=["some frames", "all inner"])
+def test_exchanged_sides_are_set_right_where_the_whole_evidence_says_so(swapped: slice) -> None:
+    other = FILM.keypoints.exchanged()
+    uv, p_hips = FILM.keypoints.uv.copy(), np.array(FILM.keypoints.p_hips)
+    uv[swapped], p_hips[swapped] = other.uv[swapped], np.array(other.p_hips)[swapped]
+    motion = _motion(replace(FILM.keypoints, uv=uv, p_hips=p_hips), cues=ALL_CUES)
+    right = _motion(FILM.keypoints, cues=ALL_CUES)
+    assert joints_apart_m(motion, FILM.truth).mean() < (
+        joints_apart_m(right, FILM.truth).mean() + 0.03
+    )
+
+
+def test_the_search_for_keypoints_is_left_at_once_when_cancelled() -> None:
+    class Endless:
+        """Looks at frame after frame."""
+
+        looks = 0
+
+        def over(
+            self, segment: Segment, skeleton: Skeleton, report: Callable[[], None]
+        ) -> Keypoints | None:
+            while True:
+                self.looks += 1
+                report()
+
+    source = Endless()
+    tracker = _tracker(None).renewed(SKELETON, _tracker(None).keyposes, keypoints=source)
+
+    def emit(*_: object) -> None:
+        raise Cancelled
+
+    with pytest.raises(Cancelled):
+        tracker.run_segment(tracker.spans[0], TrackSettings(cues=ALL_CUES), emit)
+    assert source.looks == 1
