@@ -20,6 +20,7 @@ from typing import NoReturn
 
 from app.cli import (
     batch,
+    draft,
     evaluate,
     export,
     film,
@@ -117,6 +118,7 @@ def parser() -> argparse.ArgumentParser:
     commands = top.add_subparsers(metavar="COMMAND")
     for command in (
         open,
+        draft,
         track,
         fit,
         batch,

@@ -1,0 +1,273 @@
+"""`keypose draft`: a box around a person on one frame, and every frame gets a draft pose."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from app.cli.arguments import (
+    Subcommands,
+    add_command,
+    add_json,
+    add_overwrite,
+    file_name,
+    whole_number,
+)
+from app.cli.interrupts import set_when_interrupted
+from app.cli.json_output import print_json
+from tracker.errors import KeypointError, SessionError
+
+if TYPE_CHECKING:
+    from tracker.fitting.draft import ClipDraft, DraftProgress
+    from tracker.geometry.camera import Camera
+    from tracker.session import Session
+    from tracker.video import Video
+
+DONE, INTERRUPTED = 0, 130
+
+_EXAMPLES = """\
+  keypose draft jump.mp4 --box 210,80,420,610 --out jump
+  keypose draft jump.mp4 --box 210,80,420,610 --frame 12 --frames 0-90 --body adult_female --out j
+"""
+_REASONS = {
+    "start": "first draft",
+    "end": "last draft",
+    "residual": "joints lie beside their keypoints",
+    "hidden": "joints are hidden",
+    "flip": "may point the other way in depth",
+    "person": "may be another person from here on",
+}
+
+
+def add(commands: Subcommands) -> None:
+    summary = "Draft a pose for every frame, from a box around the person on one frame"
+    details = (
+        "The bundled network looks for the person in every frame; the body is fitted to the joints "
+        "it finds. A session with the drafts goes to the folder, the keypoints beside it. Size and "
+        "distance show only together in a picture: the body keeps its preset's height. Frames that "
+        "do not show the person well enough get no draft. Drafts become keyframes when you confirm "
+        "them in the page; those to confirm first are listed. Ctrl+C leaves nothing behind."
+    )
+    command = add_command(commands, "draft", run, summary, details, _EXAMPLES)
+    command.add_argument("video", metavar="VIDEO", type=file_name, help="file or image folder")
+    command.add_argument(
+        "--box",
+        metavar="L,T,R,B",
+        type=_box,
+        action="append",
+        required=True,
+        help="left, top, right and bottom of the box, in pixels",
+    )
+    command.add_argument(
+        "--frame",
+        metavar="N",
+        type=whole_number(0),
+        help="the frame of the box; the first one to draft when left out",
+    )
+    command.add_argument(
+        "--frames", metavar="A-B", type=_frames, help="first and last frame to draft"
+    )
+    command.add_argument(
+        "--body",
+        metavar="PRESET",
+        default="adult_male",
+        help="adult_male, adult_female, elderly_male or elderly_female; default: adult_male",
+    )
+    command.add_argument(
+        "--field-of-view",
+        metavar="DEGREES",
+        type=_angle,
+        help="along the picture's longer side; a usual lens is assumed when left out",
+    )
+    command.add_argument(
+        "--out", metavar="DIR", type=file_name, required=True, help="folder for the session"
+    )
+    add_json(command)
+    add_overwrite(command)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from app.document.folder_lock import locked
+    from app.document.new import new_session
+    from app.editor.drafted import require_draftable
+    from app.jobs.drafts import DraftLeft
+    from tracker.body.body import preset
+    from tracker.storage.atomic import make_folder, require_absent, require_folder
+    from tracker.video import Video
+
+    if len(arguments.box) > 1:
+        raise KeypointError("--box is given twice: a draft is of one person, from one box.")
+    (box,), body = arguments.box, preset(arguments.body)
+    place = arguments.out / "session.json"
+    if not arguments.overwrite:
+        require_absent([place], error=SessionError)
+    require_folder(arguments.out, error=SessionError)
+    with Video.open(arguments.video) as video:
+        session = new_session(video, place).model_copy(update={"body": body})
+        if arguments.field_of_view is not None:
+            session = session.model_copy(update={"camera": _camera(session, arguments)})
+        frames = arguments.frames or (0, session.video.frame_count - 1)
+        at = frames[0] if arguments.frame is None else arguments.frame
+        require_draftable(session, at, box, frames)
+        try:
+            draft, network = _drafted(session, video, at, box, frames, arguments.json)
+        except DraftLeft:
+            print("Interrupted: nothing was written.", file=sys.stderr)
+            return INTERRUPTED
+        make_folder(arguments.out, error=SessionError)
+        with locked(place, "close it there, or choose another --out"):
+            written = _save(session, place, draft, network, frames, at, video, arguments.overwrite)
+    _print(draft, frames, written, arguments.json)
+    return DONE
+
+
+def _camera(session: Session, arguments: argparse.Namespace) -> Camera:
+    from tracker.geometry.camera import Camera
+
+    video = session.video
+    angle = math.radians(arguments.field_of_view)
+    return Camera.from_field_of_view(video.width, video.height, angle)
+
+
+def _drafted(
+    session: Session,
+    video: Video,
+    at: int,
+    box: tuple[float, float, float, float],
+    frames: tuple[int, int],
+    as_json: bool,
+) -> tuple[ClipDraft, str]:
+    from app.jobs.drafts import Telling, drafted
+
+    stop = threading.Event()
+    with set_when_interrupted(stop), _reporter(as_json) as tell:
+        return drafted(
+            session, video, at, box, frames, proportions=True, report=Telling(tell, stop.is_set)
+        )
+
+
+def _save(
+    session: Session, place: Path, draft: ClipDraft, network: str, frames: tuple[int, int],
+    at: int, video: Video, overwrite: bool,
+) -> tuple[Path, Path]:  # fmt: skip
+    """The session's file and that of the keypoints, both written."""
+    from app.editor.drafted import KEYPOINT_SOURCE, drafted_session
+    from tracker.storage.atomic import write_file
+    from tracker.storage.files import session_json
+    from tracker.storage.keypoints import save_keypoints
+
+    session = save_keypoints(
+        session, place, draft.keypoints, KEYPOINT_SOURCE, network=network, seeds=(at,)
+    )
+    given = (draft.body, draft.poses, session.keypoints, video.info.times_s)
+    done = drafted_session(session, frames, *given)
+    write_file(
+        place, session_json(done), overwrite=overwrite, keep_previous=True, error=SessionError
+    )
+    assert done.keypoints is not None
+    return place, place.with_name(done.keypoints.file)
+
+
+# --- what is printed
+
+
+@contextmanager
+def _reporter(as_json: bool) -> Iterator[Callable[[DraftProgress], None]]:
+    """JSON lines, a bar at a terminal, or nothing: a log needs no progress."""
+    if as_json:
+        yield _print_progress
+    elif sys.stderr.isatty():
+        with _bar() as tell:
+            yield tell
+    else:
+        yield lambda progress: None
+
+
+def _print_progress(progress: DraftProgress) -> None:
+    event = {"event": "progress", "stage": progress.stage}
+    print_json({**event, "done": progress.done, "expected": progress.expected})
+
+
+@contextmanager
+def _bar() -> Iterator[Callable[[DraftProgress], None]]:
+    """A bar that counts frames, of the network first and then of the poses."""
+    from tqdm import tqdm
+
+    words = {"keypoints": "Looking for the person", "poses": "Posing"}
+    with tqdm(unit="frame", file=sys.stderr, dynamic_ncols=True) as bar:
+
+        def tell(progress: DraftProgress) -> None:
+            bar.set_description(words[progress.stage], refresh=False)
+            bar.n, bar.total = progress.done, progress.expected
+            bar.refresh()
+
+        yield tell
+
+
+def _print(
+    draft: ClipDraft, frames: tuple[int, int], written: tuple[Path, Path], as_json: bool
+) -> None:
+    if as_json:
+        print_json(_facts(draft, frames, written))
+        return
+    count = frames[1] - frames[0] + 1
+    print(f"Drafts at {len(draft.poses)} of {count} frames.")
+    print("Confirm these first:")
+    for proposal in draft.proposals:
+        about = ", ".join(part.replace("_", " ") for part in proposal.parts)
+        words = f"{about}: {_REASONS[proposal.reason]}" if about else _REASONS[proposal.reason]
+        print(f"  frame {proposal.frame}: {words}")
+    for path in reversed(written):
+        print(f"Written: {path}")
+
+
+def _facts(
+    draft: ClipDraft, frames: tuple[int, int], written: tuple[Path, Path]
+) -> dict[str, Any]:
+    missing = sorted(set(range(frames[0], frames[1] + 1)) - set(draft.poses))
+    proposals = [
+        {"frame": p.frame, "reason": p.reason, "parts": list(p.parts)} for p in draft.proposals
+    ]
+    session, keypoints = map(str, written)
+    return {
+        "event": "finished", "drafts": len(draft.poses), "missing": missing,
+        "proposals": proposals, "session": session, "keypoints": keypoints,
+    }  # fmt: skip
+
+
+# --- arguments
+
+
+def _box(text: str) -> tuple[float, float, float, float]:
+    try:
+        left, top, right, bottom = (float(word) for word in text.split(","))
+    except ValueError:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is no box: give its left, top, right and bottom in pixels, such as "
+            "210,80,420,610"
+        ) from None
+    return left, top, right, bottom
+
+
+def _frames(text: str) -> tuple[int, int]:
+    parse = whole_number(0)
+    first, dash, last = text.partition("-")
+    if not dash:
+        raise argparse.ArgumentTypeError(f"{text!r} is no range of frames, such as 0-90")
+    return parse(first), parse(last)
+
+
+def _angle(text: str) -> float:
+    try:
+        angle = float(text)
+    except ValueError:
+        angle = math.nan
+    if not 1 <= angle <= 170:
+        raise argparse.ArgumentTypeError(f"{text!r} is not an angle from 1 to 170 degrees")
+    return angle
