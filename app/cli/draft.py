@@ -227,9 +227,7 @@ def _print(
         print(f"Written: {path}")
 
 
-def _facts(
-    draft: ClipDraft, frames: tuple[int, int], written: tuple[Path, Path]
-) -> dict[str, Any]:
+def _facts(draft: ClipDraft, frames: tuple[int, int], written: tuple[Path, Path]) -> dict[str, Any]:
     missing = sorted(set(range(frames[0], frames[1] + 1)) - set(draft.poses))
     proposals = [
         {"frame": p.frame, "reason": p.reason, "parts": list(p.parts)} for p in draft.proposals

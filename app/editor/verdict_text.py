@@ -20,11 +20,12 @@ _REASONS: Final[Mapping[Cause, str]] = {
     "one_keyframe": "fitted from one keyframe only so far",
     "keyframe_off_surface": "the keyframe lies off its surface",
     "body_off_surface": "at key {first} the body lies off its surface",
+    "keyframe_off_keypoints": "at key {first} the {part} is not where it is seen",
     "not_followed": "lost near {first}",
     "nothing_seen": "nothing of the body is seen: check keys, camera and masks",
     "contradiction": "keys {first} and {last} contradict each other",
 }
-_WITH_THEIR_FRAMES: Final = ("damaged", "body_off_surface")
+_WITH_THEIR_FRAMES: Final = ("damaged", "body_off_surface", "keyframe_off_keypoints")
 """Causes to check whose reason says already which frames they are about."""
 
 

@@ -22,6 +22,7 @@ Cause: TypeAlias = Literal[
     "one_keyframe",
     "keyframe_off_surface",
     "body_off_surface",
+    "keyframe_off_keypoints",
     "not_followed",
     "nothing_seen",
     "contradiction",
@@ -39,12 +40,13 @@ not_fitted: the fit was stopped before these frames.
 one_keyframe: the fit was stopped before it came from the second keyframe.
 keyframe_off_surface: the keyframe lies off the surface of its frame.
 body_off_surface: the body was posed off the surface that moves with it.
+keyframe_off_keypoints: the keyframe was posed where no keypoint is.
 not_followed: the body was lost; a keyframe is needed.
 nothing_seen: nothing of the body is seen in the pictures.
 contradiction: the neighbouring keyframes contradict each other.
 other: none of these; `text` says what."""
 
-_OF_A_PART: Final = ("uncertain", "not_seen", "beyond_limits")
+_OF_A_PART: Final = ("uncertain", "not_seen", "beyond_limits", "keyframe_off_keypoints")
 _WITHOUT_A_PLACE: Final = ("good", "nothing_seen", "other")
 
 

@@ -23,6 +23,8 @@ BASE, BY_DISTANCE, BY_HIDDEN, BY_APART = 9.2, 1.04, 0.30, 1.33
 """Logistic regression of wrong joints on the logarithms of the three."""
 RIGHT_ERROR, WRONG_ERROR = 0.012, 0.05
 """Mean error of joints that are right, and of those that are wrong: shares of the body's height."""
+KEYED_WRONG, KEYED_SURE = 0.04, 0.8
+"""A joint of a keyframe is doubted that lies this far from a keypoint which is seen so well."""
 UNKNOWN = 0.05
 """How far a joint is taken to be from its keypoint where there is none."""
 
@@ -65,3 +67,11 @@ class JointEvidence:
         for joint, part in enumerate(self.parts):
             expected[:, part] = np.fmax(expected[:, part], by_joint[:, joint])
         return expected
+
+    def keyed_wrong(self) -> tuple[int, int] | None:
+        """The row of a keyframe, 0 or N − 1, and its joint that lies farthest from a keypoint which
+        is seen well; None where all lie near."""
+        rows = np.array([0, len(self.distance) - 1])
+        away = np.nan_to_num(self.distance[rows]) * (self.visibility[rows] >= KEYED_SURE)
+        k, joint = np.unravel_index(int(away.argmax()), away.shape)
+        return (int(rows[k]), int(joint)) if away[k, joint] > KEYED_WRONG else None

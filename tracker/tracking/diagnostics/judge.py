@@ -99,6 +99,10 @@ def _judge_joints(
     doubtful = wrong > DOUBTFUL
     if doubtful.any(axis=1).mean() > CHECK_FRAMES or wrong.mean() > CHECK_WRONG:
         return _doubtful_joint(scene, first, joints)
+    keyed = joints.keyed_wrong()
+    if keyed is not None:
+        frame, name = first + keyed[0], scene.skeleton.body.names[int(joints.parts[keyed[1]])]
+        return Verdict.check("keyframe_off_keypoints", (frame, frame), name)
     return GOOD
 
 

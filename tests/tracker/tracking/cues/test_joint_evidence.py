@@ -37,3 +37,14 @@ def test_at_keyframes_nothing_is_wrong_and_a_part_is_as_doubtful_as_its_worst_jo
     assert not error[[0, -1]][:, [1, 4]].any()
     assert RIGHT_ERROR < error[2, 4] < error[2, 1] < WRONG_ERROR
     assert np.isnan(error[:, [0, 2, 3, 5]]).all()
+
+
+def test_a_keyframe_is_doubted_where_a_joint_is_seen_well_and_elsewhere() -> None:
+    evidence = _evidence()
+    assert evidence.keyed_wrong() is None
+    evidence.distance[2, 1] = 0.2  # between the keyframes
+    assert evidence.keyed_wrong() is None
+    evidence.distance[4, 2] = 0.06
+    assert evidence.keyed_wrong() == (4, 2)
+    evidence.visibility[4, 2] = 0.4
+    assert evidence.keyed_wrong() is None
