@@ -2,13 +2,15 @@
 // done and how. The keyboard, the sheet of keys, menus, buttons and their tips are made from it.
 
 import { openChooser, toggleSheet } from '../controls/dialogs.js';
-import { lastFrame } from '../store/clip.js';
+import { frameCount, lastFrame } from '../store/clip.js';
+import { send } from '../store/link.js';
 import { partNamed, selectedPart } from '../store/parts.js';
 import { server, setUi, ui } from '../store/state.js';
 import { words } from '../store/subject.js';
 import { fitLarge, showLarge, VIEW_NAMES, VIEWS } from '../views/views.js';
 import { count } from '../controls/words.js';
 import { alongChain, endOfChain, otherSide, outward } from './chain.js';
+import { draftMessage, whyNotDraft } from './drafting.js';
 import { copyPath, copyPicture, hasMotion, saveMotion, savePicture, saveReport } from './export.js';
 import { addKey, copyKey, deleteKey, duplicateKey, whyNotDelete } from './keying.js';
 import { foldLanes } from './lanes.js';
@@ -178,6 +180,10 @@ const TRACK = {
   trackAll: {
     label: () => `${words().verb} all ${count((server.segments ?? []).length, 'segment')}`, icon: 'reset',
     off: whyNotTrack, message: () => ({ do: 'track', what: 'all' }),
+  },
+  draft: {
+    label: () => `Draft ${count(frameCount(), 'frame')}`, icon: 'wand', off: whyNotDraft,
+    title: 'Find the person in every frame and pose the body there', run: () => send(draftMessage()),
   },
   cancel: {
     label: 'Cancel', icon: 'x', keys: ['Escape'], heard: 'escape',

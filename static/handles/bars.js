@@ -20,7 +20,7 @@ export function mountBars() {
   host.className = 'bars';
   // A bar clicked with the mouse leaves the keys to the views.
   host.addEventListener('mousedown', (event) => event.preventDefault());
-  watch(['file', 'damage', 'surface', 'view', 'pose', 'keys', 'segments', 'u:tool', 'u:layout'], draw);
+  watch(['file', 'damage', 'surface', 'view', 'pose', 'keys', 'segments', 'u:tool', 'u:layout', 'u:box'], draw);
   onViews(draw);
   onInteraction(draw);
   onSlide(draw);

@@ -3,12 +3,14 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { server, ui } from '../store/state.js';
 import { keyOf, perform, titleOf } from '../actions/actions.js';
+import { smallWords } from '../actions/drafting.js';
 import { icon } from '../controls/icons.js';
 import { view as viewNamed } from '../views/views.js';
 import { largeView } from './scale.js';
 import { sketchHint } from './sketch.js';
 
 const ZOOM_STEP = 1.25;
+const HINT_ICONS = { mask: 'loop', vertical: 'mid', box: 'wand' };
 
 export function footbars() {
   if (ui.layout === 'quad') return sketchLine();
@@ -50,5 +52,8 @@ function zoomBox() {
 function sketchLine() {
   const hint = sketchHint();
   if (!hint) return nothing;
-  return html`<div class="glass" id="mhint" role="status">${icon(ui.tool === 'vertical' ? 'mid' : 'loop')}${hint}</div>`;
+  const isWarning = ui.tool === 'box' && smallWords() !== '';
+  const name = isWarning ? 'warn' : HINT_ICONS[ui.tool];
+  const place = ui.tool === 'box' ? 'low' : '';
+  return html`<div class="glass ${place} ${isWarning ? 'warned' : ''}" id="mhint" role="status">${icon(name)}${hint}</div>`;
 }

@@ -21,7 +21,7 @@ export function mount() {
   for (const name of VIEWS) listenTo(viewNamed(name));
   onInteraction(paint);
   onViews(paint);
-  watch([...SECTIONS, 'u:limb', 'u:mask', 'u:layout', 'u:dragging'], paint);
+  watch([...SECTIONS, 'u:limb', 'u:mask', 'u:box', 'u:layout', 'u:dragging'], paint);
   watch(['pose'], refresh);
   watch(['u:tool'], changeTool);
   watch(['u:playing', 'file'], () => ui.playing && leave());
@@ -44,7 +44,7 @@ function key(event) {
   if (isPressed() && name !== ' ') {
     if (name === 'escape') cancelPress();
     stop(event);
-  } else if (sketchKey(name) || maskKey(name)) {
+  } else if (sketchKey(event, name) || maskKey(name)) {
     stop(event);
   }
 }

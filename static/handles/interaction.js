@@ -12,7 +12,7 @@ export const interaction = {
   pointer: null,
   /** The view that is being panned. */
   panning: null,
-  /** A drawing begun with the mask or the vertical tool. */
+  /** A drawing begun with the mask, the vertical or the box tool. */
   sketch: null,
 };
 

@@ -4,6 +4,7 @@
 import { clamp } from '../controls/arithmetic.js';
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { server, ui } from '../store/state.js';
+import { drawBoxSize } from './box.js';
 import { interaction } from './interaction.js';
 import { isLarge, largeView, ringRadius } from './scale.js';
 import { isReady } from './targets.js';
@@ -15,7 +16,7 @@ const hosts = new Map();
 
 /** Draw a view's labels. */
 export function drawLabels(view) {
-  render([drawValue(view), drawName(view)], hostOf(view));
+  render([drawValue(view), drawName(view), drawBoxSize(view)], hostOf(view));
 }
 
 function hostOf(view) {

@@ -28,7 +28,7 @@ export function paint() {
 function overlay(view) {
   const targets = targetsIn(view);
   const dragged = interaction.drag && !interaction.drag.gentle ? 'dragged' : '';
-  const drawing = interaction.sketch ? 'drawing' : '';
+  const drawing = interaction.sketch ? `drawing ${interaction.sketch.tool}-tool` : '';
   const classes = `hands ${isLarge(view) ? 'large' : 'small'} ${dragged} ${drawing} on-${view.name}`;
   return svg`<g class=${classes}>
     ${drawMasks(view, targets.masks)}

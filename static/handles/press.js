@@ -4,7 +4,7 @@
 //   asking     has moved off a handle's reach; which part lies there is on its way
 //   dragging   pulls a handle, a mask or a part
 //   panning    moves the view
-//   sketching  draws with the mask or the vertical tool
+//   sketching  draws with the mask, the vertical or the box tool
 //   pinching   has a second finger: both move and zoom the view
 //   spent      was cancelled: nothing more until the pointer is released
 
@@ -16,7 +16,7 @@ import { hover, leave, pick } from './hover.js';
 import { isKeyDown, noteModifiers } from './pressed_keys.js';
 import { beginPan, endPan, movePan, pinch, wheel } from './pan.js';
 import { click } from './select.js';
-import { drawsOn, isDrawingTool, sketchDown, sketchMove, sketchUp } from './sketch.js';
+import { drawsOn, isDrawingTool, sketchCancel, sketchCursor, sketchDown, sketchMove, sketchUp } from './sketch.js';
 import { distance } from './space.js';
 import { targetAt } from './targets.js';
 
@@ -65,6 +65,7 @@ const STATES = {
   sketching: {
     move: (view, _, x, y) => sketchMove(view, x, y),
     end: ({ view }, x, y) => sketchUp(view, x, y),
+    cancel: sketchCancel,
   },
   pinching: {}, // moved by both fingers
   spent: {},
@@ -202,7 +203,7 @@ function finishClick({ view, x, y, target, picked }) {
 /** A second finger takes over from a press that has not grabbed anything. */
 function secondFinger() {
   if (fingers.size !== 2 || press.state === 'dragging') return;
-  if (interaction.panning) endPan();
+  STATES[press.state].cancel?.();
   press.state = 'pinching';
 }
 
@@ -221,7 +222,7 @@ function setCursor(view, target) {
 function cursorFor(view, target) {
   if (interaction.drag || interaction.panning) return 'grabbing';
   if (isKeyDown(' ') || ui.tool === 'pan') return 'grab';
-  if (isDrawingTool(ui.tool)) return view.name === 'main' ? 'crosshair' : '';
+  if (isDrawingTool(ui.tool)) return sketchCursor(view);
   if (target?.kind === 'trail' || target?.kind === 'mask') return 'pointer';
   if (target) return ui.tool === 'size' ? 'crosshair' : 'grab';
   if (ui.tool === 'size') return 'crosshair';

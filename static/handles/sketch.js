@@ -1,9 +1,13 @@
-// Drawing on the picture: the outline of an ignore mask, or a line along something upright.
+// Drawing on the picture: the outline of an ignore mask, a line along something upright, or the box
+// around a person.
 
 import { svg, nothing } from '../vendor/lit-html/lit-html.js';
 import { server, ui, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
+import { perform, whyNot } from '../actions/actions.js';
+import { keepsKey } from '../controls/focus.js';
 import { view as viewNamed } from '../views/views.js';
+import { boxCancel, boxCursor, boxDown, boxHint, boxKey, boxMove, boxUp, drawBox } from './box.js';
 import { interaction, redrawSoon } from './interaction.js';
 import { distance, pathOf } from './space.js';
 
@@ -14,17 +18,19 @@ const SHORTEST_PX = 12;
 /** The tool that was in hand before the drawing began, and is taken up again after it. */
 let before = 'select';
 
-export const isDrawingTool = (tool) => tool === 'mask' || tool === 'vertical';
+export const isDrawingTool = (tool) => tool === 'mask' || tool === 'vertical' || tool === 'box';
 
 /** The tool changed: forget what was begun, and show the picture large. */
 export function prepareSketch() {
+  viewNamed('main').el.classList.toggle('boxing', ui.tool === 'box');
+  if (ui.tool !== 'box') setUi('box', null);
   if (!isDrawingTool(ui.tool)) {
     before = ui.tool;
     interaction.sketch = null;
     return;
   }
   if (interaction.sketch?.tool === ui.tool) return;
-  interaction.sketch = { tool: ui.tool, points: [], pointer: null };
+  interaction.sketch = { tool: ui.tool, points: [], pointer: null, hold: null };
   setUi('mask', null);
   if (ui.layout !== 'main' && ui.layout !== 'quad') setUi('layout', 'main');
 }
@@ -41,12 +47,14 @@ export function drawsOn(view) {
 export function sketchDown(view, x, y) {
   const { sketch } = interaction;
   if (sketch.tool === 'vertical') sketch.points = [view.toView([x, y])];
+  if (sketch.tool === 'box') boxDown(view, x, y);
   sketch.pointer = [x, y];
   redrawSoon();
 }
 
 export function sketchMove(view, x, y) {
   interaction.sketch.pointer = [x, y];
+  if (interaction.sketch.tool === 'box') boxMove(view, x, y);
   redrawSoon();
 }
 
@@ -54,6 +62,10 @@ export function sketchMove(view, x, y) {
 export function sketchUp(view, x, y) {
   const { sketch } = interaction;
   if (sketch.tool === 'vertical') return finishVertical(view, x, y);
+  if (sketch.tool === 'box') {
+    boxUp(view, x, y);
+    return redrawSoon();
+  }
   const corners = sketch.points.map((p) => view.fromView(p));
   const again = corners.length && distance(corners.at(-1), [x, y]) < SAME_PX;
   const home = corners.length > 2 && distance(corners[0], [x, y]) < CLOSE_PX;
@@ -62,12 +74,20 @@ export function sketchUp(view, x, y) {
   redrawSoon();
 }
 
-/** Keys of the drawing tools; true when the key was one. */
-export function sketchKey(key) {
+/** The press that draws is cancelled. */
+export function sketchCancel() {
+  if (interaction.sketch?.tool === 'box') boxCancel();
+  if (interaction.sketch?.tool === 'vertical') interaction.sketch.points = [];
+  redrawSoon();
+}
+
+/** Keys of the drawing tools, by name; true when the key was one. */
+export function sketchKey(event, key) {
   if (!isDrawingTool(ui.tool)) return false;
   prepareSketch();
   const { sketch } = interaction;
   if (key === 'escape') leaveSketch();
+  else if (sketch.tool === 'box') return boxKey(event, key) || (key === 'enter' && enterBox());
   else if (sketch.tool === 'mask' && key === 'enter') closeMask();
   else if (sketch.tool === 'mask' && (key === 'backspace' || key === 'delete')) sketch.points.pop();
   else return false;
@@ -82,6 +102,20 @@ function closeMask() {
   send({ do: 'add_mask', polygon: points, first: 0, last: server.file.frames - 1 });
   setUi('mask', (server.masks ?? []).length);
   leaveSketch();
+}
+
+/** Enter on a control that was reached with Tab is that control's. */
+function enterBox() {
+  if (!ui.box || keepsKey('Enter')) return false;
+  draftFromBox();
+  return true;
+}
+
+/** Draft from the box, which is done with. */
+export function draftFromBox() {
+  const why = whyNot('draft');
+  perform('draft');
+  if (!why) leaveSketch();
 }
 
 /** Put the drawing tool away. */
@@ -102,6 +136,7 @@ function finishVertical(view, x, y) {
 export function sketchHint() {
   const { sketch } = interaction;
   if (!sketch) return null;
+  if (sketch.tool === 'box') return boxHint();
   if (sketch.tool === 'vertical') return 'Drag along something upright: a wall, a door, a pole.';
   const begun = sketch.points.length;
   if (!begun) return 'Click around anything that moves but is not the body.';
@@ -109,9 +144,16 @@ export function sketchHint() {
   return 'Press Enter or click the first corner to close. Backspace removes the last corner, Esc cancels.';
 }
 
+/** What the pointer over a view would do with the tool in hand. */
+export function sketchCursor(view) {
+  if (view.name !== 'main') return '';
+  return interaction.sketch?.tool === 'box' ? boxCursor(view) : 'crosshair';
+}
+
 export function drawSketch(view) {
   const { sketch } = interaction;
   if (!sketch || view.name !== 'main') return nothing;
+  if (sketch.tool === 'box') return drawBox(view);
   const corners = sketch.points.map((p) => viewNamed('main').fromView(p));
   const line = sketch.pointer && corners.length ? [...corners, sketch.pointer] : corners;
   const home = corners.length > 2 && sketch.pointer && distance(corners[0], sketch.pointer) < CLOSE_PX;

@@ -23,6 +23,10 @@ const RESTING = {
   size: [['Drag', 'cap: length, rim: radius, cross: joint'], FINE, CENTIMETRES, BACK],
   pan: [['Drag', 'pan'], ['Wheel', 'zoom at the pointer'], ['0', 'fit']],
   mask: [['Click', 'corner'], ['Enter', 'close'], ['Backspace', 'remove the last corner'], ['Esc', 'cancel']],
+  box: [
+    ['Drag', 'draw the box, pull its edges'], ['Alt ← ↑ → ↓', 'move, with Shift resize'],
+    ['← →', 'choose another frame'], ['Enter', 'draft'], ['Esc', 'cancel'],
+  ],
   vertical: [['Drag', 'along something upright'], ['Esc', 'cancel']],
 };
 

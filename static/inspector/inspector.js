@@ -6,6 +6,7 @@ import { server, ui, setUi, watch } from '../store/state.js';
 import { isSurface } from '../store/subject.js';
 import { bodyTab } from './body_tab.js';
 import { cues } from './cues.js';
+import { draft } from './draft.js';
 import { freedom } from './freedom.js';
 import { lens, virtualCamera } from './lens.js';
 import { masks } from './masks.js';
@@ -32,7 +33,7 @@ const OTHERWISE = {
 /** @type {import('../store/shapes.js').Watched[]} */
 const SHOWN = [
   'file', 'surface', 'camera', 'body', 'view', 'pose', 'keys', 'segments', 'errors', 'lanes', 'masks', 'settings', 'clipboard',
-  'u:tab', 'u:tool', 'u:hover', 'u:figureHover', 'u:freeAxes', 'u:lens', 'u:mask',
+  'u:tab', 'u:tool', 'u:hover', 'u:figureHover', 'u:freeAxes', 'u:lens', 'u:mask', 'u:box',
   'u:segmentFirst', 'u:allFreedoms', 'u:fitFocal',
 ];
 
@@ -111,7 +112,10 @@ function fitTab() {
 }
 
 function trackTab() {
-  return server.settings ? html`${cues()}${segment()}${method()}${freedom()}` : nothing;
+  if (!server.settings) return nothing;
+  // Where nothing is posed yet a draft is the first thing to do.
+  const isNew = !server.keys?.frames.length;
+  return html`${cues()}${isNew ? draft() : nothing}${segment()}${method()}${isNew ? nothing : draft()}${freedom()}`;
 }
 
 /** A control clicked with the mouse leaves the keys with the views; what was typed is taken over. */

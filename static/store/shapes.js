@@ -322,6 +322,7 @@
  * @property {UnsentEdits[]} [unsent]  What waits for a decision.
  * @property {string[] | null} [limb]
  * @property {number | null} [mask]  The region that is being edited.
+ * @property {[number, number, number, number] | null} [box]  Around the person: left, top, right, bottom, pixels of the video.
  * @property {number} [shown]  The frame whose picture is on the screen.
  * @property {string | null} [menu]
  * @property {boolean | null} [sheet]  Of keys.

@@ -1,0 +1,141 @@
+"""The box around a person, drawn over the picture as a person draws it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from tests.browser.hands import Spot, drag, screens, section, settled, until, until_counted
+from tests.browser.shared import Desk, desk
+
+SIZE = (1440, 900)
+
+
+@pytest.fixture(scope="module")
+def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    with desk(browser, tmp_path_factory.mktemp("box"), drawn=True, size=SIZE) as made:
+        yield made
+
+
+@pytest.fixture
+def page(shared: Desk) -> Page:
+    """The Track tab of a film without keyframes, the box tool not in hand yet."""
+    shared.fresh()
+    for frame in (0, 24, 48, 72):
+        shared.visitor.do(do="delete_key", frame=frame)
+    shared.agreed("keys")
+    shared.page.get_by_role("tab", name="Track").click()
+    return shared.page
+
+
+def box(page: Page) -> Any:
+    """Left, top, right and bottom, pixels of the video; None where there is none."""
+    return page.evaluate("() => window.keypose.ui.box")
+
+
+def on_screen(page: Page, x: float, y: float) -> Spot:
+    """Where a pixel of the video is seen."""
+    settled(page)
+    left, top = page.evaluate(
+        """([x, y]) => {
+          const view = window.keypose.view('main');
+          const [a, b] = view.fromView([x, y]);
+          const frame = view.el.getBoundingClientRect();
+          return [frame.left + a, frame.top + b];
+        }""",
+        [x, y],
+    )
+    return left, top
+
+
+def draw(page: Page, *sides: float) -> None:
+    """Take the tool and draw a box with these sides."""
+    page.get_by_role("button", name="Draw a box").click()
+    drag(page, on_screen(page, *sides[:2]), on_screen(page, *sides[2:]))
+
+
+def rounded(found: Any) -> list[int]:
+    return [round(side) for side in found]
+
+
+def test_a_box_is_drawn_pulled_at_a_corner_and_moved(page: Page) -> None:
+    draw(page, 330, 20, 480, 320)
+    assert rounded(box(page)) == [330, 20, 480, 320]
+    until_counted(page, "#main .box .pull", 8)
+    assert page.locator("#main .hud .flt", has_text="Person").inner_text() == "Person 150 × 300"
+    screens(page, "box-1-drawn")
+    drag(page, on_screen(page, 480, 320), on_screen(page, 500, 340))
+    assert rounded(box(page)) == [330, 20, 500, 340]
+    drag(page, on_screen(page, 330, 180), on_screen(page, 300, 200))
+    assert rounded(box(page)) == [300, 20, 500, 340]
+    drag(page, on_screen(page, 400, 100), on_screen(page, 390, 110))
+    assert rounded(box(page)) == [290, 30, 490, 350]
+
+
+def test_a_press_elsewhere_begins_another_box_and_a_click_does_not(page: Page) -> None:
+    draw(page, 330, 20, 480, 320)
+    page.mouse.click(*on_screen(page, 100, 100))
+    assert rounded(box(page)) == [330, 20, 480, 320]
+    drag(page, on_screen(page, 100, 100), on_screen(page, 200, 300))
+    assert rounded(box(page)) == [100, 100, 200, 300]
+
+
+def test_esc_ends_the_gesture_first_and_then_leaves(page: Page) -> None:
+    draw(page, 330, 20, 480, 320)
+    drag(page, on_screen(page, 400, 100), on_screen(page, 300, 100), drop=False)
+    page.keyboard.press("Escape")
+    page.mouse.up()
+    assert rounded(box(page)) == [330, 20, 480, 320]
+    page.keyboard.press("Escape")
+    until(lambda: page.evaluate("() => window.keypose.ui.tool") == "select", "the tool before")
+    until(lambda: box(page) is None, "no box")
+
+
+def test_a_small_person_is_warned_of_in_amber_and_may_be_drafted(page: Page) -> None:
+    draw(page, 330, 20, 360, 62)
+    words = "The person is small here (42 px). Choose a nearer frame if there is one."
+    page.locator("#mhint.warned", has_text=words).wait_for()
+    page.locator("#insp .note.warned", has_text=words).wait_for()
+    assert page.get_by_role("button", name="Draft 73 frames").get_attribute("aria-disabled") is None
+    screens(page, "box-2-small")
+
+
+def test_a_box_is_made_with_the_keyboard_alone(page: Page) -> None:
+    page.get_by_role("button", name="Draw a box").focus()
+    page.keyboard.press("Enter")
+    until(lambda: page.evaluate("() => window.keypose.ui.tool") == "box", "the tool")
+    page.keyboard.press("Alt+ArrowRight")
+    left, top, right, bottom = box(page)
+    page.keyboard.press("Alt+Shift+ArrowDown")
+    assert box(page)[:3] == [left, top, right]
+    assert box(page)[3] > bottom
+    page.keyboard.press("ArrowRight")
+    until(lambda: section(page, "view.frame") == 1, "the next frame")
+    assert box(page)[0] == left
+
+
+_LISTEN = """
+() => {
+  const send = WebSocket.prototype.send;
+  window.sent = [];
+  WebSocket.prototype.send = function (text) {
+    window.sent.push(text);
+    send.call(this, text);
+  };
+}
+"""
+
+
+def test_enter_sends_the_box_with_the_frame_it_lies_on(page: Page) -> None:
+    page.evaluate(_LISTEN)
+    draw(page, 330, 20, 480, 320)
+    page.keyboard.press("Enter")
+    sent = until(lambda: [text for text in page.evaluate("() => window.sent") if '"draft"' in text])
+    message = json.loads(sent[0])
+    assert message["frame"] == section(page, "view.frame")
+    assert rounded(message["box"]) == [330, 20, 480, 320]
+    assert page.evaluate("() => window.keypose.ui.tool") == "select"
