@@ -28,6 +28,9 @@ SAID = {
         "keyframe_off_surface", (48, 48)
     ),
     "Check: at key 0 the body lies off its surface": Verdict.check("body_off_surface", (0, 0)),
+    "Check: at key 24 the left forearm is not where it is seen": Verdict.check(
+        "keyframe_off_keypoints", (24, 24), "left_forearm"
+    ),
     "Lost. Add a keyframe at 37": Verdict.not_followed(37),
     "Lost. Nothing of the body is seen: check keys, camera and masks": Verdict.nothing_seen(24, 48),
     "Lost. Keys 24 and 25 contradict each other": Verdict.contradiction(24, 25),
