@@ -227,7 +227,8 @@ def apply_draft(
     )  # fmt: skip
     given = (order.frames, drafted.body, drafted.poses, referring.keypoints)
     after = with_clip_drafted(edit, *given)
-    return after, DraftOutcome(order.frames, tuple(sorted(drafted.poses)), drafted.proposals)
+    done = tuple(sorted(drafted.poses))
+    return after, DraftOutcome(order.frames, done, drafted.proposals, after.doc)
 
 
 def _draft_order(path: str, edit: EditorState, action: do.Draft) -> DraftOrder:

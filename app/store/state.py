@@ -51,20 +51,13 @@ class DraftOutcome:
     """What the last draft of the clip found.
 
     frames: first and last that were to be drafted.  drafted: those that were, ascending.
-    proposals: the drafts to confirm as keyframes.
+    proposals: the drafts to confirm as keyframes.  after: the document with the drafts.
     """
 
     frames: tuple[int, int]
     drafted: tuple[int, ...]
     proposals: tuple[Proposal, ...]
-
-    @property
-    def words(self) -> str:
-        """What was done."""
-        of, done = self.frames[1] - self.frames[0] + 1, len(self.drafted)
-        if done == of:
-            return f"All {of} frames drafted." if of > 1 else "The frame is drafted."
-        return f"{done} of {of} frames drafted: the others do not show the person well enough."
+    after: Session
 
 
 @dataclass(frozen=True)

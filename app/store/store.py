@@ -270,7 +270,6 @@ class Store:
         """Go on from the drafts of the clip."""
         self._edit_to(edit)
         self._set(draft=outcome)
-        self.note("info", outcome.words)
 
     def _show_before(self, on: bool) -> None:
         fit = self._app_state.fit

@@ -1,7 +1,9 @@
-// Poses for every frame from a box around the person on one of them: whether it can begin, and why not.
+// Poses for every frame from a box around the person on one of them: whether it can begin, why not, and
+// the places of the result that a person should confirm.
 
 import { server, ui } from '../store/state.js';
-import { frame } from './playhead.js';
+import { count } from '../controls/words.js';
+import { frame, goTo, stopPlaying } from './playhead.js';
 
 /** A person of fewer pixels has joints that are hard to tell apart. */
 export const SMALL_PX = 60;
@@ -9,7 +11,11 @@ export const SMALL_PX = 60;
 /** Why this body cannot be drafted, or ''. */
 export const whyNotDraftable = () => (server.body?.is_persons ? '' : 'Needs a person’s body');
 
-export const whyNotDraft = () => whyNotDraftable() || (ui.box ? '' : 'Draw a box around the person first');
+export function whyNotDraft() {
+  const { state, kind } = server.job ?? {};
+  const isAtWork = state === 'running' && kind === 'draft';
+  return whyNotDraftable() || (isAtWork ? 'Drafting already' : ui.box ? '' : 'Draw a box around the person first');
+}
 
 /** What is sent: the box as it lies over the frame of the playhead. */
 export function draftMessage() {
@@ -20,4 +26,45 @@ export function draftMessage() {
 export function smallWords() {
   const height = ui.box ? Math.round(ui.box[3] - ui.box[1]) : SMALL_PX;
   return height < SMALL_PX ? `The person is small here (${height} px). Choose a nearer frame if there is one.` : '';
+}
+
+/** The places still to confirm, in the order of their frames. */
+export const placesToConfirm = () => server.draft?.proposals ?? [];
+
+/** @type {Record<string, (parts: string) => string>} */
+const REASONS = {
+  start: () => 'first frame of the draft',
+  end: () => 'last frame of the draft',
+  residual: (parts) => `${parts} may be off`,
+  hidden: (parts) => `${parts} hidden`,
+  flip: (parts) => `${parts} may point the other way`,
+  person: () => 'may be another person from here on',
+};
+
+/** "Right forearm hidden": why a place should be confirmed. */
+export function reasonOf({ reason, parts }) {
+  const words = REASONS[reason]?.(partWords(parts)) ?? '';
+  return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
+/** Several are named by the first of them. */
+function partWords(parts) {
+  if (parts.length === 0) return 'the body';
+  const more = parts.length > 1 ? ` and ${count(parts.length - 1, 'more part')}` : '';
+  return `${parts[0].toLowerCase()}${more}`;
+}
+
+/** To the first place after the playhead, then from the start. */
+export function nextPlace() {
+  const places = placesToConfirm();
+  const next = places.find((place) => place.frame > frame()) ?? places[0];
+  stopPlaying();
+  if (next) goTo(next.frame);
+}
+
+/** "Drafted 150 of 180 frames." */
+export function draftedWords({ first, last, missing }) {
+  const all = last - first + 1;
+  const some = missing.length ? `${all - missing.length} of ` : '';
+  return `Drafted ${some}${count(all, 'frame')}.`;
 }

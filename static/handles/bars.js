@@ -6,6 +6,7 @@ import { damageAt, damageWords } from '../store/clip.js';
 import { server, ui, watch } from '../store/state.js';
 import { onViews, view as viewNamed } from '../views/views.js';
 import { displaybar, onSlide } from './displaybar.js';
+import { draftbar } from './draftbar.js';
 import { footbars } from './footbars.js';
 import { headbar } from './headbar.js';
 import { interaction, onInteraction } from './interaction.js';
@@ -20,7 +21,7 @@ export function mountBars() {
   host.className = 'bars';
   // A bar clicked with the mouse leaves the keys to the views.
   host.addEventListener('mousedown', (event) => event.preventDefault());
-  watch(['file', 'damage', 'surface', 'view', 'pose', 'keys', 'segments', 'u:tool', 'u:layout', 'u:box'], draw);
+  watch(['file', 'damage', 'surface', 'view', 'pose', 'keys', 'segments', 'draft', 'undo', 'u:draftRead', 'u:tool', 'u:layout', 'u:box'], draw);
   onViews(draw);
   onInteraction(draw);
   onSlide(draw);
@@ -37,7 +38,7 @@ function draw() {
 }
 
 function bars() {
-  return html`${headbar()}${toolbar()}${displaybar()}${tintbar()}${damagebar()}${footbars()}`;
+  return html`${headbar()}${toolbar()}${displaybar()}${tintbar()}${damagebar()}${draftbar()}${footbars()}`;
 }
 
 /** What is wrong with the picture, where its frame is damaged. */

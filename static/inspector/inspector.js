@@ -32,7 +32,7 @@ const OTHERWISE = {
 
 /** @type {import('../store/shapes.js').Watched[]} */
 const SHOWN = [
-  'file', 'surface', 'camera', 'body', 'view', 'pose', 'keys', 'segments', 'errors', 'lanes', 'masks', 'settings', 'clipboard',
+  'file', 'surface', 'camera', 'body', 'view', 'pose', 'keys', 'segments', 'errors', 'draft', 'job', 'lanes', 'masks', 'settings', 'clipboard',
   'u:tab', 'u:tool', 'u:hover', 'u:figureHover', 'u:freeAxes', 'u:lens', 'u:mask', 'u:box',
   'u:segmentFirst', 'u:allFreedoms', 'u:fitFocal',
 ];

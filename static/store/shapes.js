@@ -214,13 +214,29 @@
  */
 
 /**
+ * @typedef {object} DraftPlace  A frame whose draft should be confirmed.
+ * @property {number} frame
+ * @property {string} reason
+ * @property {string[]} parts  Their labels; none where it is about all.
+ */
+
+/**
+ * @typedef {object} Drafted  What the last draft of the film found.
+ * @property {boolean} latest  Whether nothing was edited since.
+ * @property {number} first
+ * @property {number} last
+ * @property {number[]} missing  Frames without a draft.
+ * @property {DraftPlace[]} proposals  Those to confirm that are no keyframes yet.
+ */
+
+/**
  * @typedef {object} Job
  * @property {'idle' | 'running' | 'done' | 'cancelled' | 'failed'} state
  * @property {string} title
  * @property {string} words
  * @property {number} percent
  * @property {number | null} seconds_left
- * @property {'track' | 'fit'} kind
+ * @property {'track' | 'fit' | 'draft'} kind
  */
 
 /** @typedef {{ state: 'saved' | 'saving' | 'failed' | 'readonly', at: number, words: string }} Saved */
@@ -245,6 +261,7 @@
  * @property {Mask[]} masks
  * @property {Settings} settings
  * @property {Fit | null} fit
+ * @property {Drafted | null} draft
  * @property {Job} job
  * @property {Saved} saved
  * @property {{ undo: string | null, redo: string | null }} undo
@@ -323,6 +340,7 @@
  * @property {string[] | null} [limb]
  * @property {number | null} [mask]  The region that is being edited.
  * @property {[number, number, number, number] | null} [box]  Around the person: left, top, right, bottom, pixels of the video.
+ * @property {string} [draftRead]  The revision whose draft's banner was closed.
  * @property {number} [shown]  The frame whose picture is on the screen.
  * @property {string | null} [menu]
  * @property {boolean | null} [sheet]  Of keys.

@@ -1,4 +1,4 @@
-"""The box around a person, drawn over the picture as a person draws it."""
+"""The box around a person, drawn over the picture by hand, and the draft made from it."""
 
 from __future__ import annotations
 
@@ -7,12 +7,22 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser, Locator, Page
 
-from tests.browser.hands import Spot, drag, screens, section, settled, until, until_counted
+from tests.browser.hands import (
+    Spot,
+    drag,
+    screens,
+    section,
+    settled,
+    until,
+    until_counted,
+    until_told,
+)
 from tests.browser.shared import Desk, desk
 
 SIZE = (1440, 900)
+SECONDS_TO_DRAFT = 400
 
 
 @pytest.fixture(scope="module")
@@ -139,3 +149,45 @@ def test_enter_sends_the_box_with_the_frame_it_lies_on(page: Page) -> None:
     assert message["frame"] == section(page, "view.frame")
     assert rounded(message["box"]) == [330, 20, 480, 320]
     assert page.evaluate("() => window.keypose.ui.tool") == "select"
+
+
+def banner(page: Page) -> Locator:
+    return page.locator("#mdraft")
+
+
+def test_a_draft_is_told_of_shown_on_the_timeline_and_undone(page: Page) -> None:
+    draw(page, 310, 10, 520, 350)
+    page.keyboard.press("Enter")
+    until(lambda: section(page, "job.kind") == "draft", "the job")
+    page.locator(".job", has_text="Drafting poses").wait_for()
+    until(lambda: section(page, "draft"), "the draft", SECONDS_TO_DRAFT)
+    banner(page).wait_for()
+    assert "Drafted 73 frames." in banner(page).inner_text()
+    frames = [place["frame"] for place in section(page, "draft.proposals")]
+    until_counted(page, "#tsvg .place", len(frames))
+    until_counted(page, "#tsvg .drafted", 1)
+    screens(page, "draft-1-result")
+
+    ring = page.locator("#tsvg .place circle").nth(1).bounding_box()
+    assert ring is not None
+    page.mouse.move(ring["x"] + 4, ring["y"] + 4)
+    page.locator("#tsvg .plate", has_text=f"Go to {frames[1]}").wait_for()
+    page.mouse.down()
+    page.mouse.up()
+    until_told(page, "view.frame", lambda frame: frame == frames[1])
+    banner(page).get_by_role("button", name="to confirm").click()
+    until_told(page, "view.frame", lambda frame: frame == frames[2])
+    listed = page.get_by_role("group", name="Places to confirm").get_by_role("button")
+    assert listed.count() == len(frames)
+    listed.nth(0).click()
+    until_told(page, "view.frame", lambda frame: frame == frames[0])
+
+    page.keyboard.press("k")
+    until_counted(page, "#tsvg .place", len(frames) - 1)
+    until(lambda: banner(page).count() == 0, "the banner to go with the first edit")
+    screens(page, "draft-2-confirmed")
+    page.keyboard.press("Control+z")
+    banner(page).get_by_role("button", name="Undo draft").click()
+    until_told(page, "draft", lambda draft: draft is None)
+    until_counted(page, "#tsvg .drafted", 0)
+    assert banner(page).count() == 0

@@ -26,6 +26,8 @@ def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterat
 def at(shared: Desk) -> Desk:
     """The Track tab as it is when the page has just been opened."""
     shared.fresh()
+    shared.visitor.do(do="settings", cues=["brightness", "keypoints"])
+    shared.agreed("settings")
     shared.page.get_by_role("tab", name="Track").click()
     return shared
 
@@ -85,4 +87,4 @@ def test_of_a_box_there_are_no_keypoints(browser: Browser, tmp_path: Path) -> No
         assert off.get_attribute("aria-checked") == "false"
         assert cue(page, "Brightness").get_attribute("aria-checked") == "true"
         screen(page, "cues-4-box")
-        assert section(page, "settings.cues") == ["brightness", "keypoints"]
+        assert section(page, "settings.cues") == ["brightness"]

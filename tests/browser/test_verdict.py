@@ -53,6 +53,8 @@ def page(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator
     for name in ("person.mp4", "session.json"):
         shutil.copy(ROOT / "sample_videos" / "person" / name, place)
     session = load_session(place / "session.json")
+    both = session.settings.model_copy(update={"cues": ("brightness", "keypoints")})
+    session = session.model_copy(update={"settings": both})
     found = tracked(session)
     known = save_results(session, place / "session.json", Results({found.key: found}))
     save_session(known, place / "session.json")

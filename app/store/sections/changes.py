@@ -121,7 +121,10 @@ SECTIONS: dict[str, _Section] = {
     "masks": _Section(_doc("ignore_masks"), work_values.masks),
     "settings": _Section(_doc("settings", "first_motion"), work_values.settings),
     "fit": _Section(lambda o: (o.fit,), work_values.fit),
-    "draft": _Section(_both(_doc("drafts"), lambda o: (o.draft,)), work_values.draft),
+    "draft": _Section(
+        _both(_doc("drafts"), lambda o: (o.draft, work_values.is_latest_draft(o))),
+        work_values.draft,
+    ),
     "job": _Section(lambda o: (o.job,), motion_values.job),
     "saved": _Section(lambda o: (o.saved,), work_values.saved),
     "undo": _Section(_edit("history", "stroke"), work_values.undo),

@@ -30,7 +30,8 @@ def settings(app_state: AppState) -> Json:
     usual = method_of(given.model_copy(update={"passes": None})).passes
     source = doc.first_motion.source if doc and doc.first_motion else None
     found = doc.video.stands_still if doc else None
-    known = {"default_passes": usual, "imported": source, "found_still": found}
+    cues = list(given.cues_used)
+    known = {"cues": cues, "default_passes": usual, "imported": source, "found_still": found}
     return {**given.model_dump(), **known}
 
 
@@ -72,6 +73,12 @@ def fit(app_state: AppState) -> Json:
     }
 
 
+def is_latest_draft(app_state: AppState) -> bool:
+    """Whether nothing was edited since the clip was drafted."""
+    given, doc = app_state.draft, doc_of(app_state)
+    return given is not None and doc is given.after
+
+
 def draft(app_state: AppState) -> Json:
     """What the last draft of the clip found, until none of its drafts is left: the frames
     without a draft, and the drafts that should be confirmed as keyframes and are none yet."""
@@ -81,7 +88,7 @@ def draft(app_state: AppState) -> Json:
         return None
     first, last = given.frames
     return {
-        "words": given.words,
+        "latest": is_latest_draft(app_state),
         "first": first,
         "last": last,
         "missing": sorted(set(range(first, last + 1)) - set(given.drafted)),

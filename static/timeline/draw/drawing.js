@@ -9,6 +9,7 @@ import { selectFrom } from '../edit/drags.js';
 import { grabbed, hovered } from '../edit/pointer.js';
 import { drawClip, drawDamage, drawGround, drawKeyLabels, drawNothingYet, drawRuler } from './ground.js';
 import { drawCurrent, drawKeys, drawNeed, drawSuggestion } from './keymarks.js';
+import { drawDrafts, drawPlaces } from './drafts.js';
 import { drawSegments } from './segments.js';
 import { drawLaneLabels, drawLanes } from './lanes.js';
 import { drawCurrentCurveKey, drawCurve } from './curve.js';
@@ -47,11 +48,13 @@ const LAYERS = [
     ({ rows, lanes, scroll }) => drawLanes(rows, lanes, scroll)],
   ['frames', 'need', () => [server.need, server.suggest], ({ rows }) => drawNeed(rows)],
   ['frames', 'segments', () => [server.segments, server.suggest, server.keys], ({ rows }) => drawSegments(rows)],
+  ['frames', 'drafts', () => [server.keys, server.segments, server.draft], ({ rows }) => drawDrafts(rows)],
   ['frames', 'chart', () => [isScore(), ...chartInputs()],
     ({ rows }) => (isScore() ? drawScores(rows.curve) : drawCurve(rows.curve, angleGrabbed()))],
   ['frames', 'suggestion', () => [suggestedFrame(), server.keys, isScore()],
     ({ rows }) => drawSuggestion(rows, bottomOf(rows))],
-  ['frames', 'keys', () => [server.keys, keyGrabbed()], ({ rows }) => drawKeys(rows, keyGrabbed())],
+  ['frames', 'keys', () => [server.keys, server.segments, keyGrabbed()], ({ rows }) => drawKeys(rows, keyGrabbed())],
+  ['frames', 'places', () => [server.draft, isScore()], ({ rows }) => drawPlaces(rows, bottomOf(rows))],
   ['frames', 'current', () => [frame(), keyGrabbed(), angleGrabbed(), isScore(), ...curveInputs()],
     ({ rows }) => [
       keyGrabbed() === frame() ? null : drawCurrent(rows),

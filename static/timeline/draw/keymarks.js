@@ -4,6 +4,7 @@
 import { clamp } from '../../controls/arithmetic.js';
 import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
 import { server } from '../../store/state.js';
+import { singleDrafts } from './drafts.js';
 import { GUTTER, right, visible, x } from './scale.js';
 import { draftFrames, frame, isKey, keyFrames, suggestedFrame } from '../../actions/playhead.js';
 import { extent, numbers } from './series.js';
@@ -56,7 +57,7 @@ export function drawKeys(rows, without = null) {
     const wide = tickWidth(room);
     return `M${(x(at) - wide / 2).toFixed(1)} ${middle - 8}h${wide}v16h${-wide}z`;
   };
-  const drafts = inWindow(draftFrames()).map((at) => diamond(x(at), middle, RADIUS));
+  const drafts = inWindow(singleDrafts()).map((at) => diamond(x(at), middle, RADIUS));
   return svg`<path class="keymark" d=${diamonds.filter(here).map(large).join('')} />
     <path class="keymark tick" d=${ticks.filter(here).map(small).join('')} />
     <path class="draft" d=${drafts.join('')} />`;

@@ -8,6 +8,7 @@ import { frameCount, lastFrame } from '../../store/clip.js';
 import { clamp, shortNumber, signedNumber } from '../../controls/arithmetic.js';
 import { GUTTER, right, RULER, x } from './scale.js';
 import { around, frame, isKey, segmentAt, draftFrames } from '../../actions/playhead.js';
+import { placesToConfirm, reasonOf } from '../../actions/drafting.js';
 import { diamond } from './keymarks.js';
 import { BAR, barOf } from './segments.js';
 import { grabbed, hovered } from '../edit/pointer.js';
@@ -105,12 +106,19 @@ function drawHover(rows) {
     return svg`<path class="hover" d=${diamond(x(what.frame), middle, 9.5)} />
       ${label(`Keyframe ${what.frame}`, x(what.frame), middle + 23)}`;
   }
+  if (what.kind === 'place') return drawPlaceHover(what.frame, rows);
   if (what.kind === 'curvekey') return drawCurveHover(what.frame, rows);
   const segment = (server.segments ?? []).find(({ first }) => first === what.first);
   if (!segment) return nothing;
   const { from, to } = barOf(segment);
   return svg`<rect class="hover" x=${from - 1.5} y=${middle - BAR.half - 1.5} rx="4"
     width=${Math.max(1, to - from) + 3} height=${2 * BAR.half + 3} />`;
+}
+
+function drawPlaceHover(at, rows) {
+  const place = placesToConfirm().find((each) => each.frame === at);
+  if (!place) return nothing;
+  return label(`${reasonOf(place)}. Go to ${at}`, x(at), rows.keys.middle + 23);
 }
 
 function drawCurveHover(key, rows) {

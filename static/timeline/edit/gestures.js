@@ -3,9 +3,10 @@
 import { server, ui } from '../../store/state.js';
 import { follow } from '../../controls/gesture.js';
 import { isSurface } from '../../store/subject.js';
-import { GUTTER, OVERVIEW, pxPerFrame, RULER, zoomAt } from '../draw/scale.js';
+import { GUTTER, OVERVIEW, pxPerFrame, RULER, x, zoomAt } from '../draw/scale.js';
 import { isZoomed, scrollBy } from '../../actions/window.js';
 import { BAR, barOf } from '../draw/segments.js';
+import { placeNear } from '../draw/drafts.js';
 import { keyNear } from '../draw/keymarks.js';
 import { curveKeyNear } from '../draw/curve.js';
 import { laneAt } from '../draw/lanes.js';
@@ -69,6 +70,8 @@ function under(place) {
 function inKeys(place, rows) {
   const key = keyNear(place.x);
   if (key !== null) return { kind: 'key', frame: key };
+  const confirm = placeNear(place.x);
+  if (confirm !== null) return { kind: 'place', frame: confirm.frame };
   if (Math.abs(place.y - rows.keys.middle) > BAR.half + 3) return { kind: 'frames' };
   const segment = (server.segments ?? []).find((s) => {
     const { from, to } = barOf(s);
@@ -83,6 +86,8 @@ function begin(what, place) {
       return grabOverview(place.x);
     case 'key':
       return grabKey(what.frame, place);
+    case 'place':
+      return grabHead({ ...place, x: x(what.frame) });
     case 'curvekey':
       return grabAngle(what.frame, ground().rows.curve, place);
     case 'segment':
@@ -153,12 +158,12 @@ function drop() {
   gesture = null;
 }
 
-const CURSORS = { key: 'grab', curvekey: 'ns-resize', segment: 'pointer', overview: 'grab' };
+const CURSORS = { key: 'grab', curvekey: 'ns-resize', segment: 'pointer', place: 'pointer', overview: 'grab' };
 
 function pointAt(what) {
   element.style.cursor = CURSORS[what.kind] ?? '';
   if (what.kind === 'segment') setHovered({ kind: 'segment', first: what.segment.first });
-  else if (what.kind === 'key' || what.kind === 'curvekey') setHovered(what);
+  else if (['key', 'curvekey', 'place'].includes(what.kind)) setHovered(what);
   else setHovered(null);
 }
 

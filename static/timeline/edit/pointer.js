@@ -17,7 +17,7 @@ export function setGrabbed(what) {
   setUi('timeGrabbed', what);
 }
 
-/** null | {kind: "key", frame} | {kind: "segment", first, last} | {kind: "curvekey", frame} */
+/** null | {kind: "key", frame} | {kind: "segment", first, last} | {kind: "curvekey", frame} | {kind: "place", frame} */
 export function hovered() {
   return ui.timeHover;
 }

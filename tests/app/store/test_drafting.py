@@ -133,6 +133,7 @@ def test_frames_to_confirm_are_shown_until_they_are_keyframes(path: Path) -> Non
         desk.do({**DRAFT, "first": 2, "last": 12})
         desk.find(3, 8)
         shown = desk.section
+        assert shown["latest"]
         assert shown["missing"] == [2, 4, 5, 6, 7, 9, 10, 11, 12]
         assert shown["proposals"] == [
             {"frame": 3, "reason": "start", "parts": []},
@@ -140,6 +141,9 @@ def test_frames_to_confirm_are_shown_until_they_are_keyframes(path: Path) -> Non
         ]
         desk.do({"do": "go", "frame": 3}, {"do": "add_key", "frame": 3})
         assert [proposal["frame"] for proposal in desk.section["proposals"]] == [8]
+        assert not desk.section["latest"]
+        desk.do({"do": "undo"})
+        assert desk.section["latest"]
 
     try_at(path, act)
 
