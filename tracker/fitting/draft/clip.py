@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
 from tracker.body.body import Body
 from tracker.body.pose import Pose
+from tracker.body.scaling import height
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.errors import KeypointError
@@ -23,14 +25,18 @@ from tracker.fitting.draft.judged import Judged, judged
 from tracker.fitting.draft.limbs import Joints
 from tracker.fitting.draft.observed import Observed
 from tracker.fitting.draft.proposals import Proposal
+from tracker.fitting.draft.sides import consistent_sides
 from tracker.fitting.draft.sizes import with_proportions
 from tracker.fitting.draft.whole import Whole
 from tracker.geometry.camera import Camera
 from tracker.keypoints.detect import Frame, Kept, Looks, Progress, Seed, detect
 from tracker.keypoints.keypoints import Keypoints
 from tracker.keypoints.region import Box
-from tracker.tracking.cues.anchors import freed
+from tracker.tracking.cues.anchors import freed, height_px
 from tracker.tracking.scene import Scene
+
+FEW_POINTS = 0.1
+"""Density of points on the body's surface, none of which is looked at here."""
 
 
 @dataclass(frozen=True)
@@ -107,7 +113,7 @@ def draft_from_keypoints(
             "shows the whole body."
         )
     if proportions:
-        body = with_proportions(body, ideal, observed)
+        body = with_proportions(body, observed)
     work = _Work(Skeleton.of(body), ideal, report, int(observed.usable.sum()))
     pieces = [(work.run(observed.rows(run))) for run in runs]
     return _draft(work, body, keypoints, pieces)
@@ -124,15 +130,22 @@ class _Work:
     done: int = 0
 
     def run(self, seen: Observed) -> tuple[Observed, Trajectory]:
-        """The poses of a stretch of frames."""
-        skeleton = freed(self.skeleton)
-        joints = Joints.of(skeleton)
+        """The poses of a stretch of frames, and what they were found from: left and right as told,
+        or as consistent over time, whichever all terms together agree with better."""
+        found = self._solved(seen)
+        pixels = height_px(self.skeleton, self.camera, _middle(found.motion))
+        other = consistent_sides(seen, pixels, height(self.skeleton.body))
+        if other is not None:
+            found = min(found, self._solved(other), key=lambda one: one.cost)
+        self.done += int(seen.usable.sum())
+        return found.problem.observed, found.motion
+
+    def _solved(self, seen: Observed) -> _Solved:
+        joints = Joints.of(freed(self.skeleton))
         first = self._first(joints, seen)
-        middle = first.pose(first.first_frame + len(first) // 2)
-        scene = Scene.of(skeleton, self.camera, [middle], 0.1)
-        motion = Whole.of(scene, joints, seen, first).solve(self._tell)
-        self.done += len(seen)
-        return seen, motion
+        scene = Scene.of(joints.skeleton, self.camera, [_middle(first)], FEW_POINTS)
+        problem = Whole.of(scene, joints, seen, first)
+        return _Solved(problem, problem.solve(self._tell))
 
     def _first(self, joints: Joints, seen: Observed) -> Trajectory:
         poses: list[Pose | None] = []
@@ -144,6 +157,22 @@ class _Work:
 
     def _tell(self, more: int) -> None:
         self.report(DraftProgress("poses", min(self.done + more, self.expected), self.expected))
+
+
+@dataclass(frozen=True, eq=False)
+class _Solved:
+    """A stretch with its poses."""
+
+    problem: Whole
+    motion: Trajectory
+
+    @cached_property
+    def cost(self) -> float:
+        return self.problem.cost(self.motion)
+
+
+def _middle(motion: Trajectory) -> Pose:
+    return motion.pose(motion.first_frame + len(motion) // 2)
 
 
 def _filled(first_frame: int, poses: list[Pose | None]) -> Trajectory:

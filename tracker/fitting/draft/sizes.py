@@ -1,83 +1,100 @@
-"""The preset's proportions scaled to the person's, as far as keypoints tell.
+"""The preset's proportions scaled to the person's, as far as landmarks tell.
 
-Height and distance show only together in a picture: the body keeps its height. What can be seen is
-how long a limb is beside the others, in frames where it lies across the view: its pixels over those
-that a metre takes at the body's distance. That is believed only when many frames say so and do not
-contradict each other, and never beyond what people differ by.
+Height and distance show only together in a picture, so the body keeps its height. What the network
+does tell is how long bones are beside each other: its landmarks in space have the person's bones up
+to one common factor. Where enough frames show a bone, its median length there is believed, drawn
+toward the preset's proportions, and never beyond what people differ by. Widths of the hips stay:
+the network puts hips where no joint is. So does thickness, which landmarks do not show.
 """
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from tracker.body.body import Body
-from tracker.body.scaling import height, resized, with_height
+from tracker.body.scaling import height, joint_moved, resized, with_height
 from tracker.body.skeleton import Skeleton
-from tracker.fitting.draft.first_poses import first_pose
-from tracker.fitting.draft.limbs import Bone, Joints
+from tracker.fitting.draft.limbs import SIDES, Joints, place_of
 from tracker.fitting.draft.observed import Observed
-from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
 
-MOST_FRAMES = 120
-"""Frames that are looked at, spread over the clip."""
-SURE = 0.8
+SURE = 0.7
 """Visibility of both ends of a bone that is measured."""
-ACROSS = 0.5
-"""Largest share of a bone's length that lies in depth where it is measured."""
 FEWEST = 12
-"""Measurements that tell a length."""
-USUAL = 0.06
-"""Standard deviation of people's proportions."""
-LARGEST = 0.12
-"""By which a length is changed at most."""
+"""Frames that tell a length."""
+USUAL: Final = 0.08
+"""Standard deviation of people's proportions about the preset's."""
+DOUBT: Final = 0.04
+"""That of the network's."""
+LARGEST: Final = 0.15
+"""By which a length is changed at most, beside the others."""
+_TRUNK, _SHOULDERS = "trunk", "shoulders"
 
 
-def with_proportions(body: Body, camera: Camera, observed: Observed) -> Body:
-    """The body with upper arms, forearms, thighs and shins as long as they are seen, its height as
-    it was."""
+def with_proportions(body: Body, observed: Observed) -> Body:
+    """The body with trunk, shoulders, arms and legs in the person's proportions, and its height."""
     joints = Joints.of(Skeleton.of(body))
-    ratios = _ratios(joints, camera, observed)
-    factors: dict[str, float] = {}
-    for left, right in zip(
-        joints.bones[:2] + joints.bones[4:6], joints.bones[2:4] + joints.bones[6:], strict=True
-    ):
-        own = np.concatenate([ratios[left], ratios[right]])
-        factors[body.names[left.part]] = _believed(own)
-    changed = body
-    for name, factor in factors.items():
-        changed = resized(changed, name, length_factor=factor)
-    return with_height(changed, height(body))
+    ratios = _ratios(joints, observed)
+    told = [ratio for ratio in ratios.values() if ratio is not None]
+    if not told:
+        return body
+    common = float(np.median(told))
+    factors = {
+        name: _believed(ratio / common) for name, ratio in ratios.items() if ratio is not None
+    }
+    return with_height(_scaled(body, joints, factors), height(body))
 
 
-def _believed(ratios: Array) -> float:
-    """The median, drawn toward 1 by how uncertain it is and how little people differ."""
-    if len(ratios) < FEWEST:
-        return 1.0
-    middle = float(np.median(ratios))
-    spread = 1.48 * float(np.median(np.abs(ratios - middle)))
-    # neighbouring frames err alike: so many measurements count as few
-    doubt = spread**2 / FEWEST + (0.5 * USUAL) ** 2
-    share = USUAL**2 / (USUAL**2 + doubt)
-    return 1.0 + float(np.clip(share * (middle - 1.0), -LARGEST, LARGEST))
+def _believed(factor: float) -> float:
+    share = USUAL**2 / (USUAL**2 + DOUBT**2)
+    return float(np.exp(np.clip(share * np.log(factor), -LARGEST, LARGEST)))
 
 
-def _ratios(joints: Joints, camera: Camera, observed: Observed) -> dict[Bone, Array]:
-    """By bone its length as seen over the body's, in all frames that tell it."""
-    usable = np.flatnonzero(observed.usable)
-    some = usable[:: max(1, len(usable) // MOST_FRAMES)]
-    ratios: dict[Bone, list[float]] = {bone: [] for bone in joints.bones}
-    for n in some:
-        uv, sure, p = observed.uv[n], observed.visibility[n], observed.p_hips[n]
-        pose = first_pose(joints, camera, uv, sure, p)
-        metre = camera.fy / float(camera.depth(pose.p_camera_root))
-        for bone in joints.bones:
-            both = [bone.near, bone.far]
-            along = p[bone.far] - p[bone.near]
-            length = float(np.linalg.norm(along))
-            if sure[both].min() < SURE or not abs(along[2]) < ACROSS * length:
-                continue
-            seen = float(np.linalg.norm(uv[bone.far] - uv[bone.near])) / metre
-            whole = seen / np.sqrt(1 - (along[2] / length) ** 2)
-            ratios[bone].append(whole / joints.length_m(bone))
-    return {bone: np.array(values) for bone, values in ratios.items()}
+def _scaled(body: Body, joints: Joints, factors: dict[str, float]) -> Body:
+    for limb in joints.limbs[::2]:
+        for part in (limb.upper.part, limb.lower.part):
+            name = body.names[part]
+            body = resized(body, name, length_factor=factors.get(name, 1.0))
+    chest = body.names[joints.parts[place_of("left", "shoulder")]]
+    body = resized(body, chest, length_factor=factors.get(_TRUNK, 1.0))
+    arm = body.parts[joints.limbs[0].upper.part]
+    x, y, z = arm.joint_m
+    return joint_moved(body, arm.name, (x * factors.get(_SHOULDERS, 1.0), y, z))
+
+
+def _ratios(joints: Joints, observed: Observed) -> dict[str, float | None]:
+    """By part, and of trunk and shoulders, its length in the landmarks over the body's; None where
+    too few frames tell it."""
+    names = joints.skeleton.body.names
+    ratios = {}
+    for left, right in zip(joints.limbs[::2], joints.limbs[1::2], strict=True):
+        for one, other in ((left.upper, right.upper), (left.lower, right.lower)):
+            seen = [_lengths(observed, bone.near, bone.far) for bone in (one, other)]
+            ratios[names[one.part]] = _median(np.concatenate(seen), joints.length_m(one))
+    ratios[_TRUNK] = _trunk(joints, observed)
+    one, other = (place_of(side, "shoulder") for side in SIDES)
+    ours = float(np.linalg.norm(joints.rest[one] - joints.rest[other]))
+    ratios[_SHOULDERS] = _median(_lengths(observed, one, other), ours)
+    return ratios
+
+
+def _trunk(joints: Joints, observed: Observed) -> float | None:
+    """From the middle of the hips to that of the shoulders."""
+    hips, shoulders = ([place_of(side, name) for side in SIDES] for name in ("hip", "shoulder"))
+    sure = observed.usable & (observed.visibility[:, hips + shoulders].min(axis=1) >= SURE)
+    p = observed.p_hips[sure]
+    own = np.linalg.norm(p[:, shoulders].mean(1) - p[:, hips].mean(1), axis=-1)
+    ours = np.linalg.norm(joints.rest[shoulders].mean(0) - joints.rest[hips].mean(0))
+    return _median(own, float(ours))
+
+
+def _lengths(observed: Observed, near: int, far: int) -> Array:
+    sure = observed.usable & (observed.visibility[:, [near, far]].min(axis=1) >= SURE)
+    p = observed.p_hips[sure]
+    return np.asarray(np.linalg.norm(p[:, far] - p[:, near], axis=-1))
+
+
+def _median(lengths: Array, ours: float) -> float | None:
+    return float(np.median(lengths)) / ours if len(lengths) >= FEWEST else None

@@ -30,12 +30,12 @@ from tracker.tracking.segment import NEAREST_M
 
 WINDOW, OVERLAP = 120, 24
 """Frames of a window, and of those that the next one solves again."""
-SIGMA = 0.012
+SIGMA = 0.010
 """Standard deviation of a sure keypoint where nobody said where on the body it is: a share of the
 body's height."""
 SURE, BLUR = 0.6, 3.0
 """Visibility from which a keypoint is sure, and how many times wider it is at visibility 0."""
-DEPTH_M = 0.12
+DEPTH_M = 0.15
 BEND_TURN_RAD, BEND_SHIFT_PX = np.radians(3.0), 2.5
 """Standard deviations of the motion's change from frame to frame."""
 LIMIT_RAD = np.radians(3.0)
