@@ -23,6 +23,8 @@ _LIMB_PARTS: Final = {
     "ankle": ("shin", "foot"),
 }
 """By joint the limb's part before it and the one after it; a limb's first joint is on the trunk."""
+HEAD_POINTS: Final = {"nose": (0.0, 0.42, -0.55), "left_ear": (0.4, 0.45, 0.0)}
+"""On a head whose top is so far from its joint: shares of that height, forward being −z."""
 
 
 class PointsOnBody(NamedTuple):
@@ -42,7 +44,9 @@ def points_on_body(body: Body, names: Sequence[str]) -> PointsOnBody:
     """The points of a body at which these keypoints are seen, in the order of the names.
 
     Known are `JOINTS`, by the parts' names as in the presets: a joint lies on the part nearer to
-    the trunk, where the next part begins. A body without such parts, a box, has none.
+    the trunk, where the next part begins; and nose and ears, where the body has a head as theirs. A
+    body without such parts, a box, has none. (Heels and toes made a tracked ankle shake half as
+    much again, and nothing more accurate.)
     """
     found = [(index, *place) for index, name in enumerate(names) if (place := _place(body, name))]
     return PointsOnBody(
@@ -64,7 +68,7 @@ def _place(body: Body, name: str) -> tuple[int, Point] | None:
     the joint as a landmark of the same name, or not at all.
     """
     if name not in JOINTS:
-        return None
+        return _on_head(body, name)
     side, joint = name.split("_")
     before, after = (part and f"{side}_{part}" for part in _LIMB_PARTS[joint])
     if after in body.names:
@@ -76,3 +80,17 @@ def _place(body: Body, name: str) -> tuple[int, Point] | None:
         landmark = body.parts[index].landmarks.get(name)
         return None if landmark is None else (index, landmark)
     return None
+
+
+def _on_head(body: Body, name: str) -> tuple[int, Point] | None:
+    """The nose or an ear; None where there is no head, or nothing says how tall it is."""
+    share = HEAD_POINTS.get(name.replace("right_", "left_"))
+    if share is None or "head" not in body.names:
+        return None
+    index = body.index("head")
+    top = body.parts[index].landmarks.get("head_top")
+    if top is None:
+        return None
+    tall = -top[1]
+    sideways = -1.0 if name.startswith("right_") else 1.0
+    return index, (sideways * share[0] * tall, -share[1] * tall, share[2] * tall)

@@ -35,6 +35,9 @@ SURE, BLUR = 0.6, 3.0
 """Visibility from which a keypoint is sure, and how many times wider it is at visibility 0."""
 OFFSET_M = 0.02
 """Standard deviation of where on its part a detector puts a joint."""
+FACE = ("nose", "left_ear", "right_ear")
+LOOSE_OFFSET_M = 0.05
+"""The same of these, which a head without a face does not have."""
 FAR_SIGMA = 4.0
 """A keypoint farther than this from a keyframe's joint pulls no harder: it may be another's."""
 DEPTH_M = 0.08
@@ -84,7 +87,7 @@ def freed(skeleton: Skeleton) -> Skeleton:
     the limb's far end may.
     """
     body = skeleton.body
-    _, parts, _ = points_on_body(body, JOINTS)
+    _, parts, _ = points_on_body(body, (*JOINTS, *FACE))
     carrying = {body.names[part] for part in parts}
     some = (
         part.model_copy(update={"tracked": (*(d for d in part.tracked if d[0] == "t"), *ROTATIONS)})
@@ -160,28 +163,25 @@ def _anchors(
     scale = np.where(known, 1 / _sigma_px(height, visibility), 0.0)
     uv = np.where(known[..., None], uv, 0.0)
     at_keys = list(keyed)
-    points = points + _offsets(
-        scene, parts, points, list(keyed.values()), uv[at_keys], scale[at_keys]
-    )
+    loose = np.array([seen.names[k] in FACE for k in index])
+    sigma_m = np.where(loose, LOOSE_OFFSET_M, OFFSET_M)
+    poses = list(keyed.values())
+    points = points + _offsets(scene, parts, points, sigma_m, poses, uv[at_keys], scale[at_keys])
     depth, depth_scale = _depths(scene, seen, index, parts, points, keyed)
     where = BodyPoints.single(scene.skeleton, parts, points)
     return Anchors(where, parts, uv, scale, depth, depth_scale * (scale > 0), visibility, height)
 
 
 def _offsets(
-    scene: Scene,
-    parts: NDArray[np.int64],
-    points: Array,
-    poses: list[Pose],
-    uv: Array,
-    scale: Array,
-) -> Array:
+    scene: Scene, parts: NDArray[np.int64], points: Array, sigma_m: Array, poses: list[Pose],
+    uv: Array, scale: Array,
+) -> Array:  # fmt: skip
     """(K, 3) from each point to where on its part the detector puts it.
 
     The least |offset|²/σ² and distances in the pictures of the keyframes; points near what they
     are, so one linear step is enough.
     """
-    A = np.tile(np.eye(3) / OFFSET_M**2, (len(parts), 1, 1))
+    A = np.eye(3) / sigma_m[:, None, None] ** 2
     b = np.zeros((len(parts), 3))
     for pose, seen, sure in zip(poses, uv, scale, strict=True):
         posed = Posed.of(scene.skeleton, pose)
