@@ -21,8 +21,8 @@ from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.errors import KeypointError
 from tracker.fitting.draft.first_poses import first_pose
-from tracker.fitting.draft.judged import Judged, judged
-from tracker.fitting.draft.limbs import Joints
+from tracker.fitting.draft.judged import Judged, Piece, judged
+from tracker.fitting.draft.limbs import Joints, turning_ends
 from tracker.fitting.draft.observed import Observed
 from tracker.fitting.draft.proposals import Proposal
 from tracker.fitting.draft.sides import consistent_sides
@@ -30,7 +30,7 @@ from tracker.fitting.draft.sizes import with_proportions
 from tracker.fitting.draft.whole import Whole
 from tracker.geometry.camera import Camera
 from tracker.keypoints.detect import Frame, Kept, Looks, Progress, Seed, detect
-from tracker.keypoints.keypoints import Keypoints
+from tracker.keypoints.keypoints import JOINTS, Keypoints
 from tracker.keypoints.region import Box
 from tracker.tracking.cues.anchors import freed, height_px
 from tracker.tracking.scene import Scene
@@ -115,7 +115,7 @@ def draft_from_keypoints(
     if proportions:
         body = with_proportions(body, observed)
     work = _Work(Skeleton.of(body), ideal, report, int(observed.usable.sum()))
-    pieces = [(work.run(observed.rows(run))) for run in runs]
+    pieces = [work.run(observed.rows(run)) for run in runs]
     return _draft(work, body, keypoints, pieces)
 
 
@@ -129,7 +129,7 @@ class _Work:
     expected: int
     done: int = 0
 
-    def run(self, seen: Observed) -> tuple[Observed, Trajectory]:
+    def run(self, seen: Observed) -> Piece:
         """The poses of a stretch of frames, and what they were found from: left and right as told,
         or as consistent over time, whichever all terms together agree with better."""
         found = self._solved(seen)
@@ -137,21 +137,35 @@ class _Work:
         other = consistent_sides(seen, pixels, height(self.skeleton.body))
         if other is not None:
             found = min(found, self._solved(other), key=lambda one: one.cost)
+        motion = self._with_ends(found)
         self.done += int(seen.usable.sum())
-        return found.problem.observed, found.motion
+        return Piece(found.seen, motion, found.problem.depth)
 
     def _solved(self, seen: Observed) -> _Solved:
         joints = Joints.of(freed(self.skeleton))
         first = self._first(joints, seen)
-        scene = Scene.of(joints.skeleton, self.camera, [_middle(first)], FEW_POINTS)
-        problem = Whole.of(scene, joints, seen, first)
-        return _Solved(problem, problem.solve(self._tell))
+        problem = Whole.of_joints(self._scene(joints.skeleton, first), joints, seen, first)
+        return _Solved(seen, problem, problem.solve(self._tell))
+
+    def _with_ends(self, found: _Solved) -> Trajectory:
+        """With head and feet turned; where limbs are, their keypoints do not say."""
+        skeleton = turning_ends(Joints.of(self.skeleton))
+        joints = Joints.of(skeleton)
+        if not len(joints.ends[0]):
+            return found.motion
+        scene = self._scene(skeleton, found.motion)
+        problem = Whole.of_ends(scene, joints, found.seen, found.motion)
+        return problem.solve(lambda done: self._tell(int(found.seen.usable.sum())))
+
+    def _scene(self, skeleton: Skeleton, motion: Trajectory) -> Scene:
+        return Scene.of(skeleton, self.camera, [_middle(motion)], FEW_POINTS)
 
     def _first(self, joints: Joints, seen: Observed) -> Trajectory:
         poses: list[Pose | None] = []
+        joint, p_hips = slice(len(JOINTS)), seen.bridged(joints.rest)
         for n in range(len(seen)):
             self._tell(0)
-            given = (seen.uv[n], seen.visibility[n], seen.p_hips[n])
+            given = (seen.uv[n, joint], seen.visibility[n, joint], p_hips[n])
             poses.append(first_pose(joints, self.camera, *given) if seen.usable[n] else None)
         return _filled(seen.first_frame, poses)
 
@@ -163,6 +177,7 @@ class _Work:
 class _Solved:
     """A stretch with its poses."""
 
+    seen: Observed
     problem: Whole
     motion: Trajectory
 
@@ -188,12 +203,12 @@ def _draft(
     work: _Work,
     body: Body,
     keypoints: Keypoints,
-    pieces: list[tuple[Observed, Trajectory]],
+    pieces: list[Piece],
 ) -> ClipDraft:
     found = judged(work.skeleton, work.camera, pieces)
     every = {
         seen.first_frame + n: motion.pose(seen.first_frame + n)
-        for seen, motion in pieces
+        for seen, motion, _ in pieces
         for n in range(len(seen))
     }
     poses = {frame: every[frame] for frame in found.frames}

@@ -15,26 +15,27 @@ from tracker.body.joint_limits import Limits
 from tracker.body.trajectory import Trajectory
 from tracker.fitting.draft.first_poses import hinged
 from tracker.fitting.draft.limbs import Joints, Limb
-from tracker.fitting.draft.observed import Observed
-from tracker.fitting.draft.whole import DEPTH_M, LIMIT_RAD
+from tracker.fitting.draft.whole import LIMIT_RAD
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, transpose
 from tracker.solver.robust import Huber
 
+DEPTH_M = 0.08
+"""Standard deviation of a joint's depth as the network sees it."""
 TELLING_M = 0.10
 """A limb whose joints would move by less in depth is in the picture's plane: no matter."""
 
 
-def flip_odds(joints: Joints, camera: Camera, seen: Observed, motion: Trajectory) -> Array:
+def flip_odds(joints: Joints, camera: Camera, told_m: Array, motion: Trajectory) -> Array:
     """(N, 4) by limb: how likely the best of its other poses is beside the one it has, 0 to 1.
 
-    seen: the N frames of the motion.  camera: without distortion.
+    told_m (N, 12): how much farther than the root the network sees each joint of the N frames.
+    camera: without distortion.
     """
     Ts = motion.transforms(joints.skeleton)
     p = joints.points.at(Ts)
-    told = seen.p_hips[..., 2] - np.nanmean(seen.p_hips[..., 2], axis=1, keepdims=True)
-    offset = np.nanmean(p[..., 2], axis=1, keepdims=True)
-    odds = [_limb_odds(joints, limb, camera, p, told + offset, motion, Ts) for limb in joints.limbs]
+    told_z = told_m + motion.ps_camera_root[:, 2:]
+    odds = [_limb_odds(joints, limb, camera, p, told_z, motion, Ts) for limb in joints.limbs]
     return np.stack(odds, axis=1)
 
 
@@ -87,7 +88,7 @@ def _cost(
 ) -> Array:
     """(N,) of a limb with its joints at p: its depths and its joints' limits."""
     ends = [limb.upper.far, limb.lower.far]
-    away = np.nan_to_num(np.abs(p[:, ends, 2] - told_z[:, ends])) / DEPTH_M
+    away = np.abs(p[:, ends, 2] - told_z[:, ends]) / DEPTH_M
     H = Ts[..., :3, :3]
     upper, lower = hinged(limb, p, H[:, limb.upper.part])
     above = H[:, joints.skeleton.parents[limb.upper.part]]

@@ -1,4 +1,4 @@
-"""The joints of a person's limbs as a chain, from the hips outward."""
+"""The joints of a person's limbs as a chain, from the hips outward; and points of head and feet."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.body.body import Body
+from tracker.body.body import ROTATIONS, Body, Point
 from tracker.body.pose import Pose, pose_transforms
 from tracker.body.skeleton import Skeleton
 from tracker.errors import KeypointError
@@ -19,6 +19,16 @@ from tracker.solver.body_points import BodyPoints
 
 SIDES: Final = ("left", "right")
 LIMBS: Final = (("shoulder", "elbow", "wrist"), ("hip", "knee", "ankle"))
+ENDS: Final = (
+    *("nose", "left_ear", "right_ear", "left_heel", "right_heel"),
+    *("left_foot_index", "right_foot_index"),
+)
+"""Keypoints that tell how head and feet are turned."""
+POINTS: Final = (*JOINTS, *ENDS)
+_ON_HEAD: Final = {
+    "nose": (0.0, 0.4, -0.55), "left_ear": (0.4, 0.45, 0.0), "right_ear": (-0.4, 0.45, 0.0)
+}  # fmt: skip
+"""Where on a head they are: to the side, up and forward, as shares of its height."""
 
 
 class Bone(NamedTuple):
@@ -45,6 +55,7 @@ class Joints:
     parts (12,): the part that carries each.  points: them on the body.
     rest (12, 3): where they are in the rest pose, metres from the root.
     limbs: arms and legs, left before right.
+    ends: where the body has points of `ENDS`, places among `POINTS`, and these points on it.
     """
 
     skeleton: Skeleton
@@ -52,6 +63,7 @@ class Joints:
     points: BodyPoints
     rest: Array
     limbs: tuple[Limb, ...]
+    ends: tuple[NDArray[np.int64], BodyPoints]
 
     @classmethod
     def of(cls, skeleton: Skeleton) -> Joints:
@@ -66,7 +78,7 @@ class Joints:
         points = BodyPoints.single(skeleton, parts, places)
         rest = points.at(pose_transforms(skeleton, Pose.rest(skeleton, (0.0, 0.0, 0.0))))
         limbs = tuple(_limb(body, parts, side, names) for names in LIMBS for side in SIDES)
-        return cls(skeleton, parts, points, rest, limbs)
+        return cls(skeleton, parts, points, rest, limbs, _ends(skeleton))
 
     def length_m(self, bone: Bone) -> float:
         """Of a bone on this body."""
@@ -81,6 +93,42 @@ class Joints:
 def place_of(side: str, joint: str) -> int:
     """Among `JOINTS`."""
     return JOINTS.index(f"{side}_{joint}")
+
+
+def turning_ends(joints: Joints) -> Skeleton:
+    """The body with those parts alone free to turn that carry `ENDS`."""
+    body = joints.skeleton.body
+    ends = {body.names[part] for place in joints.ends[1].points for part, _ in place}
+    some = (
+        part.model_copy(update={"tracked": ROTATIONS if part.name in ends else ()})
+        for part in body.parts
+    )
+    return Skeleton.of(body.replaced(some))
+
+
+def _ends(skeleton: Skeleton) -> tuple[NDArray[np.int64], BodyPoints]:
+    found = {name: place for name in ENDS if (place := _end(skeleton.body, name))}
+    index = np.array([POINTS.index(name) for name in found], dtype=np.int64)
+    return index, BodyPoints(skeleton, tuple((place,) for place in found.values()))
+
+
+def _end(body: Body, name: str) -> tuple[int, Point] | None:
+    """The part that carries an end and where; None on a body without it."""
+    if name in _ON_HEAD:
+        top = _landmark(body, "head", "head_top")
+        if top is None:
+            return None
+        aside, up, forward = _ON_HEAD[name]
+        size = -top[1]
+        return body.index("head"), (aside * size, -up * size, forward * size)
+    side, _, what = name.partition("_")
+    part, landmark = f"{side}_foot", f"{side}_{'heel' if what == 'heel' else 'toe'}"
+    place = _landmark(body, part, landmark)
+    return None if place is None else (body.index(part), place)
+
+
+def _landmark(body: Body, part: str, name: str) -> Point | None:
+    return body.parts[body.index(part)].landmarks.get(name) if part in body.names else None
 
 
 def _limb(body: Body, parts: NDArray[np.int64], side: str, names: tuple[str, ...]) -> Limb:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, Literal, TypeAlias
+from typing import Final, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -19,7 +19,7 @@ EVERY: Final = 60
 """About so many frames come to one proposal."""
 APART: Final = 10
 """Frames between two proposals at least."""
-POOR: Final[Mapping[Reason, float]] = {"residual": 0.03, "hidden": 0.5, "flip": 0.5, "person": 1.0}
+POOR: Final[Mapping[Reason, float]] = {"residual": 0.03, "hidden": 0.5, "flip": 0.5}
 """From which value on a frame is proposed for a reason."""
 
 
@@ -37,20 +37,27 @@ class Proposal:
     score: float = 0.0
 
 
+class Stretch(NamedTuple):
+    """First and last draft of a stretch of frames, and why it begins: "start" or "person"."""
+
+    first: int
+    last: int
+    begins: Reason
+
+
 def proposed(
     frames: list[int],
-    ends: list[tuple[int, int]],
+    stretches: Sequence[Stretch],
     doubts: Mapping[Reason, Array],
     parts: tuple[str, ...],
 ) -> tuple[Proposal, ...]:
     """The frames to confirm, ascending.
 
-    frames (N,): those with a draft.  ends: first and last of every stretch.
+    frames (N,): those with a draft.
     doubts: by reason, values (N, L) of L limbs, whose parts are `parts`.
     """
-    chosen = {a: Proposal(a, "start") for a, _ in ends} | {
-        b: Proposal(b, "end") for a, b in ends if b > a
-    }
+    chosen = {one.last: Proposal(one.last, "end") for one in stretches}
+    chosen |= {one.first: Proposal(one.first, one.begins) for one in stretches}
     candidates = _candidates(frames, doubts, parts)
     most = len(chosen) + max(1, len(frames) // EVERY) + 1
     for candidate in candidates:

@@ -11,12 +11,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import product
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from tracker.fitting.draft.limbs import LIMBS, SIDES, place_of
+from tracker.fitting.draft.limbs import LIMBS, POINTS, SIDES, place_of
 from tracker.fitting.draft.observed import Observed
 from tracker.geometry.rotations import Array
 
@@ -27,6 +27,7 @@ AGAINST: Final = 0.01
 CROSSED: Final = 0.1
 """What a frame costs whose hips are turned against its shoulders."""
 _ARMS, _LEGS = ([place_of(side, joint) for joint in limb for side in SIDES] for limb in LIMBS)
+_LEGS += [POINTS.index(f"{side}_{end}") for end in ("heel", "foot_index") for side in SIDES]
 _STATES = np.array(list(product((False, True), repeat=2)))
 """(4, 2) whether arms and legs are exchanged."""
 
@@ -59,7 +60,7 @@ def _crossed(seen: Observed) -> Array:
         (across[0] * across[1]).sum(1) / np.maximum(lengths[0] * lengths[1], 1e-9)
     )
     sign = np.where(_STATES[:, 0] == _STATES[:, 1], 1.0, -1.0)
-    return CROSSED * np.maximum(-cosine[:, None] * sign, 0.0)
+    return np.asarray(CROSSED * np.maximum(-cosine[:, None] * sign, 0.0))
 
 
 def _group_jumps(where: Array, group: list[int]) -> Array:
@@ -75,7 +76,7 @@ def _mean_distance(a: Array, b: Array) -> Array:
     return np.asarray(np.where(known, away, 0.0).sum(-1) / np.maximum(known.sum(-1), 1))
 
 
-def _other(values: Array) -> Array:
+def _other(values: NDArray[Any]) -> NDArray[Any]:
     """Left and right, which lie beside each other, exchanged."""
     pairs = values.reshape(len(values), values.shape[1] // 2, 2, *values.shape[2:])
     return np.asarray(pairs[:, :, ::-1].reshape(values.shape))
@@ -97,10 +98,12 @@ def _least_way(own: Array, steps: Array) -> NDArray[np.int64]:
 
 def _exchanged(seen: Observed, states: NDArray[np.bool_]) -> Observed:
     """With arms and legs exchanged in the frames where states (N, 2) say so."""
-    uv, known, visibility, p_hips = (
-        values.copy() for values in (seen.uv, seen.known, seen.visibility, seen.p_hips)
-    )
+    order = np.tile(np.arange(len(POINTS)), (len(seen), 1))
     for group, rows in zip((_ARMS, _LEGS), states.T, strict=True):
-        for values in (uv, known, visibility, p_hips):
-            values[np.ix_(rows, group)] = _other(values[np.ix_(rows, group)])
-    return replace(seen, uv=uv, known=known, visibility=visibility, p_hips=p_hips)
+        here = np.ix_(rows, group)
+        order[here] = _other(order[here])
+    every = np.arange(len(seen))[:, None]
+    return replace(
+        seen, uv=seen.uv[every, order], known=seen.known[every, order],
+        visibility=seen.visibility[every, order], p_hips=seen.p_hips[every, order],
+    )  # fmt: skip

@@ -74,9 +74,9 @@ def _ratios(joints: Joints, observed: Observed) -> dict[str, float | None]:
             seen = [_lengths(observed, bone.near, bone.far) for bone in (one, other)]
             ratios[names[one.part]] = _median(np.concatenate(seen), joints.length_m(one))
     ratios[_TRUNK] = _trunk(joints, observed)
-    one, other = (place_of(side, "shoulder") for side in SIDES)
-    ours = float(np.linalg.norm(joints.rest[one] - joints.rest[other]))
-    ratios[_SHOULDERS] = _median(_lengths(observed, one, other), ours)
+    a, b = (place_of(side, "shoulder") for side in SIDES)
+    ours = float(np.linalg.norm(joints.rest[a] - joints.rest[b]))
+    ratios[_SHOULDERS] = _median(_lengths(observed, a, b), ours)
     return ratios
 
 

@@ -13,12 +13,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tracker.body.joint_limits import Limits
 from tracker.body.trajectory import Trajectory
 from tracker.fitting.draft.limbs import Joints
 from tracker.fitting.draft.observed import Observed
 from tracker.geometry.rotations import Array
+from tracker.keypoints.keypoints import JOINTS
+from tracker.solver.body_points import BodyPoints
 from tracker.solver.least_squares import Criteria, Damping, least_squares
 from tracker.solver.robust import SQUARED, Cauchy, Huber, Kernel
 from tracker.solver.segment_poses import SegmentPoses
@@ -35,12 +38,16 @@ SIGMA = 0.010
 body's height."""
 SURE, BLUR = 0.6, 3.0
 """Visibility from which a keypoint is sure, and how many times wider it is at visibility 0."""
+ENDS_WIDER = 2.0
+"""How many times wider keypoints of head and feet are: bodies differ there."""
 DEPTH_M = 0.15
 BEND_TURN_RAD, BEND_SHIFT_PX = np.radians(3.0), 2.5
 """Standard deviations of the motion's change from frame to frame."""
 LIMIT_RAD = np.radians(3.0)
 KEEP_TURN_RAD, KEEP_SHIFT_PX = np.radians(90.0), 2500.0
 """Of the prior at the first poses, for what nothing else decides."""
+KEEP_ENDS_RAD = np.radians(25.0)
+"""The same of head and feet."""
 CRITERIA = Criteria(
     most_steps=25, longest_step=0.3, settled=2e-3, gain=1e-3,
     damping=Damping(first=1e-3, least=1e-7, most=1e5),
@@ -51,34 +58,51 @@ CRITERIA = Criteria(
 class Whole:
     """What the poses of N consecutive frames are compared with.
 
-    scene: of the freed skeleton.  joints: on it.
-    scale (N, 12): 1/σ of the pixels, in 1/px, 0 where unknown.
-    depth (N, 12): metres farther than the root; depth_scale (N, 12): 1/σ, 0 where unknown.
+    points: K on the body, seen at `uv` (N, K, 2).  scale (N, K): 1/σ in 1/px, 0 where unknown.
+    depth (N, K): metres farther than the root; depth_scale (N, K): 1/σ, 0 where unknown.
+    first: where it starts from.  keep (D,): 1/σ² of how poses stay near it.
     """
 
     scene: Scene
-    joints: Joints
-    observed: Observed
-    first: Trajectory
+    points: BodyPoints
+    uv: Array
     scale: Array
     depth: Array
     depth_scale: Array
+    first: Trajectory
+    keep: Array
 
     @classmethod
-    def of(cls, scene: Scene, joints: Joints, observed: Observed, first: Trajectory) -> Whole:
-        """first: a pose for every frame, whose depths are those that the keypoints tell."""
-        heights = [
-            height_px(scene.skeleton, scene.camera, first.pose(frame))
-            for frame in range(first.first_frame, first.last_frame + 1)
-        ]
-        unsure = np.clip((SURE - observed.visibility) / SURE, 0.0, 1.0)
-        sigma = SIGMA * np.array(heights)[:, None] * (1 + (BLUR - 1) * unsure)
-        told = observed.known & observed.usable[:, None]
+    def of_joints(
+        cls, scene: Scene, joints: Joints, observed: Observed, first: Trajectory
+    ) -> Whole:
+        """The joints of a person.
+
+        scene: of a skeleton whose limbs are free to turn.
+        first: a pose for every frame, whose depths are those that the keypoints tell.
+        """
+        columns = np.arange(len(JOINTS))
+        told, sigma, wider = _sigmas(scene, observed, first, columns)
         z = joints.points.at(first.transforms(scene.skeleton))[..., 2]
-        depth_sigma = DEPTH_M * (1 + (BLUR - 1) * unsure)
         return cls(
-            scene, joints, observed, first, np.where(told, 1 / sigma, 0.0),
-            z - first.ps_camera_root[:, 2:], np.where(told, 1 / depth_sigma, 0.0),
+            scene, joints.points, observed.uv[:, columns], np.where(told, 1 / sigma, 0.0),
+            z - first.ps_camera_root[:, 2:], np.where(told, 1 / (DEPTH_M * wider), 0.0),
+            first, scene.precision(KEEP_TURN_RAD, KEEP_SHIFT_PX * scene.pixel_m),
+        )  # fmt: skip
+
+    @classmethod
+    def of_ends(cls, scene: Scene, joints: Joints, observed: Observed, posed: Trajectory) -> Whole:
+        """Head and feet of a body whose other parts stay as posed.
+
+        scene: of a skeleton in which nothing else moves.
+        """
+        columns, points = joints.ends
+        told, sigma, _ = _sigmas(scene, observed, posed, columns)
+        none = np.zeros(told.shape)
+        return cls(
+            scene, points, observed.uv[:, columns],
+            np.where(told, 1 / (ENDS_WIDER * sigma), 0.0), none, none,
+            posed, scene.precision(KEEP_ENDS_RAD, 1.0),
         )  # fmt: skip
 
     def __len__(self) -> int:
@@ -138,15 +162,31 @@ class Whole:
         return SegmentPoses(skeleton, scene.arrays, self._terms(unknown, kernel), links, True)
 
     def _terms(self, rows: slice, kernel: Kernel) -> tuple[Term, ...]:
-        scene, points = self.scene, self.joints.points
-        keep = scene.precision(KEEP_TURN_RAD, KEEP_SHIFT_PX * scene.pixel_m)
-        uv, R, t = self.observed.uv, self.first.Rs_parent_part, self.first.ps_camera_root
-        return (
-            PointsInPicture(points, scene.camera, uv[rows], self.scale[rows], NEAREST_M, kernel),
-            DepthFromRoot(points, self.depth[rows], self.depth_scale[rows], Huber()),
+        scene, camera = self.scene, self.scene.camera
+        uv, scale, depth = self.uv[rows], self.scale[rows], self.depth[rows]
+        R, t = self.first.Rs_parent_part[rows], self.first.ps_camera_root[rows]
+        terms: list[Term] = [
+            PointsInPicture(self.points, camera, uv, scale, NEAREST_M, kernel),
             JointLimits(Limits.of(scene.skeleton.body), LIMIT_RAD),
-            PosePrior(R[rows], t[rows], keep),
-        )
+            PosePrior(R, t, self.keep),
+        ]
+        if self.depth_scale.any():
+            terms.append(DepthFromRoot(self.points, depth, self.depth_scale[rows], Huber()))
+        return tuple(terms)
+
+
+def _sigmas(
+    scene: Scene, observed: Observed, motion: Trajectory, columns: NDArray[np.int64]
+) -> tuple[NDArray[np.bool_], Array, Array]:
+    """(N, K) of these keypoints whether they are told, their σ in pixels, and how many times wider
+    that is than of sure ones."""
+    skeleton, camera = scene.skeleton, scene.camera
+    frames = range(motion.first_frame, motion.last_frame + 1)
+    heights = np.array([height_px(skeleton, camera, motion.pose(frame)) for frame in frames])
+    unsure = np.clip((SURE - observed.visibility[:, columns]) / SURE, 0.0, 1.0)
+    wider = 1 + (BLUR - 1) * unsure
+    told = observed.known[:, columns] & observed.usable[:, None]
+    return told, SIGMA * heights[:, None] * wider, wider
 
 
 def _padded(motion: Trajectory) -> Trajectory:

@@ -1,0 +1,114 @@
+"""`keypose draft`: a session with drafts, and nothing at all where it is left or refused."""
+
+from __future__ import annotations
+
+import json
+import signal
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from app.cli.main import main
+from app.jobs import drafts
+from tests.app.cli_cases import everything_in, refused
+from tests.tracker.keypoints.keypoint_cases import BALANCE, BOX
+from tracker.session.schema import Session
+from tracker.storage.files import load_session, open_video_of
+from tracker.storage.keypoints import of_session
+
+VIDEO = BALANCE / "balance.mp4"
+AROUND = ",".join(f"{value:g}" for value in BOX)
+
+
+def command(out: Path, *more: str, box: str = AROUND) -> list[str | Path]:
+    return ["draft", VIDEO, "--box", box, "--frames", "0-5", "--out", out, *more]
+
+
+def run(arguments: list[str | Path]) -> int:
+    return main([str(argument) for argument in arguments])
+
+
+def test_a_session_with_drafts_and_its_keypoints_are_written(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "new"
+    assert run(command(out, "--frame", "2", "--body", "elderly_male")) == 0
+    session = load_session(out / "session.json")
+    assert [draft.frame for draft in session.drafts] == list(range(6))
+    assert session.keyframes == ()
+    assert session.body.name == "elderly_male"
+    assert session.keypoints is not None
+    assert session.keypoints.seeds == (2,)
+    assert session.keypoints.network
+    keypoints = of_session(session, out)
+    assert keypoints is not None
+    assert (keypoints.first_frame, keypoints.last_frame) == (0, 5)
+    with open_video_of(session, out / "session.json") as video:
+        assert video.info.frame_count == session.video.frame_count
+    said = capsys.readouterr().out
+    assert "Drafts at 6 of 6 frames." in said
+    assert "frame 0: first draft" in said
+    assert f"Written: {out / 'session.json'}" in said
+
+
+def test_json_tells_the_progress_and_the_frames_to_confirm(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(command(tmp_path / "new", "--json", "--field-of-view", "60")) == 0
+    events = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert {event["event"] for event in events[:-1]} == {"progress"}
+    assert events[-1]["drafts"] == 6
+    assert events[-1]["missing"] == []
+    assert events[-1]["proposals"][0] == {"frame": 0, "reason": "start", "parts": []}
+    assert load_session(tmp_path / "new" / "session.json").camera.origin == "field of view"
+
+
+WRONG: dict[str, tuple[tuple[str, ...], str, str]] = {
+    "a box outside": ((), "3000,10,3100,90", "outside the picture"),
+    "a box without size": ((), "10,10,10,10", "has no size"),
+    "a box of words": ((), "here", "is no box"),
+    "a box of three numbers": ((), "10,20,30", "is no box"),
+    "a box with nobody in it": ((), "0,0,60,60", "No person was found at frame 0"),
+    "two boxes": (("--box", "10,10,90,90"), AROUND, "--box is given twice"),
+    "a frame that is not to be drafted": (("--frame", "9"), AROUND, "one of those to draft"),
+    "frames beyond the video": (("--frames", "0-5000"), AROUND, "within those of the video"),
+    "frames that fall": (("--frames", "5-2"), AROUND, "within those of the video"),
+    "no range": (("--frames", "5"), AROUND, "no range of frames"),
+    "no body": (("--body", "giant"), AROUND, "There is no body 'giant'"),
+    "no angle": (("--field-of-view", "200"), AROUND, "not an angle"),
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_what_cannot_be_drafted_is_said_in_one_sentence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], wrong: str
+) -> None:
+    more, box, words = WRONG[wrong]
+    assert words in refused(capsys, tmp_path, command(tmp_path / "new", *more, box=box))
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_session_that_is_there_is_not_overwritten_unless_asked(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "session.json").write_text("mine")
+    assert "exists already" in refused(capsys, tmp_path, command(tmp_path))
+    assert run(command(tmp_path, "--overwrite")) == 0
+    assert (tmp_path / "session.json.previous").read_text() == "mine"
+
+
+def test_ctrl_c_leaves_nothing_behind(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = drafts.drafted
+
+    def interrupted(session: Session, *given: Any, **named: Any) -> Any:
+        signal.raise_signal(signal.SIGINT)
+        return whole(session, *given, **named)
+
+    monkeypatch.setattr(drafts, "drafted", interrupted)
+    before = everything_in(tmp_path)
+    assert run(command(tmp_path / "new")) == 130
+    assert everything_in(tmp_path) == before
+    assert "Interrupted" in capsys.readouterr().err

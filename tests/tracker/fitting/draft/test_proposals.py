@@ -1,0 +1,87 @@
+"""Which drafts a person should confirm, and why."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from tests.tracker.fitting.draft.clips import CAMERA, place, walk
+from tracker.fitting.draft import draft_from_keypoints
+from tracker.fitting.draft.proposals import APART, Stretch, proposed
+from tracker.keypoints.keypoints import Keypoints
+
+PARTS = ("left_upper_arm", "right_upper_arm", "left_thigh", "right_thigh")
+
+
+def of(keypoints: Keypoints) -> dict[str, list[int]]:
+    """Frames by reason."""
+    draft = draft_from_keypoints(keypoints, CAMERA, walk(1).body, proportions=False)
+    by_reason: dict[str, list[int]] = {}
+    for proposal in draft.proposals:
+        by_reason.setdefault(proposal.reason, []).append(proposal.frame)
+    return by_reason
+
+
+def test_of_a_clip_without_doubts_the_ends_alone_are_proposed() -> None:
+    assert of(walk(60, facing_deg=40).keypoints) == {"start": [0], "end": [59]}
+
+
+def test_a_hidden_joint_is_proposed_by_its_limb() -> None:
+    keypoints = walk(60, facing_deg=40).keypoints
+    visibility = keypoints.visibility.copy()
+    visibility[25:35, place("right_wrist")] = 0.05
+    draft = draft_from_keypoints(
+        replace(keypoints, visibility=visibility), CAMERA, walk(1).body, proportions=False
+    )
+    (hidden,) = (p for p in draft.proposals if p.reason == "hidden")
+    assert 25 <= hidden.frame < 35
+    assert hidden.parts == ("right_upper_arm",)
+
+
+def test_a_joint_far_from_its_keypoint_is_proposed() -> None:
+    keypoints = walk(60, facing_deg=40).keypoints
+    uv = keypoints.uv.copy()
+    uv[30, place("left_ankle")] += 150
+    assert of(replace(keypoints, uv=uv))["residual"] == [30]
+
+
+def test_a_possible_change_of_person_is_proposed() -> None:
+    keypoints = walk(60, facing_deg=40).keypoints
+    uv = keypoints.uv.copy()
+    uv[30:, :, 0] += 260
+    found = of(replace(keypoints, uv=uv))
+    assert (found["person"], found["start"], found["end"]) == ([30], [0], [29, 59])
+
+
+def test_a_limb_whose_depth_nobody_tells_is_marked_as_maybe_flipped() -> None:
+    clip = walk(30)
+    assert clip.keypoints.p_hips is not None
+    p_hips = clip.keypoints.p_hips.copy()
+    arm = [place(f"left_{joint}") for joint in ("shoulder", "elbow", "wrist")]
+    p_hips[:, arm, 2] = p_hips[:, arm[:1], 2]
+    flat, told = (
+        draft_from_keypoints(keypoints, CAMERA, clip.body, proportions=False).judged.flips
+        for keypoints in (replace(clip.keypoints, p_hips=p_hips), clip.keypoints)
+    )
+    assert flat[:, 0].mean() > told[:, 0].mean()
+    assert told.mean() < 0.3
+
+
+def test_proposals_are_apart_few_and_begin_with_the_worst() -> None:
+    frames = list(range(240))
+    rng = np.random.default_rng(0)
+    doubts = {"residual": rng.uniform(0.0, 0.02, (240, 4))}
+    doubts["residual"][100:104, 2] = (0.1, 0.2, 0.3, 0.1)
+    doubts["residual"][50, 0] = 0.04
+    found = proposed(frames, [Stretch(0, 239, "start")], doubts, PARTS)  # type: ignore[arg-type]
+    assert [(p.frame, p.reason, p.parts) for p in found] == [
+        (0, "start", ()),
+        (50, "residual", ("left_upper_arm",)),
+        (102, "residual", ("left_thigh",)),
+        (239, "end", ()),
+    ]
+    doubts["residual"][:] = 1.0
+    every = proposed(frames, [Stretch(0, 239, "start")], doubts, PARTS)  # type: ignore[arg-type]
+    assert len(every) < 10
+    assert np.diff([p.frame for p in every]).min() >= APART
