@@ -20,7 +20,7 @@ from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, transpose
 from tracker.solver.robust import Huber
 
-DEPTH_M = 0.08
+DEPTH_M = 0.1
 """Standard deviation of a joint's depth as the network sees it."""
 TELLING_M = 0.10
 """A limb whose joints would move by less in depth is in the picture's plane: no matter."""
