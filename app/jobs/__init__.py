@@ -23,7 +23,7 @@ from app.jobs.messages import (
     Wanted,
     Warming,
 )
-from app.jobs.progress import Progress
+from app.jobs.progress import Progress, seconds_left
 from app.jobs.tracking import LIVE, Tracking
 
 __all__ = [
@@ -49,4 +49,5 @@ __all__ = [
     "Tracking",
     "Wanted",
     "Warming",
+    "seconds_left",
 ]

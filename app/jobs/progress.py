@@ -73,11 +73,17 @@ class Progress:
 
     def seconds_left(self, now: float) -> float | None:
         """As if the rest went as fast as what is done; None while that says little."""
-        elapsed, done = now - self.started_at, self.share - self.given
-        if done < TELLING_SHARE or elapsed < TELLING_SECONDS:
-            return None
-        return elapsed * (1.0 - self.share) / done
+        return seconds_left(now - self.started_at, self.share, self.given)
 
     def _with(self, step: Step, share: float) -> Progress:
         reached = max(share, self.shares.get(step, 0.0))
         return replace(self, shares={**self.shares, step: reached})
+
+
+def seconds_left(elapsed: float, share: float, given: float = 0.0) -> float | None:
+    """As if the rest went as fast as what is done, a share without what was given; None while that
+    says little."""
+    done = share - given
+    if done < TELLING_SHARE or elapsed < TELLING_SECONDS:
+        return None
+    return elapsed * (1.0 - share) / done

@@ -32,6 +32,7 @@ from app.jobs import (
     Tracking,
     Wanted,
     Warming,
+    seconds_left,
 )
 from app.store.state import Job, Running
 from tracker.session.schema import Session
@@ -66,6 +67,7 @@ class Runner:
         self._tracking = Tracking(self._on_report, loop)
         self._number = self._newest = 0
         self._past = 0
+        self._began = 0.0
         self._wanted: dict[Span, str] = {}
         self._keep: tuple[str, ...] = ()
         self._stages: tuple[Quality, ...] = ()
@@ -119,6 +121,7 @@ class Runner:
         self._fit_done = on_end
         self._number = self._newest = self._tracking.fit(order)
         self._progress = None
+        self._began = time.monotonic()
         self.running = dict.fromkeys(self._waiting, Running())
         words = "tracking continues after it" if self._waiting else ""
         kind: FitKind = "draft" if isinstance(order, DraftOrder) else "fit"
@@ -235,7 +238,8 @@ class Runner:
         )
         verb = "Looking for the person" if looking else "Posing"
         words = f"{verb}: {report.done} of {report.expected} frames"
-        self.job = replace(self.job, words=words, percent=percent)
+        left = seconds_left(time.monotonic() - self._began, percent / 100)
+        self.job = replace(self.job, words=words, percent=percent, seconds_left=left)
 
     def _on_fit_end(self, report: Fitted | JobFailed) -> None:
         self._number = 0

@@ -31,7 +31,8 @@ class Link(Protocol):
 class Smoothness:
     """The wanted change of the motion from frame to frame, at each of n inner frames.
 
-    wanted (n, D): second differences of the poses; precision (D,): 1/σ² of what differs from them.
+    wanted (n, D): second differences of the poses.
+    precision (D,), or (n, D) of every inner frame: 1/σ² of what differs from them.
     """
 
     skeleton: Skeleton

@@ -108,10 +108,7 @@ def draft_from_keypoints(
     Joints.of(Skeleton.of(body))
     runs = observed.runs()
     if not runs:
-        raise KeypointError(
-            "The person is nowhere seen well enough for a draft: draw the box in a frame that "
-            "shows the whole body."
-        )
+        raise _nowhere()
     if proportions:
         body = with_proportions(body, observed)
     work = _Work(Skeleton.of(body), ideal, report, int(observed.usable.sum()))
@@ -128,6 +125,7 @@ class _Work:
     report: Callable[[DraftProgress], None]
     expected: int
     done: int = 0
+    told: int = 0
 
     def run(self, seen: Observed) -> Piece:
         """The poses of a stretch of frames, and what they were found from: left and right as told,
@@ -170,7 +168,9 @@ class _Work:
         return _filled(seen.first_frame, poses)
 
     def _tell(self, more: int) -> None:
-        self.report(DraftProgress("poses", min(self.done + more, self.expected), self.expected))
+        """That so many more frames are done; a stretch solved a second time does not go back."""
+        self.told = max(self.told, min(self.done + more, self.expected))
+        self.report(DraftProgress("poses", self.told, self.expected))
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,17 +199,21 @@ def _filled(first_frame: int, poses: list[Pose | None]) -> Trajectory:
     return Trajectory(first_frame, R, np.stack([pose.p_camera_root for pose in every]))
 
 
-def _draft(
-    work: _Work,
-    body: Body,
-    keypoints: Keypoints,
-    pieces: list[Piece],
-) -> ClipDraft:
+def _nowhere() -> KeypointError:
+    return KeypointError(
+        "The person is nowhere seen well enough for a draft: draw the box in a frame that shows "
+        "the whole body."
+    )
+
+
+def _draft(work: _Work, body: Body, keypoints: Keypoints, pieces: list[Piece]) -> ClipDraft:
     found = judged(work.skeleton, work.camera, pieces)
-    every = {
-        seen.first_frame + n: motion.pose(seen.first_frame + n)
-        for seen, motion, _ in pieces
-        for n in range(len(seen))
+    if not found.frames:
+        raise _nowhere()
+    motions = {
+        frame: piece.motion
+        for piece in pieces
+        for frame in range(piece.motion.first_frame, piece.motion.last_frame + 1)
     }
-    poses = {frame: every[frame] for frame in found.frames}
+    poses = {frame: motions[frame].pose(frame) for frame in found.frames}
     return ClipDraft(body, poses, keypoints, found.proposals(), found)

@@ -22,6 +22,8 @@ STRAIGHT = 0.05
 """How much the hinge's plane is held to that of the least turn: it decides for a straight limb."""
 ROUNDS, FAR = 3, 2.0
 """Robust rounds of placing; joints farther off than so many times the median count less."""
+LEAST_PX = 1e-3
+"""Nothing is seen more exactly."""
 _HIPS = [place_of(side, "hip") for side in SIDES]
 _SHOULDERS = [place_of(side, "shoulder") for side in SIDES]
 
@@ -83,7 +85,7 @@ def placed(camera: Camera, p: Array, uv: Array, sure: Array) -> Array:
     for _ in range(ROUNDS):
         t = _linear_place(camera, p, uv, weight)
         away = np.linalg.norm(_project(camera, p + t) - uv, axis=-1)
-        usual = float(np.median(away[sure > 0]))
+        usual = max(float(np.median(away[sure > 0])), LEAST_PX)
         weight = np.sqrt(sure * np.minimum(1.0, FAR * usual / np.maximum(away, 1e-9)))
     return t
 

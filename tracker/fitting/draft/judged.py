@@ -20,7 +20,7 @@ from tracker.keypoints.keypoints import JOINTS
 from tracker.solver.posed import image_points
 from tracker.tracking.cues.anchors import height_px
 
-POOR = 0.10
+POOR = 0.06
 """A pose whose joints miss their keypoints by this share of the body's height in the median is no
 draft."""
 NEAREST_M = 0.06

@@ -53,15 +53,19 @@ def _believed(factor: float) -> float:
 
 
 def _scaled(body: Body, joints: Joints, factors: dict[str, float]) -> Body:
-    for limb in joints.limbs[::2]:
-        for part in (limb.upper.part, limb.lower.part):
-            name = body.names[part]
-            body = resized(body, name, length_factor=factors.get(name, 1.0))
-    chest = body.names[joints.parts[place_of("left", "shoulder")]]
+    names = body.names
+    for left, right in zip(joints.limbs[::2], joints.limbs[1::2], strict=True):
+        for one, other in ((left.upper, right.upper), (left.lower, right.lower)):
+            factor = factors.get(names[one.part], 1.0)
+            for part in (one.part, other.part):
+                body = resized(body, names[part], length_factor=factor, linked=False)
+    chest = names[joints.parts[place_of("left", "shoulder")]]
     body = resized(body, chest, length_factor=factors.get(_TRUNK, 1.0))
-    arm = body.parts[joints.limbs[0].upper.part]
-    x, y, z = arm.joint_m
-    return joint_moved(body, arm.name, (x * factors.get(_SHOULDERS, 1.0), y, z))
+    for arm in joints.limbs[:2]:
+        x, y, z = body.parts[arm.upper.part].joint_m
+        shoulder = (x * factors.get(_SHOULDERS, 1.0), y, z)
+        body = joint_moved(body, names[arm.upper.part], shoulder, linked=False)
+    return body
 
 
 def _ratios(joints: Joints, observed: Observed) -> dict[str, float | None]:

@@ -160,6 +160,10 @@ def test_limbs_take_the_persons_proportions_and_the_body_keeps_its_height() -> N
     clip = walk(40, body=person)
     draft = draft_from_keypoints(clip.keypoints, CAMERA, BODY)
     assert height(draft.body) == pytest.approx(height(BODY))
+    for left, right in draft.body.mirror_pairs:
+        one, other = (draft.body.parts[draft.body.index(name)] for name in (left, right))
+        x, y, z = one.joint_m
+        assert other.joint_m == pytest.approx((-x, y, z))
     before, after, truth = (Joints.of(Skeleton.of(b)) for b in (BODY, draft.body, person))
     for limb in (0, 2):
         for bone in (before.limbs[limb].upper, before.limbs[limb].lower):
@@ -187,7 +191,8 @@ def test_progress_rises_and_what_the_report_raises_ends_the_work_at_once() -> No
         told.append(progress)
 
     clip = walk(150)
-    draft_from_keypoints(clip.keypoints, CAMERA, BODY, report=report)
+    wrong = exchanged(clip.keypoints, [70, 71], "hip", "knee", "ankle", "heel", "foot_index")
+    draft_from_keypoints(wrong, CAMERA, BODY, report=report)
     done = [progress.done for progress in told]
     assert done == sorted(done)
     assert all(progress.expected == 150 for progress in told)
@@ -201,6 +206,14 @@ def test_progress_rises_and_what_the_report_raises_ends_the_work_at_once() -> No
     with pytest.raises(Left):
         draft_from_keypoints(clip.keypoints, CAMERA, BODY, report=leave)
     assert len(told) == 5
+
+
+def test_keypoints_that_no_body_can_have_are_no_draft() -> None:
+    clip = walk(3)
+    rng = np.random.default_rng(2)
+    nowhere = rng.uniform(0, 700, clip.keypoints.uv.shape)
+    with pytest.raises(KeypointError, match="nowhere seen well enough"):
+        drafted(clip, replace(clip.keypoints, uv=nowhere))
 
 
 def test_keypoints_that_are_no_persons_with_depth_are_refused_in_one_sentence() -> None:
