@@ -1,9 +1,9 @@
 // Poses for every frame from a box around the person on one of them: whether it can begin, why not, and
-// the places of the result that a person should confirm.
+// what to say of its result.
 
 import { server, ui } from '../store/state.js';
 import { count } from '../controls/words.js';
-import { frame, goTo, stopPlaying } from './playhead.js';
+import { frame, placesToConfirm } from './playhead.js';
 
 /** A person of fewer pixels has joints that are hard to tell apart. */
 export const SMALL_PX = 60;
@@ -28,9 +28,6 @@ export function smallWords() {
   return height < SMALL_PX ? `The person is small here (${height} px). Choose a nearer frame if there is one.` : '';
 }
 
-/** The places still to confirm, in the order of their frames. */
-export const placesToConfirm = () => server.draft?.proposals ?? [];
-
 /** @type {Record<string, (parts: string) => string>} */
 const REASONS = {
   start: () => 'first frame of the draft',
@@ -54,13 +51,8 @@ function partWords(parts) {
   return `${parts[0].toLowerCase()}${more}`;
 }
 
-/** To the first place after the playhead, then from the start. */
-export function nextPlace() {
-  const places = placesToConfirm();
-  const next = places.find((place) => place.frame > frame()) ?? places[0];
-  stopPlaying();
-  if (next) goTo(next.frame);
-}
+/** "3 places to confirm" */
+export const placesWords = () => `${count(placesToConfirm().length, 'place')} to confirm`;
 
 /** "Drafted 150 of 180 frames." */
 export function draftedWords({ first, last, missing }) {

@@ -118,8 +118,19 @@ export function middle() {
   if (last > first) goTo(Math.floor((first + last) / 2));
 }
 
+/** The places of a draft that are still to be confirmed, in the order of their frames. */
+export const placesToConfirm = () => server.draft?.proposals ?? [];
+
+/** The first of them after the playhead, then from the start; undefined where there is none. */
+export function placeAhead() {
+  const places = placesToConfirm();
+  return places.find((place) => place.frame > frame()) ?? places[0];
+}
+
 /** The frame to key next, or null: with no key yet it is the one that is looked at. */
 export function suggestedFrame() {
+  const place = placeAhead();
+  if (place) return place.frame;
   const { frame: to = null, kind } = server.suggest ?? {};
   return to === null && kind === 'pose' && keyFrames().length === 0 ? frame() : to;
 }

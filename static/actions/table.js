@@ -9,7 +9,7 @@ import { words } from '../store/subject.js';
 import { fitLarge, showLarge, VIEW_NAMES, VIEWS } from '../views/views.js';
 import { count } from '../controls/words.js';
 import { alongChain, endOfChain, otherSide, outward } from './chain.js';
-import { draftMessage, nextPlace, placesToConfirm, whyNotDraft } from './drafting.js';
+import { draftMessage, whyNotDraft } from './drafting.js';
 import { copyPath, copyPicture, hasMotion, saveMotion, savePicture, saveReport } from './export.js';
 import { addKey, copyKey, deleteKey, duplicateKey, whyNotDelete } from './keying.js';
 import { foldLanes } from './lanes.js';
@@ -184,11 +184,6 @@ const TRACK = {
     label: () => `Draft ${count(frameCount(), 'frame')}`, icon: 'wand', off: whyNotDraft,
     title: 'Find the person in every frame and pose the body there', message: draftMessage,
   },
-  nextPlace: {
-    label: placesLabel, icon: 'flag',
-    title: 'Go to the next place that the draft is unsure of. K confirms it', run: nextPlace,
-    off: () => (placesToConfirm().length ? '' : 'Nothing to confirm'),
-  },
   cancel: {
     label: 'Cancel', icon: 'x', keys: ['Escape'], heard: 'escape',
     off: () => (server.job?.state === 'running' ? '' : 'Nothing is running'), message: () => ({ do: 'cancel' }),
@@ -346,11 +341,6 @@ const nextOf = (all, one) => all[(all.indexOf(one) + 1) % all.length];
 // --- words made of the state
 
 const stepLabel = (word, what) => (what ? `${word} ${what}` : word);
-
-function placesLabel() {
-  const many = placesToConfirm().length;
-  return many ? `${count(many, 'place')} to confirm` : 'Next place to confirm';
-}
 
 function copyLabel(way) {
   const key = keyBeside(way);

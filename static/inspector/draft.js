@@ -3,8 +3,8 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { server, ui } from '../store/state.js';
 import { labelOf, titleOf, whyNot } from '../actions/actions.js';
-import { goTo, stopPlaying } from '../actions/playhead.js';
-import { placesToConfirm, reasonOf, smallWords, whyNotDraftable } from '../actions/drafting.js';
+import { goTo, placesToConfirm, stopPlaying } from '../actions/playhead.js';
+import { reasonOf, smallWords, whyNotDraftable } from '../actions/drafting.js';
 import { button } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';
 import { sizeWords } from '../handles/box.js';
@@ -32,7 +32,7 @@ function places() {
   return html`<div class="places" role="group" aria-label="Places to confirm">
     <h3>To confirm: correct the pose there, then press K</h3>
     ${all.map((place, i) => html`<button type="button" class="place ${place.frame === server.view.frame ? 'sel' : ''}"
-      title=${`Go to frame ${place.frame}`} @click=${() => (stopPlaying(), goTo(place.frame))}>
+      title=${`${reasonOf(place)}. Go to frame ${place.frame}`} @click=${() => (stopPlaying(), goTo(place.frame))}>
       <i class="num">${i + 1}</i><span class="cut">${reasonOf(place)}</span><span class="num dim">${place.frame}</span>
     </button>`)}
   </div>`;

@@ -1,6 +1,7 @@
 // The inspector: the part picker on top, four tabs of numbers below.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { placesToConfirm } from '../actions/playhead.js';
 import { icon } from '../controls/icons.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 import { isSurface } from '../store/subject.js';
@@ -113,9 +114,9 @@ function fitTab() {
 
 function trackTab() {
   if (!server.settings) return nothing;
-  // Where nothing is posed yet a draft is the first thing to do.
-  const isNew = !server.keys?.frames.length;
-  return html`${cues()}${isNew ? draft() : nothing}${segment()}${method()}${isNew ? nothing : draft()}${freedom()}`;
+  // Where nothing is posed yet, or a draft waits to be confirmed, that is the next thing to do.
+  const isNext = !server.keys?.frames.length || placesToConfirm().length > 0;
+  return html`${cues()}${isNext ? draft() : nothing}${segment()}${method()}${isNext ? nothing : draft()}${freedom()}`;
 }
 
 /** A control clicked with the mouse leaves the keys with the views; what was typed is taken over. */

@@ -4,7 +4,8 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { keyOf, labelOf, perform, titleOf } from '../actions/actions.js';
 import { actionIcon } from '../actions/buttons.js';
-import { frame, goTo, stopPlaying, isKey, keyFrames } from '../actions/playhead.js';
+import { placesWords, reasonOf } from '../actions/drafting.js';
+import { frame, goTo, placeAhead, stopPlaying, isKey, keyFrames } from '../actions/playhead.js';
 import { icon } from '../controls/icons.js';
 import { VERDICTS } from '../controls/verdicts.js';
 import { frameCount, lastFrame } from '../store/clip.js';
@@ -30,12 +31,12 @@ function transport() {
     <span class="vsep"></span>`;
 }
 
-const SUGGESTION_ICONS = { good: 'check', track: 'track', look: 'warn' };
+const SUGGESTION_ICONS = { good: 'check', track: 'track', look: 'warn', confirm: 'flag' };
 
 /** What helps most now: bold what to do, then why, then a button that does it. While it is being
  * done, how far it is. */
 function drawSuggestion() {
-  const suggest = server.suggest;
+  const suggest = confirmation() ?? server.suggest;
   if (!suggest) return nothing;
   const { state, title, words } = server.job ?? {};
   const atWork = suggest.kind === 'track' && state === 'running';
@@ -44,6 +45,13 @@ function drawSuggestion() {
     ${icon(SUGGESTION_ICONS[suggest.kind] ?? 'keyadd')}
     <span class="tx"><b>${said.title}</b> <span class="mut">${said.detail}</span></span>
     ${atWork ? html`<span class="pad"></span>` : suggestionButton(suggest)}</div>`;
+}
+
+/** A draft waits to be confirmed before anything else. */
+function confirmation() {
+  const place = placeAhead();
+  if (!place) return null;
+  return { kind: 'confirm', frame: place.frame, title: placesWords(), detail: `Next: frame ${place.frame}. ${reasonOf(place)}` };
 }
 
 function suggestionButton({ frame: to, kind }) {

@@ -181,6 +181,8 @@ def test_a_draft_is_told_of_shown_on_the_timeline_and_undone(page: Page) -> None
     assert listed.count() == len(frames)
     listed.nth(0).click()
     until_told(page, "view.frame", lambda frame: frame == frames[0])
+    page.keyboard.press("n")
+    until_told(page, "view.frame", lambda frame: frame == frames[1])
 
     page.keyboard.press("k")
     until_counted(page, "#tsvg .place", len(frames) - 1)

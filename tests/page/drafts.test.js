@@ -4,7 +4,8 @@ import './browser.js';
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { server, ui } from '../../static/store/state.js';
-import { draftedWords, draftMessage, nextPlace, reasonOf, smallWords } from '../../static/actions/drafting.js';
+import { draftedWords, draftMessage, placesWords, reasonOf, smallWords } from '../../static/actions/drafting.js';
+import { suggestedFrame } from '../../static/actions/playhead.js';
 import { draftStretches } from '../../static/timeline/draw/drafts.js';
 
 test('drafts without a gap are one stretch, one or two stand alone', () => {
@@ -35,15 +36,14 @@ test('every reason is a sentence of its own', () => {
 
 test('the next place is the first after the playhead, then the first of all', () => {
   server.file = { frames: 100 };
-  server.draft = { latest: true, first: 0, last: 99, missing: [], proposals: [
-    { frame: 10, reason: 'start', parts: [] }, { frame: 40, reason: 'hidden', parts: [] },
-  ] };
+  const place = (frame) => ({ frame, reason: 'hidden', parts: [] });
+  server.draft = { latest: true, first: 0, last: 99, missing: [], proposals: [place(10), place(40)] };
   const after = (frame) => {
     server.view = { ...server.view, frame };
-    nextPlace();
-    return ui.timeHead;
+    return suggestedFrame();
   };
-  assert.equal(after(12), 40);
+  assert.deepEqual([0, 10, 12, 40, 90].map(after), [10, 40, 40, 10, 10]);
+  assert.equal(placesWords(), '2 places to confirm');
 });
 
 test('the box is sent to a tenth of a pixel with the frame it lies on', () => {

@@ -3,8 +3,7 @@
 
 import { svg } from '../../vendor/lit-html/lit-html.js';
 import { server } from '../../store/state.js';
-import { draftFrames } from '../../actions/playhead.js';
-import { placesToConfirm } from '../../actions/drafting.js';
+import { draftFrames, placesToConfirm } from '../../actions/playhead.js';
 import { BAR } from './segments.js';
 import { GUTTER, right, visible, x } from './scale.js';
 
