@@ -57,9 +57,18 @@ def test_a_joint_is_on_the_part_nearer_to_the_trunk() -> None:
 
 def test_names_keep_their_order_and_unknown_ones_are_left_out() -> None:
     body = preset("adult_male")
-    on = points_on_body(body, ["nose", "left_knee", "left_small_toe", "right_wrist"])
+    on = points_on_body(body, ["mouth_left", "left_knee", "left_small_toe", "right_wrist"])
     assert on.indices.tolist() == [1, 3]
     assert [body.names[part] for part in on.part] == ["left_thigh", "right_forearm"]
+
+
+def test_nose_and_ears_are_on_the_head_the_nose_in_front_and_each_ear_on_its_side() -> None:
+    body = preset("adult_male")
+    on = points_on_body(body, ["nose", "left_ear", "right_ear", "left_shoulder", "right_shoulder"])
+    assert [body.names[part] for part in on.part] == ["head"] * 3 + ["chest"] * 2
+    nose, left, right, left_shoulder, _ = on.point
+    assert nose[2] < -0.05  # a body at rest looks at the camera
+    assert np.sign(left[0]) == np.sign(left_shoulder[0]) == -np.sign(right[0])
 
 
 def test_a_body_of_other_parts_has_none() -> None:
