@@ -21,7 +21,7 @@ from tracker.body.body import Body, Point, preset
 from tracker.body.scaling import resized
 from tracker.geometry.camera import Camera
 from tracker.session import Keyframe, Session, VideoReference
-from tracker.session.settings import TrackSettings
+from tracker.session.settings import ALL_CUES, TrackSettings
 from tracker.storage.atomic import write_file
 from tracker.storage.files import session_json
 from tracker.video import Video
@@ -139,7 +139,7 @@ def session_of(path: Path, posed: Posed) -> Session:
         body=_without_points(posed.skeleton.body),
         keyframes=tuple(keyframes),
         up_camera=UP_CAMERA,
-        settings=TrackSettings(static_camera=True),
+        settings=TrackSettings(static_camera=True, cues=ALL_CUES),
     )
 
 

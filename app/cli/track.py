@@ -55,6 +55,12 @@ def add(commands: Subcommands) -> None:
         help="what the motion is found from: brightness, keypoints or both, with a comma between"
         f"{of_session}. Keypoints need a person's body; the published method does without",
     )
+    command.add_argument(
+        "--network",
+        choices=("full", "heavy"),
+        help="what finds keypoints: the bundled network, or the more exact and slower one that "
+        f"`keypose models add heavy` adds{of_session}",
+    )
     add_work(command)
 
 
@@ -74,5 +80,6 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.leave_out,
         still,
         arguments.cues,
+        arguments.network,
     )
     return track_and_save(session, asked, arguments)

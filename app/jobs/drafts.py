@@ -50,9 +50,10 @@ def drafted(
     report: Callable[[DraftProgress], None],
 ) -> tuple[ClipDraft, str]:
     """Drafts of these frames, first and last, and the network's fingerprint; see `draft_clip`."""
-
     from tracker.fitting.draft import draft_clip  # loads what only this needs
+    from tracker.keypoints.model_files import FULL, find_model
     from tracker.keypoints.network import Network
+    from tracker.storage.detections import Detections
 
     def picture(number: int) -> NDArray[np.uint8] | None:
         try:
@@ -60,9 +61,9 @@ def drafted(
         except MissingFrame:
             return None
 
-    network = Network.open()
+    network = Network.open(find_model(session.settings.network or FULL.name))
     found = draft_clip(
         picture, frames, at, box, session.camera, session.body, network,
-        proportions=proportions, report=report,
+        proportions=proportions, report=report, film=session.video.fingerprint, kept=Detections(),
     )  # fmt: skip
     return found, network.fingerprint

@@ -21,7 +21,7 @@ from app.jobs.worker_cache import WorkerCache
 from tracker.errors import KeyposeError, SessionError
 from tracker.session import Session
 from tracker.session import results as saved
-from tracker.session.settings import Cue, Initial, MethodName, Quality
+from tracker.session.settings import Cue, Initial, MethodName, NetworkName, Quality
 from tracker.storage.files import load_session, save_session
 from tracker.storage.results import (
     Results,
@@ -44,6 +44,7 @@ def with_settings(
     left_out: Sequence[str] | None = None,
     static_camera: bool | None = None,
     cues: Sequence[Cue] | None = None,
+    network: NetworkName | None = None,
 ) -> Session:
     """The session as it is to be tracked in this run; its file keeps its own settings.
 
@@ -54,7 +55,7 @@ def with_settings(
     parts = None if left_out is None else tuple(left_out)
     wanted: dict[str, object] = {"method": method, "quality": quality, "initial": initial}
     wanted |= {"left_out": parts, "static_camera": static_camera}
-    wanted |= {"cues": None if cues is None else tuple(cues)}
+    wanted |= {"cues": None if cues is None else tuple(cues), "network": network}
     chosen = {name: value for name, value in wanted.items() if value is not None}
     return session.model_copy(update={"settings": session.settings.model_copy(update=chosen)})
 

@@ -14,6 +14,7 @@ Weights: TypeAlias = Literal["both", "contact", "photo", "none"]
 Units: TypeAlias = Literal["m", "dm", "cm", "mm", "in", "ft"]
 UpAxis: TypeAlias = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 Cue: TypeAlias = Literal["brightness", "keypoints"]
+NetworkName: TypeAlias = Literal["full", "heavy"]
 Initial: TypeAlias = Literal["auto", "linear", "templates", "both-ways", "import"]
 
 
@@ -62,6 +63,12 @@ class TrackSettings(Plain):
         description="What the motion between keyframes is found from: brightness, how it changes "
         "from frame to frame; keypoints, where a detector sees a person's joints. Left out: "
         "brightness alone, as before there were others.",
+    )
+    network: NetworkName | None = Field(
+        default=None,
+        exclude_if=is_unknown,
+        description="The network that finds keypoints: full, which is bundled and meant where this "
+        "is left out, or heavy, which is more exact, slower, and has to be added.",
     )
     passes: Annotated[int, Field(ge=1, le=50)] | None = Field(
         default=None, description="Passes over a segment; the method's own number when left out."

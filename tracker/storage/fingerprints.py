@@ -21,7 +21,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from tracker.geometry.rotations import rotation_from_quaternion
-from tracker.keypoints.model_files import FULL
+from tracker.keypoints.model_files import FULL, find_model
 from tracker.keypoints.on_body import is_persons
 from tracker.session import Keyframe, Session
 from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
@@ -31,7 +31,7 @@ Span: TypeAlias = tuple[int, int]
 
 DECIMALS = 9
 """Poses that agree to a billionth of a metre or radian are the same pose."""
-_BY_THEMSELVES = {"quality", "initial", "left_out", "cues"}
+_BY_THEMSELVES = {"quality", "initial", "left_out", "cues", "network"}
 """Settings that count where they change a motion, or never."""
 AT_REST = (1.0, 0.0, 0.0, 0.0)
 
@@ -190,7 +190,8 @@ def _cues(session: Session) -> list[Any]:
     wanted = settings.method == "keypose" and "keypoints" in settings.cues_used
     if not wanted or not is_persons(session.body):
         return []
-    return ["keypoints", FULL.sha256 if given is None else given.file]
+    model = find_model(settings.network or FULL.name)
+    return ["keypoints", model.sha256 if given is None else given.file]
 
 
 def _start(session: Session) -> list[Any]:

@@ -8,6 +8,7 @@ from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.errors import SessionError
 from tracker.keypoints.keypoints import Keypoints
+from tracker.keypoints.model_files import FULL, find_model
 from tracker.keypoints.on_body import is_persons
 from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
 from tracker.session.schema import Session
@@ -69,7 +70,9 @@ def _keypoints(session: Session, video: Video, given: Keypoints | None) -> Keypo
                 f"The keypoints {session.given_keypoints.file} were not read; tracking uses them."
             )
         return GivenKeypoints(given)
-    return DetectedKeypoints(video, session.camera, session.video.fingerprint, Detections())
+    model = find_model(session.settings.network or FULL.name)
+    film = session.video.fingerprint
+    return DetectedKeypoints(video, session.camera, film, Detections(), model)
 
 
 def fitter_of(session: Session, video: Video) -> SurfaceFitter:

@@ -110,6 +110,9 @@ def test_the_motion_of_a_person_depends_on_the_keypoints_that_count() -> None:
     def keys(of: Session, **changes: Any) -> tuple[str, ...]:
         return tuple(segment_keys(of.model_copy(update=changes)).values())
 
+    heavy = both_cues.model_copy(update={"network": "heavy"})
+    assert keys(detected, settings=heavy) != keys(detected)
+    assert keys(bare, settings=bare.settings.model_copy(update={"network": "heavy"})) == keys(bare)
     assert keys(bare, keypoints=imported) == keys(bare)
     assert keys(detected) != keys(bare)
     assert keys(detected, keypoints=imported) not in (keys(detected), keys(bare))

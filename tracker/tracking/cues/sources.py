@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from tracker.errors import KeypointError
 from tracker.keypoints.detect import Kept, Progress, Seed, detect
 from tracker.keypoints.keypoints import Keypoints
+from tracker.keypoints.model_files import FULL, Model
 from tracker.keypoints.network import Network
 from tracker.keypoints.region import Region
 from tracker.video.info import MissingFrame
@@ -35,8 +36,8 @@ _LOOKING = Lock()
 
 
 @cache
-def _network() -> Network:
-    return Network.open()
+def _network(model: Model) -> Network:
+    return Network.open(model)
 
 
 class KeypointSource(Protocol):
@@ -65,16 +66,17 @@ class GivenKeypoints:
 
 @dataclass(frozen=True, eq=False)
 class DetectedKeypoints:
-    """Keypoints by the bundled network, which looks for the body from both of its keyposes.
+    """Keypoints by a network, which looks for the body from both of its keyposes.
 
     camera: of the video, with its distortion.  film: the video's fingerprint, under which what is
-    found is kept.
+    found is kept.  model: the network.
     """
 
     video: Video
     camera: Camera
     film: str = ""
     kept: Kept | None = None
+    model: Model = FULL
 
     def over(
         self, segment: Segment, skeleton: Skeleton, report: Callable[[], None]
@@ -87,9 +89,10 @@ class DetectedKeypoints:
             report()
 
         with _LOOKING:
+            network = _network(self.model)  # a KeypointError of its own where it is not here
             try:
                 return detect(
-                    self._frame, (first, last), seeds, _network(),
+                    self._frame, (first, last), seeds, network,
                     report=leave, film=self.film, kept=self.kept,
                 )  # fmt: skip
             except KeypointError:  # nobody is seen there: a body that is no person
