@@ -68,10 +68,15 @@ class JointEvidence:
             expected[:, part] = np.fmax(expected[:, part], by_joint[:, joint])
         return expected
 
-    def keyed_wrong(self) -> tuple[int, int] | None:
+    def keyed_wrong(self, limbs: NDArray[np.bool_]) -> tuple[int, int] | None:
         """The row of a keyframe, 0 or N − 1, and its joint that lies farthest from a keypoint which
-        is seen well; None where all lie near."""
+        is seen well; None where all lie near.
+
+        limbs (P,): the parts whose joints are asked. On a stiff trunk shoulders and hips of a right
+        pose lie off by as much.
+        """
         rows = np.array([0, len(self.distance) - 1])
-        away = np.nan_to_num(self.distance[rows]) * (self.visibility[rows] >= KEYED_SURE)
+        asked = (self.visibility[rows] >= KEYED_SURE) & limbs[self.parts]
+        away = np.nan_to_num(self.distance[rows]) * asked
         k, joint = np.unravel_index(int(away.argmax()), away.shape)
         return (int(rows[k]), int(joint)) if away[k, joint] > KEYED_WRONG else None

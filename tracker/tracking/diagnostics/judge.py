@@ -99,9 +99,11 @@ def _judge_joints(
     doubtful = wrong > DOUBTFUL
     if doubtful.any(axis=1).mean() > CHECK_FRAMES or wrong.mean() > CHECK_WRONG:
         return _doubtful_joint(scene, first, joints)
-    keyed = joints.keyed_wrong()
+    skeleton = scene.skeleton
+    carried = np.bincount(skeleton.parents[1:], minlength=skeleton.part_count)
+    keyed = joints.keyed_wrong(carried == 1)  # a trunk carries several parts, a head none
     if keyed is not None:
-        frame, name = first + keyed[0], scene.skeleton.body.names[int(joints.parts[keyed[1]])]
+        frame, name = first + keyed[0], skeleton.body.names[int(joints.parts[keyed[1]])]
         return Verdict.check("keyframe_off_keypoints", (frame, frame), name)
     return GOOD
 

@@ -40,11 +40,12 @@ def test_at_keyframes_nothing_is_wrong_and_a_part_is_as_doubtful_as_its_worst_jo
 
 
 def test_a_keyframe_is_doubted_where_a_joint_is_seen_well_and_elsewhere() -> None:
-    evidence = _evidence()
-    assert evidence.keyed_wrong() is None
-    evidence.distance[2, 1] = 0.2  # between the keyframes
-    assert evidence.keyed_wrong() is None
+    evidence, limbs = _evidence(), np.array([False, False, False, False, True])
+    assert evidence.keyed_wrong(limbs) is None
+    evidence.distance[2, 2] = 0.2  # between the keyframes
+    evidence.distance[0, 1] = 0.2  # a shoulder
+    assert evidence.keyed_wrong(limbs) is None
     evidence.distance[4, 2] = 0.06
-    assert evidence.keyed_wrong() == (4, 2)
+    assert evidence.keyed_wrong(limbs) == (4, 2)
     evidence.visibility[4, 2] = 0.4
-    assert evidence.keyed_wrong() is None
+    assert evidence.keyed_wrong(limbs) is None
