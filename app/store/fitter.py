@@ -31,8 +31,9 @@ from app.store.identity import unchanged
 from app.store.runner import Runner
 from app.store.state import AppState, DraftOutcome, FitOutcome
 from tracker.body.pose import Pose
-from tracker.errors import KeyposeError
+from tracker.errors import KeypointError, KeyposeError
 from tracker.session.schema import Session
+from tracker.storage.atomic import make_folder
 from tracker.storage.keypoints import save_keypoints
 from tracker.storage.results import pose_at
 
@@ -221,6 +222,7 @@ def apply_draft(
     that is not possible."""
     order, path = request.order, opened.session_path
     assert isinstance(order, DraftOrder)
+    make_folder(path.parent, error=KeypointError)  # a new film's is there from its first edit on
     referring = save_keypoints(
         edit.doc, path, drafted.keypoints, KEYPOINT_SOURCE,
         network=drafted.network, seeds=(order.frame,),

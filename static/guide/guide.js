@@ -59,6 +59,7 @@ export function mountGuide() {
   };
   mountPulled();
   watch(['guide', 'file', 'u:dragging'], notice);
+  watch(['draft'], leaveToDraft);
   watch([...SECTIONS, 'u:guideStep', 'u:layout', 'u:tool', 'u:dragging', 'u:pulled'], draw);
   onViews(draw);
   onInteraction(() => isOpen() && fade(card.firstElementChild));
@@ -92,6 +93,11 @@ function notice() {
   if (ui.dragging) return;
   if (isKept() && !wasKept) soonOn(step, finish);
   else if (isDone(step) && !wasDone && !step.again) soonOn(step);
+}
+
+/** A drafted film has its first pose: what to confirm leads on. */
+function leaveToDraft() {
+  if (server.draft?.latest && isOpen()) setUi('guideStep', null);
 }
 
 /** On to the next step, or to the end, once the tick was seen. */

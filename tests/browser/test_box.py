@@ -156,11 +156,12 @@ def banner(page: Page) -> Locator:
 
 
 def test_a_draft_is_told_of_shown_on_the_timeline_and_undone(page: Page) -> None:
+    page.evaluate("async () => (await import('/static/guide/guide.js')).openGuide()")
+    page.locator(".coach").wait_for()
     draw(page, 310, 10, 520, 350)
     page.keyboard.press("Enter")
-    until(lambda: section(page, "job.kind") == "draft", "the job")
-    page.locator(".job", has_text="Drafting poses").wait_for()
     until(lambda: section(page, "draft"), "the draft", SECONDS_TO_DRAFT)
+    until_counted(page, ".coach", 0)  # what to confirm leads on
     banner(page).wait_for()
     assert "Drafted 73 frames." in banner(page).inner_text()
     frames = [place["frame"] for place in section(page, "draft.proposals")]

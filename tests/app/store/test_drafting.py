@@ -127,6 +127,22 @@ def test_the_keypoints_of_a_draft_lie_beside_the_session(path: Path) -> None:
     try_at(path, act)
 
 
+def test_a_film_just_opened_is_drafted_before_its_folder_is_there(tmp_path: Path) -> None:
+    film = tmp_path / "films" / "person.mp4"
+    film.parent.mkdir()
+    shutil.copy(ROOT / "sample_videos" / "person" / "person.mp4", film)
+
+    async def act(desk: Desk) -> None:
+        assert not [place for place in film.parent.iterdir() if place.is_dir()]
+        desk.do(DRAFT)
+        desk.find(3, 4)
+        assert [draft.frame for draft in desk.doc.drafts] == [3, 4]
+
+    try_at(film, act)
+    (session,) = film.parent.glob("*/session.json")
+    assert load_session(session).keypoints is not None
+
+
 def test_frames_to_confirm_are_shown_until_they_are_keyframes(path: Path) -> None:
     async def act(desk: Desk) -> None:
         assert desk.section is None
