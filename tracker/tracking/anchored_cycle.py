@@ -55,18 +55,18 @@ def track_anchored(
     free: Scene,
     segment: Segment,
     method: Keypose,
-    told: Sequence[Anchors],
+    candidates: Sequence[Anchors],
     brightness: bool = True,
 ) -> Work:
     """Track one segment; yields every trajectory as it is found and returns the outcome.
 
-    free: the scene with all parts that carry keypoints free to turn.  told: the anchors, where left
-    and right are in doubt in two ways.  brightness: whether it counts as well.
+    free: the scene with all parts that carry keypoints free to turn.  candidates: the anchors,
+    two where left and right are in doubt.  brightness: whether it counts as well.
     """
     begun = starts(scene, segment, replace(method, templates=False)) if brightness else Starts(())
     tried: list[Pass] = []
     ends: list[_Ended] = []
-    for anchors in told:
+    for anchors in candidates:
         correction = Correction(free, segment, anchors)
         alone = Pass("keypoints", from_keypoints(correction), None)
         if not brightness:

@@ -18,7 +18,7 @@ from tracker.keypoints.keypoints import Keypoints
 from tracker.keypoints.on_body import is_persons
 from tracker.session.settings import IgnoreMask, TrackSettings
 from tracker.tracking.anchored_cycle import expected_anchored_steps, track_anchored
-from tracker.tracking.cues.anchors import anchors_of, freed
+from tracker.tracking.cues.anchors import anchors_of, with_free_joints
 from tracker.tracking.cues.sources import KeypointSource
 from tracker.tracking.cycle import Outcome, Work, track_segment
 from tracker.tracking.diagnostics.expected_gain import expected_gain
@@ -119,7 +119,7 @@ class Tracker:
         """
         loader, poses = self.loader(span), [self.keyposes[frame] for frame in span]
         camera = loader.size.camera(loader.camera)
-        skeleton = freed(self.skeleton) if free else self.skeleton
+        skeleton = with_free_joints(self.skeleton) if free else self.skeleton
         return Scene.of(skeleton, camera, poses, density, self._sample)
 
     def _sample(self, skeleton: Skeleton, spacing_m: float) -> SurfacePoints:
@@ -182,10 +182,10 @@ class Tracker:
         if keypoints is not None and isinstance(method, Keypose):
             span = segment.first_frame, segment.last_frame
             free = self.scene(span, method.density, free=True)
-            told = anchors_of(free, segment, self.loader(span).camera, keypoints)
-            if told:
+            candidates = anchors_of(free, segment, self.loader(span).camera, keypoints)
+            if candidates:
                 brightness = "brightness" in settings.cues_used
-                return track_anchored(scene, free, segment, method, told, brightness)
+                return track_anchored(scene, free, segment, method, candidates, brightness)
         return track_segment(scene, segment, method)
 
     def _keypoints_of(

@@ -80,7 +80,7 @@ class Anchors:
 
 
 @lru_cache(maxsize=8)
-def freed(skeleton: Skeleton) -> Skeleton:
+def with_free_joints(skeleton: Skeleton) -> Skeleton:
     """The skeleton with those parts free to turn that carry a keypoint, whatever is tracked.
 
     What a picture's brightness does not decide, such as a limb's turn about itself, a keypoint at
@@ -104,7 +104,7 @@ def anchors_of(
     """The anchors of a segment: as the detector tells left and right, and, where it seems to
     exchange them, also set right. None where they lie on another body, or there are none.
 
-    scene: of the freed skeleton.  camera: of the video, with its distortion.
+    scene: of the skeleton with free joints.  camera: of the video, with its distortion.
     """
     index, parts, points = points_on_body(scene.skeleton.body, keypoints.names)
     if len(index) < FEWEST:
@@ -112,12 +112,12 @@ def anchors_of(
     seen = _undistorted(keypoints.over(segment.first_frame, segment.last_frame), scene, camera)
     height = height_px(scene.skeleton, scene.camera, segment.start)
     keyed = {0: segment.start, len(seen) - 1: segment.end}
-    told = [seen]
+    candidates = [seen]
     nominal = {n: _places(scene, pose, parts, points) for n, pose in keyed.items()}
     swapped = exchanged_sides(seen, index, nominal, height)
     if swapped is not None:
-        told.append(swapped)
-    found = [_anchors(scene, k, index, parts, points, keyed, height) for k in told]
+        candidates.append(swapped)
+    found = [_anchors(scene, k, index, parts, points, keyed, height) for k in candidates]
     whole = [
         replace(anchors, exchanged=k > 0) for k, anchors in enumerate(found) if anchors is not None
     ]
@@ -156,9 +156,11 @@ def _anchors(
     """None where they lie on another body than the one posed, or where no keyframe tells."""
     uv, visibility = seen.uv[:, index], seen.visibility[:, index]
     known = np.asarray(np.isfinite(uv).all(axis=-1))
-    told = [n for n in keyed if known[n].sum() >= FEWEST]
-    miss = [np.linalg.norm(_places(scene, keyed[n], parts, points) - uv[n], axis=-1) for n in told]
-    if not told or any(np.nanmedian(away) > ELSEWHERE * height for away in miss):
+    compared = [n for n in keyed if known[n].sum() >= FEWEST]
+    miss = [
+        np.linalg.norm(_places(scene, keyed[n], parts, points) - uv[n], axis=-1) for n in compared
+    ]
+    if not compared or any(np.nanmedian(away) > ELSEWHERE * height for away in miss):
         return None
     scale = np.where(known, 1 / _sigma_px(height, visibility), 0.0)
     uv = np.where(known[..., None], uv, 0.0)

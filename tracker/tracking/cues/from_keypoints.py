@@ -24,7 +24,7 @@ def from_keypoints(correction: Correction) -> Trajectory:
 
     Twice: from interpolation, and from following the keypoints frame by frame, which reaches what
     interpolation is too far from. With Huber's kernel first, which comes from afar, then with
-    Cauchy's, which disbelieves what stays far. The cheaper one counts.
+    Cauchy's, which gives little weight to what stays far. The cheaper one counts.
     """
     path = correction.segment.interpolated()
     held = even_increments(correction.scene, path)

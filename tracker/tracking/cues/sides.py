@@ -1,10 +1,10 @@
 """Left and right: a detector may exchange a body's sides suddenly, a body does not.
 
-Arms and legs are looked at by themselves. In each frame their keypoints stand as told or exchanged;
-what they jump from frame to frame is least along one of all these ways, found by dynamic
-programming, and the posed keyframes say which side is which there. That way is not always right:
-of a walk seen from the side both legs coincide. So it stands beside what was told, and the evidence
-as a whole decides between the two.
+Arms and legs are looked at by themselves. In each frame their keypoints are as detected or
+exchanged; what they jump from frame to frame is least along one of all these ways, found by dynamic
+programming, and the posed keyframes say which side is which there. That way is not always right: of
+a walk seen from the side both legs coincide. So it is one candidate beside what was detected, and
+the evidence as a whole decides between the two.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from tracker.keypoints.keypoints import Keypoints
 ARMS: Final = ("shoulder", "elbow", "wrist")
 LEGS: Final = ("hip", "knee", "ankle")
 CHANGE = 0.05
-"""Of the body's height: what an exchange costs on the way, so that ties stay as told."""
+"""Of the body's height: what an exchange costs on the way, so that ties stay as detected."""
 KEYED = 3.0
 """How much more a keyframe's distance counts than a jump between frames."""
 
@@ -30,7 +30,7 @@ KEYED = 3.0
 def exchanged_sides(
     seen: Keypoints, used: NDArray[np.int64], keyed: Mapping[int, Array], height_px: float
 ) -> Keypoints | None:
-    """With left and right set right; None where they are as told in every frame.
+    """With left and right set right; None where they are as detected in every frame.
 
     used (K,): keypoints that the body has.  keyed: by row, their pixels (K, 2) on the posed body.
     """
@@ -54,7 +54,7 @@ def exchanged_sides(
 
 
 def _least_jumps(both: Array, keyed: Mapping[int, Array]) -> NDArray[np.bool_]:
-    """(N,) whether to exchange. both (N, 2, K, 2): as told and exchanged; keyed: (K, 2) by row."""
+    """(N,) whether to exchange. both (N, 2, K, 2): as detected, exchanged; keyed: (K, 2) by row."""
     count = len(both)
     cost, came_from = np.zeros(2), np.zeros((count, 2), np.int64)
     for n in range(count):

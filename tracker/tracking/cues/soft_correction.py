@@ -48,7 +48,7 @@ CRITERIA = Criteria(
 class Correction:
     """What a segment's motion is corrected with: anchors, limits and smoothness.
 
-    scene: of the freed skeleton.
+    scene: of the skeleton with free joints.
     """
 
     scene: Scene

@@ -17,7 +17,7 @@ from tracker.geometry.rotations import exp_rotation
 from tracker.keypoints.keypoints import JOINTS, Keypoints
 from tracker.keypoints.on_body import points_on_body
 from tracker.solver.body_points import BodyPoints
-from tracker.tracking.cues.anchors import Anchors, anchors_of, freed
+from tracker.tracking.cues.anchors import Anchors, anchors_of, with_free_joints
 from tracker.tracking.scene import Scene
 from tracker.tracking.segment import Segment
 from tracker.video.pyramid import LEVELS, Clip, prepare
@@ -88,7 +88,9 @@ class Filmed:
     def free(self) -> Scene:
         """The scene that keypoints are solved in."""
         ideal = self.camera.without_distortion()
-        return Scene.of(freed(SKELETON), ideal, [self.segment.start, self.segment.end], 0.2)
+        return Scene.of(
+            with_free_joints(SKELETON), ideal, [self.segment.start, self.segment.end], 0.2
+        )
 
     def anchors(self, keypoints: Keypoints | None = None) -> tuple[Anchors, ...]:
         found = self.keypoints if keypoints is None else keypoints

@@ -13,7 +13,7 @@ from tracker.keypoints.keypoints import JOINTS
 from tracker.solver.posed import image_points
 from tracker.solver.robust import SQUARED
 from tracker.solver.terms import DepthFromRoot, PointsInPicture
-from tracker.tracking.cues.anchors import freed
+from tracker.tracking.cues.anchors import with_free_joints
 
 
 @pytest.mark.parametrize("camera", [CAMERA, BENT], ids=["ideal lens", "distorted lens"])
@@ -79,7 +79,7 @@ def test_a_body_with_few_of_these_joints_has_no_anchors() -> None:
 
 
 def test_parts_that_carry_keypoints_may_turn_in_every_way_and_others_as_before() -> None:
-    free = freed(SKELETON)
+    free = with_free_joints(SKELETON)
     counts = dict(zip(SKELETON.body.names, np.bincount(free.dof_part, minlength=16), strict=True))
     before = np.bincount(SKELETON.dof_part, minlength=16)
     assert counts["waist"] == 6

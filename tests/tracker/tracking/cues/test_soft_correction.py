@@ -115,7 +115,7 @@ def test_an_open_end_follows_the_keypoints() -> None:
     np.testing.assert_array_equal(found.Rs_parent_part[0], start.Rs_parent_part)
 
 
-def test_a_keypoint_far_from_all_others_is_disbelieved() -> None:
+def test_a_keypoint_far_from_all_others_has_little_weight() -> None:
     film = Filmed(moving())
     clean = from_keypoints(_correction(film))
     uv = film.keypoints.uv.copy()

@@ -96,12 +96,12 @@ def test_every_part_with_a_joint_says_what_error_is_expected_and_none_at_keyfram
     error = found.diagnostics.expected_error
     assert error is not None
     assert error.shape == (len(FILM.truth), SKELETON.part_count)
-    told = np.isfinite(error).all(axis=0)
-    assert {n for n, k in zip(SKELETON.body.names, told, strict=True) if k} >= {
+    known = np.isfinite(error).all(axis=0)
+    assert {n for n, k in zip(SKELETON.body.names, known, strict=True) if k} >= {
         "left_forearm", "right_upper_arm", "left_shin", "chest",
     }  # fmt: skip
     assert not np.nan_to_num(error[[0, -1]]).any()
-    assert (error[1:-1][:, told] > 0).all()
+    assert (error[1:-1][:, known] > 0).all()
 
 
 @pytest.mark.parametrize("swapped", [slice(4, 9), slice(1, -1)], ids=["some frames", "all inner"])
