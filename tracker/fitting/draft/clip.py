@@ -32,7 +32,7 @@ from tracker.geometry.camera import Camera
 from tracker.keypoints.detect import Frame, Kept, Looks, Progress, Seed, detect
 from tracker.keypoints.keypoints import JOINTS, Keypoints
 from tracker.keypoints.region import Box
-from tracker.tracking.cues.anchors import freed, height_px
+from tracker.tracking.cues.anchors import height_px, with_free_joints
 from tracker.tracking.scene import Scene
 
 FEW_POINTS = 0.1
@@ -140,7 +140,7 @@ class _Work:
         return Piece(found.seen, motion, found.problem.depth)
 
     def _solved(self, seen: Observed) -> _Solved:
-        joints = Joints.of(freed(self.skeleton))
+        joints = Joints.of(with_free_joints(self.skeleton))
         first = self._first(joints, seen)
         problem = Whole.of_joints(self._scene(joints.skeleton, first), joints, seen, first)
         return _Solved(seen, problem, problem.solve(self._tell))
