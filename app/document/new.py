@@ -53,7 +53,7 @@ def new_session(video: Video, session_path: Path) -> Session:
         ),
         camera=Camera.guess(info.width, info.height),
         body=preset(FIRST_BODY),
-        settings=TrackSettings(cues=ALL_CUES),
+        settings=TrackSettings(cues=ALL_CUES, smooth=True),
     )
 
 

@@ -27,6 +27,7 @@ from tracker.body.skeleton import Skeleton
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import quaternion_wxyz, rotation_from_quaternion
 from tracker.session.evidence import Evidence, evidence_of
+from tracker.session.pins import PinList, require_pins
 from tracker.session.results import Results
 from tracker.session.settings import (
     FrameIndex,
@@ -50,7 +51,9 @@ AT_REST: Quaternion = (1.0, 0.0, 0.0, 0.0)
 NEAREST_M = 0.05
 """The least depth of a joint."""
 
-MOST: Mapping[str, int] = {"keyframes": 10_000, "drafts": 10_000, "ignore_masks": 10_000}
+MOST: Mapping[str, int] = {
+    "keyframes": 10_000, "drafts": 10_000, "ignore_masks": 10_000, "pins": 1_000,
+}  # fmt: skip
 """Far above what a person sets in a session."""
 
 POSES_AT_A_TIME = 500
@@ -121,6 +124,12 @@ class Keyframe(Plain):
     root_m: Position = Field(description="The root part's origin in the camera frame, metres.")
     rotations_wxyz: dict[Name, Quaternion] = Field(
         description="Each part's rotation in its parent's frame; parts left out are at rest."
+    )
+    soft: bool = Field(
+        default=False,
+        exclude_if=operator.not_,
+        description="The motion need only come near it: mostly its depth gives way to pins and "
+        "smoothness. Left out where it is met exactly.",
     )
 
     @field_validator("rotations_wxyz")
@@ -194,6 +203,13 @@ class Session(Plain):
     up_camera: Position | None = Field(
         default=None,
         description="The world's up direction in the camera frame; null: the camera's own, −y.",
+    )
+    pins: PinList = ()
+    floor_m: Metres | None = Field(
+        default=None,
+        exclude_if=is_unknown,
+        description="The floor's height along up, from the camera, metres; left out where it is "
+        "not known.",
     )
     ignore_masks: tuple[IgnoreMask, ...] = ()
     settings: TrackSettings = TrackSettings()
@@ -275,6 +291,7 @@ def require_fit(session: Session, poses: Sequence[Keyframe]) -> None:
     _require_sorted(session.drafts)
     _require_direction(session.up_camera)
     _require_parts(session.settings.left_out, session.body)
+    require_pins(session.pins, session.body, video.frame_count)
     for keyframe in poses:
         _require_in_video(keyframe, video.frame_count)
         _require_known_parts(keyframe, session.body)

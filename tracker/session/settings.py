@@ -70,6 +70,12 @@ class TrackSettings(Plain):
         description="The network that finds keypoints: full, which is bundled and meant where this "
         "is left out, or heavy, which is more exact, slower, and has to be added.",
     )
+    smooth: bool | None = Field(
+        default=None,
+        exclude_if=is_unknown,
+        description="The whole motion is made smooth in space, as bodies move, as far as the "
+        "pictures allow. Left out: not, as before.",
+    )
     passes: Annotated[int, Field(ge=1, le=50)] | None = Field(
         default=None, description="Passes over a segment; the method's own number when left out."
     )

@@ -13,10 +13,10 @@ from tracker.body.trajectory import Trajectory
 from tracker.geometry.rotations import Array
 from tracker.kernels.layout import BodyArrays
 from tracker.kernels.whole import move_inner
-from tracker.solver.banded import banded_step, with_frames
+from tracker.solver.banded import added, banded_step, with_frames
 from tracker.solver.least_squares import Problem
 from tracker.solver.posed import Posed
-from tracker.solver.smoothness import Link
+from tracker.solver.smoothness import INNER, Link
 from tracker.solver.terms import Term, total_cost, total_equations
 
 
@@ -34,6 +34,10 @@ class SegmentPoses(Problem[Trajectory, "SegmentPoint"]):
     terms: Sequence[Term]
     links: Sequence[Link]
     open_end: bool = False
+
+    @property
+    def unknown(self) -> slice:
+        return slice(1, None) if self.open_end else INNER
 
     def at(self, state: Trajectory, count: int) -> SegmentPoint:
         return SegmentPoint(self, state)
@@ -54,7 +58,7 @@ class SegmentPoint:
     @cached_property
     def _posed(self) -> Posed:
         """The unknown poses."""
-        unknown = slice(1, None if self.problem.open_end else -1)
+        unknown = self.problem.unknown
         R, t = self.motion.Rs_parent_part[unknown], self.motion.ps_camera_root[unknown]
         return Posed(self.problem.skeleton, R, t)
 
@@ -67,11 +71,11 @@ class SegmentPoint:
     def equations(self) -> tuple[Array, Array]:
         """Upper banded (3D, uD) and gradient (uD,) of the u unknown poses."""
         frames = total_equations(self.problem.terms, self._posed)
-        banded: Array = np.zeros(())
+        banded = np.zeros((frames.b.shape[-1], frames.b.size))
         pull = np.zeros_like(frames.b)
         for link in self.problem.links:
-            own, gradient = link.equations(self.motion, self.problem.open_end)
-            banded, pull = banded + own, pull + gradient
+            own, gradient = link.equations(self.motion, self.problem.unknown)
+            banded, pull = added(banded, own), pull + gradient
         return with_frames(banded, frames.A), (frames.b + pull).ravel()
 
     def step(self, damping: float) -> Array | None:

@@ -10,21 +10,22 @@ import numpy as np
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.geometry.rotations import Array, log_rotation, transpose
+from tracker.solver.banded import banded_diagonals
 from tracker.solver.posed import by_dof
 from tracker.solver.robust import Kernel
 
+INNER = slice(1, -1)
+"""The poses between two that do not move."""
+
 
 class Link(Protocol):
-    """What a motion is compared with from frame to frame.
-
-    Unknown are its poses but the first, which does not move, and the last, unless `open_end`.
-    """
+    """What a motion is compared with from frame to frame."""
 
     def cost(self, motion: Trajectory) -> float:
         """Half the sum of squares, robust ones by their kernel."""
 
-    def equations(self, motion: Trajectory, open_end: bool = False) -> tuple[Array, Array]:
-        """Upper banded (3D, uD) and gradient (u, D) of the u unknown poses."""
+    def equations(self, motion: Trajectory, unknown: slice = INNER) -> tuple[Array, Array]:
+        """Upper banded (w, uD) and gradient (u, D) of the u unknown poses."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,11 +44,8 @@ class Smoothness:
     def cost(self, motion: Trajectory) -> float:
         return _cost(self.kernel, self.precision, self._away(motion))
 
-    def equations(self, motion: Trajectory, open_end: bool = False) -> tuple[Array, Array]:
-        away = self._away(motion)
-        n = len(away)
-        k = np.eye(n, n + 2) - 2 * np.eye(n, n + 2, k=1) + np.eye(n, n + 2, k=2)
-        return _equations(_of_unknown(k, open_end), away, self.precision, self.kernel)
+    def equations(self, motion: Trajectory, unknown: slice = INNER) -> tuple[Array, Array]:
+        return _equations((1, -2, 1), self._away(motion), self.precision, self.kernel, unknown)
 
     def _away(self, motion: Trajectory) -> Array:
         return second_differences(self.skeleton, motion) - self.wanted
@@ -69,12 +67,9 @@ class Increments:
     def cost(self, motion: Trajectory) -> float:
         return _cost(self.kernel, self.precision, self._away(motion))
 
-    def equations(self, motion: Trajectory, open_end: bool = False) -> tuple[Array, Array]:
+    def equations(self, motion: Trajectory, unknown: slice = INNER) -> tuple[Array, Array]:
         """The Jacobian of a step is taken as −1 and 1: exact for the limit of small turns."""
-        away = self._away(motion)
-        n = len(away)
-        k = np.eye(n, n + 1, k=1) - np.eye(n, n + 1)
-        return _equations(_of_unknown(k, open_end), away, self.precision, self.kernel)
+        return _equations((-1, 1), self._away(motion), self.precision, self.kernel, unknown)
 
     def _away(self, motion: Trajectory) -> Array:
         return increments(self.skeleton, motion) - self.measured
@@ -92,21 +87,26 @@ def second_differences(skeleton: Skeleton, motion: Trajectory) -> Array:
     return np.diff(increments(skeleton, motion), axis=0)
 
 
-def _of_unknown(k: Array, open_end: bool) -> Array:
-    """The columns of the unknown poses."""
-    return k[:, 1:] if open_end else k[:, 1:-1]
-
-
 def _cost(kernel: Kernel, precision: Array, away: Array) -> float:
     return 0.5 * float(kernel.loss(np.sqrt(precision) * np.abs(away)).sum())
 
 
-def _equations(k: Array, away: Array, precision: Array, kernel: Kernel) -> tuple[Array, Array]:
-    """Of residuals away (m, D) whose Jacobian is k (m, u) for every degree of freedom."""
-    stiff = precision * kernel.weight(np.sqrt(precision) * np.abs(away))
-    unknown, dofs = k.shape[1], away.shape[1]
-    banded = np.zeros((3 * dofs, unknown * dofs))
-    for off in range(min(3, unknown)):
-        products = k[:, : unknown - off] * k[:, off:]
-        banded[-1 - off * dofs, off * dofs :] = (products.T @ stiff).ravel()
-    return banded, k.T @ (stiff * away)
+def _equations(
+    stencil: tuple[int, ...], away: Array, precision: Array, kernel: Kernel, unknown: slice
+) -> tuple[Array, Array]:
+    """Of residuals away (m, D), each the differences of poses i, i + 1, … times the stencil."""
+    stiff = np.broadcast_to(
+        precision * kernel.weight(np.sqrt(precision) * np.abs(away)), away.shape
+    )
+    m, dofs = away.shape
+    count, pull = m + len(stencil) - 1, stiff * away
+    gradient = np.zeros((count, dofs))
+    for i, share in reversed(tuple(enumerate(stencil))):
+        gradient[i : i + m] += share * pull
+    blocks = []
+    for off in range(len(stencil)):
+        diagonal = np.zeros((count - off, dofs))
+        for i in reversed(range(len(stencil) - off)):
+            diagonal[i : i + m] += stencil[i] * stencil[i + off] * stiff
+        blocks.append(diagonal)
+    return banded_diagonals(blocks, unknown), gradient[unknown]

@@ -31,7 +31,7 @@ Span: TypeAlias = tuple[int, int]
 
 DECIMALS = 9
 """Poses that agree to a billionth of a metre or radian are the same pose."""
-_BY_THEMSELVES = {"quality", "initial", "left_out", "cues", "network"}
+_BY_THEMSELVES = {"quality", "initial", "left_out", "cues", "network", "smooth"}
 """Settings that count where they change a motion, or never."""
 AT_REST = (1.0, 0.0, 0.0, 0.0)
 

@@ -18,7 +18,7 @@ from tracker.body.trajectory import Trajectory
 from tracker.geometry.rotations import Array
 from tracker.kernels.pairs import view
 from tracker.kernels.whole import move_inner, see_all, whole_segment
-from tracker.solver.banded import banded_step
+from tracker.solver.banded import added, banded_step
 from tracker.solver.least_squares import Criteria, Damping, Problem, least_squares
 from tracker.tracking.scene import Scene
 from tracker.video.pyramid import Clip, Picture
@@ -128,7 +128,7 @@ class _Pictures(Problem[Poses, "_Point"]):
         )  # fmt: skip
         if self.others is not None:
             more, pull = self.others.at(Trajectory(self.first_frame, *poses), 0).equations
-            banded, gradient = banded + more, gradient + pull
+            banded, gradient = added(banded, more), gradient + pull
         return banded, gradient
 
     def look(self, poses: Poses) -> None:

@@ -1,0 +1,96 @@
+"""Pins: points of the body that stand at one place in space over a range of frames."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Sequence
+from itertools import combinations
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from tracker.body.body import Body, Name, Point
+from tracker.session.settings import FrameIndex, Plain
+
+
+class Pin(Plain):
+    """A part of the body held at one place, which is not known, from one frame to another.
+
+    It is held by its joint, unless landmarks of it are named or a point is given: a whole foot by
+    heel and toe, a box by a corner.
+    """
+
+    part: Name
+    landmarks: tuple[Name, ...] = Field(
+        default=(), exclude_if=operator.not_, description="Landmarks of the part that stand still."
+    )
+    point_m: Point | None = Field(
+        default=None,
+        exclude_if=operator.not_,
+        description="A point in the part's frame that stands still, metres, instead of its joint.",
+    )
+    first_frame: FrameIndex
+    last_frame: FrameIndex
+    floor: bool = Field(default=False, description="Whether it stands on the floor.")
+
+    @model_validator(mode="after")
+    def _runs_forward(self) -> Self:
+        if self.last_frame < self.first_frame:
+            raise ValueError("pins: last_frame must not be before first_frame")
+        if self.landmarks and self.point_m is not None:
+            raise ValueError("pins: name landmarks or give point_m, not both")
+        return self
+
+    @property
+    def span(self) -> tuple[int, int]:
+        return self.first_frame, self.last_frame
+
+    def points(self, body: Body) -> tuple[Point, ...]:
+        """What stands still, metres in the part's frame."""
+        part = body.parts[body.index(self.part)]
+        if self.point_m is not None:
+            return (self.point_m,)
+        return tuple(part.landmarks[name] for name in self.landmarks) or ((0.0, 0.0, 0.0),)
+
+    def overlaps(self, other: Pin) -> bool:
+        """Whether both hold the same part at one frame."""
+        within = self.first_frame <= other.last_frame and other.first_frame <= self.last_frame
+        return within and self.part == other.part and self._shares(other)
+
+    def _shares(self, other: Pin) -> bool:
+        """Heel and toe of one foot may be held over different ranges."""
+        named = bool(self.landmarks and other.landmarks)
+        return not named or bool(set(self.landmarks) & set(other.landmarks))
+
+
+PinList = Annotated[
+    tuple[Pin, ...],
+    Field(
+        default=(),
+        exclude_if=operator.not_,
+        description="Points of the body that stand still, such as a planted foot.",
+    ),
+]
+
+
+def require_pins(pins: Sequence[Pin], body: Body, frame_count: int) -> None:
+    """ValueError in one sentence unless pins hold what the body has, within the video, once."""
+    for pin in pins:
+        if pin.part not in body.names:
+            raise ValueError(
+                f"pins: {pin.part!r} is no part of the body; its parts are {', '.join(body.names)}"
+            )
+        known = body.parts[body.index(pin.part)].landmarks
+        missing = [name for name in pin.landmarks if name not in known]
+        if missing:
+            has = f"it has {', '.join(known)}" if known else "it has none"
+            raise ValueError(f"pins: {pin.part!r} has no landmark {missing[0]!r}; {has}")
+        if pin.last_frame >= frame_count:
+            raise ValueError(
+                f"pins: frame {pin.last_frame} is beyond the video, whose frames are 0 to "
+                f"{frame_count - 1}"
+            )
+    for one, other in combinations(pins, 2):
+        if one.overlaps(other):
+            first = max(one.first_frame, other.first_frame)
+            raise ValueError(f"pins: {one.part!r} has two pins at frame {first}; one is allowed")

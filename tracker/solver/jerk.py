@@ -1,0 +1,70 @@
+"""Smoothness in space: points of the body without more jerk than its parts have in life."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
+from tracker.geometry.rotations import Array
+from tracker.solver.banded import with_blocks
+from tracker.solver.body_points import BodyPoints
+from tracker.solver.posed import Posed
+
+THIRD = (-1, 3, -3, 1)
+"""Third differences: they leave free flight and steady pushes alone."""
+
+
+@dataclass(frozen=True, eq=False)
+class Jerk:
+    """Third differences of K points' places in the camera frame, in every direction alike.
+
+    sigma (K,): m/s³. Rows and data both grow with the frame rate, so that it does not matter.
+    """
+
+    skeleton: Skeleton
+    points: BodyPoints
+    sigma: Array
+    frames_per_second: float
+
+    def of(self, motion: Trajectory) -> Array:
+        """(N − 3, K, 3) m/s³"""
+        places = self.points.at(motion.transforms(self.skeleton))
+        return np.asarray(np.diff(places, 3, axis=0) * self.frames_per_second**3)
+
+    def cost(self, motion: Trajectory) -> float:
+        return 0.5 * float(((self.of(motion) / self.sigma[:, None]) ** 2).sum())
+
+    def equations(self, motion: Trajectory, unknown: slice) -> tuple[Array, Array]:
+        """Upper banded (4D, uD) and gradient (u, D) of the u unknown poses."""
+        posed = Posed(self.skeleton, motion.Rs_parent_part, motion.ps_camera_root)
+        J = self._rows(posed)
+        r = (self.of(motion) / self.sigma[:, None]).reshape(-1, J.shape[1])
+        count, dofs, m = len(motion), J.shape[-1], len(r)
+        start, stop, _ = unknown.indices(count)
+        gradient = np.zeros((count, dofs))
+        for i, share in enumerate(THIRD):
+            gradient[i : i + m] += share * np.einsum("nmd,nm->nd", J[i : i + m], r)
+        banded = np.zeros((len(THIRD) * dofs, (stop - start) * dofs))
+        for off in range(min(len(THIRD), stop - start)):
+            products = np.swapaxes(J[: count - off], 1, 2) @ J[off:]
+            blocks = products * _shares(count, off)[:, None, None]
+            banded = with_blocks(banded, off, blocks[start : stop - off])
+        return banded, gradient[unknown]
+
+    def _rows(self, posed: Posed) -> Array:
+        """(N, 3K, D) how the scaled places of every frame move."""
+        _, J = self.points.jacobian(posed)
+        scaled = J * (self.frames_per_second**3 / self.sigma)[:, None, None]
+        return np.asarray(np.swapaxes(scaled, -1, -2).reshape(len(J), -1, J.shape[-2]))
+
+
+def _shares(count: int, off: int) -> Array:
+    """(count − off,) the sum over all third differences of the products of two frames' shares."""
+    total = np.zeros(count - off)
+    m = count - 3
+    for i in range(len(THIRD) - off):
+        total[i : i + max(m, 0)] += THIRD[i] * THIRD[i + off]
+    return total

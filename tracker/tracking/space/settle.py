@@ -1,0 +1,275 @@
+"""The last solve: the motion of neighbouring segments made right in space.
+
+What was tracked tells where the body is seen, and how it moves from frame to frame, each as far as
+the picture decided it. Along the view the picture decides little; there pins, a floor and the
+smoothness of bodies do. Unknown are all poses of the stretch, the places of its pins and the height
+of the floor:
+
+    E = Σ ρ(|π(T p) − uv| / 0.003 H) + Σ ρ(√w (inc − m)) + Σ (excess / 3°)² + Σ (Δinc)² / bend²
+        + Σ ρ(|T_j p − c_i| / 4 mm) + Σ ((u · c_i − h) / 8 mm)² + Σ |Δ³x fps³ / σ|² + keyframes,
+
+with uv, m those of the tracked motion, H the body's height in the picture. Keyframes are met
+exactly, but for those that are said to be soft.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from tracker.body.body import ROTATIONS
+from tracker.body.joint_limits import Limits
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array
+from tracker.keypoints.on_body import is_persons
+from tracker.solver.body_points import BodyPoint, BodyPoints
+from tracker.solver.jerk import Jerk
+from tracker.solver.least_squares import Criteria, Damping, least_squares
+from tracker.solver.places import AtOnePlace, Near, OnFloor
+from tracker.solver.posed import image_points
+from tracker.solver.robust import SQUARED, Huber
+from tracker.solver.smoothness import Increments, Link, Smoothness, increments
+from tracker.solver.stretch_poses import SharedTerm, Stretch, StretchPoses
+from tracker.solver.terms import JointLimits, PointsInPicture, PosePrior, RootPosition, Term
+from tracker.tracking.cues.anchors import height_px, with_free_joints
+from tracker.tracking.cues.soft_correction import (
+    BEND_SHIFT_PX,
+    BEND_TURN_RAD,
+    LIMIT_RAD,
+    STEP_SHIFT_PX,
+    STEP_TURN_RAD,
+)
+from tracker.tracking.drift import DOUBT_FLOOR
+from tracker.tracking.segment import NEAREST_M
+from tracker.tracking.space.jerk_sigmas import jerk_points
+
+SEEN_SHARE = 0.003
+"""Standard deviation of where the tracked motion was seen: a share of the body's height."""
+PIN_M, FLOOR_M = 0.004, 0.008
+SEEN_KERNEL, PIN_KERNEL = Huber(2.0), Huber(10.0)
+HARD = 1e9
+"""1/σ² of a keyframe that is met exactly."""
+KEY_TURN_RAD, KEY_SEEN_SHARE, KEY_DEPTH_SHARE = np.radians(4.0), 0.003, 0.05
+"""Standard deviations of a soft keyframe: turns, pixels of the body's height, share of its depth."""
+UNKNOWN_SCALE = 0.03
+"""1/σ in 1/m that keeps a place where it began as long as nothing else decides."""
+CRITERIA = Criteria(
+    most_steps=12, longest_step=0.3, settled=1e-3, gain=1e-3,
+    damping=Damping(first=1e-4, least=1e-7, most=1e6),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class PinnedPoint:
+    """A point of the body that stays at one place from one frame to another, both included.
+
+    floor: whether that place is on the floor.
+    """
+
+    part: int
+    p_part: tuple[float, float, float]
+    first_frame: int
+    last_frame: int
+    floor: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """What a stretch is settled with.
+
+    camera: of the video, without distortion.  motion: as tracked, N frames.
+    observability (N − 1, P): how far the picture decided each part's motion, NaN where unknown.
+    keyframes: frames whose pose is met exactly; soft: those met nearly.
+    smooth: whether jerk counts.  up_camera: unit vector.  floor_m: the floor's height along it,
+        where it is known.
+    """
+
+    skeleton: Skeleton
+    camera: Camera
+    motion: Trajectory
+    observability: Array
+    keyframes: Collection[int]
+    frames_per_second: float
+    soft: Collection[int] = ()
+    pins: Sequence[PinnedPoint] = ()
+    smooth: bool = True
+    up_camera: Array = field(default_factory=lambda: np.array([0.0, -1.0, 0.0]))
+    floor_m: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Settled:
+    """The motion in space.
+
+    places (Q, 3): where the pins are.  off_m: of each pin how far its point is from there at every
+        frame of its range.  floor_m: height of the floor along up; None without pins on it.
+    """
+
+    motion: Trajectory
+    places: Array
+    off_m: tuple[Array, ...]
+    floor_m: float | None
+
+
+def settle(given: Given) -> Settled:
+    """Solve for the motion of a stretch."""
+    skeleton = _free(given)
+    start = given.motion
+    pins = [BodyPoints(skeleton, (((pin.part, pin.p_part),),)) for pin in given.pins]
+    frames = [_rows(start, pin) for pin in given.pins]
+    there = start.transforms(skeleton)
+    places = [p.at(there[rows])[:, 0].mean(axis=0) for p, rows in zip(pins, frames, strict=True)]
+    shared = _shared(given, np.array(places).reshape(-1, 3))
+    problem = StretchPoses(
+        skeleton,
+        (*_seen(given, skeleton), *_keyframes(given, skeleton), _limits(given, skeleton)),
+        _links(given, skeleton),
+        _pinned(given, pins, frames, shared),
+    )
+    found = least_squares(problem, Stretch(start, shared), CRITERIA).state
+    return _settled(given, skeleton, found, pins, frames)
+
+
+def _settled(
+    given: Given, skeleton: Skeleton, found: Stretch, pins: list[BodyPoints], frames: list[slice]
+) -> Settled:
+    """With exact keyframes put in: what they moved by is rounding."""
+    R, t = found.motion.writable()
+    for frame in set(given.keyframes) - set(given.soft):
+        row = frame - given.motion.first_frame
+        R[row], t[row] = given.motion.Rs_parent_part[row], given.motion.ps_camera_root[row]
+    motion = Trajectory(given.motion.first_frame, R, t)
+    places = found.shared[: 3 * len(pins)].reshape(-1, 3)
+    there = motion.transforms(skeleton)
+    off = [
+        np.linalg.norm(p.at(there[rows])[:, 0] - place, axis=-1)
+        for p, rows, place in zip(pins, frames, places, strict=True)
+    ]
+    on_floor = any(pin.floor for pin in given.pins)
+    return Settled(motion, places, tuple(off), float(found.shared[-1]) if on_floor else None)
+
+
+def _free(given: Given) -> Skeleton:
+    """With those parts free to turn that keypoints or pins can turn."""
+    skeleton = given.skeleton
+    if is_persons(skeleton.body):
+        skeleton = with_free_joints(skeleton)
+    pinned = {skeleton.body.names[pin.part] for pin in given.pins}
+    if not pinned:
+        return skeleton
+    some = (
+        part.model_copy(update={"tracked": (*(d for d in part.tracked if d[0] == "t"), *ROTATIONS)})
+        if part.name in pinned
+        else part
+        for part in skeleton.body.parts
+    )
+    return Skeleton.of(skeleton.body.replaced(some))
+
+
+def _rows(motion: Trajectory, pin: PinnedPoint) -> slice:
+    return slice(pin.first_frame - motion.first_frame, pin.last_frame + 1 - motion.first_frame)
+
+
+def _shared(given: Given, places: Array) -> Array:
+    """Places and the floor's height, to begin with."""
+    heights = [
+        place @ given.up_camera for place, pin in zip(places, given.pins, strict=True) if pin.floor
+    ]
+    height = given.floor_m
+    if height is None:
+        height = float(np.mean(heights)) if heights else 0.0
+    return np.append(places.ravel(), height)
+
+
+def _height_px(given: Given, skeleton: Skeleton) -> Array:
+    """(N,) of the body, were it to stand where it is."""
+    motion = given.motion
+    at_key = height_px(skeleton, given.camera, motion.pose(motion.first_frame))
+    z = given.camera.depth(motion.ps_camera_root)
+    return np.asarray(at_key * z[0] / z)
+
+
+def _seen(given: Given, skeleton: Skeleton) -> tuple[Term, ...]:
+    """Joints and landmarks where the tracked motion has them in the picture."""
+    points = BodyPoints(skeleton, tuple(_places_seen(skeleton)))
+    uv = image_points(given.camera, points.at(given.motion.transforms(skeleton)))
+    scale = 1 / (SEEN_SHARE * _height_px(given, skeleton))
+    every = np.repeat(scale[:, None], uv.shape[1], axis=1)
+    return (PointsInPicture(points, given.camera, uv, every, NEAREST_M, SEEN_KERNEL),)
+
+
+def _places_seen(skeleton: Skeleton) -> list[BodyPoint]:
+    body = skeleton.body
+    joints: list[BodyPoint] = [((i, (0.0, 0.0, 0.0)),) for i in range(skeleton.part_count)]
+    ends = [((i, p),) for i, part in enumerate(body.parts) for p in part.landmarks.values()]
+    return [*joints, *ends]
+
+
+def _keyframes(given: Given, skeleton: Skeleton) -> tuple[Term, ...]:
+    motion, first = given.motion, given.motion.first_frame
+    soft = np.array(sorted(set(given.soft) & set(given.keyframes)), dtype=np.int64) - first
+    hard = np.array(sorted(set(given.keyframes) - set(given.soft)), dtype=np.int64) - first
+    precision = np.zeros((len(motion), skeleton.dof_count))
+    precision[hard] = HARD
+    precision[soft] = np.where(skeleton.dof_turns == 1, KEY_TURN_RAD**-2.0, 0.0)
+    held = PosePrior(motion.Rs_parent_part, motion.ps_camera_root, precision)
+    if not len(soft):
+        return (held,)
+    points = BodyPoints(skeleton, tuple(_places_seen(skeleton)))
+    uv = image_points(given.camera, points.at(motion.transforms(skeleton)))
+    scale = np.zeros(uv.shape[:2])
+    scale[soft] = 1 / (KEY_SEEN_SHARE * _height_px(given, skeleton)[soft, None])
+    directions = np.zeros((len(motion), 1, 3))
+    directions[soft, 0, 2] = 1 / (KEY_DEPTH_SHARE * motion.ps_camera_root[soft, 2])
+    return (
+        held,
+        PointsInPicture(points, given.camera, uv, scale, NEAREST_M),
+        RootPosition(motion.ps_camera_root, directions),
+    )
+
+
+def _limits(given: Given, skeleton: Skeleton) -> Term:
+    rows = [frame - given.motion.first_frame for frame in given.keyframes]
+    posed = [given.motion.Rs_parent_part[row] for row in rows]
+    return JointLimits(Limits.of(skeleton.body).widened(posed), LIMIT_RAD)
+
+
+def _links(given: Given, skeleton: Skeleton) -> tuple[Link, ...]:
+    motion = given.motion
+    pixel_m = float(np.median(given.camera.depth(motion.ps_camera_root))) / given.camera.fy
+    step = _precision(skeleton, STEP_TURN_RAD, STEP_SHIFT_PX * pixel_m)
+    bend = _precision(skeleton, BEND_TURN_RAD, BEND_SHIFT_PX * pixel_m)
+    known = np.nan_to_num(given.observability)[:, skeleton.dof_part]
+    measured = increments(skeleton, motion)
+    even = np.zeros((len(motion) - 2, skeleton.dof_count))
+    links: list[Link] = [
+        Increments(skeleton, measured, step / (DOUBT_FLOOR + 1 - known), Huber()),
+        Smoothness(skeleton, even, bend, SQUARED),
+    ]
+    if given.smooth and len(motion) > 3:
+        points, sigma = jerk_points(skeleton)
+        links.append(Jerk(skeleton, points, sigma, given.frames_per_second))
+    return tuple(links)
+
+
+def _precision(skeleton: Skeleton, turn_rad: float, shift_m: float) -> Array:
+    """(D,) 1/σ² of every degree of freedom."""
+    return np.where(skeleton.dof_turns == 1, turn_rad, shift_m) ** -2.0
+
+
+def _pinned(
+    given: Given, points: list[BodyPoints], frames: list[slice], shared: Array
+) -> tuple[SharedTerm, ...]:
+    terms: list[SharedTerm] = []
+    for i, (pin, point, rows) in enumerate(zip(given.pins, points, frames, strict=True)):
+        terms.append(AtOnePlace(point, rows, 3 * i, PIN_M, PIN_KERNEL))
+        if pin.floor:
+            terms.append(OnFloor(3 * i, given.up_camera, FLOOR_M))
+    scale = np.full(len(shared), UNKNOWN_SCALE)
+    if given.floor_m is not None:
+        scale[-1] = 1e3 / FLOOR_M
+    return (*terms, Near(shared, scale))
