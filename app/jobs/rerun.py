@@ -31,6 +31,7 @@ from tracker.storage.results import (
     segment_keys,
     tidy_tracks,
 )
+from tracker.storage.space import solved
 from tracker.tracking.pool import stream
 from tracker.tracking.result import SegmentResult
 from tracker.video import Video
@@ -121,7 +122,7 @@ def save_found(
     """
     if not found:
         return None
-    every = _with_earlier(tracked, session_path, found)
+    every = _in_space(tracked, _with_earlier(tracked, session_path, found))
     results = save_results(tracked, session_path, every).results
     update: dict[str, Any] = {"results": results}
     update |= {name: getattr(tracked, name) for name in tracked.evidence.run_fields}
@@ -136,7 +137,14 @@ def save_tracks_beside(
 ) -> saved.Results | None:
     """Write the tracks beside another file, which is not written yet."""
     blank = tracked.model_copy(update={"results": None})
-    return save_results(blank, place, _collect(found)).results
+    return save_results(blank, place, _in_space(blank, _collect(found))).results
+
+
+def _in_space(session: Session, results: Results) -> Results:
+    """With the motion of every stretch solved for in space."""
+    for stretch in results.unsolved(session):
+        results = results.with_space(solved(session, stretch))
+    return results
 
 
 def _with_earlier(session: Session, path: Path, found: Sequence[SegmentResult]) -> Results:

@@ -55,6 +55,32 @@ class SegmentSummary(Plain):
     )
 
 
+class PinResult(Plain):
+    """How well a pin holds in the motion."""
+
+    part: str
+    landmarks: tuple[str, ...] = Field(default=(), exclude_if=operator.not_)
+    first_frame: FrameIndex
+    last_frame: FrameIndex
+    off_m: FiniteFloat = Field(description="Its point's greatest distance from its place, metres.")
+    usual_off_m: FiniteFloat = Field(description="The median of that distance.")
+    frame: FrameIndex = Field(description="Where it is greatest.")
+
+
+class SpaceSummary(Plain):
+    """What the last solve found, over neighbouring segments."""
+
+    first_frame: FrameIndex
+    last_frame: FrameIndex
+    key: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] = Field(
+        description="SHA-256 of all that it was solved for."
+    )
+    pins: tuple[PinResult, ...] = ()
+    floor_m: FiniteFloat | None = Field(
+        default=None, description="Height of the floor along up; null where no pin is on it."
+    )
+
+
 class Results(Plain):
     """Where the tracked motion is stored, and what was found."""
 
@@ -68,6 +94,11 @@ class Results(Plain):
     )
     left_out: tuple[str, ...] = ()
     segments: tuple[SegmentSummary, ...]
+    space: tuple[SpaceSummary, ...] = Field(
+        default=(),
+        exclude_if=operator.not_,
+        description="Stretches whose motion was solved for in space; left out where none was.",
+    )
     tracked_for: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] | None = Field(
         default=None,
         description="SHA-256 of the body, the camera and the ignore masks that the motion was "

@@ -12,6 +12,7 @@ from tracker.geometry.rotations import Array
 from tracker.solver.banded import with_blocks
 from tracker.solver.body_points import BodyPoints
 from tracker.solver.posed import Posed
+from tracker.solver.smoothness import INNER
 
 THIRD = (-1, 3, -3, 1)
 """Third differences: they leave free flight and steady pushes alone."""
@@ -37,7 +38,7 @@ class Jerk:
     def cost(self, motion: Trajectory) -> float:
         return 0.5 * float(((self.of(motion) / self.sigma[:, None]) ** 2).sum())
 
-    def equations(self, motion: Trajectory, unknown: slice) -> tuple[Array, Array]:
+    def equations(self, motion: Trajectory, unknown: slice = INNER) -> tuple[Array, Array]:
         """Upper banded (4D, uD) and gradient (u, D) of the u unknown poses."""
         posed = Posed(self.skeleton, motion.Rs_parent_part, motion.ps_camera_root)
         J = self._rows(posed)

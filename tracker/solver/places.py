@@ -70,9 +70,7 @@ class OnFloor:
     def equations(self, posed: Posed, shared: Array) -> SharedEquations:
         unknown, row = self._unknown(shared), self._row
         r = float(row @ shared[unknown])
-        return SharedEquations.alone(
-            posed.skeleton.dof_count, unknown, np.outer(row, row), row * r
-        )
+        return SharedEquations.alone(posed.skeleton.dof_count, unknown, np.outer(row, row), row * r)
 
     @property
     def _row(self) -> Array:

@@ -127,9 +127,7 @@ class StretchPoint:
             linked, pull = link.equations(motion, EVERY)
             banded, b = added(banded, linked), b + pull
         flat = border.reshape(-1, len(shared))
-        found = bordered_step(
-            with_frames(banded, A), flat, corner, b.ravel(), gradient, damping
-        )
+        found = bordered_step(with_frames(banded, A), flat, corner, b.ravel(), gradient, damping)
         return None if found is None else np.concatenate(found)
 
 

@@ -12,6 +12,7 @@ from tracker.body.trajectory import Trajectory
 from tracker.session.results import Results
 from tracker.session.schema import Session
 from tracker.storage.fingerprints import present_keys, setup_hash
+from tracker.storage.stretches import Usable, stretch_keys
 
 if TYPE_CHECKING:
     from tracker.storage.tracks import Tracks
@@ -42,6 +43,8 @@ def outdated_keyframes(session: Session, motion: Trajectory | Tracks) -> tuple[i
         if not _reaches(motion, keyframe.frame):
             changed.add(keyframe.frame)
             continue
+        if keyframe.soft and session.results is not None and session.results.space:
+            continue  # the motion in space need only come near it
         pose = keyframe.pose(skeleton)
         turn = np.abs(pose.Rs_parent_part - motion.Rs_parent_part[i]).max()
         shift = np.abs(pose.p_camera_root - motion.ps_camera_root[i]).max()
@@ -69,11 +72,16 @@ def _reasons(session: Session, changed: Sequence[int]) -> list[str]:
     """
     results = session.results
     keyed = results is not None and all(segment.key for segment in results.segments)
-    if results is None or (keyed and not _is_outdated(session, results)):
+    if results is None:
+        return []
+    moved = _other_space(session, results)
+    if keyed and not moved and not _is_outdated(session, results):
         return []
     reasons = []
     if results.tracked_for not in (None, setup_hash(session)):
         reasons.append(f"{session.evidence.words.setup} have changed")
+    if keyed and moved:
+        reasons.append("pins, the floor or smoothing have changed")
     if changed:
         reasons.append(f"keyframes were set, changed or removed at {_listed(changed)}")
     return reasons or (["settings have changed"] if keyed else [])
@@ -83,6 +91,18 @@ def _is_outdated(session: Session, results: Results) -> bool:
     """Whether a segment's key is another one now."""
     keys = present_keys(session)
     return any(keys.get((s.first_frame, s.last_frame)) != s.key for s in results.segments)
+
+
+def _other_space(session: Session, results: Results) -> bool:
+    """Whether the motion would be solved for in space in another way, now or at all."""
+    rows = [
+        Usable(s.first_frame, s.last_frame, s.key or "", s.quality or results.quality)
+        for s in results.segments
+        if not s.missing and (s.quality or results.quality) != "preview"
+    ]
+    settings = results.settings_used(session.settings)
+    as_tracked = session.model_copy(update={"settings": settings})
+    return stretch_keys(as_tracked, rows) != {stretch.key for stretch in results.space}
 
 
 def _reaches(motion: Trajectory | Tracks, frame: int) -> bool:

@@ -15,6 +15,9 @@ Only `Tracks.tracked` says which frames have a pose.
     observability    (N−1, P)        0 to 1, NaN where nothing is tracked
     residual         (N−1, P)        grey levels, NaN where unseen
     need             (N,)            see `expected_gain`; NaN if unknown, absent from older files
+    before_space_Rs_parent_part, before_space_ps_camera_root
+                                     the poses as tracked, where the others are those of the last
+                                     solve in space; absent where there was none
 """
 
 from __future__ import annotations
@@ -34,7 +37,7 @@ from tracker.body.trajectory import Trajectory
 from tracker.errors import SessionError
 from tracker.files import read_own, read_regular
 from tracker.geometry.rotations import Array, frozen, transpose
-from tracker.session.results import Results, SegmentSummary
+from tracker.session.results import Results, SegmentSummary, SpaceSummary
 from tracker.session.schema import Session
 from tracker.storage.archive import archive_arrays, archive_bytes
 from tracker.storage.atomic import write_file
@@ -47,8 +50,10 @@ LARGEST_TRACKS_BYTES = 2**30
 if TYPE_CHECKING:
     from tracker.body.skeleton import Skeleton
     from tracker.tracking.result import SegmentResult, TrackResult
+    from tracker.tracking.space.result import SpaceResult
 
 _POSES = ("Rs_parent_part", "ps_camera_root")
+_BEFORE = "before_space_"
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +62,7 @@ class Tracks:
 
     first_frame: index of the first pose's video frame.
     Rs_parent_part: (N, P, 3, 3), ps_camera_root: (N, 3) as in the module's table, read-only.
+    before_space: the same two as tracked, where a last solve in space followed.
     """
 
     first_frame: int
@@ -64,10 +70,14 @@ class Tracks:
     Rs_parent_part: Array
     ps_camera_root: Array
     diagnostics: Diagnostics
+    before_space: tuple[Array, Array] | None = None
 
     def __post_init__(self) -> None:
         for name in _POSES:
             object.__setattr__(self, name, frozen(getattr(self, name)))
+        if self.before_space is not None:
+            R, p = self.before_space
+            object.__setattr__(self, "before_space", (frozen(R), frozen(p)))
 
     @classmethod
     def of(cls, segments: Sequence[SegmentResult], skeleton: Skeleton) -> Tracks:
@@ -75,16 +85,26 @@ class Tracks:
         first = min(segment.first for segment in segments)
         count = max(segment.last for segment in segments) - first + 1
         parts, dofs = skeleton.part_count, skeleton.dof_count
-        Rs = [(s.first - first, s.where_tracked(s.trajectory.Rs_parent_part)) for s in segments]
-        ps = [(s.first - first, s.where_tracked(s.trajectory.ps_camera_root)) for s in segments]
+        Rs, ps = _poses(segments, first, count, parts)
+        solved = any(segment.before_space is not None for segment in segments)
+        before = _poses([s.as_tracked for s in segments], first, count, parts) if solved else None
         found = [(s.first - first, s.diagnostics) for s in segments]
         return cls(
             first,
             skeleton.body.names,
-            side_by_side(Rs, count, (parts, 3, 3)),
-            side_by_side(ps, count, (3,)),
+            Rs,
+            ps,
             Diagnostics.side_by_side(found, count, parts, dofs),
+            before,
         )
+
+    @property
+    def as_tracked(self) -> Tracks:
+        """Before the last solve in space."""
+        if self.before_space is None:
+            return self
+        R, p = self.before_space
+        return Tracks(self.first_frame, self.part_names, R, p, self.diagnostics)
 
     def between(self, first: int, last: int) -> Tracks:
         """The frames first to last: fewer than these, or more, which have no poses."""
@@ -123,9 +143,11 @@ class Tracks:
             names = tuple(str(name) for name in arrays.pop("part_names"))
             first_frame = int(arrays.pop("first_frame"))
             Rs, ps = (arrays.pop(name) for name in _POSES)
+            before = [arrays.pop(f"{_BEFORE}{name}", None) for name in _POSES]
             named = {column.stored_as: column.name for column in COLUMNS}
             found = {named[name]: values for name, values in arrays.items()}
-            tracks = cls(first_frame, names, Rs, ps, Diagnostics(**found))
+            solved = None if before[0] is None or before[1] is None else (before[0], before[1])
+            tracks = cls(first_frame, names, Rs, ps, Diagnostics(**found), solved)
             tracks._check()
         except (TypeError, KeyError, IndexError):  # missing, unknown, or without a shape
             raise ValueError("its entries are not those of a tracks file") from None
@@ -137,12 +159,21 @@ class Tracks:
         dofs = self.diagnostics.singular_values.shape[-1]
         shapes = {"Rs_parent_part": (frames, parts, 3, 3), "ps_camera_root": (frames, 3)}
         found = {name: getattr(self, name).shape for name in _POSES}
+        if self.before_space is not None:
+            shapes |= {f"{_BEFORE}{name}": shapes[name] for name in _POSES}
+            both = zip(_POSES, self.before_space, strict=True)
+            found |= {f"{_BEFORE}{name}": rows.shape for name, rows in both}
         for column, rows in self.diagnostics.arrays():
             shapes[column.stored_as] = column.shape(frames, parts, dofs)
             found[column.stored_as] = rows.shape
         for name, shape in shapes.items():
             if found[name] != shape:
                 raise ValueError(f"{name} has the shape {found[name]} instead of {shape}")
+        if self.before_space is not None:
+            self.as_tracked._require_rotations()
+        self._require_rotations()
+
+    def _require_rotations(self) -> None:
         Rs = self.Rs_parent_part[self.tracked]
         if not np.allclose(Rs @ transpose(Rs), np.eye(3), atol=1e-6):
             raise ValueError("Rs_parent_part holds matrices that are no rotations")
@@ -154,13 +185,27 @@ class Tracks:
             "part_names": np.array(self.part_names, dtype=np.str_),
             **{name: getattr(self, name).astype("<f8") for name in _POSES},
         }
+        if self.before_space is not None:
+            both = zip(_POSES, self.before_space, strict=True)
+            arrays |= {f"{_BEFORE}{name}": rows.astype("<f8") for name, rows in both}
         for column, rows in self.diagnostics.arrays():
             if not column.optional or np.isfinite(rows).any():
                 arrays[column.stored_as] = rows.astype(column.dtype)
         return archive_bytes(arrays)
 
 
-def save_result(session: Session, session_path: Path, result: TrackResult) -> Session:
+def _poses(
+    segments: Sequence[SegmentResult], first: int, count: int, parts: int
+) -> tuple[Array, Array]:
+    """Of segments side by side, NaN between them."""
+    Rs = [(s.first - first, s.where_tracked(s.trajectory.Rs_parent_part)) for s in segments]
+    ps = [(s.first - first, s.where_tracked(s.trajectory.ps_camera_root)) for s in segments]
+    return side_by_side(Rs, count, (parts, 3, 3)), side_by_side(ps, count, (3,))
+
+
+def save_result(
+    session: Session, session_path: Path, result: TrackResult, space: Sequence[SpaceResult] = ()
+) -> Session:
     """Write the tracks file beside the session file; the session that refers to it, not yet saved.
 
     The session is the one that was tracked; its results remember body, camera and masks.
@@ -181,6 +226,7 @@ def save_result(session: Session, session_path: Path, result: TrackResult) -> Se
         initial=result.settings.initial,
         left_out=result.settings.left_out,
         segments=tuple(_summary(segment, session) for segment in segments),
+        space=tuple(_in_space(stretch) for stretch in space),
         tracked_for=setup_hash(session),
     )
     return session.model_copy(update={"results": results})
@@ -230,6 +276,14 @@ def _summary(segment: SegmentResult, session: Session) -> SegmentSummary:
         open_ends=tuple(frame for frame in segment.span if frame in open_ends(session)),
         **{**said, "key": segment.key or None},
     )
+
+
+def _in_space(stretch: SpaceResult) -> SpaceSummary:
+    first, last = stretch.span
+    return SpaceSummary(
+        first_frame=first, last_frame=last, key=stretch.key, pins=stretch.pins,
+        floor_m=stretch.floor_m,
+    )  # fmt: skip
 
 
 def _finite(value: Any) -> Any:

@@ -9,7 +9,7 @@ fact of a segment is a field of `SegmentResult`, and one of the same name in
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import Field, dataclass, field, fields
+from dataclasses import Field, dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
@@ -179,6 +179,7 @@ class SegmentResult:
         stands there.
     key: of what it was tracked for, see `tracker.storage.fingerprints`; empty where not known.
     quality: what it was found with.
+    before_space: the trajectory as tracked, where `trajectory` is that of the last solve in space.
     """
 
     trajectory: Trajectory
@@ -193,6 +194,7 @@ class SegmentResult:
     unreached: tuple[int, int] | None = None
     key: str = ""
     quality: Quality = "full"
+    before_space: Trajectory | None = None
 
     @classmethod
     def on_the_way(cls, step: Pass, key: str = "", quality: Quality = "full") -> SegmentResult:
@@ -229,6 +231,19 @@ class SegmentResult:
     def go(self) -> int | None:
         """The frame to go to, where the verdict names one."""
         return None if self.verdict is None else self.verdict.go
+
+    def in_space(self, motion: Trajectory) -> SegmentResult:
+        """The same with its frames of the last solve."""
+        rows = slice(self.first - motion.first_frame, self.last + 1 - motion.first_frame)
+        path = Trajectory(self.first, motion.Rs_parent_part[rows], motion.ps_camera_root[rows])
+        return replace(self, trajectory=path, before_space=self.trajectory)
+
+    @property
+    def as_tracked(self) -> SegmentResult:
+        """The same before the last solve."""
+        if self.before_space is None:
+            return self
+        return replace(self, trajectory=self.before_space, before_space=None)
 
     @property
     def tracked(self) -> NDArray[np.bool_]:

@@ -10,12 +10,15 @@ from typing import Literal, TypeAlias
 from tracker.session import Session
 from tracker.session.settings import Quality
 from tracker.storage.fingerprints import Span, segment_keys
+from tracker.storage.stretches import Stretch, stretches
 from tracker.tracking.result import SegmentResult
+from tracker.tracking.space.result import SpaceResult
 
 CARE = {"preview": 0, "fast": 1, "full": 2}
 """Of two results with one key, the one found with more care stays."""
 
 MOST_SEGMENTS = 400
+MOST_STRETCHES = 50
 MOST_FRAMES = 60_000
 """Kept at most, about 100 MB for a person's body; the oldest goes first."""
 
@@ -24,12 +27,15 @@ State: TypeAlias = Literal["good", "check", "lost", "outdated", "none"]
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """Results by key, the oldest first. Immutable."""
+    """Results by key, the oldest first: of segments as tracked, and of stretches in space.
+    Immutable."""
 
     by_key: Mapping[str, SegmentResult] = field(default_factory=dict)
+    in_space: Mapping[str, SpaceResult] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "by_key", MappingProxyType(dict(self.by_key)))
+        for name in ("by_key", "in_space"):
+            object.__setattr__(self, name, MappingProxyType(dict(getattr(self, name))))
 
     def __len__(self) -> int:
         return len(self.by_key)
@@ -43,10 +49,37 @@ class Results:
         if known is not None and not _supersedes(found, known):
             return self
         others = {key: old for key, old in self.by_key.items() if key != found.key}
-        return Results(_drop_oldest({**others, found.key: found}, {*keep, found.key}))
+        kept = _drop_oldest({**others, found.key: found}, {*keep, found.key})
+        return Results(kept, self.in_space)
+
+    def with_space(self, found: SpaceResult) -> Results:
+        """These and a stretch's motion in space."""
+        others = {key: old for key, old in self.in_space.items() if key != found.key}
+        kept = list({**others, found.key: found}.items())[-MOST_STRETCHES:]
+        return Results(self.by_key, dict(kept))
 
     def fitting(self, session: Session) -> dict[Span, SegmentResult]:
-        """The results that are those of the session's present segments, finished or not."""
+        """The results that are those of the session's present segments, finished or not; in space
+        where that was solved for."""
+        found = self._as_tracked(session)
+        for stretch in stretches(session, found):
+            solved = self.in_space.get(stretch.key)
+            if solved is not None:
+                placed = (segment.in_space(solved.motion) for segment in stretch.segments)
+                found |= {segment.span: segment for segment in placed}
+        return found
+
+    def unsolved(self, session: Session) -> list[Stretch]:
+        """The stretches whose motion in space is not known yet."""
+        found = stretches(session, self._as_tracked(session))
+        return [stretch for stretch in found if stretch.key not in self.in_space]
+
+    def space(self, session: Session) -> list[SpaceResult]:
+        """What is known of the session's motion in space."""
+        found = stretches(session, self._as_tracked(session))
+        return [self.in_space[one.key] for one in found if one.key in self.in_space]
+
+    def _as_tracked(self, session: Session) -> dict[Span, SegmentResult]:
         keys = segment_keys(session)
         return {span: self.by_key[key] for span, key in keys.items() if key in self.by_key}
 

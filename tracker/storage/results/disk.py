@@ -17,12 +17,14 @@ from tracker.body.trajectory import Trajectory
 from tracker.files import read_regular
 from tracker.session import Results as FileResults
 from tracker.session import SegmentSummary, Session
+from tracker.session.results import SpaceSummary
 from tracker.storage.files import LARGEST_SESSION_BYTES
 from tracker.storage.fingerprints import Span, present_keys, setup_hash
 from tracker.storage.outdated import KEYFRAME_TOLERANCE
 from tracker.storage.results.collection import CARE, Results
 from tracker.storage.tracks import Tracks, load_tracks, save_result
 from tracker.tracking.result import SegmentResult, TrackResult
+from tracker.tracking.space.result import SpaceResult
 
 YOUNG_SECONDS = 60
 TRACKS_NAME = re.compile(r"tracks-[0-9a-f]{12}\.npz")
@@ -41,11 +43,16 @@ def load_results(session: Session, session_path: Path) -> Results:
     known = session.results.tracked_for in (None, setup_hash(session))
     keys = present_keys(session) if known else {}
     for summary in session.results.segments:
-        path = _path(tracks, summary)
+        path = _path(tracks.as_tracked, summary, summary.unreached)
         if path is not None:
             key = summary.key or _key(session, keys, path)
             found = _result(session.results, summary, tracks, path, key)
             results = results.with_result(found, keep=results.by_key)
+    for stretch in session.results.space:
+        path = _path(tracks, stretch, None)
+        if path is not None:
+            solved = SpaceResult(stretch.key, path, stretch.pins, stretch.floor_m)
+            results = results.with_space(solved)
     return results
 
 
@@ -61,7 +68,7 @@ def save_results(session: Session, session_path: Path, results: Results) -> Sess
     lowest = min((found.quality for found in kept), key=CARE.__getitem__)
     settings = session.settings.model_copy(update={"quality": lowest})
     result = TrackResult(Skeleton.of(session.body), settings, tuple(kept))
-    return save_result(session, session_path, result)
+    return save_result(session, session_path, result, results.space(session))
 
 
 def tidy_tracks(folder: Path) -> None:
@@ -109,10 +116,12 @@ def _goes_through(session: Session, path: Trajectory) -> bool:
     return True
 
 
-def _path(tracks: Tracks, summary: SegmentSummary) -> Trajectory | None:
-    """The motion of a segment, the nearest pose where it was not reached; None where the file does
-    not hold all the rest."""
-    first, last, unreached = summary.first_frame, summary.last_frame, summary.unreached
+def _path(
+    tracks: Tracks, summary: SegmentSummary | SpaceSummary, unreached: Span | None
+) -> Trajectory | None:
+    """The motion of a segment or a stretch, the nearest pose where it was not reached; None where
+    the file does not hold all the rest."""
+    first, last = summary.first_frame, summary.last_frame
     count, start = last - first + 1, first - tracks.first_frame
     if start < 0 or count < 2:
         return None

@@ -54,7 +54,7 @@ SEEN_KERNEL, PIN_KERNEL = Huber(2.0), Huber(10.0)
 HARD = 1e9
 """1/σ² of a keyframe that is met exactly."""
 KEY_TURN_RAD, KEY_SEEN_SHARE, KEY_DEPTH_SHARE = np.radians(4.0), 0.003, 0.05
-"""Standard deviations of a soft keyframe: turns, pixels of the body's height, share of its depth."""
+"""Standard deviations of a soft keyframe: turns, shares of the body's height and of its depth."""
 UNKNOWN_SCALE = 0.03
 """1/σ in 1/m that keeps a place where it began as long as nothing else decides."""
 CRITERIA = Criteria(
@@ -78,8 +78,8 @@ class PinnedPoint:
 
 
 @dataclass(frozen=True, eq=False)
-class Given:
-    """What a stretch is settled with.
+class SpaceProblem:
+    """What a stretch is solved with.
 
     camera: of the video, without distortion.  motion: as tracked, N frames.
     observability (N − 1, P): how far the picture decided each part's motion, NaN where unknown.
@@ -102,7 +102,7 @@ class Given:
 
 
 @dataclass(frozen=True, eq=False)
-class Settled:
+class SpaceSolution:
     """The motion in space.
 
     places (Q, 3): where the pins are.  off_m: of each pin how far its point is from there at every
@@ -115,50 +115,54 @@ class Settled:
     floor_m: float | None
 
 
-def settle(given: Given) -> Settled:
+def solve_space(problem: SpaceProblem) -> SpaceSolution:
     """Solve for the motion of a stretch."""
-    skeleton = _free(given)
-    start = given.motion
-    pins = [BodyPoints(skeleton, (((pin.part, pin.p_part),),)) for pin in given.pins]
-    frames = [_rows(start, pin) for pin in given.pins]
+    skeleton = _free(problem)
+    start = problem.motion
+    pins = [BodyPoints(skeleton, (((pin.part, pin.p_part),),)) for pin in problem.pins]
+    frames = [_rows(start, pin) for pin in problem.pins]
     there = start.transforms(skeleton)
     places = [p.at(there[rows])[:, 0].mean(axis=0) for p, rows in zip(pins, frames, strict=True)]
-    shared = _shared(given, np.array(places).reshape(-1, 3))
-    problem = StretchPoses(
+    shared = _shared(problem, np.array(places).reshape(-1, 3))
+    poses = StretchPoses(
         skeleton,
-        (*_seen(given, skeleton), *_keyframes(given, skeleton), _limits(given, skeleton)),
-        _links(given, skeleton),
-        _pinned(given, pins, frames, shared),
+        (*_seen(problem, skeleton), *_keyframes(problem, skeleton), _limits(problem, skeleton)),
+        _links(problem, skeleton),
+        _pinned(problem, pins, frames, shared),
     )
-    found = least_squares(problem, Stretch(start, shared), CRITERIA).state
-    return _settled(given, skeleton, found, pins, frames)
+    found = least_squares(poses, Stretch(start, shared), CRITERIA).state
+    return _solution(problem, skeleton, found, pins, frames)
 
 
-def _settled(
-    given: Given, skeleton: Skeleton, found: Stretch, pins: list[BodyPoints], frames: list[slice]
-) -> Settled:
+def _solution(
+    problem: SpaceProblem,
+    skeleton: Skeleton,
+    found: Stretch,
+    pins: list[BodyPoints],
+    frames: list[slice],
+) -> SpaceSolution:
     """With exact keyframes put in: what they moved by is rounding."""
     R, t = found.motion.writable()
-    for frame in set(given.keyframes) - set(given.soft):
-        row = frame - given.motion.first_frame
-        R[row], t[row] = given.motion.Rs_parent_part[row], given.motion.ps_camera_root[row]
-    motion = Trajectory(given.motion.first_frame, R, t)
+    for frame in set(problem.keyframes) - set(problem.soft):
+        row = frame - problem.motion.first_frame
+        R[row], t[row] = problem.motion.Rs_parent_part[row], problem.motion.ps_camera_root[row]
+    motion = Trajectory(problem.motion.first_frame, R, t)
     places = found.shared[: 3 * len(pins)].reshape(-1, 3)
     there = motion.transforms(skeleton)
     off = [
         np.linalg.norm(p.at(there[rows])[:, 0] - place, axis=-1)
         for p, rows, place in zip(pins, frames, places, strict=True)
     ]
-    on_floor = any(pin.floor for pin in given.pins)
-    return Settled(motion, places, tuple(off), float(found.shared[-1]) if on_floor else None)
+    on_floor = any(pin.floor for pin in problem.pins)
+    return SpaceSolution(motion, places, tuple(off), float(found.shared[-1]) if on_floor else None)
 
 
-def _free(given: Given) -> Skeleton:
+def _free(problem: SpaceProblem) -> Skeleton:
     """With those parts free to turn that keypoints or pins can turn."""
-    skeleton = given.skeleton
+    skeleton = problem.skeleton
     if is_persons(skeleton.body):
         skeleton = with_free_joints(skeleton)
-    pinned = {skeleton.body.names[pin.part] for pin in given.pins}
+    pinned = {skeleton.body.names[pin.part] for pin in problem.pins}
     if not pinned:
         return skeleton
     some = (
@@ -174,32 +178,34 @@ def _rows(motion: Trajectory, pin: PinnedPoint) -> slice:
     return slice(pin.first_frame - motion.first_frame, pin.last_frame + 1 - motion.first_frame)
 
 
-def _shared(given: Given, places: Array) -> Array:
+def _shared(problem: SpaceProblem, places: Array) -> Array:
     """Places and the floor's height, to begin with."""
     heights = [
-        place @ given.up_camera for place, pin in zip(places, given.pins, strict=True) if pin.floor
+        place @ problem.up_camera
+        for place, pin in zip(places, problem.pins, strict=True)
+        if pin.floor
     ]
-    height = given.floor_m
+    height = problem.floor_m
     if height is None:
         height = float(np.mean(heights)) if heights else 0.0
     return np.append(places.ravel(), height)
 
 
-def _height_px(given: Given, skeleton: Skeleton) -> Array:
+def _height_px(problem: SpaceProblem, skeleton: Skeleton) -> Array:
     """(N,) of the body, were it to stand where it is."""
-    motion = given.motion
-    at_key = height_px(skeleton, given.camera, motion.pose(motion.first_frame))
-    z = given.camera.depth(motion.ps_camera_root)
+    motion = problem.motion
+    at_key = height_px(skeleton, problem.camera, motion.pose(motion.first_frame))
+    z = problem.camera.depth(motion.ps_camera_root)
     return np.asarray(at_key * z[0] / z)
 
 
-def _seen(given: Given, skeleton: Skeleton) -> tuple[Term, ...]:
+def _seen(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
     """Joints and landmarks where the tracked motion has them in the picture."""
     points = BodyPoints(skeleton, tuple(_places_seen(skeleton)))
-    uv = image_points(given.camera, points.at(given.motion.transforms(skeleton)))
-    scale = 1 / (SEEN_SHARE * _height_px(given, skeleton))
+    uv = image_points(problem.camera, points.at(problem.motion.transforms(skeleton)))
+    scale = 1 / (SEEN_SHARE * _height_px(problem, skeleton))
     every = np.repeat(scale[:, None], uv.shape[1], axis=1)
-    return (PointsInPicture(points, given.camera, uv, every, NEAREST_M, SEEN_KERNEL),)
+    return (PointsInPicture(points, problem.camera, uv, every, NEAREST_M, SEEN_KERNEL),)
 
 
 def _places_seen(skeleton: Skeleton) -> list[BodyPoint]:
@@ -209,10 +215,10 @@ def _places_seen(skeleton: Skeleton) -> list[BodyPoint]:
     return [*joints, *ends]
 
 
-def _keyframes(given: Given, skeleton: Skeleton) -> tuple[Term, ...]:
-    motion, first = given.motion, given.motion.first_frame
-    soft = np.array(sorted(set(given.soft) & set(given.keyframes)), dtype=np.int64) - first
-    hard = np.array(sorted(set(given.keyframes) - set(given.soft)), dtype=np.int64) - first
+def _keyframes(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
+    motion, first = problem.motion, problem.motion.first_frame
+    soft = np.array(sorted(set(problem.soft) & set(problem.keyframes)), dtype=np.int64) - first
+    hard = np.array(sorted(set(problem.keyframes) - set(problem.soft)), dtype=np.int64) - first
     precision = np.zeros((len(motion), skeleton.dof_count))
     precision[hard] = HARD
     precision[soft] = np.where(skeleton.dof_turns == 1, KEY_TURN_RAD**-2.0, 0.0)
@@ -220,39 +226,39 @@ def _keyframes(given: Given, skeleton: Skeleton) -> tuple[Term, ...]:
     if not len(soft):
         return (held,)
     points = BodyPoints(skeleton, tuple(_places_seen(skeleton)))
-    uv = image_points(given.camera, points.at(motion.transforms(skeleton)))
+    uv = image_points(problem.camera, points.at(motion.transforms(skeleton)))
     scale = np.zeros(uv.shape[:2])
-    scale[soft] = 1 / (KEY_SEEN_SHARE * _height_px(given, skeleton)[soft, None])
+    scale[soft] = 1 / (KEY_SEEN_SHARE * _height_px(problem, skeleton)[soft, None])
     directions = np.zeros((len(motion), 1, 3))
     directions[soft, 0, 2] = 1 / (KEY_DEPTH_SHARE * motion.ps_camera_root[soft, 2])
     return (
         held,
-        PointsInPicture(points, given.camera, uv, scale, NEAREST_M),
+        PointsInPicture(points, problem.camera, uv, scale, NEAREST_M),
         RootPosition(motion.ps_camera_root, directions),
     )
 
 
-def _limits(given: Given, skeleton: Skeleton) -> Term:
-    rows = [frame - given.motion.first_frame for frame in given.keyframes]
-    posed = [given.motion.Rs_parent_part[row] for row in rows]
+def _limits(problem: SpaceProblem, skeleton: Skeleton) -> Term:
+    rows = [frame - problem.motion.first_frame for frame in problem.keyframes]
+    posed = [problem.motion.Rs_parent_part[row] for row in rows]
     return JointLimits(Limits.of(skeleton.body).widened(posed), LIMIT_RAD)
 
 
-def _links(given: Given, skeleton: Skeleton) -> tuple[Link, ...]:
-    motion = given.motion
-    pixel_m = float(np.median(given.camera.depth(motion.ps_camera_root))) / given.camera.fy
+def _links(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Link, ...]:
+    motion = problem.motion
+    pixel_m = float(np.median(problem.camera.depth(motion.ps_camera_root))) / problem.camera.fy
     step = _precision(skeleton, STEP_TURN_RAD, STEP_SHIFT_PX * pixel_m)
     bend = _precision(skeleton, BEND_TURN_RAD, BEND_SHIFT_PX * pixel_m)
-    known = np.nan_to_num(given.observability)[:, skeleton.dof_part]
+    known = np.nan_to_num(problem.observability)[:, skeleton.dof_part]
     measured = increments(skeleton, motion)
     even = np.zeros((len(motion) - 2, skeleton.dof_count))
     links: list[Link] = [
         Increments(skeleton, measured, step / (DOUBT_FLOOR + 1 - known), Huber()),
         Smoothness(skeleton, even, bend, SQUARED),
     ]
-    if given.smooth and len(motion) > 3:
+    if problem.smooth and len(motion) > 3:
         points, sigma = jerk_points(skeleton)
-        links.append(Jerk(skeleton, points, sigma, given.frames_per_second))
+        links.append(Jerk(skeleton, points, sigma, problem.frames_per_second))
     return tuple(links)
 
 
@@ -262,14 +268,14 @@ def _precision(skeleton: Skeleton, turn_rad: float, shift_m: float) -> Array:
 
 
 def _pinned(
-    given: Given, points: list[BodyPoints], frames: list[slice], shared: Array
+    problem: SpaceProblem, points: list[BodyPoints], frames: list[slice], shared: Array
 ) -> tuple[SharedTerm, ...]:
     terms: list[SharedTerm] = []
-    for i, (pin, point, rows) in enumerate(zip(given.pins, points, frames, strict=True)):
+    for i, (pin, point, rows) in enumerate(zip(problem.pins, points, frames, strict=True)):
         terms.append(AtOnePlace(point, rows, 3 * i, PIN_M, PIN_KERNEL))
         if pin.floor:
-            terms.append(OnFloor(3 * i, given.up_camera, FLOOR_M))
+            terms.append(OnFloor(3 * i, problem.up_camera, FLOOR_M))
     scale = np.full(len(shared), UNKNOWN_SCALE)
-    if given.floor_m is not None:
+    if problem.floor_m is not None:
         scale[-1] = 1e3 / FLOOR_M
     return (*terms, Near(shared, scale))

@@ -1,0 +1,88 @@
+"""The last solve of a session's motion, see `tracker.tracking.space.solve`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import joined
+from tracker.geometry.rotations import Array
+from tracker.session.pins import Pin
+from tracker.session.results import PinResult
+from tracker.session.schema import Keyframe, Session
+from tracker.storage.stretches import Stretch, keyframes_within
+from tracker.tracking.space.result import SpaceResult
+from tracker.tracking.space.solve import PinnedPoint, SpaceProblem, SpaceSolution, solve_space
+
+UP = (0.0, -1.0, 0.0)
+
+
+def solved(session: Session, stretch: Stretch) -> SpaceResult:
+    """The motion of a stretch in space."""
+    skeleton = Skeleton.of(session.body)
+    first, last = stretch.span
+    keyframes = keyframes_within(session, first, last)
+    found = solve_space(
+        SpaceProblem(
+            skeleton=skeleton,
+            camera=session.camera.without_distortion(),
+            motion=joined([segment.trajectory for segment in stretch.segments]),
+            observability=np.concatenate(
+                [segment.diagnostics.observability for segment in stretch.segments]
+            ),
+            keyframes=[keyframe.frame for keyframe in keyframes],
+            frames_per_second=_frames_per_second(keyframes),
+            soft=[keyframe.frame for keyframe in keyframes if keyframe.soft],
+            pins=[point for _, point in _pinned_points(session, stretch.pins)],
+            smooth=bool(session.settings.smooth),
+            up_camera=up_of(session),
+            floor_m=session.floor_m,
+        )
+    )
+    pins = tuple(_pin_results(session, stretch.pins, found))
+    return SpaceResult(stretch.key, found.motion, pins, found.floor_m)
+
+
+def up_of(session: Session) -> Array:
+    """The unit vector up in the camera frame."""
+    up = np.array(session.up_camera or UP, dtype=np.float64)
+    return np.asarray(up / np.linalg.norm(up))
+
+
+def _frames_per_second(keyframes: Sequence[Keyframe]) -> float:
+    """Of a film whose rate varies the mean."""
+    one, other = keyframes[0], keyframes[-1]
+    return (other.frame - one.frame) / (other.time_s - one.time_s)
+
+
+def _pinned_points(session: Session, pins: Sequence[Pin]) -> Iterator[tuple[Pin, PinnedPoint]]:
+    """On the floor only where it is known which way is up: a wrong one would move feet."""
+    upright = session.up_camera is not None
+    for pin in pins:
+        part = session.body.index(pin.part)
+        for point in pin.points(session.body):
+            yield pin, PinnedPoint(part, point, *pin.span, pin.floor and upright)
+
+
+def _pin_results(
+    session: Session, pins: Sequence[Pin], found: SpaceSolution
+) -> Iterator[PinResult]:
+    """Of every pin the point that strays most."""
+    off = [
+        (pin, distance)
+        for (pin, _), distance in zip(_pinned_points(session, pins), found.off_m, strict=True)
+    ]
+    for pin in pins:
+        worst = max((d for owner, d in off if owner is pin), key=np.max)
+        frame = pin.first_frame + int(np.argmax(worst))
+        yield PinResult(
+            part=pin.part,
+            landmarks=pin.landmarks,
+            first_frame=pin.first_frame,
+            last_frame=pin.last_frame,
+            off_m=float(worst.max()),
+            usual_off_m=float(np.median(worst)),
+            frame=frame,
+        )

@@ -1,0 +1,121 @@
+"""Over which stretches of a session's motion the last solve in space goes, and for what.
+
+A stretch is a run of neighbouring segments whose results fit the session and are whole. Its key is
+a digest of all that the solve is given, so that a result of the same key is the same motion.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from tracker.session.pins import Pin
+from tracker.session.schema import Keyframe, Session
+from tracker.session.settings import Quality
+from tracker.storage.fingerprints import Span
+from tracker.tracking.result import SegmentResult
+
+VERSION = 1
+"""Of the solve: another one finds another motion."""
+LONGEST = 900
+"""Frames in one solve; a longer stretch is divided at keyframes, if possible between pins."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """Neighbouring segments that are solved together.
+
+    key: of all that the solve is given.  pins: those within, clipped to its frames.
+    """
+
+    key: str
+    segments: tuple[SegmentResult, ...]
+    pins: tuple[Pin, ...]
+
+    @property
+    def span(self) -> Span:
+        return self.segments[0].first, self.segments[-1].last
+
+
+class Usable(NamedTuple):
+    """What identifies a segment's result as tracked, if it can be used here."""
+
+    first: int
+    last: int
+    key: str
+    quality: Quality
+
+
+def stretches(session: Session, fitting: Mapping[Span, SegmentResult]) -> list[Stretch]:
+    """What there is to solve."""
+    rows = [
+        Usable(*span, found.key, found.quality)
+        for span, found in fitting.items()
+        if found.finished and not found.missing and found.quality != "preview"
+    ]
+    return [
+        Stretch(key, tuple(fitting[one.first, one.last] for one in run), pins)
+        for key, run, pins in _wanted(session, rows)
+    ]
+
+
+def stretch_keys(session: Session, rows: Sequence[Usable]) -> set[str]:
+    """The keys of the stretches that these segments make up."""
+    return {key for key, _, _ in _wanted(session, rows)}
+
+
+def _wanted(
+    session: Session, rows: Sequence[Usable]
+) -> Iterator[tuple[str, list[Usable], tuple[Pin, ...]]]:
+    """Key, segments and pins of each stretch; none where a session asks for neither pins nor
+    smoothness, or for the printed method, or has no film."""
+    wanted = session.settings.smooth or session.pins
+    if not wanted or session.settings.method != "keypose" or session.surface is not None:
+        return
+    for run in _runs(sorted(rows), session.pins):
+        span = run[0].first, run[-1].last
+        pins = tuple(_clipped(session.pins, span))
+        if pins or session.settings.smooth:
+            yield _key(session, run, pins, span), run, pins
+
+
+def _runs(rows: Sequence[Usable], pins: Sequence[Pin]) -> Iterator[list[Usable]]:
+    """Neighbours that are solved together."""
+    run: list[Usable] = []
+    for one in rows:
+        held = any(pin.first_frame < one.first < pin.last_frame for pin in pins)
+        if run and run[-1].last == one.first and (held or one.last - run[0].first < LONGEST):
+            run.append(one)
+            continue
+        if run:
+            yield run
+        run = [one]
+    if run:
+        yield run
+
+
+def _clipped(pins: Sequence[Pin], span: Span) -> Iterator[Pin]:
+    """The pins within a span; one that only touches it holds nothing there."""
+    for pin in pins:
+        first, last = max(pin.first_frame, span[0]), min(pin.last_frame, span[1])
+        if first < last:
+            yield pin.model_copy(update={"first_frame": first, "last_frame": last})
+
+
+def _key(session: Session, run: Sequence[Usable], pins: Sequence[Pin], span: Span) -> str:
+    soft = [k.frame for k in keyframes_within(session, *span) if k.soft]
+    content = [
+        VERSION,
+        [(one.key, one.quality) for one in run],
+        [pin.model_dump(mode="json") for pin in pins],
+        [session.floor_m, session.up_camera, bool(session.settings.smooth), soft],
+    ]
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+def keyframes_within(session: Session, first: int, last: int) -> list[Keyframe]:
+    """The keyframes of a span, its ends among them."""
+    return [keyframe for keyframe in session.keyframes if first <= keyframe.frame <= last]
