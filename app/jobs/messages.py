@@ -13,7 +13,9 @@ from tracker.geometry.camera import Camera
 from tracker.keypoints.keypoints import Keypoints
 from tracker.keypoints.region import Box
 from tracker.session.settings import Quality
+from tracker.storage.stretches import Stretch
 from tracker.tracking.result import SegmentResult
+from tracker.tracking.space.result import SpaceResult
 
 if TYPE_CHECKING:
     from tracker.fitting.draft import Proposal
@@ -88,8 +90,20 @@ class DraftOrder:
     job: int = 0
 
 
+@dataclass(frozen=True, eq=False)
+class SpaceOrder:
+    """Solve for the motion in space of these stretches, which were tracked before.
+
+    session: JSON of a session with its keyframes and pins.
+    """
+
+    session: bytes
+    stretches: tuple[Stretch, ...]
+    job: int = 0
+
+
 FitOrder: TypeAlias = PoseOrder | SizesOrder | DraftOrder
-AnyOrder: TypeAlias = Order | FitOrder
+AnyOrder: TypeAlias = Order | FitOrder | SpaceOrder
 
 
 @dataclass(frozen=True)
@@ -156,6 +170,14 @@ class SegmentFinished:
 
     job: int
     result: SegmentResult
+
+
+@dataclass(frozen=True, eq=False)
+class SpaceSolved:
+    """The motion of a stretch in space is known."""
+
+    job: int
+    result: SpaceResult
 
 
 @dataclass(frozen=True)
@@ -239,6 +261,7 @@ Report: TypeAlias = (
     | Started
     | PassFinished
     | SegmentFinished
+    | SpaceSolved
     | Drafting
     | JobFinished
     | JobFailed

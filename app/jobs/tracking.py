@@ -22,17 +22,20 @@ from app.jobs.messages import (
     Ready,
     Report,
     SizesFitted,
+    SpaceOrder,
     Wanted,
     Warming,
 )
 from app.jobs.process import WorkerProcess
 from tracker.session import Session
 from tracker.session.settings import Quality
+from tracker.storage.stretches import Stretch
 
 LIVE: tuple[Quality, ...] = ("preview", "full")
 """The stages while a person poses: something to see at once, then what is meant."""
 
 _DIED = "Tracking stopped unexpectedly; what was finished is kept, track again."
+_DIED_SOLVING = "Smoothing stopped unexpectedly; the motion is as it was tracked."
 _DIED_FITTING = "Fitting stopped unexpectedly; everything is as it was, fit again."
 
 
@@ -87,6 +90,16 @@ class Tracking:
         """
         job = self._begin(_DIED_FITTING)
         self._ensure_worker().send(replace(order, job=job))
+        return job
+
+    def solve_space(self, session: Session, stretches: Sequence[Stretch]) -> int:
+        """Solve for the motion in space of these stretches; the job's number.
+
+        Ends a job that is at work. Every job ends in one JobFinished or JobFailed.
+        """
+        job = self._begin(_DIED_SOLVING)
+        content = session.model_copy(update={"drafts": (), "results": None}).model_dump_json()
+        self._ensure_worker().send(SpaceOrder(content.encode(), tuple(stretches), job))
         return job
 
     def _begin(self, died: str) -> int:

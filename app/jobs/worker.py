@@ -22,6 +22,7 @@ from app.jobs.messages import (
     Ready,
     Report,
     SizesOrder,
+    SpaceOrder,
     Warming,
 )
 from app.jobs.wire import receive, send
@@ -65,7 +66,7 @@ class Worker:
             (self._may_go_on.clear if message.on else self._may_go_on.set)()
             return
         self._may_go_on.set()
-        if isinstance(message, Order | PoseOrder | SizesOrder | DraftOrder):
+        if isinstance(message, Order | PoseOrder | SizesOrder | DraftOrder | SpaceOrder):
             dropped = self._latest.put(message)
         else:
             dropped = self._latest.cancel(message.job)
@@ -91,6 +92,7 @@ class Worker:
 
     def _take_orders(self) -> None:
         from app.jobs.fits import Fit
+        from app.jobs.space import solve_order
         from app.jobs.work import Job
         from app.jobs.worker_cache import WorkerCache
 
@@ -100,6 +102,8 @@ class Worker:
                 order, cancelled = self._latest.take()
                 if isinstance(order, Order):
                     Job(order, cancelled, self._send).run(worker_cache, threads)
+                elif isinstance(order, SpaceOrder):
+                    solve_order(order, cancelled, self._send)
                 else:
                     Fit(order, cancelled, self._send).run(worker_cache)
 

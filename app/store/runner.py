@@ -28,6 +28,7 @@ from app.jobs import (
     Report,
     SegmentFinished,
     SizesFitted,
+    SpaceSolved,
     Started,
     Tracking,
     Wanted,
@@ -74,6 +75,8 @@ class Runner:
         self._verbs = ("", "")
         self._fit_done: OnFitEnd | None = None
         self._waiting: frozenset[Span] = frozenset()
+        self._unsolvable: frozenset[str] = frozenset()
+        self._ended = Job()
         self._progress: Progress | None = None
         self.results: Results | None = None
         self.running: dict[Span, Running] = {}
@@ -83,7 +86,7 @@ class Runner:
 
     def opened(self, edit: EditorState) -> None:
         """Another session is open."""
-        self.results = edit.results
+        self.results, self._unsolvable = edit.results, frozenset()
 
     def closed(self) -> None:
         """No session is open any more; what a job still reports does not count."""
@@ -144,6 +147,22 @@ class Runner:
         else:
             self._notify(self, False)
 
+    def solve_space(self, edit: EditorState) -> None:
+        """Where nothing is at work: solve for the motion in space wherever it is not known."""
+        if self.results is None or self.job.state == "running" or edit.stroke is not None:
+            return
+        unsolved = self.results.unsolved(edit.doc)
+        wanted = [stretch for stretch in unsolved if stretch.key not in self._unsolvable]
+        if not wanted:
+            return
+        self._unsolvable |= {stretch.key for stretch in wanted}  # asked for once
+        self._ended = self.job
+        self._progress = None
+        self._number = self._newest = self._tracking.solve_space(edit.doc, wanted)
+        spans = _spans_text([stretch.span for stretch in wanted])
+        self.job = Job("running", f"Smoothing {spans}", kind="space")
+        self._notify(self, False)
+
     def pause(self, on: bool) -> None:
         """Pause while something is dragged."""
         self._tracking.pause(on)
@@ -168,7 +187,7 @@ class Runner:
     def _start(
         self, opened: OpenSession, doc: Session, wanted: Sequence[Wanted], stages: Sequence[Quality]
     ) -> None:
-        self._stages = tuple(stages)
+        self._stages, self._unsolvable = tuple(stages), frozenset()
         if self._fit_done is not None:
             self._waiting |= {(first, last) for first, last, _ in wanted}
             self.running = dict.fromkeys(self._waiting, Running())
@@ -197,7 +216,9 @@ class Runner:
         the newest job."""
         if self.results is None or (report.job is not None and report.job <= self._past):
             return
-        finished = isinstance(report, SegmentFinished)
+        finished = isinstance(report, SegmentFinished | SpaceSolved)
+        if isinstance(report, SpaceSolved):
+            self.results = self.results.with_space(report.result)
         if isinstance(report, PassFinished | SegmentFinished):
             self.results = self.results.with_result(report.result, self._keep)
         if report.job == self._number:
@@ -224,6 +245,8 @@ class Runner:
                 self._on_fit_end(report)
             case JobFailed() if self._fit_done is not None:
                 self._on_fit_end(report)
+            case JobFinished() if self.job.kind == "space":
+                self.job = self._ended
             case JobFinished():
                 self._on_end("cancelled" if report.cancelled else "done")
             case JobFailed():

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 class Job:
     """What the tracker is doing, in words; seconds_left is None when nobody can know.
 
-    kind: a "fit" does not know how far it is.
+    kind: a "fit", or a solve in "space", does not know how far it is.
     """
 
     state: Literal["idle", "running", "done", "cancelled", "failed"] = "idle"
@@ -27,7 +27,7 @@ class Job:
     words: str = ""
     percent: float = 0.0
     seconds_left: float | None = None
-    kind: Literal["track", "fit", "draft"] = "track"
+    kind: Literal["track", "fit", "draft", "space"] = "track"
 
 
 @dataclass(frozen=True, eq=False)

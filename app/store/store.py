@@ -173,6 +173,7 @@ class Store:
             return
         if edit.stroke is None and edit.doc is not before.settled:
             self._runner.changed(self._opened, edit)
+            self._solve_space()
         self._fitter.changed()
 
     def _set(self, **changes: Any) -> None:
@@ -221,6 +222,13 @@ class Store:
                 self._writer.save_soon()
             else:
                 self._writer.save()
+                self._solve_space()
+
+    def _solve_space(self) -> None:
+        """The motion in space follows by itself from what was tracked, where it may be saved."""
+        edit = self._app_state.edit
+        if edit is not None and not self._writer.lock.read_only:
+            self._runner.solve_space(edit)
 
     def _take_progress(self) -> None:
         """Take over what the tracker has reported until now."""
@@ -340,6 +348,7 @@ class Store:
                 saved=Saved("readonly" if read_only else "saved", 0.0, read_only),
             )
             self._runner.opened(edit)
+            self._solve_space()
             if edit.doc.evidence.can_be_damaged:
                 self._examiner = Examiner(self._loop, opened.video, self._on_damage)
             for words in (*opened.news, *([problem] if problem else [])):

@@ -62,7 +62,7 @@ const isWorkedOn = (s) => s.state === 'tracking' || s.state === 'waiting';
 const nameOf = (s) => range(s.first, s.last);
 
 function runningJob(job) {
-  const isFit = job.kind === 'fit'; // which does not know how far it is
+  const isFit = job.kind === 'fit' || job.kind === 'space'; // which do not know how far they are
   const percent = Math.round(job.percent ?? 0);
   const left = timeLeft(job.seconds_left);
   const now = job.words ?? '';

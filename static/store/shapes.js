@@ -236,7 +236,7 @@
  * @property {string} words
  * @property {number} percent
  * @property {number | null} seconds_left
- * @property {'track' | 'fit' | 'draft'} kind
+ * @property {'track' | 'fit' | 'draft' | 'space'} kind
  */
 
 /** @typedef {{ state: 'saved' | 'saving' | 'failed' | 'readonly', at: number, words: string }} Saved */

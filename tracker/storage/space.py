@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -19,8 +19,10 @@ from tracker.tracking.space.solve import PinnedPoint, SpaceProblem, SpaceSolutio
 UP = (0.0, -1.0, 0.0)
 
 
-def solved(session: Session, stretch: Stretch) -> SpaceResult:
-    """The motion of a stretch in space."""
+def solved(
+    session: Session, stretch: Stretch, cancelled: Callable[[], bool] | None = None
+) -> SpaceResult:
+    """The motion of a stretch in space; where it is cancelled that which was found until then."""
     skeleton = Skeleton.of(session.body)
     first, last = stretch.span
     keyframes = keyframes_within(session, first, last)
@@ -39,7 +41,8 @@ def solved(session: Session, stretch: Stretch) -> SpaceResult:
             smooth=bool(session.settings.smooth),
             up_camera=up_of(session),
             floor_m=session.floor_m,
-        )
+        ),
+        cancelled,
     )
     pins = tuple(_pin_results(session, stretch.pins, found))
     return SpaceResult(stretch.key, found.motion, pins, found.floor_m)

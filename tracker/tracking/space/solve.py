@@ -14,10 +14,11 @@ exactly, but for those that are said to be soft.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from tracker.body.body import ROTATIONS
 from tracker.body.joint_limits import Limits
@@ -115,7 +116,9 @@ class SpaceSolution:
     floor_m: float | None
 
 
-def solve_space(problem: SpaceProblem) -> SpaceSolution:
+def solve_space(
+    problem: SpaceProblem, cancelled: Callable[[], bool] | None = None
+) -> SpaceSolution:
     """Solve for the motion of a stretch."""
     skeleton = _free(problem)
     start = problem.motion
@@ -130,7 +133,8 @@ def solve_space(problem: SpaceProblem) -> SpaceSolution:
         _links(problem, skeleton),
         _pinned(problem, pins, frames, shared),
     )
-    found = least_squares(poses, Stretch(start, shared), CRITERIA).state
+    with threadpool_limits(1, "blas"):  # its matrices are small: threads would wait for each other
+        found = least_squares(poses, Stretch(start, shared), CRITERIA, cancelled).state
     return _solution(problem, skeleton, found, pins, frames)
 
 
