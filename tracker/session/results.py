@@ -3,11 +3,20 @@
 from __future__ import annotations
 
 import operator
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field, FiniteFloat
 
-from tracker.session.settings import FrameIndex, Initial, MethodName, Plain, Quality, TrackSettings
+from tracker.session.pins import Pin
+from tracker.session.settings import (
+    FrameIndex,
+    Initial,
+    MethodName,
+    Plain,
+    Quality,
+    TrackSettings,
+    is_unknown,
+)
 from tracker.session.verdict import Verdict
 
 
@@ -65,6 +74,28 @@ class PinResult(Plain):
     off_m: FiniteFloat = Field(description="Its point's greatest distance from its place, metres.")
     usual_off_m: FiniteFloat = Field(description="The median of that distance.")
     frame: FrameIndex = Field(description="Where it is greatest.")
+    keyframe: FrameIndex | None = Field(
+        default=None,
+        exclude_if=is_unknown,
+        description="The exact keyframe that it contradicts most; left out where there is none.",
+    )
+
+
+class SpaceFinding(Plain):
+    """What is not plausible in space.
+
+    slides: a foot that stands still moves by `amount` metres; off_floor, below_floor: it is so far
+    above or below; keyframe_depth: at the keyframe `go` it stands so much nearer (negative) or
+    farther than nearby; leans: the body is `amount` radians out of balance over its feet; shakes:
+    `amount` m/s², root mean square, at the waist.
+    """
+
+    kind: Literal["slides", "off_floor", "below_floor", "keyframe_depth", "leans", "shakes"]
+    part: str
+    first_frame: FrameIndex
+    last_frame: FrameIndex
+    go: FrameIndex
+    amount: FiniteFloat
 
 
 class SpaceSummary(Plain):
@@ -76,6 +107,12 @@ class SpaceSummary(Plain):
         description="SHA-256 of all that it was solved for."
     )
     pins: tuple[PinResult, ...] = ()
+    proposed: tuple[Pin, ...] = Field(
+        default=(),
+        exclude_if=operator.not_,
+        description="Where feet seem to stand still, as pins that are not set.",
+    )
+    findings: tuple[SpaceFinding, ...] = Field(default=(), exclude_if=operator.not_)
     floor_m: FiniteFloat | None = Field(
         default=None, description="Height of the floor along up; null where no pin is on it."
     )

@@ -13,10 +13,14 @@ from tracker.session.pins import Pin
 from tracker.session.results import PinResult
 from tracker.session.schema import Keyframe, Session
 from tracker.storage.stretches import Stretch, keyframes_within
+from tracker.tracking.space.contacts import proposed_pins
+from tracker.tracking.space.findings import Judged, space_findings
 from tracker.tracking.space.result import SpaceResult
 from tracker.tracking.space.solve import PinnedPoint, SpaceProblem, SpaceSolution, solve_space
 
 UP = (0.0, -1.0, 0.0)
+CONTRADICTS_M = 0.01
+"""A pin that is farther off at an exact keyframe contradicts it."""
 
 
 def solved(
@@ -26,26 +30,45 @@ def solved(
     skeleton = Skeleton.of(session.body)
     first, last = stretch.span
     keyframes = keyframes_within(session, first, last)
-    found = solve_space(
-        SpaceProblem(
-            skeleton=skeleton,
-            camera=session.camera.without_distortion(),
-            motion=joined([segment.trajectory for segment in stretch.segments]),
-            observability=np.concatenate(
-                [segment.diagnostics.observability for segment in stretch.segments]
-            ),
-            keyframes=[keyframe.frame for keyframe in keyframes],
-            frames_per_second=_frames_per_second(keyframes),
-            soft=[keyframe.frame for keyframe in keyframes if keyframe.soft],
-            pins=[point for _, point in _pinned_points(session, stretch.pins)],
-            smooth=bool(session.settings.smooth),
-            up_camera=up_of(session),
-            floor_m=session.floor_m,
+    exact = [keyframe.frame for keyframe in keyframes if not keyframe.soft]
+    problem = SpaceProblem(
+        skeleton=skeleton,
+        camera=session.camera.without_distortion(),
+        motion=joined([segment.trajectory for segment in stretch.segments]),
+        observability=np.concatenate(
+            [segment.diagnostics.observability for segment in stretch.segments]
         ),
-        cancelled,
+        keyframes=[keyframe.frame for keyframe in keyframes],
+        frames_per_second=_frames_per_second(keyframes),
+        soft=[keyframe.frame for keyframe in keyframes if keyframe.soft],
+        pins=[point for _, point in _pinned_points(session, stretch.pins)],
+        smooth=bool(session.settings.smooth),
+        up_camera=up_of(session),
+        floor_m=session.floor_m,
     )
-    pins = tuple(_pin_results(session, stretch.pins, found))
-    return SpaceResult(stretch.key, found.motion, pins, found.floor_m)
+    found = solve_space(problem, cancelled)
+    pins = tuple(_pin_results(session, stretch.pins, found, exact))
+    up = None if session.up_camera is None else up_of(session)
+    still = proposed_pins(skeleton, found.motion, problem.frames_per_second, up)
+    free = tuple(pin for pin in still if not any(pin.overlaps(held) for held in stretch.pins))
+    feet = [pin for pin in stretch.pins if _is_foot(session, pin)]
+    judged = Judged(
+        skeleton,
+        found.motion,
+        problem.motion,
+        problem.frames_per_second,
+        stances=[*feet, *free],
+        pinned=[True] * len(feet) + [False] * len(free),
+        keyframes=exact,
+        up_camera=up,
+        floor_m=found.floor_m if session.floor_m is None else session.floor_m,
+    )
+    return SpaceResult(stretch.key, found.motion, pins, free, space_findings(judged), found.floor_m)
+
+
+def _is_foot(session: Session, pin: Pin) -> bool:
+    part = session.body.parts[session.body.index(pin.part)]
+    return any(name.endswith("toe") for name in part.landmarks)
 
 
 def up_of(session: Session) -> Array:
@@ -70,9 +93,9 @@ def _pinned_points(session: Session, pins: Sequence[Pin]) -> Iterator[tuple[Pin,
 
 
 def _pin_results(
-    session: Session, pins: Sequence[Pin], found: SpaceSolution
+    session: Session, pins: Sequence[Pin], found: SpaceSolution, exact: Sequence[int]
 ) -> Iterator[PinResult]:
-    """Of every pin the point that strays most."""
+    """Of every pin the point that strays most. exact: frames of the keyframes that are met exactly."""
     off = [
         (pin, distance)
         for (pin, _), distance in zip(_pinned_points(session, pins), found.off_m, strict=True)
@@ -88,4 +111,16 @@ def _pin_results(
             off_m=float(worst.max()),
             usual_off_m=float(np.median(worst)),
             frame=frame,
+            keyframe=_contradicted(pin, worst, exact),
         )
+
+
+def _contradicted(pin: Pin, off_m: Array, exact: Sequence[int]) -> int | None:
+    """The exact keyframe at which a pin is farthest off, if that is far."""
+    at = {frame: off_m[frame - pin.first_frame] for frame in exact if _holds(pin, frame)}
+    worst = max(at, key=lambda frame: at[frame], default=None)
+    return worst if worst is not None and at[worst] > CONTRADICTS_M else None
+
+
+def _holds(pin: Pin, frame: int) -> bool:
+    return pin.first_frame <= frame <= pin.last_frame

@@ -282,7 +282,7 @@ def _in_space(stretch: SpaceResult) -> SpaceSummary:
     first, last = stretch.span
     return SpaceSummary(
         first_frame=first, last_frame=last, key=stretch.key, pins=stretch.pins,
-        floor_m=stretch.floor_m,
+        proposed=stretch.proposed, findings=stretch.findings, floor_m=stretch.floor_m,
     )  # fmt: skip
 
 

@@ -51,7 +51,8 @@ def load_results(session: Session, session_path: Path) -> Results:
     for stretch in session.results.space:
         path = _path(tracks, stretch, None)
         if path is not None:
-            solved = SpaceResult(stretch.key, path, stretch.pins, stretch.floor_m)
+            said = (stretch.pins, stretch.proposed, stretch.findings, stretch.floor_m)
+            solved = SpaceResult(stretch.key, path, *said)
             results = results.with_space(solved)
     return results
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from tracker.body.trajectory import Trajectory
-from tracker.session.results import PinResult
+from tracker.session.pins import Pin
+from tracker.session.results import PinResult, SpaceFinding
 
 
 @dataclass(frozen=True, eq=False)
@@ -13,12 +14,15 @@ class SpaceResult:
     """The motion of a stretch in space.
 
     key: of what it was solved for, see `tracker.storage.space`.
-    pins: how well each holds.  floor_m: height of the floor, where pins on it told.
+    pins: how well each holds.  proposed: where feet stand still that have none.
+    findings: what is not plausible.  floor_m: height of the floor, where pins on it told.
     """
 
     key: str
     motion: Trajectory
     pins: tuple[PinResult, ...] = ()
+    proposed: tuple[Pin, ...] = ()
+    findings: tuple[SpaceFinding, ...] = ()
     floor_m: float | None = None
 
     @property

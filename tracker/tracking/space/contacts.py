@@ -1,0 +1,146 @@
+"""Where feet stand still in the world, as their tracked motion shows it: pins to propose.
+
+The picture tells how fast a point moves across the view; along it the motion is told badly, counts
+little and is smoothed for longer. Slow feet high in the air (a raised foot held still, the top of a
+jump) are left out by how low the lower foot was nearby. A camera that stands still is assumed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d, minimum_filter1d
+
+from tracker.body.body import Body
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
+from tracker.geometry.rotations import Array
+from tracker.session.pins import Pin
+from tracker.solver.body_points import BodyPoint, BodyPoints
+
+START_M_S, STAY_M_S = 0.30, 0.55
+"""A stance begins below the first speed and lasts until the second is passed."""
+DEPTH_SHARE = 0.15
+"""How much of the speed along the view counts."""
+ACROSS_S, DEPTH_S = 0.025, 0.08
+"""Widths of the Gaussians that places are smoothed with."""
+LEAST_S, GAP_S = 0.12, 0.05
+"""A shorter stance is none; a shorter gap does not end one."""
+LOW_M, NEAR_S = 0.12, 0.75
+"""How far above the lowest place of both feet, within so long before and after, a foot stands."""
+TOES_S = 0.15
+"""Toes that stay for so long after the heel has left get a pin of their own."""
+
+
+def proposed_pins(
+    skeleton: Skeleton, motion: Trajectory, frames_per_second: float, up_camera: Array | None
+) -> tuple[Pin, ...]:
+    """Pins for the feet of a body, where they stand still; whole feet, then toes alone.
+
+    up_camera: unit vector, None where up is not known: then slow feet in the air are told from
+    standing ones by nothing.
+    """
+    feet = list(_feet(skeleton.body))
+    if not feet or len(motion) < 3:
+        return ()
+    points: list[BodyPoint] = []
+    for part, _, toe in feet:
+        points += [((part, (0.0, 0.0, 0.0)),), ((part, toe),)]
+    places = BodyPoints(skeleton, tuple(points)).at(motion.transforms(skeleton))  # (N, 2F, 3)
+    low = _low(places, up_camera, frames_per_second)
+    found: list[Pin] = []
+    for i, (part, names, _) in enumerate(feet):
+        ankles, toes = (
+            still_ranges(places[:, k], frames_per_second, low[:, k]) for k in (2 * i, 2 * i + 1)
+        )
+        later = _after(toes, ankles, TOES_S * frames_per_second)
+        for held, spans in ((names, ankles), (names[1:], later)):
+            found += [_pin(skeleton.body.names[part], held, span, motion) for span in spans]
+    return tuple(sorted(found, key=lambda pin: (pin.first_frame, pin.part)))
+
+
+def still_ranges(
+    p_camera: Array, frames_per_second: float, low: NDArray[np.bool_]
+) -> list[tuple[int, int]]:
+    """First and last rows of the ranges over which a point (N, 3) stands still, low (N,) enough."""
+    v, n = _speed(p_camera, frames_per_second), len(p_camera)
+    found: list[tuple[int, int]] = []
+    row = 0
+    while row < n:
+        if not (v[row] < START_M_S and low[row]):
+            row += 1
+            continue
+        first = last = row
+        begins = 0.5 * (START_M_S + STAY_M_S)
+        before = found[-1][1] if found else -1
+        while first - 1 > before and v[first - 1] < begins and low[first - 1]:
+            first -= 1
+        while last + 1 < n and v[last + 1] < STAY_M_S and low[last + 1]:
+            last += 1
+        if found and first - before - 1 <= GAP_S * frames_per_second:
+            first = found.pop()[0]
+        found.append((first, last))
+        row = last + 1
+    least = LEAST_S * frames_per_second
+    # the frames at both ends are where the foot lands and leaves
+    return [(a + (a > 0), b - (b < n - 1)) for a, b in found if b - a + 1 >= least and b - a > 3]
+
+
+def _pin(part: str, held: tuple[str, ...], rows: tuple[int, int], motion: Trajectory) -> Pin:
+    first, last = (motion.first_frame + row for row in rows)
+    return Pin(part=part, landmarks=held, first_frame=first, last_frame=last)
+
+
+def _feet(body: Body) -> Iterator[tuple[int, tuple[str, str], tuple[float, float, float]]]:
+    """Part, names of heel and toe, and the toe's place of every foot."""
+    for i, part in enumerate(body.parts):
+        names = [n for kind in ("heel", "toe") for n in part.landmarks if n.endswith(kind)]
+        if len(names) == 2:
+            yield i, (names[0], names[1]), part.landmarks[names[1]]
+
+
+def _after(
+    toes: Sequence[tuple[int, int]], heels: Sequence[tuple[int, int]], least: float
+) -> list[tuple[int, int]]:
+    """What is left of the toes' ranges once their heels have left."""
+    found = []
+    for first, last in toes:
+        ends = [b for a, b in heels if a <= last and b >= first]
+        if ends and last - max(ends) >= least:
+            found.append((max(ends) + 1, last))
+    return found
+
+
+def _speed(p_camera: Array, frames_per_second: float) -> Array:
+    """(N,) m/s"""
+    z = p_camera[:, 2:]
+    ray = _smoothed(p_camera[:, :2] / z, ACROSS_S * frames_per_second)
+    depth = _smoothed(z, DEPTH_S * frames_per_second)
+    across = np.gradient(ray, axis=0) * depth
+    along = np.gradient(depth[:, 0])
+    moved = np.sqrt((across**2).sum(axis=-1) + (DEPTH_SHARE * along) ** 2)
+    return np.asarray(moved * frames_per_second)
+
+
+def _smoothed(x: Array, sigma: float) -> Array:
+    """Ends are continued as if turned about themselves, so that a slope there stays one."""
+    pad = min(len(x) - 1, int(np.ceil(4 * sigma)))
+    before, after = 2 * x[:1] - x[pad:0:-1], 2 * x[-1:] - x[-2 : -pad - 2 : -1]
+    whole = gaussian_filter1d(np.concatenate([before, x, after]), sigma, axis=0)
+    return np.asarray(whole[pad : pad + len(x)])
+
+
+def _low(places: Array, up_camera: Array | None, frames_per_second: float) -> NDArray[np.bool_]:
+    """(N, K) whether each point is near the lowest of all that are near in time."""
+    if up_camera is None:
+        return np.ones(places.shape[:2], dtype=np.bool_)
+    high = places @ up_camera
+    ankles, toes = high[:, ::2], high[:, 1::2]
+    near = 2 * int(NEAR_S * frames_per_second) + 1
+    low = [
+        kind < minimum_filter1d(kind.min(axis=1), near, mode="nearest")[:, None] + LOW_M
+        for kind in (ankles, toes)
+    ]
+    return np.stack(low, axis=-1).reshape(high.shape)

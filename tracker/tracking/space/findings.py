@@ -1,0 +1,191 @@
+"""What of a motion is not plausible in space: feet that slide or float, keyframes at another depth, a
+body out of balance, shaking."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
+from tracker.geometry.rotations import Array
+from tracker.session.pins import Pin
+from tracker.session.results import SpaceFinding
+from tracker.solver.body_points import BodyPoints
+
+SLIDES_M = 0.05
+FLOOR_M = 0.04
+DEPTH_M = 0.04
+LEANS_RAD = np.radians(12.0)
+SLOW_M_S = 0.5
+"""Balance is asked of a body whose root moves slower."""
+SHAKES_M_S2 = 8.0
+"""Root mean square acceleration of a waist that only shaking brings about at slow speeds."""
+NEAR_FRAMES = 2
+"""A keyframe counts in a range from so many frames within its ends."""
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """What is looked at.
+
+    motion: in space.  tracked: the same before the last solve, which meets all keyframes.
+    stances: ranges over which a foot stands still, pinned or not.  pinned: which of them are.
+    up_camera: unit vector; None where up is not known.  floor_m: the floor's height along it.
+    """
+
+    skeleton: Skeleton
+    motion: Trajectory
+    tracked: Trajectory
+    frames_per_second: float
+    stances: Sequence[Pin]
+    pinned: Sequence[bool]
+    keyframes: Collection[int]
+    up_camera: Array | None
+    floor_m: float | None
+
+    def places(self, stance: Pin, motion: Trajectory) -> Array:
+        """(n, K, 3) of a stance's points over its frames."""
+        body = self.skeleton.body
+        part = body.index(stance.part)
+        points = BodyPoints(self.skeleton, tuple(((part, p),) for p in stance.points(body)))
+        first = motion.first_frame
+        rows = slice(stance.first_frame - first, stance.last_frame + 1 - first)
+        return points.at(motion.transforms(self.skeleton)[rows])
+
+
+def space_findings(judged: Judged) -> tuple[SpaceFinding, ...]:
+    """Everything that is found, the order that of the kinds."""
+    return (
+        *_slides(judged),
+        *_floats(judged),
+        *_keyframe_depths(judged),
+        *_leans(judged),
+        *_shakes(judged),
+    )
+
+
+def _slides(judged: Judged) -> Iterator[SpaceFinding]:
+    """Feet that stand still and are not pinned."""
+    for stance, pinned in zip(judged.stances, judged.pinned, strict=True):
+        if pinned:
+            continue
+        p = judged.places(stance, judged.motion).mean(axis=1)
+        away = np.linalg.norm(p - np.median(p, axis=0), axis=-1)
+        if away.max() > SLIDES_M:
+            yield _of_stance(judged, "slides", stance, int(np.argmax(away)), float(away.max()))
+
+
+def _floats(judged: Judged) -> Iterator[SpaceFinding]:
+    """Standing feet that are not on the floor, where it is known."""
+    if judged.up_camera is None or judged.floor_m is None:
+        return
+    for stance in judged.stances:
+        high = (judged.places(stance, judged.motion) @ judged.up_camera).min(axis=1)
+        off = high - judged.floor_m
+        row = int(np.argmax(np.abs(off)))
+        usual = float(np.median(off))
+        if abs(usual) > FLOOR_M:
+            kind = "off_floor" if usual > 0 else "below_floor"
+            yield _of_stance(judged, kind, stance, row, abs(usual))
+
+
+def _keyframe_depths(judged: Judged) -> Iterator[SpaceFinding]:
+    """Keyframes at which a planted foot stands nearer or farther than at the others."""
+    for stance in judged.stances:
+        z = judged.places(stance, judged.tracked)[..., 2].mean(axis=1)
+        rows = [
+            frame - stance.first_frame
+            for frame in judged.keyframes
+            if stance.first_frame <= frame <= stance.last_frame
+        ]
+        if not rows or len(z) < 3:
+            continue
+        usual = float(np.median(z[rows] if len(rows) > 2 else z))
+        row = max(rows, key=lambda row: abs(z[row] - usual))
+        if abs(z[row] - usual) > DEPTH_M:
+            yield _of_stance(judged, "keyframe_depth", stance, row, float(z[row] - usual))
+
+
+def _leans(judged: Judged) -> Iterator[SpaceFinding]:
+    """A slow body whose trunk is not over its feet."""
+    up, motion = judged.up_camera, judged.motion
+    if up is None or not judged.stances:
+        return
+    root = motion.ps_camera_root
+    speed = np.linalg.norm(np.gradient(root, axis=0), axis=-1) * judged.frames_per_second
+    joints = motion.transforms(judged.skeleton)[..., :3, 3]
+    middle = joints.mean(axis=1)
+    lean = np.full(len(motion), np.nan)
+    standing = [(stance, judged.places(stance, motion)) for stance in judged.stances]
+    for row in range(len(motion)):
+        feet = _standing(standing, motion.first_frame + row)
+        if len(feet) and speed[row] < SLOW_M_S:
+            lean[row] = _out_of_balance(middle[row], feet, up)
+    leaning = np.nan_to_num(lean) > LEANS_RAD
+    for first, last in _runs(leaning):
+        if last - first >= 0.1 * judged.frames_per_second:
+            row = first + int(np.argmax(lean[first : last + 1]))
+            start = motion.first_frame
+            yield SpaceFinding(
+                kind="leans", part=judged.skeleton.body.names[0], first_frame=start + first,
+                last_frame=start + last, go=start + row, amount=float(lean[row]),
+            )  # fmt: skip
+
+
+def _standing(stances: Sequence[tuple[Pin, Array]], frame: int) -> Array:
+    """(K, 3) the points of the feet that stand at a frame."""
+    found = [
+        places[frame - stance.first_frame]
+        for stance, places in stances
+        if stance.first_frame <= frame <= stance.last_frame
+    ]
+    return np.concatenate(found) if found else np.zeros((0, 3))
+
+
+def _out_of_balance(middle: Array, feet: Array, up: Array) -> float:
+    """Radians by which the body's middle is out of the upright over the nearest of its feet."""
+    away = middle - feet
+    height = away @ up
+    aside = np.linalg.norm(away - height[:, None] * up, axis=-1)
+    toward = middle - feet.mean(axis=0)
+    level = float(toward @ up)
+    between = float(np.linalg.norm(toward - level * up))
+    nearest = min(float(aside.min()), between)
+    return float(np.arctan2(nearest, max(float(height.max()), 1e-6)))
+
+
+def _shakes(judged: Judged) -> Iterator[SpaceFinding]:
+    """A waist that is accelerated back and forth."""
+    motion = judged.motion
+    if len(motion) < 10:
+        return
+    a = np.diff(motion.ps_camera_root, 2, axis=0) * judged.frames_per_second**2
+    usual = float(np.sqrt((a**2).sum(axis=-1).mean()))
+    if usual > SHAKES_M_S2:
+        row = int(np.argmax((a**2).sum(axis=-1))) + 1
+        yield SpaceFinding(
+            kind="shakes", part=judged.skeleton.body.names[0], first_frame=motion.first_frame,
+            last_frame=motion.last_frame, go=motion.first_frame + row, amount=usual,
+        )  # fmt: skip
+
+
+def _runs(there: Array) -> Iterator[tuple[int, int]]:
+    """First and last rows of the runs of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], there, [False]]).astype(int)))
+    yield from ((int(a), int(b) - 1) for a, b in edges.reshape(-1, 2))
+
+
+def _of_stance(judged: Judged, kind: str, stance: Pin, row: int, amount: float) -> SpaceFinding:
+    return SpaceFinding.model_validate(
+        {
+            "kind": kind,
+            "part": stance.part,
+            "first_frame": stance.first_frame,
+            "last_frame": stance.last_frame,
+            "go": stance.first_frame + row,
+            "amount": amount,
+        }
+    )
