@@ -95,7 +95,7 @@ def _pinned_points(session: Session, pins: Sequence[Pin]) -> Iterator[tuple[Pin,
 def _pin_results(
     session: Session, pins: Sequence[Pin], found: SpaceSolution, exact: Sequence[int]
 ) -> Iterator[PinResult]:
-    """Of every pin the point that strays most. exact: frames of the keyframes that are met exactly."""
+    """Of every pin the point that strays most. exact: frames of keyframes that are met exactly."""
     off = [
         (pin, distance)
         for (pin, _), distance in zip(_pinned_points(session, pins), found.off_m, strict=True)

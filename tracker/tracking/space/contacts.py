@@ -29,7 +29,8 @@ ACROSS_S, DEPTH_S = 0.025, 0.08
 LEAST_S, GAP_S = 0.12, 0.05
 """A shorter stance is none; a shorter gap does not end one."""
 LOW_M, NEAR_S = 0.12, 0.75
-"""How far above the lowest place of both feet, within so long before and after, a foot stands."""
+"""How far above its lowest place, within so long before and after, a foot may stand, and above
+another that stands."""
 TOES_S = 0.15
 """Toes that stay for so long after the heel has left get a pin of their own."""
 
@@ -133,14 +134,17 @@ def _smoothed(x: Array, sigma: float) -> Array:
 
 
 def _low(places: Array, up_camera: Array | None, frames_per_second: float) -> NDArray[np.bool_]:
-    """(N, K) whether each point is near the lowest of all that are near in time."""
+    """(N, K) whether each point is near its own lowest place nearby in time, and no other foot
+    stands still below it."""
     if up_camera is None:
         return np.ones(places.shape[:2], dtype=np.bool_)
     high = places @ up_camera
-    ankles, toes = high[:, ::2], high[:, 1::2]
     near = 2 * int(NEAR_S * frames_per_second) + 1
-    low = [
-        kind < minimum_filter1d(kind.min(axis=1), near, mode="nearest")[:, None] + LOW_M
-        for kind in (ankles, toes)
-    ]
-    return np.stack(low, axis=-1).reshape(high.shape)
+    low = high < minimum_filter1d(high, near, axis=0, mode="nearest") + LOW_M
+    still = np.stack(
+        [_speed(places[:, k], frames_per_second) < START_M_S for k in range(high.shape[1])], axis=1
+    )
+    for kind in (slice(0, None, 2), slice(1, None, 2)):  # ankles, toes
+        standing = np.where(still[:, kind], high[:, kind], np.inf).min(axis=1, keepdims=True)
+        low[:, kind] &= high[:, kind] < standing + LOW_M
+    return np.asarray(low)

@@ -1,5 +1,5 @@
-"""What of a motion is not plausible in space: feet that slide or float, keyframes at another depth, a
-body out of balance, shaking."""
+"""What of a motion is not plausible in space: feet that slide or float, keyframes at another depth,
+a body out of balance, shaking."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from tracker.solver.body_points import BodyPoints
 SLIDES_M = 0.05
 FLOOR_M = 0.04
 DEPTH_M = 0.04
-LEANS_RAD = np.radians(12.0)
-SLOW_M_S = 0.5
+LEANS_RAD = np.radians(20.0)
+SLOW_M_S = 0.25
 """Balance is asked of a body whose root moves slower."""
 SHAKES_M_S2 = 8.0
 """Root mean square acceleration of a waist that only shaking brings about at slow speeds."""
