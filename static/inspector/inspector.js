@@ -15,6 +15,7 @@ import { method } from './method.js';
 import { partTab } from './part_tab.js';
 import { picker } from './picker.js';
 import { segment } from './segment.js';
+import { space } from './space.js';
 import { surfaces } from './surfaces.js';
 import { upright } from './upright.js';
 
@@ -33,7 +34,7 @@ const OTHERWISE = {
 
 /** @type {import('../store/shapes.js').Watched[]} */
 const SHOWN = [
-  'file', 'surface', 'camera', 'body', 'view', 'pose', 'keys', 'segments', 'errors', 'draft', 'job', 'lanes', 'masks', 'settings', 'clipboard',
+  'file', 'surface', 'camera', 'body', 'view', 'pose', 'keys', 'segments', 'errors', 'space', 'draft', 'job', 'lanes', 'masks', 'settings', 'clipboard',
   'u:tab', 'u:tool', 'u:hover', 'u:figureHover', 'u:freeAxes', 'u:lens', 'u:mask', 'u:box',
   'u:segmentFirst', 'u:allFreedoms', 'u:fitFocal',
 ];
@@ -116,7 +117,7 @@ function trackTab() {
   if (!server.settings) return nothing;
   // Where nothing is posed yet, or a draft waits to be confirmed, that is the next thing to do.
   const isNext = !server.keys?.frames.length || placesToConfirm().length > 0;
-  return html`${cues()}${isNext ? draft() : nothing}${segment()}${method()}${isNext ? nothing : draft()}${freedom()}`;
+  return html`${cues()}${isNext ? draft() : nothing}${segment()}${space()}${method()}${isNext ? nothing : draft()}${freedom()}`;
 }
 
 /** A control clicked with the mouse leaves the keys with the views; what was typed is taken over. */

@@ -181,6 +181,17 @@
  */
 
 /**
+ * @typedef {object} SpaceFinding  What is not plausible in space.
+ * @property {string} kind
+ * @property {string} words
+ * @property {string} part
+ * @property {number} first
+ * @property {number} last
+ * @property {number} go  The frame to look at.
+ * @property {'pin' | 'floor' | 'soften' | 'smooth' | ''} remedy  What mends it with one press.
+ */
+
+/**
  * @typedef {object} Suggestion
  * @property {number | null} frame
  * @property {string} title  What to do.
@@ -253,6 +264,7 @@
  * @property {{ frames: number[], drafts: number[] }} keys
  * @property {Segment[]} segments
  * @property {ExpectedError[]} errors  The worst parts of every segment, the worst first.
+ * @property {SpaceFinding[]} space  The worst first.
  * @property {Suggestion | null} suggest
  * @property {Series} need  Pixels that a keyframe is expected to mend.
  * @property {Record<string, Series>} lanes  How much the picture tells of a part, 0 to 1.

@@ -17,6 +17,7 @@ from app.store.sections import (
     motion_values,
     pose_values,
     scene_values,
+    space_values,
     surface_values,
     work_values,
 )
@@ -76,7 +77,10 @@ LONG_CURVE = 1500
 """Frames of a curve that is not made anew with every move of the pointer."""
 
 _TRACKED = _both(
-    _settled(*("body", "camera", "keyframes", "ignore_masks", "settings", "keypoints", "surface")),
+    _settled(
+        *("body", "camera", "keyframes", "ignore_masks", "settings", "keypoints", "surface"),
+        *("pins", "floor_m", "up_camera"),
+    ),
     _edit("results"),
 )
 
@@ -110,6 +114,7 @@ SECTIONS: dict[str, _Section] = {
     "keys": _Section(_doc("keyframes", "drafts"), pose_values.keys),
     "segments": _Section(_both(_TRACKED, lambda o: (o.running,)), motion_values.segments),
     "errors": _Section(_TRACKED, error_values.errors),
+    "space": _Section(_TRACKED, space_values.space),
     "suggest": _Section(_both(_TRACKED, _edit("frame")), motion_values.suggest),
     "need": _Section(_TRACKED, motion_values.need),
     "lanes": _Section(_TRACKED, motion_values.lanes),

@@ -6,7 +6,7 @@ smoothness of bodies do. Unknown are all poses of the stretch, the places of its
 of the floor:
 
     E = Σ ρ(|π(T p) − uv| / 0.003 H) + Σ ρ(√w (inc − m)) + Σ (excess / 3°)² + Σ (Δinc)² / bend²
-        + Σ ρ(|T_j p − c_i| / 4 mm) + Σ ((u · c_i − h) / 8 mm)² + Σ |Δ³x fps³ / σ|² + keyframes,
+        + Σ ρ(|T_j p − c_i| / 1 mm) + Σ ((u · c_i − h) / 8 mm)² + Σ |Δ³x fps³ / σ|² + keyframes,
 
 with uv, m those of the tracked motion, H the body's height in the picture. Keyframes are met
 exactly, but for those that are said to be soft.
@@ -50,7 +50,7 @@ from tracker.tracking.space.jerk_sigmas import jerk_points
 
 SEEN_SHARE = 0.003
 """Standard deviation of where the tracked motion was seen: a share of the body's height."""
-PIN_M, FLOOR_M = 0.004, 0.008
+PIN_M, FLOOR_M = 0.001, 0.008
 SEEN_KERNEL, PIN_KERNEL = Huber(2.0), Huber(10.0)
 HARD = 1e9
 """1/σ² of a keyframe that is met exactly."""

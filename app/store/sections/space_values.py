@@ -1,0 +1,58 @@
+"""What is not plausible in space, as JSON."""
+
+from __future__ import annotations
+
+from typing import Final
+
+from app.editor.space_words import pin_sentence, space_sentence
+from app.store.sections.json_value import Json
+from app.store.state import AppState
+from tracker.session.results import SpaceFinding
+
+_REMEDIES: Final = {
+    "slides": "pin",
+    "off_floor": "pin",
+    "below_floor": "floor",
+    "keyframe_depth": "soften",
+    "leans": "",
+    "shakes": "smooth",
+}
+_WEIGHTS: Final = {"slides": 20.0, "off_floor": 20.0, "below_floor": 20.0, "keyframe_depth": 15.0,
+                   "leans": 3.0, "shakes": 0.1}  # fmt: skip
+"""What makes findings of different kinds comparable: of 5 cm, of 20°, of 10 m/s² each about 1."""
+
+
+def space(app_state: AppState) -> Json:
+    """What is wrong with the motion in space: sentence, part, frames, frame to go to, and what
+    mends it with one press; the worst first."""
+    edit = app_state.edit
+    if edit is None:
+        return []
+    told: list[tuple[float, Json]] = []
+    for stretch in edit.results.space(edit.settled):
+        told += [(_weight(found), _finding(found)) for found in stretch.findings]
+        for pin in stretch.pins:
+            if pin.keyframe is not None:
+                row = {
+                    "kind": "pin", "words": pin_sentence(pin), "part": pin.part,
+                    "first": pin.first_frame, "last": pin.last_frame, "go": pin.keyframe,
+                    "remedy": "soften",
+                }  # fmt: skip
+                told.append((_WEIGHTS["slides"] * pin.off_m, row))
+    return [row for _, row in sorted(told, key=lambda one: -one[0])]
+
+
+def _weight(found: SpaceFinding) -> float:
+    return _WEIGHTS[found.kind] * abs(found.amount)
+
+
+def _finding(found: SpaceFinding) -> Json:
+    return {
+        "kind": found.kind,
+        "words": space_sentence(found),
+        "part": found.part,
+        "first": found.first_frame,
+        "last": found.last_frame,
+        "go": found.go,
+        "remedy": _REMEDIES[found.kind],
+    }

@@ -1,0 +1,49 @@
+// What is not plausible of the motion in space: the worst of it, each with its frame and its remedy.
+
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { server } from '../store/state.js';
+import { send } from '../store/link.js';
+import { select } from '../store/parts.js';
+import { goTo, stopPlaying } from '../actions/playhead.js';
+import { button } from '../controls/fields.js';
+import { section } from './section.js';
+
+/** @typedef {import('../store/shapes.js').SpaceFinding} SpaceFinding */
+
+const MOST = 3;
+
+/** What mends a finding with one press; nothing where there is no such thing. */
+/** @type {Record<string, { label: string, act: (found: SpaceFinding) => void }>} */
+const REMEDIES = {
+  smooth: { label: 'Smooth', act: () => send({ do: 'settings', smooth: true }) },
+};
+
+export function space() {
+  const found = server.space ?? [];
+  if (found.length === 0) return nothing;
+  const rest = found.length - MOST;
+  return section(
+    'In space',
+    html`${found.slice(0, MOST).map(card)}
+    ${rest > 0 ? html`<p class="note">${rest} more</p>` : nothing}`,
+  );
+}
+
+/** @param {SpaceFinding} found */
+function card(found) {
+  const remedy = REMEDIES[found.remedy];
+  return html`<div class="finding" role="group" aria-label=${found.words}>
+    <p>${found.words}</p>
+    <div class="row">
+      ${remedy ? button({ name: '', label: remedy.label, kind: 'sm', act: () => remedy.act(found) }) : nothing}
+      ${button({ name: '', label: `Go to ${found.go}`, kind: 'ghost sm', act: () => visit(found) })}
+    </div>
+  </div>`;
+}
+
+/** @param {SpaceFinding} found */
+function visit({ part, go }) {
+  stopPlaying();
+  select(part);
+  goTo(go);
+}
