@@ -46,11 +46,13 @@ class Pin(Plain):
         return self.first_frame, self.last_frame
 
     def points(self, body: Body) -> tuple[Point, ...]:
-        """What stands still, metres in the part's frame."""
+        """What stands still, metres in the part's frame: with two landmarks also the joint, or the
+        part could turn about the line between them."""
         part = body.parts[body.index(self.part)]
         if self.point_m is not None:
             return (self.point_m,)
-        return tuple(part.landmarks[name] for name in self.landmarks) or ((0.0, 0.0, 0.0),)
+        named = tuple(part.landmarks[name] for name in self.landmarks)
+        return named if len(named) == 1 else (*named, (0.0, 0.0, 0.0))
 
     def overlaps(self, other: Pin) -> bool:
         """Whether both hold the same part at one frame."""
