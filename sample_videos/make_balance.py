@@ -139,7 +139,7 @@ def session_of(path: Path, posed: Posed) -> Session:
         body=_without_points(posed.skeleton.body),
         keyframes=tuple(keyframes),
         up_camera=UP_CAMERA,
-        settings=TrackSettings(static_camera=True, cues=ALL_CUES),
+        settings=TrackSettings(static_camera=True, cues=ALL_CUES, smooth=True),
     )
 
 

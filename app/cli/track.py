@@ -61,6 +61,12 @@ def add(commands: Subcommands) -> None:
         help="what finds keypoints: the bundled network, or the more exact and slower one that "
         f"`keypose models add heavy` adds{of_session}",
     )
+    command.add_argument(
+        "--smooth",
+        choices=("yes", "no"),
+        help="whether the whole motion is made smooth in space, as far as the pictures allow"
+        f"{of_session}",
+    )
     add_work(command)
 
 
@@ -81,5 +87,6 @@ def run(arguments: argparse.Namespace) -> int:
         still,
         arguments.cues,
         arguments.network,
+        None if arguments.smooth is None else arguments.smooth == "yes",
     )
     return track_and_save(session, asked, arguments)

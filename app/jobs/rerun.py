@@ -46,6 +46,7 @@ def with_settings(
     static_camera: bool | None = None,
     cues: Sequence[Cue] | None = None,
     network: NetworkName | None = None,
+    smooth: bool | None = None,
 ) -> Session:
     """The session as it is to be tracked in this run; its file keeps its own settings.
 
@@ -56,7 +57,7 @@ def with_settings(
     parts = None if left_out is None else tuple(left_out)
     wanted: dict[str, object] = {"method": method, "quality": quality, "initial": initial}
     wanted |= {"left_out": parts, "static_camera": static_camera}
-    wanted |= {"cues": None if cues is None else tuple(cues), "network": network}
+    wanted |= {"cues": None if cues is None else tuple(cues), "network": network, "smooth": smooth}
     chosen = {name: value for name, value in wanted.items() if value is not None}
     return session.model_copy(update={"settings": session.settings.model_copy(update=chosen)})
 
