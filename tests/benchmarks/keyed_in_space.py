@@ -1,7 +1,10 @@
 """Keyframes as somebody has them who also knows about where joints are in space, as from the side
-views of a careful hand or from further cameras: sizes from the reference's bones, poses on the marks
-and near its joints. With them a benchmark tells what tracking adds to depth, which keyframes posed
-on one picture hide by their own error."""
+views of a careful hand or from further cameras.
+
+Sizes are those of the reference's bones, poses lie on the marks and near its joints. With them a
+benchmark tells what tracking adds to depth; keyframes posed on one picture hide that by their own
+error.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +14,10 @@ import numpy as np
 
 from tests.benchmarks.clips import Clip, place
 from tests.benchmarks.keyed import Keyed, keyed
-from tests.benchmarks.posing import MARKS, sized
+from tests.benchmarks.posing import sized
+from tracker.body.body import Body
 from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose
+from tracker.body.pose import Pose, pose_transforms
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import Array
 from tracker.solver.body_points import BodyPoints, free_skeleton
@@ -54,14 +58,13 @@ def keyed_in_space(clip: Clip, keyframes: Sequence[int]) -> Keyed:
     return Keyed(skeleton, poses)
 
 
-def _sized(clip: Clip, names: Sequence[str], joints: Array):  # type: ignore[no-untyped-def]
+def _sized(clip: Clip, names: Sequence[str], joints: Array) -> Body:
     """The preset with the reference's mean bones."""
     body, at = clip.body, {name: joints[:, i] for i, name in enumerate(names)}
-    rest = Pose.rest(Skeleton.of(body), (0.0, 0.0, 0.0))
-    points = BodyPoints(Skeleton.of(body), tuple(place(body, name) for name in names))
-    from tracker.body.pose import pose_transforms
-
-    ours = dict(zip(names, points.at(pose_transforms(Skeleton.of(body), rest)), strict=True))
+    skeleton = Skeleton.of(body)
+    points = BodyPoints(skeleton, tuple(place(body, name) for name in names))
+    rest = pose_transforms(skeleton, Pose.rest(skeleton, (0.0, 0.0, 0.0)))
+    ours = dict(zip(names, points.at(rest), strict=True))
 
     def ratio(pairs: Sequence[tuple[str, str]]) -> float:
         theirs = np.mean([np.nanmean(np.linalg.norm(at[a] - at[b], axis=-1)) for a, b in pairs])
