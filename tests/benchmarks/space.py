@@ -264,14 +264,13 @@ def _walk(report: Report) -> None:
 def _keyings(shown: Shown, frames: list[int]) -> list[tuple[str, Skeleton, Mapping[int, Pose]]]:
     true = shown.keyposes(frames)
     rng = np.random.default_rng(0)
-    noisy = {
-        frame: Pose(
-            pose.Rs_parent_part
-            @ exp_rotation(rng.normal(0, np.radians(1.0), (len(pose.Rs_parent_part), 3))),
-            pose.p_camera_root + rng.normal(0, 0.005, 3),
-        )
-        for frame, pose in true.items()
-    }
+    parts = shown.skeleton.part_count
+
+    def disturbed(pose: Pose) -> Pose:
+        turns = exp_rotation(rng.normal(0, np.radians(1.0), (parts, 3)))
+        return Pose(pose.Rs_parent_part @ turns, pose.p_camera_root + rng.normal(0, 0.005, 3))
+
+    noisy = {frame: disturbed(pose) for frame, pose in true.items()}
     larger = Skeleton.of(scaled(shown.skeleton.body, 1.05))
     farther = {f: Pose(p.Rs_parent_part, 1.05 * p.p_camera_root) for f, p in true.items()}
     jitters = jittered(shown.skeleton, true, 1)
@@ -289,10 +288,8 @@ def _stance_slide(skeleton: Skeleton, motion: Trajectory, stances: Sequence[Pin]
 
 def _peaks(report: Report) -> None:
     """Peak speeds of fast rendered motions, which smoothing must not cut."""
-    table = report.table(
-        "peak speed over the tracked motion's, percent", "part", "truth m/s", "tracked", "Butterworth",
-        "smooth",
-    )  # fmt: skip
+    columns = ("part", "truth m/s", "tracked", "Butterworth", "smooth")
+    table = report.table("peak speed beside the truth's, percent", *columns)
     for name, parts in (("throw", ("right_hand",)), ("jump", ("waist", "left_foot"))):
         shown = sequence(name)
         frames = keyframes_every(30, 0, len(shown.grey) - 1)
