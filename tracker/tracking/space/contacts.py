@@ -29,8 +29,9 @@ ACROSS_S, DEPTH_S = 0.025, 0.08
 LEAST_S, GAP_S = 0.12, 0.05
 """A shorter stance is none; a shorter gap does not end one."""
 LOW_M, NEAR_S = 0.12, 0.75
-"""How far above its lowest place, within so long before and after, a foot may stand, and above
-another that stands."""
+"""How far above its lowest place, within so long before and after, a foot may stand."""
+STEP_M = 0.30
+"""How far above another that stands: one foot on a beam or a stair, but none held up still."""
 TOES_S = 0.15
 """Toes that stay for so long after the heel has left get a pin of their own."""
 
@@ -146,5 +147,5 @@ def _low(places: Array, up_camera: Array | None, frames_per_second: float) -> ND
     )
     for kind in (slice(0, None, 2), slice(1, None, 2)):  # ankles, toes
         standing = np.where(still[:, kind], high[:, kind], np.inf).min(axis=1, keepdims=True)
-        low[:, kind] &= high[:, kind] < standing + LOW_M
+        low[:, kind] &= high[:, kind] < standing + STEP_M
     return np.asarray(low)
