@@ -21,6 +21,12 @@ from tracker.storage.tracks import Tracks
 CAMERA_UP = (0.0, -1.0, 0.0)
 """Up where no other direction is known: the camera's own."""
 
+TIME_S = 1e-3
+"""Times that are off by no more are evenly spaced: containers round them to that."""
+
+AT_KEYFRAME = 0.05
+"""A pose so near to a keyframe, in frames of the video, counts as the keyframe's."""
+
 
 @dataclass(frozen=True)
 class RecordedSegment:
@@ -35,11 +41,19 @@ class RecordedSegment:
 class Recording:
     """N consecutive frames. Where one is not tracked, its pose is NaN and it is in no segment.
 
+    They are the video's frames, or poses at a rate of their own (`tracker.formats.sampling`), frame
+    n then n / rate seconds after the video's first frame. Segments and open ends have the video's
+    numbers in both cases.
+
     tracks:    the poses and their diagnostics.
     stretches: the tracked segments, ascending; neighbours share a keyframe.
     times_s:   (N,) seconds from the video's first frame.
     up_camera: (3,) what is up, a unit vector in the camera frame.
     open_ends: frames at which a motion of surfaces begins, ends or was stopped without a keyframe.
+    rate:      frames a second of all the video's frames on average, or of the poses' own; None
+               where the video has no two.
+    sampled_at: (N,) which frame of the video a pose belongs to, in fractions; None: its own number.
+    filter_hz: the cut-off of the low-pass filter that the poses went through; None: as tracked.
     """
 
     skeleton: Skeleton
@@ -49,6 +63,9 @@ class Recording:
     times_s: Array
     up_camera: Array
     open_ends: tuple[int, ...] = ()
+    rate: float | None = None
+    sampled_at: Array | None = None
+    filter_hz: float | None = None
 
     @classmethod
     def of(
@@ -73,6 +90,7 @@ class Recording:
             frozen(times_s[first : last + 1]),
             frozen(up / np.linalg.norm(up)),
             tuple(sorted(_open_ends(session, segments))),
+            _mean_rate(times_s),
         )
 
     def __len__(self) -> int:
@@ -89,12 +107,26 @@ class Recording:
         return int(self.tracks.diagnostics.singular_values.shape[-1])
 
     @property
+    def film_frames(self) -> Array:
+        """(N,) which frame of the video each pose belongs to; fractions where it is between two."""
+        return np.array(self.frames, dtype=float) if self.sampled_at is None else self.sampled_at
+
+    @property
+    def is_even(self) -> bool:
+        """Whether the frames are evenly spaced, at `rate`, to a millisecond."""
+        if self.rate is None:
+            return False
+        off = self.times_s - np.arange(len(self)) / self.rate
+        return bool(np.ptp(off) <= 2 * TIME_S)
+
+    @property
     def frames_per_second(self) -> float:
-        """The mean rate, for formats that know no other. FormatError where there is none."""
+        """The rate, of uneven frames the mean. FormatError where there is none."""
         seconds = float(self.times_s[-1] - self.times_s[0])
         if len(self) < 2 or not 0.0 < seconds < np.inf:
             raise FormatError("A motion needs two frames and the time between them.")
-        return (len(self) - 1) / seconds
+        even = self.rate is not None and self.is_even
+        return self.rate if even and self.rate is not None else (len(self) - 1) / seconds
 
     @cached_property
     def trajectory(self) -> Trajectory:
@@ -115,41 +147,51 @@ class Recording:
         rows = np.flatnonzero(self.tracks.tracked)
         if not len(rows):
             raise FormatError("No frame is tracked.")
-        first = self.tracks.first_frame + int(rows[0])
-        tracks = self.tracks.between(first, self.tracks.first_frame + int(rows[-1]))
-        if not tracks.tracked.all():
-            missing = tracks.runs(tracked=False)
+        whole = self.between(self.frames[int(rows[0])], self.frames[int(rows[-1])])
+        if not whole.tracks.tracked.all():
+            missing = whole.tracks.runs(tracked=False)
             which = f"Frames {missing} are" if " " in missing else f"Frame {missing} is"
             raise FormatError(
                 f"{which} not tracked, and {name} holds no gaps: track them first, or choose CSV, "
                 "NPZ, TRC or C3D."
             )
-        return replace(self, tracks=tracks, times_s=self.times_s[rows[0] : rows[-1] + 1])
+        return whole
+
+    def between(self, first: int, last: int) -> Recording:
+        """The frames first to last, of those that there are."""
+        start, end = first - self.tracks.first_frame, last + 1 - self.tracks.first_frame
+        return replace(
+            self,
+            tracks=self.tracks.between(first, last),
+            times_s=self.times_s[start:end],
+            sampled_at=None if self.sampled_at is None else self.sampled_at[start:end],
+        )
 
     @cached_property
     def segment_at(self) -> NDArray[np.int64]:
         """(N,) the segment a frame is in, −1 for none: of two, the one that begins there."""
-        at = np.full(len(self), -1)
+        at, film = np.full(len(self), -1), self.film_frames
         for i, segment in enumerate(self.segments):
-            at[self._rows(segment)] = i
+            at[(film >= segment.first_frame) & (film <= segment.last_frame)] = i
+        at[~self.tracks.tracked] = -1
         at.setflags(write=False)
         return at
 
     @cached_property
     def at_keyframe(self) -> NDArray[np.bool_]:
-        """(N,) True where the pose is not a tracked one but that of a keyframe."""
-        keyed = np.zeros(len(self), dtype=np.bool_)
-        for segment in self.segments:
-            rows = self._rows(segment)
-            ends = ((segment.first_frame, rows.start), (segment.last_frame, rows.stop - 1))
-            for frame, row in ends:
-                keyed[row] |= frame not in self.open_ends
-        keyed.setflags(write=False)
-        return keyed
+        """(N,) True at a keyframe, whose pose is not a tracked one."""
+        ends = {frame for s in self.segments for frame in (s.first_frame, s.last_frame)}
+        keyed = np.array(sorted(ends - set(self.open_ends)), dtype=float)
+        near = np.abs(self.film_frames[:, None] - keyed) <= AT_KEYFRAME
+        found = np.asarray(near.any(axis=1))
+        found.setflags(write=False)
+        return found
 
-    def _rows(self, segment: RecordedSegment) -> slice:
-        first = self.tracks.first_frame
-        return slice(segment.first_frame - first, segment.last_frame - first + 1)
+
+def _mean_rate(times_s: Array) -> float | None:
+    """Frames a second; None where there are no two, or no time between them."""
+    seconds = float(times_s[-1] - times_s[0]) if len(times_s) else 0.0
+    return (len(times_s) - 1) / seconds if 0.0 < seconds < np.inf else None
 
 
 def _open_ends(session: Session, segments: Sequence[RecordedSegment]) -> set[int]:
