@@ -15,19 +15,19 @@ from app.cli.arguments import (
     note,
 )
 from app.cli.json_output import print_written
-from app.cli.views import video_if_there
+from app.cli.views import cutoff_hz, frame_range, rate, video_if_there
 from app.export.motion_formats import FORMATS
 from tracker.errors import FormatError
 
 if TYPE_CHECKING:
-    from app.export.motion_formats import MotionFormat
+    from app.export.motion_files import Sampling
     from tracker.geometry.rotations import Array
     from tracker.session import Session
-    from tracker.storage.tracks import Tracks
 
 _EXAMPLES = """\
   keypose export session.json --format bvh --out motion
   keypose export session.json --format csv,npz --out tables --overwrite
+  keypose export session.json --format trc --filter 6Hz --fps 30 --frames 10-60 --out walk
 """
 
 
@@ -35,7 +35,8 @@ def add(commands: Subcommands) -> None:
     kinds = (f"{name}: {', '.join(kind.names)}, {kind.words}." for name, kind in FORMATS.items())
     details = (
         f"{' '.join(kinds)} Frames that are not "
-        "tracked stay empty in csv, npz, trc and c3d; bvh and glb hold no gaps."
+        "tracked stay empty in csv, npz, trc and c3d; bvh and glb hold no gaps. Of a film whose "
+        "rate varies, csv and npz keep every frame with its time; the others get the mean rate."
     )
     command = add_command(
         commands, "export", run, "Write the tracked motion for other programs", details, _EXAMPLES
@@ -48,10 +49,24 @@ def add(commands: Subcommands) -> None:
         required=True,
         help=f"one or several of {', '.join(FORMATS)}",
     )
+    command.add_argument(
+        "--filter",
+        metavar="HZ",
+        type=cutoff_hz,
+        help="cut-off of a low-pass filter without delay, such as 6Hz (Butterworth, fourth order); "
+        "default: none",
+    )
+    command.add_argument(
+        "--fps", metavar="N", type=rate, help="frames a second in every format; default: the film's"
+    )
+    command.add_argument(
+        "--frames", metavar="A-B", type=frame_range, help="frames of the film; default: all"
+    )
     add_output(command, "DIR", "folder; made when it is missing")
 
 
 def run(arguments: argparse.Namespace) -> int:
+    from app.export.motion_files import motion_files, sampling_words, saved_motion
     from tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
     from tracker.storage.files import load_session
     from tracker.storage.outdated import outdated_words
@@ -59,7 +74,13 @@ def run(arguments: argparse.Namespace) -> int:
 
     session = load_session(arguments.session)
     tracks = load_tracks(session, arguments.session)
-    files = _files(arguments.format, session, arguments.session, tracks)
+    recording = saved_motion(session, tracks, _times_s(session, arguments.session))
+    sampling = _sampling(arguments)
+    files = {
+        name: content
+        for format_name in arguments.format
+        for name, content in motion_files(format_name, recording, sampling).items()
+    }
     places = {arguments.out / name: content for name, content in files.items()}
     if not arguments.overwrite:
         require_absent(places)
@@ -68,22 +89,16 @@ def run(arguments: argparse.Namespace) -> int:
     for place, content in places.items():
         write_file(place, content, overwrite=arguments.overwrite)
     print_written(places, arguments.json)
+    note(sampling_words(recording, sampling, arguments.format))
     note(outdated_words(session, tracks))
     return 0
 
 
-def _files(
-    formats: tuple[MotionFormat, ...], session: Session, session_path: Path, tracks: Tracks
-) -> dict[str, bytes]:
-    """The contents to write by file name."""
-    from app.export.motion_files import motion_files, saved_motion
+def _sampling(arguments: argparse.Namespace) -> Sampling:
+    from app.export.motion_files import Sampling
 
-    recording = saved_motion(session, tracks, _times_s(session, session_path))
-    return {
-        name: content
-        for format_name in formats
-        for name, content in motion_files(format_name, recording).items()
-    }
+    fps = None if arguments.fps is None else float(arguments.fps)
+    return Sampling(fps, arguments.filter, arguments.frames)
 
 
 def _times_s(session: Session, session_path: Path) -> Array:

@@ -150,6 +150,15 @@ def rate(text: str) -> Fraction:
     return value.limit_denominator(100_000)
 
 
+def cutoff_hz(text: str) -> float:
+    """Such as 6 or 6Hz."""
+    number = re.sub(r"\s*hz$", "", text.strip().lower())
+    value = float(number) if _NUMBER.fullmatch(number) else 0.0
+    if not 0.01 <= value <= 1000:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a cut-off such as 6Hz")
+    return value
+
+
 def frame_range(text: str) -> tuple[int, int]:
     """Frames such as 10-60."""
     found = re.fullmatch(r"(\d{1,9})[-–](\d{1,9})", text)

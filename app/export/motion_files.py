@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import io
 import zipfile
+from collections.abc import Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from app.editor.state import EditorState
 from app.export.motion_formats import FORMATS, MotionFormat
-from tracker.errors import FormatError
+from tracker.errors import FormatError, listed
 from tracker.formats.recording import RecordedSegment, Recording
+from tracker.formats.sampling import at_rate, low_passed, moved_at_keyframes
 from tracker.geometry.rotations import Array
 from tracker.session.schema import Session
 from tracker.storage.results import Span
@@ -25,10 +29,78 @@ class File:
     suffix: str
 
 
-def motion_files(format_name: MotionFormat, recording: Recording) -> dict[str, bytes]:
+@dataclass(frozen=True)
+class Sampling:
+    """What a person may ask for besides a format.
+
+    rate: frames a second, those of the film when None; where these vary, formats that are read at
+        a constant rate get their mean.
+    filter_hz: cut-off of the low-pass filter, none when None.
+    frames: first and last frame of the film, all when None.
+    """
+
+    rate: float | None = None
+    filter_hz: float | None = None
+    frames: Span | None = None
+
+
+AS_TRACKED = Sampling()
+
+
+def sampled(recording: Recording, sampling: Sampling, own_times: bool) -> Recording:
+    """The recording as it is asked for; `own_times` where a varying rate may stay.
+
+    It is filtered before frames are left out, and at the film's rate, whatever rate it gets.
+    """
+    made = recording
+    if sampling.filter_hz is not None:
+        made = low_passed(made, sampling.filter_hz)
+    if sampling.rate is not None:
+        made = at_rate(made, sampling.rate)
+    elif not own_times and not made.is_even:
+        made = at_rate(made, made.rate or made.frames_per_second)
+    return made if sampling.frames is None else _between(made, sampling.frames)
+
+
+def _between(recording: Recording, frames: Span) -> Recording:
+    """The poses of these frames of the film."""
+    film = recording.film_frames
+    inside = np.flatnonzero((film >= frames[0]) & (film <= frames[1]))
+    if len(inside) < 2:
+        raise FormatError(
+            f"Of frames {frames[0]} to {frames[1]} no two have a motion: it goes from "
+            f"{np.ceil(film[0]):.0f} to {np.floor(film[-1]):.0f}."
+        )
+    numbers = recording.frames
+    return recording.between(numbers[int(inside[0])], numbers[int(inside[-1])])
+
+
+def sampling_words(
+    recording: Recording, sampling: Sampling, formats: Sequence[MotionFormat]
+) -> str | None:
+    """What a person should know of files in these formats; None where they are as tracked."""
+    said = []
+    if sampling.filter_hz is not None:
+        metres, radians = moved_at_keyframes(low_passed(recording, sampling.filter_hz), recording)
+        said.append(
+            f"Filtered at {sampling.filter_hz:g} Hz, which moves keyframes by up to "
+            f"{metres * 1000:.1f} mm and {np.degrees(radians):.1f}°."
+        )
+    even = [name for name in formats if sampling.filter_hz or not FORMATS[name].own_times]
+    if sampling.rate is None and even and not recording.is_even:
+        rate = recording.rate or recording.frames_per_second
+        names = listed([name.upper() for name in even])
+        verb = "has" if len(even) == 1 else "have"
+        said.append(f"The film's rate varies: {names} {verb} {rate:.6g} frames a second.")
+    return " ".join(said) or None
+
+
+def motion_files(
+    format_name: MotionFormat, recording: Recording, sampling: Sampling = AS_TRACKED
+) -> dict[str, bytes]:
     """The contents to write by file name. FormatError when the format cannot hold the motion."""
     kind = FORMATS[format_name]
-    contents = kind.write(recording)
+    contents = kind.write(sampled(recording, sampling, kind.own_times))
     return {name: _bytes(one) for name, one in zip(kind.names, contents, strict=True)}
 
 
@@ -36,9 +108,11 @@ def _bytes(content: str | bytes) -> bytes:
     return content.encode() if isinstance(content, str) else content
 
 
-def motion_archive(format_name: MotionFormat, edit: EditorState) -> File:
+def motion_archive(
+    format_name: MotionFormat, edit: EditorState, sampling: Sampling = AS_TRACKED
+) -> File:
     """The motion as one file: several are packed into a zip. FormatError where frames lack."""
-    files = motion_files(format_name, shown_motion(edit))
+    files = motion_files(format_name, shown_motion(edit), sampling)
     if len(files) == 1:
         return File(next(iter(files.values())), FORMATS[format_name].media_type, f".{format_name}")
     packed = io.BytesIO()

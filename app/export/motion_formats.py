@@ -21,12 +21,15 @@ class Format:
 
     words: what it is for, and in which units and axes.  write: one recording as it.
     names: of its files; of several the page makes one zip.  media_type: of the one file.
+    own_times: whether a film of varying rate keeps its own frames and times in it; the others are
+    read at a constant rate.
     """
 
     words: str
     write: Callable[[Recording], Sequence[str | bytes]]
     names: tuple[str, ...]
     media_type: str = "application/octet-stream"
+    own_times: bool = False
 
 
 def _bvh(recording: Recording) -> Sequence[str]:
@@ -90,11 +93,11 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
     "csv": Format(
         "joints in metres in the camera frame (x right, y down, z forward), angles in degrees, and "
         "how far to trust every frame",
-        _csv, ("joints.csv", "angles.csv", "frames.csv"),
+        _csv, ("joints.csv", "angles.csv", "frames.csv"), own_times=True,
     ),
     "npz": Format(
         "all of this and the camera for NumPy, metres and radians",
-        _npz, ("motion.npz",),
+        _npz, ("motion.npz",), own_times=True,
     ),
 }  # fmt: skip
 

@@ -16,7 +16,7 @@ from app.editor.actions import Message, Spot
 from app.editor.pointer_views import pointer_views
 from app.editor.shown import shown_pose
 from app.editor.state import EditorState
-from app.export.motion_files import motion_archive
+from app.export.motion_files import Sampling, motion_archive
 from app.export.motion_formats import MotionFormat
 from app.posing import outline, parts_at
 from app.render.snapshots import Look, View, png, snapshot
@@ -50,9 +50,11 @@ class Shot(Message):
 
 
 class Motion(Message):
-    """The tracked motion as a file."""
+    """The tracked motion as a file; `filter_hz` and `fps` as of `Sampling`."""
 
     format: MotionFormat
+    filter_hz: Annotated[FiniteFloat, Field(gt=0, le=1000)] | None = None
+    fps: Annotated[FiniteFloat, Field(ge=0.1, le=1000)] | None = None
 
 
 PICK: TypeAdapter[Pick] = TypeAdapter(Pick)
@@ -100,7 +102,8 @@ class Outputs:
         try:
             wanted = MOTION.validate_strings(dict(request.query_params))
             edit, name = self._edit(), self._name()
-            file = await asyncio.to_thread(motion_archive, wanted.format, edit)
+            sampling = Sampling(wanted.fps, wanted.filter_hz)
+            file = await asyncio.to_thread(motion_archive, wanted.format, edit, sampling)
         except (ValidationError, KeyposeError) as error:
             return _refused(error)
         return _download(file.content, file.media_type, f"{name}{file.suffix}")

@@ -28,6 +28,9 @@ ORDER = 2
 LEAST_WEIGHT = 1e-4
 """Of the largest: the kernel ends where its weights stay below."""
 
+LONGEST_NEAR_HALF_RATE = 500
+"""Frames that a kernel may reach beside those of its cut-off: near half the rate it rings."""
+
 CLOSE_RAD, MOST_STEPS = 1e-9, 30
 """When a mean of rotations counts as found, and how many steps that may take."""
 
@@ -45,7 +48,7 @@ def low_pass_kernel(cutoff_hz: float, rate: float) -> Array:
     # Two passes are 3 dB down where one is 1.5; the tangent is the bilinear transform's warp.
     one_pass = np.tan(np.pi * cutoff_hz / rate) / (np.sqrt(2.0) - 1.0) ** (1 / (2 * ORDER))
     sections = butter(ORDER, 2.0 / np.pi * np.arctan(one_pass), output="sos")
-    half = int(np.ceil(4.0 * rate / cutoff_hz)) + 8
+    half = int(np.ceil(4.0 * rate / cutoff_hz)) + LONGEST_NEAR_HALF_RATE
     impulse = np.zeros(2 * half + 1)
     impulse[half] = 1.0
     weights = sosfiltfilt(sections, impulse, padlen=0)
@@ -55,13 +58,13 @@ def low_pass_kernel(cutoff_hz: float, rate: float) -> Array:
     return np.asarray(kept / kept.sum())
 
 
-def least_frames(kernel: Array) -> int:
-    """How many frames a motion must have to be filtered: the kernel may reach beyond one end."""
-    return len(kernel) // 2 + 1
+def least_frames(cutoff_hz: float, rate: float) -> int:
+    """How many frames a motion must have to be filtered: a period of the cut-off."""
+    return max(int(np.ceil(rate / cutoff_hz)), 3) + 1
 
 
 def filtered_positions(ps: Array, kernel: Array) -> Array:
-    """Positions (N, ...) of consecutive frames; N is at least `least_frames`."""
+    """Positions (N, ...) of consecutive frames, at least two."""
     reach = len(kernel) // 2
     edges = ((reach, reach), *((0, 0),) * (ps.ndim - 1))
     continued = np.pad(ps, edges, mode="reflect", reflect_type="odd")
@@ -70,7 +73,7 @@ def filtered_positions(ps: Array, kernel: Array) -> Array:
 
 
 def filtered_rotations(Rs: Array, kernel: Array) -> Array:
-    """Rotations (N, ..., 3, 3) of consecutive frames; N is at least `least_frames`."""
+    """Rotations (N, ..., 3, 3) of consecutive frames, at least two."""
     q = quaternion_wxyz(_continued(Rs, len(kernel) // 2))
     found = []
     for start in range(0, len(Rs), FRAMES_AT_ONCE):
@@ -80,10 +83,13 @@ def filtered_rotations(Rs: Array, kernel: Array) -> Array:
 
 
 def _continued(Rs: Array, reach: int) -> Array:
-    """Reflected through both ends by so many frames."""
-    before = Rs[0] @ np.swapaxes(Rs[reach:0:-1], -1, -2) @ Rs[0]
-    after = Rs[-1] @ np.swapaxes(Rs[-2 : -reach - 2 : -1], -1, -2) @ Rs[-1]
-    return np.concatenate([before, Rs, after]) if reach else Rs
+    """Reflected through both ends by so many frames, again and again where they are few."""
+    while reach > 0:
+        count = min(reach, len(Rs) - 1)
+        before = Rs[0] @ np.swapaxes(Rs[count:0:-1], -1, -2) @ Rs[0]
+        after = Rs[-1] @ np.swapaxes(Rs[-2 : -count - 2 : -1], -1, -2) @ Rs[-1]
+        Rs, reach = np.concatenate([before, Rs, after]), reach - count
+    return Rs
 
 
 def _means(q: Array, kernel: Array) -> Array:

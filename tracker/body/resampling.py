@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from tracker.geometry.rotations import Array, exp_rotation, log_rotation, transpose
 
-FARTHEST_RAD = 2.0
-"""Turned by more than this to a neighbour, rotations are not told by cubics."""
+FARTHEST_RAD = 3.0
+"""Where neighbours turn by more than this, frame by frame, together, cubics do not tell rotations:
+half a turn has no direction."""
 
 
 def resampled(
@@ -30,7 +31,8 @@ def resampled(
     positions = np.einsum("mk,mk...->m...", cubic, ps[near])
     start = Rs[before]
     turns = log_rotation(transpose(start)[:, None] @ Rs[near])
-    far = np.linalg.norm(turns, axis=-1).max(axis=1) > FARTHEST_RAD
+    steps = np.linalg.norm(log_rotation(transpose(Rs[:-1]) @ Rs[1:]), axis=-1)
+    far = steps[near[:, :-1]].sum(axis=1) > FARTHEST_RAD
     pair = np.stack([before, before + 1], axis=1)
     linear = _weights(times_s[pair], wanted_s)[:, 1]
     straight = log_rotation(transpose(start) @ Rs[before + 1])

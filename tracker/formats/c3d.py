@@ -3,8 +3,9 @@
 Joints and landmarks are the points. Millimetres, as POINT:UNITS says; axes as in
 `tracker.formats.axes`: x right, y up, z toward the camera, which is the origin. Points are single
 precision, good to a thousandth of a millimetre. Where a frame is not tracked its points have the
-residual −1, "invalid" in C3D. There are no analog channels. Frames are evenly spaced by the mean
-rate, as C3D allows nothing else; they are numbered from 1: frame 0 of the video is frame 1 here.
+residual −1, "invalid" in C3D. There are no analog channels. Frames are evenly spaced, as C3D allows
+nothing else; they are numbered from 1: frame 0 of the video is frame 1 here. Where the motion was
+low-pass filtered, KEYPOSE:LOW_PASS_HZ has the cut-off.
 """
 
 from __future__ import annotations
@@ -46,6 +47,8 @@ def c3d(recording: Recording) -> bytes:
     point["DESCRIPTIONS"]["value"] = [""] * len(labels)
     file.add_parameter("POINT", "X_SCREEN", ["+X"])
     file.add_parameter("POINT", "Y_SCREEN", ["+Y"])
+    if recording.filter_hz is not None:
+        file.add_parameter("KEYPOSE", "LOW_PASS_HZ", [recording.filter_hz])
     ps = np.moveaxis(flipped(recording.ps_camera_joint) * MM_PER_M, -1, 0).swapaxes(1, 2)
     missing = np.isnan(ps).any(axis=0)
     file["data"]["points"] = np.concatenate([ps, np.ones((1, *missing.shape))])

@@ -16,6 +16,10 @@ frames: what is known of every frame, and how far to trust it.
     first_frame, last_frame the keyframes of that segment
     rank                    of the step to the next frame: how many motions the picture decided
     degrees_of_freedom      of how many
+    film_frame              which frame of the video a row is: where the motion was given a rate of
+                            its own, `frame` counts by that rate, and this has fractions
+    filter_hz               cut-off of the low-pass filter (Butterworth, fourth order, without
+                            delay); empty where the motion is as tracked
     <part>_observability    of that step: 0, all guessed, to 1, all seen
     <part>_residual         of that step: difference of brightness, grey levels
 
@@ -74,14 +78,21 @@ def frames_csv(recording: Recording) -> str:
         rank = [int(ranks[i]), recording.degrees_of_freedom] if ranks[i] >= 0 else ["", ""]
         time_s = fixed_decimals([recording.times_s[i]], DECIMALS)
         values = fixed_decimals(steps[i], DECIMALS)
-        writer.writerow([frame, *time_s, *_finding(recording, i), *rank, *values])
+        found_here = (*_finding(recording, i), *rank, *_sampling(recording, i))
+        writer.writerow([frame, *time_s, *found_here, *values])
     return text.getvalue()
 
 
 _FRAME_COLUMNS = (
     *("frame", "time_s", "pose", "verdict", "words", "first_frame", "last_frame"),
-    *("rank", "degrees_of_freedom"),
+    *("rank", "degrees_of_freedom", "film_frame", "filter_hz"),
 )
+
+
+def _sampling(recording: Recording, i: int) -> tuple[str, str]:
+    """film_frame and filter_hz of a row."""
+    film = f"{recording.film_frames[i]:.4f}".rstrip("0").rstrip(".")
+    return film, "" if recording.filter_hz is None else f"{recording.filter_hz:g}"
 
 
 def _finding(recording: Recording, i: int) -> tuple[str | int, ...]:

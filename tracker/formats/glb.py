@@ -3,8 +3,9 @@
 World of the file as in `tracker.formats.axes`: metres, x right, y up, z toward the camera, which is
 at the origin. Every part is a node with its mesh, a child of its parent's node at the joint; in the
 rest pose all nodes are parallel to the world. Landmarks are nodes without a mesh. One animation
-turns every part and moves the root. Its times are the video's own, from the video's first frame,
-however uneven; between two of them programs turn each part about one axis, the shorter way.
+turns every part and moves the root. Its times count from the video's first frame; between two of
+them programs turn each part about one axis, the shorter way. The animation's `extras` say its rate
+and, where the motion was low-pass filtered, the cut-off.
 
 A perspective camera is the node "camera". glTF knows the angle it sees, but no principal point
 beside the middle and no distortion: the exact numbers are in the camera's `extras`. A telephoto
@@ -173,8 +174,18 @@ def _animation(
             {"input": clock, "output": output, "interpolation": "LINEAR"}
             for _, _, output in outputs
         ],
-        "extras": {"first_frame": recording.frames[0], "frame_count": len(recording)},
+        "extras": _facts(recording),
     }
+
+
+def _facts(recording: Recording) -> dict[str, float]:
+    """What the animation says of itself."""
+    facts: dict[str, float] = {"first_frame": recording.frames[0], "frame_count": len(recording)}
+    if recording.is_even and recording.rate is not None:
+        facts["frames_per_second"] = round(recording.rate, 9)
+    if recording.filter_hz is not None:
+        facts["low_pass_filter_hz"] = recording.filter_hz
+    return facts
 
 
 def _cameras(camera: Camera) -> list[dict[str, Any]]:

@@ -3,10 +3,17 @@
 Frames are the N from the first keyframe to the last, parts P, joints and landmarks J, segments S.
 Positions are metres in the camera frame: x right, y down, z away from the camera. Where a frame is
 not tracked, its numbers are NaN. The fields `first_frame`, `part_names`, `Rs_parent_part` and
-`ps_camera_root` make the file of a motion without gaps a reference for `keypose evaluate`, too.
+`ps_camera_root` make the file of a motion without gaps a reference for `keypose evaluate`, too,
+unless it has a rate of its own. Segments are told by the video's frames.
 
     first_frame            ()              number of the first frame in the video
     frame, time_s          (N,)            numbers of the frames; their times, seconds
+    film_frame             (N,)            which frame of the video that is: where the motion was
+                                           given a rate of its own, `frame` counts by that rate
+                                           from the video's first frame, and this has fractions
+    frames_per_second      ()              the rate, where frames are evenly spaced, or the mean
+    filter_hz              ()              cut-off of the low-pass filter (Butterworth, fourth
+                                           order, without delay); NaN where it is as tracked
     part_names             (P,)            text
     names                  (J,)            of joints (each part's own) and landmarks
     Rs_parent_part         (N, P, 3, 3)    rotations in the parents' frames (root: the camera's)
@@ -68,6 +75,9 @@ def _poses(recording: Recording) -> Arrays:
         "first_frame": _whole(tracks.first_frame),
         "frame": _whole(recording.frames),
         "time_s": recording.times_s,
+        "film_frame": recording.film_frames,
+        "frames_per_second": np.array(recording.rate if recording.rate is not None else np.nan),
+        "filter_hz": np.array(np.nan if recording.filter_hz is None else recording.filter_hz),
         "part_names": _text(tracks.part_names),
         "names": _text(column_names(recording.skeleton)),
         "Rs_parent_part": tracks.Rs_parent_part,

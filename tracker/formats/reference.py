@@ -95,6 +95,7 @@ def _arrays(path: Path, skeleton: Skeleton) -> Trajectory | JointReference:
     except ValueError as error:
         why = " ".join(str(error).split()).rstrip(".")
         raise FormatError(f"{path.name} is not an archive of plain arrays: {why}.") from None
+    _require_the_videos_frames(path.name, arrays)
     if "Rs_parent_part" in arrays:
         return _poses(path.name, arrays, skeleton)
     if "ps_camera_joint" in arrays:
@@ -104,6 +105,14 @@ def _arrays(path: Path, skeleton: Skeleton) -> Trajectory | JointReference:
         f"{path.name} is not a reference: Rs_parent_part or ps_camera_joint is expected; it holds "
         f"{found}."
     )
+
+
+def _require_the_videos_frames(file: str, arrays: Mapping[str, NDArray[Any]]) -> None:
+    frame, film = arrays.get("frame"), arrays.get("film_frame")
+    if frame is not None and film is not None and not np.array_equal(frame, film):
+        raise FormatError(
+            f"{file} has a rate of its own, not the video's frames: export it without --fps."
+        )
 
 
 def _poses(file: str, arrays: Mapping[str, NDArray[Any]], skeleton: Skeleton) -> Trajectory:

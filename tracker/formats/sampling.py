@@ -72,7 +72,7 @@ def low_passed(recording: Recording, cutoff_hz: float) -> Recording:
     kernel = low_pass_kernel(cutoff_hz, rate)
     Rs, ps = even.tracks.Rs_parent_part.copy(), even.tracks.ps_camera_root.copy()
     for run in _runs(even.tracks.tracked):
-        count, least = run.stop - run.start, least_frames(kernel)
+        count, least = run.stop - run.start, least_frames(cutoff_hz, rate)
         if count < least:
             first = even.frames[run.start]
             raise FormatError(

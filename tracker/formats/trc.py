@@ -3,8 +3,8 @@
 Joints and landmarks are the markers. Millimetres, as `Units` says; axes as in
 `tracker.formats.axes`: x right, y up, z toward the camera, which is the origin. Columns are parted
 by tabs. Frames that are not tracked have no positions, and a tab ends every row, without which
-OpenSim would miss a last marker left empty. `Time` holds the video's own times in seconds and
-`Frame#` the video's frame numbers, from 0; the rates in the header are the mean.
+OpenSim would miss a last marker left empty. `Time` counts in seconds from the video's first frame
+and `Frame#` from 0; the rates in the header are the mean where times are uneven.
 """
 
 from __future__ import annotations

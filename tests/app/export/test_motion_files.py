@@ -13,7 +13,7 @@ import pytest
 
 from app.cli.main import main
 from app.editor.state import EditorState
-from app.export.motion_files import motion_archive
+from app.export.motion_files import Sampling, motion_archive
 from app.export.motion_formats import FORMATS, MotionFormat
 from app.posing import opening_pose
 from app.server.outputs import MOTION
@@ -50,10 +50,11 @@ def opened(path: Path, results: Results) -> EditorState:
     return EditorState(session, cases.SKELETON, times_s, opening, results)
 
 
-def exported(path: Path, formats: str) -> dict[str, bytes]:
+def exported(path: Path, formats: str, *more: str) -> dict[str, bytes]:
     """What the command line writes, by file name."""
     out = path.parent / "out"
-    assert main(["export", str(path), "--format", formats, "--out", str(out), "--overwrite"]) == 0
+    command = ["export", str(path), "--format", formats, "--out", str(out), "--overwrite", *more]
+    assert main(command) == 0
     return {file.name: file.read_bytes() for file in out.iterdir()}
 
 
@@ -81,21 +82,124 @@ def test_all_formats_are_written_at_once_under_their_names(path: Path) -> None:
     ]
 
 
-def test_times_are_those_of_a_video_with_an_uneven_rate(path: Path) -> None:
+UNEVEN_MS = [0, 30, 70, 90, 200, 233, 240, 300, 420]
+
+
+@pytest.fixture
+def uneven(path: Path) -> Path:
+    """A tracked session about a film whose rate varies."""
     opened(path, results_cases.both(load_session(path)))
-    pts = [0, 30, 70, 90, 200, 233, 240, 300, 420]
     clip = path.parent / "uneven.mkv"
-    write_numbered(clip, LAST + 1, pts=pts, time_base=Fraction(1, 1000))
+    write_numbered(clip, LAST + 1, pts=UNEVEN_MS, time_base=Fraction(1, 1000))
     cases.altered(path, lambda data: data["video"].update(path=clip.name, fingerprint=""))
-    files = exported(path, "glb,npz,trc,csv")
-    times_s = np.array(pts) / 1000
-    np.testing.assert_allclose(Player.of(files["motion.glb"]).times_s, times_s, atol=1e-7)
+    return path
+
+
+def columns(table: bytes) -> dict[str, np.ndarray]:  # type: ignore[type-arg]
+    """The columns of numbers of a table of frames, by name."""
+    names, *rows = [line.split(",") for line in table.decode().splitlines()]
+    wanted = ("frame", "time_s", "film_frame")
+    return {n: np.array([float(row[names.index(n)]) for row in rows]) for n in wanted}
+
+
+def test_tables_of_a_film_with_an_uneven_rate_keep_every_frame_and_its_time(uneven: Path) -> None:
+    files, times_s = exported(uneven, "npz,csv"), np.array(UNEVEN_MS) / 1000
     with np.load(io.BytesIO(files["motion.npz"])) as arrays:
         np.testing.assert_allclose(arrays["time_s"], times_s, atol=1e-12)
+        assert arrays["film_frame"].tolist() == arrays["frame"].tolist() == list(range(LAST + 1))
+    np.testing.assert_allclose(columns(files["frames.csv"])["time_s"], times_s, atol=1e-6)
+
+
+def test_other_formats_of_a_film_with_an_uneven_rate_have_its_mean_and_say_so(
+    uneven: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    files = exported(uneven, "bvh,glb,trc")
+    rate = LAST / 0.42
+    even_s = np.arange(LAST + 1) / rate
+    np.testing.assert_allclose(Player.of(files["motion.glb"]).times_s, even_s, atol=1e-6)
     rows = files["motion.trc"].decode().splitlines()[6:]
-    np.testing.assert_allclose([float(row.split("\t")[1]) for row in rows], times_s, atol=1e-6)
-    rows = files["frames.csv"].decode().splitlines()[1:]
-    np.testing.assert_allclose([float(row.split(",")[1]) for row in rows], times_s, atol=1e-6)
+    np.testing.assert_allclose([float(row.split("\t")[1]) for row in rows], even_s, atol=1e-6)
+    assert f"Frame Time: {1 / rate:.9f}" in files["motion.bvh"].decode()
+    words = "The film's rate varies: BVH, GLB and TRC have 19.0476 frames a second."
+    assert words in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("rate", [30.0, 10.0])
+def test_any_format_can_have_a_rate_of_its_own(rate: float, uneven: Path) -> None:
+    files = exported(uneven, "npz,csv,glb", "--fps", f"{rate:g}")
+    with np.load(io.BytesIO(files["motion.npz"])) as arrays:
+        assert float(arrays["frames_per_second"]) == rate
+        count = int(0.42 * rate + 1e-3) + 1
+        assert arrays["frame"].tolist() == list(range(count))
+        np.testing.assert_allclose(arrays["time_s"], np.arange(count) / rate, atol=1e-12)
+        film = np.interp(arrays["time_s"], np.array(UNEVEN_MS) / 1000, np.arange(LAST + 1))
+        np.testing.assert_allclose(arrays["film_frame"], film, atol=1e-9)
+    table = columns(files["frames.csv"])
+    np.testing.assert_allclose(table["film_frame"], film, atol=1e-4)
+    assert Player.of(files["motion.glb"]).times_s == pytest.approx(table["time_s"], abs=1e-6)
+
+
+def test_some_frames_are_exported_alone(path: Path) -> None:
+    opened(path, results_cases.both(load_session(path)))
+    whole, some = exported(path, "npz"), exported(path, "npz", "--frames", "2-6")
+    with (
+        np.load(io.BytesIO(some["motion.npz"])) as part,
+        np.load(io.BytesIO(whole["motion.npz"])) as every,
+    ):
+        assert part["frame"].tolist() == [2, 3, 4, 5, 6]
+        for name in ("time_s", "ps_camera_joint", "Rs_parent_part", "verdict"):
+            np.testing.assert_array_equal(part[name], every[name][2:7])
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        (["--frames", "20-30"], "Of frames 20 to 30 no two have a motion: it goes from 0 to 8."),
+        (["--filter", "15Hz"], "choose a cut-off below 15 Hz."),
+        (["--filter", "3Hz"], "Frames 0 to 8 are too few to be filtered at 3 Hz: that takes 11."),
+        (["--fps", "1"], "At 1 frames a second this motion has no two frames."),
+        (["--filter", "loud"], "'loud' is not a cut-off such as 6Hz"),
+        (["--fps", "fast"], "'fast' is not a rate"),
+    ],
+)
+def test_what_cannot_be_sampled_is_refused(
+    more: list[str], words: str, path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    opened(path, results_cases.both(load_session(path)))
+    command = ["export", path, "--format", "npz", "--out", path.parent / "out", *more]
+    assert words in refused(capsys, path.parent, command)
+
+
+def test_page_and_command_line_filter_alike_and_say_it_in_the_file(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    edit = opened(path, results_cases.both(load_session(path)))
+    wanted = MOTION.validate_strings({"format": "npz", "filter_hz": "10", "fps": "50"})
+    sampling = Sampling(wanted.fps, wanted.filter_hz)
+    file = motion_archive("npz", edit, sampling).content
+    files = exported(path, "npz,csv,glb,c3d", "--filter", "10Hz", "--fps", "50")
+    assert files["motion.npz"] == file
+    with np.load(io.BytesIO(file)) as arrays:
+        assert float(arrays["filter_hz"]) == 10.0
+    assert b'"low_pass_filter_hz":10.0' in files["motion.glb"]
+    assert b"LOW_PASS_HZ" in files["motion.c3d"]
+    header, row = files["frames.csv"].decode().splitlines()[:2]
+    assert row.split(",")[header.split(",").index("filter_hz")] == "10"
+    assert "Filtered at 10 Hz, which moves keyframes by up to" in capsys.readouterr().err
+
+
+def test_a_motion_of_another_rate_is_no_reference(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    session = load_session(path)
+    save_session(save_result(session, path, cases.result()), path)
+    exported(path, "npz", "--fps", "50")
+    capsys.readouterr()
+    reference = path.parent / "out" / "motion.npz"
+    words = refused(capsys, path.parent, ["evaluate", path, "--reference", reference])
+    assert words == (
+        "motion.npz has a rate of its own, not the video's frames: export it without --fps.\n"
+    )
 
 
 def test_times_are_those_of_a_video_that_was_renamed(
