@@ -37,9 +37,15 @@ const TRACKED = ['good', 'check', 'lost', 'outdated', 'tracking'];
 /** Whether there is any motion to save. */
 export const hasMotion = () => (server.segments ?? []).some((s) => TRACKED.includes(s.state));
 
-/** Save the motion in a format, such as "bvh". */
-export const saveMotion = (format) =>
-  saveFrom(`/motion?format=${format}`, `${server.file.name}.${format}`);
+/** The cut-off that is usual for how people move. */
+export const FILTER_HZ = 6;
+
+/** Save the motion in a format, such as "bvh", low-pass filtered where that is ticked. */
+export function saveMotion(format) {
+  const query = new URLSearchParams({ format });
+  if (ui.filterMotion) query.set('filter_hz', String(FILTER_HZ));
+  return saveFrom(`/motion?${query}`, `${server.file.name}.${format}`);
+}
 
 /** Save the report: verdicts, charts and pictures in one page that needs no other. */
 export const saveReport = () => saveFrom('/report.html', `${server.file.name}-report.html`);

@@ -10,7 +10,9 @@ import { fitLarge, showLarge, VIEW_NAMES, VIEWS } from '../views/views.js';
 import { count } from '../controls/words.js';
 import { alongChain, endOfChain, otherSide, outward } from './chain.js';
 import { draftMessage, whyNotDraft } from './drafting.js';
-import { copyPath, copyPicture, hasMotion, saveMotion, savePicture, saveReport } from './export.js';
+import {
+  FILTER_HZ, copyPath, copyPicture, hasMotion, saveMotion, savePicture, saveReport,
+} from './export.js';
 import { addKey, copyKey, deleteKey, duplicateKey, whyNotDelete } from './keying.js';
 import { foldLanes } from './lanes.js';
 import {
@@ -287,6 +289,11 @@ const FILE = {
   copyPath: { label: 'Copy path', icon: 'copy', run: copyPath },
   closeFile: { label: 'Close', icon: 'x', message: () => ({ do: 'close' }) },
   ...MOTION,
+  filterMotion: {
+    label: `Low-pass filter, ${FILTER_HZ} Hz`,
+    title: 'Motion is saved without what is faster, and without delay; keyframes move a little',
+    on: () => ui.filterMotion === true, run: () => setUi('filterMotion', ui.filterMotion !== true),
+  },
   saveReport: {
     label: 'Report, HTML', icon: 'film', run: saveReport,
     off: () => (server.keys?.frames.length ? '' : 'Add a keyframe first'),

@@ -2,15 +2,15 @@
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
-import { server } from '../store/state.js';
+import { server, ui } from '../store/state.js';
 import { words } from '../store/subject.js';
 import { frame } from '../actions/playhead.js';
 import { keyOf } from '../actions/actions.js';
-import { menuItem } from '../actions/buttons.js';
+import { actionBox, menuItem } from '../actions/buttons.js';
 import { MOTION } from '../actions/table.js';
 import { hasMotion, viewShown } from '../actions/export.js';
 import { isTracked } from '../actions/tracking.js';
-import { heading, line, menuButton, menuHolder, note } from '../controls/menu.js';
+import { content, heading, line, menuButton, menuHolder, note } from '../controls/menu.js';
 import { joined, range } from '../controls/words.js';
 
 export function exportButton() {
@@ -32,6 +32,8 @@ function items() {
     ...Object.entries(MOTION).map(([id, { reader }]) =>
       menuItem(/** @type {keyof MOTION} */ (id), undefined, { right: reader }),
     ),
+    content(html`<div class="mtick">${actionBox('filterMotion')}</div>`),
+    varying(),
     warning(),
     line,
     menuItem('saveReport', undefined, { right: 'verdicts, charts, images' }),
@@ -43,6 +45,17 @@ function sizeAndKey() {
   const { width, height } = server.file ?? {};
   const key = keyOf('saveImage');
   return viewShown() === 'main' && width ? `${width} × ${height} · ${key}` : key;
+}
+
+/** What a film whose rate varies becomes: tables keep its frames, animations need one rate. */
+function varying() {
+  if (!server.file?.times) return null;
+  const rate = `${Number(server.file.fps.toFixed(3))} frames/s`;
+  return note(
+    ui.filterMotion
+      ? `The film’s rate varies: filtered motion has ${rate}.`
+      : `The film’s rate varies: BVH, GLB, TRC and C3D have ${rate}. CSV and NPZ keep every frame’s time.`,
+  );
 }
 
 /** The frames of segments in a state, neighbours as one: [[50, 61], [75, 99]]. */

@@ -364,6 +364,7 @@
  * @property {string | null} [line]  Since when the server does not answer: lost, long, ended.
  * @property {(Job & { kind: string }) | null} [ended]
  * @property {string} [theme]
+ * @property {boolean} [filterMotion]  Saved motion is low-pass filtered.
  * @property {Library | null} [library]
  * @property {{ kind: string, lost: Recent | null } | null} [chooser]
  * @property {string} [find]

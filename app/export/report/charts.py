@@ -231,6 +231,24 @@ def _multiple(
     )
 
 
+def single_chart(subject: Subject, title: str, values: Array, first: int) -> Html:
+    """A small chart of one curve (N,) from frame `first` on, of values from 0 up."""
+    high, (start, end) = float(np.nanmax(values)), subject.ends
+    scale = Scale(start, end, 0.0, 1.08 * high or 1.0)
+    drawn = drawing(
+        path(uprights(subject.keys, scale), "keys"),
+        path(curve(values, first, scale), "curve x"),
+        words=f"{title}: {number_text(high, 2)} at most",
+    )
+    return element(
+        "figure",
+        _caption(title, []),
+        _plot(drawn, high=number_text(high, 2), low="0"),
+        _ticks([(0.0, str(start)), (100.0, str(end))]),
+        class_="multi",
+    )
+
+
 def _at_keys(
     values: Array, first: int, keys: tuple[int, ...], scale: Scale
 ) -> Iterator[tuple[float, float]]:

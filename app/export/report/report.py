@@ -9,6 +9,7 @@ from pathlib import Path
 
 from app.editor.advice import next_step
 from app.export.report.charts import angle_charts, over_time, score_chart
+from app.export.report.derivatives import derivatives_section
 from app.export.report.images import thumbnail
 from app.export.report.labels import words_for
 from app.export.report.markup import Child, Html, element, joined
@@ -51,6 +52,7 @@ def report_html(session: Session, session_path: Path, video: Video | None = None
             head_section(subject),
             verdict_section(subject),
             charts_section(subject),
+            derivatives_section(subject),
             keyframes_section(subject),
             pictures_section(subject, video),
         ]

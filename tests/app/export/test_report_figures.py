@@ -13,14 +13,17 @@ import pytest
 
 from app.export.report import report as reporting
 from app.export.report.charts import over_time
+from app.export.report.derivatives import Derivatives, derivatives, derivatives_section
 from app.export.report.markup import Html
 from app.export.report.report import head_section, pictures_section, subject_of
 from app.export.report.subject import Subject
 from tests.app import surface_cases
 from tests.tracker import session_cases as cases
+from tracker.formats.recording import Recording
+from tracker.formats.sampling import low_passed
 from tracker.storage.files import load_session, open_video_of, save_session
 from tracker.storage.results import Span
-from tracker.storage.tracks import save_result
+from tracker.storage.tracks import Tracks, save_result
 from tracker.tracking.result import SegmentResult
 from tracker.video import MissingFrame
 
@@ -202,3 +205,45 @@ def test_hatching_lies_over_the_frames_that_are_hidden(
     session_path: Path, steps: list[float], hatching: list[tuple[str, str]]
 ) -> None:
     assert hatched(steps, session_path) == hatching
+
+
+def derived(path: Path) -> tuple[str, list[Derivatives]]:
+    """What the report says of derivatives, and its figures."""
+    subject = tracked(path, "good", "good")
+    return str(derivatives_section(subject)), derivatives(subject)
+
+
+def test_speeds_are_those_of_the_filtered_motion_and_the_report_says_so(
+    session_path: Path,
+) -> None:
+    words, found = derived(session_path)
+    assert "low-pass filtered at 6 Hz (Butterworth, fourth order, without delay)" in words
+    assert "the poses themselves are not filtered" in words
+    assert [one.part for one in found] == ["trunk", "right_arm", "left_hand"]
+    subject = tracked(session_path, "good", "good")
+    times_s = np.array([subject.time_s(frame) for frame in range(9)])
+    tracks = Tracks.of(list(subject.fitting.values()), subject.skeleton)
+    recording = Recording.of(subject.session, tracks, [], times_s)
+    ps = low_passed(recording, 6.0).ps_camera_joint[:, 0]
+    rate = recording.frames_per_second
+    np.testing.assert_allclose(
+        found[0].speed[1:-1], np.linalg.norm(ps[2:] - ps[:-2], axis=-1) * rate / 2
+    )
+    np.testing.assert_allclose(
+        found[0].acceleration[1:-1],
+        np.linalg.norm(ps[2:] - 2 * ps[1:-1] + ps[:-2], axis=-1) * rate**2,
+    )
+
+
+def test_where_the_film_is_too_slow_to_be_filtered_the_report_says_why(
+    session_path: Path,
+) -> None:
+    def slower(data: dict[str, Any]) -> None:
+        for keyframe in data["keyframes"]:
+            keyframe["time_s"] = keyframe["frame"] / 10
+
+    tracked(session_path, "good", "good")
+    cases.altered(session_path, slower)
+    subject = subject_of(load_session(session_path), session_path)
+    words = str(derivatives_section(subject))
+    assert "A filter at 6 Hz needs more than 12 frames a second, and this film has 10" in words

@@ -1,0 +1,125 @@
+"""How fast the body's ends move and how they accelerate, low-pass filtered as is usual.
+
+Differences of tracked positions magnify what shakes from frame to frame: without a filter,
+accelerations say more of that than of the motion. Only these figures are filtered, no pose.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.export.report.charts import single_chart
+from app.export.report.figures import figure
+from app.export.report.markup import Child, Html, element
+from app.export.report.subject import Subject
+from app.export.report.tables import table
+from app.posing import part_label
+from tracker.errors import FormatError
+from tracker.formats.recording import RecordedSegment, Recording
+from tracker.formats.sampling import low_passed
+from tracker.geometry.rotations import Array
+from tracker.storage.tracks import Tracks
+
+FILTER_HZ = 6.0
+MOST_PARTS = 12
+
+
+@dataclass(frozen=True, eq=False)
+class Derivatives:
+    """Of the joint of a part: metres a second and metres a second², NaN where not known.
+
+    first: the frame of the video that the first value belongs to; there is one for each frame.
+    """
+
+    part: str
+    first: int
+    speed: Array
+    acceleration: Array
+
+
+def derivatives_section(subject: Subject) -> Child:
+    """Peak speeds and accelerations as a table, speeds over time; why there are none."""
+    if not any(track.finished for track in subject.fitting.values()):
+        return None
+    title = element("h2", "Speed and acceleration")
+    try:
+        found = derivatives(subject)
+    except FormatError as error:
+        return element("section", title, element("p", str(error), class_="quiet"))
+    words = (
+        f"Of joints in space, low-pass filtered at {FILTER_HZ:g} Hz (Butterworth, fourth order, "
+        "without delay); the poses themselves are not filtered. Along the view they are the least "
+        "certain."
+    )
+    charts = element("div", *_charts(subject, found), class_="cols")
+    return element("section", title, element("p", words, class_="quiet"), _figures(found), charts)
+
+
+def derivatives(subject: Subject) -> list[Derivatives]:
+    """Of the root and of every end of a limb. FormatError where the film has too few frames."""
+    recording = low_passed(_recording(subject), FILTER_HZ)
+    ps, dt = recording.ps_camera_joint, 1 / recording.frames_per_second
+    velocity, acceleration = np.full(ps.shape, np.nan), np.full(ps.shape, np.nan)
+    velocity[1:-1] = (ps[2:] - ps[:-2]) / (2 * dt)
+    acceleration[1:-1] = (ps[2:] - 2 * ps[1:-1] + ps[:-2]) / dt**2
+    film = recording.film_frames
+    frames = np.arange(np.ceil(film[0]), np.floor(film[-1]) + 1)
+    names = recording.skeleton.body.names
+    return [
+        Derivatives(
+            names[i],
+            int(frames[0]),
+            np.interp(frames, film, np.linalg.norm(velocity[:, i], axis=-1)),
+            np.interp(frames, film, np.linalg.norm(acceleration[:, i], axis=-1)),
+        )
+        for i in _ends(recording)
+    ]
+
+
+def _recording(subject: Subject) -> Recording:
+    found = [track for track in subject.fitting.values() if track.finished]
+    times_s = np.array([subject.time_s(i) for i in range(subject.session.video.frame_count)])
+    if not np.isfinite(times_s).all():
+        raise FormatError("Without the video, two keyframes are needed to know how fast it moves.")
+    segments = [
+        RecordedSegment(track.first, track.last, track.verdict)
+        for track in found
+        if track.verdict is not None
+    ]
+    return Recording.of(subject.session, Tracks.of(found, subject.skeleton), segments, times_s)
+
+
+def _ends(recording: Recording) -> list[int]:
+    """The root, and the parts that carry no other."""
+    parents = set(recording.skeleton.parents.tolist())
+    ends = [i for i in range(recording.skeleton.part_count) if i not in parents]
+    return [0, *(i for i in ends if i)][:MOST_PARTS]
+
+
+def _figures(found: list[Derivatives]) -> Html:
+    head = ("Joint", "Peak speed, m/s", "Peak acceleration, m/s²", "RMS acceleration, m/s²")
+    return table(head, [_row(one) for one in found], (1, 2, 3))
+
+
+def _row(one: Derivatives) -> list[Child]:
+    known = one.acceleration[np.isfinite(one.acceleration)]
+    rms = float(np.sqrt(np.square(known).mean())) if len(known) else np.nan
+    numbers = (figure(_peak(one.speed), 2), figure(_peak(known), 1), figure(rms, 1))
+    return [
+        element("th", part_label(one.part), scope="row"),
+        *(element("td", number, class_="num") for number in numbers),
+    ]
+
+
+def _peak(values: Array) -> float:
+    known = values[np.isfinite(values)]
+    return float(known.max()) if len(known) else np.nan
+
+
+def _charts(subject: Subject, found: list[Derivatives]) -> Iterator[Html]:
+    for one in found:
+        if np.isfinite(one.speed).any():
+            yield single_chart(subject, f"{part_label(one.part)}, m/s", one.speed, one.first)
