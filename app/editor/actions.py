@@ -242,6 +242,13 @@ class ResetBody(Edit):
     do: Literal["reset_body"] = "reset_body"
 
 
+class Clavicles(Edit):
+    """Whether shoulders move on the chest."""
+
+    do: Literal["clavicles"] = "clavicles"
+    on: bool
+
+
 class Tracked(Edit):
     """Which motions of a part the tracker estimates."""
 
@@ -441,7 +448,7 @@ Posing: TypeAlias = (
     | TakeTracked
 )
 Keying: TypeAlias = AddKey | DeleteKey | MoveKey | DuplicateKey | KeyAngle
-Shaping: TypeAlias = Shape | Size | Joint | Height | Preset | ResetBody | Tracked
+Shaping: TypeAlias = Shape | Size | Joint | Height | Preset | ResetBody | Clavicles | Tracked
 Filming: TypeAlias = Intrinsics | FieldOfView | Distortion | Vertical | ResetUp
 Choosing: TypeAlias = AddMask | ChangeMask | DeleteMask | Settings | Observe
 Rewinding: TypeAlias = Undo | Redo | EndStroke | CancelStroke

@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from app.editor import actions as do
 from app.editor.documents import require_before_camera
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.posing import with_height, with_joint, with_shape, with_size
 from tracker.body.body import PRESETS, Body, Part, preset
+from tracker.body.clavicles import (
+    can_have_clavicles,
+    has_clavicles,
+    with_clavicles,
+    without_clavicles,
+)
+from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
 from tracker.session.schema import Keyframe, Session
 from tracker.session.settings import TrackSettings
@@ -43,7 +52,46 @@ def set_height(state: EditorState, action: do.Height) -> Session:
 
 def set_preset(state: EditorState, action: do.Preset) -> Session:
     """One of the bodies that come with the product."""
-    return with_body(state, preset(action.name))
+    return with_body(state, _as_jointed(state.doc.body, preset(action.name)))
+
+
+def set_clavicles(state: EditorState, action: do.Clavicles) -> Session:
+    """Shoulders that move, or not. Poses stay as they are; without, arms keep their directions."""
+    body = state.doc.body
+    if not action.on:
+        return with_body(_with_arms_turned(state), without_clavicles(body))
+    if not can_have_clavicles(body) and not has_clavicles(body):
+        raise Refused("Clavicles need a chest with two upper arms.")
+    return with_body(state, with_clavicles(body))
+
+
+def _as_jointed(old: Body, body: Body) -> Body:
+    """With clavicles where the old body had them."""
+    return with_clavicles(body) if has_clavicles(old) else body
+
+
+def _with_arms_turned(state: EditorState) -> EditorState:
+    """Every upper arm turned as its clavicle is, so that it points the same way without it."""
+    skeleton = Skeleton.of(state.doc.body)
+
+    def turned(keyframe: Keyframe) -> Keyframe:
+        pose = keyframe.pose(skeleton)
+        Rs = pose.Rs_parent_part.copy()
+        for side in ("left", "right"):
+            arm, clavicle = (skeleton.body.index(f"{side}_{n}") for n in ("upper_arm", "clavicle"))
+            Rs[arm] = Rs[clavicle] @ Rs[arm]
+        made = Keyframe.of(skeleton, Pose(Rs, pose.p_camera_root), keyframe.frame, keyframe.time_s)
+        return keyframe.model_copy(update={"rotations_wxyz": made.rotations_wxyz})
+
+    if not has_clavicles(state.doc.body):
+        return state
+    doc = state.doc.model_copy(
+        update={
+            "keyframes": tuple(map(turned, state.doc.keyframes)),
+            "drafts": tuple(map(turned, state.doc.drafts)),
+        }
+    )
+    return replace(state, doc=doc)
 
 
 def reset_body(state: EditorState) -> Session:
@@ -51,7 +99,7 @@ def reset_body(state: EditorState) -> Session:
     name = state.doc.body.name
     if name not in PRESETS:
         raise Refused("This body is not based on a preset.")
-    return with_body(state, preset(name))
+    return with_body(state, _as_jointed(state.doc.body, preset(name)))
 
 
 def set_tracked(state: EditorState, action: do.Tracked) -> Session:

@@ -9,6 +9,7 @@ from app.editor.documents import keyframe_of, require_sound, with_drafts
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from tracker.body.body import PRESETS, Body, preset
+from tracker.body.clavicles import without_clavicles
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
 from tracker.errors import listed
@@ -47,7 +48,7 @@ def require_draftable(doc: Session, frame: int, box: Box, frames: tuple[int, int
 
 def keeps_proportions(doc: Session) -> bool:
     """Whether somebody has sized the body: keyframes are posed with it, or it is no preset's."""
-    return bool(doc.keyframes) or doc.body not in map(preset, PRESETS)
+    return bool(doc.keyframes) or without_clavicles(doc.body) not in map(preset, PRESETS)
 
 
 def drafted_session(

@@ -85,6 +85,7 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
     do.Height: EditKind(body_edits.set_height, "change the height"),
     do.Preset: EditKind(body_edits.set_preset, "change the body to", "name"),
     do.ResetBody: EditKind(_alone(body_edits.reset_body), "reset the body"),
+    do.Clavicles: EditKind(body_edits.set_clavicles, "change the clavicles"),
     do.Tracked: EditKind(body_edits.set_tracked, "change the tracked motions of", "part"),
     do.Intrinsics: EditKind(camera_edits.set_intrinsics, "change the camera"),
     do.FieldOfView: EditKind(camera_edits.set_fov, "change the field of view"),

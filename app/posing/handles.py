@@ -36,7 +36,8 @@ def handles(body: Body) -> tuple[BodyHandle, ...]:
     """The root, and of every limb the end and the joints between.
 
     A hand and a foot are dragged by their joint, and keep their direction in what carries them. A
-    limb of two parts is dragged by its tip. The head takes neck and chest with it.
+    limb of two parts is dragged by its tip. The head takes neck and chest with it. A clavicle turns
+    when the shoulder is dragged, and stays when elbow or hand are.
     """
     skeleton = Skeleton.of(body)
     root = body.parts[0].name
@@ -83,7 +84,7 @@ def lanes(body: Body) -> tuple[tuple[str, tuple[str, ...]], ...]:
 
 
 def _person_lanes(body: Body) -> tuple[tuple[str, tuple[str, ...]], ...]:
-    arm, leg = {"upper_arm", "forearm", "hand"}, {"thigh", "shin", "foot"}
+    arm, leg = {"clavicle", "upper_arm", "forearm", "hand"}, {"thigh", "shin", "foot"}
     groups: dict[str, list[str]] = {"Trunk": []}
     for side in ("Right", "Left"):
         groups[f"{side} arm"] = []
@@ -138,18 +139,20 @@ def _of_limb(body: Body, limb: tuple[str, ...]) -> list[BodyHandle]:
     """The end of one limb, then the joints between, from the end toward the trunk."""
     last = body.parts[body.index(limb[-1])]
     tip = _tip(last)
-    to_tip = len(limb) < 3 and tip is not None
+    girdle = int(len(limb) > 1 and kind_of(limb[0]) == "clavicle")
+    to_tip = len(limb) - girdle < 3 and tip is not None
     if not to_tip and len(limb) < 2:
         return []
     anchor = tip if to_tip and tip else last.name
-    movers = limb if to_tip else limb[:-1]
+    movers = limb[girdle:] if to_tip else limb[girdle:-1]
     label = part_label(tip if to_tip and tip else last.name)
     found = [BodyHandle(last.name, "end", last.name, anchor, label, limb, movers)]
-    for k in range(len(movers) - 1, 0, -1):
-        name = limb[k]
+    for k in range(len(movers) - 1, -girdle, -1):
+        name = limb[girdle + k]
         label = joint_label(name)
         key = label.lower().replace(" ", "_")
-        found.append(BodyHandle(key, "middle", name, name, label, limb, limb[:k]))
+        moved = movers[:k] or limb[:girdle]
+        found.append(BodyHandle(key, "middle", name, name, label, limb, moved))
     return found
 
 

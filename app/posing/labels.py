@@ -9,10 +9,13 @@ _ROOT_AXES = {"x": "Lean", "y": "Turn", "z": "Tilt"}
 _AXES_OF_KIND = {
     "head": {"x": "Nod", "y": "Turn", "z": "Tilt"},
     "neck": {"x": "Nod", "y": "Turn", "z": "Tilt"},
+    "clavicle": {"x": "Twist", "y": "Forward", "z": "Raise"},
     "hand": {"x": "Side", "y": "Twist", "z": "Bend"},
     "foot": {"x": "Bend", "y": "Turn", "z": "Roll"},
 }
-_JOINTS = {"forearm": "elbow", "shin": "knee", "hand": "wrist", "foot": "ankle"}
+_JOINTS = {
+    "upper_arm": "shoulder", "forearm": "elbow", "shin": "knee", "hand": "wrist", "foot": "ankle"
+}  # fmt: skip
 _SIDES = ("left", "right")
 
 

@@ -29,7 +29,7 @@ function whole() {
       options: body.presets.map((one) => ({ id: one.name, label: one.label })),
       act: (id) => send({ do: 'preset', name: id }),
       title: 'Use the sizes of a preset body. Keyframes are kept',
-    }))}${height()}${hasPairs() ? link() : nothing}${fitSizesRow()}`,
+    }))}${height()}${hasPairs() ? link() : nothing}${clavicles()}${fitSizesRow()}`,
     iconButton({
       name: 'reset', label: 'Reset to preset', act: () => send({ do: 'reset_body' }),
       off: preset && body.edited ? '' : unedited,
@@ -47,6 +47,18 @@ function height() {
     },
     person ? HEIGHTS_CM : null,
   );
+}
+
+/** Two more parts, for people whose shoulders rise or reach forward. */
+function clavicles() {
+  const on = server.body.clavicles;
+  if (on === null) return nothing;
+  return checkbox({
+    label: 'Movable shoulders', on, act: (wanted) => send({ do: 'clavicles', on: wanted }),
+    title: on
+      ? 'Remove the clavicles. Arms keep their directions'
+      : 'Add a clavicle on each side, which lifts the shoulder and swings it forward. Poses stay as they are',
+  });
 }
 
 function hasPairs() {

@@ -12,6 +12,9 @@ const TRUNK = {
   waist: 'M45.4 49h21.2l2 13a3 3 0 0 1-3 3H46.4a3 3 0 0 1-3-3z',
 };
 
+/** On the shoulders of bodies that have them. */
+const GIRDLE = { clavicle: [3, 27.4, 10.5, 27.6, 1.5, 1.7] };
+
 const LIMBS = {
   upper_arm: [15, 29, 25, 50, 4.4, 3.8],
   forearm: [25.5, 52, 31, 72, 3.7, 2.9],
@@ -25,8 +28,9 @@ const OUTLINES = outlines();
 
 /** Whether this body is the person the figure shows. */
 export function isPerson(body) {
-  const named = body.parts.filter((part) => part.name in OUTLINES).length;
-  return named === body.parts.length && named === Object.keys(OUTLINES).length;
+  const names = new Set(body.parts.map((part) => part.name));
+  const shown = Object.keys(OUTLINES).filter((name) => !name.endsWith('_clavicle'));
+  return body.parts.every((part) => part.name in OUTLINES) && shown.every((name) => names.has(name));
 }
 
 /** face(part) → {selected, hovered, over(), out(), act()}. */
@@ -53,7 +57,7 @@ function outline(part, kind) {
 
 function outlines() {
   const all = { ...TRUNK };
-  for (const [name, numbers] of Object.entries(LIMBS)) {
+  for (const [name, numbers] of Object.entries({ ...LIMBS, ...GIRDLE })) {
     all[`left_${name}`] = capsule(numbers, 1);
     all[`right_${name}`] = capsule(numbers, -1);
   }

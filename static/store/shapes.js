@@ -97,6 +97,7 @@
  * @property {string} name
  * @property {string | null} preset
  * @property {boolean} edited
+ * @property {boolean | null} clavicles  Whether shoulders move on the chest; null: a body without.
  * @property {number} height_cm
  * @property {boolean} is_persons  Whether keypoints of a person can be compared with it.
  * @property {number} dof_count

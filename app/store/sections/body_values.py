@@ -7,6 +7,7 @@ from app.posing import lanes as lane_groups
 from app.store.sections.json_value import Json, doc_of
 from app.store.state import AppState
 from tracker.body.body import PRESETS, Body, Part, preset
+from tracker.body.clavicles import can_have_clavicles, has_clavicles, without_clavicles
 from tracker.body.scaling import height
 from tracker.body.shapes import KINDS
 from tracker.keypoints.on_body import is_persons
@@ -21,7 +22,9 @@ def body(app_state: AppState) -> Json:
     return {
         "name": given.name,
         "preset": given.name if given.name in PRESETS else None,
-        "edited": given.name in PRESETS and given.parts != preset(given.name).parts,
+        "edited": given.name in PRESETS
+        and without_clavicles(given).parts != preset(given.name).parts,
+        "clavicles": _clavicles(given),
         "height_cm": round(100 * height(given), 2),
         "is_persons": is_persons(given),
         "dof_count": sum(len(part.tracked) for part in given.parts),
@@ -42,6 +45,11 @@ def body(app_state: AppState) -> Json:
             for handle in handles(given)
         ],
     }
+
+
+def _clavicles(given: Body) -> bool | None:
+    """Whether it has them; None where it cannot."""
+    return True if has_clavicles(given) else False if can_have_clavicles(given) else None
 
 
 def _part(given: Body, part: Part) -> Json:
