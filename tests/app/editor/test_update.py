@@ -11,11 +11,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from app.editor.actions import ACTIONS
+from app.editor import body_edits
+from app.editor.actions import ACTIONS, Clavicles
 from app.editor.refusal import Refused
 from app.editor.shown import shown_pose
+from app.editor.state import EditorState
 from tests.app.editor.desk import after, angles, desk
-from tracker.body.pose import Pose
+from tracker.body.body import Body, preset
+from tracker.body.clavicles import has_clavicles, without_clavicles
+from tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
+from tracker.body.skeleton import Skeleton
 from tracker.errors import KeyposeError
 from tracker.session import Session
 from tracker.storage.files import session_json
@@ -39,6 +44,7 @@ EDITS: list[dict[str, Any]] = [
     {"do": "joint", "part": "head", "y": -12},
     {"do": "height", "cm": 150},
     {"do": "preset", "name": "adult_female"},
+    {"do": "clavicles", "on": True},
     {"do": "tracked", "part": "neck", "dofs": ["rx"]},
     {"do": "camera", "fx": 950},
     {"do": "field_of_view", "deg": 60},
@@ -304,3 +310,41 @@ def test_undo_says_what_it_takes_back_as_a_person_would() -> None:
     assert after(desk(), {"do": "preset", "name": "adult_female"}).history.past[-1].label == (
         "change the body to adult female"
     )
+
+
+def joints_at(state: EditorState, frame: int) -> dict[str, np.ndarray]:  # type: ignore[type-arg]
+    """Where a keyframe's joints are, by name."""
+    skeleton = Skeleton.of(state.doc.body)
+    keyframe = next(k for k in state.doc.keyframes if k.frame == frame)
+    places = joint_positions(skeleton, pose_transforms(skeleton, keyframe.pose(skeleton)))
+    return dict(zip(joint_names(skeleton), places, strict=True))
+
+
+def test_adding_clavicles_moves_no_joint_and_removing_them_turns_no_arm() -> None:
+    before = desk()
+    moving = after(before, {"do": "clavicles", "on": True})
+    for name, place in joints_at(before, 24).items():
+        np.testing.assert_allclose(joints_at(moving, 24)[name], place, atol=1e-9)
+    shrug = [{"do": "go", "frame": 24}, {"do": "angles", "part": "left_clavicle", "z": -30}]
+    shrugged = after(moving, *shrug)
+    raised, was = joints_at(shrugged, 24), joints_at(moving, 24)
+    assert np.linalg.norm(raised["left_upper_arm"] - was["left_upper_arm"]) > 0.05
+    plain = after(shrugged, {"do": "clavicles", "on": False})
+    assert plain.doc.body == before.doc.body
+    left = joints_at(plain, 24)
+    for one, other in (("left_upper_arm", "left_forearm"), ("left_forearm", "left_hand")):
+        np.testing.assert_allclose(left[other] - left[one], raised[other] - raised[one], atol=1e-6)
+
+
+def test_a_preset_keeps_the_clavicles_that_were_asked_for() -> None:
+    state = after(desk(), {"do": "clavicles", "on": True}, {"do": "preset", "name": "elderly_male"})
+    assert has_clavicles(state.doc.body)
+    assert without_clavicles(state.doc.body) == preset("elderly_male")
+
+
+def test_a_body_without_arms_has_no_clavicles() -> None:
+    state = desk()
+    trunk = Body(name="trunk", parts=state.doc.body.parts[:4])
+    bare = replace(state, doc=body_edits.with_body(state, trunk))
+    with pytest.raises(Refused, match="Clavicles need a chest with two upper arms"):
+        body_edits.set_clavicles(bare, Clavicles(on=True))

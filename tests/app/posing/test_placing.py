@@ -10,6 +10,7 @@ from app.posing.handles import handle_at_far_end
 from tests.app.posing.posing_cases import ARMS, BOX, CAMERA, DOG, PERSON, TELEPHOTO, points, sights
 from tests.tracker.tracking_cases import deep_chain, random_body
 from tracker.body.body import PRESETS, Body, preset
+from tracker.body.clavicles import with_clavicles
 from tracker.body.pose import joint_names, pose_transforms
 from tracker.body.skeleton import Skeleton
 from tracker.errors import BodyError
@@ -124,3 +125,16 @@ def test_the_person_s_groups_are_trunk_arms_and_legs() -> None:
         *("Trunk", "Right arm", "Left arm", "Right leg", "Left leg"),
     ]
     assert dict(lanes(PERSON))["Right arm"] == ("right_upper_arm", "right_forearm", "right_hand")
+
+
+def test_a_shoulder_that_moves_is_a_handle_and_arms_stay_two_bones() -> None:
+    body = with_clavicles(PERSON)
+    found = {handle.name: handle for handle in handles(body)}
+    assert set(found) == {h.name for h in handles(PERSON)} | {"left_shoulder", "right_shoulder"}
+    for handle in handles(PERSON):
+        assert found[handle.name].movers == handle.movers, handle.name
+    shoulder = found["left_shoulder"]
+    assert shoulder.movers == ("left_clavicle",)
+    assert (shoulder.anchor, shoulder.label) == ("left_upper_arm", "Left shoulder")
+    assert handle_at_far_end(body, "left_clavicle") == shoulder
+    assert dict(lanes(body))["Right arm"][0] == "right_clavicle"

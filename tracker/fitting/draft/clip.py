@@ -8,13 +8,14 @@ session describes. Which way a limb points, toward the camera or away, is the ne
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
 
 from tracker.body.body import Body
+from tracker.body.clavicles import has_clavicles, with_clavicles, without_clavicles
 from tracker.body.pose import Pose
 from tracker.body.scaling import height
 from tracker.body.skeleton import Skeleton
@@ -103,7 +104,16 @@ def draft_from_keypoints(
     proportions: bool = True,
     report: Callable[[DraftProgress], None] = lambda progress: None,
 ) -> ClipDraft:
-    """Drafts from keypoints with depth; KeypointError where they show nobody well enough."""
+    """Drafts from keypoints with depth; KeypointError where they show nobody well enough.
+
+    Clavicles stay at rest: a few centimetres of a shoulder are within what keypoints are off by.
+    """
+    if has_clavicles(body):
+        plain = without_clavicles(body)
+        draft = draft_from_keypoints(
+            keypoints, camera, plain, proportions=proportions, report=report
+        )
+        return _with_clavicles(draft, body if draft.body == plain else with_clavicles(draft.body))
     observed, ideal = Observed.of(keypoints, camera), camera.without_distortion()
     Joints.of(Skeleton.of(body))
     runs = observed.runs()
@@ -114,6 +124,19 @@ def draft_from_keypoints(
     work = _Work(Skeleton.of(body), ideal, report, int(observed.usable.sum()))
     pieces = [work.run(observed.rows(run)) for run in runs]
     return _draft(work, body, keypoints, pieces)
+
+
+def _with_clavicles(draft: ClipDraft, body: Body) -> ClipDraft:
+    """The same drafts of a body that has clavicles, too."""
+    at = [body.index(name) for name in draft.body.names]
+
+    def posed(pose: Pose) -> Pose:
+        Rs = np.tile(np.eye(3), (len(body.parts), 1, 1))
+        Rs[at] = pose.Rs_parent_part
+        return Pose(Rs, pose.p_camera_root)
+
+    poses = {frame: posed(pose) for frame, pose in draft.poses.items()}
+    return replace(draft, body=body, poses=poses)
 
 
 @dataclass(eq=False)

@@ -13,11 +13,13 @@ from tests.tracker.fitting.draft.clips import (
     LIMB_BONES,
     Clip,
     drafted_joints_m,
+    joints_of,
     place,
     standing,
     walk,
 )
 from tracker.body.body import Body, Part
+from tracker.body.clavicles import has_clavicles, with_clavicles
 from tracker.body.pose import pose_transforms
 from tracker.body.scaling import height, resized, with_height
 from tracker.body.shapes.box import Box as BoxShape
@@ -238,3 +240,17 @@ def test_every_draft_lies_before_the_camera() -> None:
     for pose in drafted(near).poses.values():
         T = pose_transforms(Skeleton.of(BODY), pose)
         assert T[:, 2, 3].min() > 0.05
+
+
+@pytest.mark.parametrize("proportions", [False, True])
+def test_a_body_with_clavicles_gets_the_drafts_of_the_body_without(proportions: bool) -> None:
+    clip = walk(12)
+    plain = draft_from_keypoints(clip.keypoints, CAMERA, BODY, proportions=proportions)
+    body = with_clavicles(BODY)
+    draft = draft_from_keypoints(clip.keypoints, CAMERA, body, proportions=proportions)
+    assert has_clavicles(draft.body)
+    assert draft.body.names == body.names
+    assert proportions or draft.body == body
+    for frame, pose in plain.poses.items():
+        given = joints_of(plain.body, [pose])
+        np.testing.assert_allclose(joints_of(draft.body, [draft.poses[frame]]), given, atol=1e-9)
