@@ -4,13 +4,17 @@ A shoulder is no fixed point of the chest: shrugging and reaching carry it up an
 centimetres. The part turns about its inner end beside the breastbone, up and down about z, forward
 and back about y, within limits. In the rest pose shoulders are where they were, so that a pose of
 the body without is the same pose of the body with them.
+
+Brightness does not track it: it lies inside the chest, and two motions more that the picture hardly
+shows made trunk and arms worse on real film. Keyframes turn it, and where keypoints are evidence
+the shoulder's does.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from tracker.body.body import Body, Dof, Limits, Part, Point
+from tracker.body.body import Body, Limits, Part, Point
 from tracker.body.shapes import Box
 
 INNER, FORWARD = 0.15, 0.03
@@ -20,8 +24,6 @@ shoulder, at its height, and so many metres before it, by an upper arm's length 
 RISES, SINKS, SWINGS, GIVES = 40.0, 10.0, 25.0, 5.0
 """Degrees that it rises and sinks, swings forward and back, and turns about its own length: what
 textbooks give for the joint at the breastbone, rounded."""
-
-TRACKED: tuple[Dof, ...] = ("ry", "rz")
 
 HALF_HEIGHT, HALF_DEPTH, LENGTH = 0.02, 0.025, 0.9
 """Its shape, over an upper arm of 30 cm; it ends at this share of the way to the shoulder."""
@@ -90,7 +92,7 @@ def _clavicle(side: str, arm: Part) -> Part:
         high_m=(round(high, 4), HALF_HEIGHT * size, HALF_DEPTH * size),
     )
     return Part(
-        name=f"{side}_clavicle", parent=arm.parent, joint_m=joint, shape=box, tracked=TRACKED,
+        name=f"{side}_clavicle", parent=arm.parent, joint_m=joint, shape=box,
         limits_deg=_limits(side),
     )  # fmt: skip
 

@@ -1,0 +1,58 @@
+"""Shoulders that move, switched on in the Body tab; and the filter in the Export menu."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, expect
+
+from tests.browser.hands import drag, screens, spot
+from tests.browser.shared import Desk, desk
+
+
+@pytest.fixture(scope="module")
+def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    folder = tmp_path_factory.mktemp("shoulders")
+    with desk(browser, folder, drawn=True, size=(1440, 900)) as made:
+        yield made
+
+
+def test_shoulders_move_once_they_are_asked_to_and_arms_keep_theirs(shared: Desk) -> None:
+    shared.fresh()
+    page = shared.page
+    page.get_by_role("tab", name="Body").click()
+    box = page.get_by_role("checkbox", name="Movable shoulders")
+    expect(box).to_have_attribute("aria-checked", "false")
+    box.click()
+    expect(box).to_have_attribute("aria-checked", "true")
+    before = shared.agreed("pose")["angles"]
+    assert before["left_clavicle"] == pytest.approx([0, 0, 0], abs=1e-6)
+    screens(page, "shoulders-1-body-tab")
+    shared.visitor.do(do="select", part="left_clavicle")
+    page.get_by_role("tab", name="Part").click()
+    screens(page, "shoulders-2-part-tab")
+    shoulder = spot(page, "left_upper_arm")
+    drag(page, shoulder, (shoulder[0], shoulder[1] - 20))
+    screens(page, "shoulders-3-raised")
+    raised = shared.agreed("pose")["angles"]
+    assert abs(raised["left_clavicle"][2]) > 3
+    for part in ("chest", "left_upper_arm", "left_forearm"):
+        assert raised[part] == pytest.approx(before[part], abs=1e-6), part
+    hand = spot(page, "left_hand")
+    drag(page, hand, (hand[0] + 15, hand[1] - 15))
+    reached = shared.agreed("pose")["angles"]
+    assert reached["left_clavicle"] == pytest.approx(raised["left_clavicle"], abs=1e-6)
+    assert reached["left_forearm"] != pytest.approx(raised["left_forearm"], abs=1e-3)
+
+
+def test_the_export_menu_says_that_motion_is_filtered(shared: Desk) -> None:
+    shared.fresh()
+    page = shared.page
+    page.get_by_role("button", name="Export").click()
+    box = page.get_by_role("checkbox", name="Low-pass filter, 6 Hz")
+    expect(box).to_have_attribute("aria-checked", "false")
+    box.click()
+    expect(box).to_have_attribute("aria-checked", "true")
+    screens(page, "export-filter")
+    page.keyboard.press("Escape")
