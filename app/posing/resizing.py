@@ -32,12 +32,14 @@ _ENDS = {
     "head": ("chin", "crown"),
 }
 _LABELS_OF_AXES = {
+    "clavicle": {"length": "Height", "width": "Length"},
     "hand": {"width": "Thickness", "depth": "Width"},
     "foot": {"length": "Height", "depth": "Length"},
 }
 """Of parts that have one size along each of their axes."""
 _ROLES: Mapping[str, SizeRole] = {"length": "length", "width": "width", "radius": "radius"}
 _ROLES_OF_AXES: Mapping[str, Mapping[str, SizeRole]] = {
+    "clavicle": {"width": "length", "depth": "width"},
     "hand": {"length": "length", "depth": "width"},
     "foot": {"depth": "length", "width": "width"},
 }

@@ -24,6 +24,7 @@ from tests.app.posing.posing_cases import (
     walking,
 )
 from tracker.body.body import Body
+from tracker.body.clavicles import with_clavicles
 from tracker.body.scaling import height
 from tracker.errors import BodyError
 
@@ -167,3 +168,14 @@ def test_snapping_changes_sizes_by_whole_centimetres() -> None:
     longer = pulled("left_thigh", "length", down, 0.0234, snap=True)
     grown = sizes(longer, "left_thigh")["length"] - sizes(PERSON, "left_thigh")["length"]
     assert grown == pytest.approx(2.0)
+
+
+def test_a_clavicle_is_as_long_as_it_reaches_sideways_and_carries_the_arm() -> None:
+    body = with_clavicles(PERSON)
+    sizes_of = {size.label: size for size in part_sizes(body, "left_clavicle")}
+    assert set(sizes_of) == {"Length", "Height", "Depth"}
+    assert sizes_of["Length"].role == "length"
+    longer = with_size(body, "left_clavicle", "width", 1.2 * sizes_of["Length"].cm)
+    for side in ("left", "right"):
+        was, now = (b.parts[b.index(f"{side}_upper_arm")].joint_m[0] for b in (body, longer))
+        assert now == pytest.approx(1.2 * was)
