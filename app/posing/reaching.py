@@ -58,7 +58,8 @@ def _solve(
 def _limb_beyond(context: GestureContext, handle: BodyHandle) -> TwoBones | None:
     """The two bones that meet at a middle handle, where the limb has an end of two bones."""
     for other in handles(context.skeleton.body):
-        if other.kind == "end" and other.limb == handle.limb and len(other.movers) == 2:
+        meets = other.limb == handle.limb and other.movers[0] == handle.movers[0]
+        if other.kind == "end" and meets and len(other.movers) == 2:
             part, p_part = context.point(other.anchor)
             upper, lower = (context.skeleton.body.index(name) for name in other.movers)
             tip = p_part if part == lower else context.skeleton.joints[part]
@@ -69,7 +70,7 @@ def _limb_beyond(context: GestureContext, handle: BodyHandle) -> TwoBones | None
 def _swung(
     context: GestureContext, view: PointerView, goal: Aim, part: int, tip: Array, before: Array
 ) -> Reached:
-    """One bone: only its direction can change."""
+    """One bone: only its direction can change, as far as its limits allow."""
     centre = context.joint(part)
     radius = length(before - centre)
     resting = context.resting_direction(part, tip)
@@ -77,7 +78,7 @@ def _swung(
     direction = unit(place - centre)
     by = Swing.of(unit(before - centre), resting).to(direction)
     R = context.R_camera_parent(part).T @ by @ context.R_camera_part(part)
-    return Reached({part: R}, centre, radius)
+    return Reached({part: context.allowed(part, R)}, centre, radius)
 
 
 def _readout(

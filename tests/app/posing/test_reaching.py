@@ -28,11 +28,14 @@ from tests.app.posing.posing_cases import (
 )
 from tests.tracker.tracking_cases import deep_chain, random_body
 from tracker.body.body import Body
+from tracker.body.clavicles import with_clavicles
+from tracker.body.joint_limits import Limits
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.camera import Camera
 
 CHAIN = deep_chain(6).body
+MOVING = with_clavicles(PERSON)
 SKELETON = Skeleton.of(PERSON)
 ENDS = [h for h in handles(PERSON) if h.kind == "end"]
 MIDDLES = [h for h in handles(PERSON) if h.kind == "middle"]
@@ -46,7 +49,7 @@ def cases() -> list[tuple[Body, Pose]]:
     """Bodies of many kinds, posed."""
     bodies = [PERSON, DOG, ARMS, CHAIN, *(random_body(k, 9).body for k in range(4))]
     return [(body, bent(body, k, 0.4)) for k, body in enumerate(bodies)] + [
-        (body, standing(body)) for body in (PERSON, DOG, ARMS)
+        (body, standing(body)) for body in (PERSON, DOG, ARMS, MOVING)
     ]
 
 
@@ -235,3 +238,34 @@ def test_the_readout_of_a_hand_says_that_its_depth_is_kept() -> None:
     assert readout.label == "Right hand"
     assert readout.value.startswith("depth kept ")
     assert readout.depth_m == pytest.approx(points(PERSON, walking())["right_hand"][2])
+
+
+@pytest.mark.parametrize("far", [0.02, 0.3])
+@pytest.mark.parametrize("view", ["main", "side"])
+def test_a_dragged_shoulder_turns_its_clavicle_alone_and_within_its_limits(
+    view: str, far: float
+) -> None:
+    pose, handle = standing(MOVING), handle_named(MOVING, "left_shoulder")
+    posed, _, _ = pull(MOVING, pose, handle, view, (0.0, -far))
+    turned = {
+        name
+        for name, one, other in zip(
+            MOVING.names, posed.pose.Rs_parent_part, pose.Rs_parent_part, strict=True
+        )
+        if np.abs(one - other).max() > 1e-9
+    }
+    assert turned == {"left_clavicle"}
+    rise = points(MOVING, pose)["left_upper_arm"] - points(MOVING, posed.pose)["left_upper_arm"]
+    assert rise[1] > 0.01
+    outside, _ = Limits.of(MOVING).excess(posed.pose.Rs_parent_part)
+    assert np.abs(outside).max() < 1e-6
+
+
+def test_a_hand_of_a_body_with_clavicles_is_reached_as_that_of_one_without() -> None:
+    for name in ("left_hand", "right_elbow"):
+        with_, without = (
+            pull(body, standing(body), handle_named(body, name), "main", (0.1, -0.1))[0].pose
+            for body in (MOVING, PERSON)
+        )
+        for point, place in points(PERSON, without).items():
+            np.testing.assert_allclose(points(MOVING, with_)[point], place, atol=1e-6)
