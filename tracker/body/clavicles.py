@@ -21,7 +21,7 @@ INNER, FORWARD = 0.15, 0.03
 """Where the inner end is, estimated: this share of the way from the middle of the chest to the
 shoulder, at its height, and so many metres before it, by an upper arm's length of 30 cm."""
 
-RISES, SINKS, SWINGS, GIVES = 40.0, 10.0, 25.0, 5.0
+RISES, SINKS, SWINGS, GIVES = 40.0, 10.0, 25.0, 10.0
 """Degrees that it rises and sinks, swings forward and back, and turns about its own length: what
 textbooks give for the joint at the breastbone, rounded."""
 

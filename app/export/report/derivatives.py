@@ -101,7 +101,8 @@ def _ends(recording: Recording) -> list[int]:
 
 def _figures(found: list[Derivatives]) -> Html:
     head = ("Joint", "Peak speed, m/s", "Peak acceleration, m/s²", "RMS acceleration, m/s²")
-    return table(head, [_row(one) for one in found], (1, 2, 3))
+    rows = [_row(one) for one in found]
+    return element("div", table(head, rows, (1, 2, 3)), class_="scroll")
 
 
 def _row(one: Derivatives) -> list[Child]:
