@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tracker.geometry.rotations import Array
+
+if TYPE_CHECKING:
+    from tracker.session.corrections import KeypointCorrection
 
 JOINTS: Final = tuple(
     f"{side}_{joint}"
@@ -28,6 +33,7 @@ class Keypoints:
     visibility:  (N, L) from 0 to 1, how sure it is that the keypoint is seen; 0 where uv is NaN.
     p_hips:      (N, L, 3) metres, in axes parallel to the picture's (x right, y down, z away),
                  the middle of the hips at 0; NaN where unknown. None where nothing tells depth.
+    by_hand:     (N, L) which of them a person set. None where nobody did.
     """
 
     first_frame: int
@@ -35,6 +41,7 @@ class Keypoints:
     uv: Array
     visibility: Array
     p_hips: Array | None = None
+    by_hand: NDArray[np.bool_] | None = None
 
     def __len__(self) -> int:
         return len(self.uv)
@@ -56,17 +63,42 @@ class Keypoints:
             return out
 
         depth = None if self.p_hips is None else cut(self.p_hips, np.nan)
-        return Keypoints(
-            first_frame, self.names, cut(self.uv, np.nan), cut(self.visibility, 0.0), depth
-        )
+        by_hand = None if self.by_hand is None else cut(self.by_hand.astype(float), 0.0) > 0
+        uv, visibility = cut(self.uv, np.nan), cut(self.visibility, 0.0)
+        return Keypoints(first_frame, self.names, uv, visibility, depth, by_hand)
 
     def exchanged(self) -> Keypoints:
-        """With left and right exchanged."""
+        """With left and right exchanged, but for what a person set."""
         order = [self.names.index(_other_side(name, self.names)) for name in self.names]
-        depth = None if self.p_hips is None else self.p_hips[:, order]
-        return replace(
-            self, uv=self.uv[:, order], visibility=self.visibility[:, order], p_hips=depth
-        )
+        stays = np.zeros(self.visibility.shape, np.bool_) if self.by_hand is None else self.by_hand
+
+        def other(rows: Array) -> Array:
+            own = stays.reshape(*stays.shape, *(1,) * (rows.ndim - 2))
+            return np.where(own, rows, rows[:, order])
+
+        depth = None if self.p_hips is None else other(self.p_hips)
+        return replace(self, uv=other(self.uv), visibility=other(self.visibility), p_hips=depth)
+
+    def corrected(self, corrections: Sequence[KeypointCorrection]) -> Keypoints:
+        """With what a person said of some of them: seen there for sure, or not at all. Depth is
+        not known then: what was found there may have been something else."""
+        uv, visibility = self.uv.copy(), self.visibility.copy()
+        depth = None if self.p_hips is None else self.p_hips.copy()
+        by_hand = np.zeros(visibility.shape, np.bool_)
+        for each in corrections:
+            if (
+                not self.first_frame <= each.frame <= self.last_frame
+                or each.joint not in self.names
+            ):
+                continue
+            at = each.frame - self.first_frame, self.names.index(each.joint)
+            uv[at], visibility[at] = each.uv or np.nan, float(each.uv is not None)
+            by_hand[at] = True
+            if depth is not None:
+                depth[at] = np.nan
+        if not by_hand.any():
+            return self
+        return replace(self, uv=uv, visibility=visibility, p_hips=depth, by_hand=by_hand)
 
 
 def _other_side(name: str, names: tuple[str, ...]) -> str:

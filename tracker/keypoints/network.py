@@ -7,6 +7,7 @@ LiteRT where that is installed, two to four times as fast and equal to a hundred
 
 from __future__ import annotations
 
+import importlib.metadata
 import importlib.util
 import threading
 from collections.abc import Iterator
@@ -142,6 +143,19 @@ def fast_is_here() -> bool:
     return importlib.util.find_spec("ai_edge_litert") is not None
 
 
+def fingerprint_of(model: Model) -> str:
+    """What the network would have as `Network.fingerprint`, which is not read for it."""
+    return f"{model.sha256[:16]}-{_litert_name() if fast_is_here() else _opencv_name()}"
+
+
+def _opencv_name() -> str:
+    return f"opencv-{cv2.__version__}"
+
+
+def _litert_name() -> str:
+    return f"litert-{importlib.metadata.version('ai-edge-litert')}"
+
+
 class _OpenCV:
     def __init__(self, path: str) -> None:
         # By path: from bytes, OpenCV 5 takes its new engine whatever is asked for, and that one
@@ -149,7 +163,7 @@ class _OpenCV:
         classic = getattr(cv2.dnn, "ENGINE_CLASSIC", None)
         engine = () if classic is None else (classic,)
         self._net: Any = cv2.dnn.readNetFromTFLite(path, *engine)
-        self.name = f"opencv-{cv2.__version__}"
+        self.name = _opencv_name()
 
     def outputs(self, square: NDArray[np.float32]) -> list[NDArray[np.float32]]:
         with _one_thread():
@@ -161,8 +175,6 @@ class _OpenCV:
 
 class _LiteRT:
     def __init__(self, path: str) -> None:
-        from importlib.metadata import version
-
         from ai_edge_litert.interpreter import Interpreter
 
         self._net: Any = Interpreter(model_path=path, num_threads=1)
@@ -170,7 +182,7 @@ class _LiteRT:
         self._input = self._net.get_input_details()[0]["index"]
         by_name = {o["name"]: o["index"] for o in self._net.get_output_details()}
         self._wanted = [by_name[name] for name in _OUTPUTS]
-        self.name = f"litert-{version('ai-edge-litert')}"
+        self.name = _litert_name()
 
     def outputs(self, square: NDArray[np.float32]) -> list[NDArray[np.float32]]:
         self._net.set_tensor(self._input, square[None])

@@ -26,6 +26,8 @@ from tracker.body.pose import Pose, part_transforms
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import quaternion_wxyz, rotation_from_quaternion
+from tracker.session.corrections import KeypointCorrection, require_corrections
+from tracker.session.drafted import Drafted
 from tracker.session.evidence import Evidence, evidence_of
 from tracker.session.pins import PinList, require_pins
 from tracker.session.results import Results
@@ -52,8 +54,12 @@ NEAREST_M = 0.05
 """The least depth of a joint."""
 
 MOST: Mapping[str, int] = {
-    "keyframes": 10_000, "drafts": 10_000, "ignore_masks": 10_000, "pins": 1_000,
-}  # fmt: skip
+    "keyframes": 10_000,
+    "drafts": 10_000,
+    "ignore_masks": 10_000,
+    "keypoint_corrections": 10_000,
+    "pins": 1_000,
+}
 """Far above what a person sets in a session."""
 
 POSES_AT_A_TIME = 500
@@ -222,6 +228,17 @@ class Session(Plain):
         description="Keypoints that tracking listens to beside the pictures; left out where there "
         "are none.",
     )
+    keypoint_corrections: tuple[KeypointCorrection, ...] = Field(
+        default=(),
+        exclude_if=operator.not_,
+        description="Keypoints that a person set right, by frame and joint, each once; left out "
+        "where there are none.",
+    )
+    drafted: Drafted | None = Field(
+        default=None,
+        exclude_if=operator.not_,
+        description="What drafting the film found besides the drafts; left out where nobody did.",
+    )
     surface: Surface | None = Field(
         default=None,
         exclude_if=operator.not_,
@@ -292,6 +309,7 @@ def require_fit(session: Session, poses: Sequence[Keyframe]) -> None:
     _require_direction(session.up_camera)
     _require_parts(session.settings.left_out, session.body)
     require_pins(session.pins, session.body, video.frame_count)
+    require_corrections(session.keypoint_corrections, video.frame_count, video.width, video.height)
     for keyframe in poses:
         _require_in_video(keyframe, video.frame_count)
         _require_known_parts(keyframe, session.body)

@@ -31,7 +31,9 @@ Span: TypeAlias = tuple[int, int]
 
 DECIMALS = 9
 """Poses that agree to a billionth of a metre or radian are the same pose."""
-_BY_THEMSELVES = {"quality", "initial", "left_out", "cues", "network", "smooth"}
+_BY_THEMSELVES = {
+    "quality", "initial", "left_out", "cues", "cue_weights", "network", "smooth",
+}  # fmt: skip
 """Settings that count where they change a motion, or never."""
 AT_REST = (1.0, 0.0, 0.0, 0.0)
 
@@ -85,15 +87,23 @@ def _key(session: Session, setup: bytes, at: Mapping[int, Keyframe], span: Span)
     return hashlib.sha256(b"\0".join((setup, json.dumps(segment).encode(), *poses))).hexdigest()
 
 
-def _masks(session: Session, span: Span, ends: Sequence[Keyframe]) -> list[Any]:
-    """The masks clipped to the segment; their other frames do not count."""
+def _masks_and_corrections(session: Session, span: Span, ends: Sequence[Keyframe]) -> list[Any]:
+    """The masks clipped to the segment; their other frames do not count. Where keypoints count,
+    also what a person said of them there."""
     first, last = span
     within = [
         (max(first, mask.first_frame), min(last, mask.last_frame), mask.polygon)
         for mask in session.ignore_masks
         if mask.first_frame <= last and mask.last_frame >= first
     ]
-    return sorted(within)
+    if not _listens_to_keypoints(session):
+        return sorted(within)
+    said = [
+        [each.frame, each.joint, each.uv]
+        for each in session.keypoint_corrections
+        if first <= each.frame <= last
+    ]
+    return [*sorted(within), {"keypoints": said}] if said else sorted(within)
 
 
 def _keyframe_ends(session: Session, span: Span, ends: Sequence[Keyframe]) -> list[Any]:
@@ -175,7 +185,7 @@ class _Inputs:
 
 _INPUTS = ByEvidence(
     {
-        FilmEvidence: _Inputs(_film_setup, _masks, _film_hash),
+        FilmEvidence: _Inputs(_film_setup, _masks_and_corrections, _film_hash),
         SurfaceEvidence: _Inputs(_surface_setup, _keyframe_ends, _surface_hash),
     }
 )
@@ -186,12 +196,19 @@ def _cues(session: Session) -> list[Any]:
 
     Those that the bundled network finds follow from the film and the segment's own keyframes.
     """
-    settings, given = session.settings, session.given_keypoints
-    wanted = settings.method == "keypose" and "keypoints" in settings.cues_used
-    if not wanted or not is_persons(session.body):
+    if not _listens_to_keypoints(session):
         return []
+    settings, given = session.settings, session.given_keypoints
     model = find_model(settings.network or FULL.name)
-    return ["keypoints", model.sha256 if given is None else given.file]
+    weight = settings.weight("keypoints")
+    weighted = [] if weight == 1.0 else [weight]
+    return ["keypoints", model.sha256 if given is None else given.file, *weighted]
+
+
+def _listens_to_keypoints(session: Session) -> bool:
+    settings = session.settings
+    wanted = settings.method == "keypose" and "keypoints" in settings.cues_used
+    return wanted and is_persons(session.body)
 
 
 def _start(session: Session) -> list[Any]:

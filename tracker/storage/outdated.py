@@ -84,7 +84,8 @@ def _reasons(session: Session, changed: Sequence[int]) -> list[str]:
         reasons.append("pins, the floor or smoothing have changed")
     if changed:
         reasons.append(f"keyframes were set, changed or removed at {_listed(changed)}")
-    return reasons or (["settings have changed"] if keyed else [])
+    other = "settings or keypoints" if session.keypoint_corrections else "settings"
+    return reasons or ([f"{other} have changed"] if keyed else [])
 
 
 def _is_outdated(session: Session, results: Results) -> bool:

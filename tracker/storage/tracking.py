@@ -14,11 +14,17 @@ from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, 
 from tracker.session.schema import Session
 from tracker.storage.detections import Detections
 from tracker.storage.evidence import surfaces_of
-from tracker.storage.fingerprints import segment_keys
+from tracker.storage.fingerprints import Span, segment_keys
 from tracker.surface.fit.fitter import SurfaceFitter
 from tracker.surface.source import UnratedSteps
 from tracker.surface.steps import Steps
-from tracker.tracking.cues.sources import DetectedKeypoints, GivenKeypoints, KeypointSource
+from tracker.tracking.cues import sources
+from tracker.tracking.cues.sources import (
+    CorrectedKeypoints,
+    DetectedKeypoints,
+    GivenKeypoints,
+    KeypointSource,
+)
 from tracker.tracking.pool import Progress, SegmentTracker, Task, never, run_chosen
 from tracker.tracking.tracker import Tracker
 from tracker.video import Video
@@ -61,7 +67,16 @@ def tracker_of(
 
 
 def _keypoints(session: Session, video: Video, given: Keypoints | None) -> KeypointSource | None:
-    """Where keypoints come from; None where they do not count."""
+    """Where keypoints come from, with a person's corrections; None where they do not count."""
+    source = _found_keypoints(session, video, given)
+    if source is None or not session.keypoint_corrections:
+        return source
+    return CorrectedKeypoints(source, session.keypoint_corrections)
+
+
+def _found_keypoints(
+    session: Session, video: Video, given: Keypoints | None
+) -> KeypointSource | None:
     if "keypoints" not in session.settings.cues_used or not is_persons(session.body):
         return None
     if session.given_keypoints is not None:
@@ -73,6 +88,16 @@ def _keypoints(session: Session, video: Video, given: Keypoints | None) -> Keypo
     model = find_model(session.settings.network or FULL.name)
     film = session.video.fingerprint
     return DetectedKeypoints(video, session.camera, film, Detections(), model)
+
+
+def found_before(session: Session, span: Span) -> Keypoints | None:
+    """The keypoints that a network found when one segment was tracked, as they are kept, without a
+    look at the film; None where there are none."""
+    skeleton = Skeleton.of(session.body)
+    posed = {k.frame: k.pose(skeleton) for k in session.keyframes if k.frame in span}
+    model = find_model(session.settings.network or FULL.name)
+    film = session.video.fingerprint
+    return sources.found_before(posed, skeleton, session.camera, film, Detections(), model)
 
 
 def fitter_of(session: Session, video: Video) -> SurfaceFitter:

@@ -158,7 +158,7 @@ def _joint_evidence(free: Scene, ends: list[_Ended], best: _Ended) -> JointEvide
     apart = [np.linalg.norm(_joint_pixels(free, end) - here, axis=-1) for end in others]
     return JointEvidence(
         anchors.parts,
-        np.where(anchors.scale > 0, away, np.nan),
+        np.where(anchors.known, away, np.nan),
         anchors.visibility,
         np.max(apart, axis=0) / height if apart else np.full(away.shape, UNKNOWN),
         height,
@@ -167,5 +167,4 @@ def _joint_evidence(free: Scene, ends: list[_Ended], best: _Ended) -> JointEvide
 
 def _joint_pixels(free: Scene, end: _Ended) -> Array:
     """(N, K) where the joints are that have keypoints."""
-    p = end.anchors.points.at(end.trajectory.transforms(free.skeleton))
-    return image_points(free.camera, p)
+    return image_points(free.camera, end.anchors.where(end.trajectory.transforms(free.skeleton)))

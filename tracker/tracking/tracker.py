@@ -182,7 +182,8 @@ class Tracker:
         if keypoints is not None and isinstance(method, Keypose):
             span = segment.first_frame, segment.last_frame
             free = self.scene(span, method.density, free=True)
-            candidates = anchors_of(free, segment, self.loader(span).camera, keypoints)
+            camera, weight = self.loader(span).camera, settings.weight("keypoints")
+            candidates = anchors_of(free, segment, camera, keypoints, weight)
             if candidates:
                 brightness = "brightness" in settings.cues_used
                 return track_anchored(scene, free, segment, method, candidates, brightness)

@@ -15,6 +15,7 @@ from tests.tracker import session_cases as cases
 from tracker.body.body import preset
 from tracker.body.shapes import Cylinder
 from tracker.session import IgnoreMask, Session, TrackSettings
+from tracker.session.corrections import KeypointCorrection
 from tracker.session.schema import KeypointFile
 from tracker.storage.fingerprints import segment_key, segment_keys
 from tracker.storage.results import (
@@ -119,6 +120,39 @@ def test_the_motion_of_a_person_depends_on_the_keypoints_that_count() -> None:
     assert keys(detected, keypoints=from_box) == keys(detected)  # found again from the keyframes
     no_cues = paper.model_copy(update={"cues": None})
     assert keys(detected, settings=paper) == keys(detected, settings=no_cues)
+
+
+def test_a_corrected_keypoint_outdates_the_segment_it_lies_in_where_keypoints_count() -> None:
+    rest = [k.model_copy(update={"rotations_wxyz": {}}) for k in session().keyframes]
+    bare = {"body": preset("adult_male"), "keyframes": tuple(rest)}
+    both_cues = TrackSettings(cues=("brightness", "keypoints"))
+
+    def keys(tracked_by: TrackSettings, *given: KeypointCorrection) -> list[str]:
+        changes = {**bare, "settings": tracked_by, "keypoint_corrections": given}
+        return list(segment_keys(session().model_copy(update=changes)).values())
+
+    wrist = KeypointCorrection(frame=6, joint="left_wrist", uv=(9.0, 9.0))
+    none, late = keys(both_cues), keys(both_cues, wrist)
+    assert late[0] == none[0]
+    moved = wrist.model_copy(update={"uv": (9.5, 9.0)})
+    hidden = wrist.model_copy(update={"uv": None})
+    assert len({none[1], late[1], keys(both_cues, moved)[1], keys(both_cues, hidden)[1]}) == 4
+    brightness = TrackSettings(cues=("brightness",))
+    assert keys(brightness, wrist) == keys(brightness)
+
+
+def test_a_cues_weight_outdates_only_where_the_cue_counts() -> None:
+    person = session().model_copy(update={"body": preset("adult_male"), "keyframes": ()})
+    poses = tuple(k.model_copy(update={"rotations_wxyz": {}}) for k in session().keyframes)
+
+    def keys(**given: Any) -> tuple[str, ...]:
+        of = person.model_copy(update={"keyframes": poses, "settings": TrackSettings(**given)})
+        return tuple(segment_keys(of).values())
+
+    both_cues, half = ("brightness", "keypoints"), {"keypoints": 0.5}
+    assert keys(cues=both_cues, cue_weights=half) != keys(cues=both_cues)
+    assert keys(cues=both_cues, cue_weights={"keypoints": 1.0}) == keys(cues=both_cues)
+    assert keys(cue_weights=half) == keys()
 
 
 @pytest.mark.parametrize("change", OUTDATES_ALL.values(), ids=OUTDATES_ALL)

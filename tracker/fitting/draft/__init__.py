@@ -1,13 +1,12 @@
 """Draft poses for a whole clip from keypoints with depth: nobody has posed anything yet."""
 
 from tracker.fitting.draft.clip import ClipDraft, DraftProgress, draft_clip, draft_from_keypoints
-from tracker.fitting.draft.proposals import Proposal, Reason
+from tracker.fitting.draft.proposals import Proposal
 
 __all__ = [
     "ClipDraft",
     "DraftProgress",
     "Proposal",
-    "Reason",
     "draft_clip",
     "draft_from_keypoints",
 ]

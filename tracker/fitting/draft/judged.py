@@ -13,10 +13,11 @@ from tracker.body.trajectory import Trajectory
 from tracker.fitting.draft.flips import flip_odds
 from tracker.fitting.draft.limbs import Joints
 from tracker.fitting.draft.observed import Observed
-from tracker.fitting.draft.proposals import Proposal, Reason, Stretch, proposed
+from tracker.fitting.draft.proposals import Proposal, Stretch, proposed
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
 from tracker.keypoints.keypoints import JOINTS
+from tracker.session.drafted import Reason
 from tracker.solver.posed import image_points
 from tracker.tracking.cues.anchors import height_px
 

@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, Literal, NamedTuple, TypeAlias
+from typing import Final, NamedTuple
 
 import numpy as np
 
 from tracker.geometry.rotations import Array
-
-Reason: TypeAlias = Literal["start", "end", "residual", "hidden", "flip", "person"]
-"""Why a draft should be confirmed: the first or the last one of a stretch; joints lie far from
-their keypoints; joints are hidden; a limb may point toward the camera or away from it; the person
-may be another one from here on."""
+from tracker.session.drafted import Reason
 
 EVERY: Final = 60
 """About so many frames come to one proposal."""

@@ -23,7 +23,7 @@ from tracker.keypoints.on_body import FEWEST, points_on_body
 from tracker.solver.body_points import BodyPoints
 from tracker.solver.least_squares import damped_step
 from tracker.solver.posed import Posed, image_jacobian, image_points
-from tracker.solver.robust import Huber, Kernel
+from tracker.solver.robust import SQUARED, Huber, Kernel
 from tracker.solver.terms import DepthFromRoot, PointsInPicture, Term
 from tracker.tracking.cues.sides import exchanged_sides
 from tracker.tracking.scene import Scene
@@ -42,6 +42,9 @@ FAR_SIGMA = 4.0
 """A keypoint farther than this from a keyframe's joint pulls no harder: it may be another's."""
 DEPTH_M = 0.08
 """Standard deviation of a keypoint's depth beside the root's, once corrected at the keyframes."""
+BY_HAND = 0.0025
+"""Standard deviation of what a person set, which is as exact as a keyframe: a share of the body's
+height, a pixel of 400."""
 ELSEWHERE = 0.10
 """Keypoints that miss a posed body by this share of its height lie on another person."""
 
@@ -55,6 +58,8 @@ class Anchors:
     scale (N, K): 1/σ in 1/px, 0 where nothing is known.  visibility (N, K).
     depth (N, K): metres farther than the root; depth_scale (N, K): 1/σ, 0 where unknown.
     height_px: of the body, standing.
+    joints, by_hand (N, K): the points without the detector's offset, and 1/σ of where a person set
+    them, 0 where nobody did; `scale` is 0 there.
     exchanged: left and right of some frames were exchanged against what the detector says.
     """
 
@@ -66,17 +71,40 @@ class Anchors:
     depth_scale: Array
     visibility: Array
     height_px: float
+    joints: BodyPoints
+    by_hand: Array
     exchanged: bool = False
 
     def terms(self, camera: Camera, kernel: Kernel, frames: slice | int) -> tuple[Term, ...]:
-        """About the poses of these frames, or of one. kernel: of the distances in the picture."""
-        seen = PointsInPicture(
-            self.points, camera, self.uv[frames], self.scale[frames], NEAREST_M, kernel
-        )
+        """About the poses of these frames, or of one. kernel: of the distances in the picture;
+        what a person set is never taken for a detector's mistake."""
+        uv = self.uv[frames]
+        found: list[Term] = [
+            PointsInPicture(self.points, camera, uv, self.scale[frames], NEAREST_M, kernel)
+        ]
+        if self.by_hand[frames].any():
+            exact = self.by_hand[frames]
+            found.append(PointsInPicture(self.joints, camera, uv, exact, NEAREST_M, SQUARED))
         depth, scale = self.depth[frames], self.depth_scale[frames]
-        if not scale.any():
-            return (seen,)
-        return seen, DepthFromRoot(self.points, depth, scale, Huber())
+        if scale.any():
+            found.append(DepthFromRoot(self.points, depth, scale, Huber()))
+        return tuple(found)
+
+    def where(self, Ts_camera_part: Array) -> Array:
+        """(N, K, 3) where the points are that are compared with `uv`."""
+        points, joints = self.points.at(Ts_camera_part), self.joints.at(Ts_camera_part)
+        return np.where((self.by_hand > 0)[..., None], joints, points)
+
+    def weighted(self, weight: float) -> Anchors:
+        """With the detector's standard deviations divided by this."""
+        if weight == 1.0:
+            return self
+        return replace(self, scale=self.scale * weight, depth_scale=self.depth_scale * weight)
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        """(N, K) whether there is anything to compare with."""
+        return (self.scale > 0) | (self.by_hand > 0)
 
 
 @lru_cache(maxsize=8)
@@ -99,12 +127,13 @@ def with_free_joints(skeleton: Skeleton) -> Skeleton:
 
 
 def anchors_of(
-    scene: Scene, segment: Segment, camera: Camera, keypoints: Keypoints
+    scene: Scene, segment: Segment, camera: Camera, keypoints: Keypoints, weight: float = 1.0
 ) -> tuple[Anchors, ...]:
     """The anchors of a segment: as the detector tells left and right, and, where it seems to
     exchange them, also set right. None where they lie on another body, or there are none.
 
     scene: of the skeleton with free joints.  camera: of the video, with its distortion.
+    weight: what standard deviations are divided by, but for what a person set.
     """
     index, parts, points = points_on_body(scene.skeleton.body, keypoints.names)
     if len(index) < FEWEST:
@@ -118,10 +147,11 @@ def anchors_of(
     if swapped is not None:
         candidates.append(swapped)
     found = [_anchors(scene, k, index, parts, points, keyed, height) for k in candidates]
-    whole = [
-        replace(anchors, exchanged=k > 0) for k, anchors in enumerate(found) if anchors is not None
-    ]
-    return tuple(whole)
+    return tuple(
+        replace(anchors, exchanged=k > 0).weighted(weight)
+        for k, anchors in enumerate(found)
+        if anchors is not None
+    )
 
 
 def height_px(skeleton: Skeleton, camera: Camera, pose: Pose) -> float:
@@ -162,16 +192,21 @@ def _anchors(
     ]
     if not compared or any(np.nanmedian(away) > ELSEWHERE * height for away in miss):
         return None
-    scale = np.where(known, 1 / _sigma_px(height, visibility), 0.0)
+    by_hand = known & (False if seen.by_hand is None else seen.by_hand[:, index])
+    scale = np.where(known & ~by_hand, 1 / _sigma_px(height, visibility), 0.0)
     uv = np.where(known[..., None], uv, 0.0)
     at_keys = list(keyed)
     loose = np.array([seen.names[k] in FACE for k in index])
     sigma_m = np.where(loose, LOOSE_OFFSET_M, OFFSET_M)
     poses = list(keyed.values())
+    joints = BodyPoints.single(scene.skeleton, parts, points)
     points = points + _offsets(scene, parts, points, sigma_m, poses, uv[at_keys], scale[at_keys])
     depth, depth_scale = _depths(scene, seen, index, parts, points, keyed)
     where = BodyPoints.single(scene.skeleton, parts, points)
-    return Anchors(where, parts, uv, scale, depth, depth_scale * (scale > 0), visibility, height)
+    exact = by_hand / (BY_HAND * height)
+    return Anchors(
+        where, parts, uv, scale, depth, depth_scale * (scale > 0), visibility, height, joints, exact
+    )
 
 
 def _offsets(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from threading import Lock
@@ -15,7 +15,7 @@ from tracker.errors import KeypointError
 from tracker.keypoints.detect import Kept, Progress, Seed, detect
 from tracker.keypoints.keypoints import Keypoints
 from tracker.keypoints.model_files import FULL, Model
-from tracker.keypoints.network import Network
+from tracker.keypoints.network import Network, Seen, fingerprint_of
 from tracker.keypoints.region import Region
 from tracker.video.info import MissingFrame
 
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from tracker.body.pose import Pose
     from tracker.body.skeleton import Skeleton
     from tracker.geometry.camera import Camera
+    from tracker.session.corrections import KeypointCorrection
     from tracker.tracking.segment import Segment
     from tracker.video import Video
 
@@ -82,8 +83,7 @@ class DetectedKeypoints:
         self, segment: Segment, skeleton: Skeleton, report: Callable[[], None]
     ) -> Keypoints | None:
         first, last = segment.first_frame, segment.last_frame
-        posed = ((first, segment.start), (last, segment.end))
-        seeds = [self._seed(frame, skeleton, pose) for frame, pose in posed]
+        seeds = _seeds({first: segment.start, last: segment.end}, skeleton, self.camera)
 
         def leave(progress: Progress) -> None:
             report()
@@ -98,14 +98,74 @@ class DetectedKeypoints:
             except KeypointError:  # nobody is seen there: a body that is no person
                 return None
 
-    def _seed(self, frame: int, skeleton: Skeleton, pose: Pose) -> Seed:
-        return Seed(frame, _rounded(Region.of_pose(skeleton, pose, self.camera)))
-
     def _frame(self, number: int) -> NDArray[np.uint8] | None:
         try:
             return self.video.frame(number)
         except MissingFrame:
             return None
+
+
+@dataclass(frozen=True, eq=False)
+class CorrectedKeypoints:
+    """Keypoints of another source, with what a person said of them."""
+
+    source: KeypointSource
+    corrections: Sequence[KeypointCorrection]
+
+    def over(
+        self, segment: Segment, skeleton: Skeleton, report: Callable[[], None]
+    ) -> Keypoints | None:
+        found = self.source.over(segment, skeleton, report)
+        return None if found is None else found.corrected(self.corrections)
+
+
+class _NotKept(Exception):
+    """Something was not found before."""
+
+
+@dataclass(frozen=True)
+class _Recall:
+    """A network that is not asked anything any more."""
+
+    fingerprint: str
+
+    def look(self, picture: NDArray[np.uint8], region: Region) -> Seen:
+        raise _NotKept
+
+
+def found_before(
+    posed: Mapping[int, Pose],
+    skeleton: Skeleton,
+    camera: Camera,
+    film: str,
+    kept: Kept,
+    model: Model,
+) -> Keypoints | None:
+    """What a network found in a segment when it was tracked last, with no look at the film; None
+    where it did not, or nobody keeps it any more.
+
+    posed: the keyposes of the segment's first and last frame, by frame.  camera, film, model: as of
+    `DetectedKeypoints`.
+    """
+
+    def no_picture(number: int) -> None:
+        raise _NotKept
+
+    frames = (min(posed), max(posed))
+    seeds = _seeds(posed, skeleton, camera)
+    try:
+        return detect(
+            no_picture, frames, seeds, _Recall(fingerprint_of(model)), film=film, kept=kept
+        )
+    except (_NotKept, KeypointError):  # never looked for, or nobody seen
+        return None
+
+
+def _seeds(posed: Mapping[int, Pose], skeleton: Skeleton, camera: Camera) -> list[Seed]:
+    return [
+        Seed(frame, _rounded(Region.of_pose(skeleton, pose, camera)))
+        for frame, pose in posed.items()
+    ]
 
 
 def _rounded(region: Region) -> Region:

@@ -92,6 +92,12 @@ class Filmed:
             with_free_joints(SKELETON), ideal, [self.segment.start, self.segment.end], 0.2
         )
 
+    def wrist_px(self, motion: Trajectory) -> Floats:
+        """(N, 2) where the left wrist of a motion is seen."""
+        _, parts, points = points_on_body(SKELETON.body, ["left_wrist"])
+        p = BodyPoints.single(SKELETON, parts, points).at(motion.transforms(SKELETON))
+        return np.asarray(self.camera.project(p)[:, 0])
+
     def anchors(self, keypoints: Keypoints | None = None) -> tuple[Anchors, ...]:
         found = self.keypoints if keypoints is None else keypoints
         return anchors_of(self.free, self.segment, self.camera, found)

@@ -12,9 +12,10 @@ from tests.tracker.tracking.cues.people import CAMERA, SKELETON, Filmed, joints_
 from tests.tracker.tracking_cases import tracked
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
-from tracker.keypoints.keypoints import Keypoints
+from tracker.keypoints.keypoints import JOINTS, Keypoints
+from tracker.session.corrections import KeypointCorrection
 from tracker.session.settings import ALL_CUES, TrackSettings
-from tracker.tracking.cues.sources import GivenKeypoints
+from tracker.tracking.cues.sources import CorrectedKeypoints, GivenKeypoints
 from tracker.tracking.pool import Cancelled
 from tracker.tracking.segment import Segment
 from tracker.tracking.tracker import NO_KEYPOINTS, Tracker
@@ -114,6 +115,57 @@ def test_exchanged_sides_are_set_right_where_the_whole_evidence_says_so(swapped:
     assert joints_apart_m(motion, FILM.truth).mean() < (
         joints_apart_m(right, FILM.truth).mean() + 0.03
     )
+
+
+WRIST = JOINTS.index("left_wrist")
+ASTRAY = slice(4, 9)
+
+
+def _wrist_astray() -> Keypoints:
+    """The detector is sure of something else that goes along beside the wrist for five frames."""
+    uv = FILM.keypoints.uv.copy()
+    uv[ASTRAY, WRIST] += (22.0, 9.0)
+    return replace(FILM.keypoints, uv=uv)
+
+
+def _wrist_px(motion: Trajectory, frame: int) -> float:
+    """How far the wrist lies from where it truly is."""
+    seen = [FILM.wrist_px(path)[frame - path.first_frame] for path in (motion, FILM.truth)]
+    return float(np.linalg.norm(seen[0] - seen[1]))
+
+
+def _corrected(corrections: list[KeypointCorrection], **settings: object) -> Trajectory:
+    source = CorrectedKeypoints(GivenKeypoints(_wrist_astray()), corrections)
+    tracker = _tracker(None).renewed(SKELETON, _tracker(None).keyposes, keypoints=source)
+    return tracked(tracker, cues=ALL_CUES, **settings)[0].trajectory
+
+
+def test_a_keypoint_that_a_person_corrected_pulls_the_motion_there() -> None:
+    first, middle = FILM.truth.first_frame, FILM.truth.first_frame + 6
+    u, v = FILM.wrist_px(FILM.truth)[middle - first]
+    there = KeypointCorrection(frame=middle, joint="left_wrist", uv=(u, v))
+    assert _wrist_px(_corrected([]), middle) > 5.0
+    assert _wrist_px(_corrected([there]), middle) < 1.0
+
+
+def test_keypoints_that_a_person_ignores_count_as_if_nothing_had_been_found() -> None:
+    first = FILM.truth.first_frame
+    hidden = [KeypointCorrection(frame=first + n, joint="left_wrist") for n in range(4, 9)]
+    uv, visibility = FILM.keypoints.uv.copy(), FILM.keypoints.visibility.copy()
+    uv[ASTRAY, WRIST], visibility[ASTRAY, WRIST] = np.nan, 0.0
+    nothing = _motion(replace(FILM.keypoints, uv=uv, visibility=visibility), cues=ALL_CUES)
+    ignored = _corrected(hidden)
+    np.testing.assert_array_equal(ignored.Rs_parent_part, nothing.Rs_parent_part)
+    assert not np.array_equal(ignored.Rs_parent_part, _corrected([]).Rs_parent_part)
+
+
+def test_a_small_weight_of_keypoints_leaves_more_to_the_rest() -> None:
+    away = [
+        joints_apart_m(_motion(FILM.keypoints, cues=ALL_CUES, cue_weights=weights), FILM.truth)
+        for weights in (None, {"keypoints": 1.0}, {"keypoints": 0.1})
+    ]
+    np.testing.assert_array_equal(away[0], away[1])
+    assert away[2].mean() > 1.5 * away[0].mean()
 
 
 def test_the_search_for_keypoints_is_left_at_once_when_cancelled() -> None:

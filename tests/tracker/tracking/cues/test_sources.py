@@ -1,0 +1,69 @@
+"""Keypoints that were found when a segment was tracked, without a look at the film."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.tracker.tracking.cues.people import SKELETON, Filmed, moving
+from tracker.keypoints.detect import Stretch
+from tracker.keypoints.model_files import FULL, HEAVY
+from tracker.keypoints.network import NAMES, Seen, fingerprint_of
+from tracker.keypoints.region import Region
+from tracker.tracking.cues import sources
+from tracker.tracking.cues.sources import DetectedKeypoints, found_before
+
+FILM = Filmed(moving())
+POSED = {3: FILM.segment.start, 15: FILM.segment.end}
+
+
+class Somebody:
+    """A network that sees the same everywhere."""
+
+    fingerprint = fingerprint_of(FULL)
+
+    def look(self, picture: np.ndarray, region: Region) -> Seen:
+        uv = region.x + np.arange(66.0).reshape(33, 2)
+        return Seen(uv, np.full(33, 0.9), np.zeros((33, 3)), 1.0, region)
+
+
+class Pictures:
+    def frame(self, number: int) -> np.ndarray:
+        return np.zeros((FILM.camera.height, FILM.camera.width, 3), np.uint8)
+
+
+class Kept(dict[str, Stretch]):
+    def put(self, key: str, stretch: Stretch) -> None:
+        self[key] = stretch
+
+
+@pytest.fixture
+def kept(monkeypatch: pytest.MonkeyPatch) -> Kept:
+    """What was found when the segment was tracked."""
+    monkeypatch.setattr(sources, "_network", lambda model: Somebody())
+    kept = Kept()
+    source = DetectedKeypoints(Pictures(), FILM.camera, "film", kept)  # type: ignore[arg-type]
+    assert source.over(FILM.segment, SKELETON, lambda: None) is not None
+    return kept
+
+
+def test_they_are_those_that_tracking_found(kept: Kept) -> None:
+    found = found_before(POSED, SKELETON, FILM.camera, "film", kept, FULL)
+    assert found is not None
+    assert (found.first_frame, found.last_frame, found.names) == (3, 15, NAMES)
+    assert (found.visibility == 0.9).all()
+
+
+def test_there_are_none_of_another_film_network_pose_or_before_the_first_track(kept: Kept) -> None:
+    elsewhere = {3: FILM.segment.start, 15: FILM.truth.pose(9)}
+    for posed, film, where, model in (
+        (POSED, "other", kept, FULL),
+        (POSED, "film", kept, HEAVY),
+        (elsewhere, "film", kept, FULL),
+        (POSED, "film", Kept(), FULL),
+    ):
+        assert found_before(posed, SKELETON, FILM.camera, film, where, model) is None
+
+
+def test_a_networks_fingerprint_is_known_without_reading_it() -> None:
+    assert sources.Network.open(FULL).fingerprint == fingerprint_of(FULL)
