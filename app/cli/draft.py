@@ -165,7 +165,7 @@ def _save(
     session = save_keypoints(
         session, place, draft.keypoints, KEYPOINT_SOURCE, network=network, seeds=(at,)
     )
-    given = (draft.body, draft.poses, session.keypoints, video.info.times_s)
+    given = (draft.body, draft.poses, session.keypoints, draft.proposals, video.info.times_s)
     done = drafted_session(session, frames, *given)
     write_file(
         place, session_json(done), overwrite=overwrite, keep_previous=True, error=SessionError

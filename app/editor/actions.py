@@ -14,10 +14,13 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, TypeAdapter
 from app.posing import Gesture, Way
 from tracker.body.body import Dof, Name
 from tracker.session.settings import (
+    ALL_CUES,
     Cue,
+    CueWeight,
     FrameIndex,
     Initial,
     MethodName,
+    NetworkName,
     Quality,
     Units,
     UpAxis,
@@ -320,7 +323,7 @@ class DeleteMask(Edit):
 
 class Settings(Edit):
     """Fields that are left out stay; `passes` may be given as null, the method's own number, and
-    `static_camera`, as it was found."""
+    `static_camera`, as it was found. cue_weights: those that are left out are 1."""
 
     do: Literal["settings"] = "settings"
     method: MethodName | None = None
@@ -329,7 +332,34 @@ class Settings(Edit):
     left_out: Annotated[tuple[Name, ...], Field(max_length=1000)] | None = None
     passes: Annotated[int, Field(ge=1, le=50)] | None = None
     static_camera: bool | None = None
-    cues: Annotated[tuple[Cue, ...], Field(min_length=1, max_length=2)] | None = None
+    cues: Annotated[tuple[Cue, ...], Field(min_length=1, max_length=len(ALL_CUES))] | None = None
+    cue_weights: dict[Cue, CueWeight] | None = None
+    network: NetworkName | None = None
+
+
+class CorrectKeypoint(Edit):
+    """Where a joint is seen in a frame. at: pixels of the main view."""
+
+    do: Literal["correct_keypoint"] = "correct_keypoint"
+    frame: FrameIndex
+    joint: Name
+    at: Spot
+
+
+class IgnoreKeypoint(Edit):
+    """What was found of a joint in a frame does not count."""
+
+    do: Literal["ignore_keypoint"] = "ignore_keypoint"
+    frame: FrameIndex
+    joint: Name
+
+
+class RestoreKeypoint(Edit):
+    """A joint is where it was found in a frame."""
+
+    do: Literal["restore_keypoint"] = "restore_keypoint"
+    frame: FrameIndex
+    joint: Name
 
 
 class Observe(Edit):
@@ -451,8 +481,9 @@ Keying: TypeAlias = AddKey | DeleteKey | MoveKey | DuplicateKey | KeyAngle
 Shaping: TypeAlias = Shape | Size | Joint | Height | Preset | ResetBody | Clavicles | Tracked
 Filming: TypeAlias = Intrinsics | FieldOfView | Distortion | Vertical | ResetUp
 Choosing: TypeAlias = AddMask | ChangeMask | DeleteMask | Settings | Observe
+Seeing: TypeAlias = CorrectKeypoint | IgnoreKeypoint | RestoreKeypoint
 Rewinding: TypeAlias = Undo | Redo | EndStroke | CancelStroke
-Editing: TypeAlias = Looking | Posing | Keying | Shaping | Filming | Choosing | Rewinding
+Editing: TypeAlias = Looking | Posing | Keying | Shaping | Filming | Choosing | Seeing | Rewinding
 """What `app.editor.update` knows to apply."""
 
 Fitting: TypeAlias = FitHere | FitSizes | Draft | LookBefore | CloseFit

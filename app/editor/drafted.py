@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import groupby
+from typing import TYPE_CHECKING
 
 from app.editor.documents import keyframe_of, require_sound, with_drafts
 from app.editor.refusal import Refused
@@ -17,7 +19,11 @@ from tracker.geometry.rotations import Array
 from tracker.keypoints.keypoints import JOINTS
 from tracker.keypoints.on_body import points_on_body
 from tracker.keypoints.region import Box, Region
+from tracker.session import drafted as record
 from tracker.session.schema import MOST, KeypointFile, Session
+
+if TYPE_CHECKING:
+    from tracker.fitting.draft import Proposal
 
 LABEL = "draft"
 """What undo calls it."""
@@ -57,9 +63,11 @@ def drafted_session(
     body: Body,
     poses: Mapping[int, Pose],
     keypoints: KeypointFile | None,
+    proposals: Sequence[Proposal],
     times_s: Array,
 ) -> Session:
-    """With these drafts in place of those there were from the first to the last of the frames.
+    """With these drafts in place of those there were from the first to the last of the frames, and
+    what was found besides: where nobody was, and which to confirm.
 
     Keyframes stay, and so do imported keypoints.
     """
@@ -70,8 +78,40 @@ def drafted_session(
         for frame, pose in poses.items()
         if frame not in keyed
     ]
-    update = {"body": body} | ({} if doc.given_keypoints else {"keypoints": keypoints})
+    update: dict[str, object] = {"body": body, "drafted": _record(doc, frames, poses, proposals)}
+    update |= {} if doc.given_keypoints else {"keypoints": keypoints}
     return with_drafts(doc.model_copy(update=update), drafts)
+
+
+def missing_frames(drafted: record.Drafted) -> list[int]:
+    """The frames where nobody was found, ascending."""
+    runs = drafted.missing
+    return [frame for run in runs for frame in range(run.first_frame, run.last_frame + 1)]
+
+
+def _record(
+    doc: Session, frames: tuple[int, int], poses: Mapping[int, Pose], proposals: Sequence[Proposal]
+) -> record.Drafted:
+    """What was found in these frames, and before in others."""
+    first, last = frames
+    missing = set(range(first, last + 1)) - set(poses)
+    places = [record.DraftPlace(frame=p.frame, reason=p.reason, parts=p.parts) for p in proposals]
+    if doc.drafted is not None:
+        missing |= {f for f in missing_frames(doc.drafted) if not first <= f <= last}
+        places += [p for p in doc.drafted.places if not first <= p.frame <= last]
+    return record.Drafted(
+        first_frame=first,
+        last_frame=last,
+        missing=tuple(frame_runs(missing)),
+        places=tuple(sorted(places, key=lambda place: place.frame)),
+    )
+
+
+def frame_runs(frames: Iterable[int]) -> Iterator[record.FrameRun]:
+    """Frames as runs of consecutive ones."""
+    for _, run in groupby(enumerate(sorted(frames)), key=lambda each: each[1] - each[0]):
+        inside = [frame for _, frame in run]
+        yield record.FrameRun(first_frame=inside[0], last_frame=inside[-1])
 
 
 def with_clip_drafted(
@@ -80,9 +120,11 @@ def with_clip_drafted(
     body: Body,
     poses: Mapping[int, Pose],
     keypoints: KeypointFile | None,
+    proposals: Sequence[Proposal] = (),
 ) -> EditorState:
     """With the drafts of a clip, as one step; see `drafted_session`."""
-    doc = drafted_session(state.doc, frames, body, poses, keypoints, state.times_s)
+    given = (frames, body, poses, keypoints, proposals)
+    doc = drafted_session(state.doc, *given, state.times_s)
     require_sound(state.doc, doc, LABEL)
     history = state.history.after(state.doc, LABEL, state.frame)
     return replace(state.with_doc(doc), history=history)

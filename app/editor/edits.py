@@ -11,6 +11,7 @@ from app.editor import (
     body_edits,
     camera_edits,
     keyframe_edits,
+    keypoint_edits,
     posing_edits,
     surface_edits,
     tracking_edits,
@@ -96,6 +97,9 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
     do.ChangeMask: EditKind(tracking_edits.change_mask, "change a mask"),
     do.DeleteMask: EditKind(tracking_edits.delete_mask, "delete a mask"),
     do.Settings: EditKind(tracking_edits.set_settings, "change the settings"),
+    do.CorrectKeypoint: EditKind(keypoint_edits.correct_keypoint, "correct the keypoint", "joint"),
+    do.IgnoreKeypoint: EditKind(keypoint_edits.ignore_keypoint, "ignore the keypoint", "joint"),
+    do.RestoreKeypoint: EditKind(keypoint_edits.restore_keypoint, "put back the keypoint", "joint"),
     do.Observe: EditKind(surface_edits.set_surface, "change the surfaces"),
 }
 """All edits but a drag, which is a gesture and says what it turns or moves (`label_of`)."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Protocol
 
 from app.document.open import OpenSession
@@ -29,12 +31,13 @@ from app.jobs import (
 )
 from app.store.identity import unchanged
 from app.store.runner import Runner
-from app.store.state import AppState, DraftOutcome, FitOutcome
+from app.store.state import AppState, FitOutcome
 from tracker.body.pose import Pose
 from tracker.errors import KeypointError, KeyposeError
+from tracker.keypoints.keypoints import Keypoints
 from tracker.session.schema import Session
 from tracker.storage.atomic import make_folder
-from tracker.storage.keypoints import save_keypoints
+from tracker.storage.keypoints import of_session, save_keypoints
 from tracker.storage.results import pose_at
 
 NEAR_FRAMES = 8
@@ -117,7 +120,7 @@ class Host(Protocol):
 
     def show_fit(self, edit: EditorState, outcome: FitOutcome) -> None: ...
 
-    def show_draft(self, edit: EditorState, outcome: DraftOutcome) -> None: ...
+    def show_draft(self, edit: EditorState) -> None: ...
 
     def note(self, kind: str, words: str) -> None: ...
 
@@ -178,7 +181,7 @@ class Fitter:
         self._request = self._found = None
         try:
             if isinstance(found, Drafted):
-                self._host.show_draft(*apply_draft(request, found, edit, opened))
+                self._host.show_draft(apply_draft(request, found, edit, opened))
                 return
             after, outcome = apply_fit(request, found, edit)
             if after is edit:
@@ -217,20 +220,31 @@ def apply_fit(
 
 def apply_draft(
     request: FitRequest, drafted: Drafted, edit: EditorState, opened: OpenSession
-) -> tuple[EditorState, DraftOutcome]:
+) -> EditorState:
     """The state with the drafts, their keypoints written beside the session; KeyposeError where
     that is not possible."""
     order, path = request.order, opened.session_path
     assert isinstance(order, DraftOrder)
     make_folder(path.parent, error=KeypointError)  # a new film's is there from its first edit on
+    seeds, found = {order.frame}, drafted.keypoints
+    before = _keypoints_before(edit.doc, path, drafted.network)
+    if before is not None and edit.doc.keypoints is not None:
+        seeds |= set(edit.doc.keypoints.seeds)
+        found = before.overlaid(found)
     referring = save_keypoints(
-        edit.doc, path, drafted.keypoints, KEYPOINT_SOURCE,
-        network=drafted.network, seeds=(order.frame,),
-    )  # fmt: skip
-    given = (order.frames, drafted.body, drafted.poses, referring.keypoints)
-    after = with_clip_drafted(edit, *given)
-    done = tuple(sorted(drafted.poses))
-    return after, DraftOutcome(order.frames, done, drafted.proposals, after.doc)
+        edit.doc, path, found, KEYPOINT_SOURCE, network=drafted.network, seeds=tuple(seeds)
+    )
+    given = (drafted.body, drafted.poses, referring.keypoints, drafted.proposals)
+    return with_clip_drafted(edit, order.frames, *given)
+
+
+def _keypoints_before(doc: Session, path: Path, network: str) -> Keypoints | None:
+    """What the same network found for an earlier draft, perhaps of other frames."""
+    if doc.keypoints is None or doc.keypoints.network != network:
+        return None
+    with suppress(KeypointError):  # they are found again when needed
+        return of_session(doc, path.parent)
+    return None
 
 
 def _draft_order(path: str, edit: EditorState, action: do.Draft) -> DraftOrder:

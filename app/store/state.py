@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from app.editor.state import EditorState
 from app.jobs import Change
+from tracker.keypoints.keypoints import Keypoints
 from tracker.session.schema import Session
 from tracker.video import VideoInfo
-
-if TYPE_CHECKING:
-    from tracker.fitting.draft import Proposal
 
 
 @dataclass(frozen=True)
@@ -47,17 +45,19 @@ class FitOutcome:
 
 
 @dataclass(frozen=True, eq=False)
-class DraftOutcome:
-    """What the last draft of the clip found.
+class KnownKeypoints:
+    """What tracking found in the present segment, and those of the session's file: of a draft, or
+    imported. None where nothing is known."""
 
-    frames: first and last that were to be drafted.  drafted: those that were, ascending.
-    proposals: the drafts to confirm as keyframes.  after: the document with the drafts.
-    """
+    of_segment: Keypoints | None = None
+    of_file: Keypoints | None = None
 
-    frames: tuple[int, int]
-    drafted: tuple[int, ...]
-    proposals: tuple[Proposal, ...]
-    after: Session
+    def at(self, frame: int) -> Keypoints | None:
+        """Those of one frame: what tracking uses goes first."""
+        for known in (self.of_segment, self.of_file):
+            if known is not None and known.first_frame <= frame <= known.last_frame:
+                return known.over(frame, frame)
+        return None
 
 
 @dataclass(frozen=True)
@@ -126,6 +126,7 @@ class AppState:
     """running: the segments at work, by (first, last).
 
     server: differs for every start of the program.  revision: differs after every edit.
+    draft: the document as the last draft of the clip left it.
     unusable: which observed surfaces cannot be used, a sentence as far as is known, or empty.
     """
 
@@ -139,7 +140,8 @@ class AppState:
     tabs: int = 0
     running: Mapping[tuple[int, int], Running] = field(default_factory=dict)
     fit: FitOutcome | None = None
-    draft: DraftOutcome | None = None
+    draft: Session | None = None
+    keypoints: KnownKeypoints = KnownKeypoints()
     surface: SurfaceSeen = SurfaceSeen()
     unusable: str = ""
 

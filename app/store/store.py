@@ -28,15 +28,16 @@ from app.store.clients import Clients
 from app.store.examiner import Examiner
 from app.store.fitter import Fitter
 from app.store.guide import guide_after
+from app.store.keypoint_finder import KeypointFinder
 from app.store.runner import Runner
 from app.store.saving import SessionWriter
 from app.store.sections import Sections
 from app.store.state import (
     AppState,
-    DraftOutcome,
     FitOutcome,
     Guide,
     Job,
+    KnownKeypoints,
     OpenedFile,
     Saved,
     SurfaceSeen,
@@ -76,6 +77,7 @@ class Store:
         self._opened: OpenSession | None = None
         self._runner = Runner(loop, self._on_progress)
         self._fitter = Fitter(self._runner, self)
+        self._keypoints = KeypointFinder(loop, lambda known: self._set(keypoints=known))
         self._turn_asked = False
         self._dragging: Tab | None = None
         self._progress_later: asyncio.TimerHandle | None = None
@@ -185,6 +187,8 @@ class Store:
     def _publish(self) -> None:
         self._turn_asked = False
         self._send_sections()
+        if self._app_state.edit is not None and self._opened is not None:
+            self._keypoints.look(self._opened, self._app_state.edit)
         edit = self._app_state.displayed.edit
         if edit is not None:
             self._show(edit, self._sections.all["trail"])
@@ -218,6 +222,7 @@ class Store:
         elif self._progress_later is None:
             self._progress_later = self._loop.call_at(self._next_progress, self._take_progress)
         if finished or job.state != was.state:
+            self._keypoints.tracked()
             if job.state == "running":
                 self._writer.save_soon()
             else:
@@ -274,10 +279,10 @@ class Store:
         self._edit_to(edit)
         self._set(fit=outcome)
 
-    def show_draft(self, edit: EditorState, outcome: DraftOutcome) -> None:
+    def show_draft(self, edit: EditorState) -> None:
         """Go on from the drafts of the clip."""
         self._edit_to(edit)
-        self._set(draft=outcome)
+        self._set(draft=edit.doc)
 
     def _show_before(self, on: bool) -> None:
         fit = self._app_state.fit
@@ -394,11 +399,12 @@ class Store:
         opened, frames, examiner = self._opened, self.frames, self._examiner
         self._opened = self.frames = self._warned = self._examiner = None
         self._fitter.closed()
+        self._keypoints.closed()
         self._runner.closed()
         self._writer.close()
         self._clients = Clients()
         self._set(opened=None, edit=None, running={}, job=Job(), saved=Saved(), fit=None)
-        self._set(draft=None)
+        self._set(draft=None, keypoints=KnownKeypoints())
         self._set(surface=SurfaceSeen(), unusable="", revision="")
         if examiner is not None:
             await asyncio.to_thread(examiner.close)

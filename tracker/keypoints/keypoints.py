@@ -67,6 +67,22 @@ class Keypoints:
         uv, visibility = cut(self.uv, np.nan), cut(self.visibility, 0.0)
         return Keypoints(first_frame, self.names, uv, visibility, depth, by_hand)
 
+    def overlaid(self, other: Keypoints) -> Keypoints:
+        """With others, of the same names, in place of those there are of their frames; unseen in
+        frames of neither. By nobody's hand."""
+        first = min(self.first_frame, other.first_frame)
+        last = max(self.last_frame, other.last_frame)
+        below, above = self.over(first, last), other.over(first, last)
+        own = np.zeros(len(below), np.bool_)
+        own[other.first_frame - first : other.last_frame + 1 - first] = True
+        rows = own[:, None]
+        depth = None
+        if below.p_hips is not None and above.p_hips is not None:
+            depth = np.where(rows[..., None], above.p_hips, below.p_hips)
+        uv = np.where(rows[..., None], above.uv, below.uv)
+        visibility = np.where(rows, above.visibility, below.visibility)
+        return Keypoints(first, self.names, uv, visibility, depth)
+
     def exchanged(self) -> Keypoints:
         """With left and right exchanged, but for what a person set."""
         order = [self.names.index(_other_side(name, self.names)) for name in self.names]

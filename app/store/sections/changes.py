@@ -13,7 +13,9 @@ from typing import Any
 from app.store.identity import unchanged
 from app.store.sections import (
     body_values,
+    cue_values,
     error_values,
+    keypoint_values,
     motion_values,
     pose_values,
     scene_values,
@@ -78,8 +80,8 @@ LONG_CURVE = 1500
 
 _TRACKED = _both(
     _settled(
-        *("body", "camera", "keyframes", "ignore_masks", "settings", "keypoints", "surface"),
-        *("pins", "floor_m", "up_camera"),
+        *("body", "camera", "keyframes", "ignore_masks", "settings", "keypoints"),
+        *("keypoint_corrections", "surface", "pins", "floor_m", "up_camera"),
     ),
     _edit("results"),
 )
@@ -125,9 +127,19 @@ SECTIONS: dict[str, _Section] = {
     ),
     "masks": _Section(_doc("ignore_masks"), work_values.masks),
     "settings": _Section(_doc("settings", "first_motion"), work_values.settings),
+    "cues": _Section(_doc("settings", "body"), cue_values.cues),
+    "networks": _Section(_both(_doc("settings"), cue_values.networks_here), cue_values.networks),
+    "keypoints": _Section(
+        _both(
+            _doc("keypoint_corrections", "body", "camera", "surface"),
+            _edit("frame"),
+            lambda o: (o.keypoints,),
+        ),
+        keypoint_values.keypoints,
+    ),
     "fit": _Section(lambda o: (o.fit,), work_values.fit),
     "draft": _Section(
-        _both(_doc("drafts"), lambda o: (o.draft, work_values.is_latest_draft(o))),
+        _both(_doc("drafts", "keyframes", "drafted"), lambda o: (work_values.is_latest_draft(o),)),
         work_values.draft,
     ),
     "job": _Section(lambda o: (o.job,), motion_values.job),

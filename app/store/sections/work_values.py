@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from app.editor.drafted import frame_runs, missing_frames
 from app.posing import part_label
 from app.store.sections.json_value import Json, doc_of
 from app.store.state import AppState
@@ -32,7 +33,7 @@ def settings(app_state: AppState) -> Json:
     found = doc.video.stands_still if doc else None
     cues = list(given.cues_used)
     known = {"cues": cues, "default_passes": usual, "imported": source, "found_still": found}
-    return {**given.model_dump(), **known}
+    return {**given.model_dump(exclude={"cue_weights", "network"}), **known}
 
 
 def saved(app_state: AppState) -> Json:
@@ -75,31 +76,39 @@ def fit(app_state: AppState) -> Json:
 
 def is_latest_draft(app_state: AppState) -> bool:
     """Whether nothing was edited since the clip was drafted."""
-    given, doc = app_state.draft, doc_of(app_state)
-    return given is not None and doc is given.after
+    doc = doc_of(app_state)
+    return doc is not None and doc is app_state.draft
 
 
 def draft(app_state: AppState) -> Json:
-    """What the last draft of the clip found, until none of its drafts is left: the frames
-    without a draft, and the drafts that should be confirmed as keyframes and are none yet."""
-    given, doc = app_state.draft, doc_of(app_state)
-    waiting = {draft.frame for draft in doc.drafts} if doc else set()
-    if given is None or not waiting.intersection(given.drafted):
+    """What the last draft of the clip found, until none of its drafts is left: the frames where
+    nobody was found and nothing is posed yet, and the drafts that should be confirmed as keyframes
+    and are none yet. first, last: of the frames drafted last; drafted: how many of them were."""
+    doc = doc_of(app_state)
+    if doc is None or doc.drafted is None:
         return None
-    first, last = given.frames
+    given, waiting = doc.drafted, {draft.frame for draft in doc.drafts}
+    if not waiting:
+        return None
+    asked = range(given.first_frame, given.last_frame + 1)
+    posed, lacking = {*waiting, *(k.frame for k in doc.keyframes)}, missing_frames(given)
     return {
         "latest": is_latest_draft(app_state),
-        "first": first,
-        "last": last,
-        "missing": sorted(set(range(first, last + 1)) - set(given.drafted)),
+        "first": given.first_frame,
+        "last": given.last_frame,
+        "drafted": len(asked) - len({*lacking}.intersection(asked)),
+        "missing": [
+            [run.first_frame, run.last_frame]
+            for run in frame_runs(frame for frame in lacking if frame not in posed)
+        ],
         "proposals": [
             {
-                "frame": proposal.frame,
-                "reason": proposal.reason,
-                "parts": [part_label(part) for part in proposal.parts],
+                "frame": place.frame,
+                "reason": place.reason,
+                "parts": [part_label(part) for part in place.parts],
             }
-            for proposal in given.proposals
-            if proposal.frame in waiting
+            for place in given.places
+            if place.frame in waiting
         ],
     }
 

@@ -150,7 +150,8 @@ def test_frames_to_confirm_are_shown_until_they_are_keyframes(path: Path) -> Non
         desk.find(3, 8)
         shown = desk.section
         assert shown["latest"]
-        assert shown["missing"] == [2, 4, 5, 6, 7, 9, 10, 11, 12]
+        assert shown["missing"] == [[2, 2], [4, 7], [9, 12]]
+        assert (shown["first"], shown["last"], shown["drafted"]) == (2, 12, 2)
         assert shown["proposals"] == [
             {"frame": 3, "reason": "start", "parts": []},
             {"frame": 8, "reason": "flip", "parts": ["Left thigh"]},
@@ -160,6 +161,41 @@ def test_frames_to_confirm_are_shown_until_they_are_keyframes(path: Path) -> Non
         assert not desk.section["latest"]
         desk.do({"do": "undo"})
         assert desk.section["latest"]
+
+    try_at(path, act)
+
+
+def test_what_a_draft_found_is_there_after_a_restart(path: Path) -> None:
+    found: list[Any] = []
+
+    async def draft(desk: Desk) -> None:
+        desk.do({**DRAFT, "last": 12})
+        desk.find(3, 8)
+        found.append(desk.section)
+
+    async def again(desk: Desk) -> None:
+        assert desk.section == {**found[0], "latest": False}
+        desk.do({"do": "undo"})  # of another day
+        assert desk.section is None
+
+    try_at(path, draft)
+    try_at(path, again)
+
+
+def test_drafting_some_frames_again_keeps_what_was_found_in_the_others(path: Path) -> None:
+    async def act(desk: Desk) -> None:
+        desk.do({**DRAFT, "last": 12})
+        desk.find(8, 9, 12)
+        desk.do({"do": "draft", "frame": 3, "box": BOX, "last": 7})
+        desk.find(2, 3, 4, 5, 6, 7)
+        shown = desk.section
+        assert shown["missing"] == [[0, 1], [10, 11]]
+        assert (shown["first"], shown["last"], shown["drafted"]) == (0, 7, 6)
+        assert [place["frame"] for place in shown["proposals"]] == [2, 7, 8, 12]
+        assert desk.doc.keypoints is not None
+        assert desk.doc.keypoints.seeds == (3, 10)
+        desk.do({"do": "go", "frame": 10}, {"do": "add_key", "frame": 10})
+        assert desk.section["missing"] == [[0, 1], [11, 11]]  # somebody has posed it
 
     try_at(path, act)
 

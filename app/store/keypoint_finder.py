@@ -1,0 +1,122 @@
+"""The keypoints around the present frame, as far as they were found before: no network runs."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from app.document.open import OpenSession
+from app.editor.state import EditorState
+from app.store.identity import unchanged
+from app.store.state import KnownKeypoints
+from tracker.errors import KeyposeError
+from tracker.keypoints.keypoints import Keypoints
+from tracker.keypoints.on_body import is_persons
+from tracker.session.schema import Session
+from tracker.storage.fingerprints import Span
+from tracker.storage.keypoints import of_session
+from tracker.storage.tracking import found_before
+
+MOST_REMEMBERED = 8
+"""Answers that are kept."""
+
+_Read: TypeAlias = Callable[[], Keypoints | None]
+
+
+@dataclass(frozen=True, eq=False)
+class _Question:
+    """Which keypoints; the same where all that decides it is unchanged."""
+
+    made_of: tuple[Any, ...]
+    read: _Read
+
+
+class KeypointFinder:
+    """Reads in a thread, one after the other; `found` is called on the loop with all that is known
+    about the newest state."""
+
+    def __init__(
+        self, loop: asyncio.AbstractEventLoop, found: Callable[[KnownKeypoints], None]
+    ) -> None:
+        self._loop, self._found = loop, found
+        self._answers: list[tuple[_Question, Keypoints | None]] = []
+        self._wanted: tuple[_Question, ...] = ()
+        self._shown: tuple[_Question, ...] = ()
+        self._reading: asyncio.Task[None] | None = None
+
+    def closed(self) -> None:
+        """No session is open any more."""
+        self._answers, self._wanted, self._shown = [], (), ()
+
+    def tracked(self) -> None:
+        """More was found: what was not there may be now."""
+        self._answers = [each for each in self._answers if each[1] is not None]
+        self._shown = ()
+
+    def look(self, opened: OpenSession, edit: EditorState) -> None:
+        """The state is another one, perhaps at another frame."""
+        doc, folder = edit.settled, opened.session_path.parent
+        self._wanted = (_of_file(doc, folder), _of_segment(doc, _span_at(doc, edit.frame)))
+        if self._reading is None:
+            self._go_on()
+
+    def _go_on(self) -> None:
+        """Show what is wanted, once all of it has been read."""
+        if len(self._shown) == len(self._wanted) and all(map(_is_same, self._shown, self._wanted)):
+            return
+        answers = [self._answer(question) for question in self._wanted]
+        for question, answer in zip(self._wanted, answers, strict=True):
+            if answer is None:
+                self._reading = self._loop.create_task(self._read(question))
+                return
+        self._shown = self._wanted
+        of_file, of_segment = (found for answer in answers for found in answer or ())
+        self._found(KnownKeypoints(of_segment, of_file))
+
+    def _answer(self, question: _Question) -> tuple[Keypoints | None] | None:
+        """None where it was not asked yet."""
+        return next(((found,) for known, found in self._answers if _is_same(known, question)), None)
+
+    async def _read(self, question: _Question) -> None:
+        found = await asyncio.to_thread(_or_none, question.read)
+        self._answers = [*self._answers, (question, found)][-MOST_REMEMBERED:]
+        self._reading = None
+        self._go_on()
+
+
+def _is_same(one: _Question, other: _Question) -> bool:
+    return unchanged(one.made_of, other.made_of)
+
+
+def _or_none(read: _Read) -> Keypoints | None:
+    """Tracking says what is wrong with a file; here nothing of it is shown."""
+    try:
+        return read()
+    except KeyposeError:
+        return None
+
+
+def _of_file(doc: Session, folder: Path) -> _Question:
+    name = "" if doc.keypoints is None else str(folder / doc.keypoints.file)
+    return _Question(("file", name), partial(of_session, doc, folder))
+
+
+def _of_segment(doc: Session, span: Span | None) -> _Question:
+    """What decides where a network looked in a segment."""
+    if span is None:
+        return _Question(("segment",), lambda: None)
+    ends = [keyframe for keyframe in doc.keyframes if keyframe.frame in span]
+    made_of = ("segment", *span, *ends, doc.body, doc.camera, doc.settings.network)
+    return _Question(made_of, partial(found_before, doc, span))
+
+
+def _span_at(doc: Session, frame: int) -> Span | None:
+    """The segment around a frame whose keypoints a network finds; None where none does."""
+    wanted = "keypoints" in doc.settings.cues_used and doc.given_keypoints is None
+    if doc.surface is not None or not wanted or not is_persons(doc.body):
+        return None
+    return next((span for span in doc.spans if span[0] <= frame <= span[1]), None)

@@ -1,0 +1,71 @@
+"""What tracking compares the body with, and the networks that find keypoints, as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Final
+
+from app.posing import part_label
+from app.store.sections.json_value import Json, doc_of
+from app.store.state import AppState
+from tracker.keypoints.model_files import FULL, MODELS
+from tracker.keypoints.on_body import is_persons
+from tracker.session.schema import Session
+from tracker.session.settings import ALL_CUES, Cue
+
+_TITLES: Final[Mapping[str, str]] = {
+    "brightness": "Follow how the body’s brightness moves from frame to frame",
+    "keypoints": "Compare the body’s joints with those found in each frame",
+}
+_PERSONS: Final[tuple[Cue, ...]] = ("keypoints",)
+"""Those that only a person's body can be compared with."""
+_UNWEIGHTED: Final[tuple[Cue, ...]] = ("brightness",)
+"""The others are weighed beside it."""
+
+
+def cues(app_state: AppState) -> Json:
+    """Every cue there is: whether it is chosen, why it does not count here, and its weight."""
+    doc = doc_of(app_state)
+    if doc is None:
+        return []
+    return [
+        {
+            "id": cue,
+            "label": part_label(cue),
+            "title": _TITLES.get(cue, ""),
+            "on": cue in doc.settings.cues_used,
+            "off": _why_off(doc, cue),
+            "weight": None if cue in _UNWEIGHTED else doc.settings.weight(cue),
+        }
+        for cue in ALL_CUES
+    ]
+
+
+def _why_off(doc: Session, cue: Cue) -> str:
+    """Why a cue does not count here, whatever is chosen; or empty."""
+    if cue == "brightness":
+        return ""
+    if cue in _PERSONS and not is_persons(doc.body):
+        return "Needs a person’s body"
+    return "Not in the published method" if doc.settings.method == "paper" else ""
+
+
+def networks_here(app_state: AppState) -> tuple[Any, ...]:
+    """Which networks are on the disk: one can be added while the page is open."""
+    return tuple(model.is_here for model in MODELS)
+
+
+def networks(app_state: AppState) -> Json:
+    """The networks that find keypoints: which is chosen, and how to add one that is not here."""
+    doc = doc_of(app_state)
+    chosen = (doc.settings.network if doc else None) or FULL.name
+    return [
+        {
+            "id": model.name,
+            "label": part_label(model.name),
+            "mb": model.size_mb,
+            "chosen": model.name == chosen,
+            "remedy": "" if model.is_here else f"keypose models add {model.name}",
+        }
+        for model in MODELS
+    ]

@@ -1,0 +1,171 @@
+"""The keypoints of the present frame: found before, with what a person said of them."""
+
+from __future__ import annotations
+
+import asyncio
+import shutil
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.document.library import Library
+from app.store import keypoint_finder, runner
+from app.store.sections import Sections
+from app.store.store import Store
+from tests.app.serving import ROOT
+from tests.app.store.test_fitter import Worker
+from tracker.keypoints.keypoints import JOINTS, Keypoints
+from tracker.session import Session
+from tracker.storage.files import load_session, save_session
+from tracker.storage.keypoints import save_keypoints
+
+NAMES = (*JOINTS, "nose", "left_pinky")
+WRIST = JOINTS.index("left_wrist")
+
+
+@pytest.fixture(autouse=True)
+def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(runner, "Tracking", Worker)
+
+
+def found(first: int, last: int, u: float) -> Keypoints:
+    """Everything at (u, frame)."""
+    frames = np.arange(first, last + 1.0)
+    uv = np.stack([np.full_like(frames, u), frames], axis=-1)[:, None].repeat(len(NAMES), axis=1)
+    sure = np.full(uv.shape[:2], 0.9)
+    sure[:, WRIST] = 0.58
+    return Keypoints(first, NAMES, uv, sure)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    """A session with a draft's keypoints in frames 0 to 40, tracking by keypoints."""
+    shutil.copytree(ROOT / "sample_videos" / "person", tmp_path / "person")
+    path = tmp_path / "person" / "session.json"
+    session = load_session(path)
+    settings = session.settings.model_copy(update={"cues": ("brightness", "keypoints")})
+    session = session.model_copy(update={"settings": settings})
+    save_session(save_keypoints(session, path, found(0, 40, 5.0), "draft", network="n"), path)
+    return path
+
+
+class Desk:
+    def __init__(self, store: Store) -> None:
+        self.store, self.tab, self.sections = store, store.join(), Sections()
+
+    def do(self, *messages: dict[str, Any]) -> None:
+        for message in messages:
+            self.store.receive(self.tab, message)
+
+    async def shown(self, frame: int) -> Any:
+        """The section of a frame, once all that is read for it has been."""
+        self.do({"do": "go", "frame": frame})
+        await asyncio.sleep(0)
+        while (reading := self.store._keypoints._reading) is not None:
+            await reading
+            await asyncio.sleep(0)
+        return Sections().changed(self.store.app_state)["keypoints"]
+
+
+def try_at(path: Path, act: Callable[[Desk], Awaitable[None]]) -> None:
+    async def run() -> None:
+        store = Store(asyncio.get_running_loop(), lambda *_: None, Library(path.parent.parent))
+        await store.open(path)
+        try:
+            await act(Desk(store))
+        finally:
+            await store.stop()
+
+    asyncio.run(run())
+
+
+def point(section: Any, joint: str = "left_wrist") -> Any:
+    return next(each for each in section["points"] if each["joint"] == joint)
+
+
+def test_those_of_a_draft_are_told_frame_by_frame_as_far_as_the_body_has_them(path: Path) -> None:
+    async def act(desk: Desk) -> None:
+        shown = await desk.shown(7)
+        assert shown["frame"] == 7
+        assert len(shown["points"]) == 13  # fingers are not compared with anything
+        wrist = {"joint": "left_wrist", "label": "Left wrist", "at": [5.0, 7.0]}
+        assert point(shown) == {**wrist, "sure": 0.58, "state": "found"}
+        assert await desk.shown(60) is None
+
+    try_at(path, act)
+
+
+def test_what_tracking_found_in_a_segment_goes_first(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[Any] = []
+
+    def kept(doc: Session, span: tuple[int, int]) -> Keypoints | None:
+        asked.append(span)
+        return found(*span, 33.0) if span == (24, 48) else None
+
+    monkeypatch.setattr(keypoint_finder, "found_before", kept)
+
+    async def act(desk: Desk) -> None:
+        assert point(await desk.shown(7))["at"] == [5.0, 7.0]
+        assert point(await desk.shown(30))["at"] == [33.0, 30.0]
+        assert point(await desk.shown(45))["at"] == [33.0, 45.0]
+        await desk.shown(7)
+        assert asked.count((24, 48)) == 1
+        before = asked.count((0, 24))
+        desk.store._keypoints.tracked()
+        await desk.shown(8)
+        assert asked.count((0, 24)) == before + 1  # it may be there now
+
+    try_at(path, act)
+
+
+def test_what_a_person_said_is_told_at_once_and_where_it_was_found_is_not_lost(path: Path) -> None:
+    async def act(desk: Desk) -> None:
+        await desk.shown(7)
+        wrist = {"frame": 7, "joint": "left_wrist"}
+        desk.do({"do": "correct_keypoint", **wrist, "at": [50, 60], "stroke": "ring"})
+        moved = point(await desk.shown(7))
+        assert (moved["at"], moved["sure"], moved["state"]) == ([50.0, 60.0], 1.0, "corrected")
+        desk.do({"do": "ignore_keypoint", **wrist})
+        hidden = point(await desk.shown(7))
+        assert (hidden["at"], hidden["sure"], hidden["state"]) == ([5.0, 7.0], 0.0, "ignored")
+        desk.do({"do": "restore_keypoint", **wrist})
+        assert point(await desk.shown(7))["state"] == "found"
+
+    try_at(path, act)
+
+
+def test_a_file_that_is_gone_shows_nothing_and_breaks_nothing(path: Path) -> None:
+    for file in path.parent.glob("keypoints-*.npz"):
+        file.unlink()
+
+    async def act(desk: Desk) -> None:
+        assert await desk.shown(7) is None
+
+    try_at(path, act)
+
+
+def test_cues_and_networks_say_what_can_be_chosen_and_why_not(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+
+    async def act(desk: Desk) -> None:
+        def told(name: str) -> Any:
+            return {each["id"]: each for each in Sections().changed(desk.store.app_state)[name]}
+
+        assert told("cues")["brightness"]["weight"] is None
+        desk.do({"do": "settings", "cue_weights": {"keypoints": 0.7}, "network": "heavy"})
+        cue = told("cues")["keypoints"]
+        assert (cue["on"], cue["off"], cue["weight"]) == (True, "", 0.7)
+        full, heavy = told("networks").values()
+        assert (full["chosen"], full["remedy"]) == (False, "")
+        assert (heavy["chosen"], heavy["remedy"]) == (True, "keypose models add heavy")
+        desk.do({"do": "settings", "method": "paper"})
+        assert told("cues")["keypoints"]["off"] == "Not in the published method"
+
+    try_at(path, act)
