@@ -1,8 +1,10 @@
 // Poses for every frame from a box around the person on one of them: whether it can begin, why not, and
 // what to say of its result.
 
-import { server, ui } from '../store/state.js';
-import { count } from '../controls/words.js';
+import { server, setUi, ui } from '../store/state.js';
+import { clamp } from '../controls/arithmetic.js';
+import { count, joined, range } from '../controls/words.js';
+import { lastFrame } from '../store/clip.js';
 import { frame, placesToConfirm } from './playhead.js';
 
 /** A person of fewer pixels has joints that are hard to tell apart. */
@@ -14,12 +16,36 @@ export const whyNotDraftable = () => (server.body?.is_persons ? '' : 'Needs a pe
 export function whyNotDraft() {
   const { state, kind } = server.job ?? {};
   const isAtWork = state === 'running' && kind === 'draft';
-  return whyNotDraftable() || (isAtWork ? 'Drafting already' : ui.box ? '' : 'Draw a box around the person first');
+  return whyNotDraftable() || (isAtWork ? 'Drafting already' : ui.box ? whyNotHere() : 'Draw a box around the person first');
+}
+
+/** The box lies on the frame of the playhead, which has to be one of those to draft. */
+function whyNotHere() {
+  const [first, last] = draftRange();
+  return first <= frame() && frame() <= last ? '' : `The box must lie on one of the frames to draft, ${range(first, last)}`;
+}
+
+/** First and last frame to draft. @returns {[number, number]} */
+export const draftRange = () => ui.draftRange ?? [0, lastFrame()];
+
+/** Choose them; all again where they are all. */
+export function setDraftRange(first, last) {
+  const from = clamp(first, 0, lastFrame());
+  const to = clamp(last, from, lastFrame());
+  setUi('draftRange', from === 0 && to === lastFrame() ? null : [from, to]);
+}
+
+/** How many frames are to be drafted. */
+export function draftCount() {
+  const [first, last] = draftRange();
+  return last - first + 1;
 }
 
 /** What is sent: the box as it lies over the frame of the playhead. */
 export function draftMessage() {
-  return { do: 'draft', frame: frame(), box: ui.box.map((side) => Math.round(10 * side) / 10) };
+  const box = ui.box.map((side) => Math.round(10 * side) / 10);
+  const some = ui.draftRange ? { first: ui.draftRange[0], last: ui.draftRange[1] } : {};
+  return { do: 'draft', frame: frame(), box, ...some };
 }
 
 /** What to say of a box around somebody small, or ''. */
@@ -54,9 +80,35 @@ function partWords(parts) {
 /** "3 places to confirm" */
 export const placesWords = () => `${count(placesToConfirm().length, 'place')} to confirm`;
 
-/** "Drafted 150 of 180 frames." */
-export function draftedWords({ first, last, missing }) {
+/** "Drafted 150 of 180 frames.", or "Drafted 31–179." where it is one end that lacks. */
+export function draftedWords({ first, last, drafted, missing }) {
   const all = last - first + 1;
-  const some = missing.length ? `${all - missing.length} of ` : '';
-  return `Drafted ${some}${count(all, 'frame')}.`;
+  if (drafted === all) return `Drafted ${count(all, 'frame')}.`;
+  const [gap] = missing;
+  if (missing.length === 1 && gap[0] === first) return `Drafted ${range(gap[1] + 1, last)}.`;
+  if (missing.length === 1 && gap[1] === last) return `Drafted ${range(first, gap[0] - 1)}.`;
+  return `Drafted ${drafted} of ${count(all, 'frame')}.`;
 }
+
+/** "No person found in 0–30 and 96.": where a draft is missing; or ''. */
+export function nobodyWords() {
+  const runs = server.draft?.missing ?? [];
+  if (runs.length === 0) return '';
+  const told = runs.slice(0, RUNS_TOLD).map(([first, last]) => (first === last ? `${first}` : range(first, last)));
+  const more = runs.length - told.length;
+  return `No person found in ${joined(more > 0 ? [...told, `${more} more places`] : told)}.`;
+}
+
+const RUNS_TOLD = 3;
+
+/** The longest run of these. */
+const longest = (runs) => runs.reduce((one, other) => (other[1] - other[0] > one[1] - one[0] ? other : one));
+
+/** The frame to draw a box at: the middle of the longest run without a draft. */
+export function boxFrameFor(runs) {
+  const [first, last] = longest(runs);
+  return Math.floor((first + last) / 2);
+}
+
+/** The frames to draft from a box there. */
+export const runToDraft = (runs) => longest(runs);

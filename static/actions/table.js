@@ -2,14 +2,14 @@
 // done and how. The keyboard, the sheet of keys, menus, buttons and their tips are made from it.
 
 import { openChooser, toggleSheet } from '../controls/dialogs.js';
-import { frameCount, lastFrame } from '../store/clip.js';
+import { lastFrame } from '../store/clip.js';
 import { partNamed, selectedPart } from '../store/parts.js';
 import { server, setUi, ui } from '../store/state.js';
 import { words } from '../store/subject.js';
 import { fitLarge, showLarge, VIEW_NAMES, VIEWS } from '../views/views.js';
 import { count } from '../controls/words.js';
 import { alongChain, endOfChain, otherSide, outward } from './chain.js';
-import { draftMessage, whyNotDraft } from './drafting.js';
+import { draftCount, draftMessage, whyNotDraft } from './drafting.js';
 import {
   FILTER_HZ, copyPath, copyPicture, hasMotion, saveMotion, savePicture, saveReport,
 } from './export.js';
@@ -183,7 +183,7 @@ const TRACK = {
     off: whyNotTrack, message: () => ({ do: 'track', what: 'all' }),
   },
   draft: {
-    label: () => `Draft ${count(frameCount(), 'frame')}`, icon: 'wand', off: whyNotDraft,
+    label: () => `Draft ${count(draftCount(), 'frame')}`, icon: 'wand', off: whyNotDraft,
     title: 'Find the person in every frame and pose the body there', message: draftMessage,
   },
   cancel: {
@@ -245,6 +245,10 @@ const VIEW = {
   trail: {
     label: 'Motion trail', icon: 'trail', keys: ['M'], row: 'Ghosts, trail, lanes',
     on: () => Boolean(server.view?.trail), message: () => ({ do: 'display', trail: !server.view.trail }),
+  },
+  rings: {
+    label: 'Show rings', icon: 'rings', title: 'Keypoints on the picture, whatever tab is open',
+    on: () => Boolean(ui.rings), run: () => setUi('rings', !ui.rings),
   },
   lanes: {
     label: () => (ui.lanes ? 'Collapse the lanes' : 'Show all lanes'), icon: 'chev', keys: ['I'],

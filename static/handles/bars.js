@@ -15,13 +15,16 @@ import { tintbar } from './tintbar.js';
 import { toolbar } from './toolbar.js';
 import { isHandleCoveredBy } from './covered_by.js';
 
+/** @type {import('../store/shapes.js').Watched[]} */
+const SECTIONS = ['file', 'damage', 'surface', 'body', 'view', 'pose', 'keys', 'segments', 'draft', 'undo'];
+
 const host = document.createElement('div');
 
 export function mountBars() {
   host.className = 'bars';
   // A bar clicked with the mouse leaves the keys to the views.
   host.addEventListener('mousedown', (event) => event.preventDefault());
-  watch(['file', 'damage', 'surface', 'view', 'pose', 'keys', 'segments', 'draft', 'undo', 'u:draftRead', 'u:tool', 'u:layout', 'u:box'], draw);
+  watch([...SECTIONS, 'u:draftRead', 'u:tool', 'u:layout', 'u:box', 'u:rings'], draw);
   onViews(draw);
   onInteraction(draw);
   onSlide(draw);

@@ -1,6 +1,7 @@
 // What a press begins once it has moved: a drag of a handle, of a mask or of a part's surface, or a pan.
 // Each returns the state of the press from then on.
 
+import { correction } from '../actions/keypoints.js';
 import { isFree, partNamed } from '../store/parts.js';
 import { server, setUi, ui } from '../store/state.js';
 import { beginDrag } from './drag.js';
@@ -12,11 +13,12 @@ import { surfaceTool } from './tools.js';
 /** @typedef {'dragging' | 'panning'} Begun */
 
 /**
- * On a handle, a mask or the trail.
+ * On a handle, a keypoint, a mask or the trail.
  * @returns {Begun}
  */
 export function beginOnTarget(view, press, target) {
   const from = view.toView([press.x, press.y]);
+  if (target.kind === 'keypoint') return beginOnKeypoint(view, press, target, from);
   if (target.change) return beginOnMask(view, press, target, from);
   if (target.kind === 'trail') return beginPanning(view, press);
   const { handle = { kind: 'ring', part: target.part.name, axis: target.axis } } = target;
@@ -31,6 +33,14 @@ export function beginOnTarget(view, press, target) {
   beginDrag(view, press, messageAt, extra);
   if (handle.kind === 'end') setUi('limb', target.limb);
   view.over.style.cursor = 'grabbing';
+  return 'dragging';
+}
+
+/** @returns {Begun} */
+function beginOnKeypoint(view, press, target, from) {
+  const { point, frame } = target;
+  const messageAt = (at) => correction(point, frame, [0, 1].map((k) => point.at[k] + at[k] - from[k]));
+  beginDrag(view, press, messageAt, { target, hint: 'keypoint', gentle: true });
   return 'dragging';
 }
 

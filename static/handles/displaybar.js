@@ -4,6 +4,7 @@ import { clamp } from '../controls/arithmetic.js';
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { server, ui } from '../store/state.js';
 import { send } from '../store/link.js';
+import { isSurface } from '../store/subject.js';
 import { iconOf, isOn, keyOf, labelOf, perform } from '../actions/actions.js';
 import { icon } from '../controls/icons.js';
 import { tipOf } from './toolbar.js';
@@ -28,7 +29,7 @@ export function displaybar() {
     ${MODES.map(modeButton)}
     ${quad ? nothing : [slider(), html`<span class="num mut wide percent">${percent()} %</span>`]}
     <span class="vsep"></span>
-    ${toggle('ghosts')}${toggle('trail')}
+    ${toggle('ghosts')}${toggle('trail')}${server.body?.is_persons && !isSurface() ? toggle('rings') : nothing}
   </div>`;
 }
 

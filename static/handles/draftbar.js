@@ -3,16 +3,21 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { server, setUi, ui } from '../store/state.js';
 import { actionButton } from '../actions/buttons.js';
-import { draftedWords, placesWords } from '../actions/drafting.js';
+import { boxFrameFor, draftedWords, nobodyWords, placesWords } from '../actions/drafting.js';
 import { placesToConfirm } from '../actions/playhead.js';
-import { iconButton } from '../controls/fields.js';
+import { button, iconButton } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';
+import { drawBoxAt } from './sketch.js';
 
 export function draftbar() {
   const { draft } = server;
   if (!draft?.latest || ui.draftRead === server.revision || ui.tool === 'box') return nothing;
-  return html`<div class="glass" id="mdraft" role="status">
-    ${icon('check')}<b>${draftedWords(draft)}</b>
+  const nobody = nobodyWords();
+  const at = nobody && boxFrameFor(draft.missing);
+  return html`<div class="glass ${nobody ? 'lacking' : ''}" id="mdraft" role="status">
+    ${icon(nobody ? 'warn' : 'check')}
+    <span>${nobody ? html`<b>${nobody}</b> ${draftedWords(draft)}` : html`<b>${draftedWords(draft)}</b>`}</span>
+    ${nobody ? button({ label: `Draw a box at ${at}`, title: 'Draft these frames from a box in one of them', act: () => drawBoxAt(at) }) : nothing}
     ${placesToConfirm().length ? actionButton('suggestedFrame', undefined, { name: undefined, label: placesWords(), title: 'Go to the next of them' }) : nothing}
     ${actionButton('undo', undefined, { name: undefined, label: 'Undo draft', title: 'Remove the draft', kind: 'ghost' })}
     ${iconButton({ name: 'x', label: 'Close', act: () => setUi('draftRead', server.revision) })}

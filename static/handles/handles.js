@@ -13,7 +13,7 @@ import { cancelPress, isPressed, listenTo } from './press.js';
 import { prepareSketch, sketchKey } from './sketch.js';
 
 /** @type {import('../store/shapes.js').Watched[]} */
-const SECTIONS = ['file', 'pose', 'body', 'view', 'views', 'trail', 'masks', 'keys', 'camera'];
+const SECTIONS = ['file', 'pose', 'body', 'view', 'views', 'trail', 'masks', 'keys', 'camera', 'keypoints'];
 
 export function mount() {
   watchKeys();
@@ -21,7 +21,7 @@ export function mount() {
   for (const name of VIEWS) listenTo(viewNamed(name));
   onInteraction(paint);
   onViews(paint);
-  watch([...SECTIONS, 'u:limb', 'u:mask', 'u:box', 'u:layout', 'u:dragging'], paint);
+  watch([...SECTIONS, 'u:limb', 'u:mask', 'u:box', 'u:layout', 'u:dragging', 'u:tab', 'u:rings', 'u:keypointHover'], paint);
   watch(['pose'], refresh);
   watch(['u:tool'], changeTool);
   watch(['u:playing', 'file'], () => ui.playing && leave());

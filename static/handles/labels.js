@@ -6,8 +6,9 @@ import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { server, ui } from '../store/state.js';
 import { drawBoxSize } from './box.js';
 import { interaction } from './interaction.js';
+import { drawKeypointName } from './keypoints.js';
 import { isLarge, largeView, ringRadius } from './scale.js';
-import { isReady } from './targets.js';
+import { isReady, targetsIn } from './targets.js';
 
 const AWAY = 20;
 /** What the longest words take. */
@@ -16,7 +17,8 @@ const hosts = new Map();
 
 /** Draw a view's labels. */
 export function drawLabels(view) {
-  render([drawValue(view), drawName(view), drawBoxSize(view)], hostOf(view));
+  const { keypoints } = targetsIn(view);
+  render([drawValue(view), drawName(view), drawBoxSize(view), drawKeypointName(view, keypoints)], hostOf(view));
 }
 
 function hostOf(view) {

@@ -6,6 +6,7 @@ import { ui } from '../store/state.js';
 import { VIEWS, view as viewNamed } from '../views/views.js';
 import { drawGrips, drawLimb, drawReach } from './grips.js';
 import { interaction } from './interaction.js';
+import { drawKeypoints } from './keypoints.js';
 import { drawLabels } from './labels.js';
 import { drawMasks } from './masks.js';
 import { drawRings } from './rings.js';
@@ -39,6 +40,7 @@ function overlay(view) {
     ${drawGrips(view, targets.grips)}
     ${drawSizes(view, targets.sizes)}
     ${drawRings(view, targets.rings)}
+    ${drawKeypoints(view, targets.keypoints)}
     ${drawSketch(view)}
   </g>`;
 }

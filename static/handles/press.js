@@ -13,6 +13,7 @@ import { beginOnSurface, beginOnTarget } from './begin.js';
 import { cancelDrag, endDrag, moveDrag } from './drag.js';
 import { interaction } from './interaction.js';
 import { hover, leave, pick } from './hover.js';
+import { openKeypointMenu } from './keypoints.js';
 import { isKeyDown, noteModifiers } from './pressed_keys.js';
 import { beginPan, endPan, movePan, pinch, wheel } from './pan.js';
 import { click } from './select.js';
@@ -79,7 +80,7 @@ export function listenTo(view) {
   over.addEventListener('pointerup', (event) => up(view, event));
   over.addEventListener('pointercancel', (event) => onPointerLost(event));
   over.addEventListener('pointerleave', () => press || leave());
-  over.addEventListener('contextmenu', (event) => event.preventDefault());
+  over.addEventListener('contextmenu', (event) => menu(view, event));
   over.addEventListener('wheel', (event) => wheel(view, event, ...place(view, event)), { passive: false });
 }
 
@@ -159,6 +160,14 @@ function onPointerLost(event) {
   if (press?.id !== event.pointerId) return;
   cancelPress();
   press = null;
+}
+
+/** The menu of what lies there, where it has one. */
+function menu(view, event) {
+  event.preventDefault();
+  if (press || !server.file || !server.pose) return;
+  const target = targetAt(view, ...place(view, event), false);
+  if (target?.kind === 'keypoint') openKeypointMenu(target.point, target.frame, [event.clientX, event.clientY]);
 }
 
 // --- from state to state

@@ -30,12 +30,12 @@ function partAt(parts, again) {
 }
 
 const partOf = (target) =>
-  target.kind === 'ring' || target.change || target.kind === 'trail' ? null : target.part;
+  target.kind === 'ring' || target.kind === 'keypoint' || target.change || target.kind === 'trail' ? null : target.part;
 
 function clickOnce(view, x, y, target, part) {
   if (target?.kind === 'trail') return void send({ do: 'go', frame: target.frame });
   if (target?.tell) return chooseMask(target.index);
-  if (target?.kind === 'ring') return undefined;
+  if (target?.kind === 'ring' || target?.kind === 'keypoint') return undefined;
   const mask = part ? null : maskAt(view, x, y);
   chooseMask(mask ? mask.index : null);
   if (!mask) select(part);
@@ -44,7 +44,7 @@ function clickOnce(view, x, y, target, part) {
 
 function clickTwice(view, x, y, target) {
   if (target?.kind === 'corner') return deleteCorner(target);
-  if (target?.change || target?.kind === 'ring' || maskChosen(view, x, y)) return undefined;
+  if (target?.change || target?.kind === 'ring' || target?.kind === 'keypoint' || maskChosen(view, x, y)) return undefined;
   const part = target?.part ?? last.part;
   if (!part) return view.fit();
   setUi('limb', limbOf(part));

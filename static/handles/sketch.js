@@ -5,6 +5,8 @@ import { svg, nothing } from '../vendor/lit-html/lit-html.js';
 import { server, ui, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
 import { perform, whyNot } from '../actions/actions.js';
+import { runToDraft, setDraftRange } from '../actions/drafting.js';
+import { goTo, stopPlaying } from '../actions/playhead.js';
 import { keepsKey } from '../controls/focus.js';
 import { view as viewNamed } from '../views/views.js';
 import { boxCancel, boxCursor, boxDown, boxHint, boxKey, boxMove, boxUp, drawBox } from './box.js';
@@ -115,7 +117,17 @@ function enterBox() {
 export function draftFromBox() {
   const why = whyNot('draft');
   perform('draft');
-  if (!why) leaveSketch();
+  if (why) return;
+  setUi('draftRange', null);
+  leaveSketch();
+}
+
+/** Draw a box at a frame, for the frames there that have no draft. */
+export function drawBoxAt(frame) {
+  setDraftRange(...runToDraft(server.draft.missing));
+  stopPlaying();
+  goTo(frame);
+  setUi('tool', 'box');
 }
 
 /** Put the drawing tool away. */

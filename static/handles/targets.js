@@ -2,6 +2,7 @@
 
 import { server, ui } from '../store/state.js';
 import { gripsIn } from './grips.js';
+import { keypointsIn, ringAt } from './keypoints.js';
 import { masksIn } from './masks.js';
 import { ringsIn } from './rings.js';
 import { gripScale, isLarge } from './scale.js';
@@ -22,21 +23,25 @@ export const isReady = (view) => Boolean(server.file && server.pose && server.bo
 
 /** All targets of a view by kind; empty before a file is open. */
 export function targetsIn(view) {
-  if (!isReady(view)) return { grips: [], rings: [], sizes: [], masks: [], trail: [] };
+  if (!isReady(view)) return { grips: [], rings: [], sizes: [], masks: [], trail: [], keypoints: [] };
   return {
     grips: gripsIn(view),
     rings: ringsIn(view),
     sizes: sizesIn(view),
     masks: masksIn(view),
     trail: trailKeysIn(view),
+    keypoints: keypointsIn(view),
   };
 }
 
 /** The target a pointer at (x, y) means, or null. */
 export function targetAt(view, x, y, touch = false) {
   if (ui.tool === 'pan' || isDrawingTool(ui.tool)) return null;
-  const { grips, rings, sizes, masks, trail } = targetsIn(view);
+  const { grips, rings, sizes, masks, trail, keypoints } = targetsIn(view);
   const finger = touch ? FINGER : 1;
+  // They lie on the handles of the body: what is drawn on top is meant.
+  const keypoint = ringAt(keypoints, x, y, finger);
+  if (keypoint) return keypoint;
   const found = [...grips, ...sizes, ...masks, ...trail, ...rings]
     .map((target) => ({ target, miss: missOf(view, target, x, y) / finger }))
     .filter(({ miss }) => miss <= 1)

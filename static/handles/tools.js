@@ -38,6 +38,7 @@ const HOLDING = {
   joint: () => [['Drag', 'swing the joint, its end stays'], FINE, BACK],
   size: () => [['Drag', 'longer or thicker'], FINE, CENTIMETRES, BACK],
   mask: () => [['Drag', 'move'], FINE, BACK],
+  keypoint: () => [['Drag', 'to where the joint is seen; the pose stays'], FINE, BACK],
   pan: () => [['Drag', 'pan']],
 };
 

@@ -1,55 +1,76 @@
-// What tracking compares the body with: how bright the picture is, where joints are seen in it.
+// What tracking compares the body with: how bright the picture is, where joints are seen in it. Which
+// cues there are, and why one cannot count, is the server's word.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { server } from '../store/state.js';
 import { send } from '../store/link.js';
-import { switchField } from '../controls/fields.js';
-import { section } from './section.js';
+import { dropdown, numberField, slider, switchField } from '../controls/fields.js';
+import { line, section } from './section.js';
 
-/** @typedef {'brightness' | 'keypoints'} Cue */
+/** A cue counts by so much, in per cent. */
+const LEAST = 10;
+const MOST = 200;
 
-/** @type {{ id: Cue, label: string, title: string }[]} */
-const CUES = [
-  { id: 'brightness', label: 'Brightness', title: 'Follow how the body’s brightness moves from frame to frame' },
-  { id: 'keypoints', label: 'Keypoints', title: 'Compare the body’s joints with those found in each frame' },
-];
+/** @typedef {import('../store/shapes.js').CueHere} CueHere */
 
 export function cues() {
   return section(
     'Cues',
-    html`${CUES.map(row)}
+    html`${server.cues.map(row)}
     <p class="note">
-      Keypoints are joints that a detector finds in each frame. Everything runs on this computer.
-    </p>`,
+      What tracking compares the body with. Everything runs on this computer.
+    </p>
+    ${hasKeypoints() ? network() : nothing}`,
   );
 }
 
-function row({ id, label, title }) {
-  const why = whyNotUsed(id);
-  return html`<div class="cue">
+/** @param {CueHere} cue */
+function row(cue) {
+  const { id, label, title, off } = cue;
+  const weighed = isUsed(cue) && cue.weight !== null && !isLast(cue);
+  return html`<div class="cue ${weighed ? 'weighed' : ''}">
     ${switchField({
-      label, title, on: isUsed(id), off: why, stays: isLast(id) ? 'At least one cue stays on' : '',
+      label, title: title || label, on: isUsed(cue), off, stays: isLast(cue) ? 'At least one cue stays on' : '',
       act: (on) => send({ do: 'settings', cues: chosen(id, on) }),
     })}
-    ${why ? html`<span class="dim cut">${why}</span>` : nothing}
+    ${off ? html`<span class="dim cut" title=${off}>${off}</span>` : weighed ? weight(cue) : nothing}
   </div>`;
 }
 
-/** Why a cue does not count here, whatever is chosen; or ''. */
-function whyNotUsed(id) {
-  if (id !== 'keypoints') return '';
-  if (!server.body.is_persons) return 'Needs a person’s body';
-  return server.settings.method === 'paper' ? 'Not in the published method' : '';
+/** How much it counts beside brightness. @param {CueHere} cue */
+function weight({ id, label, weight: now }) {
+  const others = Object.fromEntries(server.cues.filter((cue) => cue.weight !== null).map((cue) => [cue.id, cue.weight]));
+  const spec = {
+    key: `cue_weight:${id}`, label: `${label}, weight`, value: Math.round(100 * now), unit: '%', decimals: 0,
+    step: 1, coarse: 10, perPixel: 1, min: LEAST, max: MOST, zero: 100,
+    title: `How much ${label.toLowerCase()} count beside brightness. Double-click: 100 %`,
+    edit: (value) => ({ do: 'settings', cue_weights: { ...others, [id]: Math.round(value) / 100 } }),
+  };
+  return html`${slider(spec)}${numberField(spec)}`;
 }
 
-const isUsed = (id) => server.settings.cues.includes(id) && !whyNotUsed(id);
+/** Which network finds keypoints; one that is not here says how to add it. */
+function network() {
+  const options = server.networks.map(({ id, label, mb, remedy }) => ({
+    id, label, note: `${mb} MB`, off: remedy ? `Not installed. Run ${remedy}` : '',
+  }));
+  const missing = server.networks.find(({ chosen: is, remedy }) => is && remedy) ?? server.networks.find(({ remedy }) => remedy);
+  return html`${line('Network', dropdown({
+    label: 'Network', value: server.networks.find(({ chosen: is }) => is)?.id, options,
+    act: (id) => send({ do: 'settings', network: id }),
+  }))}
+  ${missing ? html`<p class="note">${missing.label}, more exact and slower, is not installed: <code>${missing.remedy}</code></p>` : nothing}`;
+}
+
+const isUsed = ({ on, off }) => on && !off;
 
 /** Whether keypoints count, where any are found. */
-export const hasKeypoints = () => isUsed('keypoints');
+export const hasKeypoints = () => server.cues.some((cue) => cue.id === 'keypoints' && isUsed(cue));
 
-const isLast = (id) => isUsed(id) && !CUES.some((other) => other.id !== id && isUsed(other.id));
+/** @param {CueHere} cue */
+const isLast = (cue) => isUsed(cue) && !server.cues.some((other) => other.id !== cue.id && isUsed(other));
 
 /** The cues with one of them switched, in their order. */
 function chosen(id, on) {
-  return CUES.map((each) => each.id).filter((each) => (each === id ? on : server.settings.cues.includes(each)));
+  return server.cues.filter((cue) => (cue.id === id ? on : cue.on)).map((cue) => cue.id);
 }

@@ -4,12 +4,15 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { server, ui } from '../store/state.js';
 import { labelOf, titleOf, whyNot } from '../actions/actions.js';
 import { goTo, placesToConfirm, stopPlaying } from '../actions/playhead.js';
-import { reasonOf, smallWords, whyNotDraftable } from '../actions/drafting.js';
+import {
+  boxFrameFor, draftRange, nobodyWords, reasonOf, setDraftRange, smallWords, whyNotDraftable,
+} from '../actions/drafting.js';
 import { button } from '../controls/fields.js';
+import { textField } from '../controls/text.js';
 import { icon } from '../controls/icons.js';
 import { sizeWords } from '../handles/box.js';
-import { draftFromBox } from '../handles/sketch.js';
-import { drawingButton, fact, section } from './section.js';
+import { draftFromBox, drawBoxAt } from '../handles/sketch.js';
+import { drawingButton, fact, line, section } from './section.js';
 
 export function draft() {
   const why = whyNotDraftable();
@@ -17,12 +20,35 @@ export function draft() {
   return section(
     'Draft',
     html`<p class="note">Finds the person in every frame and poses the body there. Runs on this computer only.</p>
+    ${line('Frames', frames())}
     ${drawingButton('box', {
       name: 'crop', label: 'Draw a box', busy: 'Drag a box around the person',
       title: 'Show which person: drag a box around them, in any frame that shows the whole body',
     })}
-    ${ui.tool === 'box' ? begun() : places()}`,
+    ${ui.tool === 'box' ? begun() : html`${nobody()}${places()}`}`,
   );
+}
+
+/** The first and the last frame to draft. */
+function frames() {
+  const [first, last] = draftRange();
+  const field = (label, value, act) => textField({
+    label, value: String(value), most: 8, act: (text) => /^\d+$/.test(text) ? act(Number(text)) : act(value),
+  });
+  return html`<span class="range">
+    ${field('First frame to draft', first, (at) => setDraftRange(at, last))}
+    <span class="dim">to</span>
+    ${field('Last frame to draft', last, (at) => setDraftRange(first, at))}
+  </span>`;
+}
+
+/** Where nobody was found, and what to do about it. */
+function nobody() {
+  const words = nobodyWords();
+  if (!words) return nothing;
+  const at = boxFrameFor(server.draft.missing);
+  return html`<p class="note warned">${icon('warn')}<span>${words}</span></p>
+    ${button({ name: 'crop', label: `Draw a box at ${at}`, title: 'Draft these frames from a box in one of them', kind: 'full', act: () => drawBoxAt(at) })}`;
 }
 
 /** Where the draft is unsure, as on the timeline. */

@@ -9,6 +9,7 @@ import { bodyTab } from './body_tab.js';
 import { cues } from './cues.js';
 import { draft } from './draft.js';
 import { freedom } from './freedom.js';
+import { keypoints } from './keypoints.js';
 import { lens, virtualCamera } from './lens.js';
 import { masks } from './masks.js';
 import { method } from './method.js';
@@ -34,9 +35,9 @@ const OTHERWISE = {
 
 /** @type {import('../store/shapes.js').Watched[]} */
 const SHOWN = [
-  'file', 'surface', 'camera', 'body', 'view', 'pose', 'keys', 'segments', 'errors', 'space', 'draft', 'job', 'lanes', 'masks', 'settings', 'clipboard',
+  'file', 'surface', 'camera', 'body', 'view', 'pose', 'keys', 'segments', 'errors', 'space', 'draft', 'job', 'lanes', 'masks', 'settings', 'cues', 'networks', 'keypoints', 'clipboard',
   'u:tab', 'u:tool', 'u:hover', 'u:figureHover', 'u:freeAxes', 'u:lens', 'u:mask', 'u:box',
-  'u:segmentFirst', 'u:allFreedoms', 'u:fitFocal',
+  'u:rings', 'u:allKeypoints', 'u:draftRange', 'u:segmentFirst', 'u:allFreedoms', 'u:fitFocal',
 ];
 
 /** What was selected when it was last brought into sight. */
@@ -117,7 +118,7 @@ function trackTab() {
   if (!server.settings) return nothing;
   // Where nothing is posed yet, or a draft waits to be confirmed, that is the next thing to do.
   const isNext = !server.keys?.frames.length || placesToConfirm().length > 0;
-  return html`${cues()}${isNext ? draft() : nothing}${segment()}${space()}${method()}${isNext ? nothing : draft()}${freedom()}`;
+  return html`${cues()}${keypoints()}${isNext ? draft() : nothing}${segment()}${space()}${method()}${isNext ? nothing : draft()}${freedom()}`;
 }
 
 /** A control clicked with the mouse leaves the keys with the views; what was typed is taken over. */

@@ -214,8 +214,38 @@
  * @property {boolean | null} static_camera  Null: as it was found.
  * @property {boolean | null} found_still  Whether the camera was found to stand still.
  * @property {string | null} imported
- * @property {('brightness' | 'keypoints')[]} cues  What the motion is found from.
+ * @property {string[]} cues  What the motion is found from.
  */
+
+/**
+ * @typedef {object} CueHere  One of all that there are.
+ * @property {string} id
+ * @property {string} label
+ * @property {string} title
+ * @property {boolean} on  Whether it is chosen.
+ * @property {string} off  Why it does not count here, whatever is chosen; or ''.
+ * @property {number | null} weight  Beside brightness, which has none.
+ */
+
+/**
+ * @typedef {object} NetworkHere  A network that finds keypoints.
+ * @property {string} id
+ * @property {string} label
+ * @property {number} mb
+ * @property {boolean} chosen
+ * @property {string} remedy  The command that adds it, or ''.
+ */
+
+/**
+ * @typedef {object} Keypoint
+ * @property {string} joint
+ * @property {string} label
+ * @property {Spot} at  Pixels of the main view.
+ * @property {number} sure  From 0 to 1.
+ * @property {'found' | 'corrected' | 'ignored'} state  The last two by a person.
+ */
+
+/** @typedef {{ frame: number, points: Keypoint[] }} Keypoints */
 
 /**
  * @typedef {object} Fit  What the last fit did.
@@ -235,9 +265,10 @@
 /**
  * @typedef {object} Drafted  What the last draft of the film found.
  * @property {boolean} latest  Whether nothing was edited since.
- * @property {number} first
+ * @property {number} first  Of the frames drafted last.
  * @property {number} last
- * @property {number[]} missing  Frames without a draft.
+ * @property {number} drafted  How many of these were.
+ * @property {Spot[]} missing  Runs of frames, of all drafts, where nobody was found and nothing is posed.
  * @property {DraftPlace[]} proposals  Those to confirm that are no keyframes yet.
  */
 
@@ -273,6 +304,9 @@
  * @property {Trail | null} trail
  * @property {Mask[]} masks
  * @property {Settings} settings
+ * @property {CueHere[]} cues
+ * @property {NetworkHere[]} networks
+ * @property {Keypoints | null} keypoints  Of the present frame; null where none are known.
  * @property {Fit | null} fit
  * @property {Drafted | null} draft
  * @property {Job} job
@@ -353,6 +387,10 @@
  * @property {string[] | null} [limb]
  * @property {number | null} [mask]  The region that is being edited.
  * @property {[number, number, number, number] | null} [box]  Around the person: left, top, right, bottom, pixels of the video.
+ * @property {[number, number] | null} [draftRange]  First and last frame to draft; null: all.
+ * @property {boolean} [rings]  Whether keypoints are drawn whatever tab is open.
+ * @property {string | null} [keypointHover]  The joint that is pointed at in the list.
+ * @property {boolean} [allKeypoints]  The list shows all of them.
  * @property {string} [draftRead]  The revision whose draft's banner was closed.
  * @property {number} [shown]  The frame whose picture is on the screen.
  * @property {string | null} [menu]

@@ -4,7 +4,9 @@ import './browser.js';
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { server, ui } from '../../static/store/state.js';
-import { draftedWords, draftMessage, placesWords, reasonOf, smallWords } from '../../static/actions/drafting.js';
+import {
+  boxFrameFor, draftedWords, draftMessage, draftRange, nobodyWords, placesWords, reasonOf, setDraftRange, smallWords, whyNotDraft,
+} from '../../static/actions/drafting.js';
 import { suggestedFrame } from '../../static/actions/playhead.js';
 import { draftStretches } from '../../static/timeline/draw/drafts.js';
 
@@ -18,10 +20,37 @@ test('between keyframes the segment is shown, not the drafts', () => {
   assert.deepEqual(stretches, [[5, 8]]);
 });
 
-test('a draft says how many frames it found', () => {
-  assert.equal(draftedWords({ latest: true, first: 0, last: 179, missing: [], proposals: [] }), 'Drafted 180 frames.');
-  const some = { latest: true, first: 0, last: 9, missing: [3, 4], proposals: [] };
-  assert.equal(draftedWords(some), 'Drafted 8 of 10 frames.');
+test('a draft says which frames it found, and where nobody was', () => {
+  const found = (last, many, missing) => ({ latest: true, first: 0, last, drafted: many, missing, proposals: [] });
+  assert.equal(draftedWords(found(179, 180, [])), 'Drafted 180 frames.');
+  assert.equal(draftedWords(found(179, 149, [[0, 30]])), 'Drafted 31–179.');
+  assert.equal(draftedWords(found(179, 170, [[170, 179]])), 'Drafted 0–169.');
+  assert.equal(draftedWords(found(9, 7, [[3, 4], [6, 6]])), 'Drafted 7 of 10 frames.');
+  const told = (...missing) => {
+    server.draft = found(179, 100, missing);
+    return nobodyWords();
+  };
+  assert.equal(told(), '');
+  assert.equal(told([0, 30]), 'No person found in 0–30.');
+  assert.equal(told([0, 30], [96, 96]), 'No person found in 0–30 and 96.');
+  assert.equal(told([0, 1], [3, 3], [5, 6], [8, 9], [11, 12]), 'No person found in 0–1, 3, 5–6 and 2 more places.');
+  assert.equal(boxFrameFor([[0, 4], [10, 34]]), 22);
+});
+
+test('a draft is of the frames that were chosen, and its box lies on one of them', () => {
+  server.file = { frames: 100 };
+  setDraftRange(20, 400);
+  assert.deepEqual(draftRange(), [20, 99]);
+  server.body = { is_persons: true };
+  ui.box = [1, 2, 30, 90];
+  server.view = { frame: 30 };
+  assert.equal(whyNotDraft(), '');
+  assert.deepEqual([draftMessage().first, draftMessage().last], [20, 99]);
+  server.view = { frame: 7 };
+  assert.equal(whyNotDraft(), 'The box must lie on one of the frames to draft, 20–99');
+  setDraftRange(0, 99);
+  assert.equal(ui.draftRange, null);
+  assert.equal('first' in draftMessage(), false);
 });
 
 test('every reason is a sentence of its own', () => {
@@ -37,7 +66,7 @@ test('every reason is a sentence of its own', () => {
 test('the next place is the first after the playhead, then the first of all', () => {
   server.file = { frames: 100 };
   const place = (frame) => ({ frame, reason: 'hidden', parts: [] });
-  server.draft = { latest: true, first: 0, last: 99, missing: [], proposals: [place(10), place(40)] };
+  server.draft = { latest: true, first: 0, last: 99, drafted: 100, missing: [], proposals: [place(10), place(40)] };
   const after = (frame) => {
     server.view = { ...server.view, frame };
     return suggestedFrame();
