@@ -15,8 +15,8 @@ export const FEW = 5;
 export const keypointsHere = () =>
   server.keypoints?.frame === server.view?.frame ? server.keypoints?.points ?? [] : [];
 
-/** Whether they are drawn: while one works at tracking, or always. */
-export const ringsAreShown = () => Boolean(ui.rings) || ui.tab === 'track';
+/** Whether they are drawn: as chosen, else while one works at tracking. */
+export const ringsAreShown = () => ui.rings ?? ui.tab === 'track';
 
 /** @param {Keypoint} point */
 export const unsure = ({ state, sure }) => state === 'found' && sure < SURE;

@@ -14,6 +14,7 @@ import {
   FILTER_HZ, copyPath, copyPicture, hasMotion, saveMotion, savePicture, saveReport,
 } from './export.js';
 import { addKey, copyKey, deleteKey, duplicateKey, whyNotDelete } from './keying.js';
+import { ringsAreShown } from './keypoints.js';
 import { foldLanes } from './lanes.js';
 import {
   goTo, keyBeside, middle, next, nextProblem, problems, step, suggestedFrame, toFirst,
@@ -247,8 +248,8 @@ const VIEW = {
     on: () => Boolean(server.view?.trail), message: () => ({ do: 'display', trail: !server.view.trail }),
   },
   rings: {
-    label: 'Show rings', icon: 'rings', title: 'Keypoints on the picture, whatever tab is open',
-    on: () => Boolean(ui.rings), run: () => setUi('rings', !ui.rings),
+    label: 'Show rings', icon: 'rings', title: 'Keypoints on the picture: drag one to correct it',
+    on: ringsAreShown, run: () => setUi('rings', !ringsAreShown()),
   },
   lanes: {
     label: () => (ui.lanes ? 'Collapse the lanes' : 'Show all lanes'), icon: 'chev', keys: ['I'],

@@ -24,7 +24,7 @@ export function mountBars() {
   host.className = 'bars';
   // A bar clicked with the mouse leaves the keys to the views.
   host.addEventListener('mousedown', (event) => event.preventDefault());
-  watch([...SECTIONS, 'u:draftRead', 'u:tool', 'u:layout', 'u:box', 'u:rings'], draw);
+  watch([...SECTIONS, 'u:draftRead', 'u:tool', 'u:layout', 'u:box', 'u:rings', 'u:tab'], draw);
   onViews(draw);
   onInteraction(draw);
   onSlide(draw);

@@ -24,13 +24,16 @@ export const isReady = (view) => Boolean(server.file && server.pose && server.bo
 /** All targets of a view by kind; empty before a file is open. */
 export function targetsIn(view) {
   if (!isReady(view)) return { grips: [], rings: [], sizes: [], masks: [], trail: [], keypoints: [] };
+  const keypoints = keypointsIn(view);
+  // Where a ring lies on a handle of the body the ring is meant, so that handle is not there.
+  const grips = gripsIn(view).filter(({ kind, at }) => kind === 'root' || !ringAt(keypoints, ...at, 1));
   return {
-    grips: gripsIn(view),
+    grips,
     rings: ringsIn(view),
     sizes: sizesIn(view),
     masks: masksIn(view),
     trail: trailKeysIn(view),
-    keypoints: keypointsIn(view),
+    keypoints,
   };
 }
 
@@ -39,7 +42,6 @@ export function targetAt(view, x, y, touch = false) {
   if (ui.tool === 'pan' || isDrawingTool(ui.tool)) return null;
   const { grips, rings, sizes, masks, trail, keypoints } = targetsIn(view);
   const finger = touch ? FINGER : 1;
-  // They lie on the handles of the body: what is drawn on top is meant.
   const keypoint = ringAt(keypoints, x, y, finger);
   if (keypoint) return keypoint;
   const found = [...grips, ...sizes, ...masks, ...trail, ...rings]

@@ -4,6 +4,7 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { server } from '../store/state.js';
 import { send } from '../store/link.js';
+import { icon } from '../controls/icons.js';
 import { dropdown, numberField, slider, switchField } from '../controls/fields.js';
 import { line, section } from './section.js';
 
@@ -17,10 +18,10 @@ export function cues() {
   return section(
     'Cues',
     html`${server.cues.map(row)}
+    ${hasKeypoints() ? network() : nothing}
     <p class="note">
       What tracking compares the body with. Everything runs on this computer.
-    </p>
-    ${hasKeypoints() ? network() : nothing}`,
+    </p>`,
   );
 }
 
@@ -51,15 +52,15 @@ function weight({ id, label, weight: now }) {
 
 /** Which network finds keypoints; one that is not here says how to add it. */
 function network() {
+  const chosenOne = server.networks.find((each) => each.chosen);
   const options = server.networks.map(({ id, label, mb, remedy }) => ({
-    id, label, note: `${mb} MB`, off: remedy ? `Not installed. Run ${remedy}` : '',
+    id, label, note: remedy || `${mb} MB`, off: remedy ? `Not installed. Run ${remedy}` : '',
   }));
-  const missing = server.networks.find(({ chosen: is, remedy }) => is && remedy) ?? server.networks.find(({ remedy }) => remedy);
   return html`${line('Network', dropdown({
-    label: 'Network', value: server.networks.find(({ chosen: is }) => is)?.id, options,
+    label: 'Network', value: chosenOne?.id, options, title: 'What finds keypoints. A larger one is more exact and slower',
     act: (id) => send({ do: 'settings', network: id }),
   }))}
-  ${missing ? html`<p class="note">${missing.label}, more exact and slower, is not installed: <code>${missing.remedy}</code></p>` : nothing}`;
+  ${chosenOne?.remedy ? html`<p class="note warned">${icon('warn')}<span>${chosenOne.label} is not installed: run <code>${chosenOne.remedy}</code></span></p>` : nothing}`;
 }
 
 const isUsed = ({ on, off }) => on && !off;

@@ -38,13 +38,13 @@ test('a ring says how sure it is', () => {
   assert.equal(arcOf(10, 10, 5, 1), 'M10 5A5 5 0 0 1 10.00 15.00A5 5 0 0 1 10 5');
 });
 
-test('rings are shown while one works at tracking, or always; those of another frame never', () => {
-  ui.tab = 'part';
-  assert.equal(ringsAreShown(), false);
-  ui.rings = true;
-  assert.equal(ringsAreShown(), true);
-  Object.assign(ui, { rings: false, tab: 'track' });
-  assert.equal(ringsAreShown(), true);
+test('rings are shown while one works at tracking, unless somebody chose', () => {
+  const shown = (tab, rings) => (Object.assign(ui, { tab, rings }), ringsAreShown());
+  assert.deepEqual([shown('part'), shown('track')], [false, true]);
+  assert.deepEqual([shown('part', true), shown('track', false)], [true, false]);
+});
+
+test('keypoints of another frame are never shown', () => {
   server.keypoints = { frame: 3, points: points() };
   server.view = { frame: 3 };
   assert.equal(keypointsHere().length, NAMES.length);

@@ -1,0 +1,192 @@
+"""Keypoints on the picture: rings that are dragged and ignored, and what is tracked by them."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, Page
+
+from tests.app.serving import ROOT, Keypose
+from tests.browser.hands import (
+    Spot,
+    drag,
+    screens,
+    section,
+    settled,
+    until,
+    until_counted,
+    until_told,
+)
+from tests.browser.shared import let_in, opened
+from tracker.body.pose import pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import interpolate
+from tracker.keypoints.keypoints import JOINTS, Keypoints
+from tracker.keypoints.on_body import points_on_body
+from tracker.session import Session
+from tracker.session.drafted import Drafted
+from tracker.solver.body_points import BodyPoints
+from tracker.storage.files import load_session, save_session
+from tracker.storage.keypoints import save_keypoints
+
+UNSURE = JOINTS.index("right_elbow")
+SECONDS_TO_TRACK = 300
+PROJECTED = """
+(point) => window.keypose.view('main').project(window.keypose.server.pose.points[point])
+"""
+
+
+def seen(session: Session) -> Keypoints:
+    """Where interpolation has the joints of the first segment, one of them unsure."""
+    skeleton = Skeleton.of(session.body)
+    one, other = (keyframe.pose(skeleton) for keyframe in session.keyframes[:2])
+    _, parts, points = points_on_body(session.body, JOINTS)
+    where = BodyPoints.single(skeleton, parts, points)
+    path = interpolate(one, other, 0, session.keyframes[1].frame)
+    poses = [path.pose(frame) for frame in range(len(path))]
+    p = np.stack([where.at(pose_transforms(skeleton, pose)) for pose in poses])
+    sure = np.full(p.shape[:2], 0.9)
+    sure[:, UNSURE] = 0.5
+    return Keypoints(0, JOINTS, session.camera.project(p), sure)
+
+
+@pytest.fixture(scope="module")
+def page(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
+    folder = tmp_path_factory.mktemp("keypoints")
+    place = folder / "person"
+    place.mkdir()
+    for name in ("person.mp4", "session.json"):
+        shutil.copy(ROOT / "sample_videos" / "person" / name, place)
+    path = place / "session.json"
+    session = load_session(path)
+    chosen = {"cues": ("brightness", "keypoints"), "quality": "preview"}
+    session = session.model_copy(update={"settings": session.settings.model_copy(update=chosen)})
+    save_session(save_keypoints(session, path, seen(session), "points.json"), path)
+    given = (str(path), "--workspace", str(folder / "workspace"))
+    with Keypose(*given) as keypose, let_in(browser, drawn=True, size=(1440, 900)) as context:
+        page = opened(context, keypose)
+        page.keyboard.press("Escape")
+        page.get_by_role("tab", name="Track").click()
+        for _ in range(12):
+            page.keyboard.press("ArrowRight")
+        until_told(page, "keypoints", lambda known: known is not None and known["frame"] == 12)
+        yield page
+
+
+def keypoint(page: Page, joint: str = "left_wrist") -> Any:
+    found = section(page, "keypoints.points")
+    return next(point for point in found if point["joint"] == joint)
+
+
+def ring(page: Page, joint: str = "left_wrist") -> Spot:
+    """The middle of a ring on the screen."""
+    settled(page)
+    box = page.locator(f"[data-keypoint={joint}] .rest").bounding_box()
+    assert box is not None
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def test_rings_are_there_while_the_track_tab_is_open_or_they_are_asked_for(page: Page) -> None:
+    until_counted(page, "#main .keypoint", len(JOINTS))
+    until_counted(page, "#main .keypoint.unsure", 1)
+    page.locator("#main .hud .kp", has_text="Right elbow 50 %").wait_for()
+    screens(page, "keypoints-1-rings")
+    page.get_by_role("tab", name="Body").click()
+    until_counted(page, "#main .keypoint", 0)
+    page.locator("#mdisp").get_by_role("button", name="Show rings").click()
+    until_counted(page, "#main .keypoint", len(JOINTS))
+    page.get_by_role("tab", name="Track").click()
+    listed = page.get_by_role("region", name="Keypoints here")
+    until_counted(page, "#insp .kp", 5)
+    listed.get_by_role("button", name="All 12").click()
+    until_counted(page, "#insp .kp", 12)
+    listed.get_by_role("button", name="Fewer").click()
+
+
+def test_a_dragged_ring_corrects_the_keypoint_and_not_the_pose(page: Page) -> None:
+    pose = section(page, "pose.T")
+    before, (x, y) = keypoint(page), ring(page)
+    drag(page, (x + 2, y + 1), (x + 42, y + 31))
+    until_told(page, "undo.undo", lambda label: label == "correct the keypoint left wrist")
+    after = keypoint(page)
+    assert (after["state"], after["sure"]) == ("corrected", 1)
+    there = ring(page)
+    assert abs(there[0] - x - 40) < 1.5
+    assert abs(there[1] - y - 30) < 1.5
+    assert section(page, "pose.T") == pose
+    page.keyboard.press("Control+z")
+    until(lambda: keypoint(page) == before, "the keypoint as it was found")
+
+
+def test_a_ring_is_ignored_and_put_back_by_its_menu(page: Page) -> None:
+    before = keypoint(page)
+    page.mouse.click(*ring(page), button="right")
+    page.get_by_role("menuitem", name="Ignore here").click()
+    until(lambda: keypoint(page)["state"] == "ignored", "the ring to be ignored")
+    until_counted(page, "#main .keypoint.ignored", 1)
+    screens(page, "keypoints-2-ignored")
+    row = page.get_by_role("region", name="Keypoints here").get_by_role("button", name="Left wrist")
+    row.focus()
+    page.keyboard.press("Enter")
+    page.get_by_role("menuitem", name="Put back").click()
+    until(lambda: keypoint(page) == before, "the keypoint as it was found")
+
+
+def test_a_corrected_keypoint_outdates_its_segment_and_the_motion_goes_there(page: Page) -> None:
+    def segment() -> Any:
+        return section(page, "segments")[0]
+
+    page.keyboard.press("t")
+    until(lambda: segment()["state"] in ("good", "check"), "the segment", SECONDS_TO_TRACK)
+    x, y = ring(page)
+    drag(page, (x, y), (x + 24, y + 12))
+    until(lambda: segment()["state"] == "outdated", "the segment to be outdated")
+    assert [each["state"] for each in section(page, "segments")[1:]].count("outdated") == 0
+    at = keypoint(page)["at"]
+    page.keyboard.press("t")
+    until(lambda: segment()["state"] in ("good", "check", "lost"), "the segment", SECONDS_TO_TRACK)
+    hand = page.evaluate(PROJECTED, "left_hand")[:2]
+    wanted = page.evaluate("(at) => window.keypose.view('main').fromView(at)", at)
+    assert np.linalg.norm(np.subtract(hand, wanted)) < 3.0
+    screens(page, "keypoints-3-tracked")
+
+
+def test_where_nobody_was_found_it_is_said_with_what_to_do(
+    browser: Browser, tmp_path: Path
+) -> None:
+    path = tmp_path / "person" / "session.json"
+    path.parent.mkdir()
+    for name in ("person.mp4", "session.json"):
+        shutil.copy(ROOT / "sample_videos" / "person" / name, path.parent)
+    session = load_session(path)
+    first = session.keyframes[1]
+    drafts = tuple(first.model_copy(update={"frame": n, "time_s": n / 30}) for n in range(31, 73))
+    missing = [{"first_frame": 0, "last_frame": 30}]
+    places = [{"frame": 40, "reason": "hidden", "parts": ["left_forearm"]}]
+    found = {"first_frame": 0, "last_frame": 72, "missing": missing, "places": places}
+    drafted = Drafted.model_validate(found)
+    update = {"keyframes": (), "drafts": drafts, "results": None, "drafted": drafted}
+    save_session(session.model_copy(update=update), path)
+    given = (str(path), "--workspace", str(tmp_path / "workspace"))
+    with Keypose(*given) as keypose, let_in(browser, drawn=False, size=(1440, 900)) as context:
+        page = opened(context, keypose)
+        page.keyboard.press("Escape")
+        page.get_by_role("tab", name="Track").click()
+        part = page.get_by_role("region", name="Draft")
+        part.get_by_text("No person found in 0–30.").wait_for()
+        until_counted(page, "#insp .place", 1)  # what was to be confirmed is there after a restart
+        screens(page, "keypoints-4-nobody")
+        part.get_by_role("button", name="Draw a box at 15").click()
+        until_told(page, "view.frame", lambda frame: frame == 15)
+        assert page.evaluate("() => window.keypose.ui.draftRange") == [0, 30]
+        part.get_by_role("button", name="Draft 31 frames").wait_for()
+        screens(page, "keypoints-5-box-there")
+        last = part.get_by_label("Last frame to draft")
+        last.fill("20")
+        last.press("Enter")
+        part.get_by_role("button", name="Draft 21 frames").wait_for()
