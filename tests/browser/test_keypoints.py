@@ -141,6 +141,9 @@ def test_a_corrected_keypoint_outdates_its_segment_and_the_motion_goes_there(pag
     def segment() -> Any:
         return section(page, "segments")[0]
 
+    def hand() -> Any:
+        return page.evaluate(PROJECTED, "left_hand")[:2]
+
     page.keyboard.press("t")
     until(lambda: segment()["state"] in ("good", "check"), "the segment", SECONDS_TO_TRACK)
     x, y = ring(page)
@@ -150,9 +153,9 @@ def test_a_corrected_keypoint_outdates_its_segment_and_the_motion_goes_there(pag
     at = keypoint(page)["at"]
     page.keyboard.press("t")
     until(lambda: segment()["state"] in ("good", "check", "lost"), "the segment", SECONDS_TO_TRACK)
-    hand = page.evaluate(PROJECTED, "left_hand")[:2]
     wanted = page.evaluate("(at) => window.keypose.view('main').fromView(at)", at)
-    assert np.linalg.norm(np.subtract(hand, wanted)) < 3.0
+    # One frame against all its neighbours: smoothness keeps some of the way.
+    assert np.linalg.norm(np.subtract(hand(), wanted)) < np.linalg.norm((24, 12)) / 3
     screens(page, "keypoints-3-tracked")
 
 
