@@ -7,15 +7,18 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 import static
 from app.document.library import Library
 from app.store.sections import Sections
-from app.store.state import AppState, FitOutcome
+from app.store.state import AppState, FitOutcome, KnownKeypoints
 from tests.app import surface_cases
 from tests.app.editor.desk import after, desk
 from tests.app.store.test_sections import expecting, seen, some_errors
+from tracker.keypoints.keypoints import JOINTS, Keypoints
+from tracker.session.drafted import Drafted
 
 (SHAPES,) = Path(static.__file__).parent.rglob("shapes.js")
 FIELD = re.compile(r"^ \* @property \{(.*)\} \[?(\w+)\]?", re.MULTILINE)
@@ -61,6 +64,21 @@ DRAG = {
 }
 
 
+def drafted() -> AppState:
+    """A film with a draft, and keypoints at its frame."""
+    pose = desk().doc.keyframes[0]
+    places = [{"frame": 1, "reason": "hidden", "parts": ["head"]}]
+    found = {"first_frame": 0, "last_frame": 3, "places": places}
+    missing = {"missing": [{"first_frame": 2, "last_frame": 3}]}
+    update = {
+        "drafts": (pose.model_copy(update={"frame": 1}),),
+        "drafted": Drafted.model_validate({**found, **missing}),
+    }
+    seen = Keypoints(0, JOINTS, np.full((1, 12, 2), 5.0), np.ones((1, 12)))
+    edit = desk().with_doc(desk().doc.model_copy(update=update))
+    return AppState(edit=edit, keypoints=KnownKeypoints(of_file=seen))
+
+
 def outlooks() -> dict[str, AppState]:
     masked = after(
         desk(),
@@ -75,10 +93,11 @@ def outlooks() -> dict[str, AppState]:
         "dragged": AppState(edit=after(desk(), DRAG)),
         "masked": AppState(edit=masked, fit=fit),
         "surfaces": AppState(edit=desk().with_doc(surfaces)),
+        "drafted": drafted(),
     }
 
 
-@pytest.mark.parametrize("name", ["film", "expecting", "dragged", "masked", "surfaces"])
+@pytest.mark.parametrize("name", ["film", "expecting", "dragged", "masked", "surfaces", "drafted"])
 def test_every_section_has_the_fields_that_the_page_declares(name: str) -> None:
     shapes, sections = declared(), Sections().changed(outlooks()[name])
     assert sections.keys() | {"done", "ack"} == shapes["Sections"].keys()
