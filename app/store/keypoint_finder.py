@@ -18,8 +18,8 @@ from tracker.keypoints.keypoints import Keypoints
 from tracker.keypoints.on_body import is_persons
 from tracker.session.schema import Session
 from tracker.storage.fingerprints import Span
+from tracker.storage.found_before import found_before
 from tracker.storage.keypoints import of_session
-from tracker.storage.tracking import found_before
 
 MOST_REMEMBERED = 8
 """Answers that are kept."""

@@ -14,11 +14,10 @@ from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, 
 from tracker.session.schema import Session
 from tracker.storage.detections import Detections
 from tracker.storage.evidence import surfaces_of
-from tracker.storage.fingerprints import Span, segment_keys
+from tracker.storage.fingerprints import segment_keys
 from tracker.surface.fit.fitter import SurfaceFitter
 from tracker.surface.source import UnratedSteps
 from tracker.surface.steps import Steps
-from tracker.tracking.cues import sources
 from tracker.tracking.cues.sources import (
     CorrectedKeypoints,
     DetectedKeypoints,
@@ -88,16 +87,6 @@ def _found_keypoints(
     model = find_model(session.settings.network or FULL.name)
     film = session.video.fingerprint
     return DetectedKeypoints(video, session.camera, film, Detections(), model)
-
-
-def found_before(session: Session, span: Span) -> Keypoints | None:
-    """The keypoints that a network found when one segment was tracked, as they are kept, without a
-    look at the film; None where there are none."""
-    skeleton = Skeleton.of(session.body)
-    posed = {k.frame: k.pose(skeleton) for k in session.keyframes if k.frame in span}
-    model = find_model(session.settings.network or FULL.name)
-    film = session.video.fingerprint
-    return sources.found_before(posed, skeleton, session.camera, film, Detections(), model)
 
 
 def fitter_of(session: Session, video: Video) -> SurfaceFitter:

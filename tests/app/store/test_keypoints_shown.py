@@ -27,7 +27,9 @@ WRIST = JOINTS.index("left_wrist")
 
 
 @pytest.fixture(autouse=True)
-def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
+def _alone(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """No worker, and nothing kept from an earlier day."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
     monkeypatch.setattr(runner, "Tracking", Worker)
 
 
@@ -149,11 +151,7 @@ def test_a_file_that_is_gone_shows_nothing_and_breaks_nothing(path: Path) -> Non
     try_at(path, act)
 
 
-def test_cues_and_networks_say_what_can_be_chosen_and_why_not(
-    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-
+def test_cues_and_networks_say_what_can_be_chosen_and_why_not(path: Path) -> None:
     async def act(desk: Desk) -> None:
         def told(name: str) -> Any:
             return {each["id"]: each for each in Sections().changed(desk.store.app_state)[name]}

@@ -1,0 +1,21 @@
+"""The keypoints that were found when a session was tracked, as this user's cache keeps them."""
+
+from __future__ import annotations
+
+from tracker.body.skeleton import Skeleton
+from tracker.keypoints.keypoints import Keypoints
+from tracker.keypoints.model_files import FULL, find_model
+from tracker.session.schema import Session
+from tracker.storage.detections import Detections
+from tracker.storage.fingerprints import Span
+from tracker.tracking.cues import sources
+
+
+def found_before(session: Session, span: Span) -> Keypoints | None:
+    """Those that a network found in one segment, without a look at the film; None where there are
+    none."""
+    skeleton = Skeleton.of(session.body)
+    posed = {k.frame: k.pose(skeleton) for k in session.keyframes if k.frame in span}
+    model = find_model(session.settings.network or FULL.name)
+    film = session.video.fingerprint
+    return sources.found_before(posed, skeleton, session.camera, film, Detections(), model)
