@@ -70,6 +70,7 @@ class Show(Message):
     opacity: Annotated[FiniteFloat, Field(ge=0, le=1)] | None = None
     ghosts: bool | None = None
     trail: bool | None = None
+    floor: bool | None = None
     tint: Literal["clay", "contact", "photo", "distance"] | None = None
 
 

@@ -43,7 +43,7 @@ def _drag(state: EditorState, before: EditorState, action: do.Drag) -> Posed:
         before.doc.body,
         shown_pose(before, state.frame).pose,
         action,
-        pointer_views(before.doc),
+        pointer_views(before.doc, action.eye),
         limits_on=looks.limits,
         axes_frame=looks.axes,
         linked=looks.link,

@@ -24,6 +24,7 @@ class Display:
     opacity: float = 0.5
     ghosts: bool = False
     trail: bool = True
+    floor: bool = False
     live: bool = False
     limits: bool = True
     axes: Literal["part", "parent", "view"] = "part"

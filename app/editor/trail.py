@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
-from app.editor.shown import find
+from app.editor.motion import motion_between, settled_skeleton
 from app.editor.state import EditorState
 from tracker.body.body import Body
-from tracker.body.pose import joint_names, joint_positions, part_transforms
-from tracker.body.skeleton import Skeleton
-from tracker.body.trajectory import Trajectory, interpolate
+from tracker.body.pose import joint_names, joint_positions
 from tracker.geometry.rotations import Array
 
 REACH = 30
@@ -39,18 +35,12 @@ def end_trail(edit: EditorState) -> EndTrail | None:
     ends = sorted({frame for span in doc.spans for frame in span})
     if not ends or not ends[0] <= edit.frame <= ends[-1]:
         return None
-    skeleton = edit.skeleton if doc.body is edit.doc.body else Skeleton.of(doc.body)
+    skeleton = settled_skeleton(edit)
     first, last = _reach(edit.frame, ends)
-    motions = list(_motions(edit, first, last))
-    Rs, ps = (np.concatenate(arrays) for arrays in zip(*motions, strict=True))
-    for posed in (*doc.keyframes, *doc.drafts):
-        if first <= posed.frame <= last:
-            pose = posed.pose(skeleton)
-            Rs[posed.frame - first] = pose.Rs_parent_part
-            ps[posed.frame - first] = pose.p_camera_root
+    motion = motion_between(edit, first, last)
     part = edit.selected or doc.body.parts[0].name
     index = joint_names(skeleton).index(_far_end(doc.body, part))
-    joints = joint_positions(skeleton, part_transforms(skeleton, Rs, ps))
+    joints = joint_positions(skeleton, motion.Ts_camera_part)
     keys = tuple(k.frame for k in doc.keyframes if first <= k.frame <= last)
     return EndTrail(part, tuple(range(first, last + 1)), joints[:, index], keys)
 
@@ -62,26 +52,6 @@ def _reach(frame: int, ends: Sequence[int]) -> tuple[int, int]:
     first = before[-1] if before else frame
     last = after[0] if after else frame
     return max(first, frame - REACH), min(last, frame + REACH)
-
-
-def _motions(edit: EditorState, first: int, last: int) -> Iterator[tuple[Array, Array]]:
-    """Rotations and positions of the frames, segment by segment, tracked or interpolated."""
-    doc, at = edit.settled, first
-    fitting = edit.results.fitting(doc)
-    for start, end in doc.spans:
-        if end < first or start > last or at > last:
-            continue
-        found = fitting.get((start, end))
-        motion = _interpolated(edit, start, end) if found is None else found.trajectory
-        rows = slice(at - start, min(end, last) - start + 1)
-        at = min(end, last) + 1
-        yield motion.Rs_parent_part[rows], motion.ps_camera_root[rows]
-
-
-def _interpolated(edit: EditorState, start: int, end: int) -> Trajectory:
-    found = (find(edit.settled.keyframes, frame) for frame in (start, end))
-    posed = [known.pose(edit.skeleton) for known in found if known is not None]
-    return interpolate(posed[0], posed[-1], start, end)  # of an open end one pose is known
 
 
 def _far_end(body: Body, part: str) -> str:

@@ -15,7 +15,7 @@ from app.posing.angles import (
 )
 from app.posing.dragging import drag
 from app.posing.facing import Way, facing
-from app.posing.gesture import Gesture, Posed, Reach, Readout
+from app.posing.gesture import Eye, Gesture, InView, Posed, Reach, Readout
 from app.posing.handles import BodyHandle, handle_named, handles, lanes
 from app.posing.labels import axis_labels, part_label, short_label
 from app.posing.mirroring import mirror_pose, with_other_side
@@ -24,12 +24,20 @@ from app.posing.placing import opening_pose
 from app.posing.pointer_view import PointerView
 from app.posing.resizing import Size, part_sizes, with_height, with_joint, with_shape, with_size
 from app.posing.swapping import swap_left_right
-from app.posing.upright import CAMERA_UP, tilt_and_roll, up_from_vertical, view_rotations
+from app.posing.upright import (
+    CAMERA_UP,
+    eye_rotation,
+    tilt_and_roll,
+    up_from_vertical,
+    view_rotations,
+)
 
 __all__ = [
     "CAMERA_UP",
     "BodyHandle",
+    "Eye",
     "Gesture",
+    "InView",
     "PointerView",
     "Posed",
     "Reach",
@@ -41,6 +49,7 @@ __all__ = [
     "axis_labels",
     "clamp_to_limits",
     "drag",
+    "eye_rotation",
     "facing",
     "handle_named",
     "handles",

@@ -3,24 +3,33 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Literal, Self, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
 from tracker.body.body import Body, Name
 from tracker.body.pose import Pose
 from tracker.geometry.rotations import Array
 
 Axis: TypeAlias = Literal["x", "y", "z"]
-ViewOfPage: TypeAlias = Literal["main", "top", "side", "front"]
+ViewOfPage: TypeAlias = Literal["main", "top", "side", "front", "free"]
 AxesFrame: TypeAlias = Literal["part", "parent", "view"]
 Tool: TypeAlias = Literal["rotate", "move", "ends"]
 Coordinate: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]
+Metres: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e4, le=1e4)]
 Spot: TypeAlias = tuple[Coordinate, Coordinate]
 
 
 class _Plain(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+class Eye(_Plain):
+    """From where the free view looks: as `eye_rotation`, from a place in the camera frame."""
+
+    azimuth_deg: Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]
+    elevation_deg: Annotated[FiniteFloat, Field(ge=-90, le=90)]
+    at_m: tuple[Metres, Metres, Metres]
 
 
 class Ring(_Plain):
@@ -73,7 +82,20 @@ Handle: TypeAlias = Annotated[
 ]
 
 
-class Gesture(_Plain):
+class InView(_Plain):
+    """What happens in a view. eye: of the free one, which alone has one."""
+
+    view: ViewOfPage
+    eye: Eye | None = None
+
+    @model_validator(mode="after")
+    def _free_view_has_an_eye(self) -> Self:
+        if (self.view == "free") != (self.eye is not None):
+            raise ValueError("an eye goes with the free view, and only with it")
+        return self
+
+
+class Gesture(InView):
     """A drag from where the pointer went down to where it is now, in the view's coordinates.
 
     snap: steps of 5° or 1 cm.  free: joint limits do not count.  axis: only along or about this
@@ -84,7 +106,6 @@ class Gesture(_Plain):
         frozen=True, extra="forbid", validate_by_name=True, validate_by_alias=True
     )
 
-    view: ViewOfPage
     handle: Handle
     from_: Spot = Field(alias="from")
     at: Spot

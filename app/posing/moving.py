@@ -113,7 +113,7 @@ def move_root(context: GestureContext, view: PointerView, gesture: Gesture) -> P
     place = _before_camera(goal.p_camera)
     pose = Pose(context.pose.Rs_parent_part, place)
     root = context.skeleton.body.names[0]
-    kept = view.camera is not None and goal.line is None
+    kept = view.is_films and goal.line is None
     readout = Readout(
         label="Body",
         value=depth_text(place, kept),
@@ -131,7 +131,7 @@ def _farther(view: PointerView, p_camera: Array, gesture: Gesture) -> Aim:
     risen = (gesture.from_[1] - gesture.at[1]) / view.camera.height
     direction = view.ray_through(p_camera)
     ratio = math.exp(min(max(risen / RISE_TO_E, -MOST_E), MOST_E))
-    away = float(p_camera @ direction)
+    away = float((p_camera - view.p_camera_eye) @ direction)
     return _along(view, p_camera, direction, _stepped((ratio - 1) * away, gesture))
 
 

@@ -37,7 +37,7 @@ def parts_at(
         [_corners(mesh, T) for mesh, T in zip(meshes, Ts, strict=True)]
     )  # (F, 3, 3)
     part_of = np.repeat(np.arange(len(meshes)), [len(mesh.faces) for mesh in meshes])
-    distance = _hits(corners, origin, direction, view.away, near)
+    distance = _hits(corners, origin, direction, view.away, float(view.depth(origin)), near)
     found: dict[int, float] = {}
     for face in np.flatnonzero(np.isfinite(distance)):
         part = int(part_of[face])
@@ -50,7 +50,7 @@ def outline(skeleton: Skeleton, pose: Pose, view: PointerView, part: str) -> Arr
     i = skeleton.body.index(part)
     T = pose_transforms(skeleton, pose)[i]
     p_camera = apply_transform(T, _mesh_of(skeleton.body.parts[i].shape).vertices)
-    if view.camera is not None and p_camera[:, 2].min() <= NEAR_M:
+    if view.camera is not None and view.depth(p_camera).min() <= NEAR_M:
         return np.zeros((0, 2))
     at = view.project(p_camera).astype(np.float32)
     return cv2.convexHull(at)[:, 0].astype(np.float64)
@@ -62,9 +62,10 @@ def _corners(mesh: Mesh, T_camera_part: Array) -> Array:
 
 
 def _hits(
-    corners: Array, origin: Array, direction: Array, away: Array, near: float
+    corners: Array, origin: Array, direction: Array, away: Array, start_depth: float, near: float
 ) -> NDArray[np.float64]:
-    """(F,) distance along the line at which it meets each triangle (F, 3, 3); inf where not.
+    """(F,) distance along the line at which it meets each triangle (F, 3, 3); inf where not, or
+    less than `near` deep, where the line begins `start_depth` deep.
 
     Möller and Trumbore's rule: the line's point in the triangle's two edges as coordinates.
     """
@@ -79,6 +80,6 @@ def _hits(
     turned = np.cross(start, e1)
     v = turned @ direction * scale
     distance = np.einsum("fi,fi->f", e2, turned) * scale
-    depth = distance * (direction @ away) + origin @ away
+    depth = distance * (direction @ away) + start_depth
     inside = (u >= 0) & (v >= 0) & (u + v <= 1) & ~flat & (depth >= near)
     return np.where(inside, distance, np.inf)

@@ -1,13 +1,14 @@
-"""One of the four views as the pointer knows it: from points to the view and back.
+"""One of the views as the pointer knows it: from points to the view and back.
 
-View coordinates are pixels (u, v) of the rectified picture in the main view, and metres to the
-right and down, from the camera's centre, in the three others.
+View coordinates are pixels (u, v) of the rectified picture in the main view, metres to the right
+and down, from the camera's centre, in the three small ones, and in the free view pixels of a
+picture with its centre at 0 and a focal length of `FREE_FOCAL`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,17 +16,26 @@ from numpy.typing import ArrayLike
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, frozen
 
+FREE_FOCAL = 1000.0
+"""Pixels of the free view's picture."""
+
+_FREE = Camera(width=1000, height=1000, fx=FREE_FOCAL, fy=FREE_FOCAL, cx=0.0, cy=0.0)
+
 
 @dataclass(frozen=True, eq=False)
 class PointerView:
-    """The main view through a camera with an ideal lens, or a view along parallel rays.
+    """The main view through a camera with an ideal lens, a view along parallel rays, or the free
+    one through a camera that stands anywhere.
 
     R_view_camera: (3, 3) the view's axes, right, down and away, in the camera frame, as rows.
+    camera:        the lens; None for parallel rays.
+    p_camera_eye:  (3,) where that lens stands; the film's camera stands at 0.
     """
 
     name: str
     R_view_camera: Array
     camera: Camera | None = None
+    p_camera_eye: Array = field(default_factory=lambda: frozen(np.zeros(3)))
 
     @classmethod
     def of(cls, camera: Camera) -> PointerView:
@@ -36,6 +46,16 @@ class PointerView:
     def parallel(cls, name: str, R_view_camera: ArrayLike) -> PointerView:
         """A small view."""
         return cls(name, frozen(R_view_camera))
+
+    @classmethod
+    def free(cls, R_view_camera: ArrayLike, p_camera_eye: ArrayLike) -> PointerView:
+        """The free view from a place, looking along the third row."""
+        return cls("free", frozen(R_view_camera), _FREE, frozen(p_camera_eye))
+
+    @property
+    def is_films(self) -> bool:
+        """Whether it is the film's own camera: what keeps its depth there keeps the body's."""
+        return self.camera is not None and self.name != "free"
 
     @property
     def is_perspective(self) -> bool:
@@ -50,7 +70,7 @@ class PointerView:
         """View coordinates (..., 2) of points (..., 3); NaN for those behind the camera."""
         p = np.asarray(p_camera, dtype=np.float64)
         if self.camera is not None:
-            return self.camera.project(p)
+            return self.camera.project(self._from_eye(p))
         return np.asarray(p @ self.R_view_camera[:2].T)
 
     def ray(self, at: Sequence[float] | Array) -> tuple[Array, Array]:
@@ -62,14 +82,20 @@ class PointerView:
         distance = self.camera.telephoto_distance_m
         if distance is not None:
             return np.array([x * distance, y * distance, 0.0]), self.away
-        direction = np.array([x, y, 1.0])
-        return np.zeros(3), direction / np.sqrt(direction @ direction)
+        direction = self.R_view_camera.T @ (x, y, 1.0)
+        return self.p_camera_eye, direction / np.sqrt(direction @ direction)
 
     def ray_through(self, p_camera: Array) -> Array:
         """(3,) unit direction of the line of sight to a point."""
         if not self.is_perspective:
             return self.away
-        return np.asarray(p_camera / np.sqrt(p_camera @ p_camera))
+        way = p_camera - self.p_camera_eye
+        return np.asarray(way / np.sqrt(way @ way))
+
+    def depth(self, p_camera: Array) -> Array:
+        """Metres (...) from the eye of points (..., 3), or from the camera's centre where rays are
+        parallel, along `away`."""
+        return np.asarray((p_camera - self.p_camera_eye) @ self.away)
 
     def at_depth(self, at: Sequence[float] | Array, p_camera_reference: Array) -> Array:
         """(3,) the point seen at `at` in the plane of the picture that holds the reference."""
@@ -84,7 +110,7 @@ class PointerView:
         """
         if self.camera is None:
             return 1.0
-        return float(self.camera.depth(p_camera)) / self.camera.fx
+        return float(self.camera.depth(self._from_eye(p_camera))) / self.camera.fx
 
     def slope(self, p_camera: Array) -> Array:
         """(2, 3) how far a point moves in the view for each metre in the camera frame."""
@@ -94,8 +120,9 @@ class PointerView:
         if self.camera.telephoto_distance_m is not None:
             scale = 1.0 / self.camera.telephoto_distance_m
             return np.array([[fx * scale, 0.0, 0.0], [0.0, fy * scale, 0.0]])
-        x, y, z = p_camera.tolist()
-        return np.array([[fx / z, 0.0, -fx * x / z**2], [0.0, fy / z, -fy * y / z**2]])
+        x, y, z = self._from_eye(p_camera).tolist()
+        of_view = np.array([[fx / z, 0.0, -fx * x / z**2], [0.0, fy / z, -fy * y / z**2]])
+        return np.asarray(of_view @ self.R_view_camera)
 
     def moved(self, p_camera: Array, start: Sequence[float], end: Sequence[float]) -> Array:
         """(2,) where a point is seen after the pointer went from `start` to `end`.
@@ -104,3 +131,7 @@ class PointerView:
         """
         at = self.project(p_camera)
         return np.array([at[0] + end[0] - start[0], at[1] + end[1] - start[1]])
+
+    def _from_eye(self, p_camera: Array) -> Array:
+        """Points (..., 3) in the frame of the lens."""
+        return np.asarray((p_camera - self.p_camera_eye) @ self.R_view_camera.T)

@@ -85,7 +85,7 @@ def _readout(
     view: PointerView, goal: Aim, handle: BodyHandle, found: Reached, before: Array, after: Array
 ) -> Readout:
     level = abs(float(after[2] - before[2])) < LEVEL_M
-    kept = handle.kind == "end" and goal.line is None and view.camera is not None and level
+    kept = handle.kind == "end" and goal.line is None and view.is_films and level
     return Readout(
         label=handle.label,
         value=depth_text(after, kept),

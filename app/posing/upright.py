@@ -1,4 +1,4 @@
-"""What is up, and the three views that stand on it.
+"""What is up, and the views that stand on it.
 
 A view's frame is x right, y down, z away, as the camera's.
 """
@@ -39,6 +39,18 @@ def view_rotations(up_camera: ArrayLike = CAMERA_UP) -> dict[ViewName, Array]:
         "side": frozen([away, down, -right]),
         "front": frozen([right, down, away]),
     }
+
+
+def eye_rotation(azimuth_deg: float, elevation_deg: float) -> Array:
+    """R_eye_level (3, 3): how an eye going round a level world looks: right, down, away.
+
+    The level frame is that of the front view. An azimuth of 0 looks as the front view does, 90 from
+    the right of it as the side view, 180 from behind; an elevation of 90 looks straight down.
+    """
+    a, e = math.radians(azimuth_deg), math.radians(elevation_deg)
+    right = np.array([math.cos(a), 0.0, math.sin(a)])
+    away = np.array([-math.sin(a) * math.cos(e), math.sin(e), math.cos(a) * math.cos(e)])
+    return np.array([right, np.cross(away, right), away])
 
 
 def up_from_vertical(camera: Camera, a: Sequence[float], b: Sequence[float]) -> Array:

@@ -17,6 +17,7 @@ from app.render.surfaces import SurfaceLayers
 from app.render.tints import Tint
 from app.render.viewpoints import Ground, Viewpoint, least_distance, view_from
 from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
 from tracker.errors import SessionError
 from tracker.geometry.rotations import Array
 from tracker.geometry.view import ViewCamera
@@ -103,6 +104,16 @@ def _on_nothing(studio: Studio, pose: Pose, wanted: Still, size: Size) -> CutOut
     if wanted.view == "all":
         return studio.four_cut_out(pose, size, wanted.paint)
     return studio.parallel_cut_out(wanted.view, pose, size)
+
+
+def from_viewpoint(
+    session: Session, pose: Pose, viewpoint: Viewpoint, floor_height_m: float, size: Size
+) -> Picture:
+    """The body alone in the middle of a picture, on a floor of this height along up."""
+    studio = Studio.of(session, Skeleton.of(session.body))
+    view, centre = _view(studio, pose, viewpoint, size)
+    ground = Ground.at(studio.skeleton, studio.Rs["front"], floor_height_m)
+    return studio.perspective(view, ground, centre, pose, None)
 
 
 def _from_viewpoint(

@@ -7,12 +7,12 @@ azimuth of 0 looks as the video's camera does, 90 from the right of its picture 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
+from app.posing import eye_rotation
 from app.render.lettering import round_length
 from app.render.pictures import posed_points
 from tracker.body.pose import Pose
@@ -56,9 +56,14 @@ class Ground:
         """The floor under a body in all of these poses; one at least."""
         down = R_level_camera[1]
         lowest = max(float((posed_points(skeleton, pose) @ down).max()) for pose in poses)
+        return cls.at(skeleton, R_level_camera, -lowest)
+
+    @classmethod
+    def at(cls, skeleton: Skeleton, R_level_camera: Array, height_m: float) -> Ground:
+        """A floor at a known height, so far along up from the camera's centre."""
         at_rest = posed_points(skeleton, Pose.rest(skeleton, (0.0, 0.0, 0.0)))
         size_m = float(np.linalg.norm(np.ptp(at_rest, axis=0)))
-        return cls(R_level_camera, lowest, round_length(1.25 * size_m))
+        return cls(R_level_camera, -height_m, round_length(1.25 * size_m))
 
 
 def view_from(
@@ -111,7 +116,4 @@ def calm(places: Array, sigma: float) -> Array:
 
 
 def _R_eye_level(viewpoint: Viewpoint) -> Array:
-    a, e = math.radians(viewpoint.azimuth_deg), math.radians(viewpoint.elevation_deg)
-    right = np.array([math.cos(a), 0.0, math.sin(a)])
-    away = np.array([-math.sin(a) * math.cos(e), math.sin(e), math.cos(a) * math.cos(e)])
-    return np.array([right, np.cross(away, right), away])
+    return eye_rotation(viewpoint.azimuth_deg, viewpoint.elevation_deg)

@@ -41,6 +41,22 @@ def part_mesh(shape: Shape) -> tuple[Vertices, Faces]:
     return vertices.astype(np.float32), faces.reshape(-1, 3).astype(np.uint32)
 
 
+def hull_mesh(shape: Shape, lift_m: float) -> tuple[Vertices, Faces]:
+    """A closed mesh lying so far outside of a part's, faces outward."""
+    mesh = shape.mesh()
+    corners = mesh.vertices[mesh.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = normals / np.where(lengths > 0, lengths, 1.0)
+    # Every side that meets in a vertex counts once, into however many triangles it is cut.
+    lifted = mesh.vertices.copy()
+    for vertex in range(len(lifted)):
+        meeting = np.unique(normals[(mesh.faces == vertex).any(axis=1)].round(3), axis=0)
+        way = meeting.sum(axis=0)
+        lifted[vertex] += lift_m * way / max(float(np.linalg.norm(way)), 1e-9)
+    return lifted.astype(np.float32), mesh.faces.astype(np.uint32)
+
+
 def rim_lines(shape: Shape) -> Segments:
     """The creases of a shape, such as the rims of a round one, the edges of a box."""
     return _single(shape.wireframe(LIFT_M).creases)

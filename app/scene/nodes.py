@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from viser import FrameHandle, GlbHandle, LineSegmentsHandle, MeshHandle, SceneApi
 
 from app.render.palette import WHITE, Colour
-from app.scene.figure import Segments, part_mesh, rim_lines, wire_lines
+from app.scene.figure import Segments, hull_mesh, part_mesh, rim_lines, wire_lines
 from tracker.body.shapes import Shape
 from tracker.geometry.rotations import Array
 
@@ -34,12 +34,18 @@ SOLID_ONLY = ("edges",)
 """Children of a part that only the small views show. The page draws the opaque solids in the camera
 view too, for their depth alone, which makes the overlay one sheet and hides the lines behind it."""
 
+FREE_ONLY = ("hull",)
+"""Children of a part that only the free view shows: the inside of a slightly larger solid, which
+is its outline from wherever one looks."""
+
+HULL_M = 0.004
+
 _TOO_FEW: Segments = np.zeros((1, 2, 3), dtype=np.float32)
 
 
 @dataclass(frozen=True, eq=False)
 class PartNodes:
-    """One part: its frame, and below it two solids and three kinds of line."""
+    """One part: its frame, and below it two solids, a hull and three kinds of line."""
 
     frame: FrameHandle
     overlay: MeshHandle
@@ -47,6 +53,7 @@ class PartNodes:
     rims: LineSegmentsHandle
     wires: LineSegmentsHandle
     edges: LineSegmentsHandle
+    hull: MeshHandle
 
     @classmethod
     def add(cls, scene: SceneApi, name: str, shape: Shape) -> Self:
@@ -68,12 +75,20 @@ class PartNodes:
             for child in ("rims", "edges")
         )
         wires = add_lines(scene, f"{name}/wires", wire_lines(shape), WHITE, WIRE_PX)
-        return cls(frame, overlay, solid, rims, wires, edges)
+        hull = scene.add_mesh_simple(
+            f"{name}/hull",
+            *hull_mesh(shape, HULL_M),
+            side="back",
+            cast_shadow=False,
+            receive_shadow=False,
+        )
+        return cls(frame, overlay, solid, rims, wires, edges, hull)
 
     def set_shape(self, shape: Shape) -> None:
         vertices, faces = part_mesh(shape)
         for mesh in (self.overlay, self.solid):
             mesh.vertices, mesh.faces = vertices, faces
+        self.hull.vertices, self.hull.faces = hull_mesh(shape, HULL_M)
         self.rims.points = self.edges.points = _some(rim_lines(shape))
         self.wires.points = _some(wire_lines(shape))
 
@@ -90,6 +105,7 @@ class PartNodes:
         self.wires.colors = _bytes(toward_white(colour, 0.3))
         self.rims.colors = _bytes(WHITE if selected else light(colour))
         self.edges.colors = _bytes(WHITE if selected else dark(colour))
+        self.hull.color = WHITE if selected else _colour(dark(colour))
         self.rims.thickness = self.edges.thickness = SELECTED_LINE_PX if selected else LINE_PX
 
     def set_pose(self, wxyz: Array, position: Array) -> None:
@@ -162,6 +178,11 @@ def dark(colours: Array | Colour) -> Array:
 
 def toward_white(colours: Array | Colour, share: float) -> Array:
     return np.asarray(colours) * (1 - share) + np.array(WHITE) * share
+
+
+def _colour(colour: Array) -> Colour:
+    r, g, b = (round(float(value)) for value in colour)
+    return r, g, b
 
 
 def _bytes(colours: Array | Colour) -> Bytes:

@@ -1,4 +1,4 @@
-"""What the page's four views show of the body, drawn by viser.
+"""What the page's views show of the body, drawn by viser.
 
 The scene holds one frame per part; a new pose is their transforms and the outlines. Everything
 hangs below one node whose frame is the camera's, turned so that on the page three.js has the
@@ -17,6 +17,7 @@ from viser import ClientHandle, LineSegmentsHandle
 from app.render.palette import SIDE_COLOURS, WHITE, Colour, part_sides
 from app.scene.figure import Outline, Segments, rim_lines, trail_lines
 from app.scene.nodes import (
+    FREE_ONLY,
     GHOST_PX,
     LINE_PX,
     OVERLAY_ONLY,
@@ -41,18 +42,27 @@ GHOST_COLOURS: tuple[Colour, Colour] = ((134, 217, 147), (217, 213, 199))
 """Of the keyframe before, and of the one after."""
 
 _SMALL: tuple[Role, ...] = ("top", "side", "front")
+_OPAQUE: tuple[Role, ...] = (*_SMALL, "free")
+"""Views that show the body as opaque solids."""
+_OUTLINED: tuple[Role, ...] = ("main", *_SMALL)
+"""Views whose direction is known here, so that lines can be drawn where round sides turn away; the
+free one is turned by the page, which draws ghosts and trails in it by itself."""
+
 _CAMERA_WXYZ = (0.0, 0.0, 0.0, 1.0)
 """viser's +y-up world stands half a turn about y from three.js's; with half a turn about z the
 camera's y down becomes y up and its z away becomes z toward the viewer."""
 
 _TO_LIGHT = np.array([-0.50, -0.70, -0.75])
 """From the upper left, behind the viewer, in the view's frame."""
+_TO_LIGHT_OF: dict[Role, Array] = {"free": np.array([0.15, -0.8, -0.6])}
+"""The free view goes round a body in one light: from above, in the front view's frame."""
 
 _R_EYE_CAMERA: dict[Role, Array] = {
     "main": np.eye(3),
     "top": np.array([[1.0, 0, 0], [0, 0, -1.0], [0, 1.0, 0]]),
     "side": np.array([[0, 0, 1.0], [0, 1.0, 0], [-1.0, 0, 0]]),
     "front": np.eye(3),
+    "free": np.eye(3),
 }
 
 
@@ -189,11 +199,13 @@ class Stage:
         self._scene.configure_environment_map(None)
         self._scene.add_frame(ROOT, show_axes=False, wxyz=_CAMERA_WXYZ)
         for name in SkinNodes.NAMES:
-            self._reserve(name, _SMALL)
+            self._reserve(name, _OPAQUE)
+        self._reserve(f"{ROOT}/trail", _OUTLINED)
         for role in ROLES:
             add_lights(self._scene, f"{ROOT}/light/{role}")
             for kind in ("sky", "sun"):
                 self._reserve(f"{ROOT}/light/{role}/{kind}", (role,))
+        for role in _OUTLINED:
             for lines in ("outline", "held"):
                 self._reserve(f"{ROOT}/{lines}/{role}", (role,))
             for number in range(2):
@@ -229,7 +241,9 @@ class Stage:
             for child in OVERLAY_ONLY:
                 self._reserve(f"{name}/{child}", ("main",))
             for child in SOLID_ONLY:
-                self._reserve(f"{name}/{child}", _SMALL)
+                self._reserve(f"{name}/{child}", _OPAQUE)
+            for child in FREE_ONLY:
+                self._reserve(f"{name}/{child}", ("free",))
             self._parts.append(PartNodes.add(self._scene, name, part.shape))
         if self._drawn is not None:
             self._draw_pose(self._drawn.Ts_camera_part)
@@ -245,7 +259,7 @@ class Stage:
             for kind in ("sky", "sun"):
                 node = self._scene.get_handle_by_name(f"{ROOT}/light/{role}/{kind}")
                 assert node is not None
-                node.position = scenery.R_view_camera(role).T @ _TO_LIGHT
+                node.position = scenery.R_view_camera(role).T @ _TO_LIGHT_OF.get(role, _TO_LIGHT)
 
     def _draw_pose(self, Ts_camera_part: Array) -> None:
         turns = quaternion_wxyz(Ts_camera_part[:, :3, :3])
@@ -258,7 +272,7 @@ class Stage:
         is_selected = np.array([name in scenery.selected for name in parts], dtype=bool)
         sides = np.array(part_sides(scenery.body))[self._outline.part]
         colours = np.array([SIDE_COLOURS[side] for side in sides]).reshape(-1, 3)
-        for role in ROLES:
+        for role in _OUTLINED:
             lines = self._outline.lines(scenery.Ts_camera_part, scenery.rays(role))
             tints = light(colours) if role == "main" else dark(colours)
             ends = np.broadcast_to(tints[:, None], lines.shape)
@@ -267,7 +281,7 @@ class Stage:
 
     def _draw_ghosts(self, scenery: Scenery) -> None:
         for number, colour in enumerate(GHOST_COLOURS):
-            for role in ROLES:
+            for role in _OUTLINED:
                 lines = np.zeros((0, 2, 3), dtype=np.float32)
                 if number < len(scenery.ghosts):
                     lines = self._ghost(scenery, scenery.ghosts[number][1], role)

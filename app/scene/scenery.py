@@ -58,7 +58,8 @@ def _transforms(edit: EditorState, pose: Any) -> Array:
 
 
 def _views(edit: EditorState) -> dict[Role, Array]:
-    return {name: R for name, R in view_rotations(up_of(edit.doc)).items()}
+    rotations = view_rotations(up_of(edit.doc))
+    return {"free": rotations["front"], **dict(rotations.items())}
 
 
 def _ghosts(edit: EditorState) -> Ghosts:

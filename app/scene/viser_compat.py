@@ -34,7 +34,7 @@ SUBPROTOCOL = f"viser-v{VERSION}"
 PAGE = Path(viser.__file__).parent / "client" / "build" / "index.html"
 """viser's page, one file with everything in it."""
 
-Role: TypeAlias = Literal["main", "top", "side", "front"]
+Role: TypeAlias = Literal["main", "top", "side", "front", "free"]
 ROLES: tuple[Role, ...] = get_args(Role)
 
 

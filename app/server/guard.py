@@ -42,7 +42,7 @@ _QUERIES: tuple[tuple[re.Pattern[str], frozenset[str]], ...] = tuple(
         (r"/", {TOKEN}),
         (r"/view/[a-z]+", {"fixedDpr", "darkMode", "hideViserLogo", "websocket"}),
         (r"/frame/\d+\.jpg", {"v"}),
-        (r"/picture\.png", {"view", "frame", "mode", "opacity", "tint"}),
+        (r"/picture\.png", {"view", "frame", "mode", "opacity", "tint", "azimuth", "elevation"}),
         (r"/motion", {"format"}),
         (r"/upload", {"name"}),
     )

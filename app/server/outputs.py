@@ -12,15 +12,18 @@ from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
-from app.editor.actions import Message, Spot
+from app.editor.actions import Degrees, Message, Spot
+from app.editor.feet import feet_paths
 from app.editor.pointer_views import pointer_views
 from app.editor.shown import shown_pose
 from app.editor.state import EditorState
 from app.export.motion_files import Sampling, motion_archive
 from app.export.motion_formats import MotionFormat
-from app.posing import outline, parts_at
+from app.posing import InView, outline, parts_at
 from app.render.snapshots import Look, View, png, snapshot
+from app.render.stills import from_viewpoint
 from app.render.tints import Tint
+from app.render.viewpoints import Viewpoint
 from app.server.guard import headers_for
 from app.server.surfaces import Surfaces
 from app.store.store import Store
@@ -30,23 +33,29 @@ from tracker.storage.files import load_session
 from tracker.video import Video
 
 
-class Pick(Message):
+class Pick(Message, InView):
     """Which parts lie under a point of a view."""
 
     ask: Literal["pick"]
     id: Annotated[int, Field(ge=0, lt=2**53)]
-    view: Literal["main", "top", "side", "front"]
     at: Spot
 
 
 class Shot(Message):
-    """A picture of the body at a frame; what is left out is as the page shows it."""
+    """A picture of the body at a frame; what is left out is as the page shows it. The free view is
+    seen from an azimuth and an elevation."""
 
-    view: View = "main"
+    view: View | Literal["free"] = "main"
+    azimuth: Degrees = 0.0
+    elevation: Degrees = 0.0
     frame: FrameIndex | None = None
     mode: Literal["wire", "solid", "both"] | None = None
     opacity: Annotated[FiniteFloat, Field(ge=0, le=1)] | None = None
     tint: Tint | None = None
+
+
+FREE_SIZE = (1600, 1200)
+"""Pixels of a picture of the free view."""
 
 
 class Motion(Message):
@@ -134,7 +143,7 @@ class Outputs:
 
 
 def _picked(edit: EditorState, question: Pick) -> dict[str, Any]:
-    view = pointer_views(edit.doc)[question.view]
+    view = pointer_views(edit.doc, question.eye)[question.view]
     pose = shown_pose(edit).pose
     parts = parts_at(edit.skeleton, pose, view, question.at)
     edge = outline(edit.skeleton, pose, view, parts[0]).round(4).tolist() if parts else []
@@ -143,6 +152,11 @@ def _picked(edit: EditorState, question: Pick) -> dict[str, Any]:
 
 def _png(edit: EditorState, video: Video, frame: int, shot: Shot) -> bytes:
     looks = edit.display
+    if shot.view == "free":
+        viewpoint = Viewpoint(shot.azimuth, min(max(shot.elevation, -90.0), 90.0))
+        floor = feet_paths(edit).floor_m
+        pose = shown_pose(edit, frame).pose
+        return png(from_viewpoint(edit.doc, pose, viewpoint, floor, FREE_SIZE))
     opacity = looks.opacity if shot.opacity is None else shot.opacity
     look = Look(shot.view, shot.mode or looks.mode, opacity, shot.tint or looks.tint)
     return png(snapshot(edit.doc, video, frame, shown_pose(edit, frame).pose, look))

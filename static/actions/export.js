@@ -4,8 +4,9 @@ import { fetchOwn } from '../store/key.js';
 import { server, ui } from '../store/state.js';
 import { frame } from './playhead.js';
 import { toast } from '../controls/toasts.js';
+import { view as viewNamed } from '../views/views.js';
 
-const PICTURED = ['main', 'top', 'side', 'front'];
+const PICTURED = ['main', 'top', 'side', 'front', 'free'];
 
 /** The view in the large place, which "this view" means; all four side by side: the camera. */
 export const viewShown = () => (PICTURED.includes(ui.layout) ? ui.layout : 'main');
@@ -63,6 +64,11 @@ export async function copyPath() {
 function pictureAddress(view) {
   const { mode, opacity, tint } = server.view;
   const query = new URLSearchParams({ view, frame: frame() });
+  if (view === 'free') {
+    const { azimuth, elevation } = viewNamed('free').state;
+    query.set('azimuth', azimuth.toFixed(2));
+    query.set('elevation', elevation.toFixed(2));
+  }
   if (mode !== undefined) query.set('mode', mode);
   if (opacity !== undefined) query.set('opacity', String(opacity));
   if (server.surface && tint !== undefined) query.set('tint', tint);

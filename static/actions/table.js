@@ -6,7 +6,7 @@ import { lastFrame } from '../store/clip.js';
 import { partNamed, selectedPart } from '../store/parts.js';
 import { server, setUi, ui } from '../store/state.js';
 import { words } from '../store/subject.js';
-import { fitLarge, showLarge, VIEW_NAMES, VIEWS } from '../views/views.js';
+import { fitLarge, showLarge, VIEW_KEYS, VIEW_NAMES } from '../views/views.js';
 import { count } from '../controls/words.js';
 import { alongChain, endOfChain, otherSide, outward } from './chain.js';
 import { draftCount, draftMessage, whyNotDraft } from './drafting.js';
@@ -232,6 +232,8 @@ const VIEW = {
   sideView: large('side'),
   frontView: large('front'),
   allViews: { label: 'All four views', keys: ['5'], run: () => showLarge('quad') },
+  freeView: { label: 'Free view', keys: ['6'], run: () => showLarge('free') },
+  orbitView: { label: 'Orbit the free view', keys: ['Right drag'], heard: 'pointer' },
   wire: mode('Wire'),
   solid: mode('Solid'),
   both: mode('Both'),
@@ -250,6 +252,10 @@ const VIEW = {
   rings: {
     label: 'Show rings', icon: 'rings', title: 'Keypoints on the picture: drag one to correct it',
     on: ringsAreShown, run: () => setUi('rings', !ringsAreShown()),
+  },
+  floor: {
+    label: 'Floor', icon: 'floor', title: 'Floor in the camera view, cells of 25 cm',
+    on: () => Boolean(server.view?.floor), message: () => ({ do: 'display', floor: !server.view.floor }),
   },
   lanes: {
     label: () => (ui.lanes ? 'Collapse the lanes' : 'Show all lanes'), icon: 'chev', keys: ['I'],
@@ -330,7 +336,7 @@ function tool(name) {
 }
 
 function large(name) {
-  const keys = [String(VIEWS.indexOf(name) + 1)];
+  const keys = [VIEW_KEYS[name]];
   return { label: `${VIEW_NAMES[name]} view`, keys, row: 'Camera, top, side, front', run: () => showLarge(name) };
 }
 

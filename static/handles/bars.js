@@ -8,6 +8,7 @@ import { onViews, view as viewNamed } from '../views/views.js';
 import { displaybar, onSlide } from './displaybar.js';
 import { draftbar } from './draftbar.js';
 import { footbars } from './footbars.js';
+import { mountOrbitHint } from './freebar.js';
 import { headbar } from './headbar.js';
 import { interaction, onInteraction } from './interaction.js';
 import { largeView } from './scale.js';
@@ -22,9 +23,10 @@ const host = document.createElement('div');
 
 export function mountBars() {
   host.className = 'bars';
+  mountOrbitHint();
   // A bar clicked with the mouse leaves the keys to the views.
   host.addEventListener('mousedown', (event) => event.preventDefault());
-  watch([...SECTIONS, 'u:draftRead', 'u:tool', 'u:layout', 'u:box', 'u:rings', 'u:tab'], draw);
+  watch([...SECTIONS, 'u:draftRead', 'u:tool', 'u:layout', 'u:box', 'u:rings', 'u:tab', 'u:menu', 'u:orbited'], draw);
   onViews(draw);
   onInteraction(draw);
   onSlide(draw);

@@ -24,8 +24,9 @@ export function beginOnTarget(view, press, target) {
   const { handle = { kind: 'ring', part: target.part.name, axis: target.axis } } = target;
   const wedge = target.kind === 'ring' ? wedgeOf(target, press.x, press.y) : null;
   const open = handle.kind === 'ring' && isFree(handle.part, handle.axis);
+  const place = view.inMessage();
   const messageAt = (at, keys) => ({
-    do: 'drag', view: view.name, handle, from, at, ...keys, free: open || keys.free,
+    do: 'drag', ...place, handle, from, at, ...keys, free: open || keys.free,
   });
   const extra = { target, wedge, point: target.point, limb: ui.limb, hint: handle.kind, axis: handle.axis };
   // The selected part stays so while its own limb is pulled.
@@ -64,7 +65,8 @@ export function beginOnSurface(view, press, part) {
   const handle = { kind: 'surface', part, tool };
   const from = view.toView([press.x, press.y]);
   select(part);
-  const messageAt = (at, keys) => ({ do: 'drag', view: view.name, handle, from, at, ...keys });
+  const place = view.inMessage();
+  const messageAt = (at, keys) => ({ do: 'drag', ...place, handle, from, at, ...keys });
   const hint = { rotate: 'turn', move: 'root', ends: 'end' }[tool];
   beginDrag(view, press, messageAt, { target: { key: `part:${part}`, part }, hint });
   view.over.style.cursor = 'grabbing';

@@ -7,6 +7,8 @@ import { send } from '../store/link.js';
 import { isSurface } from '../store/subject.js';
 import { iconOf, isOn, keyOf, labelOf, perform } from '../actions/actions.js';
 import { icon } from '../controls/icons.js';
+import { freebar } from './freebar.js';
+import { largeView } from './scale.js';
 import { tipOf } from './toolbar.js';
 
 const MODES = /** @type {const} */ (['wire', 'solid', 'both']);
@@ -24,12 +26,14 @@ export function onSlide(fn) {
 }
 
 export function displaybar() {
+  if (ui.layout === 'free') return freebar();
   const quad = ui.layout === 'quad';
   return html`<div class="glass" id="mdisp" role="group" aria-label="Display">
     ${MODES.map(modeButton)}
     ${quad ? nothing : [slider(), html`<span class="num mut wide percent">${percent()} %</span>`]}
     <span class="vsep"></span>
     ${toggle('ghosts')}${toggle('trail')}${server.body?.is_persons && !isSurface() ? toggle('rings') : nothing}
+    ${largeView() === 'main' ? toggle('floor') : nothing}
   </div>`;
 }
 

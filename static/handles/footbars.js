@@ -6,6 +6,7 @@ import { keyOf, perform, titleOf } from '../actions/actions.js';
 import { smallWords } from '../actions/drafting.js';
 import { icon } from '../controls/icons.js';
 import { view as viewNamed } from '../views/views.js';
+import { orbitHint } from './freebar.js';
 import { largeView } from './scale.js';
 import { sketchHint } from './sketch.js';
 
@@ -14,6 +15,7 @@ const HINT_ICONS = { mask: 'loop', vertical: 'mid', box: 'wand' };
 
 export function footbars() {
   if (ui.layout === 'quad') return sketchLine();
+  if (ui.layout === 'free') return [frameBox(), orbitHint()];
   return [frameBox(), zoomBox(), sketchLine()];
 }
 

@@ -1,7 +1,7 @@
 // Everything a pointer does on the four views: handles, rings, selection, drawing, the bars.
 
 import { ui, setUi, watch } from '../store/state.js';
-import { VIEWS, onViews, view as viewNamed } from '../views/views.js';
+import { ALL_VIEWS, onViews, view as viewNamed } from '../views/views.js';
 import { mountBars } from './bars.js';
 import { sendSoon } from './drag.js';
 import { interaction, onInteraction, redrawSoon } from './interaction.js';
@@ -18,7 +18,7 @@ const SECTIONS = ['file', 'pose', 'body', 'view', 'views', 'trail', 'masks', 'ke
 export function mount() {
   watchKeys();
   onKeys(key);
-  for (const name of VIEWS) listenTo(viewNamed(name));
+  for (const name of ALL_VIEWS) listenTo(viewNamed(name));
   onInteraction(paint);
   onViews(paint);
   watch([...SECTIONS, 'u:limb', 'u:mask', 'u:box', 'u:layout', 'u:dragging', 'u:tab', 'u:rings', 'u:keypointHover'], paint);

@@ -2,20 +2,20 @@
 // segments are.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { server, ui } from '../store/state.js';
+import { server, setUi, ui } from '../store/state.js';
 import { keyOf, perform } from '../actions/actions.js';
 import { segmentsHere } from '../actions/tracking.js';
 import { icon } from '../controls/icons.js';
 import { VERDICTS } from '../controls/verdicts.js';
 import { range } from '../controls/words.js';
 import { words as subject } from '../store/subject.js';
-import { VIEW_NAMES, VIEWS } from '../views/views.js';
+import { VIEW_KEYS, VIEW_NAMES } from '../views/views.js';
 import { largeView } from './scale.js';
 
 export function headbar() {
   const name = largeView();
   return html`<div class="glass" id="mhead">
-    <span class="row b what name"><kbd>${VIEWS.indexOf(name) + 1}</kbd>${VIEW_NAMES[name]}</span>
+    <span class="row b what name" title="Double-click for the free view" @dblclick=${() => setUi('layout', 'free')}><kbd>${VIEW_KEYS[name]}</kbd>${VIEW_NAMES[name]}</span>
     <span class="vsep"></span>
     ${poseStatus()}
     ${ui.layout === 'quad' ? nothing : chips()}

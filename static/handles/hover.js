@@ -115,7 +115,7 @@ export async function pick(view, x, y) {
   const none = { parts: [], outline: [] };
   // An answer that never comes, when the line drops, must not stop the questions.
   const late = new Promise((resolve) => setTimeout(resolve, 1500, none));
-  const answer = ask({ ask: 'pick', view: view.name, at: view.toView([x, y]) });
+  const answer = ask({ ask: 'pick', ...view.inMessage(), at: view.toView([x, y]) });
   return { ...none, ...(await Promise.race([answer.catch(() => none), late])) };
 }
 

@@ -3,7 +3,7 @@
 import { render, svg, nothing } from '../vendor/lit-html/lit-html.js';
 import { partNamed } from '../store/parts.js';
 import { ui } from '../store/state.js';
-import { VIEWS, view as viewNamed } from '../views/views.js';
+import { ALL_VIEWS, view as viewNamed } from '../views/views.js';
 import { drawGrips, drawLimb, drawReach } from './grips.js';
 import { interaction } from './interaction.js';
 import { drawKeypoints } from './keypoints.js';
@@ -17,10 +17,11 @@ import { pathOf } from './space.js';
 import { isReady, targetsIn } from './targets.js';
 import { drawTrail } from './trail.js';
 
-/** Draw all four overlays. */
+/** Draw the overlays of all views that are shown. */
 export function paint() {
-  for (const name of VIEWS) {
+  for (const name of ALL_VIEWS) {
     const view = viewNamed(name);
+    if (!view.isShown) continue;
     render(isReady(view) ? overlay(view) : nothing, view.over);
     drawLabels(view);
   }

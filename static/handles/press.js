@@ -3,7 +3,8 @@
 //   still      has not moved yet: released now it is a click
 //   asking     has moved off a handle's reach; which part lies there is on its way
 //   dragging   pulls a handle, a mask or a part
-//   panning    moves the view
+//   aside      the right button, which has not moved yet: released now it opens the menu
+//   panning    moves the view, or orbits it
 //   sketching  draws with the mask, the vertical or the box tool
 //   pinching   has a second finger: both move and zoom the view
 //   spent      was cancelled: nothing more until the pointer is released
@@ -16,22 +17,24 @@ import { hover, leave, pick } from './hover.js';
 import { openKeypointMenu } from './keypoints.js';
 import { isKeyDown, noteModifiers } from './pressed_keys.js';
 import { beginPan, endPan, movePan, pinch, wheel } from './pan.js';
+import { openPartMenu } from './partmenu.js';
 import { click } from './select.js';
 import { drawsOn, isDrawingTool, sketchCancel, sketchCursor, sketchDown, sketchMove, sketchUp } from './sketch.js';
 import { distance } from './space.js';
 import { targetAt } from './targets.js';
 
 const CLICK_PX = 3;
-const LEFT = 0;
 const MIDDLE = 1;
+const RIGHT = 2;
 const RIGHT_DOWN = 2;
 
-/** @typedef {'still' | 'asking' | 'dragging' | 'panning' | 'sketching' | 'pinching' | 'spent'} State */
+/** @typedef {'still' | 'aside' | 'asking' | 'dragging' | 'panning' | 'sketching' | 'pinching' | 'spent'} State */
 
 /**
  * @typedef {object} Press
  * @property {any} view
  * @property {number} id  Of its pointer.
+ * @property {number} button
  * @property {number} x  Where it began, in pixels of the view.
  * @property {number} y
  * @property {State} state
@@ -52,6 +55,7 @@ const fingers = new Map();
  */
 const STATES = {
   still: { move: leaveStill, end: finishClick },
+  aside: { move: leaveAside, end: ({ view, picked }, x, y) => openMenu(view, picked, x, y) },
   asking: { move: (_, event, x, y) => void (press.newest = [event, x, y]) },
   dragging: {
     move: (_, event, x, y) => interaction.drag && moveDrag(event, x, y),
@@ -106,19 +110,23 @@ function down(view, event) {
   const [x, y] = place(view, event);
   if (event.pointerType === 'touch') fingers.set(event.pointerId, [x, y]);
   if (press) return void secondFinger();
-  if (event.button !== LEFT && event.button !== MIDDLE) return;
+  if (event.button > MIDDLE && !(event.button === RIGHT && view.orbitBy)) return;
   // No focus, no text selection, no scrolling wheel of the middle button.
   event.preventDefault();
   document.activeElement?.blur?.();
   view.over.setPointerCapture(event.pointerId);
-  press = { view, id: event.pointerId, x, y, state: 'still', target: null, picked: null };
+  press = { view, id: event.pointerId, button: event.button, x, y, state: 'still', target: null, picked: null };
   begin(view, event, x, y);
 }
 
 function begin(view, event, x, y) {
-  if (event.button === MIDDLE || isKeyDown(' ') || ui.tool === 'pan') {
+  const orbits = Boolean(view.orbitBy) && !event.shiftKey && !isKeyDown(' ');
+  if (event.button === RIGHT) {
+    press.state = 'aside';
+    press.picked = pick(view, x, y);
+  } else if (event.button === MIDDLE || isKeyDown(' ') || ui.tool === 'pan' || (orbits && event.altKey)) {
     press.state = 'panning';
-    beginPan(view, x, y);
+    beginPan(view, x, y, orbits && (event.button === MIDDLE || event.altKey));
   } else if (drawsOn(view)) {
     press.state = 'sketching';
     sketchDown(view, x, y);
@@ -135,7 +143,7 @@ function move(view, event) {
   if (fingers.has(event.pointerId)) moveFinger(view, event.pointerId, [x, y]);
   if (!press) return hoverAt(view, event, x, y);
   if (press.id !== event.pointerId || press.view !== view) return;
-  if (event.buttons & RIGHT_DOWN) cancelPress();
+  if (event.buttons & RIGHT_DOWN && press.button !== RIGHT) cancelPress();
   else STATES[press.state].move?.(view, event, x, y);
 }
 
@@ -183,6 +191,21 @@ function leaveStill(view, event, x, y) {
     press.newest = [event, x, y];
     beginWhenPicked(press);
   }
+}
+
+/** The right button pulls the view round, with Shift along. */
+function leaveAside(view, event, x, y) {
+  if (distance([press.x, press.y], [x, y]) < CLICK_PX) return;
+  press.state = 'panning';
+  beginPan(view, press.x, press.y, !event.shiftKey);
+  setCursor(view, null);
+  STATES.panning.move(view, event, x, y);
+}
+
+/** The menu of the part that the right button was pressed on. */
+function openMenu(view, picked, x, y) {
+  const box = view.over.getBoundingClientRect();
+  picked.then(({ parts }) => openPartMenu(view, parts[0], [box.left + x, box.top + y]));
 }
 
 /** The drag begins once it is known which part lies there, unless the press is over. */

@@ -19,7 +19,7 @@ const WAYS = [0, 0.1, -0.1, 0.2, -0.2, 0.3, -0.3, 0.4, -0.4, 0.5, -0.5];
 /** The axes a ring turns about, in the frame the person chose. */
 function frameOf(view, part) {
   const own = server.pose.T[part.name];
-  if (server.view.axes === 'view') return axesOfView(server.views[view.name]);
+  if (server.view.axes === 'view') return axesOfView(view.eye.rows);
   if (server.view.axes === 'parent' && part.parent) return axesOf(server.pose.T[part.parent]);
   if (server.view.axes === 'parent') return axesOfView();
   return axesOf(own);

@@ -1,13 +1,13 @@
 // How big things are drawn: full size in a large view, smaller in a small one.
 
 import { ui } from '../store/state.js';
-import { VIEWS } from '../views/views.js';
+import { ALL_VIEWS } from '../views/views.js';
 
 const SMALL_UNDER = 260;
 
 /** The view in the large place; with four equal views the camera's. */
 export function largeView() {
-  return VIEWS.includes(ui.layout) ? ui.layout : 'main';
+  return ALL_VIEWS.includes(ui.layout) ? ui.layout : 'main';
 }
 
 /** Whether handles and rings get their full size in this view. */

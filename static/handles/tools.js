@@ -39,12 +39,18 @@ const HOLDING = {
   size: () => [['Drag', 'longer or thicker'], FINE, CENTIMETRES, BACK],
   mask: () => [['Drag', 'move'], FINE, BACK],
   keypoint: () => [['Drag', 'to where the joint is seen; the pose stays'], FINE, BACK],
-  pan: () => [['Drag', 'pan']],
+  pan: () => [['Drag', interaction.panning?.isOrbit ? 'orbit' : 'pan']],
 };
 
+const IN_FREE_VIEW = [
+  ['Right drag', 'orbit'], ['Shift right drag', 'pan'], ['Wheel', 'nearer or farther'],
+  ['6', 'back to the view before'], ['0', 'reset the view'],
+];
+
 /** Keys and words for the status bar: [[key, words], …]. */
-export function hintsFor(tool, dragging) {
+export function hintsFor(tool, dragging, layout) {
   const kind = dragging ? (interaction.panning ? 'pan' : interaction.drag?.hint) : null;
+  if (!kind && layout === 'free') return IN_FREE_VIEW;
   if (HOLDING[kind]) return HOLDING[kind]((interaction.drag?.axis ?? '').toUpperCase());
   return RESTING[tool] ?? RESTING.select;
 }

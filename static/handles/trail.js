@@ -8,6 +8,7 @@ import { isLarge } from './scale.js';
 
 /** The trail's keyframes in a view, the present one left out. */
 export function trailKeysIn(view) {
+  if (view.trailKeys) return view.trailKeys().map(keyOfWay);
   const trail = server.trail;
   if (!trail) return [];
   const keys = new Set(trail.keys);
@@ -19,7 +20,13 @@ export function trailKeysIn(view) {
     });
 }
 
+/** In the free view they lie on the ways of the feet. */
+function keyOfWay({ part, frame, at, label }) {
+  return { key: `trail:${part}:${frame}`, kind: 'trail', frame, at: at.slice(0, 2), label };
+}
+
 export function drawTrail(view, keys) {
+  if (view.trailKeys) return svg`<g class="trail">${keys.map((target) => drawWayKey(view, target))}</g>`;
   if (!server.trail || !(server.view.trail || server.view.ghosts)) return nothing;
   return svg`<g class="trail">
     ${isLarge(view) ? drawFrames(view) : nothing}
@@ -36,6 +43,13 @@ function drawFrames(view) {
       const [x, y] = view.project(point);
       return svg`<circle class="dot" cx=${x} cy=${y} r="1.5" />`;
     });
+}
+
+function drawWayKey(view, target) {
+  const r = isHot(view, target) ? 6 : 4;
+  const [x, y] = target.at;
+  const state = target.frame === server.view.frame ? 'present' : '';
+  return svg`<path class="key ${state}" d="M${x} ${y - r}l${r} ${r}-${r} ${r}-${r}-${r}z" />`;
 }
 
 function drawKey(view, target) {

@@ -10,7 +10,7 @@ import { count } from '../controls/words.js';
 export function mountStatus() {
   const element = document.getElementById('status');
   const draw = () => render(bar(), element);
-  watch(['file', 'tabs', 'view', 'u:tool', 'u:dragging', 'u:connected', 'u:line'], draw);
+  watch(['file', 'tabs', 'view', 'u:tool', 'u:layout', 'u:dragging', 'u:connected', 'u:line'], draw);
   // How many edits wait is known to the link alone.
   setInterval(() => ui.connected || draw(), 500);
   addEventListener('beforeunload', keepWaiting);
@@ -28,7 +28,7 @@ function bar() {
 
 function hints() {
   if (!server.file) return [['?', 'keys and help']];
-  return tools.hintsFor?.(ui.tool, ui.dragging) ?? [];
+  return tools.hintsFor?.(ui.tool, ui.dragging, ui.layout) ?? [];
 }
 
 const hint = (keys, words) => html`<span class="h"><kbd>${keys}</kbd>${words}</span>`;

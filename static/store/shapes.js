@@ -2,7 +2,7 @@
 // The server's sections are made in app/sections; angles are degrees, points metres in the camera frame.
 
 /** @typedef {'x' | 'y' | 'z'} Axis */
-/** @typedef {'main' | 'top' | 'side' | 'front'} ViewName */
+/** @typedef {'main' | 'top' | 'side' | 'front' | 'free'} ViewName */
 /** @typedef {[number, number]} Spot */
 /** @typedef {[number, number, number]} Point */
 /** @typedef {(number | null)[]} Series  One value for every frame, null where nothing is known. */
@@ -117,6 +117,7 @@
  * @property {number} opacity
  * @property {boolean} ghosts
  * @property {boolean} trail
+ * @property {boolean} floor  Whether the camera view shows it.
  * @property {boolean} live
  * @property {boolean} limits
  * @property {'part' | 'parent' | 'view'} axes
@@ -201,6 +202,15 @@
  */
 /** @typedef {{ part: string, x: Series, y: Series, z: Series, error: Series }} Curve */
 /** @typedef {{ part: string, points: [number, number, number, number][], keys: number[] }} Trail */
+/** @typedef {{ part: string, label: string, side: 'L' | 'R' | 'C', points: Point[] }} FootPath */
+/** @typedef {{ frame: number, T: Record<string, number[]> }} Ghost  A pose: part to camera, three rows of four. */
+
+/**
+ * @typedef {object} Feet  Their ways, and the floor under them.
+ * @property {number} floor_m  How far along up the floor lies from the camera's centre.
+ * @property {number[]} frames  Those at which the motion is known.
+ * @property {FootPath[]} paths  Of the soles, or of the limbs' ends; a point for every frame.
+ */
 /** @typedef {{ polygon: Spot[], first: number, last: number, note: string }} Mask */
 
 /**
@@ -302,6 +312,9 @@
  * @property {Record<string, Series>} lanes  How much the picture tells of a part, 0 to 1.
  * @property {Curve | null} curve
  * @property {Trail | null} trail
+ * @property {Feet | null} feet
+ * @property {Ghost[]} ghosts  The keyframes beside the present frame, where ghosts are shown.
+ * @property {Record<string, Point[]> | null} solids  Points of every part's convex surface, in its frame, metres.
  * @property {Mask[]} masks
  * @property {Settings} settings
  * @property {CueHere[]} cues
@@ -415,6 +428,7 @@
  * @property {string} [lens]
  * @property {boolean} [allFreedoms]
  * @property {boolean} [fitFocal]
+ * @property {boolean} [orbited]  The free view was turned at least once.
  * @property {string | null} [figureHover]
  * @property {number} [segmentFirst]
  * @property {Set<string>} [freeAxes]

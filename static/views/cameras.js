@@ -1,4 +1,4 @@
-// The eyes of the four views. An eye says where a point of the camera frame lies in its view's
+// The eyes of the views. An eye says where a point of the camera frame lies in its view's
 // plane, and gives three.js the very same projection, so that lines of the page and pictures of
 // viser agree whatever the window, the lens and the pixels of the screen.
 //
@@ -76,8 +76,9 @@ export function parallelEye(name, rotations, middle) {
 /** Give a three.js camera the eye of a view and the stretch of its plane that the window shows. */
 export function aim(camera, eye, window) {
   const [[a, b, c], [d, e, f], [g, h, i]] = eye.rows;
+  const [x, y, z] = eye.place ?? [0, 0, 0];
   // R_view_camera with y and z turned over on both sides; its transpose is the camera's turn.
-  camera.matrixWorld.set(a, -d, -g, 0, -b, e, h, 0, -c, f, i, 0, 0, 0, 0, 1);
+  camera.matrixWorld.set(a, -d, -g, x, -b, e, h, -y, -c, f, i, -z, 0, 0, 0, 1);
   camera.matrixWorldInverse.copy(camera.matrixWorld).invert();
   const low = window.toPlane([0, 0]);
   const high = window.toPlane([window.width, window.height]);

@@ -1,12 +1,16 @@
 // The camera's view: the film, and the body over it.
 
-import { svg } from '../vendor/lit-html/lit-html.js';
+import { nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { server, ui } from '../store/state.js';
 import { isSurface } from '../store/subject.js';
 import { cameraEye } from './cameras.js';
+import { dropped, gridPaths } from './floor.js';
+import { feetMiddle } from './freescene.js';
 import { View } from './view.js';
 
 const GREATEST_SCALE = 64;
+/** The grid of the floor fades until here. */
+const FLOOR_REACH_M = 2;
 const BARS_PX = 52; // the height of the bars at the top
 
 export class CameraView extends View {
@@ -26,7 +30,14 @@ export class CameraView extends View {
     this.fitToSize();
   }
 
-  follow() {}
+  /** The floor is drawn around the feet. */
+  follow() {
+    const hasFloor = Boolean(server.view?.floor);
+    if (hasFloor || this.#hadFloor) this.redraw();
+    this.#hadFloor = hasFloor;
+  }
+
+  #hadFloor = false;
 
   showAll() {
     if (!server.camera) return;
@@ -55,7 +66,19 @@ export class CameraView extends View {
   paper() {
     const [x, y] = this.window.fromPlane([-0.5, -0.5]);
     const [width, height] = [server.camera.width, server.camera.height].map((n) => n * this.window.scale);
-    return svg`<rect class="edge" x=${x} y=${y} width=${width} height=${height} />`;
+    return svg`<rect class="edge" x=${x} y=${y} width=${width} height=${height} />
+      <svg x=${x} y=${y} width=${width} height=${height} viewBox=${`${x} ${y} ${width} ${height}`}>${this.#floor()}</svg>`;
+  }
+
+  /** The floor around the feet, over the picture and under the body. */
+  #floor() {
+    if (!server.view?.floor || !server.feet || !server.views) return nothing;
+    const [level, floor] = [server.views.front, server.feet.floor_m];
+    const centre = dropped(feetMiddle(), level, floor);
+    const paths = gridPaths((p) => this.project(p), { level, floor, centre, reach: FLOOR_REACH_M });
+    return svg`<g class="floor">${paths.map(
+      ({ d, share, isStrong }) => svg`<path d=${d} stroke-opacity=${(share * (isStrong ? 0.62 : 0.31)).toFixed(3)} />`,
+    )}</g>`;
   }
 
   marks() {

@@ -30,7 +30,8 @@ function handleOf(frame) {
  * viser's picture for a role. `aim(camera)` is called before every picture and sets the three.js
  * camera; `ready()` once there is something to see; `pace()` tells how many milliseconds to let
  * pass between two pictures (rest), before the first (behind), and until all is drawn (settled),
- * and whether one picture has to do for all that came at once (once).
+ * and whether one picture has to do for all that came at once (once). While `isHidden()` nothing is
+ * drawn.
  */
 export class Picture {
   #frame = document.createElement('iframe');
@@ -38,15 +39,17 @@ export class Picture {
   #aim;
   #ready;
   #pace;
+  #isHidden;
   #role;
   #isReady = false;
   #stopReconnecting = () => {};
 
-  constructor(role, { aim, ready, pace }) {
+  constructor(role, { aim, ready, pace, isHidden }) {
     this.#role = role;
     this.#aim = aim;
     this.#ready = ready;
     this.#pace = pace;
+    this.#isHidden = isHidden;
     this.#frame.className = 'viser';
     this.#frame.title = '';
     this.#frame.tabIndex = -1;
@@ -144,6 +147,7 @@ export class Picture {
       // A tab in the background may draw a request much later; and until there is something to see,
       // what viser is sent may come later than any request.
       if (this.#isReady && drawn >= requested && now - requested > AWAKE_MS) return;
+      if (this.#isReady && this.#isHidden()) return;
       const pace = this.#pace();
       const wait = Math.max(drawn + pace.rest, requested + pace.behind) - now;
       if (wait > 0) return later(wait);

@@ -41,13 +41,14 @@ export function showLarge(name) {
 function place() {
   const stage = document.getElementById('stage');
   stage.dataset.layout = ui.layout;
-  const large = SMALL_VIEWS.includes(ui.layout) ? ui.layout : 'main';
+  const large = [...SMALL_VIEWS, 'free'].includes(ui.layout) ? ui.layout : 'main';
+  const replaced = large === 'free' ? 'top' : large;
   /** @type {NodeListOf<HTMLElement>} */
   const views = document.querySelectorAll('.view');
   for (const view of views) {
     const { view: name } = view.dataset;
     // The camera goes where the enlarged view came from.
-    const home = name === 'main' ? SMALL_VIEWS.indexOf(large) : SMALL_VIEWS.indexOf(name);
+    const home = SMALL_VIEWS.indexOf(name === 'main' ? replaced : name);
     view.style.gridArea = name === large ? 'large' : SMALL_PLACES[home];
     view.classList.toggle('large', name === large);
   }

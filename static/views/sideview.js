@@ -3,6 +3,7 @@
 import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
 import { server, ui } from '../store/state.js';
 import { parallelEye } from './cameras.js';
+import { hasBody } from './freescene.js';
 import { gridLines, scaleBar } from './grid.js';
 import { View } from './view.js';
 
@@ -53,7 +54,14 @@ export class SideView extends View {
   }
 
   paper() {
-    return svg`${gridLines(this.window)}${this.cameraSign()}`;
+    return svg`${gridLines(this.window)}${this.floorLine()}${this.cameraSign()}`;
+  }
+
+  /** The floor, which is seen from its edge. */
+  floorLine() {
+    if (this.name === 'top' || !server.feet || !hasBody()) return nothing;
+    const [, y] = this.window.fromPlane([0, -server.feet.floor_m]);
+    return svg`<path class="floor" d=${`M0 ${y.toFixed(1)}H${this.window.width}`} />`;
   }
 
   /** Where the camera stands, at the border it lies beyond. */

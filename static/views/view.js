@@ -11,7 +11,11 @@ import { Window } from './windows.js';
 
 export const VIEWS = ['main', 'top', 'side', 'front'];
 
-export const VIEW_NAMES = { main: 'Camera', top: 'Top', side: 'Side', front: 'Front' };
+/** With the free one, which is shown in the large place only. */
+export const ALL_VIEWS = [...VIEWS, 'free'];
+
+export const VIEW_NAMES = { main: 'Camera', top: 'Top', side: 'Side', front: 'Front', free: 'Free' };
+export const VIEW_KEYS = { main: '1', top: '2', side: '3', front: '4', free: '6' };
 const LARGE_PX = 420;
 
 const listeners = new Set();
@@ -39,12 +43,16 @@ export class View {
       aim: (camera) => this.#aim(camera),
       ready: () => el.classList.add('drawn'),
       pace: () => pace(this.isInLargePlace || el.matches(':hover')),
+      isHidden: () => !this.isShown,
     });
-    el.prepend(this.#paper, this.under, this.#picture.element, this.over, this.#marks);
+    el.prepend(this.#paper, this.under, this.over, this.#marks);
     new ResizeObserver(() => this.fitToSize()).observe(el);
   }
 
+  /** Fetch viser's page and show its picture. */
   begin() {
+    this.over.before(this.#picture.element);
+    if (this.eye) this.fitToSize();
     this.#picture.load();
   }
 
@@ -84,6 +92,7 @@ export class View {
 
   /** Draw anew with the next animation frame. */
   redraw() {
+    if (!this.isShown) return;
     this.#picture.redraw(); // asked for now, so that it comes in the same frame as the rest
     moved.add(this);
     if (asked) return;
@@ -123,13 +132,23 @@ export class View {
   }
 
   get isInLargePlace() {
-    return this.name === (VIEWS.includes(ui.layout) ? ui.layout : 'main');
+    return this.name === (ALL_VIEWS.includes(ui.layout) ? ui.layout : 'main');
+  }
+
+  /** The free view takes the place of the top one. */
+  get isShown() {
+    return this.name !== (ui.layout === 'free' ? 'top' : 'free');
+  }
+
+  /** What goes with a message about a place in this view. */
+  inMessage() {
+    return { view: this.name };
   }
 
   label(plate = '') {
     if (this.isInLargePlace) return nothing;
-    const key = VIEWS.indexOf(this.name) + 1;
-    return html`<div class="lab ${plate}"><kbd>${key}</kbd>${VIEW_NAMES[this.name]}</div>
+    const key = VIEW_KEYS[this.name];
+    return html`<div class="lab ${plate}" title="Double-click for the free view" @dblclick=${() => setUi('layout', 'free')}><kbd>${key}</kbd>${VIEW_NAMES[this.name]}</div>
       <button
         class="ib s exp"
         title="Enlarge" data-key=${key}

@@ -1,14 +1,15 @@
-// The four views: the rest of the page finds them here.
+// The views: the rest of the page finds them here.
 
 import { server, setUi, ui, watch } from '../store/state.js';
 import { CameraView } from './cameraview.js';
+import { FreeView } from './freeview.js';
 import { mountFrames } from './frames.js';
 import { mountLayout, showLarge } from './layout.js';
 import { mountPace } from './pace.js';
 import { SideView } from './sideview.js';
-import { onViews, VIEW_NAMES, VIEWS } from './view.js';
+import { ALL_VIEWS, onViews, VIEW_KEYS, VIEW_NAMES, VIEWS } from './view.js';
 
-export { onViews, showLarge, VIEW_NAMES, VIEWS };
+export { ALL_VIEWS, onViews, showLarge, VIEW_KEYS, VIEW_NAMES, VIEWS };
 
 const PATIENCE_MS = 1200;
 
@@ -23,7 +24,7 @@ export function view(name) {
 
 export function mount() {
   for (const el of document.querySelectorAll('.view')) {
-    const made = el.dataset.view === 'main' ? new CameraView(el) : new SideView(el);
+    const made = madeFor(el);
     views.set(made.name, made);
   }
   mountLayout();
@@ -36,7 +37,17 @@ export function mount() {
   watch(['file'], newFile);
   watch(['camera', 'views'], () => views.forEach((each) => each.newEye()));
   watch(['pose'], () => views.forEach((each) => each.follow()));
-  watch(['u:layout'], () => views.forEach((each) => each.redraw()));
+  watch(['feet', 'keys'], () => ['main', 'side', 'front'].forEach((name) => view(name).redraw()));
+  watch(['view'], () => view('main').follow());
+  watch(['u:layout'], () => {
+    if (begun) beginShown();
+    views.forEach((each) => each.redraw());
+  });
+}
+
+function madeFor(el) {
+  if (el.dataset.view === 'main') return new CameraView(el);
+  return el.dataset.view === 'free' ? new FreeView(el, view('main').screen) : new SideView(el);
 }
 
 /** Fit the picture of what is large. */
@@ -49,7 +60,19 @@ function begin() {
   if (begun) return;
   begun = true;
   if (!draws3D()) return setUi('flat', true);
-  for (const each of views.values()) each.begin();
+  beginShown();
+}
+
+const fetched = new Set();
+
+/** Those that are shown for the first time fetch viser's page. */
+function beginShown() {
+  if (ui.flat) return;
+  for (const each of views.values()) {
+    if (!each.isShown || fetched.has(each)) continue;
+    fetched.add(each);
+    each.begin();
+  }
 }
 
 /** Another film: every window shows all there is. */

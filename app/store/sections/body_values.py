@@ -59,7 +59,7 @@ def _part(given: Body, part: Part) -> Json:
         "label": part_label(part.name),
         "short": short_label(part.name),
         "parent": part.parent,
-        "side": _side(given, part.name),
+        "side": side_of(given, part.name),
         "mirror": None if mirror == part.name else mirror,
         "tracked": list(part.tracked),
         "words": axis_labels(given, part.name),
@@ -82,7 +82,7 @@ def _part(given: Body, part: Part) -> Json:
     }
 
 
-def _side(given: Body, name: str) -> str:
+def side_of(given: Body, name: str) -> str:
     """L, R or C, as the colours go: the first of a mirror pair is the left one."""
     for left, right in given.mirror_pairs:
         if name in (left, right):

@@ -15,6 +15,7 @@ from app.store.sections import (
     body_values,
     cue_values,
     error_values,
+    feet_values,
     keypoint_values,
     motion_values,
     pose_values,
@@ -125,6 +126,14 @@ SECTIONS: dict[str, _Section] = {
         _both(_TRACKED, _settled("drafts"), _edit("selected", "frame", "display")),
         pose_values.trail,
     ),
+    "feet": _Section(
+        _both(_TRACKED, _settled("drafts", "up_camera"), _edit("opening")), feet_values.feet
+    ),
+    "ghosts": _Section(
+        _both(_settled("body", "keyframes"), _doc("body"), _edit("frame", "display")),
+        feet_values.ghosts,
+    ),
+    "solids": _Section(_doc("body"), feet_values.solids),
     "masks": _Section(_doc("ignore_masks"), work_values.masks),
     "settings": _Section(_doc("settings", "first_motion"), work_values.settings),
     "cues": _Section(_doc("settings", "body"), cue_values.cues),

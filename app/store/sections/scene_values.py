@@ -102,6 +102,7 @@ def view(app_state: AppState) -> Json:
         "opacity": looks.opacity,
         "ghosts": looks.ghosts,
         "trail": looks.trail,
+        "floor": looks.floor,
         "live": looks.live,
         "limits": looks.limits,
         "axes": looks.axes,

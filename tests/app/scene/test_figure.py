@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from app.scene.figure import LIFT_M, WIRES, Outline, part_mesh, rim_lines, wire_lines
+from app.scene.figure import LIFT_M, WIRES, Outline, hull_mesh, part_mesh, rim_lines, wire_lines
 from app.scene.scene import Scenery, Stage
 from tests.tracker.shape_cases import SHAPES, every_shape, pair_of
-from tracker.body.body import Body, Part
+from tracker.body.body import Body, Part, preset
 from tracker.body.pose import Pose, pose_transforms
 from tracker.body.raster import BodyMesh, raster
 from tracker.body.shapes import SIDES, Capsule, Solid
@@ -110,3 +110,14 @@ def test_a_body_changes_to_round_ends_and_back_in_the_nodes_there_are(stage: Sta
             np.testing.assert_array_equal(nodes.solid.vertices, part_mesh(shape)[0])
             assert len(nodes.rims.points) == max(1, len(rim_lines(shape)))
         assert isinstance(body.parts[0].shape, Capsule) == (len(rim_lines(shape)) == 0)
+
+
+@pytest.mark.parametrize("part", ["chest", "left_hand", "neck"])
+def test_the_hull_lies_evenly_outside_of_the_part(part: str) -> None:
+    body = preset("adult_male")
+    shape = body.parts[body.index(part)].shape
+    vertices, faces = hull_mesh(shape, 0.004)
+    assert faces.shape == shape.mesh().faces.shape
+    away = shape.distance(vertices.astype(np.float64))
+    assert away.min() > 0.001
+    assert away.max() < 0.0055

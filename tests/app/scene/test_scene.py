@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import viser._messages as messages
 
-from app.render.palette import SIDE_COLOURS
+from app.render.palette import SIDE_COLOURS, WHITE
 from app.scene.figure import Outline, trail_lines
 from app.scene.nodes import ROOT, SELECTED
 from app.scene.scene import Scenery, Stage, Trail
@@ -31,6 +31,7 @@ from tracker.geometry.rotations import (
 from tracker.geometry.view import ViewCamera
 
 BODY = preset("adult_male")
+OUTLINED = tuple(role for role in ROLES if role != "free")
 
 
 class Listener:
@@ -90,7 +91,7 @@ def test_a_new_pose_is_the_transforms_of_the_parts_and_the_outlines(listener: Li
     moved = [m.name for m in told if isinstance(m, messages.SetPositionMessage)]
     assert moved == [f"{ROOT}/body/{i}" for i in range(len(BODY.parts))]
     drawn = {m.name for m in told if isinstance(m, messages.SceneNodeUpdateMessage)}
-    assert drawn == {f"{ROOT}/outline/{role}" for role in ROLES}
+    assert drawn == {f"{ROOT}/outline/{role}" for role in OUTLINED}
 
 
 def test_a_pose_is_told_as_one(listener: Listener, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -135,14 +136,14 @@ def test_selecting_a_part_changes_its_looks_and_no_pose(listener: Listener) -> N
     assert "SetPositionMessage" not in kinds(told)
     arm = f"{ROOT}/body/{BODY.index('right_forearm')}"
     assert {name for name in names(told) if "/body/" in name} == {
-        f"{arm}/{child}" for child in ("overlay", "solid", "rims", "wires", "edges")
+        f"{arm}/{child}" for child in ("overlay", "solid", "rims", "wires", "edges", "hull")
     }
     colours = [
         m.updates["color"]
         for m in told
         if isinstance(m, messages.SceneNodeUpdateMessage) and "color" in m.updates
     ]
-    assert colours == [SELECTED, SELECTED]
+    assert colours == [SELECTED, SELECTED, WHITE]  # of the two solids, and of the hull
     assert f"{ROOT}/held/main" in names(told)
 
 
@@ -198,7 +199,7 @@ def test_ghosts_come_and_go(listener: Listener) -> None:
     scenery = Scenery(BODY, posed())
     listener.show(scenery)
     told = listener.show(replace(scenery, ghosts=((3, posed(0.2)), (9, posed(0.4)))))
-    assert {f"{ROOT}/ghost/{k}/{role}" for k in range(2) for role in ROLES} <= names(told)
+    assert {f"{ROOT}/ghost/{k}/{role}" for k in range(2) for role in OUTLINED} <= names(told)
     told = listener.show(replace(scenery, ghosts=((3, posed(0.2)),)))
     assert f"{ROOT}/ghost/1/main" in names([m for m in told if "Remove" in type(m).__name__])
     listener.show(scenery)
@@ -219,8 +220,11 @@ def test_each_view_is_told_which_nodes_are_not_for_it(listener: Listener) -> Non
     listener.show(Scenery(BODY, posed(), selected=frozenset({"head"})))
     only = listener.stage._only_for
     assert only[f"{ROOT}/body/0/overlay"] == ("main",)
-    assert only[f"{ROOT}/body/0/edges"] == ("top", "side", "front")
-    for role in ROLES:
+    assert only[f"{ROOT}/body/0/edges"] == ("top", "side", "front", "free")
+    assert only[f"{ROOT}/body/0/hull"] == ("free",)
+    assert only[f"{ROOT}/trail"] == OUTLINED
+    assert only[f"{ROOT}/light/free/sun"] == ("free",)
+    for role in OUTLINED:
         assert only[f"{ROOT}/outline/{role}"] == (role,)
         assert only[f"{ROOT}/held/{role}"] == (role,)
         assert only[f"{ROOT}/light/{role}/sun"] == (role,)
@@ -231,7 +235,7 @@ def test_the_light_comes_from_the_upper_left_of_every_view(listener: Listener) -
     tilted = exp_rotation([0.4, 0.0, 0.0])
     scenery = Scenery(BODY, posed(), Rs_view_camera={"front": tilted})
     listener.show(scenery)
-    for role in ROLES:
+    for role in OUTLINED:
         sun = listener.stage._scene.get_handle_by_name(f"{ROOT}/light/{role}/sun")
         assert sun is not None
         x, y, z = scenery.R_view_camera(role) @ sun.position

@@ -115,6 +115,7 @@ def test_a_browser_that_was_let_in_gets_the_page_its_files_and_its_sockets() -> 
     assert ask("/static/views/cameras.js").status == 200
     assert ask("/frame/17.jpg", "v=plain").status == 200
     assert ask("/picture.png", "view=all&frame=3&mode=both&opacity=0.5&tint=clay").status == 200
+    assert ask("/picture.png", "view=free&azimuth=52.5&elevation=20").status == 200
     assert ask("/motion", "format=bvh").status == 200
     assert ask("/upload", "name=jump.mp4", method="POST").status == 200
     assert ask("/events", socket=True).accepted

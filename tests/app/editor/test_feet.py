@@ -1,0 +1,75 @@
+"""The ways of the feet that the free view draws, and the floor under them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from app.editor.feet import feet_paths
+from app.store.sections import Sections
+from app.store.state import AppState
+from tests.app.editor.desk import after, desk
+from tests.app.posing.posing_cases import SAMPLES
+from tests.app.store.test_sections import seen
+from tracker.body.body import load_body
+from tracker.geometry.rotations import apply_transform
+
+
+def test_both_feet_are_followed_over_all_segments_tracked_or_not() -> None:
+    found = feet_paths(seen().edit)  # type: ignore[arg-type]
+    assert list(found.paths) == ["left_foot", "right_foot"]
+    assert found.frames.tolist() == list(range(73))
+    for path in found.paths.values():
+        assert path.shape == (73, 3)
+        assert np.linalg.norm(np.diff(path, axis=0), axis=1).max() < 0.2
+
+
+def test_the_floor_lies_under_the_soles_and_where_it_is_set() -> None:
+    found = feet_paths(desk())
+    lowest = min(-path[:, 1].max() for path in found.paths.values())
+    assert found.floor_m == pytest.approx(lowest, abs=0.06)
+    state = desk()
+    doc = state.doc.model_copy(update={"floor_m": -2.5})
+    assert feet_paths(state.with_doc(doc)).floor_m == -2.5
+
+
+def test_without_a_keyframe_there_is_a_floor_and_no_way() -> None:
+    found = feet_paths(desk(keyframes=False))
+    assert found.paths == {}
+    assert -1.5 < found.floor_m < -0.3
+
+
+def test_a_body_without_feet_is_followed_by_the_ends_of_its_limbs() -> None:
+    arms = load_body(SAMPLES / "bodies" / "three_arms.json")
+    doc = desk().doc.model_copy(update={"body": arms, "keyframes": ()})
+    posed = after(
+        replace(desk(keyframes=False)).with_doc(doc),
+        {"do": "root", "x": 0.1},
+        {"do": "add_key", "frame": 0},
+    )
+    found = feet_paths(posed)
+    assert 1 <= len(found.paths) <= 4
+    assert found.frames.tolist() == [0]
+
+
+def test_a_long_film_is_told_in_a_thousand_moments_with_every_keyframe() -> None:
+    state = desk()
+    last = state.doc.keyframes[-1].model_copy(update={"frame": 7201, "time_s": 240.0})
+    video = state.doc.video.model_copy(update={"frame_count": 9000})
+    doc = state.doc.model_copy(update={"keyframes": (*state.doc.keyframes, last), "video": video})
+    frames = feet_paths(state.with_doc(doc)).frames
+    assert len(frames) < 1100
+    assert {0, 24, 48, 72, 7201} <= set(frames.tolist())
+
+
+def test_the_page_is_told_of_neighbouring_keyframes_and_of_the_solids() -> None:
+    edit = after(desk(), {"do": "display", "ghosts": True}, {"do": "go", "frame": 30})
+    told = Sections().changed(AppState(edit=edit))
+    assert [ghost["frame"] for ghost in told["ghosts"]] == [24, 48]
+    assert told["ghosts"][0]["T"].keys() == told["solids"].keys()
+    T = np.reshape(told["ghosts"][0]["T"]["left_foot"], (3, 4))
+    p = apply_transform(np.vstack([T, [0, 0, 0, 1]]), np.array(told["solids"]["left_foot"]))
+    assert -p[:, 1].max() == pytest.approx(told["feet"]["floor_m"], abs=0.2)
+    assert Sections().changed(AppState(edit=desk()))["ghosts"] == []
