@@ -331,7 +331,7 @@ def _planted(shown: Shown) -> tuple[Array, Array]:
     more than 20 cm above its lowest."""
     T = shown.truth.transforms(shown.skeleton)
     feet = [shown.skeleton.body.index(f"{side}_foot") for side in ("left", "right")]
-    p = T[:, feet, :3, 3]
+    p = T[:, feet][..., :3, 3]
     speed = np.linalg.norm(np.gradient(p, axis=0), axis=-1) * FPS
     height = (p @ UP) - (p @ UP).min(axis=0)
     return (speed < 0.35) & (height < 0.12), height > 0.2
