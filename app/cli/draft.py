@@ -111,7 +111,8 @@ def run(arguments: argparse.Namespace) -> int:
     with Video.open(arguments.video) as video:
         session = new_session(video, place).model_copy(update={"body": body})
         if arguments.field_of_view is not None:
-            session = session.model_copy(update={"camera": _camera(session, arguments)})
+            given = {"camera": _camera(session, arguments), "lens_source": "person"}
+            session = session.model_copy(update=given)
         frames = arguments.frames or (0, session.video.frame_count - 1)
         at = frames[0] if arguments.frame is None else arguments.frame
         require_draftable(session, at, box, frames)

@@ -151,6 +151,8 @@ def _facts(video: Video) -> dict[str, Any]:
         "missing_frames": list(info.missing),
         "damaged_frames": list(info.damaged),
         "fingerprint": video.fingerprint(),
+        "focal_mm": None if info.lens is None else info.lens.focal_mm,
+        "device": None if info.lens is None else info.lens.device,
     }
 
 
@@ -165,6 +167,9 @@ def _lines(facts: dict[str, Any]) -> list[str]:
         f"  rate         {rate}{facts['fps']:.3f} frames/s",
         f"  fingerprint  {facts['fingerprint']}",
     ]
+    if facts["focal_mm"] is not None:
+        device = f", {facts['device']}" if facts["device"] else ""
+        lines.insert(-1, f"  lens         {facts['focal_mm']:g} mm as on 35 mm film{device}")
     notes = {
         f"turned by {facts['rotation_deg']}° to stand upright": facts["rotation_deg"],
         f"pixels {facts['pixel_aspect']:.4f} times as wide as high": facts["pixel_aspect"] != 1,

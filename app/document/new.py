@@ -28,7 +28,7 @@ from tracker.surface.cameras.rig import Rig
 from tracker.surface.files.sequence import MeshSequence
 from tracker.surface.new_session import Reading, choose_reading, first_mesh
 from tracker.surface.source import SurfaceSteps, holds_meshes
-from tracker.video import Video
+from tracker.video import Video, VideoInfo
 from tracker.video.still_camera import still_camera
 
 FIRST_BODY = "adult_male"
@@ -37,8 +37,8 @@ PEOPLE_M = (0.5, 2.5)
 
 
 def new_session(video: Video, session_path: Path) -> Session:
-    """An empty session of a video: a guessed camera, an adult, no keyframes; and whether the
-    camera stands still, as a few frames show it."""
+    """An empty session of a video: the camera that the file names, or a guessed one, an adult, no
+    keyframes; and whether the camera stands still, as a few frames show it."""
     _require_text(video.info.path)
     stands_still = still_camera(video).still
     info = video.info  # only now: reading frames may have corrected it
@@ -51,10 +51,18 @@ def new_session(video: Video, session_path: Path) -> Session:
             height=info.height,
             stands_still=stands_still,
         ),
-        camera=Camera.guess(info.width, info.height),
+        camera=camera_of(info),
         body=preset(FIRST_BODY),
+        lens_source=None if info.lens is None else "file",
         settings=TrackSettings(cues=ALL_CUES, smooth=True),
     )
+
+
+def camera_of(info: VideoInfo) -> Camera:
+    """The camera of the lens that the file names; without one, a usual camera."""
+    if info.lens is None:
+        return Camera.guess(info.width, info.height)
+    return Camera.from_focal_length(info.width, info.height, info.lens.focal_mm)
 
 
 def new_surface_session(

@@ -277,6 +277,18 @@ class FieldOfView(Edit):
     deg: Annotated[FiniteFloat, Field(ge=1, le=170)]
 
 
+class Lens(Edit):
+    """The lens that shows as much on 35 mm film, and who says so; without `mm` a guess.
+
+    bent: whether it bends straight edges, as an action camera's does; left out, as before.
+    """
+
+    do: Literal["lens"] = "lens"
+    mm: Annotated[FiniteFloat, Field(ge=4, le=2000)] | None = None
+    known: Literal["person", "file", "guess"] = "person"
+    bent: bool | None = None
+
+
 class Distortion(Edit):
     do: Literal["distortion"] = "distortion"
     k1: FiniteFloat | None = None
@@ -480,7 +492,7 @@ Posing: TypeAlias = (
 )
 Keying: TypeAlias = AddKey | DeleteKey | MoveKey | DuplicateKey | KeyAngle
 Shaping: TypeAlias = Shape | Size | Joint | Height | Preset | ResetBody | Clavicles | Tracked
-Filming: TypeAlias = Intrinsics | FieldOfView | Distortion | Vertical | ResetUp
+Filming: TypeAlias = Intrinsics | FieldOfView | Lens | Distortion | Vertical | ResetUp
 Choosing: TypeAlias = AddMask | ChangeMask | DeleteMask | Settings | Observe
 Seeing: TypeAlias = CorrectKeypoint | IgnoreKeypoint | RestoreKeypoint
 Rewinding: TypeAlias = Undo | Redo | EndStroke | CancelStroke

@@ -9,12 +9,18 @@ import numpy as np
 from pydantic import ValidationError
 
 from app.editor import actions as do
+from app.editor.documents import at_new_focal, require_before_camera
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.posing import up_from_vertical
 from tracker.errors import one_sentence
 from tracker.geometry.camera import Camera
-from tracker.session.schema import Session
+from tracker.session.schema import LensSource, Session
+
+STRAIGHT = (0.0, 0.0, 0.0, 0.0, 0.0)
+BENT = (-0.316, 0.127, 0.0, 0.0, -0.026)
+"""Of a lens that spreads angles evenly over the picture (r = f θ), as action cameras do: the fit of
+θ / tan θ up to 52° off the axis, to 0.0014."""
 
 _DISTORTION = ("k1", "k2", "p1", "p2", "k3")
 
@@ -22,17 +28,46 @@ _DISTORTION = ("k1", "k2", "p1", "p2", "k3")
 def set_intrinsics(state: EditorState, action: do.Intrinsics) -> Session:
     """Focal lengths and principal point."""
     changes = action.model_dump(include={"fx", "fy", "cx", "cy"}, exclude_none=True)
-    return _with_camera(state, {**changes, "origin": "intrinsics"})
+    doc = _with_camera(state, {**changes, "origin": "intrinsics"})
+    return doc.model_copy(update={"lens_source": "calibration"})
 
 
 def set_fov(state: EditorState, action: do.FieldOfView) -> Session:
-    """An ideal lens whose longer side spans this angle; the distortion stays."""
+    """A lens whose longer side spans this angle; the distortion stays."""
     old = state.doc.camera
     new = Camera.from_field_of_view(old.width, old.height, math.radians(action.deg))
-    return _with_camera(
-        state,
-        {"fx": new.fx, "fy": new.fy, "cx": new.cx, "cy": new.cy, "origin": "field of view"},
-    )
+    return _with_lens(state, new.model_copy(update={"distortion": old.distortion}), "person")
+
+
+def set_lens(state: EditorState, action: do.Lens) -> Session:
+    """The lens by its focal length on 35 mm film, or a guess."""
+    size = (state.doc.camera.width, state.doc.camera.height)
+    if action.mm is None:
+        camera = Camera.guess(*size)
+    else:
+        camera = Camera.from_focal_length(*size, action.mm)
+    bent = {True: BENT, False: STRAIGHT, None: state.doc.camera.distortion}[action.bent]
+    known = "guess" if action.mm is None else action.known
+    return _with_lens(state, camera.model_copy(update={"distortion": bent}), known)
+
+
+def _with_lens(state: EditorState, lens: Camera, source: LensSource) -> Session:
+    """With another lens. What was posed keeps its place in the picture: a longer lens shows it as
+    large as before from farther away."""
+    old = state.doc.camera
+    names = ("fx", "fy", "cx", "cy", "distortion", "origin")
+    changes = {name: getattr(lens, name) for name in names}
+    doc = _with_camera(state, changes)
+    farther = 1.0 if old.telephoto_distance_m is not None else lens.fx / old.fx
+    update = {
+        "lens_source": source,
+        "keyframes": tuple(at_new_focal(k, farther) for k in doc.keyframes),
+        "drafts": tuple(at_new_focal(k, farther) for k in doc.drafts),
+    }
+    doc = doc.model_copy(update=update)
+    for posed in (*doc.keyframes, *doc.drafts):
+        require_before_camera(state.skeleton, posed.pose(state.skeleton))
+    return doc
 
 
 def set_distortion(state: EditorState, action: do.Distortion) -> Session:

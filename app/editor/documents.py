@@ -70,3 +70,9 @@ def impossible(what: str, why: str) -> Refused:
 
 def _frame(keyframe: Keyframe) -> int:
     return keyframe.frame
+
+
+def at_new_focal(posed: Keyframe, factor: float) -> Keyframe:
+    """A lens so much longer shows the body as large as before from so much farther away."""
+    x, y, z = posed.root_m
+    return posed.model_copy(update={"root_m": (x, y, z * factor)})

@@ -90,6 +90,7 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
     do.Tracked: EditKind(body_edits.set_tracked, "change the tracked motions of", "part"),
     do.Intrinsics: EditKind(camera_edits.set_intrinsics, "change the camera"),
     do.FieldOfView: EditKind(camera_edits.set_fov, "change the field of view"),
+    do.Lens: EditKind(camera_edits.set_lens, "change the lens"),
     do.Distortion: EditKind(camera_edits.set_distortion, "change the distortion"),
     do.Vertical: EditKind(camera_edits.set_up, "change the up direction"),
     do.ResetUp: EditKind(_alone(camera_edits.reset_up), "reset the up direction"),

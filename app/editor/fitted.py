@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 from app.editor.documents import (
+    at_new_focal,
     keyframe_of,
     posed,
     require_before_camera,
@@ -19,7 +21,7 @@ from tracker.body.body import Body
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.camera import Camera
-from tracker.session.schema import Keyframe, Session
+from tracker.session.schema import Session
 
 
 def pose_to_fit(state: EditorState) -> Pose:
@@ -54,18 +56,14 @@ def with_sizes_fitted(
     keyframes = [
         keyframe_of(skeleton, keyposes[frame], frame, state.times_s) for frame in state.keys
     ]
-    drafts = tuple(_at_new_focal(draft, nearer) for draft in state.doc.drafts)
+    drafts = tuple(at_new_focal(draft, nearer) for draft in state.doc.drafts)
     for draft in drafts:
         require_before_camera(skeleton, draft.pose(skeleton))
-    update = {"body": body, "camera": camera, "drafts": drafts}
+    update: dict[str, Any] = {"body": body, "camera": camera, "drafts": drafts}
+    if nearer != 1.0:
+        update["lens_source"] = "fitted"
     doc = with_keyframes(state.doc.model_copy(update=update), keyframes)
     return _after(state, doc, "fit the sizes", state.frame)
-
-
-def _at_new_focal(draft: Keyframe, factor: float) -> Keyframe:
-    """A lens so much longer shows the body as large as before from so much farther away."""
-    x, y, z = draft.root_m
-    return draft.model_copy(update={"root_m": (x, y, z * factor)})
 
 
 def _after(state: EditorState, doc: Session, label: str, frame: int) -> EditorState:

@@ -12,12 +12,15 @@ from app.editor.refusal import Refused
 from app.editor.shown import find, shown_pose
 from app.editor.state import EditorState
 from app.posing import (
+    Held,
     Posed,
     Readout,
     angles_deg,
     drag,
+    ends_to_hold,
     facing,
     mirror_pose,
+    placed_ends,
     swap_left_right,
     with_angles,
     with_reset,
@@ -39,16 +42,26 @@ def drag_part(
 def _drag(state: EditorState, before: EditorState, action: do.Drag) -> Posed:
     looks = state.display
     last = state.stroke.readout if state.stroke else None
+    pose = shown_pose(before, state.frame).pose
     return drag(
         before.doc.body,
-        shown_pose(before, state.frame).pose,
+        pose,
         action,
         pointer_views(before.doc, action.eye),
         limits_on=looks.limits,
         axes_frame=looks.axes,
         linked=looks.link,
         angle_before=last.angle_rad if last else None,
+        held=Held(placed=_placed(before.doc, pose)),
     )
+
+
+def _placed(doc: Session, pose: Pose) -> frozenset[str]:
+    """The ends that somebody has put where they are: before the first keyframe, those of limbs
+    that were posed; a body that is just being placed moves whole."""
+    if doc.keyframes:
+        return frozenset(handle.name for handle in ends_to_hold(doc.body))
+    return placed_ends(doc.body, pose)
 
 
 def set_angles(state: EditorState, action: do.Angles) -> Session:

@@ -93,8 +93,14 @@ class EditorState:
         if times_s is not None:
             self = replace(self, times_s=times_s)
         if doc.body is self.doc.body:
-            return replace(self, doc=doc)
+            return replace(self, doc=doc, opening=self._opening_for(doc))
         changed = replace(self, doc=doc, skeleton=Skeleton.of(doc.body))
         if doc.body.names == self.doc.body.names:
             return changed
         return replace(changed, opening=opening_pose(doc.body, doc.camera, up_of(doc)))
+
+    def _opening_for(self, doc: Session) -> Pose:
+        """Where the body stands before it is posed: with another lens, as large as before."""
+        if doc.camera is self.doc.camera or doc.surface is not None:
+            return self.opening
+        return opening_pose(doc.body, doc.camera, up_of(doc))

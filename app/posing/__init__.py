@@ -17,6 +17,7 @@ from app.posing.dragging import drag
 from app.posing.facing import Way, facing
 from app.posing.gesture import Eye, Gesture, InView, Posed, Reach, Readout
 from app.posing.handles import BodyHandle, handle_named, handles, lanes
+from app.posing.holding import Held, ends_to_hold, keep_pinned, placed_ends
 from app.posing.labels import axis_labels, part_label, short_label
 from app.posing.mirroring import mirror_pose, with_other_side
 from app.posing.picking import outline, parts_at
@@ -37,6 +38,7 @@ __all__ = [
     "BodyHandle",
     "Eye",
     "Gesture",
+    "Held",
     "InView",
     "PointerView",
     "Posed",
@@ -49,10 +51,12 @@ __all__ = [
     "axis_labels",
     "clamp_to_limits",
     "drag",
+    "ends_to_hold",
     "eye_rotation",
     "facing",
     "handle_named",
     "handles",
+    "keep_pinned",
     "lanes",
     "mirror_pose",
     "opening_pose",
@@ -61,6 +65,7 @@ __all__ = [
     "part_label",
     "part_sizes",
     "parts_at",
+    "placed_ends",
     "short_label",
     "swap_left_right",
     "tilt_and_roll",

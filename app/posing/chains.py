@@ -27,10 +27,22 @@ class Chain(LimbChain):
 
     def reach(self, view: PointerView, goal: Aim) -> Reached:
         """The chain with its end at the goal, or as near as it can come."""
-        levers = self.levers()
-        sizes = np.sqrt((levers**2).sum(axis=1))
-        farthest, nearest = float(sizes.sum()), max(0.0, float(2 * sizes.max() - sizes.sum()))
-        place = within_reach(view, goal, self.centre, nearest, farthest, self.end)
+        return self._at(within_reach(view, goal, self.centre, *self._range_m(), self.end))
+
+    def toward(self, place: Array) -> Reached:
+        """The chain with its end at a place (3,) in the camera frame, or straight toward it."""
+        way = place - self.centre
+        nearest, farthest = self._range_m()
+        return self._at(self.centre + min(max(length(way), nearest), farthest) * unit(way))
+
+    def _range_m(self) -> tuple[float, float]:
+        """The least and the largest distance from the first joint to the end."""
+        sizes = np.sqrt((self.levers() ** 2).sum(axis=1))
+        return max(0.0, float(2 * sizes.max() - sizes.sum())), float(sizes.sum())
+
+    def _at(self, place: Array) -> Reached:
+        """The chain with its end at a place within reach."""
+        levers, (_, farthest) = self.levers(), self._range_m()
         turns = self._solved(levers, self._folded(levers, farthest, place), place)
         return Reached(self._rotations(turns), self.centre, farthest)
 

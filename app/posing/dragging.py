@@ -16,7 +16,8 @@ from app.posing.gesture import (
     Surface,
 )
 from app.posing.gesture_context import GestureContext
-from app.posing.handles import handle_at_far_end, handle_named
+from app.posing.handles import BodyHandle, handle_at_far_end, handle_named
+from app.posing.holding import NONE_HELD, Held, Moved, with_held_ends
 from app.posing.moving import move_root
 from app.posing.pointer_view import PointerView
 from app.posing.reaching import reach
@@ -37,54 +38,62 @@ def drag(
     axes_frame: AxesFrame = "part",
     linked: bool = True,
     angle_before: float | None = None,
+    held: Held = NONE_HELD,
 ) -> Posed:
     """The pose, or the body, that a gesture makes of the pose before it.
 
     sights: the four views by name.  limits_on: joint limits count, unless the gesture is free.
     axes_frame: whose axes the rings turn about.  linked: sizes of both sides change together.
     angle_before: the readout's angle_rad after the move before this one, if there was one.
+    held: the ends that stay where they are.
     BodyError when the body has no such part, handle or size.
     """
     skeleton = Skeleton.of(body)
     context = GestureContext.of(skeleton, pose_before, limits_on and not gesture.free)
     view, handle = sights[gesture.view], gesture.handle
+    if isinstance(handle, SizeHandle):
+        return resize_by_drag(context, view, gesture, handle, linked)
+    if gesture.carry:
+        held = Held(pinned=held.pinned)
+    taken = _taken(body, gesture, handle)
+    if isinstance(taken, BodyHandle):
+        return _by_handle(context, view, gesture, taken, held)
+    part = body.index(taken)
+    if isinstance(handle, Ring):
+        turned = rotate_by_ring(context, view, gesture, part, handle.axis, axes_frame, angle_before)
+    else:
+        turned = rotate_by_surface(context, view, gesture, part, axes_frame, angle_before)
+    return with_held_ends(context, turned, held, Moved(taken))
+
+
+def _taken(
+    body: Body, gesture: Gesture, handle: Ring | Root | End | Middle | Surface
+) -> BodyHandle | str:
+    """The handle that a gesture drags, or the part that it turns.
+
+    A part taken by its surface: the tool in hand says which of them.
+    """
     match handle:
         case Ring():
-            part = body.index(handle.part)
-            return rotate_by_ring(
-                context, view, gesture, part, handle.axis, axes_frame, angle_before
-            )
+            return handle.part
         case Root():
-            return move_root(context, view, gesture)
+            return handle_named(body, "root")
         case End() | Middle():
-            found = handle_named(body, handle.name)
-            if found.kind == "root":
-                return move_root(context, view, gesture)
-            return reach(context, view, gesture, found)
+            return handle_named(body, handle.name)
         case Surface():
-            return _by_surface(context, view, gesture, handle, axes_frame, angle_before)
-        case SizeHandle():
-            return resize_by_drag(context, view, gesture, handle, linked)
+            tool = handle.tool or gesture.tool
+            if tool == "move" or (tool == "ends" and body.index(handle.part) == 0):
+                return handle_named(body, "root")
+            found = handle_at_far_end(body, handle.part) if tool == "ends" else None
+            return found or handle.part
 
 
-def _by_surface(
-    context: GestureContext,
-    view: PointerView,
-    gesture: Gesture,
-    handle: Surface,
-    axes_frame: AxesFrame,
-    angle_before: float | None,
+def _by_handle(
+    context: GestureContext, view: PointerView, gesture: Gesture, handle: BodyHandle, held: Held
 ) -> Posed:
-    """A part taken by its surface: what the tool in hand does with it."""
-    body = context.skeleton.body
-    part = body.index(handle.part)
-    tool = handle.tool or gesture.tool
-    if tool == "move":
-        return move_root(context, view, gesture)
-    if tool == "ends":
-        if part == 0:
-            return move_root(context, view, gesture)
-        found = handle_at_far_end(body, handle.part)
-        if found is not None:
-            return reach(context, view, gesture, found)
-    return rotate_by_surface(context, view, gesture, part, axes_frame, angle_before)
+    """The root carried, or a limb pulled."""
+    if handle.kind == "root":
+        return with_held_ends(context, move_root(context, view, gesture), held, Moved(handle.part))
+    posed = reach(context, view, gesture, handle, held)
+    end = handle.name if handle.kind == "end" else None
+    return with_held_ends(context, posed, held, Moved(handle.part, handle.kind == "middle", end))

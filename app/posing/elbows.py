@@ -1,9 +1,11 @@
 """The joint between two bones dragged itself: an elbow or a knee.
 
-The upper limb swings so that the joint comes under the pointer. The end stays where it is as far
-as the bones allow: the lower limb keeps pointing at that place, the upper one turning about itself
-so that the hinge can. Near the places where this would be a sudden turn of the limb about itself
-(a joint dragged straight through, or to the wrong side) less and less of it is done.
+Where the end is held, the joint can only go round the line from shoulder to hand: `Swivel`.
+Otherwise, `Elbow`: the upper limb swings so that the joint comes under the pointer. The end stays
+where it is as far as the bones allow: the lower limb keeps pointing at that place, the upper one
+turning about itself so that the hinge can. Near the places where this would be a sudden turn of
+the limb about itself (a joint dragged straight through, or to the wrong side) less and less of it
+is done.
 """
 
 from __future__ import annotations
@@ -26,6 +28,55 @@ FULL = math.radians(100.0)
 CLEAR = 0.6
 """Share of the lower bone's length from which on the end lies well to one side of the limb. A limb
 that is nearly straight is swung as a whole instead."""
+
+
+EDGE_ON = 0.25
+"""Cosine between a circle's axis and the line of sight under which it is nearly a line."""
+
+
+@dataclass(frozen=True, eq=False)
+class Swivel:
+    """A limb that is turned about the line from its first joint to its end, which both stay.
+
+    The middle joint goes round its circle to where the pointer is, seen from the circle's centre.
+    There and beyond a quarter of the circle less and less of it is done, so that nothing jumps.
+    """
+
+    limb: TwoBones
+
+    def reach(self, view: PointerView, goal: Aim) -> Reached:
+        """The limb with its middle joint turned toward the goal."""
+        limb, context = self.limb, self.limb.context
+        joint = context.joint(limb.lower)
+        axis = unit(limb.end - limb.centre)
+        spoke = across(joint - limb.centre, axis)
+        foot, radius = joint - spoke, length(spoke)
+        wanted = self._wanted(view, goal, foot, spoke, axis)
+        clear = smooth_step(length(wanted) / (CLEAR * radius)) if radius > 0 else 0.0
+        angle = clear * softened(signed_angle(spoke, wanted, axis)) if clear > 0 else 0.0
+        R = turn(axis, angle) @ context.R_camera_part(limb.upper)
+        rotations = {limb.upper: context.R_camera_parent(limb.upper).T @ R}
+        return Reached(rotations, foot, radius)
+
+    def _wanted(
+        self, view: PointerView, goal: Aim, foot: Array, spoke: Array, axis: Array
+    ) -> Array:
+        """(3,) from the circle's centre to the goal, in the circle's plane."""
+        if goal.line is not None:
+            return across(goal.p_camera - foot, axis)
+        origin, ray = view.ray(goal.at)
+        if abs(float(ray @ axis)) > EDGE_ON:
+            return across(origin - foot - float((origin - foot) @ axis) / (ray @ axis) * ray, axis)
+        return self._along_edge(view.at_depth(goal.at, foot + spoke) - foot, spoke, axis, ray)
+
+    def _along_edge(self, way: Array, spoke: Array, axis: Array, ray: Array) -> Array:
+        """(3,) on a circle seen from its edge: as far along it, on the side, near or far, it is."""
+        along = unit(cross(axis, ray))
+        inward = cross(along, axis)
+        radius = length(spoke)
+        moved = min(max(float(way @ along), -radius), radius)
+        depth = math.copysign(math.sqrt(radius**2 - moved**2), float(spoke @ inward))
+        return np.asarray(moved * along + depth * inward)
 
 
 @dataclass(frozen=True, eq=False)

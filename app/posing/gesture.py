@@ -99,7 +99,8 @@ class Gesture(InView):
     """A drag from where the pointer went down to where it is now, in the view's coordinates.
 
     snap: steps of 5° or 1 cm.  free: joint limits do not count.  axis: only along or about this
-    axis.  depth: up and down in the view mean farther and nearer.
+    axis.  depth: up and down in the view mean farther and nearer.  carry: hands and feet that
+    would stay in their places go along, unless they are pinned.
     """
 
     model_config = ConfigDict(
@@ -113,6 +114,7 @@ class Gesture(InView):
     free: bool = False
     axis: Axis | None = None
     depth: bool = False
+    carry: bool = False
     tool: Tool = "rotate"
 
 
@@ -130,6 +132,7 @@ class Readout:
 
     axis, angle_rad: the turn since the gesture began, of rings and turned surfaces; give it back
     as `angle_before` with the next move, and turns beyond half a circle are counted on.
+    unreached: names of the ends that were to stay and cannot.
     """
 
     label: str
@@ -141,6 +144,7 @@ class Readout:
     reach: Reach | None = None
     out_of_reach: bool = False
     depth_m: float | None = None
+    unreached: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

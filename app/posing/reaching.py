@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from app.posing.chains import Chain
-from app.posing.elbows import Elbow
+from app.posing.elbows import Elbow, Swivel
 from app.posing.gesture import Gesture, Posed, Reach, Readout
 from app.posing.gesture_context import GestureContext
 from app.posing.handles import BodyHandle, handles
+from app.posing.holding import MISSED_M, NONE_HELD, Held
 from app.posing.moving import Aim, aim, depth_text, distance_text
 from app.posing.pointer_view import PointerView
 from app.posing.spine import Spine
@@ -17,25 +18,35 @@ from tracker.geometry.rotations import Array
 
 LEVEL_M = 0.005
 """A handle that is no nearer and no farther than this has kept its depth."""
-MISSED_M = 0.002
-"""A handle this far from where it was dragged is called out of reach."""
 
 
 def reach(
-    context: GestureContext, view: PointerView, gesture: Gesture, handle: BodyHandle
+    context: GestureContext,
+    view: PointerView,
+    gesture: Gesture,
+    handle: BodyHandle,
+    held: Held = NONE_HELD,
 ) -> Posed:
-    """The limb of a handle posed so that the handle comes under the pointer."""
+    """The limb of a handle posed so that the handle comes under the pointer.
+
+    An elbow or a knee whose hand or foot is held goes round it, as near to the pointer as it can.
+    """
     part, p_part = context.point(handle.anchor)
     before = context.placed(part, p_part)
     goal = aim(view, before, gesture)
-    found = _solve(context, view, goal, handle, before)
+    found = _solve(context, view, goal, handle, before, held)
     pose = context.turned(found.rotations)
     after = GestureContext.of(context.skeleton, pose, False).placed(part, p_part)
     return Posed(pose, None, _readout(view, goal, handle, found, before, after))
 
 
 def _solve(
-    context: GestureContext, view: PointerView, goal: Aim, handle: BodyHandle, before: Array
+    context: GestureContext,
+    view: PointerView,
+    goal: Aim,
+    handle: BodyHandle,
+    before: Array,
+    held: Held,
 ) -> Reached:
     """The way of solving that fits the number of parts that turn."""
     index = context.skeleton.body.index
@@ -45,9 +56,11 @@ def _solve(
     if handle.kind == "head":
         return Spine(context, movers, tip).reach(view, goal)
     if handle.kind == "middle" and len(movers) == 1:
-        limb = _limb_beyond(context, handle)
-        if limb is not None:
-            return Elbow(limb).reach(view, goal)
+        end = _end_beyond(context, handle)
+        if end is not None:
+            limb = _two_bones(context, end)
+            way = Swivel if end.name in held.placed | held.pinned else Elbow
+            return way(limb).reach(view, goal)
     if len(movers) == 1:
         return _swung(context, view, goal, movers[0], tip, before)
     if len(movers) == 2:
@@ -55,16 +68,20 @@ def _solve(
     return Chain(context, movers, tip).reach(view, goal)
 
 
-def _limb_beyond(context: GestureContext, handle: BodyHandle) -> TwoBones | None:
-    """The two bones that meet at a middle handle, where the limb has an end of two bones."""
+def _end_beyond(context: GestureContext, handle: BodyHandle) -> BodyHandle | None:
+    """The end of the limb of two bones that meet at a middle handle."""
     for other in handles(context.skeleton.body):
         meets = other.limb == handle.limb and other.movers[0] == handle.movers[0]
         if other.kind == "end" and meets and len(other.movers) == 2:
-            part, p_part = context.point(other.anchor)
-            upper, lower = (context.skeleton.body.index(name) for name in other.movers)
-            tip = p_part if part == lower else context.skeleton.joints[part]
-            return TwoBones.of(context, upper, lower, tip)
+            return other
     return None
+
+
+def _two_bones(context: GestureContext, end: BodyHandle) -> TwoBones:
+    part, p_part = context.point(end.anchor)
+    upper, lower = (context.skeleton.body.index(name) for name in end.movers)
+    tip = p_part if part == lower else context.skeleton.joints[part]
+    return TwoBones.of(context, upper, lower, tip)
 
 
 def _swung(

@@ -63,11 +63,21 @@ class TwoBones:
         which it is bent goes along without turning about the limb. The hinge keeps its limits; the
         upper joint is led by the middle of its range but not held, or the end could not follow.
         """
-        hinge, context = self.hinge, self.context
+        hinge = self.hinge
         place = within_reach(view, goal, self.centre, hinge.nearest_m, hinge.farthest_m, self.end)
-        bend = self._eased(hinge.bend_for(length(place - self.centre)), goal)
-        by = bend - hinge.bend
-        lower = turn(hinge.axis, by)
+        return self._at(place, length(goal.p_camera - self.end))
+
+    def toward(self, place: Array) -> Reached:
+        """The limb with its end at a place (3,) in the camera frame, or straight toward it."""
+        hinge, way = self.hinge, place - self.centre
+        away = min(max(length(way), hinge.nearest_m), hinge.farthest_m)
+        return self._at(self.centre + away * unit(way), length(place - self.end))
+
+    def _at(self, place: Array, drawn_m: float) -> Reached:
+        """The limb with its end at a place within reach. drawn_m: how far that was drawn."""
+        hinge, context = self.hinge, self.context
+        bend = self._eased(hinge.bend_for(length(place - self.centre)), drawn_m)
+        lower = turn(hinge.axis, bend - hinge.bend)
         direction = unit(place - self.centre)
         R_upper = context.R_camera_parent(self.upper).T @ self._swung(lower, direction)
         rotations = {
@@ -76,12 +86,12 @@ class TwoBones:
         }
         return Reached(rotations, self.centre, hinge.farthest_m)
 
-    def _eased(self, bend: float, goal: Aim) -> float:
+    def _eased(self, bend: float, drawn_m: float) -> float:
         """Where the pose is bent the wrong way, it stays so at first: nothing jumps."""
         hinge = self.hinge
         if hinge.bend * hinge.side >= 0:
             return bend
-        share = 1.0 - smooth_step(length(goal.p_camera - self.end) / EASED_M)
+        share = 1.0 - smooth_step(drawn_m / EASED_M)
         return bend + share * (hinge.bend - hinge.side * abs(hinge.bend))
 
     def _swung(self, lower: Array, direction: Array) -> Array:

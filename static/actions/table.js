@@ -16,6 +16,7 @@ import {
 import { addKey, copyKey, deleteKey, duplicateKey, whyNotDelete } from './keying.js';
 import { ringsAreShown } from './keypoints.js';
 import { foldLanes } from './lanes.js';
+import { fitsFocal } from './lens.js';
 import {
   goTo, keyBeside, middle, next, nextProblem, problems, step, suggestedFrame, toFirst,
   togglePlaying, toKey, toLast,
@@ -117,7 +118,7 @@ const POSE = {
   fitSizes: {
     label: 'Fit sizes', icon: 'wand', off: whyNotFitSizes,
     title: () => `Estimate the body’s sizes from all ${count(server.keys?.frames.length ?? 0, 'keyframe')}`,
-    message: () => ({ do: 'fit_sizes', focal: Boolean(ui.fitFocal) }),
+    message: () => ({ do: 'fit_sizes', focal: fitsFocal() }),
   },
   useTracked: {
     label: () => `Use ${words().done} pose`, icon: 'take', off: whyNotTracked,
@@ -208,7 +209,7 @@ const TRACK = {
 const TOOLS = {
   select: { label: 'Select', icon: 'sel', keys: ['V'], ...tool('select') },
   rotate: { label: 'Rotate', icon: 'rot', keys: ['R'], ...tool('rotate') },
-  move: { label: 'Move body', icon: 'move', keys: ['G'], ...tool('move') },
+  move: { label: 'Move body', title: 'Move or turn the whole body, hands and feet go along', icon: 'move', keys: ['G'], ...tool('move') },
   ends: { label: 'Drag hands and feet', icon: 'ik', keys: ['E'], ...tool('ends') },
   size: { label: 'Sizes', icon: 'size', keys: ['S'], ...tool('size') },
   pan: { label: 'Pan and zoom', icon: 'hand', ...tool('pan') },
@@ -278,6 +279,7 @@ const DRAGGING = {
   snapAngle: { label: '5° steps', keys: ['Ctrl'], row: '5° or 1 cm steps', heard: 'drag' },
   snapLength: { label: '1 cm steps', keys: ['Ctrl'], row: '5° or 1 cm steps', heard: 'drag' },
   depth: { label: 'Nearer or farther', keys: ['D'], heard: 'drag' },
+  carry: { label: 'Hands and feet go along', keys: ['Alt'], heard: 'drag' },
   free: { label: 'Ignore joint limits', keys: ['U'], heard: 'drag' },
   oneAxis: { label: 'One axis', keys: ['X', 'Y', 'Z'], heard: 'drag' },
   cancelDrag: { label: 'Cancel', keys: ['Escape'], heard: 'drag' },

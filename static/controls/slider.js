@@ -1,7 +1,8 @@
 // A slider: thin line the range, thick band the limits, tick the rest pose, fill from the tick.
 //
 // spec as in value.js, and: zero (where the fill begins and the tick stands), tick: false to hide
-// it, band (limits that are drawn though they may not hold).
+// it, band (limits that are drawn though they may not hold), log (each part of the line is a ratio),
+// rolls (the wheel turns it without the focus, too).
 
 import { html } from '../vendor/lit-html/lit-html.js';
 import { clamp, shortNumber } from './arithmetic.js';
@@ -53,9 +54,13 @@ class SlideBar extends ValueElement {
 
   /** Where a value stands, in percent of the line. */
   share(value) {
-    const [min, max] = this.ends;
-    return 100 * clamp((value - min) / (max - min), 0, 1);
+    const [min, max] = this.ends.map(this.onLine);
+    return 100 * clamp((this.onLine(value) - min) / (max - min), 0, 1);
   }
+
+  /** A value as a length along the line, and back. */
+  onLine = (value) => (this.spec.log ? Math.log(value) : value);
+  offLine = (length) => (this.spec.log ? Math.exp(length) : length);
 
   /** The mouse never takes the keys away from the frame. */
   keepFocusAway(event) {
@@ -69,14 +74,15 @@ class SlideBar extends ValueElement {
     const box = this.getBoundingClientRect();
     const thumb = box.left + (this.share(this.value) / 100) * box.width;
     this.fixed = this.ends;
-    const perPixel = (this.fixed[1] - this.fixed[0]) / box.width;
+    const [min, max] = this.fixed.map(this.onLine);
+    const perPixel = (max - min) / box.width;
     // A press on the thumb moves nothing yet; a press beside it brings the thumb there.
     const grabbed = Math.abs(event.clientX - thumb) <= GRAB_PX;
-    const there = this.fixed[0] + (event.clientX - box.left) * perPixel;
-    const from = { x: event.clientX, value: grabbed ? this.value : there, perPixel };
+    const there = min + (event.clientX - box.left) * perPixel;
+    const from = { x: event.clientX, value: grabbed ? this.onLine(this.value) : there, perPixel };
     this.isDragged = true;
     if (grabbed) this.draw();
-    else this.moveTo(there);
+    else this.moveTo(this.offLine(there));
     followValue(this, event, {
       move: (now) => this.drag(from, now),
       end: () => this.release(),
@@ -88,7 +94,8 @@ class SlideBar extends ValueElement {
     from.value += (event.clientX - from.x) * from.perPixel * (event.shiftKey ? 0.1 : 1);
     from.x = event.clientX;
     const coarse = this.spec.coarse ?? this.steps * 5;
-    this.moveTo(event.ctrlKey ? Math.round(from.value / coarse) * coarse : from.value);
+    const value = this.offLine(from.value);
+    this.moveTo(event.ctrlKey ? Math.round(value / coarse) * coarse : value);
   }
 
   release() {
@@ -127,7 +134,7 @@ class SlideBar extends ValueElement {
   }
 
   roll(event) {
-    if (document.activeElement !== this) return;
+    if (document.activeElement !== this && !this.spec.rolls) return;
     event.preventDefault();
     const notches = this.notches(event);
     if (notches !== 0) this.nudge(notches * this.stride(event));

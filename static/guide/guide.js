@@ -1,4 +1,4 @@
-// The guide to a first pose: a card that ticks its steps off as they are done in any way, and
+// The guide, to a draft of a new film or to a pose by hand: a card that ticks its steps off as they are done in any way, and
 // gives way to the handles, to what is dragged and to its value. Once the pose is a
 // keyframe it is at its end, whichever step was shown.
 
@@ -6,19 +6,23 @@ import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { addOnTop } from '../controls/elements.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
+import { keepsKey } from '../controls/focus.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 import { inBrowser } from '../store/storage.js';
-import { onViews } from '../views/views.js';
-import { onInteraction } from '../handles/interaction.js';
+import { onViews, view } from '../views/views.js';
+import { interaction, onInteraction } from '../handles/interaction.js';
 import { isDrawingTool } from '../handles/sketch.js';
 import { isDragCoveredBy } from '../handles/covered_by.js';
 import { carry, covers, coversWords, drawMarks, forgetPulled, mountPulled, placeInCorner } from './places.js';
-import { ending, isDone, isKept, steps, takeWaist } from './steps.js';
+import { REVIEW } from './film_steps.js';
+import { ending, isByHand, isDone, isKept, steps, takeWaist } from './steps.js';
 
 const KEY = 'keypose.guide';
+/** Of a wide card in its view, clear of the tools and the heading. */
+const LEFT = { x: 72, y: 60 };
 const PAUSE_MS = 900; // long enough to see the tick
 /** @type {import('../store/shapes.js').Watched[]} */
-const SECTIONS = ['guide', 'file', 'pose', 'body', 'keys', 'suggest', 'segments', 'job'];
+const SECTIONS = ['guide', 'file', 'camera', 'pose', 'body', 'keys', 'suggest', 'segments', 'job', 'draft'];
 
 let wasDone = false; // what was done before its step was shown does not move it on
 let wasKept = false; // nor does a pose that was kept before
@@ -27,9 +31,10 @@ let timer = 0;
 let corner = null; // where the card stands
 let isPutAside = false; // by hand: then it stays there
 
-/** The guide from its first step, for the present frame, whatever was done before. */
+/** The guide to a pose by hand from its first step, for the present frame, whatever was done before. */
 export function openGuide() {
   isPutAside = false;
+  setUi('guidePath', 'hand');
   send({ do: 'begin_guide' });
   show(0);
 }
@@ -37,6 +42,7 @@ export function openGuide() {
 /** The guide at the first step that is not done yet; at its end when all are. */
 function offerGuide() {
   isPutAside = false;
+  setUi('guidePath', server.body?.is_persons ? 'film' : 'hand');
   const first = steps().findIndex((step) => !isDone(step));
   show(first < 0 ? steps().length : first);
 }
@@ -44,6 +50,7 @@ function offerGuide() {
 /** Close the guide for good; tells whether it was open. */
 export function closeGuide() {
   if (!isOpen()) return false;
+  if (currentStep()?.tool === 'box' && ui.tool === 'box') setUi('tool', 'select');
   setUi('guideStep', null);
   inBrowser.write(KEY, 'closed');
   return true;
@@ -54,15 +61,17 @@ export function mountGuide() {
   const card = addOnTop('guide', 'div');
   const draw = () => {
     render(isOpen() ? coach() : nothing, card);
-    if (isOpen()) place(card.firstElementChild);
+    if (isOpen()) place(card.querySelector('.coach'));
     drawMarks(marks, isOpen() && !ui.dragging ? currentStep() : null);
   };
   mountPulled();
   watch(['guide', 'file', 'u:dragging'], notice);
   watch(['draft'], leaveToDraft);
-  watch([...SECTIONS, 'u:guideStep', 'u:layout', 'u:tool', 'u:dragging', 'u:pulled'], draw);
+  watch(['job'], followDraft);
+  addEventListener('keydown', onKey, true); // before the table of keys, and views by number
+  watch([...SECTIONS, 'u:box', 'u:guideStep', 'u:layout', 'u:tool', 'u:dragging', 'u:pulled'], draw);
   onViews(draw);
-  onInteraction(() => isOpen() && fade(card.firstElementChild));
+  onInteraction(() => isOpen() && fade(card.querySelector('.coach')));
   addEventListener('resize', () => requestAnimationFrame(draw));
 }
 
@@ -97,7 +106,51 @@ function notice() {
 
 /** A drafted film has its first pose: what to confirm leads on. */
 function leaveToDraft() {
-  if (server.draft?.latest && isOpen()) setUi('guideStep', null);
+  if (!server.draft?.latest || !isOpen()) return;
+  if (isByHand()) setUi('guideStep', null);
+  else show(REVIEW);
+}
+
+/** While every frame is drafted, its step is shown. */
+function followDraft() {
+  const { state, kind } = server.job ?? {};
+  const isAsked = isOpen() && !isByHand() && ui.guideStep > 0 && ui.guideStep < REVIEW;
+  if (isAsked && state === 'running' && kind === 'draft') setUi('guideStep', REVIEW - 1);
+}
+
+/** Keys of the step, and Enter to go on; elsewhere they are what they always are. */
+function onKey(event) {
+  const step = currentStep();
+  const { key, ctrlKey, altKey, metaKey, repeat } = event;
+  if (!isOpen() || !step?.done || ctrlKey || altKey || metaKey || repeat || ui.dragging) return;
+  if (ui.sheet || ui.chooser || ui.menu || isTyping(event)) return;
+  const goesOn = key === 'Enter' && !keepsKey('Enter') && !(step.tool && ui.box);
+  if (!goesOn && !step.key?.(key)) return;
+  event.preventDefault();
+  event.stopImmediatePropagation();
+  if (goesOn) goOn();
+}
+
+const isTyping = ({ target }) => target.matches?.('input, textarea, select, [contenteditable]');
+
+/** On to the next step by hand. */
+function goOn() {
+  currentStep()?.leave?.();
+  show(ui.guideStep + 1);
+}
+
+/** The old way, from its first step. */
+function poseByHand() {
+  setUi('guidePath', 'hand');
+  setUi('tool', 'move');
+  show(0);
+}
+
+/** What the keys do in this step, for the status bar: [[key, words], …], or null. */
+export function guideHints() {
+  const { hints, done } = currentStep() ?? {};
+  if (!isOpen() || !done || !hints) return null;
+  return [...hints, ['Enter', ui.box ? 'draft' : 'continue'], ['Esc', ui.tool === 'box' ? 'cancel' : 'close the guide']];
 }
 
 /** On to the next step, or to the end, once the tick was seen. */
@@ -118,19 +171,21 @@ const wasClosed = () => inBrowser.read(KEY) === 'closed';
 
 function coach() {
   const step = currentStep();
-  const { title, text, choices } = step ?? ending();
-  return html`<div class="coach" role="dialog" aria-label="First pose" @pointerdown=${lift}>
+  const { title, text, choices, content } = step ?? ending();
+  return html`<div class="coach ${step?.beside ? 'large' : step?.done ? 'film' : ''}" role="dialog" aria-label="Guide" @pointerdown=${lift}>
     <div class="steps">${steps().map(bar)}</div>
     <h3>${title}</h3>
     <p>${text}</p>
     ${choices
       ? html`<div class="choices">${choices.map((choice) => choiceButton(step, choice))}</div>`
       : nothing}
+    ${content?.() ?? nothing}
+    ${step?.byHand ? html`<button class="btn ghost sm byhand" @click=${poseByHand}>Pose by hand instead</button>` : nothing}
     <div class="row foot">
       ${step ? stepFoot(step) : html`<span class="sp"></span>
             <button class="btn sm" @click=${closeGuide}>Close guide</button>`}
     </div>
-  </div>`;
+  </div>${step?.beside?.() ?? nothing}`;
 }
 
 /**
@@ -151,13 +206,22 @@ function stepFoot(step) {
     <button class="btn ghost sm" title="Don’t show again" data-key="Esc" @click=${closeGuide}>
       Close guide
     </button>
-    <button
+    ${step.done ? continueButton(step) : html`<button
       class="btn sm ${done ? 'pri' : ''}"
       title=${done ? 'Next step' : 'Skip this step'}
       @click=${advance}
     >
       Next
-    </button>`;
+    </button>`}`;
+}
+
+/** The step's own button is the first where it has one. */
+function continueButton(step) {
+  const isFirst = step.beside || isDone(step);
+  const { label, act } = step.next?.() ?? { label: isFirst ? 'Continue' : 'Skip', act: goOn };
+  return html`<button class="btn sm ${isFirst ? 'pri' : ''}" @click=${act}>
+    ${label}<kbd>Enter</kbd>
+  </button>`;
 }
 
 function bar(step, i) {
@@ -183,16 +247,29 @@ function lift(event) {
  * Put somewhere by hand it stays there, unless it covers what is to be dragged.
  */
 function place(card) {
+  if (!ui.dragging) put(card);
   fade(card);
-  if (ui.dragging) return;
+}
+
+function put(card) {
   const step = currentStep();
+  if (step?.beside && !isPutAside) return putLeft(card);
   if (isPutAside && !covers(card, step)) return;
   isPutAside = false;
   corner = placeInCorner(card, step, corner);
 }
 
+/** At the left, clear of what stands beside it at the right. */
+function putLeft(card) {
+  const { left, top } = view('main').el.getBoundingClientRect();
+  card.style.left = `${left + LEFT.x}px`;
+  card.style.top = `${top + LEFT.y}px`;
+  corner = null;
+}
+
 /** What is dragged or drawn behind the card, and its value, can be seen through it. */
 function fade(card) {
-  const gives = isDrawingTool(ui.tool) || (card && (isDragCoveredBy(card) || coversWords(card)));
+  const draws = isDrawingTool(ui.tool) && (currentStep()?.tool !== ui.tool || interaction.sketch?.hold);
+  const gives = draws || (card && (isDragCoveredBy(card) || coversWords(card)));
   card?.classList.toggle('behind', Boolean(gives));
 }

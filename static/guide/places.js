@@ -63,6 +63,13 @@ function bodyInWindow(name) {
   return points.map((point) => inWindow(name, point)).filter(Boolean);
 }
 
+/** Corners, edges and the middle of a box on the picture. */
+function boxInWindow(name, [x0, y0, x1, y1]) {
+  const { left, top } = view(name).el.getBoundingClientRect();
+  const spots = [x0, (x0 + x1) / 2, x1].flatMap((x) => [y0, (y0 + y1) / 2, y1].map((y) => [x, y]));
+  return spots.map((spot) => view(name).fromView(spot)).map(([x, y]) => [left + x, top + y]);
+}
+
 function inWindow(name, point) {
   const shown = view(name);
   const at = point && shown?.eye && shown.project(point);
@@ -86,7 +93,7 @@ const MARKS = {
 
 /** Draw the marks of this step, or none. */
 export function drawMarks(place, step) {
-  const shapes = step && server.pose ? MARKS[step.name](step) : null;
+  const shapes = step?.name && server.pose ? MARKS[step.name](step) : null;
   render(shapes ? html`<svg aria-hidden="true">${shapes}</svg>` : nothing, place);
 }
 
@@ -159,7 +166,7 @@ function cornerFor(card, step, keep) {
   const name = largeView();
   const frame = view(name).el.getBoundingClientRect();
   const size = { width: card.offsetWidth, height: card.offsetHeight };
-  const body = bodyInWindow(name);
+  const body = ui.tool === 'box' && ui.box ? boxInWindow(name, ui.box) : bodyInWindow(name);
   const spots = spotsOf(step).map(({ at }) => at);
   const corners = cornersOf(frame, size).map((corner) => {
     const away = nearest(body, corner, size);
@@ -213,7 +220,7 @@ function overPicture({ x, y }, { width, height }) {
 function cornersOf(frame, { width, height }) {
   const left = frame.left + ROOM.left;
   const right = Math.max(left, frame.right - ROOM.right - width);
-  const top = Math.max(frame.top + ROOM.top, belowTints());
+  const top = Math.max(frame.top + ROOM.top, belowBars());
   const bottom = Math.max(top, frame.bottom - ROOM.bottom - height - 12);
   return [
     { name: 'bottom-left', x: left, y: bottom },
@@ -223,10 +230,10 @@ function cornersOf(frame, { width, height }) {
   ];
 }
 
-/** Where the colours of an observed surface are chosen, nothing stands over them. */
-function belowTints() {
-  const bar = document.getElementById('mtint');
-  return bar ? bar.getBoundingClientRect().bottom + 8 : 0;
+/** Where the colours of an observed surface are chosen, and where a draft is told of, nothing stands over them. */
+function belowBars() {
+  const bars = ['mtint', 'mdraft'].map((id) => document.getElementById(id)?.getBoundingClientRect());
+  return Math.max(0, ...bars.map((bar) => (bar ? bar.bottom + 8 : 0)));
 }
 
 const nearest = (points, corner, size) =>

@@ -1,11 +1,12 @@
-// The steps to a first pose, in the order the guide goes through them: six of a film, four of
-// observed surfaces. A step takes its tool in hand; any other way of doing it counts as well.
-// `name` is the server's key.
+// The steps to a first pose, in the order the guide goes through them: six of a film posed by hand, four
+// of observed surfaces; those of a new film are in `film_steps`. A step takes its tool in hand; any other
+// way of doing it counts as well. `name` is the server's key.
 
 import { send } from '../store/link.js';
 import { select } from '../store/parts.js';
-import { server, setUi } from '../store/state.js';
+import { server, setUi, ui } from '../store/state.js';
 import { fewestKeys, isSurface, words as subject } from '../store/subject.js';
+import { IN_FILM } from './film_steps.js';
 
 const SIZE = `Hold D and drag the point between the arrows until head and feet match. Dragging up
   makes the body smaller and farther away. If you know the height, set it in the Body tab first.`;
@@ -31,10 +32,18 @@ const SIZE = `Hold D and drag the point between the arrows until head and feet m
  * @property {boolean} [rings]  It needs those of the waist.
  * @property {Choice[]} [choices]
  * @property {string} [also]  Another of the server's keys that does it as well.
+ * @property {() => boolean} [done]  Where the server has no key for it.
+ * @property {() => unknown} [content]  More on the card, below the text.
+ * @property {() => unknown} [beside]  What stands over the picture meanwhile.
+ * @property {(key: string) => boolean} [key]  Keys of its own; whether it was one.
+ * @property {() => { label: string, act: () => void } | null} [next]  What goes on, where it is more than that.
+ * @property {() => void} [leave]  Done when going on.
+ * @property {[string, string][]} [hints]  For the status bar.
+ * @property {boolean} [byHand]  It may be left for posing by hand.
  */
 
 /** @type {Step[]} */
-const IN_FILM = [
+const BY_HAND = [
   {
     name: 'hips',
     tool: 'move',
@@ -139,14 +148,17 @@ const IN_SURFACE = [
 ];
 
 /** The steps of the guide for what the session is about. */
-export const steps = () => (isSurface() ? IN_SURFACE : IN_FILM);
+export const steps = () => (isSurface() ? IN_SURFACE : isByHand() ? BY_HAND : IN_FILM);
+
+/** Whether the guide leads to a pose by hand, not to a draft of the whole film. */
+export const isByHand = () => isSurface() || ui.guidePath !== 'film';
 
 /**
  * Whether this step has been done.
  * @param {Step} step
  */
-export function isDone({ name, also }) {
-  return Boolean(server.guide?.done[name] || server.guide?.done[also]);
+export function isDone({ name, also, done }) {
+  return done ? done() : Boolean(server.guide?.done[name] || server.guide?.done[also]);
 }
 
 /** Whether the pose has been kept: then there is nothing left to lead to. */
@@ -163,7 +175,7 @@ export function takeWaist() {
 }
 
 function turnWaist() {
-  setUi('tool', 'rotate');
+  setUi('tool', 'move'); // the whole body turns, hands and feet go along
   takeWaist();
 }
 

@@ -23,12 +23,13 @@ export function beginOnTarget(view, press, target) {
   if (target.kind === 'trail') return beginPanning(view, press);
   const { handle = { kind: 'ring', part: target.part.name, axis: target.axis } } = target;
   const wedge = target.kind === 'ring' ? wedgeOf(target, press.x, press.y) : null;
+  const carries = movesWhole();
   const open = handle.kind === 'ring' && isFree(handle.part, handle.axis);
   const place = view.inMessage();
   const messageAt = (at, keys) => ({
-    do: 'drag', ...place, handle, from, at, ...keys, free: open || keys.free,
+    do: 'drag', ...place, handle, from, at, ...keys, free: open || keys.free, carry: carries || keys.carry,
   });
-  const extra = { target, wedge, point: target.point, limb: ui.limb, hint: handle.kind, axis: handle.axis };
+  const extra = { target, carries, wedge, point: target.point, limb: ui.limb, hint: handle.kind, axis: handle.axis };
   // The selected part stays so while its own limb is pulled.
   if (target.kind !== 'ring' && !target.limb?.includes(server.view.selected)) select(target.part);
   beginDrag(view, press, messageAt, extra);
@@ -36,6 +37,9 @@ export function beginOnTarget(view, press, target) {
   view.over.style.cursor = 'grabbing';
   return 'dragging';
 }
+
+/** With the tool for the whole body, hands and feet go along. */
+const movesWhole = () => ui.tool === 'move';
 
 /** @returns {Begun} */
 function beginOnKeypoint(view, press, target, from) {
@@ -66,9 +70,12 @@ export function beginOnSurface(view, press, part) {
   const from = view.toView([press.x, press.y]);
   select(part);
   const place = view.inMessage();
-  const messageAt = (at, keys) => ({ do: 'drag', ...place, handle, from, at, ...keys });
+  const carries = movesWhole();
+  const messageAt = (at, keys) => ({
+    do: 'drag', ...place, handle, from, at, ...keys, carry: carries || keys.carry,
+  });
   const hint = { rotate: 'turn', move: 'root', ends: 'end' }[tool];
-  beginDrag(view, press, messageAt, { target: { key: `part:${part}`, part }, hint });
+  beginDrag(view, press, messageAt, { target: { key: `part:${part}`, part }, hint, carries });
   view.over.style.cursor = 'grabbing';
   return 'dragging';
 }

@@ -33,7 +33,8 @@ export function drawGrips(view, grips) {
 
 function drawGrip(view, grip) {
   const dragged = isDragged(grip);
-  const far = dragged && server.pose.gesture?.out_of_reach;
+  const { gesture } = server.pose;
+  const far = (dragged && gesture?.out_of_reach) || gesture?.unreached.includes(grip.handle.name);
   const state = [dragged ? 'dragged' : '', far ? 'far' : '', isHot(view, grip) ? 'hot' : ''].join(' ');
   const classes = `grip ${grip.kind} ${state}`;
   const grown = dragged ? 1.5 : isHot(view, grip) ? 1.33 : 1;

@@ -44,10 +44,18 @@ function drawValue(view) {
 }
 
 function words(gesture) {
-  if (gesture.axis) {
-    return html`${gesture.label} ${gesture.value} <span class=${gesture.axis}>${gesture.change}</span>`;
-  }
-  return html`${gesture.label} <span class="mut">${gesture.value} ${gesture.change}</span>`;
+  const change = gesture.axis
+    ? html`${gesture.value} <span class=${gesture.axis}>${gesture.change}</span>`
+    : html`<span class="mut">${gesture.value} ${gesture.change}</span>`;
+  return html`${gesture.label} ${change}${unreachedWords(gesture)}`;
+}
+
+/** What was to stay in its place and cannot, and what may be done about it. */
+function unreachedWords({ unreached }) {
+  if (!unreached.length) return nothing;
+  const labels = unreached.map((name) => server.body.handles.find((handle) => handle.name === name)?.label ?? name);
+  const more = labels.length > 1 ? ` and ${labels.length - 1} more` : '';
+  return html`<div class="unreached">${labels[0]}${more} cannot reach<br />Alt takes them along</div>`;
 }
 
 function besideRing(view, gesture) {

@@ -4,6 +4,7 @@ const down = new Set();
 const watchers = new Set();
 let shift = false;
 let control = false;
+let alt = false;
 
 /** Listen to the whole page. */
 export function watchKeys() {
@@ -35,12 +36,13 @@ export const isFine = () => shift;
 export function noteModifiers(event) {
   shift = event.shiftKey;
   control = event.ctrlKey || event.metaKey;
+  alt = event.altKey;
 }
 
 /** What the keys that are down ask of a drag. */
 export function modifiers() {
   const axis = ['x', 'y', 'z'].find((letter) => down.has(letter)) ?? null;
-  return { snap: control, free: down.has('u'), axis, depth: down.has('d') };
+  return { snap: control, free: down.has('u'), axis, depth: down.has('d'), carry: alt };
 }
 
 function note(event, isDown) {
@@ -53,5 +55,5 @@ function note(event, isDown) {
 
 function forget() {
   down.clear();
-  shift = control = false;
+  shift = control = alt = false;
 }

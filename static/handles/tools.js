@@ -1,6 +1,7 @@
 // What the tools do, as the status bar says it.
 
 import { keyOf, labelOf } from '../actions/actions.js';
+import { server } from '../store/state.js';
 import { interaction } from './interaction.js';
 
 /** A key of the table pressed during a drag, with its words. */
@@ -13,12 +14,13 @@ const DEPTH = hint('depth');
 const DEGREES = hint('snapAngle');
 const CENTIMETRES = hint('snapLength');
 const FREE = hint('free');
+const CARRY = hint('carry');
 const LIMB = ['Double-click', 'select the limb'];
 
 const RESTING = {
-  select: [['Click', 'select; again: what is behind'], LIMB, ['Drag', 'rotate a part, move the waist']],
+  select: [['Click', 'select; again: what is behind'], LIMB, ['Drag', 'rotate a part, move the waist'], CARRY],
   rotate: [['Drag', 'rotate about its joint'], FINE, DEGREES, FREE],
-  move: [['Drag', 'move in the image plane'], FINE, DEPTH, BACK],
+  move: [['Drag', 'move the whole body in the image plane'], FINE, DEPTH, BACK],
   ends: [['Drag', 'pull a hand or foot, the limb follows'], DEPTH, FINE, CENTIMETRES],
   size: [['Drag', 'cap: length, rim: radius, cross: joint'], FINE, CENTIMETRES, BACK],
   pan: [['Drag', 'pan'], ['Wheel', 'zoom at the pointer'], ['0', 'fit']],
@@ -31,11 +33,11 @@ const RESTING = {
 };
 
 const HOLDING = {
-  ring: (axis) => [['Drag', `rotate about ${axis}`], FINE, DEGREES, FREE, BACK],
-  turn: () => [['Drag', 'rotate about its joint'], ['X Y Z', 'one axis'], FINE, DEGREES, FREE, BACK],
-  root: () => [['Drag', 'move in the image plane'], FINE, DEPTH, CENTIMETRES, BACK],
+  ring: (axis) => [['Drag', `rotate about ${axis}`], ...carrying(), FINE, DEGREES, FREE, BACK],
+  turn: () => [['Drag', 'rotate about its joint'], ...carrying(), ['X Y Z', 'one axis'], FINE, DEGREES, FREE, BACK],
+  root: () => [['Drag', 'move in the image plane'], ...carrying(), FINE, DEPTH, CENTIMETRES, BACK],
   end: () => [['Drag', 'pull, the limb follows'], DEPTH, FINE, CENTIMETRES, BACK],
-  joint: () => [['Drag', 'swing the joint, its end stays'], FINE, BACK],
+  joint: () => [['Drag', 'swing the joint, its end stays'], CARRY, FINE, BACK],
   size: () => [['Drag', 'longer or thicker'], FINE, CENTIMETRES, BACK],
   mask: () => [['Drag', 'move'], FINE, BACK],
   keypoint: () => [['Drag', 'to where the joint is seen; the pose stays'], FINE, BACK],
@@ -46,13 +48,22 @@ const IN_FREE_VIEW = [
   ['Right drag', 'orbit'], ['Shift right drag', 'pan'], ['Wheel', 'nearer or farther'],
   ['6', 'back to the view before'], ['0', 'reset the view'],
 ];
+/** Where hands and feet stay unless they are carried: the drag is of a part that they hang on. */
+function carrying() {
+  const { part } = interaction.drag?.target ?? {};
+  const name = part?.name ?? part;
+  const isOfLimb = ends().some(({ limb }) => limb.includes(name));
+  return interaction.drag?.carries || isOfLimb ? [] : [CARRY];
+}
+
+const ends = () => server.body?.handles.filter(({ kind }) => kind === 'end') ?? [];
 
 /** Keys and words for the status bar: [[key, words], …]. */
 export function hintsFor(tool, dragging, layout) {
   const kind = dragging ? (interaction.panning ? 'pan' : interaction.drag?.hint) : null;
   if (!kind && layout === 'free') return IN_FREE_VIEW;
-  if (HOLDING[kind]) return HOLDING[kind]((interaction.drag?.axis ?? '').toUpperCase());
-  return RESTING[tool] ?? RESTING.select;
+  const hints = HOLDING[kind]?.((interaction.drag?.axis ?? '').toUpperCase()) ?? RESTING[tool] ?? RESTING.select;
+  return ends().length ? hints : hints.filter((one) => one !== CARRY);
 }
 
 /** What a drag on a part's surface does with a tool. */

@@ -2,7 +2,8 @@
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { actionButton } from '../actions/buttons.js';
-import { server, setUi, ui } from '../store/state.js';
+import { fitsFocal } from '../actions/lens.js';
+import { server, setUi } from '../store/state.js';
 import { isSurface } from '../store/subject.js';
 import { send } from '../store/link.js';
 import { checkbox, dropdown, iconButton, numberField } from '../controls/fields.js';
@@ -77,7 +78,7 @@ function fitSizesRow() {
   return html`<div class="fitsizes">
     ${actionButton('fitSizes')}
     ${checkbox({
-      label: 'With focal length', on: Boolean(ui.fitFocal), act: (on) => setUi('fitFocal', on),
+      label: 'With focal length', on: fitsFocal(), act: (on) => setUi('fitFocal', on),
       title: 'Estimate the focal length as well, if it is only a guess',
     })}
   </div>`;

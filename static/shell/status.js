@@ -4,13 +4,14 @@ import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { backlog } from '../store/edits.js';
 import { server, ui, watch } from '../store/state.js';
+import { guideHints } from '../guide/guide.js';
 import * as tools from '../handles/tools.js';
 import { count } from '../controls/words.js';
 
 export function mountStatus() {
   const element = document.getElementById('status');
   const draw = () => render(bar(), element);
-  watch(['file', 'tabs', 'view', 'u:tool', 'u:layout', 'u:dragging', 'u:connected', 'u:line'], draw);
+  watch(['file', 'tabs', 'view', 'u:tool', 'u:layout', 'u:dragging', 'u:connected', 'u:line', 'u:guideStep', 'u:guidePath', 'u:box'], draw);
   // How many edits wait is known to the link alone.
   setInterval(() => ui.connected || draw(), 500);
   addEventListener('beforeunload', keepWaiting);
@@ -28,7 +29,7 @@ function bar() {
 
 function hints() {
   if (!server.file) return [['?', 'keys and help']];
-  return tools.hintsFor?.(ui.tool, ui.dragging, ui.layout) ?? [];
+  return (ui.dragging ? null : guideHints()) ?? tools.hintsFor?.(ui.tool, ui.dragging, ui.layout) ?? [];
 }
 
 const hint = (keys, words) => html`<span class="h"><kbd>${keys}</kbd>${words}</span>`;

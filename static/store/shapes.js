@@ -20,6 +20,7 @@
  * @property {number} duration_s
  * @property {number[]} missing
  * @property {number[] | null} times  Only where the rate varies.
+ * @property {{ focal_mm: number, device: string } | null} lens  As the file tells it.
  */
 
 /**
@@ -35,6 +36,9 @@
  * @property {string} projection
  * @property {number | null} telephoto_distance_m
  * @property {number} fov_deg
+ * @property {number} focal_mm  Of the lens that shows as much on 35 mm film.
+ * @property {'guess' | 'file' | 'person' | 'calibration' | 'fitted' | null} lens_source  Null until asked.
+ * @property {boolean} lens_is_guess
  * @property {Point} up
  * @property {'camera' | 'drawn'} up_origin
  * @property {number} tilt_deg
@@ -136,6 +140,7 @@
  * @property {{ centre: Point, radius_m: number } | null} reach
  * @property {boolean} out_of_reach
  * @property {number | null} depth_m
+ * @property {string[]} unreached  Names of handles that were to stay and cannot.
  */
 
 /**
@@ -426,6 +431,8 @@
  * @property {number | null} [guideStep]
  * @property {Set<string>} [pulled]
  * @property {string} [lens]
+ * @property {number} [lensKind]  The kind of camera that was chosen.
+ * @property {'film' | 'hand'} [guidePath]
  * @property {boolean} [allFreedoms]
  * @property {boolean} [fitFocal]
  * @property {boolean} [orbited]  The free view was turned at least once.

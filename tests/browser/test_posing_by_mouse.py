@@ -102,10 +102,6 @@ def selected(desk: Desk, part: str) -> None:
         ("right_hand", (-16, -14)),
         ("left_foot", (-18, -26)),
         ("right_foot", (16, -14)),
-        ("left_forearm", (9, -7)),
-        ("right_forearm", (-6, -9)),
-        ("left_shin", (12, -6)),
-        ("right_shin", (-10, -8)),
         ("head_top", (24, 9)),
     ],
     ids=lambda value: value if isinstance(value, str) else "",
@@ -133,15 +129,77 @@ def test_beyond_its_reach_a_hand_stays_on_the_circle_and_says_so(at: Desk) -> No
     assert away == pytest.approx(reach["radius_m"], abs=2e-3)
 
 
-def test_an_elbow_is_swung_while_the_hand_stays(at: Desk) -> None:
-    hand = points(at)["left_hand"]
-    pulled(at, spot(at.page, "left_forearm"), (7, -5))
-    np.testing.assert_allclose(points(at)["left_hand"], hand, atol=0.03)
+@pytest.mark.parametrize(
+    ("anchor", "by"),
+    [
+        ("left_forearm", (9, -7)),
+        ("right_forearm", (-6, -9)),
+        ("left_shin", (12, -6)),
+        ("right_shin", (-10, -8)),
+    ],
+)
+def test_an_elbow_or_knee_turns_about_its_end_and_with_alt_ends_under_the_pointer(
+    at: Desk, anchor: str, by: Spot
+) -> None:
+    before, lengths = points(at), bones(at)
+    end = {"forearm": "hand", "shin": "foot"}[anchor.split("_")[1]]
+    name = anchor.replace(anchor.split("_")[1], end)
+    start = spot(at.page, anchor)
+    pulled(at, start, by)
+    np.testing.assert_allclose(points(at)[name], before[name], atol=2e-5)
+    np.testing.assert_allclose(bones(at), lengths, atol=2e-5)
+    assert undo_steps(at) == 1
+    at.agreed("pose")
+    with held(at.page, "Alt"):
+        pointer = pulled(at, start, by)
+    np.testing.assert_allclose(spot(at.page, anchor), pointer, atol=UNDER_PX)
+    np.testing.assert_allclose(bones(at), lengths, atol=2e-5)
 
 
-def test_the_diamond_carries_the_body_along_the_picture(at: Desk) -> None:
+ENDS = ("left_hand", "right_hand", "left_foot", "right_foot")
+
+
+@pytest.mark.parametrize(("anchor", "by"), [("waist", (3, 4)), ("head_top", (-14, 3))])
+def test_hands_and_feet_stay_where_they_are_seen_while_waist_or_head_are_dragged(
+    at: Desk, anchor: str, by: Spot
+) -> None:
+    before = {name: spot(at.page, name) for name in ENDS}
+    end = pulled(at, spot(at.page, anchor), by)
+    np.testing.assert_allclose(spot(at.page, anchor), end, atol=UNDER_PX)
+    for name in ENDS:
+        np.testing.assert_allclose(spot(at.page, name), before[name], atol=0.5, err_msg=name)
+    assert undo_steps(at) == 1
+
+
+def test_a_foot_that_cannot_stay_is_named_and_alt_takes_it_along(at: Desk) -> None:
+    start, foot = spot(at.page, "waist"), points(at)["left_foot"]
+    drag(at.page, start, (start[0], start[1] - 90), steps=4, drop=False)
+    gesture = until_told(at.page, "pose.gesture", lambda g: bool(g) and len(g["unreached"]) == 4)
+    assert set(gesture["unreached"]) == set(ENDS)
+    until_counted(at.page, "#main .grip.far", 4)
+    assert "cannot reach" in at.page.locator(".hud .flt .unreached").inner_text()
+    with held(at.page, "Alt"):
+        until_told(at.page, "pose.gesture", lambda g: bool(g) and g["unreached"] == [])
+        until_counted(at.page, ".hud .flt .unreached", 0)
+        up = points(at)["left_foot"] - foot
+        assert up[1] < -0.05
+    until_told(at.page, "pose.gesture", lambda g: bool(g) and len(g["unreached"]) == 4)
+    released(at)
+    straight = points(at)["left_shin"] - points(at)["left_thigh"]
+    lower = points(at)["left_foot"] - points(at)["left_shin"]
+    cosine = straight @ lower / np.linalg.norm(straight) / np.linalg.norm(lower)
+    assert cosine > np.cos(np.radians(2))
+
+
+@pytest.mark.parametrize("how", ["g", "Alt"])
+def test_the_whole_body_is_carried_by_its_tool_or_with_alt(at: Desk, how: str) -> None:
     before = points(at)
-    end = pulled(at, spot(at.page, "waist"), (40, -18))
+    if how == "g":
+        at.page.keyboard.press("g")
+        end = pulled(at, spot(at.page, "waist"), (40, -18))
+    else:
+        with held(at.page, how):
+            end = pulled(at, spot(at.page, "waist"), (40, -18))
     np.testing.assert_allclose(spot(at.page, "waist"), end, atol=UNDER_PX)
     ways = np.array([p - before[name] for name, p in points(at).items()])
     assert np.abs(ways[:, 2]).max() < 1e-5

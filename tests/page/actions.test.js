@@ -80,16 +80,16 @@ test('keys that are held in a drag change the drag', () => {
   const heard = new Map();
   globalThis.addEventListener = (kind, fn) => heard.set(kind, fn);
   watchKeys();
-  const press = (key, more = {}) => heard.get('keydown')({ key, code: '', shiftKey: false, ctrlKey: false, ...more });
+  const press = (key, more = {}) => heard.get('keydown')({ key, code: '', shiftKey: false, ctrlKey: false, altKey: false, ...more });
   const does = {
     Shift: () => isFine(), Ctrl: () => modifiers().snap, D: () => modifiers().depth, U: () => modifiers().free,
-    X: () => modifiers().axis === 'x', Y: () => modifiers().axis === 'y', Z: () => modifiers().axis === 'z',
+    Alt: () => modifiers().carry, X: () => modifiers().axis === 'x', Y: () => modifiers().axis === 'y', Z: () => modifiers().axis === 'z',
   };
   const held = all().flatMap(([, { heard: by, keys }]) => (by === 'drag' ? keys : []));
   for (const key of held.filter((one) => one !== 'Escape')) {
     heard.get('blur')();
     assert.equal(does[key](), false, key);
-    press(key, { shiftKey: key === 'Shift', ctrlKey: key === 'Ctrl' });
+    press(key, { shiftKey: key === 'Shift', ctrlKey: key === 'Ctrl', altKey: key === 'Alt' });
     assert.equal(does[key](), true, key);
   }
 });

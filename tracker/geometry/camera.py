@@ -27,6 +27,9 @@ Coefficient: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e3, le=1e3)]
 GUESSED_FIELD_OF_VIEW = math.radians(50.0)
 """Along the longer side: between a phone's main camera (65°) and a camcorder at rest (40°)."""
 
+FILM_MM = 36.0
+"""Width of a frame of 35 mm film, by which focal lengths are compared."""
+
 
 class Camera(BaseModel):
     """A calibrated camera for pictures of one size; `origin` says how far to trust it."""
@@ -67,6 +70,11 @@ class Camera(BaseModel):
         return cls(width=width, height=height, fx=f, fy=f, cx=cx, cy=cy, origin="field of view")
 
     @classmethod
+    def from_focal_length(cls, width: int, height: int, focal_mm: float) -> Camera:
+        """A camera with the lens that shows as much on 35 mm film, whose frame is 36 mm wide."""
+        return cls.from_field_of_view(width, height, 2 * math.atan(FILM_MM / 2 / focal_mm))
+
+    @classmethod
     def guess(cls, width: int, height: int) -> Camera:
         """A usual camera for pictures of this size; its `origin` says that it is a guess."""
         camera = cls.from_field_of_view(width, height, GUESSED_FIELD_OF_VIEW)
@@ -76,6 +84,11 @@ class Camera(BaseModel):
     def K(self) -> Array:
         """The 3×3 matrix of intrinsics."""
         return np.array([[self.fx, 0.0, self.cx], [0.0, self.fy, self.cy], [0.0, 0.0, 1.0]])
+
+    @property
+    def focal_mm(self) -> float:
+        """The focal length of the lens that shows as much on 35 mm film."""
+        return FILM_MM * min(self.fx / self.width, self.fy / self.height)
 
     @property
     def is_distorted(self) -> bool:

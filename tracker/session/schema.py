@@ -46,6 +46,7 @@ from tracker.session.versions import PRESENT
 Quaternion: TypeAlias = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat]
 Metres: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e5, le=1e5)]
 Position: TypeAlias = tuple[Metres, Metres, Metres]
+LensSource: TypeAlias = Literal["guess", "file", "person", "calibration", "fitted"]
 Seconds: TypeAlias = Annotated[FiniteFloat, Field(ge=0, le=1e7)]
 
 
@@ -219,6 +220,11 @@ class Session(Plain):
     )
     ignore_masks: tuple[IgnoreMask, ...] = ()
     settings: TrackSettings = TrackSettings()
+    lens_source: LensSource | None = Field(
+        default=None,
+        exclude_if=is_unknown,
+        description="What the camera's focal length rests on; left out where nobody was asked.",
+    )
     first_motion: FirstMotion | None = Field(
         default=None, description="An imported motion that tracking may start from."
     )
@@ -250,6 +256,11 @@ class Session(Plain):
     def evidence(self) -> Evidence:
         """What the body is compared with."""
         return evidence_of(self)
+
+    @property
+    def lens_is_guess(self) -> bool:
+        """Whether distances rest on a lens that nobody knows."""
+        return (self.lens_source or self.camera.origin) == "guess"
 
     @property
     def has_static_camera(self) -> bool:

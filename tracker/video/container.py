@@ -127,6 +127,14 @@ def decode_packets(
     yield from decode(stream, None)
 
 
+def tags_of(frame: av.VideoFrame) -> dict[str, str]:
+    """What a picture says of itself, such as its EXIF tags; nothing where that cannot be read."""
+    try:
+        return dict(frame.metadata)
+    except PYAV_ERRORS:
+        return {}
+
+
 def not_permitted(path: Path) -> VideoError:
     """The error for a file or folder without permission to read."""
     return VideoError(

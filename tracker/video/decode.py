@@ -13,8 +13,15 @@ from av.container import InputContainer
 from av.video.stream import VideoStream
 
 from tracker.errors import VideoError
-from tracker.video.container import PYAV_ERRORS, decode_packets, open_container, picture_stream
+from tracker.video.container import (
+    PYAV_ERRORS,
+    decode_packets,
+    open_container,
+    picture_stream,
+    tags_of,
+)
 from tracker.video.damage import Examined, examine
+from tracker.video.file_lens import lens_in
 from tracker.video.fingerprint import fingerprint_of_file
 from tracker.video.index import FrameIndex, index_from_decoding, index_from_packets, rate_of
 from tracker.video.info import VideoInfo, clock
@@ -218,4 +225,5 @@ def _describe(
         interlaced=first.interlaced_frame,
         pixel_aspect=aspect,
         missing=tuple(sorted(index.missing)),
+        lens=lens_in((container.metadata, stream.metadata, tags_of(first))),
     )

@@ -14,8 +14,9 @@ import numpy as np
 
 from tracker.errors import VideoError
 from tracker.files import open_regular
-from tracker.video.container import PYAV_ERRORS, demux, not_permitted
+from tracker.video.container import PYAV_ERRORS, demux, not_permitted, tags_of
 from tracker.video.damage import Examined
+from tracker.video.file_lens import lens_in
 from tracker.video.fingerprint import fingerprint_of_images
 from tracker.video.image_size import stored_size
 from tracker.video.info import VideoInfo, clock
@@ -146,6 +147,7 @@ class FolderSource:
             interlaced=False,
             pixel_aspect=Fraction(1),
             missing=tuple(sorted(self._missing)),
+            lens=lens_in((tags_of(frame),)),
         )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracker.errors import VideoError
+from tracker.video.file_lens import FileLens
 
 
 class MissingFrame(VideoError):
@@ -43,6 +44,7 @@ class VideoInfo:
     pixel_aspect: Fraction  # width over height of one pixel of the upright picture
     missing: tuple[int, ...]  # frames known so far to be undecodable, ascending
     damaged: tuple[int, ...] = ()  # known so far to show something wrong, ascending; not missing
+    lens: FileLens | None = None  # as the file tells it
 
 
 @dataclass(frozen=True, eq=False)

@@ -81,7 +81,7 @@ LONG_CURVE = 1500
 
 _TRACKED = _both(
     _settled(
-        *("body", "camera", "keyframes", "ignore_masks", "settings", "keypoints"),
+        *("body", "camera", "lens_source", "keyframes", "ignore_masks", "settings", "keypoints"),
         *("keypoint_corrections", "surface", "pins", "floor_m", "up_camera"),
     ),
     _edit("results"),
@@ -104,7 +104,8 @@ SECTIONS: dict[str, _Section] = {
     "file": _Section(_both(_doc("surface"), lambda o: (o.opened,)), scene_values.file),
     "damage": _Section(lambda o: (o.opened,), scene_values.damage),
     "camera": _Section(
-        _both(_doc("camera", "up_camera"), lambda o: (o.opened,), _tinted), scene_values.camera
+        _both(_doc("camera", "up_camera", "lens_source"), lambda o: (o.opened,), _tinted),
+        scene_values.camera,
     ),
     "surface": _Section(
         _both(_doc("surface", "keyframes"), _edit("frame"), lambda o: (o.surface, o.unusable)),

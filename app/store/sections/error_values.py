@@ -26,15 +26,17 @@ def errors(app_state: AppState) -> Json:
     if edit is None:
         return []
     doc = edit.settled
-    skeleton = Skeleton.of(doc.body)
+    skeleton, camera = Skeleton.of(doc.body), None if doc.lens_is_guess else doc.camera
     return [
         {"first": found.first, **worst}
         for found in edit.results.fitting(doc).values()
-        for worst in _worst_parts(found, skeleton, doc.camera)
+        for worst in _worst_parts(found, skeleton, camera)
     ]
 
 
-def _worst_parts(found: SegmentResult, skeleton: Skeleton, camera: Camera) -> list[dict[str, Json]]:
+def _worst_parts(
+    found: SegmentResult, skeleton: Skeleton, camera: Camera | None
+) -> list[dict[str, Json]]:
     """Up to MOST parts of one segment, of those of which anything is known."""
     expected = found.diagnostics.expected_error
     if expected is None or not found.finished:
@@ -56,11 +58,11 @@ def _worst_parts(found: SegmentResult, skeleton: Skeleton, camera: Camera) -> li
 
 
 def _px_per_m(
-    found: SegmentResult, skeleton: Skeleton, camera: Camera, rows: Array, parts: list[int]
+    found: SegmentResult, skeleton: Skeleton, camera: Camera | None, rows: Array, parts: list[int]
 ) -> Array:
     """(K,) pixels that a metre across the line of sight spans where each part is at its row; NaN
     where nobody knows."""
-    if camera.origin == "guess":
+    if camera is None:
         return np.full(len(parts), np.nan)
     path = found.trajectory
     Ts = part_transforms(skeleton, path.Rs_parent_part[rows], path.ps_camera_root[rows])

@@ -58,6 +58,7 @@ def _gesture(edit: EditorState) -> Json:
         else {"centre": [float(v) for v in reach.centre], "radius_m": float(reach.radius_m)},
         "out_of_reach": readout.out_of_reach,
         "depth_m": readout.depth_m,
+        "unreached": list(readout.unreached),
     }
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import math
+from dataclasses import asdict
 
 import numpy as np
 
@@ -34,6 +35,7 @@ def file(app_state: AppState) -> Json:
         "duration_s": float(info.times_s[-1]) * info.fps / fps + 1 / fps,
         "missing": list(info.missing),
         "times": [round(float(t), 4) for t in info.times_s] if info.variable_rate else None,
+        "lens": None if info.lens is None else asdict(info.lens),
     }
 
 
@@ -58,6 +60,9 @@ def camera(app_state: AppState) -> Json:
     return {
         **given.model_dump(),
         "fov_deg": math.degrees(2 * math.atan(longer / 2)),
+        "focal_mm": given.focal_mm,
+        "lens_source": doc.lens_source,
+        "lens_is_guess": doc.lens_is_guess,
         "up": list(up),
         "up_origin": "camera" if doc.up_camera is None else "drawn",
         "tilt_deg": tilt,

@@ -1,0 +1,185 @@
+"""Hands and feet that stay where they are in space while the rest of the body moves.
+
+After a drag has moved what it moves, every limb whose end is held is bent anew so that the end
+comes back to its place, with the direction it had as far as its joint's limits let it. A limb
+that is too short for that is stretched straight toward the place.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from app.posing.chains import Chain
+from app.posing.gesture import Posed
+from app.posing.gesture_context import GestureContext
+from app.posing.handles import BodyHandle, handles
+from app.posing.two_bones import TwoBones
+from app.posing.vectors import length
+from tracker.body.body import Body
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import Array
+
+MISSED_M = 0.002
+"""An end this far from its place is called out of reach."""
+
+_SAME = 1e-12
+"""Metres, and entries of a rotation, that are rounding."""
+
+_AT_REST = 1e-9
+
+
+@dataclass(frozen=True)
+class Held:
+    """Names of ends (`BodyHandle.name`) that stay.
+
+    placed: where the trunk or a joint of their own limb is dragged.
+    pinned: whatever is changed, unless it is they themselves.
+    """
+
+    placed: frozenset[str] = frozenset()
+    pinned: frozenset[str] = frozenset()
+
+
+NONE_HELD = Held()
+
+
+@dataclass(frozen=True)
+class Moved:
+    """What a change is about: the part it turns, or the root that it carries.
+
+    joint: it drags the joint at which the part hangs.  end: the end that it drags itself.
+    """
+
+    part: str
+    joint: bool = False
+    end: str | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Kept:
+    """A pose with its held ends back in their places; those that cannot get there, by name."""
+
+    pose: Pose
+    unreached: tuple[str, ...] = ()
+
+
+def ends_to_hold(body: Body) -> tuple[BodyHandle, ...]:
+    """The ends that can be held: those of limbs with at least two bones to bend."""
+    return tuple(h for h in handles(body) if h.kind == "end" and len(h.movers) >= 2)
+
+
+def placed_ends(body: Body, pose: Pose) -> frozenset[str]:
+    """Ends of limbs that are not as they are at rest: somebody has put them there."""
+    return frozenset(
+        handle.name
+        for handle in ends_to_hold(body)
+        if any(_is_turned(pose, body.index(name)) for name in handle.limb)
+    )
+
+
+def _is_turned(pose: Pose, part: int) -> bool:
+    return bool(np.abs(pose.Rs_parent_part[part] - np.eye(3)).max() > _AT_REST)
+
+
+def with_held_ends(before: GestureContext, posed: Posed, held: Held, moved: Moved) -> Posed:
+    """What a drag has made of the pose before it, its held ends back in their places."""
+    kept = keep_ends(before, posed.pose, held, moved)
+    if kept.pose is posed.pose:
+        return posed
+    return replace(posed, pose=kept.pose, readout=replace(posed.readout, unreached=kept.unreached))
+
+
+def keep_ends(before: GestureContext, after: Pose, held: Held, moved: Moved) -> Kept:
+    """The pose after a change, with the held ends where they were before it."""
+    pose, unreached = after, []
+    for handle in ends_to_hold(before.skeleton.body):
+        bending = _bending(handle, held, moved)
+        if len(bending) < 2:
+            continue
+        found = _brought_back(before, pose, handle, bending, _is_carried(handle, moved))
+        if found is None:
+            continue
+        pose, missed_m = found
+        if missed_m > MISSED_M:
+            unreached.append(handle.name)
+    return Kept(pose, tuple(unreached))
+
+
+def _is_carried(handle: BodyHandle, moved: Moved) -> bool:
+    """Whether what moves carries the limb as a whole: the trunk, or a part before its bones."""
+    limb = handle.limb
+    return moved.part not in limb or limb.index(moved.part) < limb.index(handle.movers[0])
+
+
+def _bending(handle: BodyHandle, held: Held, moved: Moved) -> tuple[str, ...]:
+    """The parts that bend to bring this end back; none where it need not stay."""
+    is_pinned, is_placed = handle.name in held.pinned, handle.name in held.placed
+    if handle.name == moved.end or not (is_pinned or is_placed):
+        return ()
+    if _is_carried(handle, moved):
+        return handle.movers
+    if moved.joint and len(handle.movers) > 2:  # the joint itself stays under the pointer
+        return handle.movers[handle.movers.index(moved.part) :]
+    if moved.joint or (is_pinned and moved.part in handle.movers):
+        return handle.movers
+    return ()
+
+
+def _brought_back(
+    before: GestureContext, after: Pose, handle: BodyHandle, bending: tuple[str, ...], whole: bool
+) -> tuple[Pose, float] | None:
+    """The pose with one limb bent anew, and the metres its end is off; None where it never moved.
+
+    whole: the limb was moved as a whole; then it begins as it lay in space, so that elbows and
+    knees do not turn with the trunk.
+    """
+    skeleton = before.skeleton
+    context = GestureContext.of(skeleton, after, before.limits_on)
+    part, p_part = context.point(handle.anchor)
+    place = before.placed(part, p_part)
+    last = skeleton.body.index(handle.limb[-1])
+    if _is_same(before, context, last, place, context.placed(part, p_part)):
+        return None
+    parts = tuple(skeleton.body.index(name) for name in bending)
+    if whole:
+        first = parts[0]
+        R = context.R_camera_parent(first).T @ before.R_camera_part(first)
+        context = GestureContext.of(skeleton, context.turned({first: R}), before.limits_on)
+    tip = p_part if part == parts[-1] else skeleton.joints[part]
+    bent = _limb(context, parts, tip).toward(place)
+    pose = context.turned(bent.rotations)
+    if last not in parts:
+        pose = _facing_as_before(before, pose, last)
+    end = GestureContext.of(skeleton, pose, False).placed(part, p_part)
+    return pose, length(end - place)
+
+
+def _is_same(
+    before: GestureContext, after: GestureContext, last: int, place: Array, now: Array
+) -> bool:
+    turned = np.abs(after.R_camera_part(last) - before.R_camera_part(last)).max()
+    return bool(max(float(turned), length(now - place)) < _SAME)
+
+
+def _limb(context: GestureContext, parts: tuple[int, ...], tip: Array) -> TwoBones | Chain:
+    if len(parts) == 2:
+        return TwoBones.of(context, *parts, tip)
+    return Chain(context, parts, tip)
+
+
+def _facing_as_before(before: GestureContext, pose: Pose, part: int) -> Pose:
+    """The pose with a part turned as it was in space, as far as its limits let it."""
+    context = GestureContext.of(before.skeleton, pose, before.limits_on)
+    R = context.R_camera_parent(part).T @ before.R_camera_part(part)
+    return context.turned({part: context.allowed(part, R)})
+
+
+def keep_pinned(
+    skeleton: Skeleton, before: Pose, after: Pose, pinned: frozenset[str], part: str
+) -> Pose:
+    """A pose changed by numbers of one part, or of the root's place, with its pinned ends back."""
+    context = GestureContext.of(skeleton, before, True)
+    return keep_ends(context, after, Held(pinned=pinned), Moved(part)).pose

@@ -1,0 +1,89 @@
+// The guide for a new film: its lens, the person in it, a draft of every frame, what to confirm.
+
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { labelOf, whyNot } from '../actions/actions.js';
+import { placesWords, smallWords } from '../actions/drafting.js';
+import { keepLens } from '../actions/lens.js';
+import { goTo, placesToConfirm } from '../actions/playhead.js';
+import { icon } from '../controls/icons.js';
+import { sizeWords } from '../handles/box.js';
+import { draftFromBox } from '../handles/sketch.js';
+import { server, ui } from '../store/state.js';
+import { fan } from './fan.js';
+import { lensCard, lensKey } from './lens_step.js';
+
+/** What counts as an answer to the question of the lens. */
+const ANSWERS = ['person', 'calibration', 'fitted', 'guess'];
+
+/** @type {import('./steps.js').Step[]} */
+export const IN_FILM = [
+  {
+    word: 'Lens',
+    title: 'Which lens?',
+    text: 'The lens decides how far away the person is. If you do not know, keep what is chosen.',
+    done: () => ANSWERS.includes(server.camera?.lens_source),
+    again: true,
+    content: lensCard,
+    beside: fan,
+    key: lensKey,
+    leave: keepLens,
+    hints: [['1–6', 'choose a lens'], ['Wheel', 'change the focal length']],
+  },
+  {
+    word: 'Person',
+    title: 'Draw a box around the person',
+    tool: 'box',
+    text: 'From head to toes, in any frame that shows the whole body. The arrow keys choose another frame.',
+    done: () => Boolean(ui.box) || isDrafting() || isDrafted(),
+    again: true,
+    content: personLine,
+    next: () => (ui.box ? { label: labelOf('draft'), act: draftFromBox } : null),
+    hints: [['Drag', 'draw the box, pull its edges'], ['← →', 'choose another frame']],
+    byHand: true,
+  },
+  {
+    word: 'Draft',
+    title: 'Pose every frame',
+    tool: 'box',
+    text: 'Finds the person in every frame and poses the body there. Runs on this computer only.',
+    done: () => isDrafted(),
+    again: true,
+    content: draftButton,
+    byHand: true,
+  },
+  {
+    word: 'Review',
+    title: 'Confirm the draft',
+    tool: 'select',
+    text: 'Where the draft is unsure, correct the pose and press K. N leads to the next place.',
+    done: () => isDrafted() && placesToConfirm().length === 0,
+    again: true,
+    content: reviewButton,
+  },
+];
+
+export const REVIEW = IN_FILM.length - 1;
+
+const isDrafting = () => server.job?.state === 'running' && server.job.kind === 'draft';
+const isDrafted = () => Boolean(server.draft);
+
+function personLine() {
+  if (!ui.box) return nothing;
+  const small = smallWords();
+  return html`<div class="row filesays ${small ? 'warned' : 'good'}">${icon(small ? 'warn' : 'check')}
+    <span>${small || html`<b>Person</b> ${sizeWords(ui.box)} px`}</span></div>`;
+}
+
+function draftButton() {
+  if (isDrafting()) return html`<p class="num">${server.job.words || 'Drafting…'}</p>`;
+  const why = whyNot('draft');
+  return html`<button type="button" class="btn pri full" aria-disabled=${Boolean(why)} title=${why || nothing}
+    @click=${draftFromBox}>${icon('wand')}${labelOf('draft')}</button>${why ? html`<p class="note">${why}.</p>` : nothing}`;
+}
+
+function reviewButton() {
+  const places = placesToConfirm();
+  if (!places.length) return nothing;
+  return html`<button type="button" class="btn pri full" @click=${() => goTo(places[0].frame)}>
+    ${placesWords()}: go to frame ${places[0].frame}</button>`;
+}

@@ -1,0 +1,102 @@
+"""The lens is chosen by what it is called, and what was posed stays where it is seen."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from app.editor.refusal import Refused
+from app.editor.shown import shown_pose
+from app.editor.state import EditorState
+from tests.app.editor.desk import after, desk
+from tracker.body.pose import pose_transforms
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array
+from tracker.session.schema import Session
+
+
+def seen(state: EditorState) -> Array:
+    """(P, 2) where the joints are seen at the present frame."""
+    Ts = pose_transforms(state.skeleton, shown_pose(state).pose)
+    return state.doc.camera.without_distortion().project(Ts[:, :3, 3])
+
+
+def across_deg(camera: Camera) -> float:
+    return math.degrees(2 * math.atan(max(camera.width, camera.height) / 2 / camera.fx))
+
+
+@pytest.mark.parametrize(("mm", "deg"), [(26, 69.4), (13, 108.3), (77, 26.3), (36, 53.1)])
+def test_a_lens_shows_as_much_across_as_on_film(mm: float, deg: float) -> None:
+    camera = after(desk(), {"do": "lens", "mm": mm}).doc.camera
+    assert across_deg(camera) == pytest.approx(deg, abs=0.1)
+    assert camera.focal_mm == pytest.approx(mm)
+
+
+@pytest.mark.parametrize(
+    ("message", "source", "is_guess"),
+    [
+        ({"do": "lens", "mm": 26, "known": "file"}, "file", False),
+        ({"do": "lens", "mm": 26}, "person", False),
+        ({"do": "lens"}, "guess", True),
+        ({"do": "lens", "mm": 26, "known": "guess"}, "guess", True),
+        ({"do": "field_of_view", "deg": 60}, "person", False),
+        ({"do": "camera", "fx": 900}, "calibration", False),
+    ],
+    ids=str,
+)
+def test_the_session_keeps_what_the_lens_rests_on(
+    message: dict[str, object], source: str, is_guess: bool
+) -> None:
+    doc = after(desk(), message).doc
+    assert (doc.lens_source, doc.lens_is_guess) == (source, is_guess)
+    assert Session.model_validate_json(doc.model_dump_json()).lens_source == source
+
+
+def test_a_session_that_was_never_asked_says_nothing_of_it() -> None:
+    doc = desk().doc
+    assert "lens_source" not in doc.model_dump_json()
+    guessed = doc.model_copy(update={"camera": Camera.guess(640, 360)})
+    assert guessed.lens_is_guess
+    assert not doc.lens_is_guess
+
+
+@pytest.mark.parametrize("message", [{"do": "lens", "mm": 77}, {"do": "field_of_view", "deg": 30}])
+def test_what_was_posed_stays_where_it_is_seen_and_stands_farther_away(
+    message: dict[str, object],
+) -> None:
+    before, longer = desk(), after(desk(), message)
+    ratio = longer.doc.camera.fx / before.doc.camera.fx
+    assert ratio > 1.3
+    for one, other in zip(before.doc.keyframes, longer.doc.keyframes, strict=True):
+        np.testing.assert_allclose(other.root_m, np.array(one.root_m) * (1, 1, ratio))
+    root = seen(before)[0], seen(longer)[0]
+    np.testing.assert_allclose(*root, atol=1e-6)
+    assert np.abs(seen(before) - seen(longer)).max() < 12  # the rest by its smaller perspective
+
+
+def test_before_anything_is_posed_the_body_fills_the_picture_with_any_lens() -> None:
+    state = desk(keyframes=False)
+    height = np.ptp(seen(state)[:, 1])
+    for mm in (13, 26, 77, 200):
+        changed = after(state, {"do": "lens", "mm": mm})
+        assert np.ptp(seen(changed)[:, 1]) == pytest.approx(height, rel=0.1)
+
+
+def test_an_action_camera_bends_straight_edges_and_another_lens_does_not() -> None:
+    bent = after(desk(), {"do": "lens", "mm": 16, "bent": True})
+    camera = bent.doc.camera
+    x = np.linspace(0.1, 1.2, 12)
+    p = np.stack([x, 0 * x, np.ones_like(x)], axis=1)
+    seen_at = (camera.project(p)[:, 0] - camera.cx) / camera.fx
+    np.testing.assert_allclose(seen_at, np.arctan(x), atol=2e-3)
+    still = after(bent, {"do": "lens", "mm": 20})
+    assert still.doc.camera.distortion == camera.distortion
+    straight = after(bent, {"do": "lens", "mm": 26, "bent": False})
+    assert not straight.doc.camera.is_distorted
+
+
+def test_a_lens_so_wide_that_the_body_comes_behind_the_camera_is_refused() -> None:
+    with pytest.raises(Refused, match=r"^.*camera.*\.$"):
+        after(desk(), {"do": "root", "z": 1.5}, {"do": "lens", "mm": 4})

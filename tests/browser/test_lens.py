@@ -1,0 +1,170 @@
+"""The guide for a new film: its lens, the person in it, then a draft or a pose by hand."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import av
+import pytest
+from playwright.sync_api import Browser, Locator, Page
+
+from tests.app.serving import ROOT, Keypose
+from tests.browser.hands import drag, screens, section, settled, until, until_counted, until_told
+from tests.browser.shared import let_in, opened
+
+FILM = ROOT / "sample_videos" / "person" / "person.mp4"
+TAGS = {
+    "com.apple.quicktime.camera.focal_length.35mm_equivalent": "26",
+    "com.apple.quicktime.make": "Google",
+    "com.apple.quicktime.model": "Pixel 7",
+}
+
+
+@contextmanager
+def new_film(browser: Browser, folder: Path, tags: dict[str, str] | None = None) -> Iterator[Page]:
+    """The page of a film that nobody has opened before."""
+    film = folder / ("film.mov" if tags else "film.mp4")
+    if tags:
+        with_tags(film, tags)
+    else:
+        shutil.copy(FILM, film)
+    keypose = Keypose(str(film), "--workspace", str(folder / "workspace"))
+    try:
+        with let_in(browser, drawn=False, size=(1440, 900)) as context:
+            page = opened(context, keypose)
+            until(lambda: title(page) == "Which lens?", "the guide")
+            yield page
+    finally:
+        code, words = keypose.end()
+    assert code == 0, words
+
+
+def with_tags(film: Path, tags: dict[str, str]) -> None:
+    """The sample's film with these tags, as a phone writes them."""
+    options = {"movflags": "use_metadata_tags"}
+    with av.open(str(FILM)) as source, av.open(str(film), "w", options=options) as target:
+        target.metadata.update(tags)
+        stream = target.add_stream_from_template(source.streams.video[0])
+        for packet in source.demux(source.streams.video[0]):
+            if packet.dts is not None:
+                packet.stream = stream
+                target.mux(packet)
+
+
+@pytest.fixture
+def page(browser: Browser, tmp_path: Path) -> Iterator[Page]:
+    with new_film(browser, tmp_path) as made:
+        yield made
+
+
+def title(page: Page) -> str:
+    heading = page.locator("#guide h3")
+    return heading.inner_text() if heading.count() else ""
+
+
+def kinds(page: Page) -> Locator:
+    return page.locator("#guide").get_by_role("radio")
+
+
+def chosen(page: Page) -> str:
+    return page.locator("#guide .lens.on b").inner_text()
+
+
+def test_a_film_that_says_nothing_begins_with_a_guess_that_a_key_replaces(page: Page) -> None:
+    assert chosen(page) == "Don’t know"
+    assert section(page, "camera.lens_is_guess")
+    before = section(page, "camera.fx")
+    page.keyboard.press("1")
+    camera = until_told(page, "camera", lambda camera: camera["fx"] < before)
+    assert camera["lens_source"] == "person"
+    assert not camera["lens_is_guess"]
+    assert camera["focal_mm"] == pytest.approx(26)
+    until(lambda: chosen(page) == "Phone, main", "the card")
+    assert page.evaluate("() => window.keypose.ui.layout") == "main"  # 1 did not choose a view
+    until_counted(page, ".fan text.here", 1)
+    assert "26 mm · 69°" in page.locator(".fan").inner_text()
+    screens(page, "lens-1")
+
+
+def test_an_action_camera_bends_edges_and_another_one_does_not(page: Page) -> None:
+    page.keyboard.press("5")
+    until_told(page, "camera.distortion", lambda values: values[0] < -0.1)
+    page.keyboard.press("2")
+    until_told(page, "camera.distortion", lambda values: not any(values))
+    assert section(page, "camera.focal_mm") == pytest.approx(77)
+
+
+def test_the_wheel_on_the_slider_is_one_millimetre(page: Page) -> None:
+    page.keyboard.press("1")
+    until_told(page, "camera.focal_mm", lambda mm: abs(mm - 26) < 1e-6)
+    page.locator("#guide slide-bar").hover()
+    page.mouse.wheel(0, -100)
+    until_told(page, "camera.focal_mm", lambda mm: abs(mm - 27) < 1e-6)
+
+
+def test_what_the_file_says_is_chosen_already_and_comes_back(
+    browser: Browser, tmp_path: Path
+) -> None:
+    with new_film(browser, tmp_path, TAGS) as page:
+        assert chosen(page) == "Phone, main"
+        assert "26 mm, Google Pixel 7" in page.locator("#guide .filesays.good").inner_text()
+        assert section(page, "camera.lens_source") == "file"
+        kinds(page).nth(1).click()
+        until_told(page, "camera.lens_source", lambda source: source == "person")
+        page.locator("#guide").get_by_text("File says 26 mm").wait_for()
+        page.locator("#guide").get_by_role("button", name="Use").click()
+        until_told(page, "camera.lens_source", lambda source: source == "file")
+        assert section(page, "camera.focal_mm") == pytest.approx(26)
+        page.get_by_role("tab", name="Camera").click()
+        page.locator("#insp").get_by_text("From the file: 26 mm, Google Pixel 7").wait_for()
+
+
+def test_enter_leads_from_the_lens_to_the_person_and_every_step_can_be_skipped(page: Page) -> None:
+    page.keyboard.press("Enter")
+    until(lambda: title(page) == "Draw a box around the person", "the next step")
+    until_told(page, "camera.lens_source", lambda source: source == "guess")  # asked, and kept
+    assert page.evaluate("() => window.keypose.ui.tool") == "box"
+    for wanted in ("Pose every frame", "Confirm the draft"):
+        page.locator("#guide .foot .btn", has_text="Skip").click()
+        until(lambda wanted=wanted: title(page) == wanted, wanted)
+    page.locator("#guide").get_by_role("button", name="Close guide").click()
+    until_counted(page, "#guide .coach", 0)
+
+
+def test_a_box_is_drawn_beside_the_card_which_then_offers_the_draft(page: Page) -> None:
+    page.keyboard.press("Enter")
+    until(lambda: title(page) == "Draw a box around the person", "the next step")
+    view = page.locator("#main").bounding_box()
+    assert view is not None
+    x, y = view["x"] + 0.6 * view["width"], view["y"] + 0.2 * view["height"]
+    drag(page, (x, y), (x + 90, y + 300))
+    settled(page)
+    page.locator("#guide .filesays.good").wait_for()
+    assert page.locator("#guide .coach.behind").count() == 0
+    assert page.locator("#guide .foot .pri").inner_text().startswith("Draft 73 frames")
+
+
+def test_posing_by_hand_is_one_press_away(page: Page) -> None:
+    page.keyboard.press("Enter")
+    page.locator("#guide").get_by_role("button", name="Pose by hand instead").click()
+    until(lambda: title(page) == "Drag the waist onto the hips", "the first step by hand")
+    assert page.evaluate("() => window.keypose.ui.tool") == "move"
+
+
+def test_the_camera_tab_knows_the_lens_in_three_ways_and_fits_a_guess(page: Page) -> None:
+    page.keyboard.press("Escape")
+    until_counted(page, "#guide .coach", 0)
+    page.get_by_role("tab", name="Camera").click()
+    tab = page.locator("#insp")
+    tab.get_by_text("A guess. Distances rest on it.").wait_for()
+    tab.get_by_role("button", name="Field", exact=True).click()
+    tab.get_by_text("Angle").wait_for()
+    tab.get_by_role("button", name="Pixels", exact=True).click()
+    tab.get_by_text("Focal x").wait_for()
+    tab.get_by_role("button", name="Lens", exact=True).click()
+    tab.get_by_text("35 mm eq.").wait_for()
+    page.get_by_role("tab", name="Body").click()
+    assert tab.get_by_role("checkbox", name="With focal length").is_checked()
