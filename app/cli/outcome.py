@@ -38,6 +38,7 @@ def track_and_save(session: Session, asked: Session, arguments: argparse.Namespa
         )
         warm_tracker()
         _say_what_was_found(asked)
+        _say_what_is_left_out(asked, arguments)
         found = follow(asked, arguments.session, video, arguments.workers, arguments.json)
         if found.error is not None and not found.found:
             raise found.error
@@ -54,6 +55,16 @@ def _say_what_was_found(session: Session) -> None:
     """What nobody chose is said, with how to choose otherwise."""
     if session.settings.static_camera is None and session.has_static_camera:
         words = "The camera stands still: found by itself. --static-camera no tracks without that."
+        print(words, file=sys.stderr, flush=True)
+
+
+def _say_what_is_left_out(session: Session, arguments: argparse.Namespace) -> None:
+    """What was asked for in this run and cannot be had."""
+    if "silhouette" in (getattr(arguments, "cues", None) or ()) and not session.has_static_camera:
+        words = (
+            "The camera does not stand still: the silhouette is left out. --static-camera yes "
+            "says that it does."
+        )
         print(words, file=sys.stderr, flush=True)
 
 

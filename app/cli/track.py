@@ -51,9 +51,10 @@ def add(commands: Subcommands) -> None:
     command.add_argument(
         "--cues",
         metavar="CUE,…",
-        type=names_of("brightness", "keypoints"),
-        help="what the motion is found from: brightness, keypoints or both, with a comma between"
-        f"{of_session}. Keypoints need a person's body; the published method does without",
+        type=_cues,
+        help="what the motion is found from: brightness, keypoints or both, and silhouette "
+        f"besides, with a comma between{of_session}. Keypoints need a person's body, the "
+        "silhouette a camera that stands still; the published method does without",
     )
     command.add_argument(
         "--network",
@@ -68,6 +69,15 @@ def add(commands: Subcommands) -> None:
         f"{of_session}",
     )
     add_work(command)
+
+
+def _cues(text: str) -> tuple[str, ...]:
+    """Names of cues; the silhouette only decides between motions that the others lead to."""
+    cues = names_of("brightness", "keypoints", "silhouette")(text)
+    if cues == ("silhouette",):
+        words = "silhouette finds no motion alone; add brightness or keypoints"
+        raise argparse.ArgumentTypeError(words)
+    return cues
 
 
 def run(arguments: argparse.Namespace) -> int:

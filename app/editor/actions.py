@@ -16,6 +16,7 @@ from tracker.body.body import Dof, Name
 from tracker.session.settings import (
     ALL_CUES,
     Cue,
+    Cues,
     CueWeight,
     FrameIndex,
     Initial,
@@ -345,7 +346,7 @@ class Settings(Edit):
     left_out: Annotated[tuple[Name, ...], Field(max_length=1000)] | None = None
     passes: Annotated[int, Field(ge=1, le=50)] | None = None
     static_camera: bool | None = None
-    cues: Annotated[tuple[Cue, ...], Field(min_length=1, max_length=len(ALL_CUES))] | None = None
+    cues: Annotated[Cues, Field(max_length=len(ALL_CUES))] | None = None
     cue_weights: dict[Cue, CueWeight] | None = None
     network: NetworkName | None = None
 

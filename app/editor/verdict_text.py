@@ -21,6 +21,7 @@ _REASONS: Final[Mapping[Cause, str]] = {
     "keyframe_off_surface": "the keyframe lies off its surface",
     "body_off_surface": "at key {first} the body lies off its surface",
     "keyframe_off_keypoints": "at key {first} the {part} is not where it is seen",
+    "moves_beside_body": "the body does not cover what moves",
     "not_followed": "lost near {first}",
     "nothing_seen": "nothing of the body is seen: check keys, camera and masks",
     "contradiction": "keys {first} and {last} contradict each other",

@@ -69,7 +69,8 @@ const isUsed = ({ on, off }) => on && !off;
 export const hasKeypoints = () => server.cues.some((cue) => cue.id === 'keypoints' && isUsed(cue));
 
 /** @param {CueHere} cue */
-const isLast = (cue) => isUsed(cue) && !server.cues.some((other) => other.id !== cue.id && isUsed(other));
+const isLast = (cue) =>
+  cue.leads && isUsed(cue) && !server.cues.some((other) => other.id !== cue.id && other.leads && isUsed(other));
 
 /** The cues with one of them switched, in their order. */
 function chosen(id, on) {

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Final, Literal, Self, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
 FrameIndex: TypeAlias = Annotated[int, Field(ge=0, le=100_000_000)]
 Pixel: TypeAlias = tuple[FiniteFloat, FiniteFloat]
@@ -13,13 +13,22 @@ Quality: TypeAlias = Literal["full", "fast", "preview"]
 Weights: TypeAlias = Literal["both", "contact", "photo", "none"]
 Units: TypeAlias = Literal["m", "dm", "cm", "mm", "in", "ft"]
 UpAxis: TypeAlias = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
-Cue: TypeAlias = Literal["brightness", "keypoints"]
+Cue: TypeAlias = Literal["brightness", "keypoints", "silhouette"]
 NetworkName: TypeAlias = Literal["full", "heavy"]
 CueWeight: TypeAlias = Annotated[FiniteFloat, Field(ge=0.1, le=10)]
 Initial: TypeAlias = Literal["auto", "linear", "templates", "both-ways", "import"]
 
 
-ALL_CUES: Final[tuple[Cue, ...]] = ("brightness", "keypoints")
+ALL_CUES: Final[tuple[Cue, ...]] = ("brightness", "keypoints", "silhouette")
+
+
+def _lead_to_a_motion(cues: tuple[Cue, ...]) -> tuple[Cue, ...]:
+    if set(cues) == {"silhouette"}:
+        raise ValueError("silhouette finds no motion alone; add brightness or keypoints")
+    return cues
+
+
+Cues: TypeAlias = Annotated[tuple[Cue, ...], Field(min_length=1), AfterValidator(_lead_to_a_motion)]
 
 
 def is_unknown(value: object) -> bool:
@@ -58,12 +67,13 @@ class TrackSettings(Plain):
         description="The camera stands still: a background plate keeps foreign pixels out. Null: "
         "as it was found in the film, `video.stands_still`.",
     )
-    cues: Annotated[tuple[Cue, ...], Field(min_length=1)] | None = Field(
+    cues: Cues | None = Field(
         default=None,
         exclude_if=is_unknown,
         description="What the motion between keyframes is found from: brightness, how it changes "
-        "from frame to frame; keypoints, where a detector sees a person's joints. Left out: "
-        "brightness alone, as before there were others.",
+        "from frame to frame; keypoints, where a detector sees a person's joints; and silhouette, "
+        "what moves before a camera that stands still, which decides between motions that the "
+        "others lead to. Left out: brightness alone, as before there were others.",
     )
     cue_weights: dict[Cue, CueWeight] | None = Field(
         default=None,

@@ -192,7 +192,15 @@ _INPUTS = ByEvidence(
 
 
 def _cues(session: Session) -> list[Any]:
-    """Which keypoints count; nothing where none do, as before there were any.
+    """What counts besides brightness; nothing where nothing does, as before there was any."""
+    settings, cues = session.settings, list(_keypoints(session))
+    if settings.method == "keypose" and "silhouette" in settings.cues_used:
+        cues += ["silhouette"] if session.has_static_camera else []
+    return cues
+
+
+def _keypoints(session: Session) -> list[Any]:
+    """Which keypoints count.
 
     Those that the bundled network finds follow from the film and the segment's own keyframes.
     """

@@ -21,6 +21,7 @@ from tracker.solver.robust import Cauchy
 from tracker.tracking.bundle import refine
 from tracker.tracking.cues.from_keypoints import from_keypoints
 from tracker.tracking.cues.joint_evidence import UNKNOWN, JointEvidence
+from tracker.tracking.cues.silhouette import silhouette_mismatch
 from tracker.tracking.cues.soft_correction import Correction, even_increments, measured_increments
 from tracker.tracking.cycle import Outcome, Work, drift_px
 from tracker.tracking.frame_pair import robust_pass
@@ -57,11 +58,14 @@ def track_anchored(
     method: Keypose,
     candidates: Sequence[Anchors],
     brightness: bool = True,
+    *,
+    silhouette: bool = False,
 ) -> Work:
     """Track one segment; yields every trajectory as it is found and returns the outcome.
 
     free: the scene with all parts that carry keypoints free to turn.  candidates: the anchors,
     two where left and right are in doubt.  brightness: whether it counts as well.
+    silhouette: whether what moves counts when the best motion is chosen.
     """
     begun = starts(scene, segment, replace(method, templates=False)) if brightness else Starts(())
     tried: list[Pass] = []
@@ -78,6 +82,8 @@ def track_anchored(
             if is_sound(scene, segment, start.trajectory):
                 ended = yield from _cycle(correction, method, start, tried)
                 ends.append(ended)
+    if silhouette:
+        ends = [_beside_what_moves(scene, segment, ended) for ended in ends]
     best = min(ends, key=lambda ended: ended.cost)
     return _outcome(scene, free, begun, tried, ends, best)
 
@@ -92,6 +98,12 @@ def _unmeasured(correction: Correction, found: Trajectory, index: int) -> _Ended
     held = even_increments(correction.scene, correction.segment.interpolated())
     nothing = np.zeros((len(found) - 1, len(correction.scene.marks[1])))
     return _Ended(index, found, correction.cost(found, held), nothing, correction.anchors)
+
+
+def _beside_what_moves(scene: Scene, segment: Segment, ended: _Ended) -> _Ended:
+    """With what moves and the body does not cover, or the other way round, in its cost."""
+    mismatch = silhouette_mismatch(scene, segment.clip, ended.trajectory)
+    return replace(ended, cost=ended.cost + mismatch.cost())
 
 
 def _cycle(

@@ -11,6 +11,7 @@ from tracker.body.trajectory import Pass, Trajectory
 from tracker.geometry.rotations import Array
 from tracker.tracking.bundle import refine
 from tracker.tracking.cues.joint_evidence import JointEvidence
+from tracker.tracking.cues.silhouette import SilhouetteMismatch
 from tracker.tracking.drift import Corrected, Motions, correct_drift
 from tracker.tracking.frame_pair import least_squares_pass, printed_score, robust_pass
 from tracker.tracking.initial.choose import printed_start, starts
@@ -41,6 +42,7 @@ class Outcome:
     gap: how far the last correction missed the keyframe before it was set exactly: radians.
     notes: sentences for a person about what could not be done as asked.
     joints: what keypoints tell of the motion, where there are any.
+    silhouette: how its poses disagree with what moves, where that was asked.
     """
 
     passes: tuple[Pass, ...]
@@ -52,6 +54,7 @@ class Outcome:
     gap: float
     notes: tuple[str, ...] = ()
     joints: JointEvidence | None = None
+    silhouette: SilhouetteMismatch | None = None
 
     @property
     def trajectory(self) -> Trajectory:

@@ -19,6 +19,7 @@ from tracker.keypoints.on_body import is_persons
 from tracker.session.settings import IgnoreMask, TrackSettings
 from tracker.tracking.anchored_cycle import expected_anchored_steps, track_anchored
 from tracker.tracking.cues.anchors import anchors_of, with_free_joints
+from tracker.tracking.cues.silhouette import silhouette_mismatch
 from tracker.tracking.cues.sources import KeypointSource
 from tracker.tracking.cycle import Outcome, Work, track_segment
 from tracker.tracking.diagnostics.expected_gain import expected_gain
@@ -50,6 +51,11 @@ class _Prepared:
         self._given = (masks, static, memory)
         self._video, self._camera, self._memory = video, camera, memory
         self._loaders: dict[WorkingSize, ClipLoader] = {}
+
+    @property
+    def has_static_camera(self) -> bool:
+        """Whether pictures are compared with one of the empty scene."""
+        return self._given[1]
 
     def loader(self, longest: int) -> ClipLoader:
         """The loader for segments of up to this many frames."""
@@ -170,6 +176,9 @@ class Tracker:
                 step = next(work)
             except StopIteration as done:
                 outcome, enlarged = done.value, self.loader(span).camera.fy / scene.camera.fy
+                if self._listens_to_silhouette(settings):
+                    found = silhouette_mismatch(scene, segment.clip, outcome.trajectory)
+                    outcome = replace(outcome, silhouette=found)
                 if outcome.joints is None and self._listens_to_keypoints(settings):
                     outcome = replace(outcome, notes=(*outcome.notes, NO_KEYPOINTS))
                 return _result(scene, segment, outcome, method, enlarged)
@@ -186,7 +195,10 @@ class Tracker:
             candidates = anchors_of(free, segment, camera, keypoints, weight)
             if candidates:
                 brightness = "brightness" in settings.cues_used
-                return track_anchored(scene, free, segment, method, candidates, brightness)
+                silhouette = self._listens_to_silhouette(settings)
+                return track_anchored(
+                    scene, free, segment, method, candidates, brightness, silhouette=silhouette
+                )
         return track_segment(scene, segment, method)
 
     def _keypoints_of(
@@ -209,6 +221,11 @@ class Tracker:
         that are no person's."""
         wanted = settings.method == "keypose" and "keypoints" in settings.cues_used
         return self._keypoints is not None and wanted and is_persons(self.skeleton.body)
+
+    def _listens_to_silhouette(self, settings: TrackSettings) -> bool:
+        """Whether what moves counts: it is known before a camera that stands still."""
+        wanted = settings.method == "keypose" and "silhouette" in settings.cues_used
+        return wanted and self._prepared.has_static_camera
 
 
 def _result(

@@ -137,7 +137,7 @@ SECTIONS: dict[str, _Section] = {
     "solids": _Section(_doc("body"), feet_values.solids),
     "masks": _Section(_doc("ignore_masks"), work_values.masks),
     "settings": _Section(_doc("settings", "first_motion"), work_values.settings),
-    "cues": _Section(_doc("settings", "body"), cue_values.cues),
+    "cues": _Section(_doc("settings", "body", "video"), cue_values.cues),
     "networks": _Section(_both(_doc("settings"), cue_values.networks_here), cue_values.networks),
     "keypoints": _Section(
         _both(

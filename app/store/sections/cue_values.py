@@ -16,11 +16,12 @@ from tracker.session.settings import ALL_CUES, Cue
 _TITLES: Final[Mapping[str, str]] = {
     "brightness": "Follow how the body’s brightness moves from frame to frame",
     "keypoints": "Compare the body’s joints with those found in each frame",
+    "silhouette": "Compare where the body is with what moves before the background",
 }
 _PERSONS: Final[tuple[Cue, ...]] = ("keypoints",)
 """Those that only a person's body can be compared with."""
-_UNWEIGHTED: Final[tuple[Cue, ...]] = ("brightness",)
-"""The others are weighed beside it."""
+_UNWEIGHTED: Final[tuple[Cue, ...]] = ("brightness", "silhouette")
+"""Keypoints are weighed beside brightness; the silhouette decides between motions."""
 
 
 def cues(app_state: AppState) -> Json:
@@ -35,6 +36,7 @@ def cues(app_state: AppState) -> Json:
             "title": _TITLES.get(cue, ""),
             "on": cue in doc.settings.cues_used,
             "off": _why_off(doc, cue),
+            "leads": cue != "silhouette",
             "weight": None if cue in _UNWEIGHTED else doc.settings.weight(cue),
         }
         for cue in ALL_CUES
@@ -47,7 +49,11 @@ def _why_off(doc: Session, cue: Cue) -> str:
         return ""
     if cue in _PERSONS and not is_persons(doc.body):
         return "Needs a person’s body"
-    return "Not in the published method" if doc.settings.method == "paper" else ""
+    if doc.settings.method == "paper":
+        return "Not in the published method"
+    if cue == "silhouette" and not doc.has_static_camera:
+        return "Needs a still camera"
+    return ""
 
 
 def networks_here(app_state: AppState) -> tuple[Any, ...]:

@@ -119,9 +119,33 @@ def test_the_start_and_what_is_left_out_are_of_this_run_only(
     assert asked[2].settings.cues == ("brightness", "keypoints")
     assert main(["track", str(session_path), "--cues", "brightness"]) == 0
     assert asked[3].settings.cues == ("brightness",)
+    assert main(["track", str(session_path), "--cues", "silhouette,brightness"]) == 0
+    assert asked[4].settings.cues == ("brightness", "silhouette")
 
 
-@pytest.mark.parametrize("cues", ["", "silhouette", "brightness,"])
+@pytest.mark.parametrize("still", ["yes", "no"])
+def test_that_a_camera_that_moves_shows_no_silhouette_is_told_once_it_is_asked_for(
+    still: str,
+    session_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr(follow, "rerun", tracker())
+    command = ["track", str(session_path), "--static-camera", still]
+    assert main([*command, "--cues", "brightness,silhouette"]) == 0
+    assert ("the silhouette is left out" in capsys.readouterr().err) == (still == "no")
+    assert main([*command, "--cues", "brightness"]) == 0
+    assert "silhouette" not in capsys.readouterr().err
+
+
+def test_a_silhouette_alone_is_refused_since_it_finds_no_motion(
+    session_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = refused(capsys, session_path.parent, ["track", session_path, "--cues", "silhouette"])
+    assert "add brightness or keypoints" in words
+
+
+@pytest.mark.parametrize("cues", ["", "shadow", "brightness,"])
 def test_a_cue_that_is_none_is_refused_with_those_there_are(
     cues: str, session_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -31,6 +31,9 @@ SAID = {
     "Check: at key 24 the left forearm is not where it is seen": Verdict.check(
         "keyframe_off_keypoints", (24, 24), "left_forearm"
     ),
+    "Check: the body does not cover what moves, frames 31–36": Verdict.check(
+        "moves_beside_body", (31, 36)
+    ),
     "Lost. Add a keyframe at 37": Verdict.not_followed(37),
     "Lost. Nothing of the body is seen: check keys, camera and masks": Verdict.nothing_seen(24, 48),
     "Lost. Keys 24 and 25 contradict each other": Verdict.contradiction(24, 25),

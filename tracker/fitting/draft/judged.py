@@ -10,7 +10,7 @@ import numpy as np
 
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
-from tracker.fitting.draft.flips import flip_odds
+from tracker.fitting.draft.flips import flip_doubts
 from tracker.fitting.draft.limbs import Joints
 from tracker.fitting.draft.observed import Observed
 from tracker.fitting.draft.proposals import Proposal, Stretch, proposed
@@ -36,7 +36,7 @@ class Judged:
     parts: the upper part of each limb.
     residual (F, 4): mean distance of a limb's joints from their keypoints, as a share of the
     body's height.  hidden (F, 4): 1 less the visibility of its worst joint.
-    flips (F, 4): odds that it points the other way, toward the camera or away, from 0 to 1.
+    flips (F, 4): doubt that it points the right way, toward the camera or away, from 0 to 1.
     """
 
     frames: tuple[int, ...]
@@ -97,7 +97,7 @@ def _piece(joints: Joints, camera: Camera, piece: Piece) -> Judged:
     limbs = [[limb.upper.near, limb.upper.far, limb.lower.far] for limb in joints.limbs]
     own = np.stack([_mean(away[:, limb]) for limb in limbs], axis=1)
     hidden = np.stack([1 - seen.visibility[:, limb].min(axis=1) for limb in limbs], axis=1)
-    flips = flip_odds(joints, camera, depth_m, motion)
+    flips = flip_doubts(joints, camera, depth_m, motion)
     numbers = tuple((rows + motion.first_frame).tolist())
     begins: Reason = "person" if seen.jumped[0] else "start"
     whole = (Stretch(numbers[0], numbers[-1], begins),) if numbers else ()

@@ -40,7 +40,7 @@ SURE, BLUR = 0.6, 3.0
 """Visibility from which a keypoint is sure, and how many times wider it is at visibility 0."""
 ENDS_WIDER = 2.0
 """How many times wider keypoints of head and feet are: bodies differ there."""
-DEPTH_M = 0.15
+DEPTH_M = 0.08
 """Standard deviation of a sure joint's depth beside the root's."""
 BEND_TURN_RAD, BEND_SHIFT_PX = np.radians(3.0), 2.5
 """Standard deviations of the motion's change from frame to frame."""

@@ -3,7 +3,8 @@
 Three things go together with the error of a joint: how far its keypoint lies from it, how well the
 keypoint is seen, and how far the motions apart lie that two different starts led to. On filmed
 people whose joints were marked by hand they tell a wrong joint from a right one (area under the
-curve 0.88, each clip judged by the others).
+curve 0.88, each clip judged by the others); on rendered people, whose joints are known exactly and
+who were not used, 0.86.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from tests.tracker.fitting.draft.clips import CAMERA, place, walk
+from tests.tracker.fitting.draft.clips import CAMERA, place, standing, walk
 from tracker.fitting.draft import draft_from_keypoints
 from tracker.fitting.draft.proposals import APART, Stretch, proposed
 from tracker.keypoints.keypoints import Keypoints
@@ -24,7 +24,7 @@ def of(keypoints: Keypoints) -> dict[str, list[int]]:
 
 
 def test_of_a_clip_without_doubts_the_ends_alone_are_proposed() -> None:
-    assert of(walk(60, facing_deg=40).keypoints) == {"start": [0], "end": [59]}
+    assert of(standing(60).keypoints) == {"start": [0], "end": [59]}
 
 
 def test_a_hidden_joint_is_proposed_by_its_limb() -> None:
@@ -66,6 +66,22 @@ def test_a_limb_whose_depth_nobody_tells_is_marked_as_maybe_flipped() -> None:
     )
     assert flat[:, 0].mean() > told[:, 0].mean()
     assert told.mean() < 0.3
+
+
+def test_legs_are_believed_sooner_than_arms() -> None:
+    found = draft_from_keypoints(walk(30).keypoints, CAMERA, walk(1).body, proportions=False)
+    arms, legs = found.judged.flips[:, :2], found.judged.flips[:, 2:]
+    assert legs.max() < 0.5 < arms.max()
+
+
+def test_a_limb_in_the_plane_of_the_picture_is_no_matter_whichever_way_it_points() -> None:
+    clip = standing(5)
+    assert clip.keypoints.p_hips is not None
+    p_hips = clip.keypoints.p_hips.copy()
+    p_hips[..., 2] = 0.0
+    keypoints = replace(clip.keypoints, p_hips=p_hips)
+    found = draft_from_keypoints(keypoints, CAMERA, clip.body, proportions=False)
+    assert not found.judged.flips.any()
 
 
 def test_proposals_are_apart_few_and_begin_with_the_worst() -> None:

@@ -14,6 +14,7 @@ from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Pass, Trajectory, interpolate
 from tracker.session.verdict import GOOD, Verdict
+from tracker.tracking.cues.silhouette import SilhouetteMismatch
 from tracker.tracking.cycle import Outcome
 from tracker.tracking.diagnostics.judge import judge
 from tracker.tracking.diagnostics.observability import Observation, unobserved
@@ -238,3 +239,40 @@ def test_of_frames_that_are_damaged_the_longest_run_is_to_be_checked() -> None:
     segment = replace(SEGMENT, clip=clip)
     found = judge(SCENE, segment, outcome(), clear())
     assert found == Verdict.check("damaged", (107, 109))
+
+
+def silhouette(frames: slice, share: float, throughout: float = 0.0) -> SilhouetteMismatch:
+    """Of the body's area, what moves beside the trunk in some frames."""
+    beside = np.zeros((N + 1, SKELETON.part_count))
+    beside[:, 0] = throughout
+    beside[frames, 0] += share
+    return SilhouetteMismatch(beside, np.zeros_like(beside))
+
+
+def test_what_moves_beside_the_body_is_to_be_checked_at_the_worst_frame() -> None:
+    mismatch = silhouette(slice(6, 13), 0.1)
+    mismatch.uncovered_by_part[8:11, 0] += 0.05
+    found = verdict(replace(outcome(), silhouette=mismatch))
+    assert (found.kind, found.cause, found.part) == ("check", "moves_beside_body", None)
+    assert found.frames == (FIRST + 6, FIRST + 12)
+    assert found.go is not None
+    assert FIRST + 8 <= found.go <= FIRST + 10
+
+
+@pytest.mark.parametrize(
+    "mismatch",
+    [
+        silhouette(slice(6, 13), 0.05),  # clothes
+        silhouette(slice(6, 8), 0.5),  # a flash
+        silhouette(slice(0, 0), 0.0, throughout=0.3),  # a shadow that goes along
+        SilhouetteMismatch(*np.full((2, N + 1, SKELETON.part_count), np.nan)),
+    ],
+)
+def test_what_right_poses_have_as_well_is_good(mismatch: SilhouetteMismatch) -> None:
+    assert verdict(replace(outcome(), silhouette=mismatch)) == GOOD
+
+
+def test_what_names_a_part_is_told_before_what_moves_beside_the_body() -> None:
+    mismatch = silhouette(slice(6, 13), 0.3)
+    found = verdict(replace(outcome(), silhouette=mismatch), hidden("left_forearm", 3, 9))
+    assert found.cause == "not_seen"

@@ -17,6 +17,7 @@ from tracker.body.raster import BodyMesh, raster
 from tracker.body.trajectory import Trajectory
 from tracker.geometry.rotations import Array, frozen
 from tracker.geometry.view import ViewCamera
+from tracker.solver.robust import Huber
 from tracker.tracking.scene import Scene
 from tracker.tracking.segment import extent_px
 from tracker.video.clip_loader import WorkingSize
@@ -28,6 +29,11 @@ RIM = 0.012
 """Of the same: on either side of the outline nothing counts, since clothes are no exact shape."""
 HALO_PX = 3.0
 """Outside it is no narrower than this: a bright body shines as far into the smoothed picture."""
+SIGMA = 0.02
+"""Standard deviation of the mismatch of a right pose, a share of the body's area, about what the
+keyframes have: shadows and still clothes change from frame to frame by so much. Between half and
+twice of it the same filmed motions are chosen, and of rendered walks whose sides the network
+exchanges the right ones (10 px → 2–4)."""
 SPECK_PX = 3
 """What moves and is narrower than this is noise."""
 FINE_PX = 320.0
@@ -66,6 +72,21 @@ class SilhouetteMismatch:
     def total(self) -> Array:
         """(N,) the sum of both."""
         return self.uncovered + self.unmoved
+
+    @property
+    def excess(self) -> Array:
+        """(N,) by how much the total is above that of the first and the last pose, linearly between
+        them: shadows, and clothes like the background, are there as well. 0 where nothing is known.
+        """
+        total, share = self.total, np.linspace(0.0, 1.0, len(self.total))
+        ends = total[[0, -1]]
+        ends = np.where(np.isfinite(ends), ends, ends[::-1])  # one keyframe may not tell
+        return np.asarray(np.nan_to_num(total - (1 - share) * ends[0] - share * ends[1]))
+
+    def cost(self) -> float:
+        """What motions between the same keyframes are compared by."""
+        above = np.maximum(self.excess, 0.0)
+        return float(0.5 * Huber().loss(above / SIGMA).sum())
 
 
 def silhouette_mismatch(scene: Scene, clip: Clip, trajectory: Trajectory) -> SilhouetteMismatch:

@@ -17,7 +17,7 @@ from tracker.body.trajectory import Trajectory
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import exp_rotation
 from tracker.geometry.view import ViewCamera
-from tracker.tracking.diagnostics.silhouette import silhouette_mismatch
+from tracker.tracking.cues.silhouette import silhouette_mismatch
 from tracker.tracking.scene import Scene
 from tracker.video.clip_loader import ClipLoader, WorkingSize
 from tracker.video.pyramid import IGNORED, TARGET_ONLY, USABLE, Clip
@@ -192,3 +192,20 @@ def test_a_motion_is_compared_with_its_own_frames_of_a_longer_clip() -> None:
     np.testing.assert_array_equal(silhouette_mismatch(SCENE, CLIP, part).by_part, whole[8:14])
     with pytest.raises(IndexError, match="not all in the clip"):
         silhouette_mismatch(SCENE, CLIP, Trajectory(20, wrong.Rs_parent_part, wrong.ps_camera_root))
+
+
+def test_beside_its_keyframes_a_motion_costs_what_it_has_more() -> None:
+    rising = [turned(TRUTH, "left_thigh", 40.0, slice(8, 16)), turned(TRUTH, "left_thigh", 40.0)]
+    wrong, throughout = (silhouette_mismatch(SCENE, CLIP, motion) for motion in rising)
+    assert silhouette_mismatch(SCENE, CLIP, TRUTH).cost() == 0.0
+    assert wrong.excess[8:16].min() > 0.02
+    assert wrong.cost() > 5.0
+    np.testing.assert_allclose(throughout.excess[[0, -1]], 0.0, atol=1e-12)
+    assert throughout.cost() < 0.2 * wrong.cost()
+
+
+def test_without_a_background_no_motion_costs_more_than_another() -> None:
+    level = np.ones((COUNT, CAMERA.height, CAMERA.width, 4), np.float32)
+    found = silhouette_mismatch(SCENE, Clip(0, (level,)), shifted(TRUTH, 0.2))
+    assert found.cost() == 0.0
+    assert not found.excess.any()

@@ -1,0 +1,139 @@
+"""What moves before a camera that stands still decides between motions, and is never a must."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+
+from tests.tracker.tracking.cues.people import CAMERA, SKELETON, Filmed, joints_apart_m, moving
+from tests.tracker.tracking_cases import tracked
+from tracker.body.raster import BodyMesh, raster
+from tracker.body.trajectory import Trajectory
+from tracker.geometry.rotations import exp_rotation
+from tracker.geometry.view import ViewCamera
+from tracker.session.settings import ALL_CUES, TrackSettings
+from tracker.tracking.anchored_cycle import track_anchored
+from tracker.tracking.cues.sources import GivenKeypoints
+from tracker.tracking.cycle import Work
+from tracker.tracking.method import FULL
+from tracker.tracking.result import SegmentResult
+from tracker.tracking.tracker import Tracker
+from tracker.video.clip_loader import ClipLoader
+from tracker.video.pyramid import TARGET_ONLY, USABLE, Clip
+
+FILM = Filmed(moving())
+BOTH = ("brightness", "keypoints")
+
+
+def with_arms_raised(truth: Trajectory) -> Trajectory:
+    """Between the keyframes both arms are somewhere else."""
+    Rs, bump = truth.Rs_parent_part.copy(), np.sin(np.pi * np.linspace(0.0, 1.0, len(truth)))
+    for arm, angle in (("left_upper_arm", 1.2), ("right_upper_arm", -1.2)):
+        turn = np.zeros((len(truth), 3))
+        turn[:, 2] = angle * bump
+        part = SKELETON.body.index(arm)
+        Rs[:, part] = Rs[:, part] @ exp_rotation(turn)
+    return Trajectory(truth.first_frame, Rs, truth.ps_camera_root)
+
+
+def clip_that_shows(motion: Trajectory) -> Clip:
+    """Grey pictures in which exactly the pixels of the body move."""
+    mesh, view = BodyMesh.of(SKELETON), ViewCamera.of(CAMERA)
+    shown = np.stack([raster(mesh, T, view).part >= 0 for T in motion.transforms(SKELETON)])
+    levels = []
+    for level in FILM.segment.clip.levels:
+        step = shown.shape[1] // level.shape[1]
+        use = np.where(shown[:, ::step, ::step], USABLE, TARGET_ONLY)
+        levels.append(np.concatenate([level[..., :3], use[..., None]], axis=-1, dtype=np.float32))
+    return Clip(motion.first_frame, tuple(levels))
+
+
+def trajectory_of(work: Work) -> Trajectory:
+    """What the work ends with."""
+    while True:
+        try:
+            next(work)
+        except StopIteration as done:
+            return done.value.trajectory  # type: ignore[no-any-return]
+
+
+def test_of_two_motions_that_keypoints_bear_out_alike_that_counts_which_covers_what_moves() -> None:
+    truth = with_arms_raised(FILM.truth)
+    right, wrong = Filmed(truth).keypoints, FILM.keypoints
+    uv = right.uv.copy()
+    uv[4:8, right.names.index("right_ankle")] += 60.0  # a few speak against what is right
+    candidates = [FILM.anchors(k)[0] for k in (wrong, replace(right, uv=uv))]
+    segment = replace(FILM.segment, clip=clip_that_shows(truth))
+    track = partial(track_anchored, FILM.free, FILM.free, segment, FULL, candidates, False)
+    without, found = (
+        joints_apart_m(trajectory_of(track(silhouette=used)), truth)[6].max()
+        for used in (False, True)
+    )
+    assert without > 0.4
+    assert found < 0.2
+
+
+def result(
+    motion_shown: Trajectory, monkeypatch: pytest.MonkeyPatch, still: bool, **settings: object
+) -> SegmentResult:
+    monkeypatch.setattr(ClipLoader, "load", lambda *_: clip_that_shows(motion_shown))
+    segment = FILM.segment
+    poses = {segment.first_frame: segment.start, segment.last_frame: segment.end}
+    source = GivenKeypoints(FILM.keypoints)
+    tracker = Tracker(None, CAMERA, SKELETON, poses, static_camera=still, keypoints=source)  # type: ignore[arg-type]
+    (found,) = tracked(tracker, **settings)
+    return found
+
+
+def test_a_body_beside_what_moves_is_to_be_checked(monkeypatch: pytest.MonkeyPatch) -> None:
+    shown = with_arms_raised(FILM.truth)
+    found = result(shown, monkeypatch, True, cues=ALL_CUES, quality="preview")
+    assert found.verdict is not None
+    assert found.verdict.cause == "moves_beside_body"
+    assert found.verdict.go is not None
+    assert abs(found.verdict.go - (FILM.truth.first_frame + FILM.truth.last_frame) / 2) <= 3
+    covered = result(FILM.truth, monkeypatch, True, cues=ALL_CUES, quality="preview")
+    assert covered.verdict is not None
+    assert covered.verdict.cause != "moves_beside_body"
+
+
+@pytest.mark.parametrize(
+    ("still", "settings"),
+    [
+        (True, {"cues": BOTH}),  # named by nobody
+        (False, {"cues": ALL_CUES}),  # a camera that moves
+    ],
+)
+def test_where_it_is_not_named_or_cannot_be_had_all_is_as_without(
+    still: bool, settings: dict[str, object], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shown = with_arms_raised(FILM.truth)
+    found = result(shown, monkeypatch, still, quality="preview", **settings)
+    without = result(shown, monkeypatch, False, quality="preview", cues=BOTH)
+    np.testing.assert_array_equal(
+        found.trajectory.Rs_parent_part, without.trajectory.Rs_parent_part
+    )
+    np.testing.assert_array_equal(
+        found.trajectory.ps_camera_root, without.trajectory.ps_camera_root
+    )
+    assert found.verdict == without.verdict
+
+
+def test_the_papers_method_does_without(monkeypatch: pytest.MonkeyPatch) -> None:
+    shown = with_arms_raised(FILM.truth)
+    found, without = (
+        result(shown, monkeypatch, True, method="paper", passes=1, cues=cues)
+        for cues in (ALL_CUES, ("brightness",))
+    )
+    np.testing.assert_array_equal(
+        found.trajectory.Rs_parent_part, without.trajectory.Rs_parent_part
+    )
+    assert found.verdict == without.verdict
+
+
+def test_alone_it_is_no_way_to_find_a_motion() -> None:
+    with pytest.raises(ValueError, match="add brightness or keypoints"):
+        TrackSettings(cues=("silhouette",))
