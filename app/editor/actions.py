@@ -451,6 +451,25 @@ class LookBefore(Message):
     on: bool
 
 
+class PreviewPoses(Message):
+    """New sizes are previewed with other poses, or with the poses as they are."""
+
+    do: Literal["preview_poses"] = "preview_poses"
+    on: bool
+
+
+class ApplySizes(Message):
+    """The previewed sizes are taken over."""
+
+    do: Literal["apply_sizes"] = "apply_sizes"
+
+
+class DiscardSizes(Message):
+    """The previewed sizes are forgotten."""
+
+    do: Literal["discard_sizes"] = "discard_sizes"
+
+
 class CloseFit(Message):
     """What the last fit did has been read."""
 
@@ -500,7 +519,8 @@ Rewinding: TypeAlias = Undo | Redo | EndStroke | CancelStroke
 Editing: TypeAlias = Looking | Posing | Keying | Shaping | Filming | Choosing | Seeing | Rewinding
 """What `app.editor.update` knows to apply."""
 
-Fitting: TypeAlias = FitHere | FitSizes | Draft | LookBefore | CloseFit
+Previewing: TypeAlias = PreviewPoses | ApplySizes | DiscardSizes
+Fitting: TypeAlias = FitHere | FitSizes | Draft | LookBefore | CloseFit | Previewing
 Running: TypeAlias = Track | Fitting | Cancel | SaveAgain | Close | Open
 """What the store does: jobs and files."""
 

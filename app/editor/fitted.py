@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from app.editor.documents import (
     at_new_focal,
     keyframe_of,
@@ -21,7 +23,7 @@ from tracker.body.body import Body
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.camera import Camera
-from tracker.session.schema import Session
+from tracker.session.schema import Keyframe, Session
 
 
 def pose_to_fit(state: EditorState) -> Pose:
@@ -37,7 +39,7 @@ def pose_to_fit(state: EditorState) -> Pose:
 def require_sizes_to_fit(state: EditorState) -> None:
     """Refused where the sizes cannot be estimated."""
     if len(state.keys) < 2:
-        raise Refused("Add a second keyframe first: sizes are fitted to two or more.")
+        raise Refused("Needs 2 keyframes that show the body from different sides.")
 
 
 def with_pose_fitted(state: EditorState, frame: int, pose: Pose) -> EditorState:
@@ -49,12 +51,16 @@ def with_pose_fitted(state: EditorState, frame: int, pose: Pose) -> EditorState:
 def with_sizes_fitted(
     state: EditorState, body: Body, camera: Camera, keyposes: Mapping[int, Pose]
 ) -> EditorState:
-    """With this body and camera, and the keyframes posed for them."""
+    """With this body and camera, and the keyframes posed for them; what is posed as it was stays to
+    the last digit."""
     skeleton, nearer = Skeleton.of(body), camera.fx / state.doc.camera.fx
     for pose in keyposes.values():
         require_before_camera(skeleton, pose)
     keyframes = [
-        keyframe_of(skeleton, keyposes[frame], frame, state.times_s) for frame in state.keys
+        keyframe
+        if _is_posed_as(state.skeleton, keyframe, keyposes[keyframe.frame])
+        else keyframe_of(skeleton, keyposes[keyframe.frame], keyframe.frame, state.times_s)
+        for keyframe in state.doc.keyframes
     ]
     drafts = tuple(at_new_focal(draft, nearer) for draft in state.doc.drafts)
     for draft in drafts:
@@ -64,6 +70,13 @@ def with_sizes_fitted(
         update["lens_source"] = "fitted"
     doc = with_keyframes(state.doc.model_copy(update=update), keyframes)
     return _after(state, doc, "fit the sizes", state.frame)
+
+
+def _is_posed_as(skeleton: Skeleton, keyframe: Keyframe, pose: Pose) -> bool:
+    own = keyframe.pose(skeleton)
+    return np.array_equal(own.Rs_parent_part, pose.Rs_parent_part) and np.array_equal(
+        own.p_camera_root, pose.p_camera_root
+    )
 
 
 def _after(state: EditorState, doc: Session, label: str, frame: int) -> EditorState:

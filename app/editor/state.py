@@ -48,7 +48,8 @@ class EditorState:
     """doc: the session as it stands, results left out.  times_s: (frames,) seconds.
 
     skeleton always is the layout of doc.body; `opening` is where a body first stands.  over: names
-    of the gestures that ended lately, whose late moves count no more.
+    of the gestures that ended lately, whose late moves count no more.  compared: a document whose
+    body is shown beside this one's, as an outline.
     """
 
     doc: Session
@@ -63,6 +64,7 @@ class EditorState:
     stroke: Stroke | None = None
     over: tuple[str, ...] = ()
     clipboard: Keyframe | None = None
+    compared: Session | None = None
 
     @property
     def frame_count(self) -> int:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from app.jobs.messages import (
-    Change,
     Drafted,
     Drafting,
     DraftOrder,
@@ -13,6 +12,7 @@ from app.jobs.messages import (
     JobFinished,
     PassFinished,
     PoseFitted,
+    PoseFitting,
     PoseOrder,
     Ready,
     Report,
@@ -30,7 +30,6 @@ from app.jobs.tracking import LIVE, Tracking
 
 __all__ = [
     "LIVE",
-    "Change",
     "DraftOrder",
     "Drafted",
     "Drafting",
@@ -40,6 +39,7 @@ __all__ = [
     "JobFinished",
     "PassFinished",
     "PoseFitted",
+    "PoseFitting",
     "PoseOrder",
     "Progress",
     "Ready",

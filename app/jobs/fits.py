@@ -20,6 +20,7 @@ from app.jobs.messages import (
     JobFailed,
     JobFinished,
     PoseFitted,
+    PoseFitting,
     PoseOrder,
     Report,
     SizesFitted,
@@ -30,6 +31,7 @@ from tracker.body.skeleton import Skeleton
 from tracker.errors import SurfaceError, one_sentence
 from tracker.session import Session
 from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
+from tracker.storage import keypoints
 from tracker.video import Video
 
 if TYPE_CHECKING:
@@ -98,12 +100,15 @@ class Fit:
 
     def _pose(self, order: PoseOrder, session: Session, video: Video) -> PoseFitted:
         from tracker.fitting.pose import fit_pose_to_picture  # loads what only this needs
+        from tracker.storage.tracking import keypoint_source
 
         skeleton = Skeleton.of(session.body)
         others = {k.frame: k.pose(skeleton) for k in session.keyframes if k.frame != order.frame}
+        source = keypoint_source(session, video, keypoints.of_session(session, Path(order.folder)))
         found = fit_pose_to_picture(
             video, session.camera, skeleton, order.frame, order.pose, others, order.tracked,
-            masks=session.ignore_masks, cancelled=self._cancelled.is_set,
+            masks=session.ignore_masks, cancelled=self._cancelled.is_set, source=source,
+            report=lambda pose: self._send(PoseFitting(order.job, order.frame, pose)),
         )  # fmt: skip
         return PoseFitted(order.job, found.pose, found.way != "nothing", found.message)
 
@@ -115,10 +120,10 @@ class Fit:
         found = fit_sizes(
             video, session.camera, session.body, keyposes, focal=order.focal,
             masks=session.ignore_masks, cancelled=self._cancelled.is_set,
+            up=session.up_camera,
         )  # fmt: skip
-        return SizesFitted(
-            order.job, found.body, found.camera, found.keyposes, found.message, found.changes
-        )
+        given = (found.error_px, found.alone, found.with_poses, found.unseen)
+        return SizesFitted(order.job, found.message, *given)
 
     def _draft(self, order: DraftOrder, session: Session, video: Video) -> Drafted:
         def tell(progress: DraftProgress) -> None:

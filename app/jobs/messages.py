@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from tracker.body.body import Body
 from tracker.body.pose import Pose
-from tracker.geometry.camera import Camera
 from tracker.keypoints.keypoints import Keypoints
 from tracker.keypoints.region import Box
 from tracker.session.settings import Quality
@@ -19,6 +18,7 @@ from tracker.tracking.space.result import SpaceResult
 
 if TYPE_CHECKING:
     from tracker.fitting.draft import Proposal
+    from tracker.fitting.sizes import Proposal as SizesProposal
 
 Wanted: TypeAlias = tuple[int, int, str]
 """First frame, last frame and key of a segment to track."""
@@ -197,10 +197,6 @@ class JobFailed:
     words: str
 
 
-Change: TypeAlias = tuple[str, str, float, float]
-"""Part, which of its sizes, and that size before and after, centimetres."""
-
-
 @dataclass(frozen=True, eq=False)
 class PoseFitted:
     """The pose of a frame as its picture shows it, and what that changed, in words.
@@ -215,15 +211,28 @@ class PoseFitted:
 
 
 @dataclass(frozen=True, eq=False)
-class SizesFitted:
-    """The body and the camera that fit the keyframes' pictures, and the keyframes' poses then."""
+class PoseFitting:
+    """The pose of a frame as far as it is fitted."""
 
     job: int
-    body: Body
-    camera: Camera
-    keyposes: Mapping[int, Pose]
+    frame: int
+    pose: Pose
+
+
+@dataclass(frozen=True, eq=False)
+class SizesFitted:
+    """What fits the keyframes' pictures better, to be chosen from.
+
+    error_px: of the body's outline as it is.  alone: other sizes, poses as they are; with_poses:
+    limbs posed anew as well.  Either is None where it fits no better; unseen: parts.
+    """
+
+    job: int
     words: str
-    changes: tuple[Change, ...]
+    error_px: float = 0.0
+    alone: SizesProposal | None = None
+    with_poses: SizesProposal | None = None
+    unseen: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -263,6 +272,7 @@ Report: TypeAlias = (
     | SegmentFinished
     | SpaceSolved
     | Drafting
+    | PoseFitting
     | JobFinished
     | JobFailed
     | Fitted

@@ -14,7 +14,7 @@ from tracker.body.scaling import with_parts
 from tracker.body.shapes import KINDS, Shape
 from tracker.errors import BodyError
 
-SizeRole: TypeAlias = Literal["length", "width", "radius", "other"]
+SizeRole: TypeAlias = Literal["length", "width", "other"]
 
 SMALLEST_CM = 0.2
 LARGEST_CM = 1000.0
@@ -33,11 +33,11 @@ _ENDS = {
 }
 _LABELS_OF_AXES = {
     "clavicle": {"length": "Height", "width": "Length"},
-    "hand": {"width": "Thickness", "depth": "Width"},
+    "hand": {"width": "Depth", "depth": "Width"},
     "foot": {"length": "Height", "depth": "Length"},
 }
 """Of parts that have one size along each of their axes."""
-_ROLES: Mapping[str, SizeRole] = {"length": "length", "width": "width", "radius": "radius"}
+_ROLES: Mapping[str, SizeRole] = {"length": "length", "width": "width", "radius": "width"}
 _ROLES_OF_AXES: Mapping[str, Mapping[str, SizeRole]] = {
     "clavicle": {"width": "length", "depth": "width"},
     "hand": {"length": "length", "depth": "width"},
@@ -70,13 +70,23 @@ def part_sizes(body: Body, part: str) -> tuple[Size, ...]:
         Size(
             size.key,
             label,
-            100 * size.metres,
-            *_span(100 * size.metres),
+            across_cm(size.key, size.metres),
+            *_span(across_cm(size.key, size.metres)),
             size.p_part,
             _role(kind_of(part), size.key, keys),
         )
         for size, label in zip(sizes, _labels(kind_of(part), keys), strict=True)
     )
+
+
+def across_cm(key: str, metres: float) -> float:
+    """A shape's size in centimetres: a radius as how far the part is across, like any width."""
+    return (200 if key.endswith("radius") else 100) * metres
+
+
+def _metres(key: str, cm: float) -> float:
+    """The shape's own size."""
+    return cm / (200 if key.endswith("radius") else 100)
 
 
 def with_shape(body: Body, part: str, kind: str, *, linked: bool = True) -> Body:
@@ -112,12 +122,14 @@ def with_size(body: Body, part: str, key: str, cm: float, *, linked: bool = True
     def change(given: Part) -> Part:
         update: dict[str, object] = {}
         if given.name in names:
-            new = given.shape.with_size(key, cm / 100)
+            new = given.shape.with_size(key, _metres(key, cm))
             carry = _carrier(given.shape, new)
             update = {"shape": new, "landmarks": {k: carry(p) for k, p in given.landmarks.items()}}
         if given.parent in names:
             parent = body.parts[body.index(given.parent)].shape
-            update["joint_m"] = _carrier(parent, parent.with_size(key, cm / 100))(given.joint_m)
+            update["joint_m"] = _carrier(parent, parent.with_size(key, _metres(key, cm)))(
+                given.joint_m
+            )
         return given.model_copy(update=update) if update else given
 
     return with_parts(body, tuple(map(change, body.parts)))
@@ -163,10 +175,10 @@ def _labels(kind: str, keys: Sequence[str]) -> Iterator[str]:
     for key in keys:
         end, _, what = key.rpartition("_")
         if not end:
-            yield own.get(key, key.capitalize())
+            yield own.get(key, "Width" if what == "radius" else key.capitalize())
             continue
         place = _ENDS.get(kind, ("joint", "end"))[end == "end"]
-        yield f"At {place}" if what == "radius" else f"{what.capitalize()} at {place}"
+        yield f"{'Width' if what == 'radius' else what.capitalize()} at {place}"
 
 
 def _carrier(before: Shape, after: Shape) -> Callable[[Point], Point]:

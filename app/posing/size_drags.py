@@ -60,7 +60,7 @@ def _key(context: GestureContext, handle: SizeHandle) -> str:
 
 def _worth(key: str) -> float:
     """Whole widths grow at both sides when one is dragged."""
-    return 2.0 if key.endswith(("width", "depth")) else 1.0
+    return 2.0 if key.endswith(("width", "depth", "radius")) else 1.0
 
 
 def _way(

@@ -33,13 +33,15 @@ from app.scene.nodes import (
     light,
 )
 from app.scene.viser_compat import ROLES, Portless, Role, hide_from
-from tracker.body.body import Body
+from tracker.body.body import Body, Part
 from tracker.geometry.rotations import Array, apply_transform, quaternion_wxyz
 
 __all__ = ["Mode", "Role", "Scenery", "Stage", "Trail"]
 
 GHOST_COLOURS: tuple[Colour, Colour] = ((134, 217, 147), (217, 213, 199))
 """Of the keyframe before, and of the one after."""
+BEFORE_COLOUR: Colour = (226, 226, 230)
+"""Of the body that new sizes are compared with."""
 
 _SMALL: tuple[Role, ...] = ("top", "side", "front")
 _OPAQUE: tuple[Role, ...] = (*_SMALL, "free")
@@ -86,6 +88,7 @@ class Scenery:
     selected:  names of parts.
     opacity:   of the body over the picture, 0 to 1.
     ghosts:    up to two other poses (frame, Ts_camera_part): the one before and the one after.
+    before:    another body and its Ts_camera_part, drawn as an outline to compare with.
     Rs_view_camera: (3, 3) of the small views; of those not named the usual ones.
     telephoto: rays to the camera are parallel.
     """
@@ -96,6 +99,7 @@ class Scenery:
     mode: Mode = "both"
     opacity: float = 0.5
     ghosts: tuple[tuple[int, Array], ...] = ()
+    before: tuple[Body, Array] | None = None
     trail: Trail | None = None
     Rs_view_camera: dict[Role, Array] = field(default_factory=dict)
     telephoto: bool = False
@@ -178,6 +182,8 @@ class Stage:
                 self._draw_outlines(scenery)
             if was is None or new_body or new_sides or was.ghosts is not scenery.ghosts:
                 self._draw_ghosts(scenery)
+            if was is None or new_sides or was.before is not scenery.before:
+                self._draw_before(scenery)
             if was is None or was.trail is not scenery.trail:
                 self._draw_trail(scenery.trail)
         self._viser.server.flush()
@@ -208,6 +214,7 @@ class Stage:
         for role in _OUTLINED:
             for lines in ("outline", "held"):
                 self._reserve(f"{ROOT}/{lines}/{role}", (role,))
+            self._reserve(f"{ROOT}/before/{role}", (role,))
             for number in range(2):
                 self._reserve(f"{ROOT}/ghost/{number}/{role}", (role,))
 
@@ -284,19 +291,18 @@ class Stage:
             for role in _OUTLINED:
                 lines = np.zeros((0, 2, 3), dtype=np.float32)
                 if number < len(scenery.ghosts):
-                    lines = self._ghost(scenery, scenery.ghosts[number][1], role)
+                    assert self._outline is not None
+                    Ts = scenery.ghosts[number][1]
+                    lines = _body_lines(scenery.body, self._outline, Ts, scenery.rays(role))
                 self._put(f"{ROOT}/ghost/{number}/{role}", lines, colour, GHOST_PX)
 
-    def _ghost(self, scenery: Scenery, Ts_camera_part: Array, role: Role) -> Segments:
-        """All lines (N, 2, 3) of another pose as one view sees it, camera frame."""
-        assert self._outline is not None
-        parts = [rim_lines(part.shape).astype(np.float64) for part in scenery.body.parts]
-        rims = [
-            apply_transform(T, lines.reshape(-1, 3)).reshape(-1, 2, 3)
-            for T, lines in zip(Ts_camera_part, parts, strict=True)
-        ]
-        sides = self._outline.lines(Ts_camera_part, scenery.rays(role))
-        return np.concatenate([sides, *rims]).astype(np.float32)
+    def _draw_before(self, scenery: Scenery) -> None:
+        for role in ROLES:
+            lines = np.zeros((0, 2, 3), dtype=np.float32)
+            if scenery.before is not None:
+                body, Ts = scenery.before
+                lines = _body_lines(body, Outline.of(body), Ts, scenery.rays(role))
+            self._put(f"{ROOT}/before/{role}", lines, BEFORE_COLOUR, LINE_PX)
 
     def _draw_trail(self, trail: Trail | None) -> None:
         if trail is None:
@@ -318,3 +324,18 @@ class Stage:
             self._lines.pop(name).remove()
         if len(points):
             self._lines[name] = add_lines(self._scene, name, points, ends, width_px)
+
+
+def _body_lines(
+    body: Body, outline: Outline, Ts_camera_part: Array, rays: Array | None
+) -> Segments:
+    """All lines (N, 2, 3) of a body in a pose as one view sees it, camera frame."""
+    rims = [
+        apply_transform(T, lines.astype(np.float64).reshape(-1, 3)).reshape(-1, 2, 3)
+        for T, lines in zip(Ts_camera_part, map(_rims, body.parts), strict=True)
+    ]
+    return np.concatenate([outline.lines(Ts_camera_part, rays), *rims]).astype(np.float32)
+
+
+def _rims(part: Part) -> Segments:
+    return rim_lines(part.shape)

@@ -13,6 +13,7 @@ from app.posing import view_rotations
 from app.scene.scene import Scenery, Trail
 from app.scene.viser_compat import Role
 from app.store.identity import unchanged
+from tracker.body.body import Body
 from tracker.body.pose import pose_transforms
 from tracker.geometry.rotations import Array
 
@@ -41,6 +42,9 @@ class SceneryMaker:
             ghosts=self._once("ghosts", around, lambda: _ghosts(edit)),
             trail=self._once("trail", (trail, edit.frame), lambda: _trail(trail, edit.frame)),
             Rs_view_camera=self._once("views", (edit.doc.up_camera,), lambda: _views(edit)),
+            before=self._once(
+                "before", (edit.compared, edit.frame, edit.results), lambda: _before(edit)
+            ),
             telephoto=edit.doc.camera.telephoto_distance_m is not None,
         )
 
@@ -75,6 +79,14 @@ def _ghosts(edit: EditorState) -> Ghosts:
             pose = keyframe.pose(edit.skeleton)
             ghosts.append((frame, pose_transforms(edit.skeleton, pose)))
     return tuple(ghosts)
+
+
+def _before(edit: EditorState) -> tuple[Body, Array] | None:
+    """The body that is compared with, as it is posed at the present frame."""
+    if edit.compared is None:
+        return None
+    other = edit.with_doc(edit.compared)
+    return other.doc.body, pose_transforms(other.skeleton, shown_pose(other).pose)
 
 
 def _trail(section: Any, frame: int) -> Trail | None:

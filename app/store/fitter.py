@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Protocol
+
+import numpy as np
 
 from app.document.open import OpenSession
 from app.editor import actions as do
@@ -15,8 +17,8 @@ from app.editor.drafted import (
     require_draftable,
     with_clip_drafted,
 )
-from app.editor.fitted import pose_to_fit, require_sizes_to_fit, with_pose_fitted, with_sizes_fitted
-from app.editor.shown import find
+from app.editor.fitted import pose_to_fit, require_sizes_to_fit, with_pose_fitted
+from app.editor.shown import find, shown_pose
 from app.editor.state import EditorState
 from app.jobs import (
     Drafted,
@@ -30,16 +32,19 @@ from app.jobs import (
     SizesOrder,
 )
 from app.store.identity import unchanged
+from app.store.preview import SizesPreview
 from app.store.runner import Runner
 from app.store.state import AppState, FitOutcome
 from tracker.body.pose import Pose
 from tracker.errors import KeypointError, KeyposeError
 from tracker.keypoints.keypoints import Keypoints
-from tracker.session.schema import Session
+from tracker.session.schema import Keyframe, Session
 from tracker.storage.atomic import make_folder
 from tracker.storage.keypoints import of_session, save_keypoints
 from tracker.storage.results import pose_at
 
+SAME = 1e-9
+"""Poses that differ by less are the same."""
 NEAR_FRAMES = 8
 """So many frames to both sides the tracked poses are handed over."""
 
@@ -86,8 +91,22 @@ class FitRequest:
         return f"Fit cancelled because the {what} changed."
 
     def is_current(self, edit: EditorState) -> bool:
-        """Whether what it began from still stands."""
-        return unchanged(self._inputs(edit.doc), self._inputs(self.began.doc))
+        """Whether what it began from still stands. A pose that is kept as a keyframe meanwhile is
+        the same pose."""
+        return unchanged(self._inputs(edit.doc), self._inputs(self.began.doc)) and (
+            not isinstance(self.order, PoseOrder) or self._is_posed(edit, self.order)
+        )
+
+    def _is_posed(self, edit: EditorState, order: PoseOrder) -> bool:
+        """Whether the frame still has the pose that is fitted."""
+        known = _pose_at(edit.doc, order.frame), _pose_at(self.began.doc, order.frame)
+        if known[0] is known[1]:
+            return True
+        pose = shown_pose(replace(edit, frame=order.frame)).pose
+        return bool(
+            np.allclose(pose.Rs_parent_part, order.pose.Rs_parent_part, atol=SAME)
+            and np.allclose(pose.p_camera_root, order.pose.p_camera_root, atol=SAME)
+        )
 
     def is_like(self, other: FitRequest) -> bool:
         """Whether the other asks for the same of what still stands."""
@@ -106,7 +125,11 @@ class FitRequest:
         what = (doc.body, doc.camera, doc.ignore_masks, doc.surface)
         if self.frame is None:
             return *what, doc.keyframes, doc.drafts
-        return *what, *(find(known, self.frame) for known in (doc.keyframes, doc.drafts))
+        return what
+
+
+def _pose_at(doc: Session, frame: int) -> Keyframe | None:
+    return find(doc.keyframes, frame) or find(doc.drafts, frame)
 
 
 class Host(Protocol):
@@ -121,6 +144,8 @@ class Host(Protocol):
     def show_fit(self, edit: EditorState, outcome: FitOutcome) -> None: ...
 
     def show_draft(self, edit: EditorState) -> None: ...
+
+    def show_preview(self, preview: SizesPreview) -> None: ...
 
     def note(self, kind: str, words: str) -> None: ...
 
@@ -183,6 +208,9 @@ class Fitter:
             if isinstance(found, Drafted):
                 self._host.show_draft(apply_draft(request, found, edit, opened))
                 return
+            if isinstance(found, SizesFitted):
+                self._preview(found, edit)
+                return
             after, outcome = apply_fit(request, found, edit)
             if after is edit:
                 self._host.note("info", outcome.words)
@@ -192,6 +220,13 @@ class Fitter:
             self._host.note("check", str(error))
         finally:
             self._resume_tracking()
+
+    def _preview(self, found: SizesFitted, edit: EditorState) -> None:
+        preview = SizesPreview.of(found, edit)
+        if preview is None:
+            self._host.note("info", found.words)
+        else:
+            self._host.show_preview(preview)
 
     def _resume_tracking(self) -> None:
         self._request = self._found = None
@@ -205,17 +240,12 @@ class Fitter:
 
 
 def apply_fit(
-    request: FitRequest, fitted: PoseFitted | SizesFitted, edit: EditorState
+    request: FitRequest, fitted: PoseFitted, edit: EditorState
 ) -> tuple[EditorState, FitOutcome]:
     """The state with what was found, and a summary of it; KeyposeError where it is not valid."""
-    if isinstance(fitted, PoseFitted):
-        assert request.frame is not None
-        after = with_pose_fitted(edit, request.frame, fitted.pose) if fitted.found else edit
-        return after, FitOutcome(request.frame, fitted.words, edit.doc, after.doc)
-    if fitted.body == edit.doc.body and fitted.camera == edit.doc.camera:
-        return edit, FitOutcome(None, fitted.words, edit.doc, edit.doc)
-    after = with_sizes_fitted(edit, fitted.body, fitted.camera, fitted.keyposes)
-    return after, FitOutcome(None, fitted.words, edit.doc, after.doc, fitted.changes)
+    assert request.frame is not None
+    after = with_pose_fitted(edit, request.frame, fitted.pose) if fitted.found else edit
+    return after, FitOutcome(request.frame, fitted.words, edit.doc, after.doc)
 
 
 def apply_draft(

@@ -23,6 +23,7 @@ from app.jobs import (
     JobFinished,
     PassFinished,
     PoseFitted,
+    PoseFitting,
     Progress,
     Ready,
     Report,
@@ -80,6 +81,7 @@ class Runner:
         self._progress: Progress | None = None
         self.results: Results | None = None
         self.running: dict[Span, Running] = {}
+        self.fitting: PoseFitting | None = None
         self.job = Job()
 
     # --- called by the store
@@ -93,7 +95,7 @@ class Runner:
         self._tracking.cancel()
         self._past = self._newest
         self._number, self._fit_done, self._waiting = 0, None, frozenset()
-        self.running, self.results, self.job = {}, None, Job()
+        self.running, self.results, self.job, self.fitting = {}, None, Job(), None
 
     def stop(self) -> None:
         """End the worker."""
@@ -134,11 +136,12 @@ class Runner:
     def drop_fit(self) -> None:
         """Drop the fit at work."""
         self._tracking.cancel()
-        self._number = 0
+        self._number, self.fitting = 0, None
 
     def resume(self, opened: OpenSession, edit: EditorState) -> None:
         """The fit is over: track what waited for it."""
         waiting, self._waiting, self._fit_done = self._waiting, frozenset(), None
+        self.fitting = None
         self.job, self.running = Job(), {}
         keys = segment_keys(edit.settled)
         wanted = [(*span, key) for span, key in keys.items() if span in waiting]
@@ -241,6 +244,8 @@ class Runner:
                 self._on_segment(report.result)
             case Drafting():
                 self._on_drafting(report)
+            case PoseFitting():
+                self.fitting = report
             case PoseFitted() | SizesFitted() | Drafted():
                 self._on_fit_end(report)
             case JobFailed() if self._fit_done is not None:
@@ -265,7 +270,7 @@ class Runner:
         self.job = replace(self.job, words=words, percent=percent, seconds_left=left)
 
     def _on_fit_end(self, report: Fitted | JobFailed) -> None:
-        self._number = 0
+        self._number, self.fitting = 0, None
         if self._fit_done is not None:
             self._fit_done(report)
 

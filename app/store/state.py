@@ -6,8 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+from app.editor.documents import posed
 from app.editor.state import EditorState
-from app.jobs import Change
+from app.jobs import PoseFitting
+from app.store.preview import SizesPreview
 from tracker.keypoints.keypoints import Keypoints
 from tracker.session.schema import Session
 from tracker.video import VideoInfo
@@ -30,17 +32,16 @@ class Job:
 
 @dataclass(frozen=True, eq=False)
 class FitOutcome:
-    """What the last fit did, until something else is edited.
+    """What the last fit of a pose did, until something else is edited.
 
-    frame: of the pose that was fitted; None where it was the sizes.
+    frame: of the pose.
     before, after: the documents.  looking_back: `before` is shown just now.
     """
 
-    frame: int | None
+    frame: int
     words: str
     before: Session
     after: Session
-    changes: tuple[Change, ...] = ()
     looking_back: bool = False
 
 
@@ -128,6 +129,7 @@ class AppState:
     server: differs for every start of the program.  revision: differs after every edit.
     draft: the document as the last draft of the clip left it.
     unusable: which observed surfaces cannot be used, a sentence as far as is known, or empty.
+    fitting: how far a pose is fitted.  preview: new sizes that wait to be applied.
     """
 
     server: str = ""
@@ -142,12 +144,23 @@ class AppState:
     fit: FitOutcome | None = None
     draft: Session | None = None
     keypoints: KnownKeypoints = KnownKeypoints()
+    fitting: PoseFitting | None = None
+    preview: SizesPreview | None = None
     surface: SurfaceSeen = SurfaceSeen()
     unusable: str = ""
 
     @property
     def displayed(self) -> AppState:
-        """With what stood before the last fit, while somebody looks back at it."""
-        if self.fit is None or self.edit is None or not self.fit.looking_back:
+        """With what is only shown: a pose as far as it is fitted, new sizes that are not applied
+        yet, or what stood before the last fit while somebody looks back at it."""
+        edit, preview, fitting = self.edit, self.preview, self.fitting
+        if edit is None:
             return self
-        return replace(self, edit=self.edit.with_doc(self.fit.before))
+        if preview is not None:
+            return self if preview.looking_back else replace(self, edit=preview.shown_in(edit))
+        if fitting is not None and fitting.frame == edit.frame and edit.stroke is None:
+            doc = posed(edit.doc, edit.skeleton, fitting.pose, fitting.frame, edit.times_s)
+            return replace(self, edit=edit.with_doc(doc))
+        if self.fit is None or not self.fit.looking_back:
+            return self
+        return replace(self, edit=edit.with_doc(self.fit.before))

@@ -29,6 +29,7 @@ from app.store.examiner import Examiner
 from app.store.fitter import Fitter
 from app.store.guide import guide_after
 from app.store.keypoint_finder import KeypointFinder
+from app.store.preview import WAITING, SizesPreview
 from app.store.runner import Runner
 from app.store.saving import SessionWriter
 from app.store.sections import Sections
@@ -152,6 +153,7 @@ class Store:
             raise Refused("Open a video first.")
         if not isinstance(action, actions.Looking):
             self._writer.lock.require_writable()
+            self._require_no_preview()
         self._edit_to(update(self._app_state.edit, action))
         guide = guide_after(self._app_state.guide, action, self._app_state.edit.doc.body)
         if guide is not self._app_state.guide:
@@ -246,7 +248,7 @@ class Store:
         self._next_progress = self._loop.time() + rest
         if edit is not None and runner.results is not None:
             edit = replace(edit, results=runner.results)
-        self._set(edit=edit, job=runner.job, running=dict(runner.running))
+        self._set(edit=edit, job=runner.job, running=dict(runner.running), fitting=runner.fitting)
 
     def _run_action(self, action: actions.Running) -> None:
         if isinstance(action, actions.Open):
@@ -262,10 +264,13 @@ class Store:
             self._show_before(action.on)
         elif isinstance(action, actions.CloseFit):
             self._set(fit=None)
+        elif isinstance(action, actions.Previewing):
+            self._answer_preview(action)
         elif self._app_state.edit is None or self._opened is None:
             raise Refused("Open a video first.")
         else:
             self._writer.lock.require_writable()
+            self._require_no_preview()
             self._edit_to(end_stroke(self._app_state.edit))
             if isinstance(action, actions.Track):
                 self._runner.track(self._opened, self._app_state.edit, action.what)
@@ -279,13 +284,36 @@ class Store:
         self._edit_to(edit)
         self._set(fit=outcome)
 
+    def show_preview(self, preview: SizesPreview) -> None:
+        """Show new sizes, and wait for an answer."""
+        self._set(preview=preview, fit=None)
+
+    def _answer_preview(self, action: actions.Previewing) -> None:
+        preview, edit = self._app_state.preview, self._app_state.edit
+        if preview is None or edit is None:
+            raise Refused("There are no new sizes to answer.")
+        if isinstance(action, actions.PreviewPoses):
+            self._set(preview=preview.choosing(action.on))
+            return
+        if isinstance(action, actions.ApplySizes):
+            self._writer.lock.require_writable()
+            edit = preview.applied_to(edit)
+        self._set(preview=None)
+        self._edit_to(edit)
+
+    def _require_no_preview(self) -> None:
+        if self._app_state.preview is not None:
+            raise Refused(WAITING)
+
     def show_draft(self, edit: EditorState) -> None:
         """Go on from the drafts of the clip."""
         self._edit_to(edit)
         self._set(draft=edit.doc)
 
     def _show_before(self, on: bool) -> None:
-        fit = self._app_state.fit
+        fit, preview = self._app_state.fit, self._app_state.preview
+        if preview is not None and preview.looking_back != on:
+            self._set(preview=replace(preview, looking_back=on))
         if fit is not None and fit.looking_back != on:
             self._set(fit=replace(fit, looking_back=on))
 
@@ -404,7 +432,7 @@ class Store:
         self._writer.close()
         self._clients = Clients()
         self._set(opened=None, edit=None, running={}, job=Job(), saved=Saved(), fit=None)
-        self._set(draft=None, keypoints=KnownKeypoints())
+        self._set(draft=None, preview=None, fitting=None, keypoints=KnownKeypoints())
         self._set(surface=SurfaceSeen(), unusable="", revision="")
         if examiner is not None:
             await asyncio.to_thread(examiner.close)

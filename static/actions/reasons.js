@@ -32,7 +32,7 @@ export function whyNotFitPose() {
 }
 
 export function whyNotFitSizes() {
-  return (server.keys?.frames.length ?? 0) < 2 ? 'Add a second keyframe first' : '';
+  return (server.keys?.frames.length ?? 0) < 2 ? 'Needs 2 keyframes that show the body from different sides' : '';
 }
 
 export function whyNotSwap() {

@@ -18,6 +18,7 @@ export function headbar() {
     <span class="row b what name" title="Double-click for the free view" @dblclick=${() => setUi('layout', 'free')}><kbd>${VIEW_KEYS[name]}</kbd>${VIEW_NAMES[name]}</span>
     <span class="vsep"></span>
     ${poseStatus()}
+    ${server.sizes_preview ? html`<span class="preview">Preview of new sizes</span>` : nothing}
     ${ui.layout === 'quad' ? nothing : chips()}
   </div>`;
 }

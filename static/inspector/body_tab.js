@@ -10,10 +10,12 @@ import { checkbox, dropdown, iconButton, numberField } from '../controls/fields.
 import { line, measure, partName, section } from './section.js';
 import { partNamed } from '../store/parts.js';
 import { sizeSpec } from './size.js';
+import { sizesPreview } from './sizes_preview.js';
 
 const HEIGHTS_CM = [100, 220];
 
 export function bodyTab() {
+  if (server.sizes_preview) return sizesPreview();
   return html`${whole()}${section('Sizes', table())}`;
 }
 
@@ -96,15 +98,7 @@ function table() {
 function leading(part) {
   const along = part.sizes.find(({ role }) => role === 'length') ?? part.sizes[0];
   const rest = part.sizes.filter((one) => one !== along);
-  return [along, rest.find(({ role }) => role === 'width' || role === 'radius') ?? rest[0]].filter(Boolean);
-}
-
-/** Here a radius is shown as a width, so that one column holds one thing. */
-function tableSpec(part, one) {
-  const spec = sizeSpec(part, one);
-  if (one.role !== 'radius') return spec;
-  const edit = (cm) => ({ do: 'size', part: part.name, key: one.key, cm: cm / 2 });
-  return { ...spec, key: `${spec.key}.width`, label: 'Width', value: 2 * one.cm, min: 2 * spec.min, max: 2 * spec.max, edit };
+  return [along, rest.find(({ role }) => role === 'width') ?? rest[0]].filter(Boolean);
 }
 
 /** The parts that have a row. A pair has one, at its first part's place, where both go together. */
@@ -126,7 +120,7 @@ function row(part) {
   const both = server.view.link && Boolean(part.mirror);
   return html`<div class="size ${part.name === server.view.selected ? 'sel' : ''}">
     ${partName(part, both)}${leading(part).map((one) => {
-      const spec = tableSpec(part, one);
+      const spec = sizeSpec(part, one);
       return numberField({ ...spec, title: `${part.label}, ${spec.label.toLowerCase()}: drag sideways or type` });
     })}
   </div>`;

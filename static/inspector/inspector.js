@@ -38,6 +38,7 @@ const SHOWN = [
   'file', 'surface', 'camera', 'body', 'view', 'pose', 'keys', 'segments', 'errors', 'space', 'draft', 'job', 'lanes', 'masks', 'settings', 'cues', 'networks', 'keypoints', 'clipboard',
   'u:tab', 'u:tool', 'u:hover', 'u:figureHover', 'u:freeAxes', 'u:lens', 'u:mask', 'u:box',
   'u:rings', 'u:allKeypoints', 'u:draftRange', 'u:segmentFirst', 'u:allFreedoms', 'u:fitFocal',
+  'sizes_preview', 'u:allSizes',
 ];
 
 /** What was selected when it was last brought into sight. */

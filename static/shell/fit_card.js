@@ -4,7 +4,6 @@
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { addOnTop } from '../controls/elements.js';
 import { actionButton } from '../actions/buttons.js';
-import { signedNumber } from '../controls/arithmetic.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
 import { server, ui, watch } from '../store/state.js';
@@ -39,7 +38,7 @@ export function closeFit() {
 
 /** The fit of a pose is shown at its own frame. */
 function isOpen() {
-  return Boolean(server.file && server.fit) && (server.fit.frame === null || server.fit.frame === server.view?.frame);
+  return Boolean(server.file && server.fit) && server.fit.frame === server.view?.frame;
 }
 
 /** By this tab's button, not by the server's answer: a short press ends too. */
@@ -50,15 +49,14 @@ function lookBack(on) {
 }
 
 function card() {
-  const { frame, words, looking_back: back, changes } = server.fit;
+  const { frame, words, looking_back: back } = server.fit;
   return html`<div class="coach fitcard" role="status" aria-label="Fitted">
     <div class="row head">
-      ${icon('wand')}<b>${frame === null ? 'Sizes fitted' : html`Frame <span class="num">${frame}</span> fitted`}</b>
+      ${icon('wand')}<b>Frame <span class="num">${frame}</span> fitted</b>
       <span class="sp"></span>
       <button class="ib s" title="Close" data-key="Esc" aria-label="Close" @click=${closeFit}>${icon('x')}</button>
     </div>
     <p>${keepUnits(words)}</p>
-    ${changes.length ? table(changes) : nothing}
     <div class="row foot">
       <button class="btn sm before" aria-pressed=${back} data-keeps-focus
         title="Hold to see the pose before the fit"
@@ -82,30 +80,6 @@ function holdKey(event, on) {
   event.stopPropagation();
   if (!event.repeat) lookBack(on);
 }
-
-/** A row for each size that changed: part, before → after in centimetres. */
-function table(changes) {
-  return html`<div class="changes" role="table" aria-label="Sizes in centimetres">
-    ${changes.map(
-      ({ part, what, before, after }) => html`<div class="row" role="row">
-        <span class="cut" role="cell" title=${`${part}, ${what}`}>${part} <span class="dim">${what}</span></span>
-        ${what === 'thickness' ? inPercent(before, after) : inCentimetres(before, after)}
-      </div>`,
-    )}
-  </div>`;
-}
-
-const inCentimetres = (before, after) => html`
-  <span class="num mut" role="cell">${before.toFixed(1)}</span><span class="dim">→</span>
-  <b class="num" role="cell">${after.toFixed(1)}</b>
-  <span class="num dim by" role="cell">${signedNumber(after - before, 1)}</span>`;
-
-/** A part has several sizes across it, and all of them change by the same share. */
-const inPercent = (before, after) => {
-  const share = Math.round(100 * (after / before - 1));
-  return html`<span></span><span></span><b class="num" role="cell">${signedNumber(share, 0)} %</b>
-    <span class="num dim by" role="cell"></span>`;
-};
 
 /** It is placed once for its words, and does not wander while one looks. */
 function stand(element) {

@@ -6,6 +6,7 @@ import { closeSheets } from '../controls/dialogs.js';
 import { keepsKey, leaveControl } from '../controls/focus.js';
 import { closeMenu } from '../controls/menu.js';
 import { closeGuide } from '../guide/guide.js';
+import { discardSizes, lookBack, onPreviewKey } from '../actions/preview.js';
 import { closeFit } from './fit_card.js';
 import { cancelJob } from './job.js';
 
@@ -15,7 +16,11 @@ export function mountKeys() {
   addEventListener('keydown', onKeyDown);
   addEventListener('keyup', onKeyUp);
   addEventListener('pointerdown', () => (space.isUsed = true), true);
-  addEventListener('blur', () => setUi('space', false));
+  addEventListener('blur', () => {
+    setUi('space', false);
+    lookBack(false);
+  });
+  for (const kind of ['pointerup', 'pointercancel']) addEventListener(kind, () => lookBack(false));
 }
 
 /** "Ctrl Shift Z": the key with its modifiers; empty when none of ours is meant. */
@@ -50,6 +55,7 @@ function onKeyDown(event) {
     return;
   }
   if (keepsKey(chord) || hasText(chord) || isModal(chord)) return;
+  if (onPreviewKey(chord, event)) return;
   if (chord === 'Space') {
     pressSpace(event);
     return;
@@ -62,7 +68,7 @@ function onKeyDown(event) {
 
 /** What Esc ends, the nearest first; whether there was anything. */
 function escape() {
-  return closeSheets() || closeMenu() || leaveControl() || closeFit() || closeGuide() || cancelJob();
+  return closeSheets() || closeMenu() || leaveControl() || discardSizes() || closeFit() || closeGuide() || cancelJob();
 }
 
 /** A text that is marked in a message is what Ctrl C should copy. */
@@ -83,6 +89,7 @@ function pressSpace(event) {
 }
 
 function onKeyUp(event) {
+  if (event.key.toUpperCase() === 'B') lookBack(false);
   if (event.key !== ' ' || !ui.space) return;
   setUi('space', false);
   if (!space.isUsed) perform('play');

@@ -264,11 +264,30 @@
 /** @typedef {{ frame: number, points: Keypoint[] }} Keypoints */
 
 /**
- * @typedef {object} Fit  What the last fit did.
- * @property {number | null} frame
+ * @typedef {object} Fit  What the last fit of a pose did.
+ * @property {number} frame
  * @property {string} words
  * @property {boolean} looking_back
- * @property {{ part: string, what: string, before: string, after: string }[]} changes
+ */
+
+/** @typedef {{ before: number, after: number }} Difference */
+/** @typedef {{ part: string, what: string, pair: boolean, before: number, after: number }} NewSize */
+/** @typedef {{ part: string, deg: number }} Turned */
+/** @typedef {{ frame: number, parts: Turned[] }} NewPose */
+
+/**
+ * @typedef {object} SizesPreview  New sizes that wait to be applied or discarded.
+ * @property {string} words
+ * @property {number} keyframes
+ * @property {Difference} error  Of the body's outline, pixels.
+ * @property {Difference} height  Centimetres.
+ * @property {NewSize[]} changes  Centimetres.
+ * @property {string[]} unseen  Parts that the pictures do not tell.
+ * @property {boolean} poses  Whether other poses are shown with them.
+ * @property {boolean} choice  Whether they fit better both with and without other poses.
+ * @property {NewPose[]} turns  What other poses turn.
+ * @property {number} outdated  Segments.
+ * @property {boolean} looking_back
  */
 
 /**
@@ -327,6 +346,7 @@
  * @property {NetworkHere[]} networks
  * @property {Keypoints | null} keypoints  Of the present frame; null where none are known.
  * @property {Fit | null} fit
+ * @property {SizesPreview | null} sizes_preview
  * @property {Drafted | null} draft
  * @property {Job} job
  * @property {Saved} saved
@@ -437,6 +457,7 @@
  * @property {boolean} [allFreedoms]
  * @property {boolean} [fitFocal]
  * @property {boolean} [orbited]  The free view was turned at least once.
+ * @property {boolean} [allSizes]  Whether new sizes that hardly change are listed too.
  * @property {string | null} [figureHover]
  * @property {number} [segmentFirst]
  * @property {Set<string>} [freeAxes]

@@ -4,6 +4,7 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { keyOf, labelOf, perform, titleOf } from '../actions/actions.js';
 import { actionIcon } from '../actions/buttons.js';
+import { applySizes, isPreview, outdatedWords } from '../actions/preview.js';
 import { placesWords, reasonOf } from '../actions/drafting.js';
 import { frame, goTo, placeAhead, stopPlaying, isKey, keyFrames } from '../actions/playhead.js';
 import { icon } from '../controls/icons.js';
@@ -36,6 +37,7 @@ const SUGGESTION_ICONS = { good: 'check', track: 'track', look: 'warn', confirm:
 /** What helps most now: bold what to do, then why, then a button that does it. While it is being
  * done, how far it is. */
 function drawSuggestion() {
+  if (isPreview()) return newSizes();
   const suggest = confirmation() ?? server.suggest;
   if (!suggest) return nothing;
   const { state, title, words } = server.job ?? {};
@@ -45,6 +47,13 @@ function drawSuggestion() {
     ${icon(SUGGESTION_ICONS[suggest.kind] ?? 'keyadd')}
     <span class="tx"><b>${said.title}</b> <span class="mut">${said.detail}</span></span>
     ${atWork ? html`<span class="pad"></span>` : suggestionButton(suggest)}</div>`;
+}
+
+/** New sizes wait for an answer before anything else. */
+function newSizes() {
+  return html`<div class="sug preview" role="status">${icon('size')}
+    <span class="tx"><b>New sizes fit better.</b> <span class="mut">${outdatedWords()}</span></span>
+    <button class="btn sm pri" @click=${applySizes}>Apply<kbd>Enter</kbd></button></div>`;
 }
 
 /** A draft waits to be confirmed before anything else. */

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tests.benchmarks.keeping import ROOT, Absent, digest, place_for
-from tests.benchmarks.marked import load_person
+from tests.benchmarks.marked import load_person, load_walk
 from tests.benchmarks.sequences import video_of
 from tests.benchmarks.table import Expected, Pair, Report, Table
 from tests.benchmarks.tracking import track
@@ -21,15 +21,21 @@ from tracker.body.trajectory import joined
 from tracker.fitting.pose import fit_pose_to_picture as fit
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
+from tracker.tracking.cues.sources import DetectedKeypoints, FrameSource
 from tracker.tracking.tracker import Tracker
 from tracker.video import Video
 
 STRETCHES = {"walk": (0, 72), "speech": (0, 72), "throw": (47, 119)}
-INTERVAL, MARKED_INTERVAL = 24, 15
+INTERVAL = 24
 TURN_RAD, SHIFT_M = np.radians(3.0), 0.015
 SEEDS = (1, 2, 3)
 BESIDE = 10
-MOST_PX = {"rendered": 0.5, "person": 3.0}
+MOST_PX = {"rendered": 0.5, "person": 5.0, "walk": 3.0}
+REAL = (
+    ("person", load_person, (15, 30, 45), 15),
+    ("walk", load_walk, (40, 50, 60), 10),
+)
+"""Frames that are fitted, and how far away the keyframes beside them are."""
 CORRECT_PX = 1.0
 COLUMNS = ("posed", "fitted", "worst", "in space", "across", "correct", "decided by", "s")
 
@@ -45,6 +51,7 @@ class _Subject:
     poses: Mapping[int, Pose]
     frames: Sequence[int]
     interval: int
+    source: FrameSource | None = None
 
     def rough(self, frame: int, seed: int) -> Pose:
         """The known pose as a hand would set it."""
@@ -80,17 +87,18 @@ def fit_here(report: Report) -> None:
             report.note(f"left out: {absent} is not here")
             continue
         _rows(table, subject, "rendered")
-    try:
-        person = load_person()
-    except Absent as absent:
-        report.note(f"left out: {absent} is not here")
-        return
-    with Video.open(person.video) as video:
-        subject = _Subject(
-            "person", video, person.camera, person.skeleton, person.poses, (15, 30, 45),
-            MARKED_INTERVAL,
-        )  # fmt: skip
-        _rows(table, subject, "person")
+    for name, load, frames, interval in REAL:
+        try:
+            person = load()
+        except Absent as absent:
+            report.note(f"left out: {absent} is not here")
+            continue
+        with Video.open(person.video) as video:
+            source = DetectedKeypoints(video, person.camera)
+            subject = _Subject(
+                name, video, person.camera, person.skeleton, person.poses, frames, interval, source
+            )
+            _rows(table, subject, name)
 
 
 def _rendered(name: str) -> _Subject:
@@ -135,7 +143,9 @@ def _rows(table: Table, subject: _Subject, kind: str) -> None:
             Pair(float(posed[:, 1].mean()), float(fitted[:, 1].mean()), ("posed", "fitted")),
             Pair(float(posed[:, 2].mean()), float(fitted[:, 2].mean()), ("posed", "fitted")),
             float(np.mean(correct)),
-            " ".join(f"{ways.count(w)}{w[0]}" for w in ("neighbours", "outline", "nothing")),
+            " ".join(
+                f"{ways.count(w)}{w[0]}" for w in ("joints", "neighbours", "outline", "nothing")
+            ),
             float(np.median([one[3] for one in found])),
             expected=expected,
         )
@@ -147,7 +157,8 @@ def _one(subject: _Subject, way: str, frame: int, seed: int) -> tuple[Array, Arr
     keyposes, tracked = _beside(subject, way, frame, seed)
     began = time.perf_counter()
     found = fit(
-        subject.video, subject.camera, subject.skeleton, frame, pose, keyposes, tracked
+        subject.video, subject.camera, subject.skeleton, frame, pose, keyposes, tracked,
+        source=subject.source,
     )  # fmt: skip
     seconds = time.perf_counter() - began
     errors = subject.errors(frame, pose), subject.errors(frame, found.pose)
@@ -159,7 +170,7 @@ def _moved(subject: _Subject, way: str, frame: int) -> float:
     keyposes, tracked = _beside(subject, way, frame, 0)
     found = fit(
         subject.video, subject.camera, subject.skeleton, frame, subject.poses[frame], keyposes,
-        tracked,
+        tracked, source=subject.source,
     )  # fmt: skip
     return float(subject.errors(frame, found.pose)[0])
 

@@ -152,25 +152,50 @@ def test_fit_here_without_any_pose_says_why_not(at: Desk) -> None:
     assert section(page, "job.state") == "idle"
 
 
-def test_fitted_sizes_are_listed_and_taken_back_in_one_step(at: Desk) -> None:
+def test_new_sizes_are_shown_compared_and_applied_in_one_step(at: Desk) -> None:
     page = at.page
     true_cm = shin_cm(at)
     at.visitor.do(do="size", part="left_shin", key="length", cm=1.06 * true_cm)
     before = at.agreed("body")
     page.get_by_role("tab", name="Body").click()
     page.get_by_role("button", name="Fit sizes").click()
-    fitted(page)
+    until_told(page, "sizes_preview", bool, SECONDS_TO_FIT)
+    page.get_by_text("Preview of new sizes").wait_for()
+    page.get_by_text("New sizes fit better.").wait_for()
+    screen(page, "fit-3-sizes")
+    adjust = page.get_by_role("checkbox", name="Also adjust keyframe poses")
+    assert section(page, "sizes_preview.turns")
+    if section(page, "sizes_preview.choice"):
+        adjust.click()
+    until_told(page, "sizes_preview.poses", bool)
     assert abs(shin_cm(at) - true_cm) < 1.5
     after = at.agreed("body")
-    assert page.locator(".fitcard .changes .row").count() > 0
-    screen(page, "fit-3-sizes")
-    held_before(page, "fit-4-sizes-before")
-    assert section(page, "body") == before
-    page.mouse.up()
-    until(lambda: section(page, "body") == after, "the body that was fitted")
-    page.locator(".fitcard").get_by_role("button", name="Undo").click()
+    page.get_by_role("button", name="Show").click()
+    screen(page, "fit-4-sizes-poses")
+    page.keyboard.down("b")
+    until(lambda: section(page, "body") == before, "the body as it is")
+    screen(page, "fit-5-sizes-before")
+    page.keyboard.up("b")
+    until(lambda: section(page, "body") == after, "the new sizes")
+    page.keyboard.press("Enter")
+    until_told(page, "sizes_preview", lambda preview: preview is None)
+    assert section(page, "undo.undo") == "fit the sizes"
+    assert at.agreed("body") == after
+    page.keyboard.press("Control+z")
     until(lambda: at.agreed("body") == before, "the body as it was")
-    until_counted(page, ".fitcard", 0)
+
+
+def test_new_sizes_that_are_discarded_with_esc_change_nothing(at: Desk) -> None:
+    page = at.page
+    at.visitor.do(do="size", part="left_shin", key="length", cm=1.06 * shin_cm(at))
+    before = at.agreed("body")
+    page.get_by_role("tab", name="Body").click()
+    page.get_by_role("button", name="Fit sizes").click()
+    until_told(page, "sizes_preview", bool, SECONDS_TO_FIT)
+    page.keyboard.press("Escape")
+    until_told(page, "sizes_preview", lambda preview: preview is None)
+    assert at.agreed("body") == before
+    page.get_by_role("button", name="Fit sizes").wait_for()
 
 
 def test_a_start_is_chosen_in_the_track_panel_and_reaches_the_file(at: Desk) -> None:
@@ -179,13 +204,13 @@ def test_a_start_is_chosen_in_the_track_panel_and_reaches_the_file(at: Desk) -> 
     page.get_by_role("button", name="Initial guess: ").click()
     imported = page.get_by_role("option", name="Imported")
     assert "Import a motion first" in (imported.get_attribute("title") or "")
-    screen(page, "fit-5-start")
+    screen(page, "fit-6-start")
     page.get_by_role("option", name="Templates").click()
     until_told(page, "settings.initial", lambda start: start == "templates")
     page.get_by_role("checkbox", name="Hands").click()
     hands = ["left_hand", "right_hand"]
     until_told(page, "settings.left_out", lambda names: sorted(names) == hands)
-    screen(page, "fit-6-left-out")
+    screen(page, "fit-7-left-out")
     until_told(page, "saved.state", lambda state: state == "saved")
     settings = load_session(at.session).settings
     assert settings.initial == "templates"
@@ -202,10 +227,10 @@ def test_tracking_waits_for_a_fit_and_goes_on_after_it(at: Desk) -> None:
     until_told(page, "segments", lambda all: any(s["state"] == "tracking" for s in all))
     page.keyboard.press("f")
     until_told(page, "job.kind", lambda kind: kind == "fit")
-    screen(page, "fit-7-while-tracking")
+    screen(page, "fit-8-while-tracking")
     fitted(page)
     page.evaluate("() => document.documentElement.dataset.theme = 'light'")
-    screen(page, "fit-8-after-light")
+    screen(page, "fit-9-after-light")
     until_told(page, "job.state", lambda state: state == "done", SECONDS_TO_FIT)
     assert {s["state"] for s in section(page, "segments")} <= {"good", "check", "lost"}
 

@@ -12,11 +12,15 @@ import pytest
 
 import static
 from app.document.library import Library
+from app.editor.state import EditorState
+from app.jobs import SizesFitted
+from app.store.preview import SizesPreview
 from app.store.sections import Sections
 from app.store.state import AppState, FitOutcome, KnownKeypoints
 from tests.app import surface_cases
 from tests.app.editor.desk import after, desk
 from tests.app.store.test_sections import expecting, seen, some_errors
+from tracker.fitting.sizes import Proposal
 from tracker.keypoints.keypoints import JOINTS, Keypoints
 from tracker.session.drafted import Drafted
 
@@ -54,6 +58,16 @@ def differences(value: Any, kind: str, shapes: Mapping[str, Any], where: str) ->
         yield from differences(value[field], shape[field], shapes, f"{where}.{field}")
 
 
+def previewed(edit: EditorState) -> SizesPreview:
+    """New sizes with a choice."""
+    doc, change = edit.doc, ("head", "length", 20.0, 21.0)
+    poses = {key.frame: key.pose(edit.skeleton) for key in doc.keyframes}
+    turns = {frame: (("head", 2.0),) for frame in poses}
+    proposal = Proposal(doc.body, doc.camera, poses, (change,), 4.1, turns)
+    found = SizesFitted(1, "Head 5 % longer.", 6.2, proposal, proposal, ("neck",))
+    return SizesPreview(found, doc, doc, doc, poses=True)
+
+
 DRAG = {
     "do": "drag",
     "view": "main",
@@ -86,12 +100,13 @@ def outlooks() -> dict[str, AppState]:
         {"do": "select", "part": "head"},
     )
     surfaces = surface_cases.session()
-    fit = FitOutcome(3, "Fitted", masked.doc, masked.doc, (("head", "turned", "1°", "2°"),))  # type: ignore[arg-type]
+    fit = FitOutcome(3, "Fitted", masked.doc, masked.doc)
     return {
         "film": seen(),
         "expecting": expecting(some_errors()),
         "dragged": AppState(edit=after(desk(), DRAG)),
         "masked": AppState(edit=masked, fit=fit),
+        "previewed": AppState(edit=masked, preview=previewed(masked)),
         "surfaces": AppState(edit=desk().with_doc(surfaces)),
         "drafted": drafted(),
     }

@@ -88,7 +88,8 @@ def test_a_thickness_of_capsules_is_found_from_the_pictures() -> None:
     pictures = render(skeleton, truth, scenes.camera())
     video = video_of(len(pictures), lambda number: pictures[number])
     keyposes = {k: truth.pose(k) for k in range(len(KEYS))}
-    found = fit_sizes(video, scenes.camera(), given, keyposes)
+    found = fit_sizes(video, scenes.camera(), given, keyposes).alone
+    assert found is not None
     ratios = Proportions.of(found.body).metres() / Proportions.of(given).metres()
     names = Proportions.of(given).names
     thigh = names.index("thigh")

@@ -49,7 +49,7 @@ def tracker_of(
     if like is not None and like.skeleton.body == session.body:
         skeleton = like.skeleton
     poses = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.keyframes}
-    source = _keypoints(session, video, keypoints)
+    source = keypoint_source(session, video, keypoints)
     if like is not None:
         return like.renewed(skeleton, poses, first_motion, source)
     return Tracker(
@@ -65,7 +65,9 @@ def tracker_of(
     )
 
 
-def _keypoints(session: Session, video: Video, given: Keypoints | None) -> KeypointSource | None:
+def keypoint_source(
+    session: Session, video: Video, given: Keypoints | None
+) -> KeypointSource | None:
     """Where keypoints come from, with a person's corrections; None where they do not count."""
     source = _found_keypoints(session, video, given)
     if source is None or not session.keypoint_corrections:

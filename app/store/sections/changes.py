@@ -148,6 +148,9 @@ SECTIONS: dict[str, _Section] = {
         keypoint_values.keypoints,
     ),
     "fit": _Section(lambda o: (o.fit,), work_values.fit),
+    "sizes_preview": _Section(
+        _both(lambda o: (o.preview,), _edit("results")), work_values.sizes_preview
+    ),
     "draft": _Section(
         _both(_doc("drafts", "keyframes", "drafted"), lambda o: (work_values.is_latest_draft(o),)),
         work_values.draft,

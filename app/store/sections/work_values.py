@@ -6,6 +6,8 @@ from app.editor.drafted import frame_runs, missing_frames
 from app.posing import part_label
 from app.store.sections.json_value import Json, doc_of
 from app.store.state import AppState
+from tracker.body.scaling import height
+from tracker.session.schema import Session
 from tracker.session.settings import TrackSettings
 from tracker.tracking.method import method_of
 
@@ -67,11 +69,42 @@ def fit(app_state: AppState) -> Json:
         "frame": given.frame,
         "words": given.words,
         "looking_back": given.looking_back,
-        "changes": [
-            {"part": part_label(part), "what": what, "before": before, "after": after}
-            for part, what, before, after in given.changes
-        ],
     }
+
+
+def sizes_preview(app_state: AppState) -> Json:
+    """New sizes that wait to be applied or discarded."""
+    given, edit = app_state.preview, app_state.edit
+    if given is None or edit is None:
+        return None
+    chosen = given.proposal
+    before, after = (100 * height(body) for body in (given.before.body, chosen.body))
+    poses = given.found.with_poses
+    return {
+        "words": given.found.words,
+        "keyframes": len(given.before.keyframes),
+        "error": {"before": given.found.error_px, "after": chosen.error_px},
+        "height": {"before": before, "after": after},
+        "changes": [
+            {"part": part_label(part), "what": what, "pair": _has_sides(given.before, part)}
+            | {"before": was, "after": is_now}
+            for part, what, was, is_now in chosen.changes
+        ],
+        "unseen": [part_label(part) for part in given.found.unseen],
+        "poses": given.poses,
+        "choice": given.alone is not None and given.with_poses is not None,
+        "turns": [
+            {"frame": frame, "parts": [{"part": part_label(p), "deg": deg} for p, deg in turned]}
+            for frame, turned in (poses.turns.items() if poses else ())
+        ],
+        "outdated": len(edit.results.fitting(given.before)),
+        "looking_back": given.looking_back,
+    }
+
+
+def _has_sides(doc: Session, part: str) -> bool:
+    """Whether a kind of part is there on both sides."""
+    return part not in doc.body.names
 
 
 def is_latest_draft(app_state: AppState) -> bool:

@@ -64,7 +64,7 @@ def test_without_a_pose_nothing_can_be_fitted() -> None:
 
 
 def test_sizes_want_two_keyframes() -> None:
-    with pytest.raises(Refused, match="Add a second keyframe first"):
+    with pytest.raises(Refused, match="Needs 2 keyframes"):
         require_sizes_to_fit(after(desk(keyframes=False), {"do": "add_key", "frame": 0}))
     require_sizes_to_fit(desk())
 

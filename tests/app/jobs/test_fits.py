@@ -48,10 +48,10 @@ class Found:
     pose: Pose = POSE
     way: str = "neighbours"
     message: str = "Right forearm moved 6 px."
-    body: Any = SESSION.body
-    camera: Any = SESSION.camera
-    keyposes: Any = None
-    changes: tuple[Any, ...] = ()
+    error_px: float = 6.2
+    alone: Any = None
+    with_poses: Any = None
+    unseen: tuple[str, ...] = ()
 
 
 @pytest.fixture
@@ -106,13 +106,14 @@ def test_sizes_are_fitted_to_all_keyframes(fits: Callable[..., None]) -> None:
 
     def fit(video: Any, camera: Any, body: Any, keyposes: Any, focal: bool, **_: Any) -> Found:
         given.update(frames=sorted(keyposes), focal=focal)
-        return Found(keyposes=keyposes, changes=(("arm", "length", 20.0, 21.0),))
+        return Found(alone="sizes alone", unseen=("neck",))
 
     fits(fit)
     report = told(SizesOrder(CONTENT, "v.mp4", focal=True, job=6))
     assert isinstance(report, SizesFitted)
     assert given == {"frames": [0, 4, 8], "focal": True}
-    assert report.changes == (("arm", "length", 20.0, 21.0),)
+    assert (report.error_px, report.alone, report.with_poses) == (6.2, "sizes alone", None)
+    assert report.unseen == ("neck",)
 
 
 def test_a_fit_that_was_cancelled_tells_nothing_it_found(fits: Callable[..., None]) -> None:

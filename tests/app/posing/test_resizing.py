@@ -85,12 +85,22 @@ def test_broader_shoulders_carry_the_arms_outward_and_leave_the_waist() -> None:
 
 def test_labels_say_where_a_size_is() -> None:
     labels = [size.label for size in part_sizes(PERSON, "right_forearm")]
-    assert labels == ["Length", "At elbow", "At wrist"]
+    assert labels == ["Length", "Width at elbow", "Width at wrist"]
     assert [size.label for size in part_sizes(PERSON, "left_hand")] == [
-        *("Length", "Thickness", "Width"),
+        *("Length", "Depth", "Width"),
     ]
     assert [size.label for size in part_sizes(BOX, "box")] == ["Length", "Width", "Depth"]
     assert "Width at shoulders" in [size.label for size in part_sizes(PERSON, "chest")]
+
+
+@pytest.mark.parametrize("part", ["left_forearm", "left_shin", "neck", "chest", "head"])
+def test_a_width_is_how_far_a_part_is_across_whatever_its_shape(part: str) -> None:
+    shape = PERSON.parts[PERSON.index(part)].shape
+    across = [size for size in part_sizes(PERSON, part) if size.role == "width"]
+    assert across
+    for size in across:
+        assert size.label.startswith("Width")
+        assert size.cm == pytest.approx(200 * shape.half_widths(size.at_m[1])[0])
 
 
 @pytest.mark.parametrize("cm", [0.0, -3.0, 0.1, 2000.0, math.nan, math.inf])
@@ -143,7 +153,7 @@ def test_a_rim_pulled_outward_makes_a_part_thicker_on_both_sides() -> None:
     for sign in (1, -1):
         body = pulled("left_thigh", "end_radius", sign * outward, 0.02)
         grown = sizes(body, "left_thigh")["end_radius"] - sizes(PERSON, "left_thigh")["end_radius"]
-        assert grown == pytest.approx(2.0, abs=1e-6)
+        assert grown == pytest.approx(4.0, abs=1e-6)  # how far it is across
         assert sizes(body, "right_thigh")["end_radius"] == sizes(body, "left_thigh")["end_radius"]
     thin = pulled("left_thigh", "end_radius", outward, -5.0)
     assert sizes(thin, "left_thigh")["end_radius"] == pytest.approx(0.2)

@@ -18,6 +18,7 @@ from app.jobs import (
     FitOrder,
     JobFailed,
     PoseFitted,
+    PoseFitting,
     PoseOrder,
     Report,
     SizesFitted,
@@ -33,6 +34,8 @@ from tests.app.serving import ROOT
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Pass, interpolate
+from tracker.fitting.sizes import Proposal
+from tracker.geometry.rotations import exp_rotation
 from tracker.session import Session
 from tracker.session.verdict import GOOD
 from tracker.storage.files import load_session
@@ -81,10 +84,8 @@ class Worker:
             self.report(PoseFitted(order.job, pose, found, WORDS))
         else:
             doc = Session.model_validate_json(order.session)
-            poses = {k.frame: k.pose(Skeleton.of(doc.body)) for k in doc.keyframes}
-            body = with_height(doc.body, 190)
-            changes = (("shin", "length", 40.0, 42.0),)
-            self.report(SizesFitted(order.job, body, doc.camera, poses, WORDS, changes))
+            alone, with_poses = (_proposed(doc, turned) for turned in (False, True))
+            self.report(SizesFitted(order.job, WORDS, 6.2, alone, with_poses, ("neck",)))
 
     def cancel(self) -> None:
         self.cancelled += 1
@@ -92,6 +93,20 @@ class Worker:
     def pause(self, on: bool) -> None: ...
 
     def close(self) -> None: ...
+
+
+def _proposed(doc: Session, turned: bool) -> Proposal:
+    """A taller body; `turned`: with the limbs of keyframe 24 turned as well."""
+    poses = {k.frame: k.pose(Skeleton.of(doc.body)) for k in doc.keyframes}
+    turns = {}
+    if turned:
+        Rs, shin = poses[24].Rs_parent_part.copy(), doc.body.index("left_shin")
+        Rs[shin] = Rs[shin] @ exp_rotation([np.radians(3.0), 0.0, 0.0])
+        poses[24] = Pose(Rs, poses[24].p_camera_root)
+        turns = {24: (("left_shin", 3.0),)}
+    changes = (("shin", "length", 40.0, 42.0),)
+    error = 4.1 if turned else 5.0
+    return Proposal(with_height(doc.body, 190), doc.camera, poses, changes, error, turns)
 
 
 @pytest.fixture(autouse=True)
@@ -434,38 +449,127 @@ def test_a_session_that_is_closed_during_a_fit_stays_as_it_was(path: Path) -> No
     assert load_session(path).keyframes == before
 
 
-def test_sizes_are_taken_over_with_all_keyframes_and_told_one_by_one(path: Path) -> None:
+def test_new_sizes_are_only_shown_until_they_are_applied(path: Path) -> None:
     async def work(desk: Desk) -> None:
-        before = desk.edit.doc
+        before, tall = desk.edit.doc, desk.section("body")["height_cm"]
         desk.do({**SIZES, "focal": True})
         (order,) = desk.worker.fits
         assert isinstance(order, SizesOrder)
         assert order.focal
         assert desk.section("job")["title"] == "Fitting the sizes"
         desk.worker.find()
+        assert desk.edit.doc is before
         assert desk.section("body")["height_cm"] == pytest.approx(190)
-        told = desk.section("fit")
-        assert told["frame"] is None
+        told = desk.section("sizes_preview")
+        assert told["error"] == {"before": 6.2, "after": 5.0}
         assert told["changes"] == [
-            {"part": "Shin", "what": "length", "before": 40.0, "after": 42.0}
+            {"part": "Shin", "what": "length", "pair": True, "before": 40.0, "after": 42.0}
         ]
+        assert told["height"] == {"before": pytest.approx(tall), "after": pytest.approx(190)}
+        assert told["unseen"] == ["Neck"]
         desk.do({"do": "look_before", "on": True})
-        assert desk.section("body")["height_cm"] != pytest.approx(190)
-        desk.do({"do": "look_before", "on": False}, {"do": "undo"})
+        assert desk.section("body")["height_cm"] == pytest.approx(tall)
+        desk.do({"do": "look_before", "on": False}, {"do": "apply_sizes"})
+        assert desk.section("sizes_preview") is None
+        assert desk.section("body")["height_cm"] == pytest.approx(190)
+        assert desk.section("undo")["undo"] == "fit the sizes"
+        assert _turns(before) == _turns(desk.edit.doc)
+        desk.do({"do": "undo"})
         assert desk.edit.doc is before
 
     at_a_desk(path, work)
 
 
-def test_sizes_that_are_right_already_are_told_so_and_nothing_is_to_undo(path: Path) -> None:
+def _turns(doc: Session) -> Any:
+    return [keyframe.rotations_wxyz for keyframe in doc.keyframes]
+
+
+def test_poses_change_with_the_sizes_only_where_that_is_accepted(path: Path) -> None:
+    async def work(desk: Desk) -> None:
+        before = desk.edit.doc
+        desk.do(SIZES)
+        desk.worker.find()
+        told = desk.section("sizes_preview")
+        assert (told["poses"], told["choice"]) == (False, True)
+        assert told["turns"] == [{"frame": 24, "parts": [{"part": "Left shin", "deg": 3.0}]}]
+        desk.do({"do": "preview_poses", "on": True})
+        assert desk.section("sizes_preview")["error"]["after"] == 4.1
+        desk.do({"do": "apply_sizes"})
+        changed = [a != b for a, b in zip(_turns(before), _turns(desk.edit.doc), strict=True)]
+        assert changed == [False, True, False, False]
+
+    at_a_desk(path, work)
+
+
+def test_new_sizes_that_are_discarded_leave_nothing_behind(path: Path) -> None:
+    async def work(desk: Desk) -> None:
+        before, tall = desk.edit.doc, desk.section("body")["height_cm"]
+        desk.do(SIZES)
+        desk.worker.find()
+        desk.do({"do": "discard_sizes"})
+        assert desk.edit.doc is before
+        assert desk.section("body")["height_cm"] == pytest.approx(tall)
+        assert desk.section("undo")["undo"] is None
+        desk.do({"do": "apply_sizes"})
+        assert await desk.words() == ["There are no new sizes to answer."]
+
+    at_a_desk(path, work)
+
+
+def test_edits_wait_for_the_answer_to_new_sizes_and_frames_may_be_stepped(path: Path) -> None:
+    async def work(desk: Desk) -> None:
+        before = desk.edit.doc
+        desk.do(SIZES)
+        desk.worker.find()
+        for message in (TURN, {"do": "undo"}, {"do": "track"}, FIT):
+            desk.do(message)
+        assert await desk.words() == 4 * ["Apply or discard the new sizes first."]
+        assert desk.edit.doc is before
+        desk.do({"do": "go", "frame": 48})
+        assert desk.section("view")["frame"] == 48
+        assert desk.section("body")["height_cm"] == pytest.approx(190)
+
+    at_a_desk(path, work)
+
+
+def test_where_no_sizes_fit_better_it_is_said_and_nothing_waits(path: Path) -> None:
     async def work(desk: Desk) -> None:
         doc = desk.edit.doc
         desk.do(SIZES)
-        order = desk.worker.fits[-1]
-        poses = {k.frame: k.pose(desk.edit.skeleton) for k in doc.keyframes}
-        desk.worker.report(SizesFitted(order.job, doc.body, doc.camera, poses, WORDS, ()))
+        desk.worker.report(SizesFitted(desk.worker.fits[-1].job, WORDS))
         assert desk.edit.doc is doc
+        assert desk.section("sizes_preview") is None
         assert await desk.words() == [WORDS]
+
+    at_a_desk(path, work)
+
+
+def test_a_pose_that_is_kept_as_a_keyframe_meanwhile_is_fitted_all_the_same(path: Path) -> None:
+    async def work(desk: Desk) -> None:
+        desk.do(
+            {"do": "go", "frame": 10}, {"do": "root", "x": 0.5}, FIT, {"do": "add_key", "frame": 10}
+        )
+        desk.worker.find()
+        keyframe = next(k for k in desk.edit.doc.keyframes if k.frame == 10)
+        assert keyframe.root_m[0] == pytest.approx(0.52)
+        assert await desk.words() == []
+
+    at_a_desk(path, work)
+
+
+def test_a_pose_is_shown_as_far_as_it_is_fitted_and_counts_only_at_the_end(path: Path) -> None:
+    async def work(desk: Desk) -> None:
+        before, here = desk.edit.doc, desk.section("pose")["root"]
+        desk.do(FIT)
+        order = desk.worker.fits[-1]
+        assert isinstance(order, PoseOrder)
+        nearer = Pose(order.pose.Rs_parent_part, order.pose.p_camera_root + np.array([0.05, 0, 0]))
+        desk.worker.report(PoseFitting(order.job, 24, nearer))
+        desk.store._take_progress()
+        assert desk.section("pose")["root"][0] == pytest.approx(here[0] + 0.05)
+        assert desk.edit.doc is before
+        desk.do({"do": "cancel"})
+        assert desk.section("pose")["root"] == here
 
     at_a_desk(path, work)
 
@@ -486,7 +590,7 @@ def test_what_cannot_be_fitted_is_refused_in_a_sentence(path: Path) -> None:
         assert desk.worker.fits == []
         here, sizes = await desk.words()
         assert "Pose the body roughly first" in here
-        assert "Add a second keyframe first" in sizes
+        assert "Needs 2 keyframes that show the body from different sides" in sizes
         await desk.store.close_session()
         desk.do(FIT)
         assert await desk.words() == ["Open a video first."]

@@ -20,6 +20,8 @@ from tracker.body.trajectory import Trajectory
 from tracker.fitting.pose import PictureFit, fit_pose_to_picture
 from tracker.fitting.pose.messages import Moves, describe_moves
 from tracker.geometry.rotations import exp_rotation
+from tracker.keypoints.keypoints import JOINTS, Keypoints
+from tracker.keypoints.on_body import points_on_body
 from tracker.session.settings import IgnoreMask
 
 HERE, NEAR = 8, (0, 16)
@@ -63,6 +65,38 @@ def off_px(shown: Case, pose: Pose, frame: int = HERE) -> float:
 def assert_same(a: Pose, b: Pose) -> None:
     np.testing.assert_array_equal(a.Rs_parent_part, b.Rs_parent_part)
     np.testing.assert_array_equal(a.p_camera_root, b.p_camera_root)
+
+
+class Detector:
+    """Sees the joints where they truly are, give or take a share of the body's height."""
+
+    def __init__(self, shown: Case, off_px: float) -> None:
+        self.shown, self.off_px = shown, off_px
+
+    def at(self, frame: int, skeleton: Skeleton, pose: Pose) -> Keypoints:
+        _, parts, points = points_on_body(skeleton.body, JOINTS)
+        T = pose_transforms(skeleton, self.shown.truth.pose(frame))[parts]
+        p = (T[:, :3, :3] @ points[..., None])[..., 0] + T[:, :3, 3]
+        off = np.random.default_rng(frame).normal(0.0, self.off_px, (len(parts), 2))
+        uv = self.shown.camera.project(p) + off
+        return Keypoints(frame, JOINTS, uv[None], np.ones((1, len(parts))))
+
+
+def test_a_pose_that_is_clearly_wrong_goes_where_its_joints_are_seen(person: Case) -> None:
+    pose, told = rough(person, HERE, 1, 3.0), []
+    found = fitted(person, pose, {}, source=Detector(person, 0.5), report=told.append)
+    assert found.way == "joints"
+    assert off_px(person, found.pose) < 0.4 * off_px(person, pose)
+    assert len(told) == 1  # shown on the way
+    assert off_px(person, told[0]) < off_px(person, pose)
+
+
+def test_a_right_pose_stays_though_a_detector_sees_its_joints_a_little_elsewhere(
+    person: Case,
+) -> None:
+    found = fitted(person, person.truth.pose(HERE), {}, source=Detector(person, 1.5))
+    assert found.way != "joints"
+    assert off_px(person, found.pose) < 1.0
 
 
 @pytest.mark.parametrize("seed", [1, 2])

@@ -21,12 +21,14 @@ from tracker.body.scaling import resized
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.errors import SessionError
-from tracker.fitting.sizes import SizesFitted, fit_sizes
+from tracker.fitting.sizes import Proposal, SizesFitted, fit_sizes
 from tracker.fitting.sizes.colours import learn_colours
 from tracker.fitting.sizes.contours import contour_of, offsets
 from tracker.fitting.sizes.proportions import Proportions
+from tracker.fitting.sizes.proposals import FLOATING_M, _floating
 from tracker.fitting.sizes.residuals import Pictures
 from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import log_rotation
 from tracker.session.settings import IgnoreMask
 from tracker.solver.body_points import BodyPoint
 from tracker.solver.fit_joints import fit_picture
@@ -99,9 +101,16 @@ def _case(kind: str) -> Case:
 
 
 @cache
-def _fitted(kind: str) -> SizesFitted:
+def _found(kind: str) -> SizesFitted:
     case = _case(kind)
     return fit_sizes(case.video, CAMERA, GIVEN, case.keyposes)
+
+
+def _fitted(kind: str) -> Proposal:
+    """With other poses."""
+    proposal = _found(kind).with_poses
+    assert proposal is not None
+    return proposal
 
 
 def _ratios(body: Body) -> dict[str, tuple[float, float]]:
@@ -111,11 +120,9 @@ def _ratios(body: Body) -> dict[str, tuple[float, float]]:
     return {name: tuple(pair) for name, pair in zip(given.names, ratios, strict=True)}
 
 
-def _unchanged(case: Case, found: SizesFitted) -> None:
-    assert found.body == GIVEN
-    assert found.camera == CAMERA
-    assert found.changes == ()
-    assert found.keyposes == case.keyposes
+def _unchanged(found: SizesFitted) -> None:
+    assert found.alone is None
+    assert found.with_poses is None
 
 
 def test_thicker_legs_are_found_to_a_quarter_and_nothing_else_changes() -> None:
@@ -138,8 +145,9 @@ def test_longer_forearms_and_shins_are_found_by_half_or_more() -> None:
 def test_a_size_that_differs_by_more_than_can_be_believed_is_named_and_left() -> None:
     found, given = _fitted("boots"), dict.fromkeys(Proportions.of(GIVEN).names, (1.0, 1.0))
     assert _ratios(found.body)["shin"] == pytest.approx(given["shin"])
-    assert "The best fit of the" in found.message
-    assert "shin's thickness was unrealistic" in found.message
+    message = _found("boots").message
+    assert "The best fit of the" in message
+    assert "shin's width was unrealistic" in message
     assert 1.05 < _ratios(found.body)["thigh"][1] < 1.25
 
 
@@ -155,7 +163,8 @@ def test_keyframes_that_are_not_looked_at_are_posed_anew_as_well(
 ) -> None:
     case = _case("thick")
     monkeypatch.setattr("tracker.fitting.sizes.sizes.MOST_LOOKED", 3)
-    found = fit_sizes(case.video, CAMERA, GIVEN, case.keyposes)
+    found = fit_sizes(case.video, CAMERA, GIVEN, case.keyposes).with_poses
+    assert found is not None
     assert _ratios(found.body)["thigh"][1] > 1.1
     away = [_joints(found.body, found.keyposes[k]) - case.joints(k) for k in case.keyposes]
     assert np.linalg.norm(away, axis=-1).mean(axis=1).max() < 3.0
@@ -167,17 +176,51 @@ def test_both_sides_change_together() -> None:
         assert parts[f"left_{name}"].shape == parts[f"right_{name}"].shape
 
 
+def test_sizes_alone_leave_every_pose_as_it_was_set() -> None:
+    case, found = _case("thick"), _found("thick").alone
+    assert found is not None
+    assert found.keyposes.keys() == case.keyposes.keys()
+    for frame, pose in found.keyposes.items():
+        np.testing.assert_array_equal(pose.Rs_parent_part, case.keyposes[frame].Rs_parent_part)
+        np.testing.assert_array_equal(pose.p_camera_root, case.keyposes[frame].p_camera_root)
+    assert not found.turns
+    assert found.error_px < _found("thick").error_px
+    assert 1.1 < _ratios(found.body)["thigh"][1] < 1.2
+
+
+def test_proposed_poses_turn_limbs_only_and_say_by_how_much() -> None:
+    case, found = _case("long"), _fitted("long")
+    trunk = [GIVEN.index(name) for name in ("waist", "chest", "neck", "head")]
+    for frame, pose in found.keyposes.items():
+        was, now = (p.Rs_parent_part for p in (case.keyposes[frame], pose))
+        np.testing.assert_array_equal(now[trunk], was[trunk])
+        turn = np.degrees(np.linalg.norm(log_rotation(np.swapaxes(was, -1, -2) @ now), axis=-1))
+        for part, deg in found.turns.get(frame, ()):
+            assert deg == pytest.approx(turn[GIVEN.index(part)])
+    assert found.turns
+
+
+@pytest.mark.parametrize("kind", ["long", "thick"])
+def test_feet_float_no_more_with_proposed_poses_than_before(kind: str) -> None:
+    case, found = _case(kind), _fitted(kind)
+    before, after = (
+        _floating(body, list(poses.values()), (0.0, -1.0, 0.0))
+        for body, poses in ((GIVEN, case.keyposes), (found.body, found.keyposes))
+    )
+    assert after <= before + FLOATING_M
+
+
 def test_right_sizes_stay_and_so_do_the_poses() -> None:
-    found = _fitted("as given")
-    _unchanged(_case("as given"), found)
-    assert found.message.startswith("The sizes already match the images.")
+    found = _found("as given")
+    _unchanged(found)
+    assert found.message.startswith("No better sizes found. Unchanged.")
 
 
 def test_what_was_found_is_told_in_words_and_centimetres() -> None:
     found = _fitted("thick")
-    assert found.message.startswith("2 sizes changed.")
+    assert _found("thick").message.startswith("2 sizes fit better.")
     changes = {(part, what): (before, after) for part, what, before, after in found.changes}
-    before, after = changes["thigh", "thickness"]
+    before, after = changes["thigh", "width"]
     shape: Any = GIVEN.parts[GIVEN.index("left_thigh")].shape
     assert before == pytest.approx(50 * sum((*shape.start_radii_m, *shape.end_radii_m)))
     assert 1.1 < after / before < 1.2
@@ -185,7 +228,8 @@ def test_what_was_found_is_told_in_words_and_centimetres() -> None:
 
 def test_the_same_pictures_give_the_same_sizes() -> None:
     case = _case("thick")
-    again = fit_sizes(case.video, CAMERA, GIVEN, case.keyposes)
+    again = fit_sizes(case.video, CAMERA, GIVEN, case.keyposes).with_poses
+    assert again is not None
     assert again.body == _fitted("thick").body
 
 
@@ -200,7 +244,7 @@ def test_featureless_pictures_change_nothing_and_say_so() -> None:
     case = _case("thick")
     grey = replace(case, pictures=np.full_like(case.pictures, 120))
     found = fit_sizes(grey.video, CAMERA, GIVEN, case.keyposes)
-    _unchanged(case, found)
+    _unchanged(found)
     assert "Sizes unchanged" in found.message
 
 
@@ -208,7 +252,7 @@ def test_what_is_masked_decides_nothing() -> None:
     case = _case("thick")
     corners = ((-1.0, -1.0), (640.0, -1.0), (640.0, 360.0), (-1.0, 360.0))
     mask = IgnoreMask(polygon=corners, first_frame=0, last_frame=len(case.pictures) - 1)
-    _unchanged(case, fit_sizes(case.video, CAMERA, GIVEN, case.keyposes, masks=[mask]))
+    _unchanged(fit_sizes(case.video, CAMERA, GIVEN, case.keyposes, masks=[mask]))
 
 
 def test_a_fit_that_is_cancelled_changes_nothing() -> None:
@@ -218,7 +262,7 @@ def test_a_fit_that_is_cancelled_changes_nothing() -> None:
         asked.append(True)
         return len(asked) > 2
 
-    _unchanged(case, fit_sizes(case.video, CAMERA, GIVEN, case.keyposes, cancelled=cancelled))
+    _unchanged(fit_sizes(case.video, CAMERA, GIVEN, case.keyposes, cancelled=cancelled))
     assert len(asked) == 3
 
 
@@ -227,7 +271,8 @@ def test_a_telephoto_camera_keeps_its_focal_length() -> None:
     update = {"projection": "telephoto", "telephoto_distance_m": 5.0}
     lens: Camera = CAMERA.model_copy(update=update)
     found = fit_sizes(case.video, lens, GIVEN, case.keyposes, focal=True)
-    assert found.camera == lens
+    proposals = [some for some in (found.alone, found.with_poses) if some is not None]
+    assert all(some.camera == lens for some in proposals)
     assert "telephoto" in found.message
 
 
@@ -248,9 +293,11 @@ def test_a_lens_taken_too_long_is_mended_where_the_person_stands_near() -> None:
             GIVEN, longer, _places(GIVEN), uv, np.ones(len(uv)), [start], start
         ).pose
     video = video_of(len(pictures), lambda number: pictures[number])
-    found = fit_sizes(video, longer, GIVEN, keyposes, focal=True)
+    whole_found = fit_sizes(video, longer, GIVEN, keyposes, focal=True)
+    found = whole_found.with_poses
+    assert found is not None
     assert 320 < found.camera.fx == found.camera.fy < 360
-    assert "focal length is" in found.message
+    assert "focal length is" in whole_found.message
     ratio = found.keyposes[0].p_camera_root[2] / keyposes[0].p_camera_root[2]
     assert ratio == pytest.approx(found.camera.fx / 380, abs=0.06)  # the person stands nearer
 

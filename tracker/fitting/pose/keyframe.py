@@ -24,6 +24,7 @@ from tracker.fitting.pose.inputs import (
     keyframes_near,
     textures_near,
 )
+from tracker.fitting.pose.joints import Joints
 from tracker.fitting.pose.likeness import Likeness
 from tracker.fitting.pose.messages import Moves, describe_moves
 from tracker.fitting.pose.outline import Outline, gain
@@ -32,11 +33,13 @@ from tracker.fitting.pose.texture import Texture, visible_points
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
 from tracker.session.settings import IgnoreMask
+from tracker.tracking.cues.sources import FrameSource
 from tracker.tracking.pool import never
 from tracker.video import Video
 from tracker.video.pyramid import IGNORED
 
-Way = Literal["neighbours", "outline", "nothing"]
+Way = Literal["joints", "neighbours", "outline", "nothing"]
+CANCELLED = "Cancelled. Pose unchanged."
 
 OTHER_STARTS = 4
 """Poses about the one as set from which the search starts as well."""
@@ -49,6 +52,8 @@ of the difference that may remain, or nats for each pixel of the outline."""
 BETTER_LIKENESS, BETTER_OUTLINE = 0.9, 0.02
 """What must be gained for a pose to be moved: share of the difference to the neighbours that may
 remain, and nats for each pixel of the outline."""
+SAME_JOINTS = 2.0
+"""What a pose that fits the frames beside it may lose on joints, nats."""
 PRIOR_SHARE = 0.03
 """What one σ² of distance from the pose as set costs when poses are chosen by likeness."""
 HIDDEN = 0.06
@@ -61,7 +66,8 @@ class PictureFit:
 
     moved_px: (P,) how far each part moved in the picture, pixels of the video.
     decided: (P,) share of a part's pose that the picture decided, 0 (all as posed) to 1.
-    way: what decided: frames beside it, the body's outline, or nothing (the pose is unchanged).
+    way: what decided: a detector of joints, frames beside it, the body's outline, or nothing (the
+    pose is unchanged).
     message: one or two sentences for a person.
     """
 
@@ -82,11 +88,14 @@ def fit_pose_to_picture(
     tracked: Mapping[int, Pose],
     masks: Sequence[IgnoreMask] = (),
     cancelled: Callable[[], bool] = never,
+    source: FrameSource | None = None,
+    report: Callable[[Pose], None] = lambda pose: None,
 ) -> PictureFit:
     """The pose of `frame` fitted to what the picture shows.
 
-    keyposes: the other keyframes; tracked: tracked poses of frames near, maybe none. The pose is
-    unchanged, and the message says why, where nothing decides it or where it is cancelled.
+    keyposes: the other keyframes; tracked: tracked poses of frames near, maybe none; source: of
+    keypoints, where the body is a person's; report: told poses on the way. The pose is unchanged,
+    and the message says why, where nothing decides it or where it is cancelled.
     """
     unchanged = _unchanged(skeleton, pose)
     if not skeleton.dof_count:
@@ -94,16 +103,22 @@ def fit_pose_to_picture(
     inputs = FitInputs.of(video, camera, skeleton, frame, pose, masks)
     if not (inputs.pictures[0][..., 3] != IGNORED).any():
         return unchanged("Nothing of this frame may be used. Pose unchanged.")
-    outline = inputs.outline()
-    found = _best_candidate(inputs, outline, keyframes_near(inputs, keyposes), tracked, cancelled)
+    near = keyframes_near(inputs, keyposes)
+    outline, joints = inputs.outline(), Joints.of(inputs, source, near)
+    if joints is not None and joints.is_clear:
+        report(joints.likely)
+        by_joints = _fit_by_joints(inputs, outline, joints, near, tracked, cancelled)
+        return unchanged(CANCELLED) if cancelled() else _as_fitted(inputs, by_joints, "joints")
+    found = _best_candidate(inputs, outline, near, tracked, cancelled)
     if cancelled():
-        return unchanged("Cancelled. Pose unchanged.")
+        return unchanged(CANCELLED)
     if found is None:
         return unchanged(
             "No other keyframe is near, and the body’s colours are too close to the background’s. "
             "Pose unchanged."
         )
-    if not _is_better(inputs, found.likeness, outline, found.refined.pose):
+    agreed = joints is None or joints.gain(found.refined.pose) > 0
+    if not (agreed and _is_better(inputs, found.likeness, outline, found.refined.pose)):
         return unchanged("No better fit found. Pose unchanged.")
     return _as_fitted(inputs, found.refined, "outline" if found.likeness is None else "neighbours")
 
@@ -115,6 +130,35 @@ class _Candidate:
     refined: RefinedPose
     likeness: Likeness | None
     cost: float
+
+
+def _fit_by_joints(
+    inputs: FitInputs,
+    outline: Outline | None,
+    joints: Joints,
+    near: Mapping[int, Pose],
+    tracked: Mapping[int, Pose],
+    cancelled: Callable[[], bool],
+) -> RefinedPose:
+    """Joints are found from afar, with no wrong places close by; the outline refines them.
+
+    So do textures, where the frames beside it are posed so well that joints agree with them.
+    """
+    by_outline = refine(
+        inputs.keyframe, joints.likely, None, outline, cancelled, coarsest=1, joints=joints.term
+    )
+    textures = textures_near(inputs, near, tracked)
+    if not textures:
+        return by_outline
+    likeness = Likeness(inputs.scene, inputs.pictures, textures)
+    by_texture = refine(
+        inputs.keyframe, by_outline.pose, likeness, outline, cancelled, coarsest=1,
+        joints=joints.term,
+    )  # fmt: skip
+    likeness.update_visibility(inputs.keyframe.pose)
+    before, after = (likeness.score(p) for p in (inputs.keyframe.pose, by_texture.pose))
+    same = joints.gain(by_texture.pose) > joints.gain(by_outline.pose) - SAME_JOINTS
+    return by_texture if same and after < AGREEING * before else by_outline
 
 
 def _best_candidate(

@@ -105,6 +105,7 @@ class _PictureProblem(Problem[Pose, "_Iterate"]):
     keyframe: PosedKeyframe
     likeness: Likeness | None
     outlined: _OutlineTerm | None
+    joints: Term | None
     level: int
 
     def at(self, state: Pose, count: int) -> _Iterate:
@@ -115,7 +116,7 @@ class _PictureProblem(Problem[Pose, "_Iterate"]):
 
     def terms(self, pose: Pose, posed: Posed, solve: int, fine: bool) -> list[Term]:
         """Textures and outline linearised about a pose, without the prior."""
-        terms: list[Term] = []
+        terms: list[Term] = [] if self.joints is None else [self.joints]
         if self.likeness is not None:
             if solve % LOOK_AGAIN == 0:
                 self.likeness.update_visibility(pose)
@@ -159,10 +160,11 @@ def refine(
     outline: Outline | None,
     cancelled: Callable[[], bool],
     coarsest: int = LEVELS - 1,
+    joints: Term | None = None,
 ) -> RefinedPose:
-    """The most likely pose on textures, outline and the pose as set, from a start.
+    """The most likely pose on textures, outline, joints and the pose as set, from a start.
 
-    coarsest: the level of the pyramid to begin at.
+    coarsest: the level of the pyramid to begin at.  joints: where a detector sees them.
     """
     outlined = None if outline is None else _OutlineTerm(outline)
     evidence = Equations.none(keyframe.scene.skeleton.dof_count)
@@ -172,7 +174,7 @@ def refine(
             likeness.reset_noise(level)
         criteria = replace(CRITERIA, most_steps=SOLVES[level])
         found = least_squares(
-            _PictureProblem(keyframe, likeness, outlined, level), pose, criteria, cancelled
+            _PictureProblem(keyframe, likeness, outlined, joints, level), pose, criteria, cancelled
         )
         if found.solved is None or found.end in ("cancelled", "unsolvable"):
             return RefinedPose(keyframe.pose, np.zeros_like(evidence.A))

@@ -11,8 +11,10 @@ from tracker.errors import listed, spoken
 from tracker.fitting.sizes.proportions import Proportions
 from tracker.fitting.sizes.shared import Shared
 
-WHAT = ("length", "thickness")
-MORE, LESS = ("longer", "thicker"), ("shorter", "thinner")
+WHAT = ("length", "width")
+MORE, LESS = ("longer", "wider"), ("shorter", "narrower")
+NO_GAIN = "No better sizes found. Unchanged."
+UNLIKELY = "The best fit was unrealistic, so it was not used. Set sizes by hand."
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,9 +40,11 @@ def describe_sizes(found: SizesFound) -> str:
     """A few sentences for a person."""
     if not found.enough:
         return "The images do not show the body’s outline well enough. Sizes unchanged."
+    if found.implausible.any() and not found.changed.any():
+        return UNLIKELY
     sentences = [_changed(found)]
     names = found.proportions.names
-    unobservable = ~(found.observable | found.changed | found.implausible)
+    unobservable = _unobservable(found)
     left = [
         f"{what} of {_listed(some)}"
         for k, what in enumerate(WHAT)
@@ -73,15 +77,28 @@ def size_changes(found: SizesFound) -> tuple[tuple[str, str, float, float], ...]
     )
 
 
+def unseen_parts(found: SizesFound) -> tuple[str, ...]:
+    """Parts whose length the pictures do not tell."""
+    unseen = np.flatnonzero(_unobservable(found)[:-2:2])
+    return tuple(found.proportions.names[g] for g in unseen)
+
+
+def _unobservable(found: SizesFound) -> NDArray[np.bool_]:
+    return ~(found.observable | found.changed | found.implausible)
+
+
 def _changed(found: SizesFound) -> str:
     some = [
         f"{spoken(found.proportions.names[s // 2])} {_by(found.shared.sizes[s], s % 2)}"
         for s in np.flatnonzero(found.changed[:-2]).tolist()
     ]
     if not some:
-        return "The sizes already match the images."
-    what = f"Fitted to the images: {some[0]}" if len(some) == 1 else f"{len(some)} sizes changed"
-    return f"{what}. Your keyframe poses were changed too."
+        return NO_GAIN
+    return (
+        f"{some[0][:1].upper()}{some[0][1:]}."
+        if len(some) == 1
+        else f"{len(some)} sizes fit better."
+    )
 
 
 def _by(size: float, what: int) -> str:

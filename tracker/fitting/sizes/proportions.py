@@ -56,6 +56,12 @@ class Proportions:
             group_of[list(group)] = g
         return group_of
 
+    @cached_property
+    def is_trunk(self) -> NDArray[np.bool_]:
+        """(P,) the parts in the middle of a body that has two sides: waist, chest, neck, head."""
+        sizes = np.bincount(self.group_of)
+        return np.asarray((sizes == 1)[self.group_of] & bool((sizes > 1).any()))
+
     def ratios(self, sizes: Array) -> Array:
         """(P, 3) how much larger every part is along its x, y and z."""
         return np.exp(sizes).reshape(-1, 2)[self.group_of][:, (1, 0, 1)]

@@ -30,12 +30,14 @@ from tracker.solver.terms import (
     total_equations,
 )
 
-TURNS_RAD = np.radians([8.0, 15.0, 8.0])
-SHIFT_M, DEPTH_SHARE = 0.015, 0.02
+TURNS_RAD = tuple(np.radians([8.0, 15.0, 8.0]).tolist())
+TRUNK_RAD, STIFF_RAD = tuple(np.radians([3.0, 15.0, 3.0]).tolist()), (1e-4, 1e-4, 1e-4)
+SHIFT_M, DEPTH_SHARE = 0.015, 0.01
 HEIGHT_SHARE = 0.02
-"""Sigmas of a pose as set: turns about a part's x, y and z, the root across and along the view.
-Turns out of the picture made up for wrong lengths, so they are off by more than a person's own
-error; a twist, about y, is hard to see."""
+"""Sigmas of a pose as set: turns about a limb's x, y and z, those of the trunk, and where these are
+not to be changed; the root across and along the view. A limb's turns out of the picture made up for
+wrong lengths, so they are off by more than a person's own error; a twist, about y, is hard to see.
+A trunk, neck and head that lean toward the camera would make up for any length."""
 LIMIT_RAD = np.radians(3.0)
 KERNEL = Cauchy(2.0)
 SMALL = 1e-4
@@ -102,7 +104,8 @@ class SharedFit:
     """What is fitted: the body, the camera, the poses as they were posed, and what stays fixed.
 
     free (S + 2,): which of the shared values may change; usual (S + 2,): their sigmas in general,
-    share (S + 2,): and here.
+    share (S + 2,): and here. poses_free: whether poses may change besides what is shared.
+    turns_rad, trunk_rad (3,): sigmas of the turns of limbs and of the trunk.
     """
 
     proportions: Proportions
@@ -112,6 +115,9 @@ class SharedFit:
     free: NDArray[np.bool_]
     usual: Array
     share: Array
+    poses_free: bool = True
+    turns_rad: tuple[float, ...] = TURNS_RAD
+    trunk_rad: tuple[float, ...] = TRUNK_RAD
 
     @property
     def precision(self) -> Array:
@@ -204,6 +210,8 @@ class _Iterate:
 
 
 def _take_step(fit: SharedFit, shared: Shared, step: Array, motions: Array) -> Shared:
+    if not fit.poses_free:
+        return fit.with_step(shared, step)
     skeleton = fit.proportions.skeleton
     poses = tuple(moved(skeleton, p, x) for p, x in zip(shared.poses, motions, strict=True))
     return fit.with_step(replace(shared, poses=poses), step)
@@ -245,7 +253,11 @@ def _marginalise_poses(
     shares: list[Array] = []
     for block in blocks:
         pose, mixed, rest = block[:dofs, :dofs], block[:dofs, dofs:], block[dofs:-1, dofs:]
-        share = np.asarray(np.linalg.solve(pose + damping * np.diag(np.diag(pose)), mixed), float)
+        if fit.poses_free:
+            pose = pose + damping * np.diag(np.diag(pose))
+            share = np.asarray(np.linalg.solve(pose, mixed), np.float64)
+        else:
+            share = np.zeros_like(mixed)
         less = rest - mixed[:, :-1].T @ share
         A, b = A + less[:, :-1], b + less[:, -1]
         shares.append(share)
@@ -305,7 +317,13 @@ def _prior_terms(fit: SharedFit, shared: Shared, k: int) -> list[Term]:
     free.
     """
     skeleton, posed = fit.proportions.skeleton, fit.posed[k]
-    turns = np.where(skeleton.dof_turns == 1, TURNS_RAD[skeleton.dof_axis] ** -2.0, 0.0)
+    sigma_rad = np.array(fit.turns_rad)[skeleton.dof_axis]
+    sigma_rad = np.where(
+        fit.proportions.is_trunk[skeleton.dof_part],
+        np.array(fit.trunk_rad)[skeleton.dof_axis],
+        sigma_rad,
+    )
+    turns = np.where(skeleton.dof_turns == 1, sigma_rad**-2.0, 0.0)
     p_posed = posed.p_camera_root * shared.nearer
     along = np.eye(3)
     if fit.camera.projection == "perspective":

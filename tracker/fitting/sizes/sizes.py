@@ -20,12 +20,13 @@ from tracker.body.body import Body
 from tracker.body.joint_limits import Limits
 from tracker.body.pose import Pose
 from tracker.errors import SessionError
-from tracker.fitting.sizes.messages import SizesFound, describe_sizes, size_changes
+from tracker.fitting.sizes.estimate import Estimate, estimate
+from tracker.fitting.sizes.messages import NO_GAIN, SizesFound, describe_sizes, unseen_parts
 from tracker.fitting.sizes.proportions import Proportions
-from tracker.fitting.sizes.residuals import Pictures, contours, joint_rows, residuals_by_pose
-from tracker.fitting.sizes.shared import Residuals, Shared, SharedFit, solve
+from tracker.fitting.sizes.proposals import UP_CAMERA, Look, Proposal
+from tracker.fitting.sizes.residuals import Pictures
+from tracker.fitting.sizes.shared import Shared, SharedFit
 from tracker.geometry.camera import Camera
-from tracker.geometry.rotations import Array
 from tracker.session.settings import IgnoreMask
 from tracker.tracking.pool import never
 from tracker.video.clip_loader import WorkingSize
@@ -36,14 +37,15 @@ if TYPE_CHECKING:
 FIRST_PX, AGAIN_PX = (9.0, 9.0, 6.0, 5.0), (5.0, 5.0)
 """How far from the body its contour is looked for, round by round: with all sizes free, and then
 with those alone that change."""
-STEPS = 3
 MOST_LOOKED = 8
 """Keyframes whose pictures are looked at; where there are more, the others are posed anew only."""
-LENGTH_SHARE, THICKNESS_SHARE, FOCAL_SHARE, DISTANCE_SHARE = 0.06, 0.15, 0.2, 0.05
-"""Sigmas of the priors on lengths, thicknesses, the focal length and the distance; people, and what
-they wear, differ more in girth than in length."""
-SEEN_SHARE, FEW_SHARE = 2.0, 0.015
-"""So many times wider is the prior on sizes known to be off; the sigma of one that is right."""
+LENGTH_SHARE, WIDTH_SHARE, FOCAL_SHARE, DISTANCE_SHARE = 0.06, 0.15, 0.2, 0.05
+TRUNK_SHARES = 0.02, 0.04
+"""Sigmas of the priors on lengths, widths, the focal length and the distance, and on length and
+width of waist, chest, neck and head, whose proportions differ least; people, and what they wear,
+differ more in girth than in length."""
+SEEN_SHARE = 2.0
+"""So many times wider is the prior on sizes known to be off."""
 SURE, LEAST_PX = 2.5, (2.0, 0.8)
 """A size is changed where that is so many standard deviations, and where it moves an end, or
 both sides together, by so many pixels."""
@@ -52,24 +54,23 @@ PLAUSIBLE = (0.12, 0.26)
 a body that was once fitted by eye, and shoes, hair and wide clothes ask for more."""
 PLAUSIBLE_FOCAL = 0.3
 LEAST_FOCAL = 0.02
-OBSERVABLE_SHARE = 0.05
-"""A size whose sigma is larger is not observable."""
-FEWEST_POINTS = 40
-"""Points of the contour that must be seen in a picture, on average."""
 
 
 @dataclass(frozen=True, eq=False)
 class SizesFitted:
-    """A body, a camera and keyposes that agree better with the pictures.
+    """What was found, to be chosen from: nothing is changed until somebody does.
 
-    message: what was found, for a person. changes: (part, what, before, after), centimetres.
+    message: for a person.  error_px: of the body's outline as it is, pixels of the video.
+    alone: other sizes, every pose as it was set; None where these fit no better.
+    with_poses: other sizes, limbs posed anew for them; None where these fit no better either.
+    unseen: parts whose sizes the pictures do not tell.
     """
 
-    body: Body
-    camera: Camera
-    keyposes: dict[int, Pose]
     message: str
-    changes: tuple[tuple[str, str, float, float], ...]
+    error_px: float = 0.0
+    alone: Proposal | None = None
+    with_poses: Proposal | None = None
+    unseen: tuple[str, ...] = ()
 
 
 def fit_sizes(
@@ -80,11 +81,13 @@ def fit_sizes(
     focal: bool = False,
     masks: Sequence[IgnoreMask] = (),
     cancelled: Callable[[], bool] = never,
+    up: Sequence[float] | None = None,
 ) -> SizesFitted:
     """Sizes at which the body, posed at several keyframes, fits all of the pictures.
 
-    SessionError with fewer than two keyframes. Sizes that cannot be observed stay, and so do the
-    poses where no size changes.
+    up (3,): in the camera frame, −y where left out; along it the feet must not float more than
+    before. SessionError
+    with fewer than two keyframes. Sizes that cannot be observed stay.
     """
     if len(keyposes) < 2:
         raise SessionError("Sizes are fitted to two keyframes or more: pose a second one first.")
@@ -94,15 +97,21 @@ def fit_sizes(
     pictures = Pictures.of(video, camera, size, [frames[k] for k in looked], masks)
     fit = _set_up(body, size.camera(camera), [keyposes[frame] for frame in frames], focal)
     found = _find_sizes(fit, pictures, looked.tolist(), focal, cancelled)
-    if found is None or not found.changed.any():
-        message = "Fitting was cancelled." if found is None else describe_sizes(found)
-        return SizesFitted(body, camera, dict(keyposes), message, ())
+    if found is None:
+        return SizesFitted("Fitting was cancelled.")
+    if not found.changed.any():
+        return SizesFitted(describe_sizes(found), unseen=unseen_parts(found))
+    look = Look(
+        fit, camera, pictures, looked.tolist(), frames, 2.0**size.halvings, cancelled
+    )  # fmt: skip
+    alone = look.alone(found)
+    with_poses = look.with_poses(found, up or UP_CAMERA)
+    if cancelled():
+        return SizesFitted("Fitting was cancelled.")
+    if alone is None and with_poses is None:
+        return SizesFitted(NO_GAIN, unseen=unseen_parts(found))
     return SizesFitted(
-        fit.proportions.body_at(found.shared.sizes),
-        found.shared.focus(camera) if found.changed[-2] else camera,
-        dict(zip(frames, found.shared.poses, strict=True)),
-        describe_sizes(found),
-        size_changes(found),
+        describe_sizes(found), look.error_before, alone, with_poses, unseen_parts(found)
     )
 
 
@@ -111,7 +120,8 @@ def _set_up(body: Body, camera: Camera, posed: Sequence[Pose], focal: bool) -> S
     perspective = camera.projection == "perspective"
     free = np.ones(proportions.count + 2, dtype=np.bool_)
     free[-2:] = focal and perspective, perspective
-    sizes = np.tile((LENGTH_SHARE, THICKNESS_SHARE), len(proportions.groups))
+    is_trunk = proportions.is_trunk[[group[0] for group in proportions.groups]]
+    sizes = np.where(is_trunk[:, None], TRUNK_SHARES, (LENGTH_SHARE, WIDTH_SHARE)).ravel()
     share = np.append(sizes, (FOCAL_SHARE, DISTANCE_SHARE))
     allowed = Limits.of(body).widened([pose.Rs_parent_part for pose in posed])
     return SharedFit(proportions, camera, tuple(posed), allowed, free, share, share)
@@ -126,7 +136,7 @@ def _find_sizes(
 ) -> SizesFound | None:
     """All sizes first, then again and again those alone that turn out to change."""
     start_values = Shared(np.zeros(len(fit.free)), fit.posed)
-    first = _estimate(fit, start_values, pictures, looked, FIRST_PX, cancelled)
+    first = estimate(fit, start_values, pictures, looked, FIRST_PX, cancelled)
     if first is None:
         return None
     changed, last = fit.free & _is_changed(fit, first), first
@@ -137,7 +147,7 @@ def _find_sizes(
         step = np.where(free, 0.0, -last.shared.values)
         chosen = replace(fit, free=free, share=SEEN_SHARE * fit.usual)
         start = chosen.with_step(last.shared, step)
-        again = _estimate(chosen, start, pictures, looked, AGAIN_PX, cancelled)
+        again = estimate(chosen, start, pictures, looked, AGAIN_PX, cancelled)
         if again is None:
             return None
         last, still = again, changed & _is_changed(fit, again)
@@ -154,47 +164,7 @@ def _find_sizes(
     )  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
-class _Estimate:
-    """Sizes and poses after some rounds, sigmas of the sizes, which of them are observable, and
-    whether the pictures show the contour at all."""
-
-    shared: Shared
-    spread: Array
-    observable: NDArray[np.bool_]
-    enough: bool
-
-
-def _estimate(
-    fit: SharedFit, start: Shared, pictures: Pictures, looked: list[int],
-    reaches: Sequence[float], cancelled: Callable[[], bool],
-) -> _Estimate | None:  # fmt: skip
-    """Look for the contours and fit to them, again and again; None when cancelled."""
-    joints = [joint_rows(fit, pose) for pose in fit.posed]
-    seen = contours(fit, start, looked)
-    colour_models = pictures.colour_models(seen, fit)
-    shared, observable, enough = start, np.ones(len(fit.free), dtype=np.bool_), False
-    spread = np.zeros(len(fit.free))
-    for number, reach in enumerate(reaches):
-        if cancelled():
-            return None
-        if number:
-            seen = contours(fit, shared, looked)
-        found = residuals_by_pose(fit, shared, looked, seen, colour_models, reach)
-        rows = [
-            Residuals.concatenate([joints[k], *([found[k]] if k in found else [])])
-            for k in range(len(joints))
-        ]
-        result = solve(fit, shared, rows, STEPS)
-        shared, spread = result.shared, result.spread
-        if not number:
-            observable = spread < OBSERVABLE_SHARE
-            enough = bool(np.mean([len(some.parts) for some in found.values()]) >= FEWEST_POINTS)
-        fit = replace(fit, share=_favour_few(fit, shared)) if fit.free[:-2].all() else fit
-    return _Estimate(shared, spread, observable, enough)
-
-
-def _is_least_likely(changed: NDArray[np.bool_], rounds: _Estimate) -> NDArray[np.bool_]:
+def _is_least_likely(changed: NDArray[np.bool_], rounds: Estimate) -> NDArray[np.bool_]:
     """(S + 2,) the one value furthest beyond what is plausible; none where none is."""
     change = np.abs(rounds.shared.values) * changed
     most = np.append(np.tile(PLAUSIBLE, (len(change) - 2) // 2), (PLAUSIBLE_FOCAL, np.inf))
@@ -202,16 +172,7 @@ def _is_least_likely(changed: NDArray[np.bool_], rounds: _Estimate) -> NDArray[n
     return np.asarray((beyond > 1) & (beyond == beyond.max()))
 
 
-def _favour_few(fit: SharedFit, shared: Shared) -> Array:
-    """(S + 2,) sigmas of a prior that favours few changes: narrow where a value hardly changed.
-
-    Else all would change a little, and the distance with them, instead of the few.
-    """
-    share = np.minimum(np.hypot(shared.values, FEW_SHARE), fit.usual)
-    return np.append(share[:-2], fit.usual[-2:])
-
-
-def _is_changed(fit: SharedFit, rounds: _Estimate) -> NDArray[np.bool_]:
+def _is_changed(fit: SharedFit, rounds: Estimate) -> NDArray[np.bool_]:
     """(S + 2,) what changes by more than may be chance, and by enough to be seen."""
     change = rounds.shared.values
     focal = np.sqrt(fit.camera.fx * fit.camera.fy)

@@ -7,6 +7,7 @@ frame, held near zero), and by how much its depth is off.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -36,6 +37,8 @@ SURE, BLUR = 0.6, 3.0
 OFFSET_M = 0.02
 """Standard deviation of where on its part a detector puts a joint."""
 FACE = ("nose", "left_ear", "right_ear")
+EYE_OFFSET_M = 0.012
+"""The same, where keyframes that were posed by eye tell it: their own error is in it."""
 LOOSE_OFFSET_M = 0.05
 """The same of these, which a head without a face does not have."""
 FAR_SIGMA = 4.0
@@ -152,6 +155,45 @@ def anchors_of(
         for k, anchors in enumerate(found)
         if anchors is not None
     )
+
+
+def frame_anchors(
+    scene: Scene, camera: Camera, seen: Keypoints, pose: Pose,
+    keyed: Sequence[tuple[Pose, Keypoints]], kernel: Kernel,
+) -> PointsInPicture | None:  # fmt: skip
+    """What the keypoints of one frame say of its pose; None where they lie on another body.
+
+    keyed: other frames' poses and keypoints, which tell where on its part a detector puts a joint.
+    The poses also tell which side is which.
+    """
+    index, parts, points = points_on_body(scene.skeleton.body, seen.names)
+    if len(index) < FEWEST:
+        return None
+    height = height_px(scene.skeleton, scene.camera, pose)
+
+    def read(keypoints: Keypoints, posed: Pose) -> tuple[Array, Array]:
+        """(K, 2) pixels, and (K,) their 1/σ, 0 where nothing is known."""
+        own = _undistorted(keypoints, scene, camera)
+        places = {0: _places(scene, posed, parts, points)}
+        own = exchanged_sides(own, index, places, height) or own
+        uv, visibility = own.uv[0, index], own.visibility[0, index]
+        known = np.isfinite(uv).all(axis=-1)
+        scale = np.where(known, 1 / _sigma_px(height, visibility), 0.0)
+        return np.where(known[:, None], uv, 0.0), scale
+
+    uv, scale = read(seen, pose)
+    miss = np.linalg.norm(_places(scene, pose, parts, points) - uv, axis=-1)[scale > 0]
+    if len(miss) < FEWEST or np.median(miss) > ELSEWHERE * height:
+        return None
+    loose = np.array([seen.names[k] in FACE for k in index])
+    sigma_m = np.where(loose, LOOSE_OFFSET_M, EYE_OFFSET_M)
+    if keyed:
+        read_keyed = [read(keypoints, posed) for posed, keypoints in keyed]
+        seen_uv, sure = (np.stack(some) for some in zip(*read_keyed, strict=True))
+        poses = [posed for posed, _ in keyed]
+        points = points + _offsets(scene, parts, points, sigma_m, poses, seen_uv, sure)
+    where = BodyPoints.single(scene.skeleton, parts, points)
+    return PointsInPicture(where, scene.camera, uv, scale, NEAREST_M, kernel)
 
 
 def height_px(skeleton: Skeleton, camera: Camera, pose: Pose) -> float:

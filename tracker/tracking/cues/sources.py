@@ -41,7 +41,14 @@ def _network(model: Model) -> Network:
     return Network.open(model)
 
 
-class KeypointSource(Protocol):
+class FrameSource(Protocol):
+    """What tells the keypoints of single frames."""
+
+    def at(self, frame: int, skeleton: Skeleton, pose: Pose) -> Keypoints | None:
+        """Those of a frame in which the body is posed; None where nobody is found."""
+
+
+class KeypointSource(FrameSource, Protocol):
     """What tells keypoints. A segment's depend on nothing but its own frames and keyposes."""
 
     def over(
@@ -63,6 +70,9 @@ class GivenKeypoints:
         self, segment: Segment, skeleton: Skeleton, report: Callable[[], None]
     ) -> Keypoints | None:
         return self.keypoints.over(segment.first_frame, segment.last_frame)
+
+    def at(self, frame: int, skeleton: Skeleton, pose: Pose) -> Keypoints | None:
+        return self.keypoints.over(frame, frame)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,12 +98,20 @@ class DetectedKeypoints:
         def leave(progress: Progress) -> None:
             report()
 
+        return self._detect((first, last), seeds, leave)
+
+    def at(self, frame: int, skeleton: Skeleton, pose: Pose) -> Keypoints | None:
+        return self._detect((frame, frame), _seeds({frame: pose}, skeleton, self.camera), _unheard)
+
+    def _detect(
+        self, frames: tuple[int, int], seeds: list[Seed], report: Callable[[Progress], None]
+    ) -> Keypoints | None:
         with _LOOKING:
             network = _network(self.model)  # a KeypointError of its own where it is not here
             try:
                 return detect(
-                    self._frame, (first, last), seeds, network,
-                    report=leave, film=self.film, kept=self.kept,
+                    self._frame, frames, seeds, network,
+                    report=report, film=self.film, kept=self.kept,
                 )  # fmt: skip
             except KeypointError:  # nobody is seen there: a body that is no person
                 return None
@@ -115,7 +133,12 @@ class CorrectedKeypoints:
     def over(
         self, segment: Segment, skeleton: Skeleton, report: Callable[[], None]
     ) -> Keypoints | None:
-        found = self.source.over(segment, skeleton, report)
+        return self._corrected(self.source.over(segment, skeleton, report))
+
+    def at(self, frame: int, skeleton: Skeleton, pose: Pose) -> Keypoints | None:
+        return self._corrected(self.source.at(frame, skeleton, pose))
+
+    def _corrected(self, found: Keypoints | None) -> Keypoints | None:
         return None if found is None else found.corrected(self.corrections)
 
 
@@ -166,6 +189,10 @@ def _seeds(posed: Mapping[int, Pose], skeleton: Skeleton, camera: Camera) -> lis
         Seed(frame, _rounded(Region.of_pose(skeleton, pose, camera)))
         for frame, pose in posed.items()
     ]
+
+
+def _unheard(progress: Progress) -> None:
+    """Nobody waits for it."""
 
 
 def _rounded(region: Region) -> Region:

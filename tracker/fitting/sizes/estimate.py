@@ -1,0 +1,70 @@
+"""One estimate of sizes and poses: contours looked for and fitted to, again and again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.fitting.sizes.residuals import Pictures, contours, joint_rows, residuals_by_pose
+from tracker.fitting.sizes.shared import Residuals, Shared, SharedFit, solve
+from tracker.geometry.rotations import Array
+
+STEPS = 3
+FEW_SHARE = 0.015
+"""Sigma of a size that is right."""
+OBSERVABLE_SHARE = 0.05
+"""A size whose sigma is larger is not observable."""
+FEWEST_POINTS = 40
+"""Points of the contour that must be seen in a picture, on average."""
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """Sizes and poses after some rounds, sigmas of the sizes, which of them are observable, and
+    whether the pictures show the contour at all."""
+
+    shared: Shared
+    spread: Array
+    observable: NDArray[np.bool_]
+    enough: bool
+
+
+def estimate(
+    fit: SharedFit, start: Shared, pictures: Pictures, looked: list[int],
+    reaches: Sequence[float], cancelled: Callable[[], bool],
+) -> Estimate | None:  # fmt: skip
+    """Look for the contours and fit to them, again and again; None when cancelled."""
+    joints = [joint_rows(fit, pose) for pose in fit.posed]
+    seen = contours(fit, start, looked)
+    colour_models = pictures.colour_models(seen, fit)
+    shared, observable, enough = start, np.ones(len(fit.free), dtype=np.bool_), False
+    spread = np.zeros(len(fit.free))
+    for number, reach in enumerate(reaches):
+        if cancelled():
+            return None
+        if number:
+            seen = contours(fit, shared, looked)
+        found = residuals_by_pose(fit, shared, looked, seen, colour_models, reach)
+        rows = [
+            Residuals.concatenate([joints[k], *([found[k]] if k in found else [])])
+            for k in range(len(joints))
+        ]
+        result = solve(fit, shared, rows, STEPS)
+        shared, spread = result.shared, result.spread
+        if not number:
+            observable = spread < OBSERVABLE_SHARE
+            enough = bool(np.mean([len(some.parts) for some in found.values()]) >= FEWEST_POINTS)
+        fit = replace(fit, share=_favour_few(fit, shared)) if fit.free[:-2].all() else fit
+    return Estimate(shared, spread, observable, enough)
+
+
+def _favour_few(fit: SharedFit, shared: Shared) -> Array:
+    """(S + 2,) sigmas of a prior that favours few changes: narrow where a value hardly changed.
+
+    Else all would change a little, and the distance with them, instead of the few.
+    """
+    share = np.minimum(np.hypot(shared.values, FEW_SHARE), fit.usual)
+    return np.append(share[:-2], fit.usual[-2:])

@@ -1,0 +1,179 @@
+"""What is proposed from the sizes found: sizes alone, and sizes with limbs posed anew for them.
+
+Wrong lengths were made up for by turns out of the picture, so right ones mostly ask for other
+poses. These are proposed apart, for somebody to accept, and never lean or float more than before:
+the trunk's turns are those that were set.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from tracker.body.body import Body
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.raster import BodyMesh
+from tracker.body.skeleton import Skeleton
+from tracker.fitting.sizes.colours import ColourModels
+from tracker.fitting.sizes.contours import offsets
+from tracker.fitting.sizes.estimate import estimate
+from tracker.fitting.sizes.messages import SizesFound, size_changes
+from tracker.fitting.sizes.residuals import Pictures, contours
+from tracker.fitting.sizes.shared import STIFF_RAD, Shared, SharedFit
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import log_rotation, rotation_between
+
+UP_CAMERA = (0.0, -1.0, 0.0)
+PROPOSED_RAD = tuple(np.radians([8.0, 4.0, 8.0]).tolist())
+"""Sigmas of a limb's turns that are proposed: a twist, about y, is left as it was set, mostly."""
+REACH_PX = 9.0
+"""How far from the body its outline is looked for when errors are compared."""
+ROUNDS_PX = (6.0, 5.0)
+BETTER = 0.98
+"""Share of the outline's error that may remain for a proposal to be made."""
+FLOATING_M = 0.003
+"""By how much more the height of the lowest foot may vary between keyframes."""
+LESS = (1.0, 0.5, 0.25)
+"""Shares of the turns that are tried, until the feet float no more than before."""
+LEAST_TURN_DEG = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Proposal:
+    """A body, a camera and keyposes that agree better with the pictures.
+
+    changes: (part, what, before, after), centimetres.  error_px: of the outline, then.
+    turns: by frame, (part, degrees) of every part that is turned.
+    """
+
+    body: Body
+    camera: Camera
+    keyposes: Mapping[int, Pose]
+    changes: tuple[tuple[str, str, float, float], ...]
+    error_px: float
+    turns: Mapping[int, tuple[tuple[str, float], ...]]
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """The pictures of the keyframes at `frames`, looked at for proposals.
+
+    camera: of the video.  scale: pixels of the pictures, in the video's.
+    """
+
+    fit: SharedFit
+    camera: Camera
+    pictures: Pictures
+    looked: list[int]
+    frames: Sequence[int]
+    scale: float
+    cancelled: Callable[[], bool]
+
+    @cached_property
+    def as_posed(self) -> Shared:
+        return Shared(np.zeros(len(self.fit.free)), self.fit.posed)
+
+    @cached_property
+    def error_before(self) -> float:
+        return self._error(self.as_posed)
+
+    @cached_property
+    def _colours(self) -> ColourModels:
+        return self.pictures.colour_models(contours(self.fit, self.as_posed, self.looked), self.fit)
+
+    def alone(self, found: SizesFound) -> Proposal | None:
+        """The sizes fitted again with every pose as it was set."""
+        free = found.changed.copy()
+        free[-2:] = False
+        fit = replace(self.fit, free=free, poses_free=False, trunk_rad=STIFF_RAD)
+        focal = np.zeros(len(free))
+        focal[-2] = found.shared.values[-2] * found.changed[-2]
+        start = fit.with_step(self.as_posed, focal)
+        again = estimate(fit, start, self.pictures, self.looked, ROUNDS_PX, self.cancelled)
+        if again is None:
+            return None
+        low, high = (pick(found.shared.values, 0.0) for pick in (np.minimum, np.maximum))
+        values = np.clip(again.shared.values, low, high)  # not away from those found with poses
+        return self._proposal(found, replace(again.shared, values=values))
+
+    def with_poses(self, found: SizesFound, up: Sequence[float]) -> Proposal | None:
+        """The sizes found, and the limbs posed for them."""
+        free = np.zeros_like(found.changed)
+        fit = replace(self.fit, free=free, trunk_rad=STIFF_RAD, turns_rad=PROPOSED_RAD)
+        start = fit.with_step(self.as_posed, found.shared.values)
+        again = estimate(fit, start, self.pictures, self.looked, ROUNDS_PX, self.cancelled)
+        if again is None:
+            return None
+        posed = [
+            self._as_set(pose, s) for pose, s in zip(again.shared.poses, start.poses, strict=True)
+        ]
+        before = _floating(self.fit.proportions.body, self.fit.posed, up)
+        body = self.fit.proportions.body_at(found.shared.sizes)
+        for share in LESS:
+            poses = [_between(s, p, share) for s, p in zip(start.poses, posed, strict=True)]
+            if _floating(body, poses, up) <= before + FLOATING_M:
+                return self._proposal(found, Shared(found.shared.values, tuple(poses)))
+        return None
+
+    def _as_set(self, pose: Pose, start: Pose) -> Pose:
+        """With the trunk's turns to the last digit as they were set."""
+        is_trunk = self.fit.proportions.is_trunk[:, None, None]
+        return Pose(
+            np.where(is_trunk, start.Rs_parent_part, pose.Rs_parent_part), pose.p_camera_root
+        )
+
+    def _proposal(self, found: SizesFound, shared: Shared) -> Proposal | None:
+        error = self._error(shared)
+        if not error < BETTER * self.error_before:
+            return None
+        posed = replace(found, shared=shared)
+        turns = {
+            frame: some
+            for frame, before, after in zip(self.frames, self.fit.posed, shared.poses, strict=True)
+            if (some := self._turns(before, after))
+        }
+        camera = shared.focus(self.camera) if found.changed[-2] else self.camera
+        return Proposal(
+            self.fit.proportions.body_at(shared.sizes),
+            camera,
+            dict(zip(self.frames, shared.poses, strict=True)),
+            size_changes(posed),
+            error,
+            turns,
+        )
+
+    def _turns(self, before: Pose, after: Pose) -> tuple[tuple[str, float], ...]:
+        turn = log_rotation(np.swapaxes(before.Rs_parent_part, -1, -2) @ after.Rs_parent_part)
+        degrees = np.degrees(np.linalg.norm(turn, axis=-1))
+        names = self.fit.proportions.body.names
+        order = np.argsort(-degrees, kind="stable").tolist()
+        return tuple((names[i], float(degrees[i])) for i in order if degrees[i] >= LEAST_TURN_DEG)
+
+    def _error(self, shared: Shared) -> float:
+        """Root mean square distance of the body's outline from the pictures', video pixels."""
+        seen = contours(self.fit, shared, self.looked)
+        away = np.concatenate(
+            [offsets(contour, self._colours, j, REACH_PX) for j, contour in enumerate(seen)]
+        )
+        known = away[np.isfinite(away)]
+        return self.scale * float(np.sqrt((known**2).mean())) if known.size else np.inf
+
+
+def _floating(body: Body, poses: Sequence[Pose], up: Sequence[float]) -> float:
+    """By how much the height of the body's lowest point varies along up (3,), metres."""
+    skeleton = Skeleton.of(body)
+    mesh, up_camera = BodyMesh.of(skeleton), np.asarray(up) / np.linalg.norm(up)
+    lowest = [(mesh.posed(pose_transforms(skeleton, pose)) @ up_camera).min() for pose in poses]
+    return float(np.ptp(lowest))
+
+
+def _between(start: Pose, end: Pose, share: float) -> Pose:
+    """A share of the way from one pose to another."""
+    if share == 1.0:
+        return end
+    Rs = rotation_between(start.Rs_parent_part, end.Rs_parent_part, [share])[0]
+    p = start.p_camera_root + share * (end.p_camera_root - start.p_camera_root)
+    return Pose(Rs, p)
