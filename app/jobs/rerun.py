@@ -157,11 +157,12 @@ def _with_earlier(session: Session, path: Path, found: Sequence[SegmentResult]) 
 
 
 def _on_disk(session: Session, path: Path, without: set[Span]) -> list[SegmentResult]:
+    """As tracked: what was solved in space would be smoothed again."""
     try:
         fitting = load_results(session, path).fitting(session)
     except SessionError:  # missing or damaged: then there is nothing to keep
         return []
-    return [track for span, track in fitting.items() if span not in without]
+    return [track.as_tracked for span, track in fitting.items() if span not in without]
 
 
 def _collect(found: Sequence[SegmentResult]) -> Results:

@@ -123,6 +123,8 @@ class Runner:
         """Fit; `on_end` receives its outcome, unless it is dropped or replaced before."""
         if self._fit_done is None:
             self._waiting = frozenset(self.running)
+        if self.job.kind == "space":  # which it ends, and which is asked for again after it
+            self._unsolvable = frozenset()
         self._fit_done = on_end
         self._number = self._newest = self._tracking.fit(order)
         self._progress = None
@@ -252,6 +254,8 @@ class Runner:
                 self._on_fit_end(report)
             case JobFinished() if self.job.kind == "space":
                 self.job = self._ended
+            case JobFailed() if self.job.kind == "space":
+                self.job = Job("failed", "Smoothing failed", report.words, 100)
             case JobFinished():
                 self._on_end("cancelled" if report.cancelled else "done")
             case JobFailed():

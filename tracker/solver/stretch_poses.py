@@ -126,7 +126,7 @@ class StretchPoint:
         for link in problem.links:
             linked, pull = link.equations(motion, EVERY)
             banded, b = added(banded, linked), b + pull
-        flat = border.reshape(-1, len(shared))
+        flat = border.reshape(count * dofs, len(shared))
         found = bordered_step(with_frames(banded, A), flat, corner, b.ravel(), gradient, damping)
         return None if found is None else np.concatenate(found)
 

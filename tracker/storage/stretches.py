@@ -106,12 +106,15 @@ def _clipped(pins: Sequence[Pin], span: Span) -> Iterator[Pin]:
 
 
 def _key(session: Session, run: Sequence[Usable], pins: Sequence[Pin], span: Span) -> str:
-    soft = [k.frame for k in keyframes_within(session, *span) if k.soft]
+    keyframes = keyframes_within(session, *span)
+    soft = [keyframe.frame for keyframe in keyframes if keyframe.soft]
     content = [
         VERSION,
         [(one.key, one.quality) for one in run],
         [pin.model_dump(mode="json") for pin in pins],
         [session.floor_m, session.up_camera, bool(session.settings.smooth), soft],
+        [part.limits_deg for part in session.body.parts],  # no segment's key has them
+        [keyframe.time_s for keyframe in (keyframes[0], keyframes[-1])],
     ]
     return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
 

@@ -25,6 +25,7 @@ from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import interpolate
 from tracker.errors import SessionError
 from tracker.session import Keyframe
+from tracker.session.pins import Pin
 from tracker.storage.files import load_session, open_video_of, save_session
 from tracker.tracking.tracker import Tracker
 
@@ -32,7 +33,10 @@ SAMPLE = Path(sample_videos.__file__).parent / "box"
 BETWEEN = 25
 
 
-def copied(folder: Path, **settings: Any) -> Path:
+PIN = Pin(part="box", point_m=(0.32, 0.2, 0.24), first_frame=2, last_frame=12)
+
+
+def copied(folder: Path, pins: tuple[Pin, ...] = (), **settings: Any) -> Path:
     """The box, with two segments of different length."""
     folder.mkdir(parents=True)
     shutil.copy(SAMPLE / "box.mp4", folder)
@@ -47,7 +51,8 @@ def copied(folder: Path, **settings: Any) -> Path:
     poses = (start.pose(skeleton), end.pose(skeleton))
     between = interpolate(*poses, start.frame, end.frame).pose(BETWEEN)
     middle = Keyframe.of(skeleton, between, BETWEEN, BETWEEN / 30)
-    save_session(session.model_copy(update={"keyframes": (start, middle, end)}), path)
+    changed = {"keyframes": (start, middle, end), "pins": pins}
+    save_session(session.model_copy(update=changed), path)
     return path
 
 
@@ -56,6 +61,19 @@ def by_the_page(path: Path) -> None:
     try:
         visitor = Visitor(keypose)
         visitor.do(do="track", what="all")
+        visitor.until(lambda: visitor.seen["job"]["state"] == "done")
+        visitor.leave()
+    finally:
+        code, words = keypose.end()
+    assert code == 0, words
+
+
+def by_the_page_until_solved(path: Path) -> None:
+    keypose = Keypose(str(path), "--workspace", str(path.parent / "workspace"))
+    try:
+        visitor = Visitor(keypose)
+        visitor.do(do="track", what="all")
+        visitor.until(lambda: visitor.seen["job"]["title"].startswith("Smoothing"))
         visitor.until(lambda: visitor.seen["job"]["state"] == "done")
         visitor.leave()
     finally:
@@ -96,6 +114,24 @@ def test_page_command_and_batch_write_the_same_bytes(
         written[way] = (path.read_bytes(), path.with_name(results.tracks).read_bytes())
     assert written["track"] == written["page"]
     assert written["batch"] == written["page"]
+
+
+def test_page_and_command_write_the_same_motion_in_space(tmp_path: Path) -> None:
+    written = {}
+    for way in ("page", "track"):
+        path = copied(tmp_path / way, (PIN,), quality="full", smooth=True)
+        if way == "page":
+            by_the_page_until_solved(path)
+        else:
+            by_the_command(path)
+        results = load_session(path).results
+        assert results is not None
+        (stretch,) = results.space
+        assert [(pin.part, pin.first_frame, pin.last_frame) for pin in stretch.pins] == [
+            ("box", 2, 12)
+        ]
+        written[way] = (path.read_bytes(), path.with_name(results.tracks).read_bytes())
+    assert written["track"] == written["page"]
 
 
 @pytest.mark.parametrize("workers", [1, 2])

@@ -21,6 +21,7 @@ from app.jobs import (
     Ready,
     Report,
     SegmentFinished,
+    SpaceSolved,
     Started,
     Wanted,
     Warming,
@@ -31,9 +32,11 @@ from tests.app import surface_cases
 from tests.app.editor.desk import after, desk
 from tests.app.results_cases import judged
 from tests.tracker.session_cases import VERDICTS
+from tests.tracker.storage.space_cases import both, pinned, smooth, solution
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Pass
 from tracker.session import Session
+from tracker.storage.stretches import Stretch
 from tracker.tracking.result import SegmentResult
 
 PIECE: Any = SimpleNamespace(
@@ -51,6 +54,7 @@ class Orders:
         self.stages: list[tuple[str, ...]] = []
         self.keys: list[list[str]] = []
         self.calls: list[Any] = []
+        self.solved: list[list[str]] = []
 
     def start(
         self, doc: Session, path: Path, wanted: Sequence[Wanted], stages: Any, folder: Path
@@ -66,6 +70,10 @@ class Orders:
         self.keys.append([])
         self.stages.append(())
         return len(self.wanted)
+
+    def solve_space(self, doc: Session, stretches: Sequence[Stretch]) -> int:
+        self.solved.append([stretch.key for stretch in stretches])
+        return self.fit(doc)
 
     def cancel(self) -> None:
         self.calls.append("cancel")
@@ -448,3 +456,111 @@ def test_a_fit_to_surfaces_is_called_so_and_says_what_was_kept_of_it(runner: Run
     runner.track(PIECE, edit, "all")
     orders(runner).say(JobFinished(2, cancelled=False))
     assert runner.job.title == "Fitted 0–4"
+
+
+# --- the motion in space follows by itself
+
+
+def tracked(doc: Session) -> EditorState:
+    """A session whose segments are tracked."""
+    return replace(desk(), doc=doc, skeleton=Skeleton.of(doc.body), results=both(doc))
+
+
+def solved(runner: Runner, edit: EditorState, job: int) -> SpaceSolved:
+    assert runner.results is not None
+    return SpaceSolved(job, solution(runner.results.unsolved(edit.doc)[0]))
+
+
+def test_what_is_tracked_is_solved_for_in_space_and_the_job_s_words_come_back(
+    runner: Runner,
+) -> None:
+    edit = tracked(smooth(pinned()))
+    runner.opened(edit)
+    before = runner.job
+    runner.solve_space(edit)
+    assert len(orders(runner).solved) == 1
+    assert (runner.job.state, runner.job.title, runner.job.kind) == (
+        "running", "Smoothing 0–8", "space"
+    )  # fmt: skip
+    runner.news.clear()  # type: ignore[attr-defined]
+    orders(runner).say(solved(runner, edit, 1))
+    assert runner.news == [True]  # type: ignore[attr-defined]
+    orders(runner).say(JobFinished(1, cancelled=False))
+    assert runner.job == before
+    assert runner.results is not None
+    assert runner.results.unsolved(edit.doc) == []
+
+
+def test_the_same_is_not_solved_twice_whatever_came_of_it(runner: Runner) -> None:
+    edit = tracked(smooth())
+    runner.opened(edit)
+    runner.solve_space(edit)
+    runner.solve_space(edit)  # it is at that
+    orders(runner).say(JobFinished(1, cancelled=True))
+    runner.solve_space(edit)
+    assert len(orders(runner).solved) == 1
+    other = replace(edit, doc=pinned())
+    runner.solve_space(other)
+    assert len(orders(runner).solved) == 2
+    assert orders(runner).solved[0] != orders(runner).solved[1]
+
+
+def test_a_session_without_pins_and_smoothing_is_not_solved(runner: Runner) -> None:
+    edit = tracked(pinned().model_copy(update={"pins": ()}))
+    runner.opened(edit)
+    runner.solve_space(edit)
+    assert orders(runner).solved == []
+    assert runner.job.state == "idle"
+
+
+def test_solving_waits_for_what_is_tracked_and_for_a_hand(runner: Runner) -> None:
+    edit = tracked(smooth())
+    runner.opened(edit)
+    runner.track(PIECE, edit, "all")
+    runner.solve_space(edit)
+    assert orders(runner).solved == []
+    orders(runner).say(JobFinished(1, cancelled=False))
+    runner.solve_space(replace(edit, stroke=SimpleNamespace(name="x")))  # type: ignore[arg-type]
+    assert orders(runner).solved == []
+    runner.solve_space(edit)
+    assert len(orders(runner).solved) == 1
+    assert runner.job.title == "Smoothing 0–8"
+    orders(runner).say(JobFinished(2, cancelled=False))
+    assert (runner.job.state, runner.job.title) == ("done", "Tracked 0–8")
+
+
+def test_a_solve_that_fails_is_told_once_and_the_motion_stays_as_tracked(runner: Runner) -> None:
+    edit = tracked(smooth())
+    runner.opened(edit)
+    runner.solve_space(edit)
+    orders(runner).say(JobFailed(1, "Smoothing met a fault."))
+    assert (runner.job.state, runner.job.words) == ("failed", "Smoothing met a fault.")
+    assert runner.job.title == "Smoothing failed"
+    runner.solve_space(edit)
+    assert len(orders(runner).solved) == 1
+    assert runner.results is not None
+    found = runner.results.fitting(edit.doc)
+    assert all(segment.before_space is None for segment in found.values())
+
+
+def test_another_session_is_solved_anew(runner: Runner) -> None:
+    edit = tracked(smooth())
+    for _ in range(2):
+        runner.opened(edit)
+        runner.solve_space(edit)
+        orders(runner).say(JobFinished(len(orders(runner).solved), cancelled=True))
+    assert len(orders(runner).solved) == 2
+
+
+def test_a_solve_that_a_fit_ended_is_asked_for_again_after_it(runner: Runner) -> None:
+    edit = tracked(smooth())
+    runner.opened(edit)
+    runner.solve_space(edit)
+    runner.fit(ORDER, "Fitting frame 3", lambda _: None)
+    runner.solve_space(edit)
+    assert len(orders(runner).solved) == 1  # a fit goes first
+    orders(runner).say(JobFinished(1, cancelled=True))
+    orders(runner).say(fitted(2))
+    runner.resume(PIECE, edit)
+    runner.solve_space(edit)
+    assert orders(runner).solved[0] == orders(runner).solved[1]

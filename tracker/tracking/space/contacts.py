@@ -26,7 +26,7 @@ DEPTH_SHARE = 0.15
 """How much of the speed along the view counts."""
 ACROSS_S, DEPTH_S = 0.025, 0.08
 """Widths of the Gaussians that places are smoothed with."""
-LEAST_S, GAP_S = 0.12, 0.05
+LEAST_S, GAP_S = 0.09, 0.05
 """A shorter stance is none; a shorter gap does not end one."""
 LOW_M, NEAR_S = 0.12, 0.75
 """How far above its lowest place, within so long before and after, a foot may stand."""
@@ -87,7 +87,7 @@ def still_ranges(
         row = last + 1
     least = LEAST_S * frames_per_second
     # the frames at both ends are where the foot lands and leaves
-    return [(a + (a > 0), b - (b < n - 1)) for a, b in found if b - a + 1 >= least and b - a > 3]
+    return [(a + (a > 0), b - (b < n - 1)) for a, b in found if b - a + 1 >= least and b - a > 2]
 
 
 def _pin(part: str, held: tuple[str, ...], rows: tuple[int, int], motion: Trajectory) -> Pin:

@@ -11,10 +11,10 @@ from tracker.geometry.rotations import Array
 from tracker.solver.body_points import BodyPoint, BodyPoints
 
 SIGMAS: Final = {
-    "waist": 150.0,
-    "chest": 250.0,
-    "neck": 250.0,
-    "head": 250.0,
+    "waist": 225.0,
+    "chest": 350.0,
+    "neck": 350.0,
+    "head": 350.0,
     "upper_arm": 250.0,
     "forearm": 500.0,
     "hand": 750.0,

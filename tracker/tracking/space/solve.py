@@ -22,6 +22,7 @@ from threadpoolctl import threadpool_limits
 
 from tracker.body.body import ROTATIONS
 from tracker.body.joint_limits import Limits
+from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.geometry.camera import Camera
@@ -31,7 +32,7 @@ from tracker.solver.body_points import BodyPoint, BodyPoints
 from tracker.solver.jerk import Jerk
 from tracker.solver.least_squares import Criteria, Damping, least_squares
 from tracker.solver.places import AtOnePlace, Near, OnFloor
-from tracker.solver.posed import image_points
+from tracker.solver.posed import Posed, image_points
 from tracker.solver.robust import SQUARED, Huber
 from tracker.solver.smoothness import Increments, Link, Smoothness, increments
 from tracker.solver.stretch_poses import SharedTerm, Stretch, StretchPoses
@@ -196,15 +197,19 @@ def _shared(problem: SpaceProblem, places: Array) -> Array:
 
 
 def _height_px(problem: SpaceProblem, skeleton: Skeleton) -> Array:
-    """(N,) of the body, were it to stand where it is."""
+    """(N,) of the body, were it to stand where it is; of a thing its greatest extent."""
     motion = problem.motion
-    at_key = height_px(skeleton, problem.camera, motion.pose(motion.first_frame))
     z = problem.camera.depth(motion.ps_camera_root)
-    return np.asarray(at_key * z[0] / z)
+    if is_persons(skeleton.body):
+        at_key = height_px(skeleton, problem.camera, motion.pose(motion.first_frame))
+        return np.asarray(at_key * z[0] / z)
+    points = BodyPoints(skeleton, tuple(_places_seen(skeleton)))
+    rest = points.of(Posed.of(skeleton, Pose.rest(skeleton, (0.0, 0.0, 0.0))))
+    return np.asarray(np.ptp(rest, axis=0).max() * problem.camera.fy / z)
 
 
 def _seen(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
-    """Joints and landmarks where the tracked motion has them in the picture."""
+    """Points of the body where the tracked motion has them in the picture."""
     points = BodyPoints(skeleton, tuple(_places_seen(skeleton)))
     uv = image_points(problem.camera, points.at(problem.motion.transforms(skeleton)))
     scale = 1 / (SEEN_SHARE * _height_px(problem, skeleton))
@@ -213,10 +218,16 @@ def _seen(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
 
 
 def _places_seen(skeleton: Skeleton) -> list[BodyPoint]:
+    """Joints and landmarks, which say how a person is posed; of a thing, which may have one joint
+    alone, also the corners of its shapes."""
     body = skeleton.body
     joints: list[BodyPoint] = [((i, (0.0, 0.0, 0.0)),) for i in range(skeleton.part_count)]
     ends = [((i, p),) for i, part in enumerate(body.parts) for p in part.landmarks.values()]
-    return [*joints, *ends]
+    if is_persons(body):
+        return [*joints, *ends]
+    shapes = [(i, part.shape.marks()) for i, part in enumerate(body.parts)]
+    corners: list[BodyPoint] = [((i, (x, y, z)),) for i, marks in shapes for x, y, z in marks]
+    return [*joints, *ends, *corners]
 
 
 def _keyframes(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:

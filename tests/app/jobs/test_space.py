@@ -1,0 +1,165 @@
+"""The last solve in the worker: an order, its reports, its end; and without a page the same."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from threading import Event
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.jobs import JobFailed, JobFinished, Report, SpaceOrder, SpaceSolved
+from app.jobs.rerun import save_found
+from app.jobs.space import solve_order
+from tests.app.jobs.test_tracking import Office, in_office
+from tests.tracker.storage.space_cases import PIN, both, cases, pinned, session, smooth
+from tracker.session import Session
+from tracker.storage import space
+from tracker.storage.files import load_session, save_session
+from tracker.storage.results import load_results
+from tracker.storage.space import solved
+from tracker.storage.tracks import load_tracks
+
+
+def order(of: Session, job: int = 7) -> SpaceOrder:
+    return SpaceOrder(of.model_dump_json().encode(), tuple(both(of).unsolved(of)), job)
+
+
+def told(given: SpaceOrder, cancelled: Event | None = None) -> list[Report]:
+    heard: list[Report] = []
+    solve_order(given, cancelled or Event(), heard.append)
+    return heard
+
+
+def test_an_order_reports_every_stretch_and_then_its_end() -> None:
+    of = smooth(pinned())
+    one, end = told(order(of))
+    assert isinstance(one, SpaceSolved)
+    assert (one.job, end) == (7, JobFinished(7, cancelled=False))
+    assert one.result.key == both(of).unsolved(of)[0].key
+    assert one.result.span == (0, 8)
+    (pin,) = one.result.pins
+    assert (pin.part, pin.landmarks, pin.first_frame, pin.last_frame) == (
+        PIN.part, PIN.landmarks, *PIN.span
+    )  # fmt: skip
+    assert 0 <= pin.usual_off_m <= pin.off_m
+    assert both(of).with_space(one.result).unsolved(of) == []
+
+
+def test_exact_keyframes_stay_where_they_are_posed() -> None:
+    of = smooth(pinned())
+    one, _ = told(order(of))
+    assert isinstance(one, SpaceSolved)
+    for keyframe in of.keyframes:
+        pose, wanted = one.result.motion.pose(keyframe.frame), keyframe.pose(cases.SKELETON)
+        np.testing.assert_allclose(pose.p_camera_root, wanted.p_camera_root, atol=1e-9)
+        np.testing.assert_allclose(pose.Rs_parent_part, wanted.Rs_parent_part, atol=1e-6)
+
+
+def test_a_pin_that_an_exact_keyframe_contradicts_names_it() -> None:
+    whole = session(pins=(PIN.model_copy(update={"first_frame": 0, "last_frame": 8}),))
+    one, _ = told(order(whole))
+    assert isinstance(one, SpaceSolved)
+    (pin,) = one.result.pins
+    assert pin.off_m > 0.01
+    assert pin.keyframe in (0, 4, 8)
+
+
+def test_a_cancelled_order_says_so_and_reports_nothing_half_done() -> None:
+    cancelled = Event()
+    cancelled.set()
+    assert told(order(smooth()), cancelled) == [JobFinished(7, cancelled=True)]
+
+
+def test_a_fault_is_told_in_one_sentence_and_is_no_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(*_: Any) -> Any:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(space, "solved", fail)
+    (failed,) = told(order(smooth()))
+    assert isinstance(failed, JobFailed)
+    assert failed.words.startswith("Smoothing met a fault of Keypose itself")
+    assert failed.words.endswith("the motion is as it was tracked.")
+    assert "\n" not in failed.words
+
+
+def test_the_worker_solves_as_it_is_done_without_one() -> None:
+    of = smooth(pinned())
+    stretches = both(of).unsolved(of)
+    here = solved(of, stretches[0])
+
+    async def visit(office: Office) -> None:
+        job = office.tracking.solve_space(of, stretches)
+        assert office.tracking.job == job
+        assert await office.ended(job) == JobFinished(job, cancelled=False)
+        assert office.tracking.job is None
+        (report,) = office.of(job, SpaceSolved)
+        assert report.result.key == here.key
+        np.testing.assert_array_equal(
+            report.result.motion.ps_camera_root, here.motion.ps_camera_root
+        )
+        np.testing.assert_array_equal(
+            report.result.motion.Rs_parent_part, here.motion.Rs_parent_part
+        )
+        assert report.result.pins == here.pins
+
+    in_office(visit)
+
+
+def test_a_newer_job_ends_one_that_solves() -> None:
+    of = smooth(pinned())
+
+    async def visit(office: Office) -> None:
+        jobs = [office.tracking.solve_space(of, both(of).unsolved(of)) for _ in range(3)]
+        assert await office.ended(jobs[-1]) == JobFinished(jobs[-1], cancelled=False)
+        for job in jobs:
+            assert len(office.of(job, JobFinished)) == 1
+
+    in_office(visit)
+
+
+# --- without a page
+
+
+def found(of: Session) -> list[Any]:
+    return list(both(of).fitting(of).values())
+
+
+def test_what_is_saved_without_a_page_is_solved(tmp_path: Path) -> None:
+    of, path = smooth(pinned()), tmp_path / "session.json"
+    save_session(of, path)
+    results = save_found(of, path, found(of))
+    assert results is not None
+    assert [(s.first_frame, s.last_frame) for s in results.space] == [(0, 8)]
+    again = load_session(path)
+    assert load_results(again, path).unsolved(again) == []
+    assert load_tracks(again, path).before_space is not None
+
+
+def test_what_is_saved_without_pins_and_smoothing_is_not_solved(tmp_path: Path) -> None:
+    of, path = session(), tmp_path / "session.json"
+    save_session(of, path)
+    results = save_found(of, path, found(of))
+    assert results is not None
+    assert results.space == ()
+    assert load_tracks(load_session(path), path).before_space is None
+
+
+def test_a_segment_tracked_anew_is_solved_from_what_was_tracked_of_the_others(
+    tmp_path: Path,
+) -> None:
+    """Not from their motion in space: solved twice, it would depend on its history."""
+    of, path = smooth(pinned()), tmp_path / "session.json"
+    save_session(of, path)
+    first, second = found(of)
+    save_found(of, path, [first, second])
+    before = path.read_bytes(), (tmp_path / load_tracks_name(path)).read_bytes()
+    save_found(load_session(path), path, [second])
+    assert (path.read_bytes(), (tmp_path / load_tracks_name(path)).read_bytes()) == before
+
+
+def load_tracks_name(path: Path) -> str:
+    results = load_session(path).results
+    assert results is not None
+    return results.tracks

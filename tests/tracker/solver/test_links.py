@@ -1,0 +1,261 @@
+"""What links frames with each other, and what they share: gradients and equations against finite
+differences, whichever poses are unknown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from tests.tracker.solver.test_banded import dense
+from tracker.body.body import preset
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
+from tracker.geometry.rotations import exp_rotation
+from tracker.solver.body_points import BodyPoints, free_skeleton
+from tracker.solver.jerk import Jerk
+from tracker.solver.places import AtOnePlace, Near, OnFloor
+from tracker.solver.posed import Posed
+from tracker.solver.robust import SQUARED, Cauchy, Huber
+from tracker.solver.smoothness import Increments, Link, Smoothness, increments, second_differences
+from tracker.solver.stretch_poses import SharedTerm, moved_poses
+
+Floats = NDArray[np.float64]
+
+SKELETON = free_skeleton(preset("adult_male"))
+TRACKED = Skeleton.of(preset("adult_male"))
+DOFS = SKELETON.dof_count
+FRAMES = 6
+FOOT = SKELETON.body.index("left_foot")
+HAND = SKELETON.body.index("right_hand")
+POINTS = BodyPoints(
+    SKELETON,
+    (((0, (0.0, 0.0, 0.0)),), ((FOOT, (0.02, 0.06, -0.1)),), ((HAND, (0.0, 0.1, 0.02)),)),
+)
+SIZES = pytest.mark.parametrize(
+    "turn_rad", [1e-3, 0.3, 1.0], ids=["near identity", "bent", "large"]
+)
+UNKNOWN = pytest.mark.parametrize(
+    "unknown",
+    [slice(None), slice(1, -1), slice(1, None), slice(0, 2), slice(3, 4)],
+    ids=["all", "inner", "from the second", "two", "one"],
+)
+
+
+def motion(turn_rad: float, frames: int = FRAMES, shift_m: float = 0.1) -> Trajectory:
+    """Poses in front of the camera that change by about so much from frame to frame."""
+    rng = np.random.default_rng(1)
+    Rs = exp_rotation(rng.normal(0, turn_rad, (frames, SKELETON.part_count, 3)))
+    return Trajectory(4, Rs, rng.normal((0.1, -0.1, 4.0), shift_m, (frames, 3)))
+
+
+def posed(at: Trajectory) -> Posed:
+    return Posed(SKELETON, at.Rs_parent_part, at.ps_camera_root)
+
+
+def difference(value: Callable[[Trajectory], float], at: Trajectory, size: float = 1e-6) -> Floats:
+    """(N, D) central differences over the motions of every pose."""
+    found = np.zeros((len(at), DOFS))
+    for j in range(len(at)):
+        for d in range(DOFS):
+            x = np.zeros((len(at), DOFS))
+            x[j, d] = size
+            ahead, behind = (moved_poses(SKELETON, at, sign * x) for sign in (1, -1))
+            found[j, d] = (value(ahead) - value(behind)) / (2 * size)
+    return found
+
+
+def jerk(fps: float = 30.0) -> Jerk:
+    return Jerk(SKELETON, POINTS, np.array([150.0, 1200.0, 750.0]), fps)
+
+
+# --- moving
+
+
+@SIZES
+def test_poses_move_along_their_own_axes_and_stay_rotations(turn_rad: float) -> None:
+    at = motion(turn_rad)
+    steps = np.random.default_rng(3).normal(0, 0.1, (FRAMES, DOFS))
+    there = moved_poses(SKELETON, at, steps)
+    R = there.Rs_parent_part
+    np.testing.assert_allclose(R @ np.swapaxes(R, -1, -2), np.tile(np.eye(3), (*R.shape[:2], 1, 1)),
+                               atol=1e-12)  # fmt: skip
+    led = posed(there).motion_from(at.Rs_parent_part, at.ps_camera_root, backward=False)
+    np.testing.assert_allclose(led, steps, atol=1e-9)
+    assert there.first_frame == at.first_frame
+
+
+# --- jerk
+
+
+@SIZES
+@UNKNOWN
+def test_the_gradient_of_jerk_is_that_of_its_cost(turn_rad: float, unknown: slice) -> None:
+    link, at = jerk(), motion(turn_rad)
+    _, b = link.equations(at, unknown)
+    expected = difference(link.cost, at)[unknown]
+    np.testing.assert_allclose(b, expected, atol=1e-6 * np.abs(expected).max())
+
+
+@SIZES
+@UNKNOWN
+def test_the_equations_of_jerk_are_the_products_of_its_slopes(
+    turn_rad: float, unknown: slice
+) -> None:
+    link, at = jerk(), motion(turn_rad)
+    rows = []
+    for j in range(FRAMES):
+        for d in range(DOFS):
+            x = np.zeros((FRAMES, DOFS))
+            x[j, d] = 1e-6
+            ahead, behind = (link.of(moved_poses(SKELETON, at, s * x)) for s in (1, -1))
+            rows.append(((ahead - behind) / 2e-6 / link.sigma[:, None]).ravel())
+    J = np.array(rows)
+    of = np.arange(FRAMES * DOFS).reshape(FRAMES, DOFS)[unknown].ravel()
+    banded, _ = link.equations(at, unknown)
+    assert banded.shape == (4 * DOFS, len(of))
+    expected = (J @ J.T)[np.ix_(of, of)]
+    np.testing.assert_allclose(dense(banded), expected, atol=1e-6 * np.abs(expected).max())
+
+
+def test_free_flight_has_no_jerk() -> None:
+    s = np.arange(FRAMES)[:, None] / 30.0
+    root = np.array([0.1, -0.2, 4.0]) + s * [0.5, -2.0, 0.3] + s**2 * [0.0, 4.9, 0.0]
+    still = np.tile(motion(0.3).Rs_parent_part[:1], (FRAMES, 1, 1, 1))
+    assert jerk().cost(Trajectory(0, still, root)) < 1e-12
+
+
+def test_jerk_is_the_same_in_seconds_whatever_the_frame_rate() -> None:
+    def swinging(fps: float) -> Trajectory:
+        s = np.arange(int(fps)) / fps
+        root = np.column_stack([0.1 * np.sin(6 * s), 0 * s, 4 + 0 * s])
+        return Trajectory(0, np.tile(np.eye(3), (len(s), SKELETON.part_count, 1, 1)), root)
+
+    slow, fast = (np.abs(jerk(fps).of(swinging(fps))).max() for fps in (60.0, 240.0))
+    assert slow == pytest.approx(0.1 * 6**3, rel=0.02)
+    assert fast == pytest.approx(slow, rel=0.02)
+
+
+# --- steps and evenness
+
+
+def _steps(at: Trajectory) -> Link:
+    measured = increments(SKELETON, at)
+    rng = np.random.default_rng(5)
+    off = rng.normal(0, 1e-4, measured.shape)
+    return Increments(SKELETON, measured + off, rng.uniform(1, 9e4, measured.shape), Cauchy(0.01))
+
+
+def _even(at: Trajectory) -> Link:
+    wanted = second_differences(SKELETON, at)
+    rng = np.random.default_rng(6)
+    off = rng.normal(0, 1e-4, wanted.shape)
+    return Smoothness(SKELETON, wanted + off, rng.uniform(1, 9e4, wanted.shape), SQUARED)
+
+
+@UNKNOWN
+@pytest.mark.parametrize("make", [_steps, _even], ids=["steps", "evenness"])
+def test_links_have_the_gradient_of_small_steps(
+    make: Callable[[Trajectory], Link], unknown: slice
+) -> None:
+    at = motion(1e-4, shift_m=1e-4)
+    link = make(at)
+    _, b = link.equations(at, unknown)
+    expected = difference(link.cost, at)[unknown]
+    np.testing.assert_allclose(b, expected, atol=2e-3 * np.abs(expected).max())
+
+
+@UNKNOWN
+@pytest.mark.parametrize("make", [_steps, _even], ids=["steps", "evenness"])
+def test_the_equations_of_some_poses_are_those_of_all_without_the_others(
+    make: Callable[[Trajectory], Link], unknown: slice
+) -> None:
+    at = motion(0.3)
+    link = make(at)
+    every, b = link.equations(at, slice(None))
+    some, own = link.equations(at, unknown)
+    of = np.arange(FRAMES * DOFS).reshape(FRAMES, DOFS)[unknown].ravel()
+    np.testing.assert_array_equal(dense(some), dense(every)[np.ix_(of, of)])
+    np.testing.assert_array_equal(own, b[unknown])
+    assert np.linalg.eigvalsh(dense(every)).min() > -1e-9 * np.abs(every).max()
+
+
+@pytest.mark.parametrize("frames", [2, 3])
+def test_in_two_and_three_frames_there_is_no_jerk_but_there_are_steps(frames: int) -> None:
+    at = motion(0.1, frames)
+    banded, b = jerk().equations(at, slice(None))
+    assert not banded.any()
+    assert not b.any()
+    link = Increments(SKELETON, increments(SKELETON, at), np.ones((frames - 1, DOFS)), SQUARED)
+    found = dense(link.equations(at, slice(None))[0])
+    assert np.linalg.matrix_rank(found) == (frames - 1) * DOFS
+
+
+# --- what frames share
+
+PLACE = BodyPoints(SKELETON, (((FOOT, (0.0, 0.07, -0.12)),),))
+UP = np.array([0.1, -0.98, 0.2]) / np.linalg.norm([0.1, -0.98, 0.2])
+SHARED = np.array([0.3, 0.2, 3.9, 0.0, 0.9, 4.1, -0.8])
+TERMS: dict[str, SharedTerm] = {
+    "at one place": AtOnePlace(PLACE, slice(1, 5), 3, 0.004, SQUARED),
+    "at one place, far ones pulling no harder": AtOnePlace(
+        PLACE, slice(0, FRAMES), 0, 0.004, Huber(10.0)
+    ),
+    "on the floor": OnFloor(3, UP, 0.008),
+    "near": Near(SHARED + 0.1, np.linspace(0.03, 100.0, 7)),
+}
+"""Every term of shared unknowns. One that is added goes here."""
+
+
+@SIZES
+@pytest.mark.parametrize("name", TERMS)
+def test_the_gradient_of_what_is_shared_is_that_of_its_cost(name: str, turn_rad: float) -> None:
+    term, at = TERMS[name], motion(turn_rad)
+    found = term.equations(posed(at), SHARED)
+    expected = difference(lambda there: term.cost(posed(there), SHARED), at)
+    b = np.zeros((FRAMES, DOFS))
+    b[found.frames] = found.b
+    np.testing.assert_allclose(b, expected, atol=2e-6 * max(np.abs(expected).max(), 1.0))
+    gradient, slope = np.zeros(len(SHARED)), np.zeros(len(SHARED))
+    gradient[found.unknown] = found.gradient
+    for k in range(len(SHARED)):
+        e = 1e-6 * np.eye(len(SHARED))[k]
+        ahead, behind = (term.cost(posed(at), SHARED + sign * e) for sign in (1, -1))
+        slope[k] = (ahead - behind) / 2e-6
+    np.testing.assert_allclose(gradient, slope, atol=2e-6 * max(np.abs(slope).max(), 1.0))
+
+
+@SIZES
+@pytest.mark.parametrize("name", TERMS)
+def test_the_equations_of_what_is_shared_are_symmetric_and_no_saddle(
+    name: str, turn_rad: float
+) -> None:
+    found = TERMS[name].equations(posed(motion(turn_rad)), SHARED)
+    n = len(found.A)
+    size = n * DOFS + len(found.unknown)
+    whole = np.zeros((size, size))
+    for j in range(n):
+        rows = slice(j * DOFS, (j + 1) * DOFS)
+        whole[rows, rows] = found.A[j]
+        whole[rows, n * DOFS :] = found.border[j]
+        whole[n * DOFS :, rows] = found.border[j].T
+    whole[n * DOFS :, n * DOFS :] = found.corner
+    np.testing.assert_allclose(whole, whole.T, atol=1e-9 * np.abs(whole).max())
+    assert np.linalg.eigvalsh(whole).min() > -1e-9 * np.abs(whole).max()
+    assert np.abs(whole).max() > 0
+
+
+def test_shared_equations_of_places_are_those_of_their_slopes() -> None:
+    """With squares the second differences over pose and place are the border's, to first order."""
+    term = AtOnePlace(PLACE, slice(1, 5), 3, 0.004, SQUARED)
+    at = motion(0.3)
+    found = term.equations(posed(at), SHARED)
+    for k in range(3):
+        e = np.zeros(len(SHARED))
+        e[3 + k] = 1e-3
+        ahead, behind = (term.equations(posed(at), SHARED + s * e).b for s in (1, -1))
+        np.testing.assert_allclose(
+            found.border[..., k], (ahead - behind) / 2e-3, atol=1e-6 * np.abs(found.border).max()
+        )
