@@ -197,10 +197,10 @@ def test_a_throw_a_stride_and_a_jump_keep_their_peak_speeds(name: str) -> None:
 # --- whatever comes
 
 
-def test_pins_that_contradict_each_other_leave_a_sound_motion_and_are_told(
+def test_pins_that_the_pictures_contradict_leave_a_sound_motion_and_are_told(
     person: Scene,
 ) -> None:
-    """Heel and toe both at one place cannot be: a rigid foot that turns about is pinned at both."""
+    """Both feet are said to stand at one place, though the whole body goes aside by 40 cm."""
     R, p = person.truth.writable()
     p[30:] += [0.4, 0.0, 0.0]
     tracked = Trajectory(0, R, p)
@@ -238,7 +238,7 @@ def test_a_thing_that_is_no_person_stands_on_its_corner() -> None:
     assert np.median(found.off_m[0]) < 0.006
     assert found.off_m[0].max() < 0.02
     shown = replace(box, truth=truth)
-    assert errors_m(shown, found.motion).max() < 0.4 * errors_m(shown, tracked).max()
+    assert errors_m(shown, found.motion).max() < 0.6 * errors_m(shown, tracked).max()
 
 
 @pytest.mark.parametrize("frames", [2, 3, 4])
