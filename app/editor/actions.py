@@ -12,7 +12,7 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, TypeAdapter
 
 from app.posing import Gesture, Way
-from tracker.body.body import Dof, Name
+from tracker.body.body import Dof, Name, Point
 from tracker.session.settings import (
     ALL_CUES,
     Cue,
@@ -36,6 +36,8 @@ Coordinate: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]
 Spot: TypeAlias = tuple[Coordinate, Coordinate]
 Polygon: TypeAlias = Annotated[tuple[Spot, ...], Field(min_length=3, max_length=500)]
 Stroke: TypeAlias = Annotated[str, Field(min_length=1, max_length=60)]
+PinIndex: TypeAlias = Annotated[int, Field(ge=0, le=1000)]
+Landmarks: TypeAlias = Annotated[tuple[Name, ...], Field(max_length=20)]
 
 
 class Message(BaseModel):
@@ -150,6 +152,14 @@ class Exchange(Edit):
     do: Literal["exchange"] = "exchange"
 
 
+class TurnInDepth(Edit):
+    """What points toward the camera points away from it, seen where it was: of a part and what
+    hangs on it, or of the whole body."""
+
+    do: Literal["turn_in_depth"] = "turn_in_depth"
+    part: Name | None = None
+
+
 class CopyPose(Message):
     do: Literal["copy_pose"] = "copy_pose"
 
@@ -205,6 +215,94 @@ class KeyAngle(Edit):
     part: Name
     axis: Axis
     deg: Degrees
+
+
+class SoftenKey(Edit):
+    """The motion need only come near a keyframe."""
+
+    do: Literal["soften_key"] = "soften_key"
+    frame: FrameIndex
+
+
+class ExactKey(Edit):
+    """The motion meets a keyframe exactly, as it does unless it was softened."""
+
+    do: Literal["exact_key"] = "exact_key"
+    frame: FrameIndex
+
+
+# --- pins and the floor
+
+
+class SetPin(Edit):
+    """A part pinned at a frame, and over the frames around it at which it stands still.
+
+    first, last: these frames instead.  landmarks: of the part, its heel and toe where left out and
+    it has them, else its joint.  point_m: a point in the part's frame instead, metres; corner: the
+    corner of the part that is seen nearest to these pixels of the camera's view.
+    floor: it stands on the floor, which is laid under it where nobody knows its height.
+    """
+
+    do: Literal["set_pin"] = "set_pin"
+    part: Name
+    frame: FrameIndex
+    first: FrameIndex | None = None
+    last: FrameIndex | None = None
+    landmarks: Landmarks | None = None
+    point_m: Point | None = None
+    corner: Spot | None = None
+    floor: bool = False
+
+
+class ChangePin(Edit):
+    """Fields that are left out stay. An end that would run into another pin of the same points
+    stops there; both ends moved by as much move the pin."""
+
+    do: Literal["change_pin"] = "change_pin"
+    index: PinIndex
+    first: FrameIndex | None = None
+    last: FrameIndex | None = None
+    landmarks: Landmarks | None = None
+    floor: bool | None = None
+
+
+class DeletePin(Edit):
+    do: Literal["delete_pin"] = "delete_pin"
+    index: PinIndex
+
+
+class SplitPin(Edit):
+    """Two pins instead of one, the second from this frame on."""
+
+    do: Literal["split_pin"] = "split_pin"
+    index: PinIndex
+    frame: FrameIndex
+
+
+class AcceptPins(Edit):
+    """The proposed pins of a part, or of a part from a frame on; all where neither is named."""
+
+    do: Literal["accept_pins"] = "accept_pins"
+    part: Name | None = None
+    first: FrameIndex | None = None
+
+
+class DismissPins(Message):
+    """The proposed pins, as for AcceptPins, are not shown until others are proposed."""
+
+    do: Literal["dismiss_pins"] = "dismiss_pins"
+    part: Name | None = None
+    first: FrameIndex | None = None
+
+
+class Floor(Edit):
+    """The floor's height along up from the camera, or that of the pinned feet, or of a part as it
+    stands at the present frame; none of them: it is not known."""
+
+    do: Literal["floor"] = "floor"
+    height_m: Metres | None = None
+    pinned_feet: bool = False
+    under: Name | None = None
 
 
 # --- the body
@@ -336,8 +434,8 @@ class DeleteMask(Edit):
 
 
 class Settings(Edit):
-    """Fields that are left out stay; `passes` may be given as null, the method's own number, and
-    `static_camera`, as it was found. cue_weights: those that are left out are 1."""
+    """Fields that are left out stay; `passes` may be given as null, the method's own number,
+    `static_camera`, as it was found, and `smooth`, not. cue_weights: those left out are 1."""
 
     do: Literal["settings"] = "settings"
     method: MethodName | None = None
@@ -346,6 +444,7 @@ class Settings(Edit):
     left_out: Annotated[tuple[Name, ...], Field(max_length=1000)] | None = None
     passes: Annotated[int, Field(ge=1, le=50)] | None = None
     static_camera: bool | None = None
+    smooth: bool | None = None
     cues: Annotated[Cues, Field(max_length=len(ALL_CUES))] | None = None
     cue_weights: dict[Cue, CueWeight] | None = None
     network: NetworkName | None = None
@@ -497,7 +596,9 @@ class Open(Message):
     )
 
 
-Looking: TypeAlias = Go | Select | Show | Live | Limits | Axes | Link | BeginGuide | CopyPose
+Looking: TypeAlias = (
+    Go | Select | Show | Live | Limits | Axes | Link | BeginGuide | CopyPose | DismissPins
+)
 Posing: TypeAlias = (
     Drag
     | Angles
@@ -506,17 +607,21 @@ Posing: TypeAlias = (
     | ResetPart
     | ResetPose
     | Exchange
+    | TurnInDepth
     | PastePose
     | CopyKey
     | TakeTracked
 )
-Keying: TypeAlias = AddKey | DeleteKey | MoveKey | DuplicateKey | KeyAngle
+Keying: TypeAlias = AddKey | DeleteKey | MoveKey | DuplicateKey | KeyAngle | SoftenKey | ExactKey
+Pinning: TypeAlias = SetPin | ChangePin | DeletePin | SplitPin | AcceptPins | Floor
 Shaping: TypeAlias = Shape | Size | Joint | Height | Preset | ResetBody | Clavicles | Tracked
 Filming: TypeAlias = Intrinsics | FieldOfView | Lens | Distortion | Vertical | ResetUp
 Choosing: TypeAlias = AddMask | ChangeMask | DeleteMask | Settings | Observe
 Seeing: TypeAlias = CorrectKeypoint | IgnoreKeypoint | RestoreKeypoint
 Rewinding: TypeAlias = Undo | Redo | EndStroke | CancelStroke
-Editing: TypeAlias = Looking | Posing | Keying | Shaping | Filming | Choosing | Seeing | Rewinding
+Editing: TypeAlias = (
+    Looking | Posing | Keying | Pinning | Shaping | Filming | Choosing | Seeing | Rewinding
+)
 """What `app.editor.update` knows to apply."""
 
 Previewing: TypeAlias = PreviewPoses | ApplySizes | DiscardSizes

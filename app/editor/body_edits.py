@@ -8,7 +8,7 @@ from app.editor import actions as do
 from app.editor.documents import require_before_camera
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
-from app.posing import with_height, with_joint, with_shape, with_size
+from app.posing import part_label, with_height, with_joint, with_shape, with_size
 from tracker.body.body import PRESETS, Body, Part, preset
 from tracker.body.clavicles import (
     can_have_clavicles,
@@ -113,6 +113,7 @@ def set_tracked(state: EditorState, action: do.Tracked) -> Session:
 def with_body(state: EditorState, body: Body) -> Session:
     """Another body in all poses: parts it does not have are left out of them."""
     known = set(body.names)
+    _require_pinned_parts(state, known)
     skeleton = Skeleton.of(body)
     doc = state.doc.model_copy(
         update={
@@ -125,6 +126,13 @@ def with_body(state: EditorState, body: Body) -> Session:
     for keyframe in (*doc.keyframes, *doc.drafts):
         require_before_camera(skeleton, keyframe.pose(skeleton))
     return doc
+
+
+def _require_pinned_parts(state: EditorState, known: set[str]) -> None:
+    """Refused where a pin would lose its part."""
+    lost = [pin.part for pin in state.doc.pins if pin.part not in known]
+    if lost:
+        raise Refused(f"{part_label(lost[0])} is pinned and not part of that body. Unpin it first.")
 
 
 def _without_unknown(settings: TrackSettings, known: set[str]) -> TrackSettings:

@@ -34,7 +34,9 @@ def posed(doc: Session, skeleton: Skeleton, pose: Pose, frame: int, times_s: Arr
     """With this pose at a frame: in its keyframe, or else as a draft."""
     require_before_camera(skeleton, pose)
     keyframe = keyframe_of(skeleton, pose, frame, times_s)
-    if any(known.frame == frame for known in doc.keyframes):
+    known = next((known for known in doc.keyframes if known.frame == frame), None)
+    if known is not None:
+        keyframe = as_soft_as(known, keyframe)
         doc = with_keyframes(doc, (*without(doc.keyframes, frame), keyframe))
         return with_drafts(doc, without(doc.drafts, frame))  # it would be shown instead
     return with_drafts(doc, (*without(doc.drafts, frame), keyframe))
@@ -43,6 +45,12 @@ def posed(doc: Session, skeleton: Skeleton, pose: Pose, frame: int, times_s: Arr
 def keyframe_of(skeleton: Skeleton, pose: Pose, frame: int, times_s: Array) -> Keyframe:
     """The pose as a keyframe."""
     return Keyframe.of(skeleton, pose, frame, float(times_s[frame]))
+
+
+def as_soft_as(before: Keyframe | None, keyframe: Keyframe) -> Keyframe:
+    """A keyframe posed anew stays as soft as it was."""
+    soft = before is not None and before.soft
+    return keyframe.model_copy(update={"soft": soft}) if soft else keyframe
 
 
 def require_before_camera(skeleton: Skeleton, pose: Pose) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from app.editor.documents import (
+    as_soft_as,
     at_new_focal,
     keyframe_of,
     posed,
@@ -57,10 +58,12 @@ def with_sizes_fitted(
     for pose in keyposes.values():
         require_before_camera(skeleton, pose)
     keyframes = [
-        keyframe
-        if _is_posed_as(state.skeleton, keyframe, keyposes[keyframe.frame])
-        else keyframe_of(skeleton, keyposes[keyframe.frame], keyframe.frame, state.times_s)
-        for keyframe in state.doc.keyframes
+        known
+        if _is_posed_as(state.skeleton, known, keyposes[known.frame])
+        else as_soft_as(
+            known, keyframe_of(skeleton, keyposes[known.frame], known.frame, state.times_s)
+        )
+        for known in state.doc.keyframes
     ]
     drafts = tuple(at_new_focal(draft, nearer) for draft in state.doc.drafts)
     for draft in drafts:

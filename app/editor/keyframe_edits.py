@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from app.editor import actions as do
 from app.editor.documents import (
+    as_soft_as,
     keyframe_of,
     require_before_camera,
     with_drafts,
@@ -26,6 +27,7 @@ def add_keyframe(state: EditorState, frame: int) -> Session:
     pose = stands.pose
     require_before_camera(state.skeleton, pose)
     keyframe = keyframe_of(state.skeleton, pose, frame, state.times_s)
+    keyframe = as_soft_as(find(state.doc.keyframes, frame), keyframe)
     doc = with_keyframes(state.doc, (*without(state.doc.keyframes, frame), keyframe))
     return with_drafts(doc, without(doc.drafts, frame))
 

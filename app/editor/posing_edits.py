@@ -7,6 +7,7 @@ import numpy as np
 from app.editor import actions as do
 from app.editor.body_edits import with_body
 from app.editor.documents import posed
+from app.editor.pinned import pinned_ends
 from app.editor.pointer_views import pointer_views, up_of
 from app.editor.refusal import Refused
 from app.editor.shown import find, shown_pose
@@ -52,7 +53,7 @@ def _drag(state: EditorState, before: EditorState, action: do.Drag) -> Posed:
         axes_frame=looks.axes,
         linked=looks.link,
         angle_before=last.angle_rad if last else None,
-        held=Held(placed=_placed(before.doc, pose)),
+        held=Held(_placed(before.doc, pose), pinned_ends(before.doc, state.frame)),
     )
 
 

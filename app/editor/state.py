@@ -12,6 +12,7 @@ from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import Array
 from tracker.session.history import History
+from tracker.session.pins import Pin
 from tracker.session.schema import Keyframe, Session
 from tracker.storage.results import Fitting, Results, pose_at
 
@@ -49,7 +50,8 @@ class EditorState:
 
     skeleton always is the layout of doc.body; `opening` is where a body first stands.  over: names
     of the gestures that ended lately, whose late moves count no more.  compared: a document whose
-    body is shown beside this one's, as an outline.
+    body is shown beside this one's, as an outline.  proposed_pins: what was proposed when the
+    pins changed last, until it is known anew; dismissed_pins: what was refused of it.
     """
 
     doc: Session
@@ -65,6 +67,8 @@ class EditorState:
     over: tuple[str, ...] = ()
     clipboard: Keyframe | None = None
     compared: Session | None = None
+    proposed_pins: tuple[Pin, ...] = ()
+    dismissed_pins: tuple[Pin, ...] = ()
 
     @property
     def frame_count(self) -> int:
@@ -89,11 +93,25 @@ class EditorState:
         """The tracked pose at a frame."""
         return pose_at(self.fitting, frame)
 
+    @property
+    def proposals(self) -> tuple[Pin, ...]:
+        """Where feet stand still, as the motion was last solved for in space."""
+        known = self.results.space(self.settled)
+        if not known:
+            return self.proposed_pins
+        return tuple(pin for stretch in known for pin in stretch.proposed)
+
+    def with_proposals_anew(self) -> EditorState:
+        """The same with nothing dismissed: the motion will be another one."""
+        return replace(self, dismissed_pins=()) if self.dismissed_pins else self
+
     def with_doc(self, doc: Session) -> EditorState:
         """The same with another document; the skeleton is rebuilt only for another body."""
         times_s = doc.evidence.times_s() if doc.surface is not self.doc.surface else None
         if times_s is not None:
             self = replace(self, times_s=times_s)
+        if doc.pins is not self.doc.pins:
+            self = replace(self, proposed_pins=self.proposals)
         if doc.body is self.doc.body:
             return replace(self, doc=doc, opening=self._opening_for(doc))
         changed = replace(self, doc=doc, skeleton=Skeleton.of(doc.body))

@@ -8,7 +8,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from app.editor import actions as do
-from app.editor import posing_edits
+from app.editor import pin_edits, posing_edits
 from app.editor.documents import impossible, keyframe_of, require_sound
 from app.editor.edits import EDITS, label_of
 from app.editor.refusal import Refused
@@ -44,6 +44,9 @@ def _look(state: EditorState, action: do.Looking) -> EditorState:
         return replace(state, clipboard=copied)
     if isinstance(action, do.BeginGuide):
         return state
+    if isinstance(action, do.DismissPins):
+        dismissed = pin_edits.named_proposals(state, action)
+        return replace(state, dismissed_pins=(*state.dismissed_pins, *dismissed))
     return replace(state, display=replace(state.display, **_switches(action)))
 
 

@@ -273,6 +273,7 @@ class Store:
             self._require_no_preview()
             self._edit_to(end_stroke(self._app_state.edit))
             if isinstance(action, actions.Track):
+                self._set(edit=self._app_state.edit.with_proposals_anew())
                 self._runner.track(self._opened, self._app_state.edit, action.what)
             else:
                 self._fitter.ask(action)

@@ -18,7 +18,11 @@ import { ringsAreShown } from './keypoints.js';
 import { foldLanes } from './lanes.js';
 import { fitsFocal } from './lens.js';
 import {
-  goTo, keyBeside, middle, next, nextProblem, problems, step, suggestedFrame, toFirst,
+  acceptMessage, allPins, beginPin, dismissMessage, endPin, framesOf, isSoft, noProposals, pinHere, pinToFloor,
+  proposedPins, togglePin, unpin, whyNoPinHere, whyNotPin,
+} from './pins.js';
+import {
+  frame, goTo, isKey, keyBeside, middle, next, nextProblem, problems, step, suggestedFrame, toFirst,
   togglePlaying, toKey, toLast,
 } from './playhead.js';
 import {
@@ -149,6 +153,11 @@ const POSE = {
     title: 'Move the left limbs to where the right ones are seen, and the other way round',
     message: () => ({ do: 'exchange' }),
   },
+  turnInDepth: {
+    label: 'Turn in depth', icon: 'depth',
+    title: () => `${selectedPart()?.label ?? 'The whole body'} points away from the camera instead of toward it, seen where it is`,
+    message: (part) => ({ do: 'turn_in_depth', part: part?.name ?? server.view.selected ?? null }),
+  },
   resetPart: {
     label: 'Reset part', icon: 'reset', keys: ['Backspace'], row: 'Reset part, pose',
     off: () => (server.view?.selected ? '' : 'Select a part first'),
@@ -167,6 +176,44 @@ const POSE = {
     row: 'Undo, redo', ...REPEATS,
     off: () => (server.undo?.redo ? '' : 'Nothing to redo'), message: () => ({ do: 'redo' }),
   },
+};
+
+/** @satisfies {Record<string, Action>} */
+const PINS = {
+  pin: {
+    label: (part) => (pinHere(part) === undefined ? 'Pin here from this frame' : 'Unpin'), icon: 'anchor', keys: ['Shift P'],
+    row: 'Pin, unpin hand or foot', off: whyNotPin, run: togglePin,
+    title: 'The part stays in its place as long as it stands still around this frame',
+  },
+  pinCorner: {
+    label: 'Pin this corner', icon: 'anchor', title: 'The corner stays in its place around this frame',
+    message: ({ part, at }) => ({ do: 'set_pin', part, frame: frame(), corner: at }),
+  },
+  pinToFloor: { label: 'Pin to floor', icon: 'down', off: whyNotPin, run: pinToFloor },
+  beginPin: { label: 'Begin the pin at this frame', icon: 'mid', off: whyNoPinHere, run: beginPin },
+  endPin: { label: 'End the pin at this frame', icon: 'mid', off: whyNoPinHere, run: endPin },
+  unpin: {
+    label: 'Unpin', icon: 'x', off: (index) => (allPins()[index ?? pinHere()] ? '' : whyNoPinHere()),
+    title: (index) => unpinTitle(allPins()[index ?? pinHere()]), run: unpin,
+  },
+  acceptPins: {
+    label: (pin) => (pin || proposedPins().length === 1 ? 'Accept' : `Accept all ${proposedPins().length}`), icon: 'check', off: noProposals,
+    message: acceptMessage,
+  },
+  dismissPins: {
+    label: 'Dismiss', icon: 'x', title: 'They come back after the next tracking', off: noProposals, message: dismissMessage,
+  },
+  softKey: {
+    label: (at) => (isSoft(at) ? 'Meet the keyframe exactly' : 'Soften the keyframe'), icon: 'key',
+    title: 'A soft keyframe gives way in depth to pins and smoothness',
+    off: (at = frame()) => (isKey(at) ? '' : `Frame ${at} is not a keyframe`),
+    message: (at = frame()) => ({ do: isSoft(at) ? 'exact_key' : 'soften_key', frame: at }),
+  },
+  splitPin: {
+    label: 'Split the pin', icon: 'mid', title: 'Two places instead of one, the second from this keyframe on',
+    message: ({ index, frame: at } = { index: 0, frame: frame() }) => ({ do: 'split_pin', index, frame: at }),
+  },
+  partMenu: { label: 'Menu of a part', keys: ['Right-click', 'Menu'], heard: 'pointer' },
 };
 
 /** @satisfies {Record<string, Action>} */
@@ -319,7 +366,7 @@ const FILE = {
 /** In the order of the sheet of keys; without a title a group is not on it. */
 export const GROUPS = [
   { title: () => 'Frames', actions: FRAMES },
-  { title: () => 'Pose', actions: POSE },
+  { title: () => 'Pose', actions: { ...POSE, ...PINS } },
   { title: () => words().verb, actions: TRACK },
   { title: () => 'Tools', actions: TOOLS },
   { title: () => 'Views', actions: VIEW },
@@ -327,7 +374,7 @@ export const GROUPS = [
   { title: null, actions: FILE },
 ];
 
-export const ACTIONS = { ...FRAMES, ...POSE, ...TRACK, ...TOOLS, ...VIEW, ...DRAGGING, ...FILE };
+export const ACTIONS = { ...FRAMES, ...POSE, ...PINS, ...TRACK, ...TOOLS, ...VIEW, ...DRAGGING, ...FILE };
 
 /** @typedef {keyof typeof ACTIONS} ActionId */
 
@@ -367,6 +414,8 @@ function copyLabel(way) {
   if (key === undefined) return `Copy from ${way < 0 ? 'previous' : 'next'}`;
   return `Copy from key ${key}`;
 }
+
+const unpinTitle = (pin) => (pin ? `Unpin ${pin.label.toLowerCase()}, frames ${framesOf(pin)}` : 'Unpin');
 
 const towards = (end, part) => `Towards the ${end}${part ? `: ${part.label.toLowerCase()}` : ''}`;
 

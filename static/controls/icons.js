@@ -2,6 +2,9 @@
 
 import { html, svg } from '../vendor/lit-html/lit-html.js';
 
+/** On a 16 px grid; it also stands on the pictures and the timeline. */
+export const ANCHOR = svg`<circle cx="8" cy="3.700" r="1.700"/><path d="M8 5.400v8.400M5.300 7.600h5.400M2.900 9.300c.2 2.900 2.300 4.500 5.100 4.500s4.900-1.600 5.100-4.500"/>`;
+
 const SHAPES = {
   undo: svg`<path d="M3 6h6.5a3.5 3.5 0 0 1 0 7H6M3 6l3-3M3 6l3 3"/>`,
   redo: svg`<path d="M13 6H6.5a3.5 3.5 0 0 0 0 7H10M13 6l-3-3M13 6l-3 3"/>`,
@@ -69,6 +72,8 @@ const SHAPES = {
   moon: svg`<path d="M13 9.500A5.500 5.500 0 1 1 6.500 3a4.500 4.500 0 0 0 6.500 6.500z"/>`,
   wand: svg`<path d="M2.5 13.5 9 7M10.5 5.5l.8-.8"/><path d="M11.5 8.5v2.6M10.2 9.8h2.6M6.5 2v2.6M5.2 3.3h2.6M13 2.2v2M12 3.2h2"/>`,
   crop: svg`<path d="M2.5 5.500v-3h3M10.500 2.500h3v3M13.500 10.500v3h-3M5.500 13.500h-3v-3"/><circle cx="8" cy="6.600" r="1.400"/><path d="M5.600 11.200c.3-1.700 1.200-2.500 2.400-2.500s2.100.8 2.400 2.500"/>`,
+  anchor: svg`${ANCHOR}`,
+  down: svg`<path d="M8 2v8.500M5 7.500l3 3 3-3M3 13.500h10"/>`,
   phone: svg`<rect x="4.200" y="1.800" width="7.600" height="12.400" rx="1.600"/><circle cx="6.600" cy="4.400" r="1.100"/>`,
   camcorder: svg`<rect x="1.800" y="4.500" width="8.700" height="7" rx="1.200"/><path d="M10.500 7.200 14.200 5v6l-3.700-2.200"/>`,
   action: svg`<rect x="2" y="4" width="12" height="8.500" rx="1.600"/><circle cx="10" cy="8.300" r="2.300"/>`,

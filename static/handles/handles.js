@@ -9,11 +9,12 @@ import { leave, refresh } from './hover.js';
 import { letterOf, onKeys, watchKeys } from './pressed_keys.js';
 import { deleteMask } from './masks.js';
 import { paint } from './paint.js';
+import { listenForMenuKey } from './pinmenu.js';
 import { cancelPress, isPressed, listenTo } from './press.js';
 import { prepareSketch, sketchKey } from './sketch.js';
 
 /** @type {import('../store/shapes.js').Watched[]} */
-const SECTIONS = ['file', 'pose', 'body', 'view', 'views', 'trail', 'masks', 'keys', 'camera', 'keypoints'];
+const SECTIONS = ['file', 'pose', 'body', 'view', 'views', 'trail', 'masks', 'keys', 'camera', 'keypoints', 'pins'];
 
 export function mount() {
   watchKeys();
@@ -25,6 +26,7 @@ export function mount() {
   watch(['pose'], refresh);
   watch(['u:tool'], changeTool);
   watch(['u:playing', 'file'], () => ui.playing && leave());
+  listenForMenuKey();
   mountBars();
 }
 

@@ -9,6 +9,7 @@ import { interaction } from './interaction.js';
 import { drawKeypoints } from './keypoints.js';
 import { drawLabels } from './labels.js';
 import { drawMasks } from './masks.js';
+import { drawPinMarks, drawSoles } from './pinmarks.js';
 import { drawRings } from './rings.js';
 import { isLarge } from './scale.js';
 import { drawSizes } from './sizes.js';
@@ -34,11 +35,13 @@ function overlay(view) {
   const classes = `hands ${isLarge(view) ? 'large' : 'small'} ${dragged} ${drawing} on-${view.name}`;
   return svg`<g class=${classes}>
     ${drawMasks(view, targets.masks)}
+    ${drawSoles(view)}
     ${drawTrail(view, targets.trail)}
     ${drawHover(view)}
     ${drawLimb(view)}
     ${drawReach(view, targets.grips)}
     ${drawGrips(view, targets.grips)}
+    ${drawPinMarks(view)}
     ${drawSizes(view, targets.sizes)}
     ${drawRings(view, targets.rings)}
     ${drawKeypoints(view, targets.keypoints)}

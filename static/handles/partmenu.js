@@ -1,8 +1,9 @@
-// The menu of a part at the pointer, in the free view: how one looks at it.
+// The menu of a part at the pointer, in the free view: what can be pinned of it, how one looks at it.
 
 import { perform } from '../actions/actions.js';
 import { line, openMenuAt } from '../controls/menu.js';
 import { partNamed } from '../store/parts.js';
+import { pinEntries } from './pinmenu.js';
 import { select } from './select.js';
 
 /** Open it at a place of the window; `part` may be none. */
@@ -10,7 +11,8 @@ export function openPartMenu(view, part, place) {
   if (part) select(part);
   const label = part ? partNamed(part).label : 'Free view';
   const look = (words, axis) => ({ label: words, icon: 'camc', run: () => view.alongAxis(axis) });
-  openMenuAt(label, [...orbitEntries(view, part), line, look('Look from the side', 'x'), look('Look from above', 'y'), look('Look from the front', 'z'), line,
+  const pins = part ? pinEntries(partNamed(part)) : [];
+  openMenuAt(label, [...pins, ...(pins.length ? [line] : []), ...orbitEntries(view, part), line, look('Look from the side', 'x'), look('Look from above', 'y'), look('Look from the front', 'z'), line,
     { label: 'Reset view', icon: 'reset', right: '0', run: () => perform('fitView') },
   ], place);
 }

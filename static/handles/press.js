@@ -17,6 +17,7 @@ import { hover, leave, pick } from './hover.js';
 import { openKeypointMenu } from './keypoints.js';
 import { isKeyDown, noteModifiers } from './pressed_keys.js';
 import { beginPan, endPan, movePan, pinch, wheel } from './pan.js';
+import { openAt } from './pinmenu.js';
 import { openPartMenu } from './partmenu.js';
 import { click } from './select.js';
 import { drawsOn, isDrawingTool, sketchCancel, sketchCursor, sketchDown, sketchMove, sketchUp } from './sketch.js';
@@ -176,6 +177,7 @@ function menu(view, event) {
   if (press || !server.file || !server.pose) return;
   const target = targetAt(view, ...place(view, event), false);
   if (target?.kind === 'keypoint') openKeypointMenu(target.point, target.frame, [event.clientX, event.clientY]);
+  else if (!view.orbitBy) openAt(view, event); // where the right button orbits, its release opens one
 }
 
 // --- from state to state

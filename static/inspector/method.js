@@ -30,7 +30,7 @@ export function method() {
     }))}
     ${qualityLine(name === 'paper' ? 'The published method has only one quality' : '')}
     ${start()}${passes()}
-    ${staticCamera()}
+    ${staticCamera()}${smooth()}
     ${actionBox('live')}`,
   );
 }
@@ -44,6 +44,14 @@ function staticCamera() {
     label: byItself ? 'Static camera · found' : 'Static camera', on: chosen ?? found === true,
     title: byItself ? `The video shows that the camera stands still. ${use}` : use,
     act: (on) => send({ do: 'settings', static_camera: on }),
+  });
+}
+
+function smooth() {
+  return checkbox({
+    label: 'Smooth in space', on: server.settings.smooth,
+    title: 'Motion as smooth as bodies move, as far as the pictures allow. Keyframes are kept',
+    act: (on) => send({ do: 'settings', smooth: on ? true : null }),
   });
 }
 

@@ -2,20 +2,24 @@
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { actionButton, actionIcon } from '../actions/buttons.js';
+import { floor, pins, pinsComeFirst } from './pins.js';
 import { position } from './position.js';
 import { rotation } from './rotation.js';
 import { section } from './section.js';
 import { size } from './size.js';
 import { selectedPart } from '../store/parts.js';
+import { isSurface } from '../store/subject.js';
 
 export function partTab() {
   const part = selectedPart();
   if (!part) return html`${pose()}`;
-  return html`${part.parent ? nothing : position()}${rotation(part)}${pose()}${size(part)}`;
+  const pinned = isSurface() ? nothing : html`${pins(part)}${floor(part)}`;
+  const isFirst = pinsComeFirst(part);
+  return html`${isFirst ? pinned : nothing}${part.parent ? nothing : position()}${rotation(part)}${pose()}${size(part)}${isFirst ? nothing : pinned}`;
 }
 
 const POSES = /** @type {const} */ ([
-  'fitPose', 'useTracked', 'pasteMirrored', 'swapSides', 'copyPrevious', 'copyNext',
+  'fitPose', 'useTracked', 'pasteMirrored', 'swapSides', 'turnInDepth', 'copyPrevious', 'copyNext',
 ]);
 
 /** Poses taken over whole: fitted, tracked, copied from the keyframes around, mirrored, at rest. */

@@ -15,6 +15,18 @@ const MOST = 3;
 /** What mends a finding with one press; nothing where there is no such thing. */
 /** @type {Record<string, { label: string, act: (found: SpaceFinding) => void }>} */
 const REMEDIES = {
+  pin: {
+    label: 'Pin it',
+    act: ({ kind, part, first, last }) => send({ do: 'set_pin', part, frame: first, first, last, floor: kind === 'off_floor' }),
+  },
+  floor: {
+    label: 'Set floor',
+    act: ({ part, go }) => {
+      goTo(go);
+      send({ do: 'floor', under: part });
+    },
+  },
+  soften: { label: 'Soften the keyframe', act: ({ go }) => send({ do: 'soften_key', frame: go }) },
   smooth: { label: 'Smooth', act: () => send({ do: 'settings', smooth: true }) },
 };
 

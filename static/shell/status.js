@@ -1,9 +1,13 @@
 // The status bar: the keys of the tool in hand, the tabs open, the connection.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { keyOf } from '../actions/actions.js';
+import { isEnd } from '../actions/pins.js';
 import { icon } from '../controls/icons.js';
 import { backlog } from '../store/edits.js';
 import { server, ui, watch } from '../store/state.js';
+import { selectedPart } from '../store/parts.js';
+import { pinHints } from '../timeline/edit/pin_drags.js';
 import { guideHints } from '../guide/guide.js';
 import * as tools from '../handles/tools.js';
 import { count } from '../controls/words.js';
@@ -11,7 +15,7 @@ import { count } from '../controls/words.js';
 export function mountStatus() {
   const element = document.getElementById('status');
   const draw = () => render(bar(), element);
-  watch(['file', 'tabs', 'view', 'u:tool', 'u:layout', 'u:dragging', 'u:connected', 'u:line', 'u:guideStep', 'u:guidePath', 'u:box'], draw);
+  watch(['file', 'tabs', 'view', 'body', 'u:timeHover', 'u:timeGrabbed', 'u:tool', 'u:layout', 'u:dragging', 'u:connected', 'u:line', 'u:guideStep', 'u:guidePath', 'u:box'], draw);
   // How many edits wait is known to the link alone.
   setInterval(() => ui.connected || draw(), 500);
   addEventListener('beforeunload', keepWaiting);
@@ -23,13 +27,17 @@ function keepWaiting(event) {
 }
 
 function bar() {
-  return html`<span class="hints">${hints().map(([keys, words]) => hint(keys, words))}</span>
+  return html`<span class="hints">${hintsNow().map(([keys, words]) => hint(keys, words))}</span>
     <span class="sp"></span>${tabs()}${connection()}`;
 }
 
-function hints() {
+function hintsNow() {
   if (!server.file) return [['?', 'keys and help']];
-  return (ui.dragging ? null : guideHints()) ?? tools.hintsFor?.(ui.tool, ui.dragging, ui.layout) ?? [];
+  const guided = ui.dragging ? null : guideHints();
+  if (guided ?? pinHints()) return guided ?? pinHints();
+  const hints = tools.hintsFor?.(ui.tool, ui.dragging, ui.layout) ?? [];
+  const canPin = !ui.dragging && isEnd(selectedPart());
+  return canPin ? [...hints, [keyOf('pin'), `pin or unpin the ${selectedPart().short.toLowerCase()}`]] : hints;
 }
 
 const hint = (keys, words) => html`<span class="h"><kbd>${keys}</kbd>${words}</span>`;

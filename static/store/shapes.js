@@ -207,6 +207,36 @@
  */
 /** @typedef {{ part: string, x: Series, y: Series, z: Series, error: Series }} Curve */
 /** @typedef {{ part: string, points: [number, number, number, number][], keys: number[] }} Trail */
+
+/**
+ * @typedef {object} ProposedPin  What seems to stand still.
+ * @property {string} part
+ * @property {string} label  What is held: "Left foot", "Left heel".
+ * @property {'L' | 'R' | 'C'} side
+ * @property {string[]} landmarks  Those that are held; none: its joint, or the point.
+ * @property {Point | null} point_m  In the part's frame, instead of its joint.
+ * @property {number} first
+ * @property {number} last
+ * @property {boolean} floor  Whether it stands on the floor.
+ */
+
+/**
+ * @typedef {object} Pin  A part held at one place.
+ * @property {string} part
+ * @property {string} label
+ * @property {'L' | 'R' | 'C'} side
+ * @property {string[]} landmarks
+ * @property {Point | null} point_m
+ * @property {number} first
+ * @property {number} last
+ * @property {boolean} floor
+ * @property {Point[]} sole  Its outline where it was put down; none but of a foot.
+ * @property {number | null} slides_cm  At most, in the motion as it was solved.
+ * @property {number | null} keyframe  The one that stands against it.
+ * @property {string} problem
+ */
+
+/** @typedef {{ height_m: number | null, has_feet: boolean }} Floor  Along up from the camera; whether pinned feet could tell. */
 /** @typedef {{ part: string, label: string, side: 'L' | 'R' | 'C', points: Point[] }} FootPath */
 /** @typedef {{ frame: number, T: Record<string, number[]> }} Ghost  A pose: part to camera, three rows of four. */
 
@@ -229,6 +259,7 @@
  * @property {boolean | null} static_camera  Null: as it was found.
  * @property {boolean | null} found_still  Whether the camera was found to stand still.
  * @property {string | null} imported
+ * @property {boolean} smooth  In space, as far as the pictures allow.
  * @property {string[]} cues  What the motion is found from.
  */
 
@@ -328,7 +359,7 @@
  * @property {Body | null} body
  * @property {Looks | null} view
  * @property {Pose | null} pose
- * @property {{ frames: number[], drafts: number[] }} keys
+ * @property {{ frames: number[], drafts: number[], soft: number[] }} keys
  * @property {Segment[]} segments
  * @property {ExpectedError[]} errors  The worst parts of every segment, the worst first.
  * @property {SpaceFinding[]} space  The worst first.
@@ -337,6 +368,10 @@
  * @property {Record<string, Series>} lanes  How much the picture tells of a part, 0 to 1.
  * @property {Curve | null} curve
  * @property {Trail | null} trail
+ * @property {Pin[]} pins
+ * @property {ProposedPin[]} proposed_pins  Neither accepted nor dismissed.
+ * @property {(Spot | null)[]} still  The frames between which each pin's part stands still.
+ * @property {Floor | null} floor
  * @property {Feet | null} feet
  * @property {Ghost[]} ghosts  The keyframes beside the present frame, where ghosts are shown.
  * @property {Record<string, Point[]> | null} solids  Points of every part's convex surface, in its frame, metres.
@@ -465,6 +500,7 @@
  * @property {number} [timeHead]
  * @property {any} [timeGrabbed]
  * @property {any} [timeHover]
+ * @property {number | null} [timePin]  The pin whose bar was clicked.
  * @property {Set<string>} [timeOpen]
  * @property {number} [timeScroll]
  * @property {{ width: number, height: number }} [timeSize]

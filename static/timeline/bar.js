@@ -7,6 +7,9 @@ import { actionIcon } from '../actions/buttons.js';
 import { applySizes, isPreview, outdatedWords } from '../actions/preview.js';
 import { placesWords, reasonOf } from '../actions/drafting.js';
 import { frame, goTo, placeAhead, stopPlaying, isKey, keyFrames } from '../actions/playhead.js';
+import { proposedPins } from '../actions/pins.js';
+import { partNamed } from '../store/parts.js';
+import { count } from '../controls/words.js';
 import { icon } from '../controls/icons.js';
 import { VERDICTS } from '../controls/verdicts.js';
 import { frameCount, lastFrame } from '../store/clip.js';
@@ -38,6 +41,7 @@ const SUGGESTION_ICONS = { good: 'check', track: 'track', look: 'warn', confirm:
  * done, how far it is. */
 function drawSuggestion() {
   if (isPreview()) return newSizes();
+  if (!confirmation() && proposedPins().length) return drawProposals();
   const suggest = confirmation() ?? server.suggest;
   if (!suggest) return nothing;
   const { state, title, words } = server.job ?? {};
@@ -54,6 +58,24 @@ function newSizes() {
   return html`<div class="sug preview" role="status">${icon('size')}
     <span class="tx"><b>New sizes fit better.</b> <span class="mut">${outdatedWords()}</span></span>
     <button class="btn sm pri" @click=${applySizes}>Apply<kbd>Enter</kbd></button></div>`;
+}
+
+/** Pins wait to be accepted. */
+function drawProposals() {
+  const title = `${count(proposedPins().length, 'pin')} proposed.`;
+  const why = `The ${proposedWord()} still in these frames.`;
+  return html`<div class="sug proposed" role="status" title=${`${title} ${why}`}>
+    ${icon('anchor')}<span class="tx"><b>${title}</b> <span class="mut">${why}</span></span>
+    <button class="btn sm pri" @click=${() => perform('acceptPins')}>${labelOf('acceptPins')}</button>
+    <button class="btn sm ghost" title=${titleOf('dismissPins')} @click=${() => perform('dismissPins')}>${labelOf('dismissPins')}</button></div>`;
+}
+
+/** "feet stand", "left foot stands", "hands and feet stand". */
+function proposedWord() {
+  const shorts = [...new Set(proposedPins().map(({ part }) => partNamed(part)?.short.toLowerCase() ?? part))];
+  const isOne = new Set(proposedPins().map(({ part }) => part)).size === 1;
+  if (isOne) return `${proposedPins()[0].label.toLowerCase()} stands`;
+  return shorts.every((short) => short === 'foot') ? 'feet stand' : 'hands and feet stand';
 }
 
 /** A draft waits to be confirmed before anything else. */
@@ -79,15 +101,15 @@ function primary(id, word, label = labelOf(id)) {
 function counts() {
   const states = (server.segments ?? []).map((segment) => segment.state);
   const found = ['good', 'check', 'lost'].map((state) => [states.filter((s) => s === state).length, state]);
-  if (found.every(([count]) => count === 0)) return nothing;
+  if (found.every(([number]) => number === 0)) return nothing;
   return html`<span class="counts">${found.map((each) => drawCount(...each))}</span>`;
 }
 
-function drawCount(count, state) {
-  if (count === 0) return nothing;
+function drawCount(number, state) {
+  if (number === 0) return nothing;
   const said = state === 'check' ? 'to check' : state;
-  const inside = html`${icon(VERDICTS[state].sign)}${count}<span class="word"> ${said}</span>`;
-  const words = `${count} ${said}`;
+  const inside = html`${icon(VERDICTS[state].sign)}${number}<span class="word"> ${said}</span>`;
+  const words = `${number} ${said}`;
   if (state === 'good') return html`<span class="count good" title=${words}>${inside}</span>`;
   return html`<button class=${`count ${state}`} aria-label=${`${words}, go to the next`}
     title=${titleOf('nextProblem', state)} data-key=${keyOf('nextProblem')}

@@ -4,6 +4,7 @@ import { clamp } from '../controls/arithmetic.js';
 import { html, render } from '../vendor/lit-html/lit-html.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 import { anyLane, lanesOf } from './draw/lanes.js';
+import { hasPins } from './draw/pins.js';
 import { drawBar, show } from './bar.js';
 import { areFolded, mountFold } from '../actions/lanes.js';
 import { noticeZoom, showOpened } from './edit/opening.js';
@@ -11,6 +12,7 @@ import { frame } from '../actions/playhead.js';
 import { headKeys } from './edit/head_keys.js';
 import { grabbed } from './edit/pointer.js';
 import { listenOn } from './edit/gestures.js';
+import { followPins, listenForPinKeys, watchPointer } from './edit/pin_drags.js';
 import { drawMenusIn } from '../controls/menu.js';
 import { clearNumbers, PATTERNS } from './draw/ground.js';
 import { GUTTER, isCramped, rowsFor, setWidth } from './draw/scale.js';
@@ -22,6 +24,7 @@ import { memoize } from './draw/series.js';
 /** @type {import('../store/shapes.js').Watched[]} */
 const WATCHED = [
   'file', 'damage', 'view', 'keys', 'segments', 'draft', 'suggest', 'need', 'lanes', 'curve', 'body', 'job',
+  'pins', 'proposed_pins', 'u:timePin',
   'u:playing', 'u:chart', 'u:lanes', 'u:curveAxis', 'u:timeWindow', 'u:timeSize', 'u:timeHead',
   'u:timeGrabbed', 'u:timeHover', 'u:timeOpen', 'u:timeScroll', 'u:zoomHint',
 ];
@@ -39,6 +42,8 @@ export function mount() {
   drawMenusIn(time.querySelector('#tmenu'));
   listenOn(drawing, ground, scrollLanes);
   headKeys(drawing);
+  watchPointer();
+  listenForPinKeys();
   const bar = time.querySelector('#tr');
   const layers = layersOf(drawing, ground);
   new ResizeObserver(() => measure(drawing)).observe(drawing);
@@ -68,13 +73,13 @@ function measure(drawing) {
   setUi('timeSize', { width, height });
 }
 
-const rows = memoize((height, zoomed, lanes, weakest) => rowsFor({ height, zoomed, lanes, weakest }));
+const rows = memoize((height, zoomed, lanes, weakest, pins) => rowsFor({ height, zoomed, lanes, weakest, pins }));
 
 /** What the drawing stands on now: {rows, lanes, scroll}. */
 function ground() {
   const folded = areFolded() || isCramped(ui.timeSize.height);
   const lanes = lanesOf(server.lanes, server.body, folded, ui.timeOpen);
-  const box = rows(ui.timeSize.height, isZoomed(), lanes.length, folded);
+  const box = rows(ui.timeSize.height, isZoomed(), lanes.length, folded, hasPins());
   const most = Math.max(0, box.lanes.full - box.lanes.room);
   // Whole lanes: a wheel of fine steps adds up until the next one comes.
   const scroll = Math.round(Math.min(ui.timeScroll, most) / box.lanes.each) * box.lanes.each;
@@ -90,6 +95,7 @@ let before = { clip: null, frame: null };
 
 function redraw(bar, drawing, layers) {
   follow();
+  followPins(hasPins());
   noticeZoom();
   render(drawBar(), bar);
   show(bar.querySelector('.fbox input'));

@@ -106,3 +106,23 @@ test('the ruler steps by 1, 2 or 5 of a power of ten, the smallest that leaves r
   assert.equal(scale.rulerStep(150), 20);
   assert.equal(scale.rulerStep(201), 50);
 });
+
+test('pins have a row between the lanes and the curve, and a thin line beside the lane that stands alone', () => {
+  const given = { height: 232, zoomed: false, lanes: 5, weakest: false };
+  const without = scale.rowsFor({ ...given, height: 204 });
+  const rows = scale.rowsFor({ ...given, pins: true });
+  assert.equal(without.pins, null);
+  assert.equal(rows.pins.h, 30);
+  assert.ok(rows.pins.y >= rows.lanes.y + rows.lanes.room);
+  assert.ok(rows.curve.y >= rows.pins.y + rows.pins.h);
+  assert.ok(Math.abs(rows.curve.h - without.curve.h) < 5, 'the curve keeps its height in a timeline 28 px higher');
+  const folded = scale.rowsFor({ ...given, height: 148, lanes: 1, weakest: true, pins: true });
+  assert.equal(folded.pins.h, 3);
+  assert.ok(folded.curve.y > folded.pins.y + folded.pins.h);
+});
+
+test('pins have their row also where there are no lanes yet', () => {
+  const rows = scale.rowsFor({ height: 232, zoomed: false, lanes: 0, weakest: false, pins: true });
+  assert.ok(rows.pins.y >= rows.keys.y + rows.keys.h);
+  assert.ok(rows.curve.y >= rows.pins.y + rows.pins.h);
+});

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from tests.app.store.test_sections import expecting, seen, some_errors
 from tracker.fitting.sizes import Proposal
 from tracker.keypoints.keypoints import JOINTS, Keypoints
 from tracker.session.drafted import Drafted
+from tracker.session.pins import Pin
 
 (SHAPES,) = Path(static.__file__).parent.rglob("shapes.js")
 FIELD = re.compile(r"^ \* @property \{(.*)\} \[?(\w+)\]?", re.MULTILINE)
@@ -99,12 +101,15 @@ def outlooks() -> dict[str, AppState]:
         {"do": "add_mask", "polygon": [[0, 0], [50, 0], [0, 50]], "first": 0, "last": 10},
         {"do": "select", "part": "head"},
     )
+    proposed = Pin(part="right_foot", first_frame=0, last_frame=9)
+    pinned = after(desk(), {"do": "set_pin", "part": "left_foot", "frame": 24})
     surfaces = surface_cases.session()
     fit = FitOutcome(3, "Fitted", masked.doc, masked.doc)
     return {
         "film": seen(),
         "expecting": expecting(some_errors()),
         "dragged": AppState(edit=after(desk(), DRAG)),
+        "pinned": AppState(edit=replace(pinned, proposed_pins=(proposed,))),
         "masked": AppState(edit=masked, fit=fit),
         "previewed": AppState(edit=masked, preview=previewed(masked)),
         "surfaces": AppState(edit=desk().with_doc(surfaces)),
@@ -112,7 +117,9 @@ def outlooks() -> dict[str, AppState]:
     }
 
 
-@pytest.mark.parametrize("name", ["film", "expecting", "dragged", "masked", "surfaces", "drafted"])
+@pytest.mark.parametrize(
+    "name", ["film", "expecting", "dragged", "pinned", "masked", "surfaces", "drafted"]
+)
 def test_every_section_has_the_fields_that_the_page_declares(name: str) -> None:
     shapes, sections = declared(), Sections().changed(outlooks()[name])
     assert sections.keys() | {"done", "ack"} == shapes["Sections"].keys()

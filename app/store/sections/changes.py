@@ -18,6 +18,7 @@ from app.store.sections import (
     feet_values,
     keypoint_values,
     motion_values,
+    pin_values,
     pose_values,
     scene_values,
     space_values,
@@ -127,6 +128,16 @@ SECTIONS: dict[str, _Section] = {
         _both(_TRACKED, _settled("drafts"), _edit("selected", "frame", "display")),
         pose_values.trail,
     ),
+    "pins": _Section(
+        _both(_TRACKED, _settled("drafts"), _doc("body", "pins")),
+        pin_values.pins,
+    ),
+    "proposed_pins": _Section(
+        _both(_TRACKED, _doc("pins"), _edit("proposed_pins", "dismissed_pins")),
+        pin_values.proposed_pins,
+    ),
+    "still": _Section(_both(_TRACKED, _settled("pins")), pin_values.still),
+    "floor": _Section(_doc("pins", "floor_m"), pin_values.floor),
     "feet": _Section(
         _both(_TRACKED, _settled("drafts", "up_camera"), _edit("opening")), feet_values.feet
     ),

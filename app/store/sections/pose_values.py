@@ -66,10 +66,11 @@ def keys(app_state: AppState) -> Json:
     """Frames of keyframes and drafts."""
     doc = doc_of(app_state)
     if doc is None:
-        return {"frames": [], "drafts": []}
+        return {"frames": [], "drafts": [], "soft": []}
     return {
         "frames": [keyframe.frame for keyframe in doc.keyframes],
         "drafts": [draft.frame for draft in doc.drafts],
+        "soft": [keyframe.frame for keyframe in doc.keyframes if keyframe.soft],
     }
 
 

@@ -34,8 +34,9 @@ def settings(app_state: AppState) -> Json:
     source = doc.first_motion.source if doc and doc.first_motion else None
     found = doc.video.stands_still if doc else None
     cues = list(given.cues_used)
+    smooth = bool(given.smooth)
     known = {"cues": cues, "default_passes": usual, "imported": source, "found_still": found}
-    return {**given.model_dump(exclude={"cue_weights", "network"}), **known}
+    return {**given.model_dump(exclude={"cue_weights", "network"}), **known, "smooth": smooth}
 
 
 def saved(app_state: AppState) -> Json:

@@ -12,6 +12,7 @@ import { drawCurrent, drawKeys, drawNeed, drawSuggestion } from './keymarks.js';
 import { drawDrafts, drawPlaces } from './drafts.js';
 import { drawSegments } from './segments.js';
 import { drawLaneLabels, drawLanes } from './lanes.js';
+import { drawPinLabels, drawPins } from './pins.js';
 import { drawCurrentCurveKey, drawCurve } from './curve.js';
 import { drawCurveLabels } from './curvelabels.js';
 import { drawScoreLabels, drawScores } from './scores.js';
@@ -35,6 +36,7 @@ const isScore = () => ui.chart === 'score' && !isSurface() && (server.segments ?
 const bottomOf = (rows) => (isScore() && rows.curve !== null ? rows.curve.y - 3 : rows.height);
 
 const keyGrabbed = () => (grabbed()?.kind === 'key' && !grabbed().copy ? grabbed().from : null);
+const pinGrabbed = () => (grabbed()?.kind === 'pin' ? grabbed() : null);
 const angleGrabbed = () => (grabbed()?.kind === 'angle' ? grabbed().frame : null);
 
 /** [where, name, what it is drawn from, how]; all are drawn from the ground as well. */
@@ -46,6 +48,8 @@ const LAYERS = [
   ['frames', 'bands', () => [frame(), server.keys, isScore()], ({ rows }) => drawBand(rows, bottomOf(rows))],
   ['frames', 'lanes', () => [server.view?.selected],
     ({ rows, lanes, scroll }) => drawLanes(rows, lanes, scroll)],
+  ['frames', 'pinbars', () => [server.pins, server.proposed_pins, server.body, ui.timePin, pinGrabbed()],
+    ({ rows }) => drawPins(rows.pins)],
   ['frames', 'need', () => [server.need, server.suggest], ({ rows }) => drawNeed(rows)],
   ['frames', 'segments', () => [server.segments, server.suggest, server.keys], ({ rows }) => drawSegments(rows)],
   ['frames', 'drafts', () => [server.keys, server.segments, server.draft], ({ rows }) => drawDrafts(rows)],
@@ -65,12 +69,13 @@ const LAYERS = [
   ['above', 'labels', () => [server.keys], ({ rows }) => [drawClip(), drawKeyLabels(rows)]],
   ['above', 'lane-labels', () => [server.view?.selected],
     ({ rows, lanes, scroll }) => drawLaneLabels(rows, lanes, scroll, toggleGroup, selectOf)],
+  ['above', 'pin-labels', () => [server.pins, server.proposed_pins, server.body], ({ rows }) => drawPinLabels(rows.pins)],
   ['above', 'chart-labels', () => [isScore(), ...chartInputs()],
     ({ rows }) => (isScore() ? drawScoreLabels(rows.curve) : drawCurveLabels(rows.curve))],
   ['above', 'overview', () => [server.segments, server.keys, frame()], () => drawOverview()],
   ['top', 'head', () => [frame(), server.keys, server.segments, isScore()],
     ({ rows }) => drawPlayhead(bottomOf(rows))],
-  ['top', 'grabbed', () => [grabbed(), hovered(), server.segments, server.curve, ui.curveAxis],
+  ['top', 'grabbed', () => [grabbed(), hovered(), server.segments, server.curve, server.pins, ui.curveAxis],
     ({ rows }) => drawGrabbed(rows)],
 ];
 

@@ -17,7 +17,8 @@ export function drawGround(rows) {
   const { width, height } = ui.timeSize;
   const across = (y) => `M0 ${y - 0.5}H${width}`;
   const lines = [across(rows.top), across(rows.keys.y + rows.keys.h)];
-  if (rows.curve !== null && rows.lanes.full > 0) lines.push(across(rows.curve.y - 2));
+  if (rows.pins && !rows.pins.thin) lines.push(across(rows.pins.y));
+  if (rows.curve !== null && (rows.lanes.full > 0 || rows.pins)) lines.push(across(rows.curve.y - 2));
   return svg`<rect class="f-panel" width=${width} height=${height} />
     <rect class="f-ground field" x=${GUTTER} width=${Math.max(0, width - GUTTER)} height=${height} />
     <path class="s-line" d=${`M${GUTTER + 0.5} 0V${height}${lines.join('')}`} />`;

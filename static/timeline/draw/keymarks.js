@@ -7,6 +7,7 @@ import { server } from '../../store/state.js';
 import { singleDrafts } from './drafts.js';
 import { GUTTER, right, visible, x } from './scale.js';
 import { draftFrames, frame, isKey, keyFrames, suggestedFrame } from '../../actions/playhead.js';
+import { isSoft } from '../../actions/pins.js';
 import { extent, numbers } from './series.js';
 
 const RADIUS = 6.5;
@@ -57,8 +58,11 @@ export function drawKeys(rows, without = null) {
     const wide = tickWidth(room);
     return `M${(x(at) - wide / 2).toFixed(1)} ${middle - 8}h${wide}v16h${-wide}z`;
   };
+  const isExact = (mark) => !isSoft(mark.frame);
+  const soft = diamonds.filter((mark) => here(mark) && !isExact(mark));
   const drafts = inWindow(singleDrafts()).map((at) => diamond(x(at), middle, RADIUS));
-  return svg`<path class="keymark" d=${diamonds.filter(here).map(large).join('')} />
+  return svg`<path class="keymark" d=${diamonds.filter(here).filter(isExact).map(large).join('')} />
+    <path class="keymark soft" d=${soft.map(large).join('')} />
     <path class="keymark tick" d=${ticks.filter(here).map(small).join('')} />
     <path class="draft" d=${drafts.join('')} />`;
 }
@@ -80,7 +84,7 @@ export function drawSuggestion(rows, height) {
 export function drawCurrent(rows) {
   const at = frame();
   if (isKey(at)) {
-    return svg`<path class="keymark current" d=${diamond(x(at), rows.keys.middle, CURRENT)} />`;
+    return svg`<path class=${`keymark current${isSoft(at) ? ' soft' : ''}`} d=${diamond(x(at), rows.keys.middle, CURRENT)} />`;
   }
   if (!draftFrames().includes(at)) return nothing;
   return svg`<path class="draft current" d=${diamond(x(at), rows.keys.middle, CURRENT - 1)} />`;

@@ -13,6 +13,8 @@ import { diamond } from './keymarks.js';
 import { BAR, barOf } from './segments.js';
 import { grabbed, hovered } from '../edit/pointer.js';
 import { scale, valueAt } from './curve.js';
+import { allPins, framesOf } from '../../actions/pins.js';
+import { belowPin, proposalOf } from './pins.js';
 
 export function flagWidth() {
   return 16 + 9 * String(frame()).length;
@@ -59,6 +61,7 @@ const LETTER_PX = 6.6;
 export function drawGrabbed(rows) {
   const what = grabbed();
   if (what?.kind === 'key') return drawMovingKey(what, rows);
+  if (what?.kind === 'pin') return drawPinDrag(what, rows);
   if (what?.kind === 'angle') return drawAngle(what, rows);
   return what === null ? drawHover(rows) : nothing;
 }
@@ -70,6 +73,17 @@ function drawMovingKey({ from, to, copy, taken, refused }, rows) {
   return svg`${home}<g class=${refused ? 'shake' : ''}>
       <path class=${`moving${taken ? ' taken' : ''}`} d=${diamond(x(to), middle, 8)} /></g>
     ${label(words, x(to), middle + 22)}`;
+}
+
+/** "Left foot 0–66 was 71". */
+function drawPinDrag({ index, end, from }, rows) {
+  const pin = allPins()[index];
+  if (!pin || !rows.pins || rows.pins.thin) return nothing;
+  const isSame = pin.first === from.first && pin.last === from.last;
+  const was = end === 'middle' ? framesOf(from) : from[end];
+  const words = `${pin.label} ${framesOf(pin)}`;
+  const at = end === 'middle' ? (x(pin.first) + x(pin.last)) / 2 : x(pin[end]);
+  return label(words, at + (end === 'last' ? 60 : end === 'first' ? -60 : 0), belowPin(rows.pins, pin), isSame ? '' : ` was ${was}`);
 }
 
 function drawAngle({ frame: key, part, axis, from, deg }, rows) {
@@ -90,12 +104,12 @@ function beside(words, at, y, rows) {
   return label(words, at + side * (half + 12), clamp(y, rows.curve.y + 8, low));
 }
 
-/** Words on a small plate, kept within the drawing. */
-function label(words, at, y) {
-  const wide = words.length * LETTER_PX + 14;
+/** Words on a small plate, kept within the drawing; `more` follows them quietly. */
+function label(words, at, y, more = '') {
+  const wide = (words.length + more.length) * LETTER_PX + 14;
   const centre = clamp(at, GUTTER + 4 + wide / 2, right() + 22 - wide / 2);
   return svg`<g class="plate"><rect x=${centre - wide / 2} y=${y - 10} width=${wide} height="20" rx="4" />
-    <text x=${centre} y=${y + 4} text-anchor="middle">${words}</text></g>`;
+    <text x=${centre} y=${y + 4} text-anchor="middle">${words}${more ? svg`<tspan class="more">${more}</tspan>` : nothing}</text></g>`;
 }
 
 function drawHover(rows) {
@@ -106,6 +120,7 @@ function drawHover(rows) {
     return svg`<path class="hover" d=${diamond(x(what.frame), middle, 9.5)} />
       ${label(`Keyframe ${what.frame}`, x(what.frame), middle + 23)}`;
   }
+  if (what.kind === 'pin' || what.kind === 'proposal') return drawPinHover(what, rows);
   if (what.kind === 'place') return drawPlaceHover(what.frame, rows);
   if (what.kind === 'curvekey') return drawCurveHover(what.frame, rows);
   const segment = (server.segments ?? []).find(({ first }) => first === what.first);
@@ -113,6 +128,15 @@ function drawHover(rows) {
   const { from, to } = barOf(segment);
   return svg`<rect class="hover" x=${from - 1.5} y=${middle - BAR.half - 1.5} rx="4"
     width=${Math.max(1, to - from) + 3} height=${2 * BAR.half + 3} />`;
+}
+
+function drawPinHover(what, rows) {
+  const set = what.kind === 'pin' ? allPins()[what.index] : undefined;
+  const pin = set ?? proposalOf(what);
+  if (!pin || !rows.pins) return nothing;
+  const more = set ? '' : ' proposed · double-click to accept';
+  const words = set?.problem || `${pin.label} ${framesOf(pin)}${more}`;
+  return label(words, (x(pin.first) + x(pin.last)) / 2, belowPin(rows.pins, pin));
 }
 
 function drawPlaceHover(at, rows) {

@@ -72,16 +72,19 @@ const GAP = 4;
 const LANE = { least: 14, most: 22, weakest: 18 };
 const CURVE_LEAST = 40;
 const ROOM_FOR_LANES = 80;
+const PINS = { full: 30, thin: 3, gap: 2 };
 
 /**
- * Rows of a drawing `height` px high with `lanes` lanes; `weakest` says the one lane stands alone.
+ * Rows of a drawing `height` px high with `lanes` lanes; `weakest` says the one lane stands alone;
+ * `pins` whether some are to be shown: in a row, or beside the weakest part's lane as a thin line.
  * Lanes that do not fit are scrolled (`lanes.room` < `lanes.full`); a low drawing drops its curve.
  */
-export function rowsFor({ height, zoomed, lanes, weakest }) {
+export function rowsFor({ height, zoomed, lanes, weakest, pins = false }) {
   const top = RULER + (zoomed ? OVERVIEW : 0);
   const keys = { y: top, h: KEYS, middle: top + KEYS / 2 };
   const below = top + KEYS;
-  const room = Math.max(0, height - below);
+  const forPins = pins ? (weakest ? PINS.thin : PINS.full) + PINS.gap : 0;
+  const room = Math.max(0, height - below - forPins);
   const each = laneHeight(room, lanes, weakest);
   const full = lanes * each;
   const forLanes = lanes === 0 ? 0 : Math.max(0, Math.min(full, room - CURVE_LEAST - 16, room - GAP));
@@ -89,10 +92,12 @@ export function rowsFor({ height, zoomed, lanes, weakest }) {
   const whole = lanes === 0 ? 0 : Math.max(1, Math.floor(forLanes / each)) * each;
   const seen = Math.min(whole, Math.max(0, room - GAP));
   const laneRow = { y: below + GAP, each, full, room: seen };
-  const curveTop = lanes === 0 ? below : laneRow.y + seen + 6;
+  const pinTop = lanes === 0 ? below + 1 : laneRow.y + seen + PINS.gap;
+  const pinRow = pins ? { y: pinTop, h: weakest ? PINS.thin : PINS.full, thin: weakest } : null;
+  const curveTop = (lanes === 0 ? below : laneRow.y + seen + 6) + forPins;
   const rest = height - curveTop - 6;
   const curve = rest >= 24 ? { y: curveTop, h: rest } : null;
-  return { height, top, keys, lanes: laneRow, curve };
+  return { height, top, keys, lanes: laneRow, pins: pinRow, curve };
 }
 
 /** Whether a drawing this high has no room for more than the weakest part's lane. */

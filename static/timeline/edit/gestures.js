@@ -10,9 +10,11 @@ import { placeNear } from '../draw/drafts.js';
 import { keyNear } from '../draw/keymarks.js';
 import { curveKeyNear } from '../draw/curve.js';
 import { laneAt } from '../draw/lanes.js';
+import { pinAt, proposalOf } from '../draw/pins.js';
 import { grabOverview } from '../draw/overview.js';
 import { grabAngle, grabHead, grabKey, selectFrom } from './drags.js';
-import { openKeyMenu, openSegmentMenu } from './menus.js';
+import { openKeyMenu, openPinMenu, openProposalMenu, openSegmentMenu } from './menus.js';
+import { acceptAt, grabPin, grabProposal } from './pin_drags.js';
 import { frame, isKey, segmentAt } from '../../actions/playhead.js';
 import { setHovered } from './pointer.js';
 
@@ -36,6 +38,10 @@ export function listenOn(drawing, groundOf, scrollLanes) {
   drawing.addEventListener('pointermove', point);
   drawing.addEventListener('pointerleave', () => gesture === null && setHovered(null));
   drawing.addEventListener('contextmenu', menu);
+  drawing.addEventListener('dblclick', (event) => {
+    const what = under(placeOf(event));
+    if (what.kind === 'proposal') acceptAt(what);
+  });
   drawing.addEventListener('wheel', (event) => wheel(event, scrollLanes), { passive: false });
   // A click takes the focus away from no view and gives it to nothing here.
   drawing.addEventListener('mousedown', (event) => event.preventDefault());
@@ -48,6 +54,7 @@ function placeOf(event) {
     y: event.clientY - box.top,
     ctrl: event.ctrlKey || event.metaKey,
     shift: event.shiftKey,
+    alt: event.altKey,
     page: [event.clientX, event.clientY],
   };
 }
@@ -59,6 +66,8 @@ function under(place) {
   const strip = isZoomed() && place.y > RULER - 2 && place.y < RULER + OVERVIEW + 2;
   if (strip) return { kind: 'overview' };
   if (place.y >= rows.keys.y && place.y < rows.keys.y + rows.keys.h) return inKeys(place, rows);
+  const pin = pinAt(rows.pins, place);
+  if (pin !== null) return pin;
   const lane = laneAt(rows, lanes, place.y, scroll);
   if (lane !== null) return { kind: 'lane', lane };
   const inCurve = rows.curve !== null && place.y >= rows.curve.y;
@@ -88,6 +97,10 @@ function begin(what, place) {
       return grabKey(what.frame, place);
     case 'place':
       return grabHead({ ...place, x: x(what.frame) });
+    case 'pin':
+      return grabPin(what, place);
+    case 'proposal':
+      return grabProposal(what, place);
     case 'curvekey':
       return grabAngle(what.frame, ground().rows.curve, place);
     case 'segment':
@@ -158,12 +171,12 @@ function drop() {
   gesture = null;
 }
 
-const CURSORS = { key: 'grab', curvekey: 'ns-resize', segment: 'pointer', place: 'pointer', overview: 'grab' };
+const CURSORS = { key: 'grab', curvekey: 'ns-resize', segment: 'pointer', place: 'pointer', overview: 'grab', pin: 'grab', proposal: 'pointer' };
 
 function pointAt(what) {
-  element.style.cursor = CURSORS[what.kind] ?? '';
+  element.style.cursor = (what.kind === 'pin' && what.end !== 'middle' ? 'ew-resize' : CURSORS[what.kind]) ?? '';
   if (what.kind === 'segment') setHovered({ kind: 'segment', first: what.segment.first });
-  else if (['key', 'curvekey', 'place'].includes(what.kind)) setHovered(what);
+  else if (['key', 'curvekey', 'place', 'pin', 'proposal'].includes(what.kind)) setHovered(what);
   else setHovered(null);
 }
 
@@ -189,6 +202,8 @@ function openMenuOn(what, place) {
   setHovered(null);
   if (what.kind === 'key' || what.kind === 'curvekey') openKeyMenu(what.frame, place.page);
   if (what.kind === 'segment') openSegmentMenu(what.segment, place.page);
+  if (what.kind === 'pin') openPinMenu(what.index, place.page);
+  if (what.kind === 'proposal') openProposalMenu(proposalOf(what), place.page);
 }
 
 function wheel(event, scrollLanes) {

@@ -4,8 +4,9 @@ import { html, nothing } from '../../vendor/lit-html/lit-html.js';
 import { menuItem } from '../../actions/buttons.js';
 import { placeForCopy } from '../../actions/keying.js';
 import { frame, segmentAt } from '../../actions/playhead.js';
+import { allPins, framesOf } from '../../actions/pins.js';
 import { icon } from '../../controls/icons.js';
-import { content, openMenuAt } from '../../controls/menu.js';
+import { content, heading, line, openMenuAt } from '../../controls/menu.js';
 import { VERDICTS } from '../../controls/verdicts.js';
 import { range } from '../../controls/words.js';
 import { lastFrame } from '../../store/clip.js';
@@ -15,7 +16,26 @@ export function openKeyMenu(at, page) {
   openMenuAt(`Keyframe ${at}`, [
     menuItem('goTo', at),
     menuItem('duplicateKeyframe', at, { ask: { value: placeForCopy(at), last: lastFrame(), answer: 'Duplicate' } }),
+    menuItem('softKey', at),
     menuItem('deleteKeyframe', at, { icon: 'trash', ...elsewhere(at === frame()) }),
+  ], page);
+}
+
+export function openPinMenu(index, page) {
+  const pin = allPins()[index];
+  const { keyframe } = pin;
+  openMenuAt(`${pin.label} ${framesOf(pin)}`, [
+    heading(`${pin.label} · pinned ${framesOf(pin)}`),
+    pin.problem ? content(html`<div class="says check">${icon('warn')}<span>${pin.problem}</span></div>`) : null,
+    ...(keyframe === null ? [] : [menuItem('softKey', keyframe), menuItem('splitPin', { index, frame: keyframe }), menuItem('goTo', keyframe)]),
+    menuItem('unpin', index, { right: framesOf(pin) }),
+  ], page);
+}
+
+export function openProposalMenu(pin, page) {
+  openMenuAt(`${pin.label} ${framesOf(pin)}`, [
+    heading(`${pin.label} · proposed ${framesOf(pin)}`), menuItem('acceptPins', pin), menuItem('dismissPins', pin), line,
+    menuItem('acceptPins'),
   ], page);
 }
 

@@ -1,0 +1,80 @@
+"""A limb that was posed toward the camera instead of away from it is turned with one press."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from app.editor.refusal import Refused
+from app.editor.shown import shown_pose
+from app.editor.state import EditorState
+from tests.app.editor.desk import after, desk
+from tracker.body.pose import joint_names, joint_positions, pose_transforms
+from tracker.geometry.rotations import Array
+
+LIMB_PX, BODY_PX = 3.0, 5.0
+"""How near the joints stay to their pixels: the worst of a limb, and the mean of the body, whose
+joints do not all bend that way."""
+
+
+def joints(state: EditorState) -> dict[str, Array]:
+    Ts = pose_transforms(state.skeleton, shown_pose(state).pose)
+    return dict(zip(joint_names(state.skeleton), joint_positions(state.skeleton, Ts), strict=True))
+
+
+def pixels(state: EditorState) -> dict[str, Array]:
+    found = joints(state)
+    uv = state.doc.camera.project(np.array(list(found.values())))
+    return dict(zip(found, uv, strict=True))
+
+
+def depth(state: EditorState, one: str, other: str) -> float:
+    """How much nearer to the camera `other` is, metres."""
+    found = joints(state)
+    return float(np.linalg.norm(found[one]) - np.linalg.norm(found[other]))
+
+
+@pytest.mark.parametrize(
+    ("frame", "part", "end"),
+    [
+        (0, "left_forearm", "left_hand"),
+        (24, "right_thigh", "right_foot"),
+        (48, "left_upper_arm", "left_forearm"),
+        (72, "right_thigh", "right_foot"),
+    ],
+)
+def test_a_limb_goes_the_other_way_in_depth_and_stays_where_it_is_seen(
+    frame: int, part: str, end: str
+) -> None:
+    before = after(desk(), {"do": "go", "frame": frame})
+    turned = after(before, {"do": "turn_in_depth", "part": part})
+    assert depth(before, part, end) * depth(turned, part, end) < 0
+    seen = pixels(before)
+    assert max(np.linalg.norm(uv - seen[name]) for name, uv in pixels(turned).items()) < LIMB_PX
+    still = [name for name in before.doc.body.names if name.startswith(("waist", "chest", "head"))]
+    ways = joints(before), joints(turned)
+    assert all((ways[0][name] == ways[1][name]).all() for name in still), "the rest is untouched"
+
+
+def test_the_whole_body_is_turned_with_one_press_and_undone_with_another() -> None:
+    before = after(desk(), {"do": "go", "frame": 24})
+    turned = after(before, {"do": "turn_in_depth"})
+    shoulders = "left_upper_arm", "right_upper_arm"
+    assert depth(turned, *shoulders) == pytest.approx(-depth(before, *shoulders), abs=0.1)
+    seen = pixels(before)
+    off = [np.linalg.norm(uv - seen[name]) for name, uv in pixels(turned).items()]
+    assert np.mean(off) < BODY_PX
+    assert turned.history.past[-1].label == "turn in depth"
+    assert after(turned, {"do": "undo"}).doc == before.doc
+
+
+def test_a_leg_whose_knee_does_not_bend_that_way_is_refused() -> None:
+    before = after(desk(), {"do": "go", "frame": 0})
+    with pytest.raises(Refused, match="Left thigh cannot bend the other way"):
+        after(before, {"do": "turn_in_depth", "part": "left_thigh"})
+
+
+def test_what_lies_across_the_view_is_not_turned() -> None:
+    across = after(desk(), {"do": "go", "frame": 24}, {"do": "reset_pose"})
+    with pytest.raises(Refused, match="Left forearm lies across the view"):
+        after(across, {"do": "turn_in_depth", "part": "left_forearm"})

@@ -1,0 +1,339 @@
+"""Points that stand still are pinned over ranges of frames, and the floor is laid under them."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.editor.actions import ACTIONS
+from app.editor.edits import label_of
+from app.editor.pinned import open_proposals, pinned_ends
+from app.editor.refusal import Refused
+from app.editor.state import EditorState
+from app.store.sections import pin_values
+from app.store.state import AppState
+from tests.app.editor.desk import after, desk
+from tracker.body.pose import pose_transforms
+from tracker.body.trajectory import Pass, Trajectory
+from tracker.session.pins import Pin
+from tracker.session.verdict import GOOD
+from tracker.storage import changes
+from tracker.storage.results import Results, segment_keys
+from tracker.tracking.result import SegmentResult
+
+FOOT = {"do": "set_pin", "part": "left_foot"}
+SOLE = ("left_heel", "left_toe")
+
+
+def pinned(first: int, last: int, frame: int | None = None) -> EditorState:
+    return after(desk(), {**FOOT, "frame": frame or first, "first": first, "last": last})
+
+
+def spans(state: EditorState) -> list[tuple[int, int]]:
+    return [pin.span for pin in state.doc.pins]
+
+
+def stepping(stands: tuple[int, int], m_per_frame: float = 0.05) -> EditorState:
+    """The sample tracked over 0–24, the body moving sideways but for these frames."""
+    edit = desk()
+    pose = edit.doc.keyframes[0].pose(edit.skeleton)
+    frames = np.arange(25)
+    moved = m_per_frame * (np.minimum(frames, stands[0]) + np.maximum(frames - stands[1], 0))
+    ps = pose.p_camera_root + moved[:, None] * [1.0, 0.0, 0.0]
+    path = Trajectory(0, np.repeat(pose.Rs_parent_part[None], 25, axis=0), ps)
+    key = segment_keys(edit.doc)[0, 24]
+    found = replace(SegmentResult.on_the_way(Pass("pass", path, 1.0), key), verdict=GOOD)
+    return replace(edit, results=Results({key: found}))
+
+
+# --- setting
+
+
+def test_a_foot_is_pinned_by_heel_and_toe_and_a_hand_by_its_joint() -> None:
+    state = after(desk(), {**FOOT, "frame": 30}, {"do": "set_pin", "part": "left_hand", "frame": 3})
+    assert [pin.landmarks for pin in state.doc.pins] == [SOLE, ()]
+
+
+@pytest.mark.parametrize("frame", [8, 10, 14])
+def test_a_pin_set_where_the_foot_stands_still_lasts_as_long_as_it_stands(frame: int) -> None:
+    state = after(stepping((8, 14)), {**FOOT, "frame": frame})
+    ((first, last),) = spans(state)
+    assert abs(first - 8) <= 1
+    assert abs(last - 14) <= 1
+
+
+def test_a_pin_set_where_the_foot_moves_is_five_frames_long() -> None:
+    assert spans(after(stepping((24, 24)), {**FOOT, "frame": 6})) == [(4, 8)]
+
+
+def test_a_foot_that_moves_off_slowly_is_not_pinned_for_ever() -> None:
+    slow = after(stepping((24, 24), m_per_frame=0.008), {**FOOT, "frame": 12})
+    ((first, last),) = spans(slow)
+    assert first > 0
+    assert last < 24
+
+
+def test_where_a_pinned_foot_stands_is_known_also_beyond_its_pin() -> None:
+    state = after(stepping((8, 14)), {**FOOT, "frame": 11, "first": 10, "last": 12})
+    (still, *_) = pin_values.still(AppState(edit=state))
+    assert still == [8, 14]
+    untracked = after(desk(), {**FOOT, "frame": 11})
+    assert pin_values.still(AppState(edit=untracked)) == [None]
+
+
+@pytest.mark.parametrize(
+    ("frame", "span"), [(0, (0, 24)), (30, (24, 48)), (48, (48, 72)), (72, (48, 72))]
+)
+def test_where_nothing_is_tracked_a_pin_lasts_from_keyframe_to_keyframe(
+    frame: int, span: tuple[int, int]
+) -> None:
+    assert spans(after(desk(), {**FOOT, "frame": frame})) == [span]
+
+
+def test_without_keyframes_a_pin_is_five_frames_long() -> None:
+    assert spans(after(desk(keyframes=False), {**FOOT, "frame": 0})) == [(0, 4)]
+
+
+def test_a_new_pin_ends_where_the_next_one_of_the_same_foot_begins() -> None:
+    state = after(pinned(30, 40), {**FOOT, "frame": 26})
+    assert spans(state) == [(30, 40), (24, 29)]
+
+
+def test_a_corner_is_pinned_where_one_points_at_it() -> None:
+    state = after(desk(), {"do": "go", "frame": 24})
+    hand = state.doc.body.parts[state.doc.body.index("left_hand")]
+    T = pose_transforms(state.skeleton, state.doc.keyframes[1].pose(state.skeleton))
+    T_hand = T[state.doc.body.index("left_hand")]
+    for corner in hand.shape.mesh().vertices:
+        uv = state.doc.camera.project(T_hand[:3, :3] @ corner + T_hand[:3, 3]).tolist()
+        pointed = {"do": "set_pin", "part": "left_hand", "frame": 24, "corner": uv}
+        (pin,) = after(state, pointed).doc.pins
+        assert pin.point_m == pytest.approx(corner)
+        assert pin.landmarks == ()
+
+
+def test_heel_and_toe_are_pinned_over_frames_of_their_own() -> None:
+    heel = {**FOOT, "frame": 3, "first": 0, "last": 20, "landmarks": ["left_heel"]}
+    toe = {**FOOT, "frame": 3, "first": 0, "last": 30, "landmarks": ["left_toe"]}
+    assert spans(after(desk(), heel, toe)) == [(0, 20), (0, 30)]
+
+
+# --- changing
+
+
+def test_both_ends_are_trimmed_and_stop_at_the_neighbours() -> None:
+    state = after(pinned(30, 40), {**FOOT, "frame": 10, "first": 10, "last": 20})
+    longer = after(state, {"do": "change_pin", "index": 1, "last": 60})
+    assert spans(longer) == [(30, 40), (10, 29)]
+    assert spans(after(longer, {"do": "change_pin", "index": 0, "first": 5})) == [
+        (30, 40), (10, 29),
+    ]  # fmt: skip
+    assert spans(after(longer, {"do": "change_pin", "index": 1, "first": 70})) == [
+        (30, 40), (28, 29),
+    ]  # fmt: skip
+    assert spans(after(longer, {"do": "change_pin", "index": 0, "last": 999}))[0] == (30, 72)
+
+
+def test_a_pin_that_is_moved_keeps_its_length_against_neighbours_and_the_ends_of_the_video() -> (
+    None
+):
+    state = after(pinned(30, 40), {**FOOT, "frame": 10, "first": 10, "last": 20})
+    move = {"do": "change_pin", "index": 1}
+    assert spans(after(state, {**move, "first": 25, "last": 35}))[1] == (19, 29)
+    assert spans(after(state, {**move, "first": 0, "last": 10}))[1] == (0, 10)
+    right = {"do": "change_pin", "index": 0, "first": 90, "last": 100}
+    assert spans(after(state, right))[0] == (62, 72)
+
+
+def test_one_drag_of_a_bar_is_one_step_of_undo() -> None:
+    state = pinned(10, 40)
+    drag = {"do": "change_pin", "index": 0, "stroke": "pin"}
+    moved = after(state, *({**drag, "last": last} for last in (39, 35, 30)))
+    ended = after(moved, {"do": "end_stroke", "stroke": "pin"})
+    assert spans(ended) == [(10, 30)]
+    assert ended.history.past[-1].label == "change a pin"
+    assert spans(after(ended, {"do": "undo"})) == [(10, 40)]
+
+
+def test_whole_foot_heel_or_toes_can_be_held_unless_another_pin_holds_them() -> None:
+    state = after(pinned(10, 40), {"do": "change_pin", "index": 0, "landmarks": ["left_toe"]})
+    assert state.doc.pins[0].landmarks == ("left_toe",)
+    both = after(state, {**FOOT, "frame": 12, "landmarks": ["left_heel"]})
+    with pytest.raises(Refused, match=r"Another pin holds this point in frames 0–24\."):
+        after(both, {"do": "change_pin", "index": 0, "landmarks": list(SOLE)})
+
+
+def test_a_split_pin_is_two_that_touch() -> None:
+    state = pinned(10, 40)
+    assert spans(after(state, {"do": "split_pin", "index": 0, "frame": 24})) == [(10, 23), (24, 40)]
+    with pytest.raises(Refused, match="Frame 10 does not split this pin, frames 10–40"):
+        after(state, {"do": "split_pin", "index": 0, "frame": 10})
+
+
+def test_an_unpinned_foot_is_had_back_with_undo() -> None:
+    state = after(pinned(10, 40), {"do": "delete_pin", "index": 0})
+    assert state.doc.pins == ()
+    assert spans(after(state, {"do": "undo"})) == [(10, 40)]
+
+
+# --- proposals
+
+
+PROPOSED = tuple(
+    Pin(part=f"{side}_foot", landmarks=(f"{side}_heel", f"{side}_toe"), first_frame=a, last_frame=b)
+    for side, a, b in (("left", 0, 9), ("right", 5, 20), ("left", 30, 50))
+)
+
+
+def proposing() -> EditorState:
+    return replace(desk(), proposed_pins=PROPOSED)
+
+
+def test_all_proposals_are_accepted_in_one_step_and_are_proposed_again_when_it_is_undone() -> None:
+    state = after(proposing(), {"do": "accept_pins"})
+    assert state.doc.pins == PROPOSED
+    assert open_proposals(state) == ()
+    undone = after(state, {"do": "undo"})
+    assert undone.doc.pins == ()
+    assert open_proposals(undone) == PROPOSED
+
+
+def test_one_proposal_is_accepted_alone() -> None:
+    state = after(proposing(), {"do": "accept_pins", "part": "left_foot", "first": 30})
+    assert state.doc.pins == PROPOSED[2:]
+    assert open_proposals(state) == PROPOSED[:2]
+    with pytest.raises(Refused, match="No pin is proposed here any more"):
+        after(state, {"do": "accept_pins", "part": "left_foot", "first": 30})
+
+
+def test_dismissed_proposals_come_back_only_with_new_ones() -> None:
+    state = after(proposing(), {"do": "dismiss_pins", "part": "right_foot", "first": 5})
+    assert open_proposals(state) == (PROPOSED[0], PROPOSED[2])
+    none = after(state, {"do": "dismiss_pins"})
+    assert open_proposals(none) == ()
+    assert none.history.past == ()
+    assert open_proposals(none.with_proposals_anew()) == PROPOSED
+
+
+def test_what_is_pinned_already_is_not_proposed() -> None:
+    state = after(proposing(), {**FOOT, "frame": 35, "first": 34, "last": 36})
+    assert open_proposals(state) == PROPOSED[:2]
+
+
+# --- the floor
+
+
+def test_the_first_pin_on_the_floor_lays_it_under_the_foot() -> None:
+    state = after(desk(), {**FOOT, "frame": 24, "floor": True})
+    height = state.doc.floor_m
+    assert height is not None
+    assert -3 < height < 0
+    other = after(state, {"do": "set_pin", "part": "right_foot", "frame": 40, "floor": True})
+    assert other.doc.floor_m == height
+    assert after(state, {"do": "undo"}).doc.floor_m is None
+
+
+def test_the_floor_is_given_taken_from_pinned_feet_or_forgotten() -> None:
+    with pytest.raises(Refused, match="No foot is pinned yet"):
+        after(desk(), {"do": "floor", "pinned_feet": True})
+    given = after(desk(), {"do": "floor", "height_m": -1.5})
+    assert given.doc.floor_m == -1.5
+    taken = after(given, {**FOOT, "frame": 24}, {"do": "floor", "pinned_feet": True})
+    by_foot = after(desk(), {**FOOT, "frame": 36, "floor": True})
+    assert taken.doc.floor_m == pytest.approx(by_foot.doc.floor_m, abs=0.02)
+    assert after(taken, {"do": "floor"}).doc.floor_m is None
+    under = after(desk(), {"do": "go", "frame": 36}, {"do": "floor", "under": "left_foot"})
+    assert under.doc.floor_m == by_foot.doc.floor_m
+
+
+# --- keyframes
+
+
+def test_a_soft_keyframe_stays_soft_however_it_is_posed_until_it_is_made_exact() -> None:
+    soft = after(desk(), {"do": "soften_key", "frame": 24}, {"do": "go", "frame": 24})
+    assert [k.frame for k in soft.doc.keyframes if k.soft] == [24]
+    posed = after(soft, {"do": "angles", "part": "head", "x": 12})
+    assert [k.frame for k in posed.doc.keyframes if k.soft] == [24]
+    exact = after(posed, {"do": "exact_key", "frame": 24})
+    assert not any(k.soft for k in exact.doc.keyframes)
+    assert after(exact, {"do": "exact_key", "frame": 24}) is exact
+
+
+# --- while posing
+
+
+def test_hands_and_feet_pinned_at_a_frame_are_known_by_the_names_of_their_handles() -> None:
+    hand = {"do": "set_pin", "part": "right_hand", "frame": 20, "first": 20, "last": 30}
+    knee = {"do": "set_pin", "part": "left_shin", "frame": 20, "first": 20, "last": 30}
+    doc = after(pinned(10, 25), hand, knee).doc
+    assert pinned_ends(doc, 9) == frozenset()
+    assert pinned_ends(doc, 10) == {"left_foot"}
+    assert pinned_ends(doc, 25) == {"left_foot", "right_hand"}
+    assert pinned_ends(doc, 30) == {"right_hand"}
+
+
+# --- refusals and names
+
+REFUSED: list[tuple[dict[str, Any], str]] = [
+    ({**FOOT, "frame": 20}, r"Left foot is already pinned in frames 10–40\."),
+    ({**FOOT, "part": "tail", "frame": 2}, "no part 'tail' to pin"),
+    ({**FOOT, "frame": 2, "landmarks": ["left_heel", "wing"]}, "Left foot has no 'wing' to pin"),
+    ({**FOOT, "frame": 2, "landmarks": ["left_toe"], "point_m": [0, 0, 0]}, "not both"),
+    ({"do": "change_pin", "index": 1, "last": 5}, "This pin no longer exists"),
+    ({"do": "delete_pin", "index": 1}, "This pin no longer exists"),
+    ({"do": "split_pin", "index": 1, "frame": 5}, "This pin no longer exists"),
+    ({"do": "floor", "height_m": 0.01}, "The floor would go through the camera"),
+    ({"do": "soften_key", "frame": 5}, "Frame 5 is not a keyframe"),
+    ({"do": "accept_pins"}, "No pin is proposed here any more"),
+]
+
+
+@pytest.mark.parametrize(("message", "why"), REFUSED)
+def test_what_cannot_be_pinned_is_refused_in_a_sentence(message: dict[str, Any], why: str) -> None:
+    with pytest.raises(Refused, match=why):
+        after(pinned(10, 40), message)
+
+
+def test_a_body_without_the_pinned_part_is_refused() -> None:
+    state = pinned(10, 40)
+    renamed = state.with_doc(
+        state.doc.model_copy(
+            update={"pins": (state.doc.pins[0].model_copy(update={"part": "wing"}),)}
+        )
+    )
+    with pytest.raises(Refused, match="Wing is pinned and not part"):
+        after(renamed, {"do": "preset", "name": "adult_female"})
+
+
+@pytest.mark.parametrize(
+    ("message", "label"),
+    [
+        ({**FOOT, "frame": 3}, "pin left foot"),
+        ({"do": "delete_pin", "index": 0}, "unpin"),
+        ({"do": "accept_pins"}, "accept proposed pins"),
+        ({"do": "split_pin", "index": 0, "frame": 5}, "split a pin at 5"),
+        ({"do": "soften_key", "frame": 50}, "soften keyframe 50"),
+        ({"do": "floor"}, "change the floor"),
+    ],
+)
+def test_undo_names_what_was_done(message: dict[str, Any], label: str) -> None:
+    assert label_of(ACTIONS.validate_python(message)) == label  # type: ignore[arg-type]
+
+
+def test_pins_are_journalled_and_made_again_from_the_journal() -> None:
+    before = desk()
+    messages = {**FOOT, "frame": 30, "floor": True}, {"do": "soften_key", "frame": 24}
+    doc = after(before, *messages).doc
+    written = json.loads(json.dumps(changes.changes(before.doc, doc)))
+    assert written.keys() == {"pins", "floor_m", "keyframes"}
+    assert changes.apply_changes(before.doc, written) == doc
+
+
+def test_smoothness_is_switched_like_the_other_settings() -> None:
+    state = after(desk(), {"do": "settings", "smooth": True})
+    assert state.doc.settings.smooth is True
+    assert after(state, {"do": "settings", "smooth": None}).doc.settings.smooth is None
