@@ -20,6 +20,7 @@ from app.posing import (
     drag,
     ends_to_hold,
     facing,
+    keep_pinned,
     mirror_pose,
     placed_ends,
     swap_left_right,
@@ -73,7 +74,7 @@ def set_angles(state: EditorState, action: do.Angles) -> Session:
         state.skeleton, pose, action.part, action.x, action.y, action.z,
         limits_on=state.display.limits and not action.free,
     )  # fmt: skip
-    return _with_pose(state, pose)
+    return _with_pose(state, _with_pinned(state, pose, action.part))
 
 
 def set_root(state: EditorState, action: do.Root) -> Session:
@@ -83,7 +84,16 @@ def set_root(state: EditorState, action: do.Root) -> Session:
     place = [
         old if new is None else new for old, new in zip(pose.p_camera_root, wanted, strict=True)
     ]
-    return _with_pose(state, Pose(pose.Rs_parent_part, np.array(place)))
+    moved = Pose(pose.Rs_parent_part, np.array(place))
+    return _with_pose(state, _with_pinned(state, moved, state.doc.body.names[0]))
+
+
+def _with_pinned(state: EditorState, pose: Pose, part: str) -> Pose:
+    """A pose changed by numbers of one part, with what is pinned here back in its place."""
+    pinned = pinned_ends(state.doc, state.frame)
+    if not pinned:
+        return pose
+    return keep_pinned(state.skeleton, shown_pose(state).pose, pose, pinned, part)
 
 
 def set_facing(state: EditorState, action: do.Face) -> Session:

@@ -276,6 +276,25 @@ def test_hands_and_feet_pinned_at_a_frame_are_known_by_the_names_of_their_handle
     assert pinned_ends(doc, 30) == {"right_hand"}
 
 
+@pytest.mark.parametrize(
+    "numbers",
+    [{"do": "root", "x": 0.03}, {"do": "angles", "part": "left_thigh", "x": 12}],
+    ids=["root", "thigh"],
+)
+def test_a_pinned_foot_stays_while_numbers_of_other_parts_change(numbers: dict[str, Any]) -> None:
+    state = after(pinned(10, 40), {"do": "go", "frame": 24})
+    before, moved = (foot_at(one) for one in (state, after(state, numbers)))
+    free = foot_at(after(after(desk(), {"do": "go", "frame": 24}), numbers))
+    assert np.linalg.norm(moved - before) < 0.002
+    assert np.linalg.norm(free - before) > 0.01
+
+
+def foot_at(state: EditorState) -> Any:
+    """The left ankle at frame 24, camera frame."""
+    pose = next(k for k in state.doc.keyframes if k.frame == 24).pose(state.skeleton)
+    return pose_transforms(state.skeleton, pose)[state.doc.body.index("left_foot"), :3, 3]
+
+
 # --- refusals and names
 
 REFUSED: list[tuple[dict[str, Any], str]] = [
