@@ -67,7 +67,7 @@ def test_the_last_cue_stays_on_and_says_why(at: Desk) -> None:
 def test_the_published_method_uses_no_keypoints(at: Desk) -> None:
     page = at.page
     at.visitor.do(do="settings", method="paper")
-    page.get_by_text("Not in the published method").wait_for()
+    page.get_by_text("Not in the published method").first.wait_for()
     assert cue(page, "Keypoints").get_attribute("aria-checked") == "false"
     cue(page, "Keypoints").click(force=True)
     cue(page, "Brightness").click(force=True)

@@ -170,7 +170,7 @@ def test_new_sizes_are_shown_compared_and_applied_in_one_step(at: Desk) -> None:
     until_told(page, "sizes_preview.poses", bool)
     assert abs(shin_cm(at) - true_cm) < 1.5
     after = at.agreed("body")
-    page.get_by_role("button", name="Show").click()
+    page.get_by_role("button", name="Show", exact=True).click()
     screen(page, "fit-4-sizes-poses")
     page.keyboard.down("b")
     until(lambda: section(page, "body") == before, "the body as it is")

@@ -33,7 +33,9 @@ def test_shoulders_move_once_they_are_asked_to_and_arms_keep_theirs(shared: Desk
     page.get_by_role("tab", name="Part").click()
     screens(page, "shoulders-2-part-tab")
     shoulder = spot(page, "left_upper_arm")
+    page.keyboard.down("Alt")  # or the hand would stay where it is
     drag(page, shoulder, (shoulder[0], shoulder[1] - 20))
+    page.keyboard.up("Alt")
     screens(page, "shoulders-3-raised")
     raised = shared.agreed("pose")["angles"]
     assert abs(raised["left_clavicle"][2]) > 3
