@@ -92,6 +92,8 @@ def _save_found(
     summary: dict[str, Any] = {"interrupted": found.interrupted, "session": None, "tracks": None}
     summary |= {"segments_of": len(asked.spans), "segments": [], "lost": False}
     summary["error"] = None if found.error is None else str(found.error)
+    from app.editor.space_words import space_sentence
+
     results = _write(session, asked, found, arguments)
     if results is None:
         return summary
@@ -105,6 +107,10 @@ def _save_found(
         ],
         "lost": any(segment.verdict.kind == "lost" for segment in mine),
     }
+    findings = [found for stretch in results.space for found in stretch.findings]
+    if findings:
+        said = [{**found.model_dump(), "words": space_sentence(found)} for found in findings]
+        summary["in_space"] = said
     return summary
 
 
@@ -142,6 +148,8 @@ def _print_summary(summary: dict[str, Any], as_json: bool) -> None:
         print(f"frames {segment['first_frame']}–{segment['last_frame']}: {segment['words']}")
         for note in segment["notes"]:
             print(f"  {note}")
+    for found in summary.get("in_space", ()):
+        print(f"in space: {found['words']}")
     if summary["session"] is not None:
         print(f"Written: {summary['tracks']}")
         print(f"Written: {summary['session']}")

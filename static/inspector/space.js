@@ -1,7 +1,7 @@
 // What is not plausible of the motion in space: the worst of it, each with its frame and its remedy.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { server } from '../store/state.js';
+import { server, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
 import { select } from '../store/parts.js';
 import { goTo, stopPlaying } from '../actions/playhead.js';
@@ -27,6 +27,7 @@ const REMEDIES = {
     },
   },
   soften: { label: 'Soften the keyframe', act: ({ go }) => send({ do: 'soften_key', frame: go }) },
+  lens: { label: 'Set lens', act: () => setUi('tab', 'camera') },
   smooth: { label: 'Smooth', act: () => send({ do: 'settings', smooth: true }) },
 };
 
@@ -48,7 +49,7 @@ function card(found) {
     <p>${found.words}</p>
     <div class="row">
       ${remedy ? button({ name: '', label: remedy.label, kind: 'sm', act: () => remedy.act(found) }) : nothing}
-      ${button({ name: '', label: `Go to ${found.go}`, kind: 'ghost sm', act: () => visit(found) })}
+      ${found.kind === 'lens' ? nothing : button({ name: '', label: `Go to ${found.go}`, kind: 'ghost sm', act: () => visit(found) })}
     </div>
   </div>`;
 }

@@ -195,7 +195,7 @@
  * @property {number} first
  * @property {number} last
  * @property {number} go  The frame to look at.
- * @property {'pin' | 'floor' | 'soften' | 'smooth' | ''} remedy  What mends it with one press.
+ * @property {'pin' | 'floor' | 'soften' | 'smooth' | 'lens' | ''} remedy  What mends it with one press.
  */
 
 /**

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from app.editor.space_words import pin_sentence, space_sentence
+from app.editor.state import EditorState
 from app.store.sections.json_value import Json
 from app.store.state import AppState
 from tracker.session.results import SpaceFinding
@@ -39,7 +40,22 @@ def space(app_state: AppState) -> Json:
                     "remedy": "soften",
                 }  # fmt: skip
                 told.append((_WEIGHTS["slides"] * pin.off_m, row))
-    return [row for _, row in sorted(told, key=lambda one: -one[0])]
+    rows = [row for _, row in sorted(told, key=lambda one: -one[0])]
+    is_known = edit.results.space(edit.settled)
+    return [*rows, _guessed_lens(edit)] if is_known and edit.settled.lens_is_guess else rows
+
+
+def _guessed_lens(edit: EditorState) -> Json:
+    """Depth that rests on a lens nobody knows."""
+    return {
+        "kind": "lens",
+        "words": "Depth rests on a guessed lens",
+        "part": edit.settled.body.names[0],
+        "first": edit.keys[0],
+        "last": edit.keys[-1],
+        "go": edit.keys[0],
+        "remedy": "lens",
+    }
 
 
 def _weight(found: SpaceFinding) -> float:

@@ -1,0 +1,81 @@
+"""What the page is told of a motion that is not plausible in space."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from app.editor.space_words import space_sentence
+from app.editor.state import EditorState
+from app.store.sections import Sections
+from app.store.state import AppState
+from tests.app.editor.desk import after
+from tests.app.editor.test_pins import stepping
+from tracker.session.results import PinResult, SpaceFinding
+from tracker.storage.results import Results
+from tracker.storage.stretches import stretches
+from tracker.tracking.space.result import SpaceResult
+
+
+def found(kind: str, amount: float, part: str = "left_foot") -> SpaceFinding:
+    frames = {"first_frame": 10, "last_frame": 20, "go": 14}
+    return SpaceFinding.model_validate({"kind": kind, "part": part, "amount": amount, **frames})
+
+
+@pytest.mark.parametrize(
+    ("finding", "words"),
+    [
+        (found("slides", 0.09), "Left foot slides 9 cm, 10–20"),
+        (found("off_floor", 0.06), "Left foot stands 6 cm above the floor, 10–20"),
+        (found("below_floor", 0.04), "Left foot goes 4 cm into the floor, 10–20"),
+        (
+            found("keyframe_depth", -0.12),
+            "At keyframe 14 the left foot stands 12 cm nearer than nearby",
+        ),
+        (found("leans", 0.4, "waist"), "The body leans 23° out of balance, 10–20"),
+        (found("shakes", 11.3, "waist"), "Waist shakes with 11 m/s², 10–20"),
+    ],
+)
+def test_every_finding_is_a_sentence_with_its_amount_and_frames(
+    finding: SpaceFinding, words: str
+) -> None:
+    assert space_sentence(finding) == words
+
+
+def solved(edit: EditorState, *findings: SpaceFinding, pins: tuple[PinResult, ...] = ()) -> Any:
+    """What the page is told where the solve in space found this."""
+    smooth = after(edit, {"do": "settings", "smooth": True})
+    (stretch,) = stretches(smooth.doc, smooth.results.fitting(smooth.doc))
+    motion = next(iter(smooth.results.by_key.values())).trajectory
+    space = SpaceResult(stretch.key, motion, pins, findings=findings)
+    results = Results(smooth.results.by_key, {stretch.key: space})
+    return Sections().changed(AppState(edit=replace(smooth, results=results)))["space"]
+
+
+def known(edit: EditorState) -> EditorState:
+    return edit.with_doc(edit.doc.model_copy(update={"lens_source": "person"}))
+
+
+def test_the_worst_is_told_first_with_what_mends_it() -> None:
+    off = PinResult(
+        part="left_foot", first_frame=0, last_frame=20, off_m=0.08, usual_off_m=0.001, frame=0,
+        keyframe=0,
+    )  # fmt: skip
+    told = solved(
+        known(stepping((5, 12))), found("slides", 0.06), found("off_floor", 0.1), pins=(off,)
+    )
+    assert [(one["kind"], one["remedy"]) for one in told] == [
+        ("off_floor", "pin"), ("pin", "soften"), ("slides", "pin"),
+    ]  # fmt: skip
+    assert told[1]["words"] == "Keyframe 0 is 8 cm off the pin of the left foot"
+
+
+def test_a_guessed_lens_is_told_last_and_only_of_a_motion_that_was_solved() -> None:
+    guessed = stepping((5, 12))
+    guessed = guessed.with_doc(guessed.doc.model_copy(update={"lens_source": "guess"}))
+    told = solved(guessed, found("slides", 0.06))
+    assert [one["kind"] for one in told] == ["slides", "lens"]
+    assert Sections().changed(AppState(edit=guessed))["space"] == []
+    assert [one["kind"] for one in solved(known(guessed), found("slides", 0.06))] == ["slides"]
