@@ -83,7 +83,7 @@ def test_a_pinned_foot_that_drifted_in_depth_comes_to_rest_and_is_seen_where_it_
     assert slide_m(person, found.motion) < 0.005
     assert max(off.max() for off in found.off_m) < 0.005
     away_px = np.linalg.norm(pixels(person, found.motion) - pixels(person, tracked), axis=-1)
-    assert away_px.max() < 0.5
+    assert away_px.max() < 1
 
 
 def test_without_pins_a_foot_stays_where_it_was_tracked(person: Scene) -> None:
