@@ -62,7 +62,7 @@ class Part(BaseModel):
     limits_deg: Limits = Field(
         default_factory=dict,
         description="Lowest and highest Euler angle about x, y, z (R = Qz·Qy·Qx), degrees, that "
-        "posing keeps to; axes left out are free. Tracking knows no limits.",
+        "posing keeps to, and the motion in space nearly; axes left out are free.",
     )
 
     @model_validator(mode="after")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Sequence
-from itertools import combinations
 from typing import Annotated, Self
 
 from pydantic import Field, model_validator
@@ -92,7 +91,16 @@ def require_pins(pins: Sequence[Pin], body: Body, frame_count: int) -> None:
                 f"pins: frame {pin.last_frame} is beyond the video, whose frames are 0 to "
                 f"{frame_count - 1}"
             )
-    for one, other in combinations(pins, 2):
-        if one.overlaps(other):
-            first = max(one.first_frame, other.first_frame)
-            raise ValueError(f"pins: {one.part!r} has two pins at frame {first}; one is allowed")
+    _require_apart(pins)
+
+
+def _require_apart(pins: Sequence[Pin]) -> None:
+    """In the order of their beginnings each pin is compared with those that have not ended."""
+    under_way: list[Pin] = []
+    for pin in sorted(pins, key=lambda pin: pin.first_frame):
+        under_way = [other for other in under_way if other.last_frame >= pin.first_frame]
+        if any(pin.overlaps(other) for other in under_way):
+            raise ValueError(
+                f"pins: {pin.part!r} has two pins at frame {pin.first_frame}; one is allowed"
+            )
+        under_way.append(pin)

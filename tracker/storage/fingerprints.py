@@ -247,7 +247,7 @@ class _ById:
 @lru_cache(maxsize=8)
 def _body(body: _ById) -> str:
     """Names of parts count, since the verdict has them; other captions do not."""
-    parts = {"__all__": {"limits_deg"}}  # posing keeps to them, tracking knows none
+    parts = {"__all__": {"limits_deg"}}  # no segment is tracked by them; see `stretches`
     captions = {"name": True, "source": True, "mirror_pairs": True}
     data = body.it.model_dump(mode="json", exclude={**captions, "parts": parts})
     return json.dumps(data, sort_keys=True)
