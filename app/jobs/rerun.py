@@ -119,11 +119,20 @@ def save_found(
     tracked: the session as it was tracked. The person may have gone on editing meanwhile: of the
     file only the results are changed, and how and where surfaces are read. Where a segment was not
     found now, an earlier result that fits stays. None, and nothing is written, when nothing was
-    found.
+    found. Where the motion cannot be solved for in space it is written as it was tracked, and the
+    error raised after that.
     """
     if not found:
         return None
-    every = _in_space(tracked, _with_earlier(tracked, session_path, found))
+    every = _with_earlier(tracked, session_path, found)
+    try:
+        every = _in_space(tracked, every)
+    finally:
+        results = _save(tracked, session_path, every)
+    return results
+
+
+def _save(tracked: Session, session_path: Path, every: Results) -> saved.Results | None:
     results = save_results(tracked, session_path, every).results
     update: dict[str, Any] = {"results": results}
     update |= {name: getattr(tracked, name) for name in tracked.evidence.run_fields}

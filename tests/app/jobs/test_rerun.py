@@ -134,6 +134,27 @@ def test_page_and_command_write_the_same_motion_in_space(tmp_path: Path) -> None
     assert written["track"] == written["page"]
 
 
+def test_a_motion_that_cannot_be_solved_for_in_space_is_kept_as_it_was_tracked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(session: Any, stretch: Any) -> None:
+        raise ZeroDivisionError
+
+    path = copied(tmp_path / "box", (PIN,), quality="preview", smooth=True)
+    session = with_settings(load_session(path), None, "fast")
+    with open_video_of(session, path) as video:
+        given = (session, path, video, all_segments(session))
+        reports = list(rerun(*given, workers=1, stop=Event()))
+    found = [one.result for one in reports if isinstance(one, SegmentFinished)]
+    monkeypatch.setattr("app.jobs.rerun.solved", fail)
+    with pytest.raises(ZeroDivisionError):
+        save_found(session, path, found)
+    results = load_session(path).results
+    assert results is not None
+    assert len(results.segments) == 2
+    assert results.space == ()
+
+
 @pytest.mark.parametrize("workers", [1, 2])
 @pytest.mark.parametrize(
     ("error", "raised"),
