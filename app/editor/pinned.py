@@ -9,16 +9,14 @@ from app.editor.state import EditorState
 from app.posing import handles
 from tracker.body.body import Body
 from tracker.body.pose import pose_transforms
-from tracker.session.pins import Pin
+from tracker.session.pins import Pin, sole_of
 from tracker.session.results import PinResult
 from tracker.session.schema import Session
 
 
 def default_landmarks(body: Body, part: str) -> tuple[str, ...]:
     """Heel and toe of a foot; of anything else none, which is its joint."""
-    names = tuple(body.parts[body.index(part)].landmarks) if part in body.names else ()
-    sole = tuple(name for end in ("heel", "toe") for name in names if name.endswith(end))
-    return sole if len(sole) == 2 else ()
+    return sole_of(body.parts[body.index(part)]) if part in body.names else ()
 
 
 def corner_near(

@@ -8,7 +8,7 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from tracker.body.body import Body, Name, Point
+from tracker.body.body import Body, Name, Part, Point
 from tracker.session.settings import FrameIndex, Plain
 
 
@@ -72,6 +72,12 @@ PinList = Annotated[
         description="Points of the body that stand still, such as a planted foot.",
     ),
 ]
+
+
+def sole_of(part: Part) -> tuple[Name, ...]:
+    """The landmarks heel and toe, by which a whole foot is held; of other parts none."""
+    found = [name for end in ("heel", "toe") for name in part.landmarks if name.endswith(end)]
+    return tuple(found) if len(found) == 2 else ()
 
 
 def require_pins(pins: Sequence[Pin], body: Body, frame_count: int) -> None:

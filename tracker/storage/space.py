@@ -9,7 +9,7 @@ import numpy as np
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import joined
 from tracker.geometry.rotations import Array
-from tracker.session.pins import Pin
+from tracker.session.pins import Pin, sole_of
 from tracker.session.results import PinResult
 from tracker.session.schema import Keyframe, Session
 from tracker.storage.stretches import Stretch, keyframes_within
@@ -51,7 +51,8 @@ def solved(
     up = None if session.up_camera is None else up_of(session)
     still = proposed_pins(skeleton, found.motion, problem.frames_per_second, up)
     free = tuple(pin for pin in still if not any(pin.overlaps(held) for held in stretch.pins))
-    feet = [pin for pin in stretch.pins if _is_foot(session, pin)]
+    body = session.body
+    feet = [pin for pin in stretch.pins if sole_of(body.parts[body.index(pin.part)])]
     judged = Judged(
         skeleton,
         found.motion,
@@ -64,11 +65,6 @@ def solved(
         floor_m=found.floor_m if session.floor_m is None else session.floor_m,
     )
     return SpaceResult(stretch.key, found.motion, pins, free, space_findings(judged), found.floor_m)
-
-
-def _is_foot(session: Session, pin: Pin) -> bool:
-    part = session.body.parts[session.body.index(pin.part)]
-    return any(name.endswith("toe") for name in part.landmarks)
 
 
 def up_of(session: Session) -> Array:

@@ -17,7 +17,7 @@ from tracker.body.body import Body
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.geometry.rotations import Array
-from tracker.session.pins import Pin
+from tracker.session.pins import Pin, sole_of
 from tracker.solver.body_points import BodyPoint, BodyPoints
 
 START_M_S, STAY_M_S = 0.30, 0.55
@@ -95,12 +95,12 @@ def _pin(part: str, held: tuple[str, ...], rows: tuple[int, int], motion: Trajec
     return Pin(part=part, landmarks=held, first_frame=first, last_frame=last)
 
 
-def _feet(body: Body) -> Iterator[tuple[int, tuple[str, str], tuple[float, float, float]]]:
+def _feet(body: Body) -> Iterator[tuple[int, tuple[str, ...], tuple[float, float, float]]]:
     """Part, names of heel and toe, and the toe's place of every foot."""
     for i, part in enumerate(body.parts):
-        names = [n for kind in ("heel", "toe") for n in part.landmarks if n.endswith(kind)]
-        if len(names) == 2:
-            yield i, (names[0], names[1]), part.landmarks[names[1]]
+        names = sole_of(part)
+        if names:
+            yield i, names, part.landmarks[names[-1]]
 
 
 def _after(

@@ -23,8 +23,6 @@ SLOW_M_S = 0.25
 """Balance is asked of a body whose root moves slower."""
 SHAKES_M_S2 = 8.0
 """Root mean square acceleration of a waist that only shaking brings about at slow speeds."""
-NEAR_FRAMES = 2
-"""A keyframe counts in a range from so many frames within its ends."""
 
 
 @dataclass(frozen=True, eq=False)
