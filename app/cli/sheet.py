@@ -34,14 +34,17 @@ _EXAMPLES = """\
 def add(commands: Subcommands) -> None:
     summary = "Draw all keyframes on one sheet, a PNG file"
     details = (
-        "Under each picture stand its frame, its time and how many frames it is to the next "
-        "keyframe; the bar has the colour of that stretch's verdict: green good, yellow check, red "
-        "lost, grey not tracked as it is posed now."
+        "Each picture is labelled with its frame, its time and the number of frames to the "
+        "next keyframe. The bar below has the colour of that segment's verdict: green good, "
+        "yellow check, red lost, grey not tracked or outdated."
     )
     command = add_command(commands, "sheet", run, summary, details, _EXAMPLES)
     add_session(command)
     command.add_argument(
-        "--columns", metavar="N", type=whole_number(1, 100), help="default: as it fits"
+        "--columns",
+        metavar="N",
+        type=whole_number(1, 100),
+        help="pictures per row; default: automatic",
     )
     add_look(command)
     add_output(command, "FILE.png")

@@ -234,12 +234,12 @@ def _length(path: Path) -> int:
 def _news(opened: Opened) -> tuple[str, ...]:
     found = opened.recovered
     if opened.problem:
-        return (f"{opened.problem} What could be undone before does not come back.",)
+        return (f"{opened.problem} Earlier undo steps are lost.",)
     if not opened.journal.whole:
-        return ("The journal of edits is damaged: some steps may not come back by undo.",)
+        return ("The journal of edits is damaged: some undo steps may be missing.",)
     if found.ahead:
-        edits = "An edit" if found.ahead == 1 else f"{found.ahead} edits"
-        return (f"{edits} made before Keypose ended unexpectedly came back.",)
+        edits = "one edit" if found.ahead == 1 else f"{found.ahead} edits"
+        return (f"Restored {edits} made before Keypose ended unexpectedly.",)
     past = found.moment.history.past
     if not found.follows and past and past[-1].label == OUTSIDE:
         return ("The session was changed outside this page; undo brings back how you left it.",)

@@ -65,7 +65,7 @@ def _about(track: SegmentResult, keys: Sequence[int]) -> Suggestion:
 
 _THERE: Mapping[Cause, str] = {
     "not_followed": "The fit is lost there",
-    "body_off_surface": "The body lies off its surface there",
+    "body_off_surface": "The body is off its surface there",
 }
 """Reasons beside a frame that is named already."""
 

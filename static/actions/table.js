@@ -204,7 +204,7 @@ const PINS = {
     label: 'Dismiss', icon: 'x', title: 'They come back after the next tracking', off: noProposals, message: dismissMessage,
   },
   softKey: {
-    label: (at) => (isSoft(at) ? 'Meet the keyframe exactly' : 'Soften the keyframe'), icon: 'key',
+    label: (at) => (isSoft(at) ? 'Make the keyframe exact' : 'Soften the keyframe'), icon: 'key',
     title: 'A soft keyframe gives way in depth to pins and smoothness',
     off: (at = frame()) => (isKey(at) ? '' : `Frame ${at} is not a keyframe`),
     message: (at = frame()) => ({ do: isSoft(at) ? 'exact_key' : 'soften_key', frame: at }),
@@ -351,7 +351,7 @@ const FILE = {
   ...MOTION,
   filterMotion: {
     label: `Low-pass filter, ${FILTER_HZ} Hz`,
-    title: 'Motion is saved without what is faster, and without delay; keyframes move a little',
+    title: 'Removes faster motion without delay; keyframes move a little',
     on: () => ui.filterMotion === true, run: () => setUi('filterMotion', ui.filterMotion !== true),
   },
   saveReport: {
