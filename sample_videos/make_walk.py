@@ -27,6 +27,7 @@ from tracker.storage.atomic import write_file
 from tracker.storage.files import load_session, save_session, session_json
 from tracker.storage.results import load_results
 from tracker.storage.tracks import load_trajectory
+from tracker.tracking.space.level import up_from_places
 
 FOLDER = Path(__file__).parent / "walk"
 WIDTH, HEIGHT, FPS = 1280, 720, 30
@@ -101,22 +102,21 @@ def on_its_floor(tracked: Session, path: Path) -> Session:
             "pins": tuple(pins),
             "keyframes": tuple(keyframes),
             "up_camera": _up(tracked, path, pins),
+            "up_from_feet": True,
         }
     )
 
 
 def _up(tracked: Session, path: Path, pins: list[Pin]) -> tuple[float, float, float]:
-    """The camera's own up, leant until the lawn, along which she walks across, is level."""
+    """So that she stands level wherever she steps."""
     motion = load_trajectory(tracked, path)
     p_camera_joint = motion.joints(Skeleton.of(tracked.body))
     feet = []
     for pin in pins:
         rows = slice(pin.first_frame - motion.first_frame, pin.last_frame - motion.first_frame + 1)
         feet.append(p_camera_joint[rows, tracked.body.index(pin.part)].mean(axis=0))
-    x, y, _ = np.stack(feet, axis=1)
-    slope = float(np.polyfit(x, y, 1)[0])
-    up = np.array([slope, -1.0, 0.0]) / np.hypot(slope, 1.0)
-    return (round(float(up[0]), 5), round(float(up[1]), 5), 0.0)
+    x, y, z = up_from_places(np.array(feet), np.array([0.0, -1.0, 0.0]))
+    return (round(float(x), 5), round(float(y), 5), round(float(z), 5))
 
 
 def _with_level_head(draft: Keyframe) -> Keyframe:

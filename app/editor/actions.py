@@ -405,6 +405,12 @@ class Vertical(Edit):
     b: Spot
 
 
+class UpFromFeet(Edit):
+    """Up so that the pinned feet stand level."""
+
+    do: Literal["up_from_feet"] = "up_from_feet"
+
+
 class ResetUp(Edit):
     do: Literal["reset_up"] = "reset_up"
 
@@ -615,7 +621,7 @@ Posing: TypeAlias = (
 Keying: TypeAlias = AddKey | DeleteKey | MoveKey | DuplicateKey | KeyAngle | SoftenKey | ExactKey
 Pinning: TypeAlias = SetPin | ChangePin | DeletePin | SplitPin | AcceptPins | Floor
 Shaping: TypeAlias = Shape | Size | Joint | Height | Preset | ResetBody | Clavicles | Tracked
-Filming: TypeAlias = Intrinsics | FieldOfView | Lens | Distortion | Vertical | ResetUp
+Filming: TypeAlias = Intrinsics | FieldOfView | Lens | Distortion | Vertical | UpFromFeet | ResetUp
 Choosing: TypeAlias = AddMask | ChangeMask | DeleteMask | Settings | Observe
 Seeing: TypeAlias = CorrectKeypoint | IgnoreKeypoint | RestoreKeypoint
 Rewinding: TypeAlias = Undo | Redo | EndStroke | CancelStroke

@@ -86,12 +86,12 @@ def set_up(state: EditorState, action: do.Vertical) -> Session:
     if not np.isfinite(up).all():
         raise Refused("The lens shows nothing at one end of this line. Draw it nearer the centre.")
     x, y, z = (float(v) for v in up)
-    return state.doc.model_copy(update={"up_camera": (x, y, z)})
+    return state.doc.model_copy(update={"up_camera": (x, y, z), "up_from_feet": False})
 
 
 def reset_up(state: EditorState) -> Session:
     """The camera's own up again."""
-    return state.doc.model_copy(update={"up_camera": None})
+    return state.doc.model_copy(update={"up_camera": None, "up_from_feet": False})
 
 
 def _with_camera(state: EditorState, changes: dict[str, Any]) -> Session:

@@ -40,7 +40,7 @@
  * @property {'guess' | 'file' | 'person' | 'calibration' | 'fitted' | null} lens_source  Null until asked.
  * @property {boolean} lens_is_guess
  * @property {Point} up
- * @property {'camera' | 'drawn'} up_origin
+ * @property {'camera' | 'drawn' | 'feet'} up_origin
  * @property {number} tilt_deg
  * @property {number} roll_deg
  * @property {string} image_version

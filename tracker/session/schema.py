@@ -211,6 +211,11 @@ class Session(Plain):
         default=None,
         description="The world's up direction in the camera frame; null: the camera's own, −y.",
     )
+    up_from_feet: bool = Field(
+        default=False,
+        exclude_if=operator.not_,
+        description="Whether up_camera was found from pinned feet.",
+    )
     pins: PinList = ()
     floor_m: Metres | None = Field(
         default=None,

@@ -35,7 +35,9 @@ SAID = {
         "moves_beside_body", (31, 36)
     ),
     "Lost. Add a keyframe at 37": Verdict.not_followed(37),
-    "Lost. The body is not visible: check keyframes, camera and masks": Verdict.nothing_seen(24, 48),
+    "Lost. The body is not visible: check keyframes, camera and masks": Verdict.nothing_seen(
+        24, 48
+    ),
     "Lost. Keys 24 and 25 contradict each other": Verdict.contradiction(24, 25),
     "Check frames 30–40: the moon is full": Verdict(
         kind="check", cause="other", text="check frames 30–40: the moon is full"
