@@ -10,6 +10,12 @@ import { setUi, ui, watch } from '../store/state.js';
 /** Open or close the sheet of keys. */
 export const toggleSheet = () => setUi('sheet', !ui.sheet);
 
+/** Open or close the command search. */
+export function toggleSearch() {
+  if (!ui.search) loadLibrary();
+  setUi('search', !ui.search);
+}
+
 /** Show the files that can be opened; `lost` is a recent session whose video is looked for. */
 export function openChooser(kind, lost = null) {
   loadLibrary();
@@ -19,15 +25,16 @@ export function openChooser(kind, lost = null) {
 
 /** Close the sheets; tells whether one was open, or about to open with the next frame. */
 export function closeSheets() {
-  if (!ui.sheet && !ui.chooser) return false;
+  if (!ui.sheet && !ui.chooser && !ui.search) return false;
   setUi('sheet', null);
   setUi('chooser', null);
+  setUi('search', null);
   return true;
 }
 
 /**
  * A dialog, open while `ui[name]` holds something, and drawn when that or any of `names` changes.
- * @param {{ id: string, label: string, name: 'sheet' | 'chooser', names: Watched[], draw: () => unknown }} spec
+ * @param {{ id: string, label: string, name: 'sheet' | 'chooser' | 'search', names: Watched[], draw: () => unknown }} spec
  */
 export function mountDialog({ id, label, name, names, draw }) {
   const dialog = addOnTop(id, 'dialog');

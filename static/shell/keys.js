@@ -1,7 +1,7 @@
 // The keyboard: a chord is looked up in the table of actions, wherever the focus is.
 
 import { server, ui, setUi } from '../store/state.js';
-import { BY_CHORD, perform } from '../actions/actions.js';
+import { BY_CHORD, entryOf, perform } from '../actions/actions.js';
 import { closeSheets } from '../controls/dialogs.js';
 import { keepsKey, leaveControl } from '../controls/focus.js';
 import { closeMenu } from '../controls/menu.js';
@@ -10,6 +10,7 @@ import { discardSizes, lookBack, onPreviewKey } from '../actions/preview.js';
 import { closeFit } from './fit_card.js';
 import { cancelJob } from './job.js';
 
+const [keyOfSearch] = entryOf('search').keys;
 const SYMBOL = /^[^\p{L}\s]$/u;
 
 export function mountKeys() {
@@ -54,7 +55,7 @@ function onKeyDown(event) {
     if (escape()) event.preventDefault();
     return;
   }
-  if (keepsKey(chord) || hasText(chord) || isModal(chord)) return;
+  if ((keepsKey(chord) && chord !== keyOfSearch) || hasText(chord) || isModal(chord)) return;
   if (onPreviewKey(chord, event)) return;
   if (chord === 'Space') {
     pressSpace(event);
@@ -75,7 +76,7 @@ function escape() {
 const hasText = (chord) => chord === 'Ctrl C' && !getSelection().isCollapsed;
 
 /** Under an open sheet the page does not change; the key that opened it closes it. */
-const isModal = (chord) => chord !== '?' && Boolean(ui.sheet || ui.chooser);
+const isModal = (chord) => chord !== '?' && Boolean(ui.sheet || ui.chooser || ui.search);
 
 // Space plays when it is released, unless a drag has used it to move the picture.
 const space = { isUsed: false };
