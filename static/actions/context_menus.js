@@ -5,20 +5,21 @@ import { line } from '../controls/menu.js';
 import { whyNot } from './actions.js';
 import { menuItem } from './buttons.js';
 import { frame, isKey } from './playhead.js';
+import { TITLES } from './synonyms.js';
 
 /** @typedef {import('./actions.js').ActionId} ActionId */
 
 /** @type {Record<string, { title: string, groups: ActionId[][] }>} */
 export const CONTEXTS = {
   part: {
-    title: 'part',
+    title: 'a part',
     groups: [
-      ['turnInDepth', 'resetPart', 'otherSide', 'inward', 'outward'],
+      ['turnInDepth', 'resetPart', 'otherSide'],
       ['addKeyframe', 'deleteKeyframe', 'fitPose', 'copyPose', 'pastePose'],
     ],
   },
   picture: {
-    title: 'picture',
+    title: 'the picture',
     groups: [
       ['addKeyframe', 'deleteKeyframe', 'fitPose', 'useTracked'],
       ['copyPose', 'pastePose', 'pasteMirrored', 'copyPrevious', 'copyNext', 'swapSides', 'resetPose'],
@@ -27,17 +28,21 @@ export const CONTEXTS = {
       ['saveImage', 'copyImage'],
     ],
   },
-  free: { title: 'free view', groups: [['addKeyframe', 'deleteKeyframe', 'copyPose', 'pastePose', 'note'], ['ghosts', 'trail']] },
-  freePart: { title: 'part', groups: [['turnInDepth', 'resetPart', 'otherSide']] },
-  eye: { title: 'free view', groups: [['fitView']] },
-  keyframe: { title: 'keyframe', groups: [['copyKeyHere'], ['note']] },
-  segment: { title: 'segment', groups: [['trackChanged', 'nextProblem'], ['note']] },
-  frames: { title: 'timeline', groups: [['goTo', 'note'], ['zoomToInterval', 'lanes', 'trackChanged']] },
-  note: { title: 'note', groups: [['goTo', 'note', 'deleteNote']] },
+  free: { title: 'the free view', groups: [['addKeyframe', 'deleteKeyframe', 'copyPose', 'pastePose', 'note'], ['ghosts', 'trail']] },
+  freePart: { title: 'a part', groups: [['turnInDepth', 'resetPart', 'otherSide']] },
+  eye: { title: 'the free view', groups: [['fitView']] },
+  keyframe: { title: 'a keyframe', groups: [['copyKeyHere'], ['note']] },
+  segment: { title: 'a segment', groups: [['trackChanged', 'nextProblem'], ['note']] },
+  frames: { title: 'the timeline', groups: [['goTo', 'note'], ['zoomToInterval', 'lanes', 'trackChanged']] },
+  note: { title: 'a note', groups: [['goTo', 'note', 'deleteNote']] },
 };
 
-/** One of a pair stands in a menu, the one that fits the frame. */
-const FITS = { addKeyframe: () => !isKey(frame()), deleteKeyframe: () => isKey(frame()) };
+/** Of a pair the one that fits the frame stands in a menu. */
+const FITS = {
+  addKeyframe: () => !isKey(frame()),
+  deleteKeyframe: () => isKey(frame()),
+  copyKeyHere: (from) => from !== frame(),
+};
 
 /**
  * The entries of a thing's menu. about: what an action is done to, by its name; where that is not
@@ -46,16 +51,18 @@ const FITS = { addKeyframe: () => !isKey(frame()), deleteKeyframe: () => isKey(f
  * @param {Partial<Record<ActionId, unknown>>} about
  */
 export function contextEntries(name, about = {}) {
-  const groups = CONTEXTS[name].groups.map((ids) => ids.filter((id) => FITS[id]?.() ?? true));
+  const groups = CONTEXTS[name].groups.map((ids) => ids.filter((id) => FITS[id]?.(about[id]) ?? true)).filter((ids) => ids.length);
   return groups.flatMap((ids, i) => [...(i > 0 ? [line] : []), ...ids.map((id) => entry(id, about[id]))]);
 }
 
-/** One entry: its key, or why it cannot be done. */
-export function entry(id, about = undefined, looks = {}) {
+/** One entry: its key where that does the same, or why it cannot be done. */
+function entry(id, about) {
   const why = whyNot(id, about);
-  return menuItem(id, about, why ? { right: why, ...looks } : looks);
+  const isElsewhere = typeof about === 'number' && about !== frame();
+  const label = TITLES[id] ? { label: TITLES[id] } : {};
+  return menuItem(id, about, { ...label, ...(why || isElsewhere ? { right: why } : {}) });
 }
 
-/** The menus an action is in: ["part", "picture"]. */
+/** The menus an action is in: ["a part", "the picture"]. */
 export const menusWith = (id) =>
   [...new Set(Object.values(CONTEXTS).filter(({ groups }) => groups.flat().includes(id)).map(({ title }) => title))];

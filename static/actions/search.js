@@ -2,7 +2,7 @@
 // typed. An entry: { id, kind, title, icon, key, off: why not, on, fields, menus, run }.
 
 import { fitOf } from '../controls/fuzzy.js';
-import { count, longAgo } from '../controls/words.js';
+import { count, joined, longAgo } from '../controls/words.js';
 import { frameCount, lastFrame } from '../store/clip.js';
 import { select } from '../store/parts.js';
 import { server, setUi, ui } from '../store/state.js';
@@ -11,7 +11,7 @@ import { entryOf, iconOf, isOn, labelOf, perform, spell, titleOf, whyNot } from 
 import { menusWith } from './context_menus.js';
 import { allNotes, noteLine } from './notes.js';
 import { frame, goTo, isKey, segmentAt, stopPlaying } from './playhead.js';
-import { SETTINGS, SYNONYMS } from './synonyms.js';
+import { SETTINGS, SYNONYMS, TITLES } from './synonyms.js';
 import { GROUPS } from './table.js';
 
 /** @typedef {import('./actions.js').ActionId} ActionId */
@@ -43,16 +43,22 @@ const FOR_RECENT = 6;
 const FOR_OFF = -12;
 const MOST_FOUND = 40;
 const MOST_RECENT = 6;
+const MOST_MENUS = 2;
+const NOTE_LETTERS = 80;
 const KEPT = 'keypose.recent-commands';
 
-/** What stands in the list for a query, the best first; for none what was used lately, then all. */
-export function found(query) {
+/**
+ * What stands in the list for a query, the best first; for none what was used lately, then all.
+ * @param {string} query
+ * @param {string} kind  Of entries; All of them.
+ */
+export function found(query, kind = 'All') {
   const recent = recentIds();
-  const all = allEntries();
-  if (!query.trim()) return withoutQuery(all, recent);
+  const all = allEntries().filter((one) => kind === 'All' || one.kind === kind);
+  if (!query.trim()) return kind === 'All' ? withoutQuery(all, recent) : all;
   const ranked = all.map((entry) => ({ entry, fit: rank(entry, query, recent) })).filter(({ fit }) => fit > 0);
   ranked.sort((a, b) => b.fit - a.fit);
-  return [...frameEntries(query), ...ranked.slice(0, MOST_FOUND).map(({ entry }) => entry)];
+  return [...(kind === 'All' ? frameEntries(query) : []), ...ranked.slice(0, MOST_FOUND).map(({ entry }) => entry)];
 }
 
 function withoutQuery(all, recent) {
@@ -96,14 +102,14 @@ function actionEntry(id, group) {
   const about = ABOUT[id]?.();
   const nothingThere = about === null ? 'There is no segment here' : '';
   const off = held ?? (needsFile || nothingThere || whyNot(id, about));
-  const title = nothingThere ? 'Zoom to segment' : String(labelOf(id, about));
+  const title = nothingThere ? 'Zoom to segment' : TITLES[id] ?? String(labelOf(id, about));
   const menus = menusWith(id);
   const tip = nothingThere ? '' : String(titleOf(id, about) ?? '');
   return made({
     id: `action:${id}`, kind: 'Action', group, title, icon: nothingThere ? 'grow' : iconOf(id, about), off,
     key: keys.length ? keys.map(spell).join(', ') : '', on: off ? undefined : isOn(id, about),
-    more: [group, ...menus.map((menu) => `${menu} menu`)].join(' · '),
-    words: SYNONYMS[id] ?? '', tip, run: () => perform(id, about),
+    more: menus.length ? `In the menu of ${joined(menus.slice(0, MOST_MENUS))}` : '',
+    words: `${group} ${SYNONYMS[id] ?? ''}`, tip, run: () => perform(id, about),
   });
 }
 
@@ -134,8 +140,8 @@ function settingEntries() {
 
 function noteEntries() {
   return allNotes().map((note) => made({
-    id: `note:${note.frame}`, kind: 'Note', group: 'Notes', title: noteLine(note), icon: 'note', off: '',
-    more: `Note at frame ${note.frame}`, words: `note notes ${note.frame} ${note.text}`, run: () => toFrame(note.frame),
+    id: `note:${note.frame}`, kind: 'Note', group: 'Notes', title: noteLine(note, NOTE_LETTERS), icon: 'note', off: '',
+    more: `Frame ${note.frame}`, words: `note notes ${note.frame} ${note.text}`, run: () => toFrame(note.frame),
   }));
 }
 

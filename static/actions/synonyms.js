@@ -107,6 +107,38 @@ export const SYNONYMS = {
   systemTheme: 'appearance auto mode colours colors',
 };
 
+/** What it is called where it stands without the heading of the menu or bar it is from. */
+/** @type {Partial<Record<import('./table.js').ActionId, string>>} */
+export const TITLES = {
+  acceptPins: 'Accept all proposed pins',
+  dismissPins: 'Dismiss all proposed pins',
+  cancel: 'Cancel what is running',
+  select: 'Select tool',
+  rotate: 'Rotate tool',
+  size: 'Sizes tool',
+  pan: 'Pan tool',
+  wire: 'Show the body as wire',
+  solid: 'Show the body as solid',
+  both: 'Show the body as wire and solid',
+  saveImage: 'Save this view as PNG',
+  saveAllImages: 'Save all four views as PNG',
+  copyImage: 'Copy this view as an image',
+  cancelDrag: 'Cancel the drag',
+  openFile: 'Open a video or session…',
+  closeFile: 'Close the session',
+  saveBvh: 'Export BVH',
+  saveGlb: 'Export GLB',
+  saveTrc: 'Export TRC',
+  saveC3d: 'Export C3D',
+  saveCsv: 'Export CSV tables',
+  saveNpz: 'Export NPZ',
+  saveReport: 'Export the report as HTML',
+  filterMotion: 'Low-pass filter in exports',
+  darkTheme: 'Dark theme',
+  lightTheme: 'Light theme',
+  systemTheme: 'System theme',
+};
+
 /** The settings: where each is, and by what words it is looked for. */
 export const SETTINGS = [
   { title: 'Rotation of the selected part', tab: 'part', section: 'Rotation', words: 'angle degrees euler bend twist numeric' },

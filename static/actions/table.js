@@ -122,6 +122,9 @@ const NOTES = {
     label: 'Delete note', icon: 'trash', off: whyNoNote,
     message: (at = frame()) => ({ do: 'delete_note', frame: at }),
   },
+  notes: {
+    label: 'All notes', icon: 'note', off: () => (server.notes?.length ? '' : 'There are no notes'), run: () => toggleSearch('Note'),
+  },
   previousNote: {
     label: 'Previous note', icon: 'flag', keys: ['Shift J'], row: 'Previous, next note', ...REPEATS,
     off: () => noNote(-1), run: () => toNote(-1),
@@ -187,8 +190,8 @@ const POSE = {
   },
   resetPart: {
     label: 'Reset part', icon: 'reset', keys: ['Backspace'], row: 'Reset part, pose',
-    off: () => (server.view?.selected ? '' : 'Select a part first'),
-    message: () => ({ do: 'reset_part', part: server.view.selected }),
+    off: (part) => (part ?? server.view?.selected ? '' : 'Select a part first'),
+    message: (part) => ({ do: 'reset_part', part: part?.name ?? server.view.selected }),
   },
   resetPose: {
     label: 'Reset pose', icon: 'reset', keys: ['Shift Backspace'], row: 'Reset part, pose',
@@ -282,7 +285,7 @@ const TRACK = {
     off: (state) => (problems(state).length ? '' : 'No segment needs attention'), run: nextProblem,
   },
   search: {
-    label: 'Search commands', icon: 'find', keys: ['Ctrl K'], always: true, run: toggleSearch,
+    label: 'Search commands', icon: 'find', keys: ['Ctrl K'], always: true, run: () => toggleSearch(),
   },
   showKeys: { label: 'Keys and help', icon: 'help', keys: ['?'], always: true, run: toggleSheet },
 };

@@ -10,10 +10,10 @@ import { setUi, ui, watch } from '../store/state.js';
 /** Open or close the sheet of keys. */
 export const toggleSheet = () => setUi('sheet', !ui.sheet);
 
-/** Open or close the command search. */
-export function toggleSearch() {
+/** Open or close the command search; `kind`: of entries, where not all are searched. */
+export function toggleSearch(kind = 'All') {
   if (!ui.search) loadLibrary();
-  setUi('search', !ui.search);
+  setUi('search', ui.search ? null : kind);
 }
 
 /** Show the files that can be opened; `lost` is a recent session whose video is looked for. */
@@ -40,7 +40,11 @@ export function mountDialog({ id, label, name, names, draw }) {
   const dialog = addOnTop(id, 'dialog');
   dialog.className = 'sheet';
   dialog.setAttribute('aria-label', label);
-  dialog.addEventListener('close', () => setUi(name, null));
+  let isClosing = false; // by the page, which may have opened it again until the browser tells
+  dialog.addEventListener('close', () => {
+    if (!isClosing) setUi(name, null);
+    isClosing = false;
+  });
   // A click on the backdrop has the dialog itself as its target.
   dialog.addEventListener('pointerdown', (event) => {
     if (event.target === dialog) dialog.close();
@@ -48,6 +52,8 @@ export function mountDialog({ id, label, name, names, draw }) {
   watch([`u:${name}`, ...names], () => {
     render(ui[name] ? draw() : nothing, dialog);
     if (ui[name] && !dialog.open) dialog.showModal();
-    if (!ui[name] && dialog.open) dialog.close();
+    if (ui[name] || !dialog.open) return;
+    isClosing = true;
+    dialog.close();
   });
 }

@@ -14,12 +14,20 @@ let last = -Infinity;
  * @param {number} now  Milliseconds.
  */
 export function typedTo(labels, at, letter, now) {
-  typed = now - last < PAUSE_MS ? typed + letter.toLowerCase() : letter.toLowerCase();
+  const goesOn = now - last < PAUSE_MS;
   last = now;
+  const whole = (goesOn ? typed : '') + letter.toLowerCase();
+  const to = meant(labels, at, whole);
+  // What no entry begins with is a new word.
+  typed = to < 0 ? letter.toLowerCase() : whole;
+  return to < 0 && goesOn ? meant(labels, at, typed) : to;
+}
+
+function meant(labels, at, wanted) {
   // The same letter again and again goes through all that begin with it.
-  const isOne = [...typed].every((each) => each === typed[0]);
-  const wanted = isOne ? typed[0] : typed;
+  const isOne = [...wanted].every((each) => each === wanted[0]);
+  const begins = isOne ? wanted[0] : wanted;
   const start = isOne ? at + 1 : Math.max(at, 0);
   const order = labels.map((_, i) => (start + i) % labels.length);
-  return order.find((i) => labels[i].toLowerCase().startsWith(wanted)) ?? -1;
+  return order.find((i) => labels[i].toLowerCase().startsWith(begins)) ?? -1;
 }

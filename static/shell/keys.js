@@ -1,7 +1,7 @@
 // The keyboard: a chord is looked up in the table of actions, wherever the focus is.
 
 import { server, ui, setUi } from '../store/state.js';
-import { BY_CHORD, entryOf, perform } from '../actions/actions.js';
+import { BY_CHORD, perform } from '../actions/actions.js';
 import { closeSheets } from '../controls/dialogs.js';
 import { keepsKey, leaveControl } from '../controls/focus.js';
 import { closeMenu } from '../controls/menu.js';
@@ -10,7 +10,6 @@ import { discardSizes, lookBack, onPreviewKey } from '../actions/preview.js';
 import { closeFit } from './fit_card.js';
 import { cancelJob } from './job.js';
 
-const [keyOfSearch] = entryOf('search').keys;
 const SYMBOL = /^[^\p{L}\s]$/u;
 
 export function mountKeys() {
@@ -55,7 +54,7 @@ function onKeyDown(event) {
     if (escape()) event.preventDefault();
     return;
   }
-  if ((keepsKey(chord) && chord !== keyOfSearch) || hasText(chord) || isModal(chord)) return;
+  if (keepsKey(chord) || hasText(chord) || isModal(chord)) return;
   if (onPreviewKey(chord, event)) return;
   if (chord === 'Space') {
     pressSpace(event);

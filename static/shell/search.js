@@ -2,15 +2,16 @@
 // with its listbox: the focus stays in the field, arrow keys choose, Enter does it.
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { perform } from '../actions/actions.js';
 import { found, runEntry } from '../actions/search.js';
 import { mountDialog } from '../controls/dialogs.js';
 import { icon } from '../controls/icons.js';
+import { closeMenu } from '../controls/menu.js';
 import { server, setUi, ui, watch } from '../store/state.js';
 
 const PAGE = 8;
 let query = '';
 let at = 0;
-let before = null;
 
 export function mountSearch() {
   mountDialog({ id: 'search', label: 'Search commands', name: 'search', names: ['file', 'body', 'view', 'keys', 'segments', 'undo', 'u:library'], draw: sheet });
@@ -22,33 +23,33 @@ export function mountSearch() {
 
 function openWithKey(event) {
   const isOurs = (event.ctrlKey || event.metaKey) && !event.shiftKey && !event.altKey && event.key.toLowerCase() === 'k';
-  if (!isOurs || event.defaultPrevented) return;
-  if (!ui.search && !ui.dragging && !ui.chooser && !ui.sheet) return; // the table's key does it
+  if (!isOurs || event.isComposing) return;
   event.preventDefault();
   event.stopPropagation();
-  if (ui.search) setUi('search', null);
+  if (event.repeat || ui.dragging || ui.chooser || ui.sheet) return;
+  closeMenu();
+  perform('search');
 }
 
-/** It opens empty, and gives the focus back when it closes. */
+/** It opens empty, at the first that can be done; the dialog gives the focus back when it closes. */
 function follow() {
   if (ui.search) {
-    [query, at] = ['', 0];
+    query = '';
+    at = Math.max(0, found('', ui.search).findIndex(({ off }) => !off));
     const input = document.querySelector('#search input');
     if (input instanceof HTMLInputElement) input.value = '';
-  } else if (before) {
-    before.focus?.({ preventScroll: true });
-    before = null;
   }
 }
 
 function sheet() {
-  const entries = found(query);
+  const entries = found(query, ui.search);
   at = Math.min(at, Math.max(0, entries.length - 1));
-  const grouped = !query.trim();
+  const isAll = ui.search === 'All';
+  const grouped = isAll && !query.trim();
   return html`<div class="in palette" @keydown=${onKey}>
     <div class="row ask">${icon('find')}<input type="text" role="combobox" aria-expanded="true" aria-autocomplete="list"
         aria-controls="search-list" aria-activedescendant=${entries.length ? `search-${at}` : nothing} aria-label="Search commands"
-        placeholder="Search commands, parts, settings, notes, or type a frame" autocomplete="off" spellcheck="false" maxlength="80" autofocus
+        placeholder=${isAll ? 'Search commands, parts, settings, notes, or type a frame' : `Search ${ui.search.toLowerCase()}s`} autocomplete="off" spellcheck="false" maxlength="80" autofocus
         @input=${(event) => look(event.target.value)} /><kbd>Esc</kbd></div>
     <div class="found" id="search-list" role="listbox" aria-label="Commands">
       ${entries.map((entry, i) => html`${grouped && entry.group !== entries[i - 1]?.group
@@ -87,7 +88,7 @@ function point(i) {
 }
 
 function onKey(event) {
-  const entries = found(query);
+  const entries = found(query, ui.search);
   const last = Math.max(0, entries.length - 1);
   const to = {
     ArrowDown: at === last ? 0 : at + 1, ArrowUp: at === 0 ? last : at - 1,
@@ -104,7 +105,9 @@ function onKey(event) {
     event.preventDefault();
   }
   event.stopPropagation();
-  if (event.key === 'Escape') setUi('search', null);
+  if (event.key !== 'Escape') return;
+  event.preventDefault();
+  setUi('search', null);
 }
 
 /** What cannot be done says why where it stands, and stays open. */

@@ -483,7 +483,7 @@
  * @property {number} [shown]  The frame whose picture is on the screen.
  * @property {string | null} [menu]
  * @property {boolean | null} [sheet]  Of keys.
- * @property {boolean | null} [search]  The command search is open.
+ * @property {string | null} [search]  The command search is open: for all, or for one kind of entries.
  * @property {string | null} [seek]  The section of the inspector that is to be brought into sight.
  * @property {number | null} [note]  The frame whose note is being written.
  * @property {boolean} [space]  The space bar is down.

@@ -26,10 +26,11 @@ export function mountNoteCard(element, timeline) {
   addEventListener('pointerdown', (event) => {
     if (open && !place.contains(/** @type {Node} */ (event.target))) close(true);
   }, true);
-  watch(['u:note', 'file'], follow);
+  watch(['u:note', 'u:search', 'file'], follow);
 }
 
 function follow() {
+  if (open && ui.search) close(true);
   if (open && (ui.note !== open.frame || server.file?.path !== open.path)) close(server.file?.path === open.path);
   if (!isWriting() || open || !server.file) return;
   const text = noteAt(ui.note)?.text ?? '';

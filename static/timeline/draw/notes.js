@@ -5,8 +5,8 @@ import { allNotes } from '../../actions/notes.js';
 import { nearest } from './keymarks.js';
 import { RULER, visible, x } from './scale.js';
 
-const HALF = 4;
-const HIGH = 9;
+const HALF = 3.5;
+const HIGH = 8;
 const REACH_PX = 7;
 
 /** Standing on the line below the ruler, its point down. */

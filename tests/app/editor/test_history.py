@@ -32,9 +32,7 @@ def test_going_to_a_step_is_undoing_one_after_another() -> None:
     step_by_step = after(state, *[{"do": "undo"}] * 4)
     assert there.doc is step_by_step.doc
     assert there.frame == step_by_step.frame
-    assert [s.label for s in there.history.future] == [
-        s.label for s in step_by_step.history.future
-    ]
+    assert [s.label for s in there.history.future] == [s.label for s in step_by_step.history.future]
     assert go_to(there, 6).doc is state.doc
 
 
