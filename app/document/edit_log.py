@@ -19,6 +19,7 @@ from tracker.storage.chronicle import (
     edit_record,
     mark_of,
     saved_record,
+    single_steps,
     whole_record,
 )
 from tracker.storage.files import (
@@ -75,7 +76,7 @@ class EditLog:
             return False
         moment = _moment(edit, received or self._last.received)
         with self._lock:
-            self._pending.append((self._last, moment))
+            self._pending.extend(single_steps(self._last, moment))
             self._noted += 1
         self._last = moment
         return True

@@ -13,6 +13,8 @@ from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, TypeAdapter
 
 from app.posing import Gesture, Way
 from tracker.body.body import Dof, Name, Point
+from tracker.session.history import MOST_STEPS
+from tracker.session.notes import LONGEST
 from tracker.session.settings import (
     ALL_CUES,
     Cue,
@@ -36,7 +38,9 @@ Coordinate: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e6, le=1e6)]
 Spot: TypeAlias = tuple[Coordinate, Coordinate]
 Polygon: TypeAlias = Annotated[tuple[Spot, ...], Field(min_length=3, max_length=500)]
 Stroke: TypeAlias = Annotated[str, Field(min_length=1, max_length=60)]
+StepCount: TypeAlias = Annotated[int, Field(ge=0, le=MOST_STEPS)]
 PinIndex: TypeAlias = Annotated[int, Field(ge=0, le=1000)]
+NoteText: TypeAlias = Annotated[str, Field(max_length=LONGEST)]
 Landmarks: TypeAlias = Annotated[tuple[Name, ...], Field(max_length=20)]
 
 
@@ -228,6 +232,30 @@ class ExactKey(Edit):
     """The motion meets a keyframe exactly, as it does unless it was softened."""
 
     do: Literal["exact_key"] = "exact_key"
+    frame: FrameIndex
+
+
+# --- notes
+
+
+class SetNote(Edit):
+    """A note at a frame, or other words for the one that is there; empty for a mere flag."""
+
+    do: Literal["set_note"] = "set_note"
+    frame: FrameIndex
+    text: NoteText = ""
+
+
+class MoveNote(Edit):
+    """A note at another frame, where there is none yet."""
+
+    do: Literal["move_note"] = "move_note"
+    frame: FrameIndex
+    to: FrameIndex
+
+
+class DeleteNote(Edit):
+    do: Literal["delete_note"] = "delete_note"
     frame: FrameIndex
 
 
@@ -507,6 +535,15 @@ class Redo(Message):
     do: Literal["redo"] = "redo"
 
 
+class GoToStep(Message):
+    """Undo or redo, until so many steps are done. of: how many there are in all, as the page knows
+    it; other ones may have been made meanwhile."""
+
+    do: Literal["go_to_step"] = "go_to_step"
+    done: StepCount
+    of: StepCount
+
+
 class EndStroke(Message):
     do: Literal["end_stroke"] = "end_stroke"
     stroke: Stroke
@@ -619,14 +656,15 @@ Posing: TypeAlias = (
     | TakeTracked
 )
 Keying: TypeAlias = AddKey | DeleteKey | MoveKey | DuplicateKey | KeyAngle | SoftenKey | ExactKey
+Noting: TypeAlias = SetNote | MoveNote | DeleteNote
 Pinning: TypeAlias = SetPin | ChangePin | DeletePin | SplitPin | AcceptPins | Floor
 Shaping: TypeAlias = Shape | Size | Joint | Height | Preset | ResetBody | Clavicles | Tracked
 Filming: TypeAlias = Intrinsics | FieldOfView | Lens | Distortion | Vertical | UpFromFeet | ResetUp
 Choosing: TypeAlias = AddMask | ChangeMask | DeleteMask | Settings | Observe
 Seeing: TypeAlias = CorrectKeypoint | IgnoreKeypoint | RestoreKeypoint
-Rewinding: TypeAlias = Undo | Redo | EndStroke | CancelStroke
+Rewinding: TypeAlias = Undo | Redo | GoToStep | EndStroke | CancelStroke
 Editing: TypeAlias = (
-    Looking | Posing | Keying | Pinning | Shaping | Filming | Choosing | Seeing | Rewinding
+    Looking | Posing | Keying | Noting | Pinning | Shaping | Filming | Choosing | Seeing | Rewinding
 )
 """What `app.editor.update` knows to apply."""
 

@@ -101,6 +101,13 @@ class EditorState:
             return self.proposed_pins
         return tuple(pin for stretch in known for pin in stretch.proposed)
 
+    def stamped(self, before: EditorState, now_s: float) -> EditorState:
+        """The same with the time of the step that was made since `before`, seconds since 1970."""
+        history = self.history
+        if history is not before.history:
+            history = history.stamped(before.history, self.settled, now_s)
+        return self if history is self.history else replace(self, history=history)
+
     def with_proposals_anew(self) -> EditorState:
         """The same with nothing dismissed: the motion will be another one."""
         return replace(self, dismissed_pins=()) if self.dismissed_pins else self

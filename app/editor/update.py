@@ -16,6 +16,7 @@ from app.editor.shown import shown_pose
 from app.editor.state import EditorState, Stroke
 from app.posing import Readout
 from tracker.errors import one_sentence
+from tracker.session.history import History, Step
 from tracker.session.schema import Session
 
 REMEMBERED_STROKES = 50
@@ -67,12 +68,24 @@ def _rewind(state: EditorState, action: do.Rewinding) -> EditorState:
     if isinstance(action, do.CancelStroke):
         return cancel_stroke(state) if _is_under_way(state, action.stroke) else state
     state = end_stroke(state)
+    if isinstance(action, do.GoToStep):
+        return _go_to_step(state, action)
     undo = isinstance(action, do.Undo)
     found = state.history.undo(state.doc) if undo else state.history.redo(state.doc)
     if found is None:
         raise Refused("Nothing to undo." if undo else "Nothing to redo.")
-    step, history = found
-    require_sound(state.doc, step.doc, f"{action.do} {step.label}")
+    return _at_step(state, *found, f"{action.do} {found[0].label}")
+
+
+def _go_to_step(state: EditorState, action: do.GoToStep) -> EditorState:
+    if action.of != state.history.total or action.done > action.of:
+        raise Refused("The history has changed meanwhile. Choose the step again.")
+    way = list(state.history.way_to(state.doc, action.done))
+    return _at_step(state, *way[-1], "go to the step") if way else state
+
+
+def _at_step(state: EditorState, step: Step, history: History, what: str) -> EditorState:
+    require_sound(state.doc, step.doc, what)
     changed = replace(state.with_doc(step.doc), history=history, frame=step.frame)
     return _still_there(changed)
 

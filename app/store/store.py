@@ -9,6 +9,7 @@ from __future__ import annotations
 import asyncio
 import re
 import secrets
+import time
 from collections.abc import Callable, Coroutine
 from dataclasses import replace
 from pathlib import Path
@@ -165,6 +166,8 @@ class Store:
         before = self._app_state.edit
         if edit is before:
             return
+        if before is not None:
+            edit = edit.stamped(before, time.time())
         fit = self._app_state.fit
         self._set(edit=edit, fit=fit if fit is not None and edit.doc is fit.after else None)
         if (before is not None and before.stroke is not None) != (edit.stroke is not None):

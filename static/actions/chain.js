@@ -7,8 +7,7 @@ import { server } from '../store/state.js';
 const lastChild = new Map();
 
 /** Select the part on the other side of the body. */
-export function otherSide() {
-  const part = selectedPart();
+export function otherSide(part = selectedPart()) {
   if (part?.mirror) select(part.mirror);
 }
 

@@ -33,6 +33,12 @@ function bringBack(n) {
 /** The pose of another keyframe goes to the playhead, −1 from the one before, +1 from the one after. */
 export const copyKey = (way) => ({ do: 'copy_key', from_frame: keyBeside(way) });
 
+/** Of a keyframe elsewhere: why its pose cannot come to the playhead. */
+export function whyNotCopyHere(from = frame()) {
+  if (!isKey(from)) return `Frame ${from} is not a keyframe`;
+  return from === frame() ? 'It is the frame you are at' : '';
+}
+
 /** A copy of a keyframe, to be worked on at once. */
 export function duplicateKey(at, to) {
   send({ do: 'duplicate_key', frame: at, to });

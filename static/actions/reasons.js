@@ -39,8 +39,7 @@ export function whyNotSwap() {
   return server.body?.parts.some((part) => part.mirror) ? '' : 'This body has no left and right';
 }
 
-export function noOtherSide() {
-  const part = selectedPart();
+export function noOtherSide(part = selectedPart()) {
   if (!part) return 'Select a part first';
   return part.mirror ? '' : `${part.label} has no other side`;
 }

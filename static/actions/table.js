@@ -1,7 +1,8 @@
 // Everything that one can do at the page, in one table: what it is called, its keys, when it can be
 // done and how. The keyboard, the sheet of keys, menus, buttons and their tips are made from it.
 
-import { openChooser, toggleSheet } from '../controls/dialogs.js';
+import { openChooser, toggleSearch, toggleSheet } from '../controls/dialogs.js';
+import { toggleMenu } from '../controls/menu.js';
 import { lastFrame } from '../store/clip.js';
 import { partNamed, selectedPart } from '../store/parts.js';
 import { server, setUi, ui } from '../store/state.js';
@@ -13,10 +14,12 @@ import { draftCount, draftMessage, whyNotDraft } from './drafting.js';
 import {
   FILTER_HZ, copyPath, copyPicture, hasMotion, saveMotion, savePicture, saveReport,
 } from './export.js';
-import { addKey, copyKey, deleteKey, duplicateKey, whyNotDelete } from './keying.js';
+import { addKey, copyKey, deleteKey, duplicateKey, whyNotCopyHere, whyNotDelete } from './keying.js';
 import { ringsAreShown } from './keypoints.js';
+import { goToStep, noHistory } from './history.js';
 import { foldLanes } from './lanes.js';
 import { fitsFocal } from './lens.js';
+import { noNote, noteAt, toNote, whyNoNote, writeNote } from './notes.js';
 import {
   acceptMessage, allPins, beginPin, dismissMessage, endPin, framesOf, isSoft, noProposals, pinHere, pinToFloor,
   proposedPins, togglePin, unpin, whyNoPinHere, whyNotPin,
@@ -110,6 +113,29 @@ const FRAMES = {
 };
 
 /** @satisfies {Record<string, Action>} */
+const NOTES = {
+  note: {
+    label: (at) => (noteAt(at) ? 'Edit note' : 'Add note'), icon: 'note', keys: ['Shift M'], row: 'Note at this frame', run: writeNote,
+    title: (at) => (noteAt(at) ? 'Edit the note at this frame' : 'Write a note at this frame, or leave a flag'),
+  },
+  deleteNote: {
+    label: 'Delete note', icon: 'trash', off: whyNoNote,
+    message: (at = frame()) => ({ do: 'delete_note', frame: at }),
+  },
+  notes: {
+    label: 'All notes', icon: 'note', off: () => (server.notes?.length ? '' : 'There are no notes'), run: () => toggleSearch('Note'),
+  },
+  previousNote: {
+    label: 'Previous note', icon: 'flag', keys: ['Shift J'], row: 'Previous, next note', ...REPEATS,
+    off: () => noNote(-1), run: () => toNote(-1),
+  },
+  nextNote: {
+    label: 'Next note', icon: 'flag', keys: ['J'], row: 'Previous, next note', ...REPEATS,
+    off: () => noNote(1), run: () => toNote(1),
+  },
+};
+
+/** @satisfies {Record<string, Action>} */
 const POSE = {
   addKeyframe: { label: 'Add keyframe', icon: 'key', keys: ['K'], run: addKey },
   deleteKeyframe: { label: 'Delete keyframe', icon: 'key', keys: ['Delete'], off: whyNotDelete, run: deleteKey },
@@ -148,6 +174,10 @@ const POSE = {
     label: () => copyLabel(1), icon: 'prev', title: 'Copy the next keyframe’s pose to this frame',
     off: () => noKeyframe(1), message: () => copyKey(1),
   },
+  copyKeyHere: {
+    label: () => `Copy its pose to frame ${frame()}`, icon: 'take', off: whyNotCopyHere,
+    message: (from = frame()) => ({ do: 'copy_key', from_frame: from }),
+  },
   swapSides: {
     label: 'Swap left and right', icon: 'loop', off: whyNotSwap,
     title: 'Move the left limbs to where the right ones are seen, and the other way round',
@@ -160,8 +190,8 @@ const POSE = {
   },
   resetPart: {
     label: 'Reset part', icon: 'reset', keys: ['Backspace'], row: 'Reset part, pose',
-    off: () => (server.view?.selected ? '' : 'Select a part first'),
-    message: () => ({ do: 'reset_part', part: server.view.selected }),
+    off: (part) => (part ?? server.view?.selected ? '' : 'Select a part first'),
+    message: (part) => ({ do: 'reset_part', part: part?.name ?? server.view.selected }),
   },
   resetPose: {
     label: 'Reset pose', icon: 'reset', keys: ['Shift Backspace'], row: 'Reset part, pose',
@@ -171,6 +201,11 @@ const POSE = {
     label: () => stepLabel('Undo', server.undo?.undo), icon: 'undo', keys: ['Ctrl Z'], row: 'Undo, redo', ...REPEATS,
     off: () => (server.undo?.undo ? '' : 'Nothing to undo'), message: () => ({ do: 'undo' }),
   },
+  history: {
+    label: 'History', icon: 'old', title: 'All steps that can be undone or redone', off: noHistory,
+    run: () => toggleMenu('history'),
+  },
+  goToStep: { label: 'Go to this step', icon: 'old', run: goToStep },
   redo: {
     label: () => stepLabel('Redo', server.undo?.redo), icon: 'redo', keys: ['Ctrl Shift Z'], aliases: ['Ctrl Y'],
     row: 'Undo, redo', ...REPEATS,
@@ -248,6 +283,9 @@ const TRACK = {
     label: 'Next problem', keys: ['Shift N'],
     title: (state) => ({ check: 'Go to the next segment to check', lost: 'Go to the next lost segment' })[state],
     off: (state) => (problems(state).length ? '' : 'No segment needs attention'), run: nextProblem,
+  },
+  search: {
+    label: 'Search commands', icon: 'find', keys: ['Ctrl K'], always: true, run: () => toggleSearch(),
   },
   showKeys: { label: 'Keys and help', icon: 'help', keys: ['?'], always: true, run: toggleSheet },
 };
@@ -365,7 +403,7 @@ const FILE = {
 
 /** In the order of the sheet of keys; without a title a group is not on it. */
 export const GROUPS = [
-  { title: () => 'Frames', actions: FRAMES },
+  { title: () => 'Frames', actions: { ...FRAMES, ...NOTES } },
   { title: () => 'Pose', actions: { ...POSE, ...PINS } },
   { title: () => words().verb, actions: TRACK },
   { title: () => 'Tools', actions: TOOLS },
@@ -374,7 +412,7 @@ export const GROUPS = [
   { title: null, actions: FILE },
 ];
 
-export const ACTIONS = { ...FRAMES, ...POSE, ...PINS, ...TRACK, ...TOOLS, ...VIEW, ...DRAGGING, ...FILE };
+export const ACTIONS = { ...FRAMES, ...NOTES, ...POSE, ...PINS, ...TRACK, ...TOOLS, ...VIEW, ...DRAGGING, ...FILE };
 
 /** @typedef {keyof typeof ACTIONS} ActionId */
 

@@ -10,6 +10,12 @@ import { setUi, ui, watch } from '../store/state.js';
 /** Open or close the sheet of keys. */
 export const toggleSheet = () => setUi('sheet', !ui.sheet);
 
+/** Open or close the command search; `kind`: of entries, where not all are searched. */
+export function toggleSearch(kind = 'All') {
+  if (!ui.search) loadLibrary();
+  setUi('search', ui.search ? null : kind);
+}
+
 /** Show the files that can be opened; `lost` is a recent session whose video is looked for. */
 export function openChooser(kind, lost = null) {
   loadLibrary();
@@ -19,21 +25,26 @@ export function openChooser(kind, lost = null) {
 
 /** Close the sheets; tells whether one was open, or about to open with the next frame. */
 export function closeSheets() {
-  if (!ui.sheet && !ui.chooser) return false;
+  if (!ui.sheet && !ui.chooser && !ui.search) return false;
   setUi('sheet', null);
   setUi('chooser', null);
+  setUi('search', null);
   return true;
 }
 
 /**
  * A dialog, open while `ui[name]` holds something, and drawn when that or any of `names` changes.
- * @param {{ id: string, label: string, name: 'sheet' | 'chooser', names: Watched[], draw: () => unknown }} spec
+ * @param {{ id: string, label: string, name: 'sheet' | 'chooser' | 'search', names: Watched[], draw: () => unknown }} spec
  */
 export function mountDialog({ id, label, name, names, draw }) {
   const dialog = addOnTop(id, 'dialog');
   dialog.className = 'sheet';
   dialog.setAttribute('aria-label', label);
-  dialog.addEventListener('close', () => setUi(name, null));
+  let isClosing = false; // by the page, which may have opened it again until the browser tells
+  dialog.addEventListener('close', () => {
+    if (!isClosing) setUi(name, null);
+    isClosing = false;
+  });
   // A click on the backdrop has the dialog itself as its target.
   dialog.addEventListener('pointerdown', (event) => {
     if (event.target === dialog) dialog.close();
@@ -41,6 +52,8 @@ export function mountDialog({ id, label, name, names, draw }) {
   watch([`u:${name}`, ...names], () => {
     render(ui[name] ? draw() : nothing, dialog);
     if (ui[name] && !dialog.open) dialog.showModal();
-    if (!ui[name] && dialog.open) dialog.close();
+    if (ui[name] || !dialog.open) return;
+    isClosing = true;
+    dialog.close();
   });
 }

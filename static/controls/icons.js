@@ -77,6 +77,8 @@ const SHAPES = {
   phone: svg`<rect x="4.200" y="1.800" width="7.600" height="12.400" rx="1.600"/><circle cx="6.600" cy="4.400" r="1.100"/>`,
   camcorder: svg`<rect x="1.800" y="4.500" width="8.700" height="7" rx="1.200"/><path d="M10.500 7.200 14.200 5v6l-3.700-2.200"/>`,
   action: svg`<rect x="2" y="4" width="12" height="8.500" rx="1.600"/><circle cx="10" cy="8.300" r="2.300"/>`,
+  find: svg`<circle cx="7" cy="7" r="4.500"/><path d="M10.400 10.400 14 14"/>`,
+  note: svg`<path d="M2.500 2.500h11v8h-6l-3 3v-3h-2zM5 5.300h6M5 7.800h4"/>`,
   trash: svg`<path d="M3 4.500h10M6.500 4.500V3h3v1.500M4.500 4.500l.6 8.500h5.800l.6-8.500"/>`,
 };
 

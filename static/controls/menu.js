@@ -1,7 +1,7 @@
 // Menus: one hangs from a button, another stands at the pointer. One is open at a time; a choice, a
 // press elsewhere, Esc and a window that loses the focus close it.
 //
-// Entries: { icon, label, right, run, off: why not, title, checked }
+// Entries: { icon, label, right, run, off: why not, title, checked, kind: a class of its own }
 //          { icon, label, run(frame), ask: { value, last, answer } }  asks for a frame: Enter or the
 //          button `answer` acts
 //          and `line`, `heading`, `note`, `content`
@@ -11,6 +11,7 @@ import { icon } from './icons.js';
 import { ui, setUi } from '../store/state.js';
 import { reachedByKey } from './focus.js';
 import { belowOrAbove, standAt } from './popup.js';
+import { typedTo } from './typeahead.js';
 
 const LEAST_TOP = 8;
 
@@ -22,9 +23,13 @@ export const content = (template) => ({ content: template });
 /** Where the menu at the pointer is drawn, and what had the focus before it. */
 let place = null;
 let before = null;
+/** Whether a key was the last thing that was pressed: then the first entry has the focus at once. */
+let byKeys = false;
 
 export function mountMenus() {
   addEventListener('pointerdown', closeFromOutside, true);
+  addEventListener('pointerdown', () => (byKeys = false), true);
+  addEventListener('keydown', () => (byKeys = true), true);
   addEventListener('blur', () => closeMenu());
   addEventListener('resize', () => closeAtPointer());
 }
@@ -85,8 +90,9 @@ function closeHanging() {
 function focusMenu() {
   const list = ui.menu && holder(ui.menu)?.querySelector('.menu');
   if (!list) return;
-  const target = reachedByKey() ? list.querySelector('.mi') : list;
+  const target = reachedByKey() || byKeys ? list.querySelector('.mi.here') ?? list.querySelector('.mi') : list;
   target?.focus();
+  list.querySelector('.mi.here')?.scrollIntoView({ block: 'center' });
 }
 
 function holder(name) {
@@ -109,7 +115,7 @@ export function openMenuAt(label, entries, [left, top]) {
   const menu = place.firstElementChild;
   const { height } = menu.getBoundingClientRect();
   standAt(menu, left, Math.max(LEAST_TOP, belowOrAbove(height, top, top)));
-  (before === null ? menu : choicesOf(menu)[0])?.focus({ preventScroll: true });
+  (before === null && !byKeys ? menu : choicesOf(menu)[0])?.focus({ preventScroll: true });
 }
 
 function closeAtPointer() {
@@ -135,7 +141,7 @@ function row(entry) {
 function choice(item) {
   const role = item.checked === undefined ? 'menuitem' : 'menuitemradio';
   return html`<button
-    class="mi"
+    class="mi ${item.kind ?? ''}"
     role=${role}
     tabindex="-1"
     aria-checked=${item.checked ?? nothing}
@@ -184,7 +190,7 @@ function onKey(event) {
   const to = {
     ArrowDown: (at + 1) % choices.length,
     ArrowUp: (at + choices.length - (at < 0 ? 0 : 1)) % choices.length,
-    ...(isText ? {} : { Home: 0, End: choices.length - 1 }),
+    ...(isText ? {} : { Home: 0, End: choices.length - 1, ...typed(event, choices, at) }),
   }[key];
   const isAnswer = isText && key === 'Enter';
   if (to !== undefined) choices[to].focus();
@@ -193,6 +199,14 @@ function onKey(event) {
   else if (!target.matches('button, input') || (key !== 'Enter' && key !== ' ')) return;
   event.stopPropagation();
   if (to !== undefined || isAnswer) event.preventDefault();
+}
+
+/** Where a letter leads: to the entry that begins with what was typed. */
+function typed({ key, ctrlKey, metaKey, altKey, timeStamp }, choices, at) {
+  if (ctrlKey || metaKey || altKey || !/^[\p{L}\p{N}]$/u.test(key)) return {};
+  const labels = choices.map((each) => each.querySelector('.ml')?.textContent.trim() ?? '');
+  const to = typedTo(labels, at, key, timeStamp);
+  return to < 0 ? { [key]: Math.max(at, 0) } : { [key]: to };
 }
 
 /** From a button Tab goes on to the next one; at the pointer it goes back to what had the focus. */

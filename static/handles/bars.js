@@ -11,13 +11,14 @@ import { footbars } from './footbars.js';
 import { mountOrbitHint } from './freebar.js';
 import { headbar } from './headbar.js';
 import { interaction, onInteraction } from './interaction.js';
+import { notebar } from './notebar.js';
 import { largeView } from './scale.js';
 import { tintbar } from './tintbar.js';
 import { toolbar } from './toolbar.js';
 import { isHandleCoveredBy } from './covered_by.js';
 
 /** @type {import('../store/shapes.js').Watched[]} */
-const SECTIONS = ['file', 'damage', 'surface', 'body', 'view', 'pose', 'keys', 'segments', 'draft', 'undo'];
+const SECTIONS = ['file', 'damage', 'surface', 'body', 'view', 'pose', 'keys', 'segments', 'draft', 'undo', 'notes'];
 
 const host = document.createElement('div');
 
@@ -43,7 +44,7 @@ function draw() {
 }
 
 function bars() {
-  return html`${headbar()}${toolbar()}${displaybar()}${tintbar()}${damagebar()}${draftbar()}${footbars()}`;
+  return html`${headbar()}${toolbar()}${displaybar()}${tintbar()}${damagebar()}${draftbar()}${notebar()}${footbars()}`;
 }
 
 /** What is wrong with the picture, where its frame is damaged. */

@@ -9,9 +9,9 @@ import { leave, refresh } from './hover.js';
 import { letterOf, onKeys, watchKeys } from './pressed_keys.js';
 import { deleteMask } from './masks.js';
 import { paint } from './paint.js';
-import { listenForMenuKey } from './pinmenu.js';
 import { cancelPress, isPressed, listenTo } from './press.js';
 import { prepareSketch, sketchKey } from './sketch.js';
+import { listenForMenuKey } from './viewmenu.js';
 
 /** @type {import('../store/shapes.js').Watched[]} */
 const SECTIONS = ['file', 'pose', 'body', 'view', 'views', 'trail', 'masks', 'keys', 'camera', 'keypoints', 'pins'];

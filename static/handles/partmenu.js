@@ -1,20 +1,17 @@
-// The menu of a part at the pointer, in the free view: what can be pinned of it, how one looks at it.
+// What the menus of the free view have besides: how one looks at what is there.
 
-import { perform } from '../actions/actions.js';
-import { line, openMenuAt } from '../controls/menu.js';
+import { contextEntries } from '../actions/context_menus.js';
+import { line } from '../controls/menu.js';
 import { partNamed } from '../store/parts.js';
-import { pinEntries } from './pinmenu.js';
-import { select } from './select.js';
 
-/** Open it at a place of the window; `part` may be none. */
-export function openPartMenu(view, part, place) {
-  if (part) select(part);
-  const label = part ? partNamed(part).label : 'Free view';
+/** Entries about the eye; `part` is what was pressed on, if anything. */
+export function freeEntries(view, part = null) {
   const look = (words, axis) => ({ label: words, icon: 'camc', run: () => view.alongAxis(axis) });
-  const pins = part ? pinEntries(partNamed(part)) : [];
-  openMenuAt(label, [...pins, ...(pins.length ? [line] : []), ...orbitEntries(view, part), line, look('Look from the side', 'x'), look('Look from above', 'y'), look('Look from the front', 'z'), line,
-    { label: 'Reset view', icon: 'reset', right: '0', run: () => perform('fitView') },
-  ], place);
+  return [
+    ...orbitEntries(view, part?.name), line,
+    look('Look from the side', 'x'), look('Look from above', 'y'), look('Look from the front', 'z'), line,
+    ...contextEntries('eye'),
+  ];
 }
 
 /** About what one orbits, and what the eye does by itself. */

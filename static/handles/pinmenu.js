@@ -1,18 +1,9 @@
-// What can be pinned of a part, as a menu: at the pointer on the right button, beside the selected part
-// from the keyboard.
+// What can be pinned of a part, as entries of its menu.
 
-import { heading, line, openMenuAt } from '../controls/menu.js';
+import { heading, line } from '../controls/menu.js';
 import { menuItem } from '../actions/buttons.js';
 import { allPins, framesOf, isEnd, pinHere, pinTitle } from '../actions/pins.js';
-import { server, ui } from '../store/state.js';
-import { partNamed, selectedPart } from '../store/parts.js';
-import { view as viewNamed } from '../views/views.js';
-import { pick } from './hover.js';
-import { interaction } from './interaction.js';
-import { largeView } from './scale.js';
-import { select } from './select.js';
-import { isDrawingTool } from './sketch.js';
-import { isReady, targetAt } from './targets.js';
+import { server } from '../store/state.js';
 
 /**
  * What a menu of a part says about pins; nothing for parts that are neither ends nor pinned, but for
@@ -35,36 +26,4 @@ export function pinEntries(part, at = null) {
     now < pin.last ? menuItem('endPin', part) : null,
     line, menuItem('unpin', here, { right: framesOf(pin) }),
   ];
-}
-
-/** The right button on a view: the menu of the part that is there. */
-export async function openAt(view, event) {
-  if (!isReady(view) || isDrawingTool(ui.tool) || interaction.drag) return;
-  const box = view.over.getBoundingClientRect();
-  const [x, y] = [event.clientX - box.left, event.clientY - box.top];
-  const target = targetAt(view, x, y);
-  const name = target?.part ?? (await pick(view, x, y)).parts[0];
-  if (!name) return;
-  select(name);
-  openFor(partNamed(name), [event.clientX, event.clientY], view.name === 'main' ? view.toView([x, y]) : null);
-}
-
-/** From the keyboard: the menu of the selected part, where it is seen. */
-export function listenForMenuKey() {
-  addEventListener('contextmenu', (event) => {
-    const isPointers = event.button === 2 || event.defaultPrevented;
-    const part = selectedPart();
-    if (isPointers || !part || !server.pose || /** @type {Element} */ (event.target).closest?.('input, textarea')) return;
-    event.preventDefault();
-    const view = viewNamed(largeView());
-    const box = view.over.getBoundingClientRect();
-    const [x, y] = view.project(server.pose.points[part.name]);
-    openFor(part, [box.left + x + 16, box.top + y]);
-  });
-}
-
-function openFor(part, place, at = null) {
-  const pins = pinEntries(part, at);
-  const title = pins.length ? [] : [heading(part.label)];
-  openMenuAt(part.label, [...title, ...pins, ...(pins.length ? [line] : []), menuItem('turnInDepth', part)], place);
 }

@@ -17,12 +17,11 @@ import { hover, leave, pick } from './hover.js';
 import { openKeypointMenu } from './keypoints.js';
 import { isKeyDown, noteModifiers } from './pressed_keys.js';
 import { beginPan, endPan, movePan, pinch, wheel } from './pan.js';
-import { openAt } from './pinmenu.js';
-import { openPartMenu } from './partmenu.js';
 import { click } from './select.js';
 import { drawsOn, isDrawingTool, sketchCancel, sketchCursor, sketchDown, sketchMove, sketchUp } from './sketch.js';
 import { distance } from './space.js';
 import { targetAt } from './targets.js';
+import { openAt, openViewMenu } from './viewmenu.js';
 
 const CLICK_PX = 3;
 const MIDDLE = 1;
@@ -48,6 +47,8 @@ const RIGHT_DOWN = 2;
 /** @type {Press | null} */
 let press = null;
 const fingers = new Map();
+/** The right button has cancelled a gesture: letting go of it, which may come last, opens no menu. */
+let hasCancelled = false;
 
 /**
  * What a move does in each state, what releasing does, and how it is cancelled.
@@ -106,6 +107,7 @@ function place(view, event) {
 // --- pointer events
 
 function down(view, event) {
+  hasCancelled = false;
   if (!server.file || !server.pose) return;
   noteModifiers(event);
   const [x, y] = place(view, event);
@@ -144,8 +146,10 @@ function move(view, event) {
   if (fingers.has(event.pointerId)) moveFinger(view, event.pointerId, [x, y]);
   if (!press) return hoverAt(view, event, x, y);
   if (press.id !== event.pointerId || press.view !== view) return;
-  if (event.buttons & RIGHT_DOWN && press.button !== RIGHT) cancelPress();
-  else STATES[press.state].move?.(view, event, x, y);
+  if (event.buttons & RIGHT_DOWN && press.button !== RIGHT) {
+    cancelPress();
+    hasCancelled = true;
+  } else STATES[press.state].move?.(view, event, x, y);
 }
 
 /** The pointer moves with nothing pressed. */
@@ -174,7 +178,7 @@ function onPointerLost(event) {
 /** The menu of what lies there, where it has one. */
 function menu(view, event) {
   event.preventDefault();
-  if (press || !server.file || !server.pose) return;
+  if (press || (hasCancelled && event.button === RIGHT) || !server.file || !server.pose) return;
   const target = targetAt(view, ...place(view, event), false);
   if (target?.kind === 'keypoint') openKeypointMenu(target.point, target.frame, [event.clientX, event.clientY]);
   else if (!view.orbitBy) openAt(view, event); // where the right button orbits, its release opens one
@@ -204,10 +208,10 @@ function leaveAside(view, event, x, y) {
   STATES.panning.move(view, event, x, y);
 }
 
-/** The menu of the part that the right button was pressed on. */
+/** The menu of what the right button was pressed on. */
 function openMenu(view, picked, x, y) {
   const box = view.over.getBoundingClientRect();
-  picked.then(({ parts }) => openPartMenu(view, parts[0], [box.left + x, box.top + y]));
+  picked.then(({ parts }) => openViewMenu(view, parts[0], [box.left + x, box.top + y]));
 }
 
 /** The drag begins once it is known which part lies there, unless the press is over. */

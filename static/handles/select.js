@@ -29,7 +29,8 @@ function partAt(parts, again) {
   return again && at >= 0 ? parts[(at + 1) % parts.length] : parts[0];
 }
 
-const partOf = (target) =>
+/** The part that a target stands for, or null. */
+export const partOf = (target) =>
   target.kind === 'ring' || target.kind === 'keypoint' || target.change || target.kind === 'trail' ? null : target.part;
 
 function clickOnce(view, x, y, target, part) {

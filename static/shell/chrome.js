@@ -8,6 +8,7 @@ import { mountKeys } from './keys.js';
 import { mountSheet } from './keys_sheet.js';
 import { mountLine } from './line.js';
 import { mountMenus } from '../controls/menu.js';
+import { mountSearch } from './search.js';
 import { mountStatus } from './status.js';
 import { mountTheme } from '../actions/theme.js';
 import { mountTips } from '../controls/tips.js';
@@ -25,6 +26,7 @@ export function mount() {
   mountGuide();
   mountFitCard();
   mountSheet();
+  mountSearch();
   mountChooser();
   mountToasts();
   mountLine();

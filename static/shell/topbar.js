@@ -7,12 +7,13 @@ import { menuButton, menuHolder } from '../controls/menu.js';
 import { server, watch } from '../store/state.js';
 import { exportButton } from './export_menu.js';
 import { fileButton } from './file_menu.js';
+import { historyButtons } from './history_menu.js';
 import { jobState, noticeJob } from './job.js';
 import { savedState, savedTicks } from './saved.js';
 import { liveSwitch, trackButton } from './track.js';
 
 /** @type {import('../store/shapes.js').Watched[]} */
-const SECTIONS = ['file', 'saved', 'undo', 'job', 'view', 'keys', 'segments'];
+const SECTIONS = ['file', 'saved', 'undo', 'history', 'job', 'view', 'keys', 'segments'];
 /** @type {import('../store/shapes.js').Watched[]} */
 const OWN = ['u:menu', 'u:ended', 'u:library', 'u:connected', 'u:layout', 'u:sheet', 'u:filterMotion'];
 
@@ -30,7 +31,7 @@ export function mountTopbar() {
 function bar() {
   return html`<div class="row logo">${LOGO}<span class="wordmark">Keypose</span></div>
     ${server.file ? session() : html`<span class="sp"></span>`}
-    ${actionIcon('showKeys', undefined, { size: '' })}${themeButton()}`;
+    ${actionIcon('search', undefined, { size: '' })}${actionIcon('showKeys', undefined, { size: '' })}${themeButton()}`;
 }
 
 /** The browser's tab tells how far the tracking is while one works elsewhere. */
@@ -43,7 +44,7 @@ function title() {
 function session() {
   return html`${fileButton()}${savedState()}
     <span class="vsep"></span>
-    ${actionIcon('undo', undefined, { size: '' })}${actionIcon('redo', undefined, { size: '' })}
+    ${historyButtons()}
     <span class="sp"></span>${jobState()}${liveSwitch()}${trackButton()}
     <span class="vsep"></span>${exportButton()}`;
 }

@@ -350,6 +350,18 @@
 
 /** @typedef {{ state: 'saved' | 'saving' | 'failed' | 'readonly', at: number, words: string }} Saved */
 
+/** @typedef {{ label: string, frame: number, made: number | null }} HistoryStep  made: seconds since 1970. */
+
+/**
+ * @typedef {object} History  Undo and redo as a list.
+ * @property {number} done  How many of all steps are done.
+ * @property {number} total
+ * @property {number} first  How many stand before those that are listed.
+ * @property {HistoryStep[]} steps  Those around the present one, oldest first.
+ */
+
+/** @typedef {{ frame: number, text: string }} Note  Without words a flag. */
+
 /**
  * @typedef {object} Sections  The newest of each section; null while nothing is open.
  * @property {File | null} file
@@ -386,6 +398,8 @@
  * @property {Job} job
  * @property {Saved} saved
  * @property {{ undo: string | null, redo: string | null }} undo
+ * @property {History | null} history
+ * @property {Note[]} notes  By frame.
  * @property {boolean} clipboard
  * @property {{ first: boolean, done: Record<string, boolean> }} guide
  * @property {number} tabs
@@ -469,6 +483,9 @@
  * @property {number} [shown]  The frame whose picture is on the screen.
  * @property {string | null} [menu]
  * @property {boolean | null} [sheet]  Of keys.
+ * @property {string | null} [search]  The command search is open: for all, or for one kind of entries.
+ * @property {string | null} [seek]  The section of the inspector that is to be brought into sight.
+ * @property {number | null} [note]  The frame whose note is being written.
  * @property {boolean} [space]  The space bar is down.
  * @property {boolean} [dropping]
  * @property {boolean} [flat]  There is no WebGL.

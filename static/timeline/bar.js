@@ -22,7 +22,7 @@ const button = (id, looks = {}) => actionIcon(id, undefined, { size: '', ...look
 
 export function drawBar() {
   if (!server.file) return nothing;
-  return html`${transport()}${drawSuggestion()}<span class="sp"></span>${counts()}${drawZoomHint()}${right()}`;
+  return html`${transport()}${drawSuggestion()}<span class="sp"></span>${counts()}${notes()}${drawZoomHint()}${right()}`;
 }
 
 function transport() {
@@ -114,6 +114,14 @@ function drawCount(number, state) {
   return html`<button class=${`count ${state}`} aria-label=${`${words}, go to the next`}
     title=${titleOf('nextProblem', state)} data-key=${keyOf('nextProblem')}
     @click=${() => perform('nextProblem', state)}>${inside}</button>`;
+}
+
+/** How many notes there are; a press lists them. */
+function notes() {
+  const { length } = server.notes ?? [];
+  if (length === 0) return nothing;
+  return html`<button class="count notes" title=${labelOf('notes')} aria-label=${`${count(length, 'note')}, list them`}
+    @click=${() => perform('notes')}>${icon('note')}${length}</button>`;
 }
 
 function right() {

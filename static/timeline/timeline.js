@@ -13,6 +13,7 @@ import { headKeys } from './edit/head_keys.js';
 import { grabbed } from './edit/pointer.js';
 import { listenOn } from './edit/gestures.js';
 import { followPins, listenForPinKeys, watchPointer } from './edit/pin_drags.js';
+import { mountNoteCard } from './note_card.js';
 import { drawMenusIn } from '../controls/menu.js';
 import { clearNumbers, PATTERNS } from './draw/ground.js';
 import { GUTTER, isCramped, rowsFor, setWidth } from './draw/scale.js';
@@ -24,7 +25,7 @@ import { memoize } from './draw/series.js';
 /** @type {import('../store/shapes.js').Watched[]} */
 const WATCHED = [
   'file', 'damage', 'view', 'keys', 'segments', 'draft', 'suggest', 'need', 'lanes', 'curve', 'body', 'job',
-  'pins', 'proposed_pins', 'u:timePin',
+  'pins', 'proposed_pins', 'notes', 'u:timePin',
   'u:playing', 'u:chart', 'u:lanes', 'u:curveAxis', 'u:timeWindow', 'u:timeSize', 'u:timeHead',
   'u:timeGrabbed', 'u:timeHover', 'u:timeOpen', 'u:timeScroll', 'u:zoomHint',
 ];
@@ -44,6 +45,7 @@ export function mount() {
   headKeys(drawing);
   watchPointer();
   listenForPinKeys();
+  mountNoteCard(time.querySelector('#tnote'), drawing);
   const bar = time.querySelector('#tr');
   const layers = layersOf(drawing, ground);
   new ResizeObserver(() => measure(drawing)).observe(drawing);
@@ -56,7 +58,7 @@ function frameOf() {
     <svg id="tsvg" role="group" aria-label="Frames, keyframes and segments">${PATTERNS}
       <clipPath id="tl-frames"><rect x=${GUTTER + 1} y="-4" width="100000" height="10000" /></clipPath>
     </svg>
-    <div id="tmenu"></div>`;
+    <div id="tmenu"></div><div id="tnote"></div>`;
 }
 
 /** A press on the bar leaves the focus where keys reach the views; the frame box is typed into. */

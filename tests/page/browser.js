@@ -12,6 +12,8 @@ globalThis.requestAnimationFrame = (fn) => {
 };
 globalThis.cancelAnimationFrame = (id) => void asked.delete(id);
 globalThis.crypto ??= webcrypto;
+globalThis.HTMLElement ??= /** @type {any} */ (class {});
+globalThis.customElements ??= /** @type {any} */ ({ define() {} });
 globalThis.location = { origin: 'http://127.0.0.1' };
 globalThis.document = {
   hidden: false,

@@ -20,6 +20,9 @@ frames: what is known of every frame, and how far to trust it.
                             its own, `frame` counts by that rate, and this has fractions
     filter_hz               cut-off of the low-pass filter (Butterworth, fourth order, without
                             delay); empty where the motion is as tracked
+    note                    what a person wrote at this frame, on one line; "flag" where nothing was
+                            written. Where it begins as a formula does, an apostrophe stands before
+                            it, so that no spreadsheet computes it
     <part>_observability    of that step: 0, all guessed, to 1, all seen
     <part>_residual         of that step: difference of brightness, grey levels
 
@@ -78,21 +81,34 @@ def frames_csv(recording: Recording) -> str:
         rank = [int(ranks[i]), recording.degrees_of_freedom] if ranks[i] >= 0 else ["", ""]
         time_s = fixed_decimals([recording.times_s[i]], DECIMALS)
         values = fixed_decimals(steps[i], DECIMALS)
-        found_here = (*_finding(recording, i), *rank, *_sampling(recording, i))
+        found_here = (
+            *_finding(recording, i),
+            *rank,
+            *_sampling(recording, i),
+            _noted(recording, i),
+        )
         writer.writerow([frame, *time_s, *found_here, *values])
     return text.getvalue()
 
 
 _FRAME_COLUMNS = (
     *("frame", "time_s", "pose", "verdict", "words", "first_frame", "last_frame"),
-    *("rank", "degrees_of_freedom", "film_frame", "filter_hz"),
+    *("rank", "degrees_of_freedom", "film_frame", "filter_hz", "note"),
 )
+_FORMULA = ("=", "+", "-", "@")
 
 
 def _sampling(recording: Recording, i: int) -> tuple[str, str]:
     """film_frame and filter_hz of a row."""
     film = f"{recording.film_frames[i]:.4f}".rstrip("0").rstrip(".")
     return film, "" if recording.filter_hz is None else f"{recording.filter_hz:g}"
+
+
+def _noted(recording: Recording, i: int) -> str:
+    """The note of a row."""
+    texts = (" ".join(note.text.split()) or "flag" for note in recording.notes_at[i])
+    words = " · ".join(texts)
+    return f"'{words}" if words.startswith(_FORMULA) else words
 
 
 def _finding(recording: Recording, i: int) -> tuple[str | int, ...]:

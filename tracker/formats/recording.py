@@ -14,6 +14,7 @@ from tracker.body.trajectory import Trajectory
 from tracker.errors import FormatError
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, frozen
+from tracker.session.notes import Note
 from tracker.session.schema import Session
 from tracker.session.verdict import Verdict
 from tracker.storage.tracks import Tracks
@@ -54,6 +55,7 @@ class Recording:
                where the video has no two.
     sampled_at: (N,) which frame of the video a pose belongs to, in fractions; None: its own number.
     filter_hz: the cut-off of the low-pass filter that the poses went through; None: as tracked.
+    notes:     what a person wrote at frames of the video.
     """
 
     skeleton: Skeleton
@@ -66,6 +68,7 @@ class Recording:
     rate: float | None = None
     sampled_at: Array | None = None
     filter_hz: float | None = None
+    notes: tuple[Note, ...] = ()
 
     @classmethod
     def of(
@@ -91,6 +94,7 @@ class Recording:
             frozen(up / np.linalg.norm(up)),
             tuple(sorted(_open_ends(session, segments))),
             _mean_rate(times_s),
+            notes=session.notes,
         )
 
     def __len__(self) -> int:
@@ -166,6 +170,16 @@ class Recording:
             times_s=self.times_s[start:end],
             sampled_at=None if self.sampled_at is None else self.sampled_at[start:end],
         )
+
+    @cached_property
+    def notes_at(self) -> tuple[tuple[Note, ...], ...]:
+        """Every frame's notes; where poses have a rate of their own, at the nearest of them."""
+        at: list[list[Note]] = [[] for _ in range(len(self))]
+        film = self.film_frames
+        for note in self.notes:
+            if film[0] - 0.5 <= note.frame <= film[-1] + 0.5:
+                at[int(np.argmin(np.abs(film - note.frame)))].append(note)
+        return tuple(tuple(notes) for notes in at)
 
     @cached_property
     def segment_at(self) -> NDArray[np.int64]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 
 from tracker.session.schema import Session
 
@@ -11,11 +12,22 @@ MOST_STEPS = 1000
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """One edit: the document on its other side, its label, and the current frame."""
+    """One edit: the document on its other side, its label, and the current frame.
+
+    made_s: when it was made, seconds since 1970; None where that was not kept.
+    """
 
     doc: Session
     label: str
     frame: int
+    made_s: float | None = None
+
+    def is_same(self, other: Step) -> bool:
+        """Whether both are one edit, seen from the same side."""
+        return self is other or (
+            self.doc is other.doc
+            and (self.label, self.frame, self.made_s) == (other.label, other.frame, other.made_s)
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,12 +41,27 @@ class History:
         """The history after one more edit, which was made to `before`."""
         return History((*self.past, Step(before, label, frame))[-MOST_STEPS:])
 
+    @property
+    def total(self) -> int:
+        """All steps, done and undone."""
+        return len(self.past) + len(self.future)
+
+    def stamped(self, before: History, present: Session, now_s: float) -> History:
+        """With the time of the newest step, where that was made since `before`; undone or redone
+        ones keep theirs. present: the document now."""
+        newest = self.past[-1] if self.past else None
+        if newest is None or newest.made_s is not None or newest in before.past:
+            return self
+        if any(step.doc is present for step in before.future):
+            return self
+        return History((*self.past[:-1], replace(newest, made_s=now_s)), self.future)
+
     def undo(self, present: Session) -> tuple[Step, History] | None:
         """The step to go back to, and the history then; None at the beginning."""
         if not self.past:
             return None
         step = self.past[-1]
-        again = Step(present, step.label, step.frame)
+        again = replace(step, doc=present)
         return step, History(self.past[:-1], (*self.future, again))
 
     def redo(self, present: Session) -> tuple[Step, History] | None:
@@ -42,5 +69,18 @@ class History:
         if not self.future:
             return None
         step = self.future[-1]
-        back = Step(present, step.label, step.frame)
+        back = replace(step, doc=present)
         return step, History((*self.past, back), self.future[:-1])
+
+    def way_to(self, present: Session, done: int) -> Iterator[tuple[Step, History]]:
+        """The steps to undo or redo, one after the other, until so many are done: each the step to
+        go to, and the history then."""
+        history = self
+        while len(history.past) != done:
+            back = len(history.past) > done
+            found = history.undo(present) if back else history.redo(present)
+            if found is None:
+                return
+            step, history = found
+            present = step.doc
+            yield step, history

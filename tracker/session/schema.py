@@ -29,6 +29,7 @@ from tracker.geometry.rotations import quaternion_wxyz, rotation_from_quaternion
 from tracker.session.corrections import KeypointCorrection, require_corrections
 from tracker.session.drafted import Drafted
 from tracker.session.evidence import Evidence, evidence_of
+from tracker.session.notes import NoteList, require_notes
 from tracker.session.pins import PinList, require_pins
 from tracker.session.results import Results
 from tracker.session.settings import (
@@ -60,6 +61,7 @@ MOST: Mapping[str, int] = {
     "ignore_masks": 10_000,
     "keypoint_corrections": 10_000,
     "pins": 1_000,
+    "notes": 1_000,
 }
 """Far above what a person sets in a session."""
 
@@ -223,6 +225,7 @@ class Session(Plain):
         description="The floor's height along up, from the camera, metres; left out where it is "
         "not known.",
     )
+    notes: NoteList = ()
     ignore_masks: tuple[IgnoreMask, ...] = ()
     settings: TrackSettings = TrackSettings()
     lens_source: LensSource | None = Field(
@@ -325,6 +328,7 @@ def require_fit(session: Session, poses: Sequence[Keyframe]) -> None:
     _require_direction(session.up_camera)
     _require_parts(session.settings.left_out, session.body)
     require_pins(session.pins, session.body, video.frame_count)
+    require_notes(session.notes, video.frame_count)
     require_corrections(session.keypoint_corrections, video.frame_count, video.width, video.height)
     for keyframe in poses:
         _require_in_video(keyframe, video.frame_count)

@@ -8,13 +8,14 @@ The first two also have "revision", and "clients" where these changed: see Recei
 
 `doc` are the changes from the document before; `kept` are the steps of the history that stay: the
 past's first and behind its last, the future's number. `past` and `future` are the new steps, each
-with "doc", the changes from the document before. A mark
-is a digest of the document, by which the session file is found in the journal.
+with "doc", the changes from the document before, and "made", seconds since 1970 where they are
+known. A mark is a digest of the document, by which the session file is found in the journal.
 """
 
 from __future__ import annotations
 
 import hashlib
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -127,6 +128,21 @@ def edit_record(before: Moment, after: Moment) -> Record:
         "mark": mark_of(after.doc),
         **_received_since(before.received, after.received),
     }
+
+
+def single_steps(before: Moment, after: Moment) -> Iterator[tuple[Moment, Moment]]:
+    """One moment and the next, where several steps were undone or redone at once: a record of them
+    all would hold the whole way for every step."""
+    done = len(after.history.past)
+    last = before
+    if after.history.total == before.history.total and abs(done - len(before.history.past)) > 1:
+        way = list(before.history.way_to(before.doc, done))
+        if way and way[-1][0].doc is after.doc:
+            for step, history in way[:-1]:
+                here = Moment(step.doc, history, step.frame, after.received)
+                yield last, here
+                last = here
+    yield last, after
 
 
 def saved_record(mark: str) -> Record:
@@ -250,19 +266,27 @@ def _merge_received(before: Received, record: Mapping[str, Any]) -> Received:
 
 def _step_record(step: Step, doc: Session) -> Record:
     where = {} if step.doc is doc else changes(doc, step.doc)
-    return {"label": step.label, "frame": step.frame, "doc": where}
+    made = {} if step.made_s is None else {"made": step.made_s}
+    return {"label": step.label, "frame": step.frame, "doc": where, **made}
 
 
 def _steps(records: Sequence[Mapping[str, Any]], doc: Session) -> Iterator[Step]:
     for one in records:
-        yield Step(apply_changes(doc, one["doc"]), str(one["label"]), int(one["frame"]))
+        doc_there = apply_changes(doc, one["doc"])
+        yield Step(doc_there, str(one["label"]), int(one["frame"]), _made(one.get("made")))
+
+
+def _made(value: Any) -> float | None:
+    """Older journals do not tell when a step was made."""
+    is_time = type(value) in (int, float) and math.isfinite(value)
+    return float(value) if is_time else None
 
 
 def _kept_range(before: Sequence[Step], after: Sequence[Step]) -> tuple[int, int]:
     """Which range of the past the new past begins with: the oldest steps may be dropped."""
     if not before or not after:
         return 0, 0
-    first = next((k for k, step in enumerate(before) if step is after[0]), None)
+    first = next((k for k, step in enumerate(before) if step.is_same(after[0])), None)
     if first is None:
         return 0, 0
     return first, first + _common(before[first:], after)
@@ -272,7 +296,7 @@ def _common(before: Sequence[Step], after: Sequence[Step]) -> int:
     """How many steps both begin with."""
     count = 0
     for one, other in zip(before, after, strict=False):
-        if one is not other:
+        if not one.is_same(other):
             break
         count += 1
     return count

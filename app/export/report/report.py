@@ -15,7 +15,7 @@ from app.export.report.labels import words_for
 from app.export.report.markup import Child, Html, element, joined
 from app.export.report.shell import html_page, logo
 from app.export.report.subject import STATE_WORDS, Subject, subject_of
-from app.export.report.tables import keyframes_table, segments_table, verdict
+from app.export.report.tables import keyframes_table, notes_table, segments_table, verdict
 from app.posing.labels import number_text
 from app.render.snapshots import Look
 from tracker.session.schema import Session
@@ -40,6 +40,7 @@ __all__ = [
 
 MOST_PICTURES = 48
 MOST_DOUBTFUL = 24
+MOST_NOTED = 24
 MOST_SCORES = 60
 """What a session of hundreds of keyframes shows of each kind; the rest is left out, and says so."""
 
@@ -54,6 +55,7 @@ def report_html(session: Session, session_path: Path, video: Video | None = None
             charts_section(subject),
             derivatives_section(subject),
             keyframes_section(subject),
+            notes_section(subject, video),
             pictures_section(subject, video),
         ]
     )
@@ -115,6 +117,26 @@ def keyframes_section(subject: Subject) -> Html:
     if not subject.keys:
         return Html("")
     return _section("Keyframes", _scrolling(keyframes_table(subject)))
+
+
+def notes_section(subject: Subject, video: Video | None) -> Html:
+    """What a person wrote at frames, with the pictures of some of them."""
+    notes = subject.session.notes
+    if not notes:
+        return Html("")
+    shown = _evenly(tuple(note.frame for note in notes), MOST_NOTED)
+    pictures = [_noted_picture(subject, video, frame) for frame in shown] if video else []
+    there = [picture for picture in pictures if picture is not None]
+    tiles = element("div", *there, class_="tilesheet") if there else None
+    return _section("Notes", _scrolling(notes_table(subject)), tiles)
+
+
+def _noted_picture(subject: Subject, video: Video, frame: int) -> Html | None:
+    picture = thumbnail(subject, video, frame)
+    if picture is None:
+        return None
+    caption = element("figcaption", element("b", str(frame)), _seconds(subject, frame))
+    return element("figure", picture, caption)
 
 
 def pictures_section(subject: Subject, video: Video | None) -> Html:

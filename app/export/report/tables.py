@@ -9,6 +9,7 @@ from app.export.report.labels import words_for
 from app.export.report.markup import Child, Html, element
 from app.export.report.subject import Subject
 from app.posing.labels import number_text
+from tracker.session.notes import Note
 from tracker.storage.results import Span, State
 
 
@@ -35,6 +36,12 @@ def keyframes_table(subject: Subject) -> Html:
         foot = [element("th", words, colspan=3, scope="row"), _number(mean),
                 _number(figure(seconds / (len(keys) - 1), 2)), element("td")]  # fmt: skip
     return table(head, rows, (0, 1, 2, 3, 4), foot)
+
+
+def notes_table(subject: Subject) -> Html:
+    """Every note with its frame; of a flag that it is one."""
+    rows = [_note_row(subject, note) for note in subject.session.notes]
+    return table(("Frame", "Time, s", "Note"), rows, (0, 1))
 
 
 def table(
@@ -91,6 +98,12 @@ def _keyframe_row(subject: Subject, i: int) -> list[Child]:
     said = None if span is None else verdict(subject.states[span], subject.words(span))
     numbers = (str(i + 1), str(frame), figure(time_s, 2), steps, seconds)
     return [*map(_number, numbers), element("td", said)]
+
+
+def _note_row(subject: Subject, note: Note) -> list[Child]:
+    numbers = (str(note.frame), figure(subject.time_s(note.frame), 2))
+    words = note.text or element("span", "Flag", class_="quiet")
+    return [*map(_number, numbers), element("td", words, class_="words")]
 
 
 def _number(words: str) -> Html:

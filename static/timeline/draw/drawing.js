@@ -11,6 +11,7 @@ import { drawClip, drawDamage, drawGround, drawKeyLabels, drawNothingYet, drawRu
 import { drawCurrent, drawKeys, drawNeed, drawSuggestion } from './keymarks.js';
 import { drawDrafts, drawPlaces } from './drafts.js';
 import { drawSegments } from './segments.js';
+import { drawNotes } from './notes.js';
 import { drawLaneLabels, drawLanes } from './lanes.js';
 import { drawPinLabels, drawPins } from './pins.js';
 import { drawCurrentCurveKey, drawCurve } from './curve.js';
@@ -36,6 +37,7 @@ const isScore = () => ui.chart === 'score' && !isSurface() && (server.segments ?
 const bottomOf = (rows) => (isScore() && rows.curve !== null ? rows.curve.y - 3 : rows.height);
 
 const keyGrabbed = () => (grabbed()?.kind === 'key' && !grabbed().copy ? grabbed().from : null);
+const noteGrabbed = () => (grabbed()?.kind === 'note' ? grabbed().from : null);
 const pinGrabbed = () => (grabbed()?.kind === 'pin' ? grabbed() : null);
 const angleGrabbed = () => (grabbed()?.kind === 'angle' ? grabbed().frame : null);
 
@@ -73,6 +75,7 @@ const LAYERS = [
   ['above', 'chart-labels', () => [isScore(), ...chartInputs()],
     ({ rows }) => (isScore() ? drawScoreLabels(rows.curve) : drawCurveLabels(rows.curve))],
   ['above', 'overview', () => [server.segments, server.keys, frame()], () => drawOverview()],
+  ['frames', 'notes', () => [server.notes, noteGrabbed()], () => drawNotes(noteGrabbed())],
   ['top', 'head', () => [frame(), server.keys, server.segments, isScore()],
     ({ rows }) => drawPlayhead(bottomOf(rows))],
   ['top', 'grabbed', () => [grabbed(), hovered(), server.segments, server.curve, server.pins, ui.curveAxis],

@@ -8,6 +8,8 @@ import { frameCount, lastFrame } from '../../store/clip.js';
 import { clamp, shortNumber, signedNumber } from '../../controls/arithmetic.js';
 import { GUTTER, right, RULER, x } from './scale.js';
 import { around, frame, isKey, placesToConfirm, segmentAt, draftFrames } from '../../actions/playhead.js';
+import { noteAt, noteLine } from '../../actions/notes.js';
+import { noteMark } from './notes.js';
 import { reasonOf } from '../../actions/drafting.js';
 import { diamond } from './keymarks.js';
 import { BAR, barOf } from './segments.js';
@@ -44,7 +46,9 @@ function spokenFrame() {
   const at = frame();
   const what = isKey(at) ? ', keyframe' : draftFrames().includes(at) ? ', draft' : '';
   const segment = segmentAt(at);
-  return `Frame ${at} of ${lastFrame()}${what}${segment?.words ? `. ${segment.words}` : ''}`;
+  const note = noteAt(at);
+  const noted = note ? `, note: ${noteLine(note, HOVERED)}` : '';
+  return `Frame ${at} of ${lastFrame()}${what}${noted}${segment?.words ? `. ${segment.words}` : ''}`;
 }
 
 /** The interval around the playhead; on a key, both intervals it ends. */
@@ -57,10 +61,13 @@ export function drawBand(rows, bottom) {
 }
 
 const LETTER_PX = 6.6;
+/** Letters of a note that are shown where it is pointed at. */
+const HOVERED = 90;
 
 export function drawGrabbed(rows) {
   const what = grabbed();
   if (what?.kind === 'key') return drawMovingKey(what, rows);
+  if (what?.kind === 'note') return drawMovingNote(what);
   if (what?.kind === 'pin') return drawPinDrag(what, rows);
   if (what?.kind === 'angle') return drawAngle(what, rows);
   return what === null ? drawHover(rows) : nothing;
@@ -73,6 +80,12 @@ function drawMovingKey({ from, to, copy, taken, refused }, rows) {
   return svg`${home}<g class=${refused ? 'shake' : ''}>
       <path class=${`moving${taken ? ' taken' : ''}`} d=${diamond(x(to), middle, 8)} /></g>
     ${label(words, x(to), middle + 22)}`;
+}
+
+function drawMovingNote({ from, to, taken }) {
+  const words = taken ? `${to} has a note` : `${from} → ${to}`;
+  return svg`<path class=${`note moving${taken ? ' taken' : ''}`} d=${noteMark(x(to), 5, 10)} />
+    ${label(words, x(to), RULER + 12)}`;
 }
 
 /** "Left foot 0–66 was 71". */
@@ -121,6 +134,7 @@ function drawHover(rows) {
       ${label(`Keyframe ${what.frame}`, x(what.frame), middle + 23)}`;
   }
   if (what.kind === 'pin' || what.kind === 'proposal') return drawPinHover(what, rows);
+  if (what.kind === 'note') return drawNoteHover(what.frame);
   if (what.kind === 'place') return drawPlaceHover(what.frame, rows);
   if (what.kind === 'curvekey') return drawCurveHover(what.frame, rows);
   const segment = (server.segments ?? []).find(({ first }) => first === what.first);
@@ -137,6 +151,13 @@ function drawPinHover(what, rows) {
   const more = set ? '' : ' proposed · double-click to accept';
   const words = set?.problem || `${pin.label} ${framesOf(pin)}${more}`;
   return label(words, (x(pin.first) + x(pin.last)) / 2, belowPin(rows.pins, pin));
+}
+
+function drawNoteHover(at) {
+  const note = noteAt(at);
+  if (!note) return nothing;
+  return svg`<path class="note hover" d=${noteMark(x(at), 5, 10)} />
+    ${label(`${at}  ${noteLine(note, HOVERED)}`, x(at), RULER + 12)}`;
 }
 
 function drawPlaceHover(at, rows) {

@@ -3,7 +3,9 @@
 import { server, ui } from '../../store/state.js';
 import { follow } from '../../controls/gesture.js';
 import { isSurface } from '../../store/subject.js';
-import { GUTTER, OVERVIEW, pxPerFrame, RULER, x, zoomAt } from '../draw/scale.js';
+import { perform } from '../../actions/actions.js';
+import { clampFrame } from '../../store/clip.js';
+import { frameAt, GUTTER, OVERVIEW, pxPerFrame, RULER, x, zoomAt } from '../draw/scale.js';
 import { isZoomed, scrollBy } from '../../actions/window.js';
 import { BAR, barOf } from '../draw/segments.js';
 import { placeNear } from '../draw/drafts.js';
@@ -11,9 +13,11 @@ import { keyNear } from '../draw/keymarks.js';
 import { curveKeyNear } from '../draw/curve.js';
 import { laneAt } from '../draw/lanes.js';
 import { pinAt, proposalOf } from '../draw/pins.js';
+import { noteMarkAt } from '../draw/notes.js';
 import { grabOverview } from '../draw/overview.js';
 import { grabAngle, grabHead, grabKey, selectFrom } from './drags.js';
-import { openKeyMenu, openPinMenu, openProposalMenu, openSegmentMenu } from './menus.js';
+import { openFramesMenu, openKeyMenu, openNoteMenu, openPinMenu, openProposalMenu, openSegmentMenu } from './menus.js';
+import { grabNote } from './note_drags.js';
 import { acceptAt, grabPin, grabProposal } from './pin_drags.js';
 import { frame, isKey, segmentAt } from '../../actions/playhead.js';
 import { setHovered } from './pointer.js';
@@ -41,6 +45,7 @@ export function listenOn(drawing, groundOf, scrollLanes) {
   drawing.addEventListener('dblclick', (event) => {
     const what = under(placeOf(event));
     if (what.kind === 'proposal') acceptAt(what);
+    if (what.kind === 'note') perform('note', what.frame);
   });
   drawing.addEventListener('wheel', (event) => wheel(event, scrollLanes), { passive: false });
   // A click takes the focus away from no view and gives it to nothing here.
@@ -65,6 +70,8 @@ function under(place) {
   if (place.x < GUTTER) return { kind: 'gutter' };
   const strip = isZoomed() && place.y > RULER - 2 && place.y < RULER + OVERVIEW + 2;
   if (strip) return { kind: 'overview' };
+  const note = noteMarkAt(place);
+  if (note !== null) return { kind: 'note', frame: note };
   if (place.y >= rows.keys.y && place.y < rows.keys.y + rows.keys.h) return inKeys(place, rows);
   const pin = pinAt(rows.pins, place);
   if (pin !== null) return pin;
@@ -95,6 +102,8 @@ function begin(what, place) {
       return grabOverview(place.x);
     case 'key':
       return grabKey(what.frame, place);
+    case 'note':
+      return grabNote(what.frame, place);
     case 'place':
       return grabHead({ ...place, x: x(what.frame) });
     case 'pin':
@@ -171,12 +180,12 @@ function drop() {
   gesture = null;
 }
 
-const CURSORS = { key: 'grab', curvekey: 'ns-resize', segment: 'pointer', place: 'pointer', overview: 'grab', pin: 'grab', proposal: 'pointer' };
+const CURSORS = { key: 'grab', curvekey: 'ns-resize', segment: 'pointer', place: 'pointer', overview: 'grab', pin: 'grab', proposal: 'pointer', note: 'grab' };
 
 function pointAt(what) {
   element.style.cursor = (what.kind === 'pin' && what.end !== 'middle' ? 'ew-resize' : CURSORS[what.kind]) ?? '';
   if (what.kind === 'segment') setHovered({ kind: 'segment', first: what.segment.first });
-  else if (['key', 'curvekey', 'place', 'pin', 'proposal'].includes(what.kind)) setHovered(what);
+  else if (['key', 'curvekey', 'place', 'pin', 'proposal', 'note'].includes(what.kind)) setHovered(what);
   else setHovered(null);
 }
 
@@ -196,12 +205,17 @@ export function openMenuAtHead() {
   const page = [left, bottom];
   if (isKey(frame())) openKeyMenu(frame(), page);
   else if (segmentAt(frame())) openSegmentMenu(segmentAt(frame()), page);
+  else openFramesMenu(frame(), page);
 }
+
+const WHEREVER = ['frames', 'lane', 'chart'];
 
 function openMenuOn(what, place) {
   setHovered(null);
   if (what.kind === 'key' || what.kind === 'curvekey') openKeyMenu(what.frame, place.page);
-  if (what.kind === 'segment') openSegmentMenu(what.segment, place.page);
+  if (what.kind === 'segment') openSegmentMenu(what.segment, place.page, clampFrame(frameAt(place.x)));
+  if (what.kind === 'note') openNoteMenu(what.frame, place.page);
+  if (WHEREVER.includes(what.kind)) openFramesMenu(clampFrame(frameAt(place.x)), place.page);
   if (what.kind === 'pin') openPinMenu(what.index, place.page);
   if (what.kind === 'proposal') openProposalMenu(proposalOf(what), place.page);
 }

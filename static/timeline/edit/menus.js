@@ -2,6 +2,8 @@
 
 import { html, nothing } from '../../vendor/lit-html/lit-html.js';
 import { menuItem } from '../../actions/buttons.js';
+import { contextEntries } from '../../actions/context_menus.js';
+import { noteAt, noteLine } from '../../actions/notes.js';
 import { placeForCopy } from '../../actions/keying.js';
 import { frame, segmentAt } from '../../actions/playhead.js';
 import { allPins, framesOf } from '../../actions/pins.js';
@@ -17,7 +19,8 @@ export function openKeyMenu(at, page) {
     menuItem('goTo', at),
     menuItem('duplicateKeyframe', at, { ask: { value: placeForCopy(at), last: lastFrame(), answer: 'Duplicate' } }),
     menuItem('softKey', at),
-    menuItem('deleteKeyframe', at, { icon: 'trash', ...elsewhere(at === frame()) }),
+    menuItem('deleteKeyframe', at, { icon: 'trash', ...elsewhere(at === frame()) }), line,
+    ...contextEntries('keyframe', { copyKeyHere: at, note: at }),
   ], page);
 }
 
@@ -39,7 +42,7 @@ export function openProposalMenu(pin, page) {
   ], page);
 }
 
-export function openSegmentMenu(segment, page) {
+export function openSegmentMenu(segment, page, at = frame()) {
   const { first, last, state } = segment;
   const frames = range(first, last);
   const busy = state === 'tracking' || state === 'waiting';
@@ -50,8 +53,20 @@ export function openSegmentMenu(segment, page) {
     content(notes(segment.notes ?? [])),
     busy ? menuItem('cancel') : menuItem('trackThis', segment, { icon: 'track', ...elsewhere(isHere) }),
     go === null ? null : menuItem('goTo', go),
-    menuItem('zoomToSegment', segment),
+    menuItem('zoomToSegment', segment), line,
+    ...contextEntries('segment', { note: at }),
   ], page);
+}
+
+/** Of an empty place: what can be done at its frame. */
+export function openFramesMenu(at, page) {
+  openMenuAt(`Frame ${at}`, [heading(`Frame ${at}`), ...contextEntries('frames', { goTo: at, note: at })], page);
+}
+
+export function openNoteMenu(at, page) {
+  const note = noteAt(at);
+  if (!note) return;
+  openMenuAt(`Note at ${at}`, [heading(`Frame ${at} · ${noteLine(note)}`), ...contextEntries('note', { goTo: at, note: at, deleteNote: at })], page);
 }
 
 /** A key acts at the playhead: for what lies elsewhere none is shown. */

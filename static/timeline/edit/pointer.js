@@ -8,6 +8,7 @@ ui.timeHover = null;
 /**
  * null | {kind: "scrub"} | {kind: "pan"}
  * | {kind: "key", from, to, copy, taken, refused} | {kind: "angle", frame, axis, from, deg}
+ * | {kind: "note", from, to, taken}
  * | {kind: "pin", index, end: "first" | "last" | "middle", from: {first, last}}
  */
 export function grabbed() {
@@ -18,7 +19,7 @@ export function setGrabbed(what) {
   setUi('timeGrabbed', what);
 }
 
-/** null | {kind: "key", frame} | {kind: "segment", first, last} | {kind: "curvekey", frame} | {kind: "place", frame}
+/** null | {kind: "key", frame} | {kind: "segment", first, last} | {kind: "curvekey", frame} | {kind: "place", frame} | {kind: "note", frame}
  * | {kind: "pin", index, end} | {kind: "proposal", part, first} */
 export function hovered() {
   return ui.timeHover;

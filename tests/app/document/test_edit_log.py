@@ -463,3 +463,43 @@ def test_a_killed_keypose_loses_no_edit_it_has_acknowledged(path: Path) -> None:
         assert death.lost == 0
         acknowledged += death.acknowledged
     assert acknowledged > KILLS
+
+
+def test_going_to_a_step_is_in_the_journal_as_if_step_by_step(path: Path) -> None:
+    """A record for each, none of which holds the whole way; times are kept."""
+
+    async def edit(store: Store) -> None:
+        await done(store, *[turn(-10 * k) for k in range(1, 9)])
+        size = journal_path(path).stat().st_size
+        await done(store, {"do": "go_to_step", "done": 1, "of": 8})
+        assert journal_path(path).stat().st_size < 2.5 * size
+        await done(store, {"do": "go_to_step", "done": 6, "of": 8})
+
+    with_store(path, edit)
+    moment = open_session(path).recovered.moment
+    assert (len(moment.history.past), len(moment.history.future)) == (6, 2)
+    assert (
+        moment.doc.model_dump()
+        == load_session(path).model_copy(update={"results": None}).model_dump()
+    )
+    made = [step.made_s for step in (*moment.history.past, *reversed(moment.history.future))]
+    assert all(one is not None and one > 1e9 for one in made)
+    assert made == sorted(made)  # type: ignore[type-var]
+
+
+def test_an_older_journal_has_no_times_and_is_read(path: Path) -> None:
+    async def edit(store: Store) -> None:
+        await done(store, turn(-10), turn(-20))
+
+    with_store(path, edit)
+    whole = read_journal(journal_path(path)).records
+    older = [
+        {**one, "past": [{k: v for k, v in s.items() if k != "made"} for s in one["past"]]}
+        if "past" in one
+        else one
+        for one in whole
+    ]
+    Journal(journal_path(path), 0).begin_anew(older)
+    steps = open_session(path).recovered.moment.history.past
+    assert [step.made_s for step in steps] == [None, None]
+    assert len(labels(path)) == 2

@@ -26,6 +26,7 @@ from tests.app import surface_cases
 from tests.app.cli_cases import refused
 from tests.app.results_cases import judged
 from tests.tracker import session_cases as cases
+from tracker.session.notes import Note
 from tracker.session.verdict import Verdict
 from tracker.storage.files import load_session, open_video_of, save_session
 from tracker.storage.fingerprints import setup_hash
@@ -158,6 +159,18 @@ def test_names_from_files_stay_words(doubtful_path: Path, tmp_path: Path) -> Non
     assert not [name for _, a in found.tags for name in a if name.startswith("on")]
     assert found.text.count(EVIL) >= 2  # body and verdict
     assert "<b onclick=x>'\"&" in found.text
+
+
+def test_notes_are_in_the_report_as_they_were_written(session_path: Path) -> None:
+    session = load_session(session_path)
+    assert "Notes" not in read(report_of(session_path)).words
+    notes = (Note(frame=1, text=EVIL), Note(frame=2))
+    save_session(session.model_copy(update={"notes": notes}), session_path)
+    found = read(report_of(session_path))
+    assert "Notes" in found.words
+    assert EVIL in found.text
+    assert "Flag" in found.words
+    assert not [tag for tag, _ in found.tags if tag == "script"]
 
 
 def test_markup_escapes_all_but_markup() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from tracker.formats.csv import frames_csv, joints_csv
 from tracker.formats.npz import npz
 from tracker.formats.recording import Recording
 from tracker.geometry.rotations import rotation_from_euler
+from tracker.session.notes import Note
 from tracker.session.verdict import GOOD
 
 
@@ -134,3 +136,26 @@ def test_a_motion_beyond_the_video_is_refused() -> None:
     made = recordings.recording("box")
     with pytest.raises(FormatError, match="longer than the video"):
         Recording.of(recordings.session("box"), made.tracks, (), recordings.uneven_times(5))
+
+
+def test_a_note_stands_in_the_row_of_its_frame_and_is_no_formula() -> None:
+    notes = (
+        Note(frame=3, text="left elbow\nhidden, “here”"),
+        Note(frame=7),
+        Note(frame=9, text='=HYPERLINK("http://x")'),
+    )
+    made = replace(recordings.recording("person"), notes=notes)
+    said = {int(row["frame"]): row["note"] for row in rows(frames_csv(made)) if row["note"]}
+    assert said == {
+        3: "left elbow hidden, “here”",
+        7: "flag",
+        9: '\'=HYPERLINK("http://x")',
+    }
+
+
+def test_at_a_rate_of_its_own_a_note_stands_in_the_nearest_row() -> None:
+    made = recordings.recording("person")
+    notes = (Note(frame=30, text="a"), Note(frame=31, text="b"), Note(frame=500, text="beyond"))
+    coarse = replace(made, sampled_at=np.linspace(0.0, 300.0, len(made)), notes=notes)
+    said = [row["note"] for row in rows(frames_csv(coarse)) if row["note"]]
+    assert said == ["a · b"]

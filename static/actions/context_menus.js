@@ -1,0 +1,68 @@
+// What is in the menu of a thing, group by group: names of the table of actions. What is not possible
+// now stays in it, greyed, with its reason in the place of the key.
+
+import { line } from '../controls/menu.js';
+import { whyNot } from './actions.js';
+import { menuItem } from './buttons.js';
+import { frame, isKey } from './playhead.js';
+import { TITLES } from './synonyms.js';
+
+/** @typedef {import('./actions.js').ActionId} ActionId */
+
+/** @type {Record<string, { title: string, groups: ActionId[][] }>} */
+export const CONTEXTS = {
+  part: {
+    title: 'a part',
+    groups: [
+      ['turnInDepth', 'resetPart', 'otherSide'],
+      ['addKeyframe', 'deleteKeyframe', 'fitPose', 'copyPose', 'pastePose'],
+    ],
+  },
+  picture: {
+    title: 'the picture',
+    groups: [
+      ['addKeyframe', 'deleteKeyframe', 'fitPose', 'useTracked'],
+      ['copyPose', 'pastePose', 'pasteMirrored', 'copyPrevious', 'copyNext', 'swapSides', 'resetPose'],
+      ['note'],
+      ['fitView', 'freeView', 'ghosts', 'trail', 'floor', 'rings'],
+      ['saveImage', 'copyImage'],
+    ],
+  },
+  free: { title: 'the free view', groups: [['addKeyframe', 'deleteKeyframe', 'copyPose', 'pastePose', 'note'], ['ghosts', 'trail']] },
+  freePart: { title: 'a part', groups: [['turnInDepth', 'resetPart', 'otherSide']] },
+  eye: { title: 'the free view', groups: [['fitView']] },
+  keyframe: { title: 'a keyframe', groups: [['copyKeyHere'], ['note']] },
+  segment: { title: 'a segment', groups: [['trackChanged', 'nextProblem'], ['note']] },
+  frames: { title: 'the timeline', groups: [['goTo', 'note'], ['zoomToInterval', 'lanes', 'trackChanged']] },
+  note: { title: 'a note', groups: [['goTo', 'note', 'deleteNote']] },
+};
+
+/** Of a pair the one that fits the frame stands in a menu. */
+const FITS = {
+  addKeyframe: () => !isKey(frame()),
+  deleteKeyframe: () => isKey(frame()),
+  copyKeyHere: (from) => from !== frame(),
+};
+
+/**
+ * The entries of a thing's menu. about: what an action is done to, by its name; where that is not
+ * what its key does, no key is shown.
+ * @param {keyof typeof CONTEXTS} name
+ * @param {Partial<Record<ActionId, unknown>>} about
+ */
+export function contextEntries(name, about = {}) {
+  const groups = CONTEXTS[name].groups.map((ids) => ids.filter((id) => FITS[id]?.(about[id]) ?? true)).filter((ids) => ids.length);
+  return groups.flatMap((ids, i) => [...(i > 0 ? [line] : []), ...ids.map((id) => entry(id, about[id]))]);
+}
+
+/** One entry: its key where that does the same, or why it cannot be done. */
+function entry(id, about) {
+  const why = whyNot(id, about);
+  const isElsewhere = typeof about === 'number' && about !== frame();
+  const label = TITLES[id] ? { label: TITLES[id] } : {};
+  return menuItem(id, about, { ...label, ...(why || isElsewhere ? { right: why } : {}) });
+}
+
+/** The menus an action is in: ["a part", "the picture"]. */
+export const menusWith = (id) =>
+  [...new Set(Object.values(CONTEXTS).filter(({ groups }) => groups.flat().includes(id)).map(({ title }) => title))];

@@ -1,0 +1,199 @@
+// The command search: everything that can be looked for by its words, and how well it fits what was
+// typed. An entry: { id, kind, title, icon, key, off: why not, on, fields, menus, run }.
+
+import { fitOf } from '../controls/fuzzy.js';
+import { count, joined, longAgo } from '../controls/words.js';
+import { frameCount, lastFrame } from '../store/clip.js';
+import { select } from '../store/parts.js';
+import { server, setUi, ui } from '../store/state.js';
+import { inBrowser } from '../store/storage.js';
+import { entryOf, iconOf, isOn, labelOf, perform, spell, titleOf, whyNot } from './actions.js';
+import { menusWith } from './context_menus.js';
+import { allNotes, noteLine } from './notes.js';
+import { frame, goTo, isKey, segmentAt, stopPlaying } from './playhead.js';
+import { SETTINGS, SYNONYMS, TITLES } from './synonyms.js';
+import { GROUPS } from './table.js';
+
+/** @typedef {import('./actions.js').ActionId} ActionId */
+/** @typedef {{ text: string, weight: number }} Field */
+/**
+ * @typedef {object} Entry
+ * @property {string} id
+ * @property {string} kind  "Action", or what else it is.
+ * @property {string} group  The heading it stands under while nothing is typed.
+ * @property {string} title
+ * @property {string} [icon]
+ * @property {string} [side]  Of the body, where it is a part.
+ * @property {string} [key]  The key that does the same.
+ * @property {string} off
+ * @property {boolean} [on]
+ * @property {string} more  Where else it is.
+ * @property {Field[]} fields
+ * @property {() => unknown} run
+ */
+
+/** These are done to something that is pointed at; what of them one looks for stands elsewhere. */
+const NOT_ALONE = new Set(['goTo', 'goToStep', 'duplicateKeyframe', 'openRecent', 'pinCorner', 'splitPin', 'copyKeyHere', 'search']);
+/** What the others are done to here, where it is not the playhead or what is selected. */
+const ABOUT = { zoomToSegment: () => segmentAt(frame()) ?? null };
+const HELD = { drag: 'Held while dragging', pointer: 'Done with the pointer' };
+
+const WEIGHTS = { title: 1, synonyms: 0.75, more: 0.45 };
+const FOR_RECENT = 6;
+const FOR_OFF = -12;
+const MOST_FOUND = 40;
+const MOST_RECENT = 6;
+const MOST_MENUS = 2;
+const NOTE_LETTERS = 80;
+const KEPT = 'keypose.recent-commands';
+
+/**
+ * What stands in the list for a query, the best first; for none what was used lately, then all.
+ * @param {string} query
+ * @param {string} kind  Of entries; All of them.
+ */
+export function found(query, kind = 'All') {
+  const recent = recentIds();
+  const all = allEntries().filter((one) => kind === 'All' || one.kind === kind);
+  if (!query.trim()) return kind === 'All' ? withoutQuery(all, recent) : all;
+  const ranked = all.map((entry) => ({ entry, fit: rank(entry, query, recent) })).filter(({ fit }) => fit > 0);
+  ranked.sort((a, b) => b.fit - a.fit);
+  return [...(kind === 'All' ? frameEntries(query) : []), ...ranked.slice(0, MOST_FOUND).map(({ entry }) => entry)];
+}
+
+function withoutQuery(all, recent) {
+  const lately = recent.map((id) => all.find((entry) => entry.id === id)).filter(Boolean).slice(0, MOST_RECENT);
+  const actions = all.filter((entry) => entry.kind === 'Action' && !lately.includes(entry));
+  return [...lately.map((entry) => ({ ...entry, group: 'Recent' })), ...actions];
+}
+
+function rank(entry, query, recent) {
+  const fit = fitOf(query, entry.fields);
+  if (fit === 0) return 0;
+  return fit + (recent.includes(entry.id) ? FOR_RECENT : 0) + (entry.off ? FOR_OFF : 0);
+}
+
+/** Do what an entry stands for, and remember that it was used. */
+export function runEntry(entry) {
+  remember(entry.id);
+  entry.run();
+}
+
+// --- what there is
+
+/** @returns {Entry[]} */
+export function allEntries() {
+  const all = [...actionEntries(), ...recentFiles()];
+  return server.file ? [...all, ...partEntries(), ...settingEntries(), ...noteEntries()] : all;
+}
+
+function actionEntries() {
+  return GROUPS.flatMap(({ title, actions }) =>
+    Object.keys(actions).filter((id) => !NOT_ALONE.has(id)).map((id) =>
+      actionEntry(/** @type {ActionId} */ (id), title?.() ?? 'File')),
+  );
+}
+
+/** @param {ActionId} id */
+function actionEntry(id, group) {
+  const { heard, keys = [], always } = entryOf(id);
+  const held = HELD[heard];
+  const needsFile = !server.file && !always && id !== 'openFile' ? 'Open a video first' : '';
+  const about = ABOUT[id]?.();
+  const nothingThere = about === null ? 'There is no segment here' : '';
+  const off = held ?? (needsFile || nothingThere || whyNot(id, about));
+  const title = nothingThere ? 'Zoom to segment' : TITLES[id] ?? String(labelOf(id, about));
+  const menus = menusWith(id);
+  const tip = nothingThere ? '' : String(titleOf(id, about) ?? '');
+  return made({
+    id: `action:${id}`, kind: 'Action', group, title, icon: nothingThere ? 'grow' : iconOf(id, about), off,
+    key: keys.length ? keys.map(spell).join(', ') : '', on: off ? undefined : isOn(id, about),
+    more: menus.length ? `In the menu of ${joined(menus.slice(0, MOST_MENUS))}` : '',
+    words: `${group} ${SYNONYMS[id] ?? ''}`, tip, run: () => perform(id, about),
+  });
+}
+
+function partEntries() {
+  return (server.body?.parts ?? []).map((part) => made({
+    id: `part:${part.name}`, kind: 'Part', group: 'Parts', title: part.label, side: part.side, off: '',
+    on: server.view?.selected === part.name ? true : undefined, more: 'Select this part',
+    words: `select ${part.name}`, run: () => select(part.name),
+  }));
+}
+
+function settingEntries() {
+  const tabs = [['part', 'Part'], ['body', 'Body'], ['camera', 'Camera'], ['track', 'Track']].map(([tab, label]) =>
+    made({
+      id: `tab:${tab}`, kind: 'Tab', group: 'Settings', title: `${label} tab`, icon: 'tabs', off: '', more: 'Inspector',
+      words: 'settings panel inspector properties', run: () => setUi('tab', tab),
+    }));
+  const sections = SETTINGS.map(({ title, tab, section, words }) => made({
+    id: `setting:${tab}:${section}`, kind: 'Setting', group: 'Settings', title, icon: 'tabs', off: '',
+    more: `${tab[0].toUpperCase()}${tab.slice(1)} tab`, words: `settings ${words}`,
+    run: () => {
+      setUi('tab', tab);
+      setUi('seek', section);
+    },
+  }));
+  return [...tabs, ...sections];
+}
+
+function noteEntries() {
+  return allNotes().map((note) => made({
+    id: `note:${note.frame}`, kind: 'Note', group: 'Notes', title: noteLine(note, NOTE_LETTERS), icon: 'note', off: '',
+    more: `Frame ${note.frame}`, words: `note notes ${note.frame} ${note.text}`, run: () => toFrame(note.frame),
+  }));
+}
+
+function recentFiles() {
+  const others = (ui.library?.recents ?? []).filter(({ path, missing }) => path !== server.file?.path && !missing);
+  return others.map((recent) => made({
+    id: `file:${recent.id}`, kind: 'Session', group: 'Recent sessions', title: recent.name, icon: 'film', off: '',
+    more: `${count(recent.keyframes, 'keyframe')} · ${longAgo(recent.opened_at)}`, words: 'open recent session file',
+    run: () => perform('openRecent', recent),
+  }));
+}
+
+/** "47", "frame 47", "go to 47". */
+function frameEntries(query) {
+  const [, digits] = query.trim().match(/^(?:go\s*to\s*)?(?:frame|f|keyframe|#)?\s*(\d{1,9})$/i) ?? [];
+  if (digits === undefined || frameCount() === 0) return [];
+  const to = Number(digits);
+  const off = to > lastFrame() ? `The video has frames 0 to ${lastFrame()}` : '';
+  return [made({
+    id: 'frame', kind: 'Frame', group: 'Frames', title: `Go to frame ${to}`, icon: 'flag', off,
+    more: isKey(to) ? 'Keyframe' : 'Frame', words: '', run: () => toFrame(to),
+  })];
+}
+
+function toFrame(to) {
+  stopPlaying();
+  goTo(to);
+}
+
+/** @returns {Entry} */
+function made({ words, tip = '', ...known }) {
+  const fields = [
+    { text: known.title, weight: WEIGHTS.title },
+    { text: words, weight: WEIGHTS.synonyms },
+    { text: `${known.more} ${tip}`, weight: WEIGHTS.more },
+  ];
+  return /** @type {Entry} */ ({ ...known, fields });
+}
+
+// --- what was used lately
+
+function recentIds() {
+  try {
+    const kept = JSON.parse(inBrowser.read(KEPT) ?? '[]');
+    return Array.isArray(kept) ? kept.filter((id) => typeof id === 'string') : [];
+  } catch {
+    return [];
+  }
+}
+
+function remember(id) {
+  if (id === 'frame') return;
+  const ids = [id, ...recentIds().filter((other) => other !== id)].slice(0, MOST_RECENT);
+  inBrowser.write(KEPT, JSON.stringify(ids));
+}

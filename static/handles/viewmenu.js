@@ -1,0 +1,77 @@
+// The menu of what lies in a view: of a part, of the picture where there is none. At the pointer on the
+// right button; from the keyboard of the selected part, beside it.
+
+import { contextEntries } from '../actions/context_menus.js';
+import { frame } from '../actions/playhead.js';
+import { heading, line, openMenuAt } from '../controls/menu.js';
+import { partNamed, selectedPart } from '../store/parts.js';
+import { server, ui } from '../store/state.js';
+import { view as viewNamed } from '../views/views.js';
+import { pick } from './hover.js';
+import { interaction } from './interaction.js';
+import { freeEntries } from './partmenu.js';
+import { pinEntries } from './pinmenu.js';
+import { largeView } from './scale.js';
+import { partOf, select } from './select.js';
+import { isDrawingTool } from './sketch.js';
+import { isReady, targetAt } from './targets.js';
+
+const BESIDE_PX = 16;
+
+/** The right button on a view: the menu of what is there. */
+export async function openAt(view, event) {
+  if (!isReady(view) || isDrawingTool(ui.tool) || interaction.drag) return;
+  const box = view.over.getBoundingClientRect();
+  const [x, y] = [event.clientX - box.left, event.clientY - box.top];
+  const target = targetAt(view, x, y);
+  const name = (target && partOf(target)) ?? (await pick(view, x, y)).parts[0];
+  openViewMenu(view, name, [event.clientX, event.clientY], [x, y]);
+}
+
+/**
+ * The menu of a part, by its name, or of the picture, at a place of the window.
+ * @param {any} view
+ * @param {string | undefined} name
+ * @param {[number, number]} place
+ * @param {[number, number] | null} at  In pixels of the view, where the pointer asked for it.
+ */
+export function openViewMenu(view, name, place, at = null) {
+  const part = name ? partNamed(name) : undefined;
+  if (!part) return openMenuAt(`Frame ${frame()}`, pictureEntries(view), place);
+  select(part.name);
+  const corner = at && view.name === 'main' ? view.toView(at) : null;
+  return openMenuAt(part.label, partEntries(view, part, corner), place);
+}
+
+function pictureEntries(view) {
+  const title = heading(`Frame ${frame()}`);
+  if (view.orbitBy) return [title, ...contextEntries('free'), line, ...freeEntries(view)];
+  return [title, ...contextEntries('picture')];
+}
+
+function partEntries(view, part, corner) {
+  const pins = pinEntries(part, corner);
+  const title = pins.length ? [] : [heading(part.label)];
+  const about = { turnInDepth: part, resetPart: part, otherSide: part };
+  const more = view.orbitBy
+    ? [...contextEntries('freePart', about), line, ...freeEntries(view, part)]
+    : contextEntries('part', about);
+  return [...title, ...pins, ...(pins.length ? [line] : []), ...more];
+}
+
+/** From the keyboard: the menu of the selected part, where it is seen; of the picture where none is. */
+export function listenForMenuKey() {
+  addEventListener('contextmenu', (event) => {
+    const isPointers = event.button === 2 || event.defaultPrevented;
+    const isElsewhere = /** @type {Element} */ (event.target).closest?.('input, textarea, dialog, .menu');
+    if (isPointers || isElsewhere || !server.file || !server.pose) return;
+    event.preventDefault();
+    openFromKeys(viewNamed(largeView()), selectedPart());
+  });
+}
+
+function openFromKeys(view, part) {
+  const box = view.over.getBoundingClientRect();
+  const [x, y] = part ? view.project(server.pose.points[part.name]) : [box.width / 2, box.height / 3];
+  openViewMenu(view, part?.name, [box.left + x + BESIDE_PX, box.top + y]);
+}
