@@ -15,6 +15,7 @@ from tracker.session.schema import Session
 from tracker.storage.detections import Detections
 from tracker.storage.evidence import surfaces_of
 from tracker.storage.fingerprints import segment_keys, without_part_keyframes
+from tracker.storage.part_keyframes import keyed_parts
 from tracker.surface.fit.fitter import SurfaceFitter
 from tracker.surface.source import UnratedSteps
 from tracker.surface.steps import Steps
@@ -24,7 +25,6 @@ from tracker.tracking.cues.sources import (
     GivenKeypoints,
     KeypointSource,
 )
-from tracker.tracking.parts.keyed import KeyedParts
 from tracker.tracking.pool import Progress, SegmentTracker, Task, never, run_chosen
 from tracker.tracking.tracker import Tracker
 from tracker.video import Video
@@ -68,14 +68,6 @@ def tracker_of(
         parts,
         keys,
     )
-
-
-def keyed_parts(session: Session, skeleton: Skeleton) -> list[KeyedParts]:
-    """What a session's part keyframes set right."""
-    return [
-        KeyedParts.of(skeleton, keyframe.frame, keyframe.parts, keyframe.pose(skeleton))
-        for keyframe in session.part_keyframes
-    ]
 
 
 def keypoint_source(

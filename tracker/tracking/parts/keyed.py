@@ -49,6 +49,10 @@ class KeyedParts:
         named = [skeleton.body.index(name) for name in parts]
         return cls(frame, np.flatnonzero(skeleton.below[:, named].any(axis=1)), pose)
 
+    def hanging(self, skeleton: Skeleton) -> NDArray[np.int64]:
+        """Those of the parts that hang on another one of them: their joints are exact as well."""
+        return self.parts[np.isin(skeleton.parents[self.parts], self.parts)]
+
 
 @dataclass(frozen=True, eq=False)
 class KeyedLimb:
@@ -88,7 +92,9 @@ def placed(skeleton: Skeleton, keyed: KeyedParts, rest: Pose) -> Pose:
     for top in moved:
         R_carrier = here[skeleton.parents[top], :3, :3]
         R[top] = R_carrier.T @ there[top, :3, :3]  # it goes on pointing where it points
-    return _reached(skeleton, keyed, Pose(R, t), there, moved)
+    reached = _reached(skeleton, keyed, Pose(R, t), there, moved).Rs_parent_part
+    R[keyed.parts] = reached[keyed.parts]
+    return Pose(R, t)
 
 
 def _carrier(Ts: Array, skeleton: Skeleton, top: int) -> Array:
