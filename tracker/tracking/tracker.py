@@ -28,7 +28,7 @@ from tracker.tracking.diagnostics.observability import observe, unobserved
 from tracker.tracking.drift import closing_error
 from tracker.tracking.initial.chains import fit_to_keyframes
 from tracker.tracking.method import Keypose, Method, Paper, method_of
-from tracker.tracking.parts.correct import Evidence, corrected
+from tracker.tracking.parts.correct import Evidence, corrected, expected_limb_steps
 from tracker.tracking.parts.kept import KeptOutcomes
 from tracker.tracking.parts.keyed import KeyedParts
 from tracker.tracking.result import SegmentResult
@@ -158,7 +158,7 @@ class Tracker:
         kind = (self._keys.get(span, ""), settings.model_dump_json())
         tracked = 0 if self._kept.get(kind) is not None else whole
         inside = [each for each in self._keyed_parts if span[0] < each.frame < span[1]]
-        return tracked + (1 + len(inside)) * whole if inside else whole
+        return tracked + expected_limb_steps(self.skeleton, inside, whole) if inside else whole
 
     def move_keyframe(self, frame: int, pose: Pose) -> None:
         """Give an existing keyframe another pose."""

@@ -88,6 +88,12 @@ def corrected(
     return outcome
 
 
+def expected_limb_steps(skeleton: Skeleton, keyed: Sequence[KeyedParts], whole: int) -> int:
+    """How many trajectories `corrected` is expected to yield, with so many of a whole segment."""
+    limbs = keyed_limbs(skeleton, keyed)
+    return 1 + sum((len(limb.keyed) + 1) * whole + 1 for limb in limbs)
+
+
 def _limb_corrected(
     outcome: Outcome, segment: Segment, limb: KeyedLimb, method: Keypose, seen: Evidence
 ) -> Work:
