@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Pass, Trajectory, interpolate, joined
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
