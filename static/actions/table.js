@@ -20,6 +20,7 @@ import { goToStep, noHistory } from './history.js';
 import { foldLanes } from './lanes.js';
 import { fitsFocal } from './lens.js';
 import { noNote, noteAt, toNote, whyNoNote, writeNote } from './notes.js';
+import { keyLimb, unkeyMessage, whyNotKeyLimb } from './limbs.js';
 import {
   acceptMessage, allPins, beginPin, dismissMessage, endPin, framesOf, isSoft, noProposals, pinHere, pinToFloor,
   proposedPins, togglePin, unpin, whyNoPinHere, whyNotPin,
@@ -138,6 +139,12 @@ const NOTES = {
 /** @satisfies {Record<string, Action>} */
 const POSE = {
   addKeyframe: { label: 'Add keyframe', icon: 'key', keys: ['K'], run: addKey },
+  keyLimb: {
+    label: 'Key this limb only', icon: 'part', keys: ['Shift K'], off: whyNotKeyLimb,
+    title: 'The limb is exact at this frame, the rest of the body stays with the tracker', run: keyLimb,
+  },
+  keyWhole: { label: 'Key the whole pose', icon: 'key', message: (at = frame()) => ({ do: 'add_key', frame: at }) },
+  unkeyLimb: { label: (about) => `Leave the ${about?.label?.toLowerCase() ?? 'limb'} to the tracker`, icon: 'x', message: unkeyMessage },
   deleteKeyframe: { label: 'Delete keyframe', icon: 'key', keys: ['Delete'], off: whyNotDelete, run: deleteKey },
   duplicateKeyframe: { label: 'Duplicate to frame', icon: 'copy', run: duplicateKey },
   fitPose: {

@@ -10,6 +10,7 @@ import { grabbed, hovered } from '../edit/pointer.js';
 import { drawClip, drawDamage, drawGround, drawKeyLabels, drawNothingYet, drawRuler } from './ground.js';
 import { drawCurrent, drawKeys, drawNeed, drawSuggestion } from './keymarks.js';
 import { drawDrafts, drawPlaces } from './drafts.js';
+import { drawCurrentPart, drawPartKeys } from './partmarks.js';
 import { drawSegments } from './segments.js';
 import { drawNotes } from './notes.js';
 import { drawLaneLabels, drawLanes } from './lanes.js';
@@ -59,11 +60,11 @@ const LAYERS = [
     ({ rows }) => (isScore() ? drawScores(rows.curve) : drawCurve(rows.curve, angleGrabbed()))],
   ['frames', 'suggestion', () => [suggestedFrame(), server.keys, isScore()],
     ({ rows }) => drawSuggestion(rows, bottomOf(rows))],
-  ['frames', 'keys', () => [server.keys, server.segments, keyGrabbed()], ({ rows }) => drawKeys(rows, keyGrabbed())],
+  ['frames', 'keys', () => [server.keys, server.segments, keyGrabbed()], ({ rows }) => [drawKeys(rows, keyGrabbed()), drawPartKeys(rows, keyGrabbed())]],
   ['frames', 'places', () => [server.draft, isScore()], ({ rows }) => drawPlaces(rows, bottomOf(rows))],
   ['frames', 'current', () => [frame(), keyGrabbed(), angleGrabbed(), isScore(), ...curveInputs()],
     ({ rows }) => [
-      keyGrabbed() === frame() ? null : drawCurrent(rows),
+      keyGrabbed() === frame() ? null : [drawCurrent(rows), drawCurrentPart(rows)],
       isScore() || angleGrabbed() !== null ? null : drawCurrentCurveKey(rows.curve),
     ]],
   ['frames', 'nothing', () => [server.curve, isScore()],

@@ -10,6 +10,8 @@ import { isZoomed, scrollBy } from '../../actions/window.js';
 import { BAR, barOf } from '../draw/segments.js';
 import { placeNear } from '../draw/drafts.js';
 import { keyNear } from '../draw/keymarks.js';
+import { partNear } from '../draw/partmarks.js';
+import { partKeyAt } from '../../actions/limbs.js';
 import { curveKeyNear } from '../draw/curve.js';
 import { laneAt } from '../draw/lanes.js';
 import { pinAt, proposalOf } from '../draw/pins.js';
@@ -46,6 +48,7 @@ export function listenOn(drawing, groundOf, scrollLanes) {
     const what = under(placeOf(event));
     if (what.kind === 'proposal') acceptAt(what);
     if (what.kind === 'note') perform('note', what.frame);
+    if (what.kind === 'key' && partKeyAt(what.frame)) perform('keyWhole', what.frame);
   });
   drawing.addEventListener('wheel', (event) => wheel(event, scrollLanes), { passive: false });
   // A click takes the focus away from no view and gives it to nothing here.
@@ -84,7 +87,7 @@ function under(place) {
 }
 
 function inKeys(place, rows) {
-  const key = keyNear(place.x);
+  const key = keyNear(place.x) ?? partNear(place.x);
   if (key !== null) return { kind: 'key', frame: key };
   const confirm = placeNear(place.x);
   if (confirm !== null) return { kind: 'place', frame: confirm.frame };
@@ -203,7 +206,7 @@ function menu(event) {
 export function openMenuAtHead() {
   const { left, bottom } = element.querySelector('.playhead .flag').getBoundingClientRect();
   const page = [left, bottom];
-  if (isKey(frame())) openKeyMenu(frame(), page);
+  if (isKey(frame()) || partKeyAt()) openKeyMenu(frame(), page);
   else if (segmentAt(frame())) openSegmentMenu(segmentAt(frame()), page);
   else openFramesMenu(frame(), page);
 }
