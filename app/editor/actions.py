@@ -305,6 +305,25 @@ class Floor(Edit):
     under: Name | None = None
 
 
+# --- the review
+
+
+class AcceptPlace(Edit):
+    """The motion is right at this place to review: of a part, or of the whole body."""
+
+    do: Literal["accept_place"] = "accept_place"
+    frame: FrameIndex
+    part: Name | None = None
+
+
+class CannotTell(Edit):
+    """Whether it is right there nobody can tell from the picture."""
+
+    do: Literal["cannot_tell"] = "cannot_tell"
+    frame: FrameIndex
+    part: Name | None = None
+
+
 # --- the body
 
 
@@ -614,13 +633,23 @@ Posing: TypeAlias = (
 )
 Keying: TypeAlias = AddKey | DeleteKey | MoveKey | DuplicateKey | KeyAngle | SoftenKey | ExactKey
 Pinning: TypeAlias = SetPin | ChangePin | DeletePin | SplitPin | AcceptPins | Floor
+Reviewing: TypeAlias = AcceptPlace | CannotTell
 Shaping: TypeAlias = Shape | Size | Joint | Height | Preset | ResetBody | Clavicles | Tracked
 Filming: TypeAlias = Intrinsics | FieldOfView | Lens | Distortion | Vertical | ResetUp
 Choosing: TypeAlias = AddMask | ChangeMask | DeleteMask | Settings | Observe
 Seeing: TypeAlias = CorrectKeypoint | IgnoreKeypoint | RestoreKeypoint
 Rewinding: TypeAlias = Undo | Redo | EndStroke | CancelStroke
 Editing: TypeAlias = (
-    Looking | Posing | Keying | Pinning | Shaping | Filming | Choosing | Seeing | Rewinding
+    Looking
+    | Posing
+    | Keying
+    | Pinning
+    | Reviewing
+    | Shaping
+    | Filming
+    | Choosing
+    | Seeing
+    | Rewinding
 )
 """What `app.editor.update` knows to apply."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from app.editor.judged import Judged
 from app.editor.suggest import Fitting, Suggestion, suggestion
 from app.editor.suggest_surfaces import surface_suggestion
 from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
@@ -34,7 +35,8 @@ def why_nothing_to_do(session: Session) -> str:
 
 
 def _next_of_film(keys: Sequence[int], session: Session, fitting: Fitting) -> Suggestion:
-    return suggestion(keys, session.video.frame_count, fitting, session.body.names)
+    known = Judged.over(session, fitting)
+    return suggestion(keys, session.video.frame_count, fitting, session.body.names, known)
 
 
 def _missing_of_film(session: Session) -> str:
@@ -42,7 +44,7 @@ def _missing_of_film(session: Session) -> str:
 
 
 def _next_of_surfaces(keys: Sequence[int], session: Session, fitting: Fitting) -> Suggestion:
-    return surface_suggestion(keys, session.spans, fitting)
+    return surface_suggestion(keys, session.spans, fitting, Judged.over(session, fitting))
 
 
 def _missing_of_surfaces(session: Session) -> str:

@@ -31,6 +31,7 @@ from tracker.session.drafted import Drafted
 from tracker.session.evidence import Evidence, evidence_of
 from tracker.session.pins import PinList, require_pins
 from tracker.session.results import Results
+from tracker.session.reviewed import ReviewedList
 from tracker.session.settings import (
     FrameIndex,
     IgnoreMask,
@@ -60,6 +61,7 @@ MOST: Mapping[str, int] = {
     "ignore_masks": 10_000,
     "keypoint_corrections": 10_000,
     "pins": 1_000,
+    "reviewed": 10_000,
 }
 """Far above what a person sets in a session."""
 
@@ -245,6 +247,7 @@ class Session(Plain):
         exclude_if=operator.not_,
         description="What drafting the film found besides the drafts; left out where nobody did.",
     )
+    reviewed: ReviewedList = ()
     surface: Surface | None = Field(
         default=None,
         exclude_if=operator.not_,
