@@ -14,6 +14,7 @@ from app.editor import (
     floor_edits,
     keyframe_edits,
     keypoint_edits,
+    part_edits,
     pin_edits,
     posing_edits,
     review_edits,
@@ -58,6 +59,11 @@ def _duplicate_keyframe(state: EditorState, action: do.DuplicateKey) -> Session:
     return keyframe_edits.duplicate_keyframe(state, action)
 
 
+def _key_parts(state: EditorState, action: do.KeyParts) -> Session:
+    _in_video(state, action.frame)
+    return part_edits.key_parts(state, action)
+
+
 def _in_video(state: EditorState, frame: int) -> int:
     if frame >= state.frame_count:
         raise Refused(f"The video has frames 0 to {state.frame_count - 1}.")
@@ -85,6 +91,8 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
     do.DeleteKey: EditKind(_delete_keyframe, "delete keyframe", "frame"),
     do.MoveKey: EditKind(_move_keyframe, "move keyframe", "frame"),
     do.DuplicateKey: EditKind(_duplicate_keyframe, "duplicate keyframe", "frame"),
+    do.KeyParts: EditKind(_key_parts, "add part keyframe", "frame"),
+    do.UnkeyParts: EditKind(part_edits.unkey_parts, "change part keyframe", "frame"),
     do.SoftenKey: EditKind(pin_edits.soften_key, "soften keyframe", "frame"),
     do.ExactKey: EditKind(pin_edits.soften_key, "set exact keyframe", "frame"),
     do.SetPin: EditKind(pin_edits.set_pin, "pin", "part"),

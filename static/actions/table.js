@@ -17,6 +17,7 @@ import { addKey, copyKey, deleteKey, duplicateKey, whyNotDelete } from './keying
 import { ringsAreShown } from './keypoints.js';
 import { foldLanes } from './lanes.js';
 import { fitsFocal } from './lens.js';
+import { keyLimb, unkeyMessage, whyNotKeyLimb } from './limbs.js';
 import {
   acceptMessage, allPins, beginPin, dismissMessage, endPin, framesOf, isSoft, noProposals, pinHere, pinToFloor,
   proposedPins, togglePin, unpin, whyNoPinHere, whyNotPin,
@@ -112,6 +113,11 @@ const FRAMES = {
 /** @satisfies {Record<string, Action>} */
 const POSE = {
   addKeyframe: { label: 'Add keyframe', icon: 'key', keys: ['K'], run: addKey },
+  keyLimb: {
+    label: 'Key this limb only', icon: 'part', keys: ['Shift K'], off: whyNotKeyLimb,
+    title: 'The limb is exact at this frame, the rest of the body stays with the tracker', run: keyLimb,
+  },
+  unkeyLimb: { label: (about) => `Leave the ${about?.label?.toLowerCase() ?? 'limb'} to the tracker`, icon: 'x', message: unkeyMessage },
   deleteKeyframe: { label: 'Delete keyframe', icon: 'key', keys: ['Delete'], off: whyNotDelete, run: deleteKey },
   duplicateKeyframe: { label: 'Duplicate to frame', icon: 'copy', run: duplicateKey },
   fitPose: {

@@ -146,7 +146,7 @@
 /**
  * @typedef {object} Pose  At the present frame.
  * @property {number} frame
- * @property {'keyframe' | 'draft' | 'tracked' | 'between' | 'held' | 'opening'} source
+ * @property {'keyframe' | 'draft' | 'tracked' | 'part' | 'between' | 'held' | 'opening'} source
  * @property {string | null} stroke
  * @property {Record<string, number[]>} T  Part to camera: three rows of four.
  * @property {Record<string, Point>} points
@@ -154,6 +154,14 @@
  * @property {Point} root
  * @property {Record<string, Axis[]>} at_limit
  * @property {Gesture | null} gesture
+ */
+
+/**
+ * @typedef {object} PartKeyframe  Of some limbs alone.
+ * @property {number} frame
+ * @property {string[]} parts
+ * @property {{ label: string, side: 'L' | 'R' | 'C' }[]} limbs  What they are called, and their colours.
+ * @property {string} words  "right arm only"
  */
 
 /**
@@ -400,7 +408,7 @@
  * @property {Body | null} body
  * @property {Looks | null} view
  * @property {Pose | null} pose
- * @property {{ frames: number[], drafts: number[], soft: number[] }} keys
+ * @property {{ frames: number[], drafts: number[], soft: number[], parts: PartKeyframe[] }} keys
  * @property {Segment[]} segments
  * @property {ExpectedError[]} errors  The worst parts of every segment, the worst first.
  * @property {Review | null} review
