@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any, Final
 
@@ -55,7 +55,7 @@ class Judged:
     def over(cls, doc: Session, fitting: Mapping[Span, SegmentResult]) -> Judged:
         """Of a session whose present segments have these results, finished or not."""
         return cls(
-            tracks={span: track for span, track in fitting.items() if track.finished},
+            tracks={span: _keyed(doc, track) for span, track in fitting.items() if track.finished},
             parts=doc.body.names,
             skeleton=Skeleton.of(doc.body),
             camera=doc.camera,
@@ -145,6 +145,18 @@ class Judged:
         track = next((t for t in self.tracks.values() if t.first <= said.frame <= t.last), None)
         end = None if track is None else self.far_end_m(track, said.frame, said.part)
         return end is not None and bool(np.linalg.norm(end - said.seen_m) <= STILL_M)
+
+
+def _keyed(doc: Session, track: SegmentResult) -> SegmentResult:
+    """Without an expected error where a part was keyed by itself."""
+    keys = [key for key in doc.part_keyframes if track.first < key.frame < track.last]
+    errors = track.diagnostics.expected_error
+    if errors is None or not keys:
+        return track
+    errors = errors.copy()
+    for key in keys:
+        errors[key.frame - track.first, [doc.body.index(name) for name in key.parts]] = 0.0
+    return replace(track, diagnostics=replace(track.diagnostics, expected_error=errors))
 
 
 def far_end(body: Body, index: int) -> tuple[float, float, float]:

@@ -102,17 +102,23 @@ def is_past_mending(track: SegmentResult) -> bool:
 
 
 def _found(known: Judged, track: SegmentResult) -> Iterator[Problem]:
-    first = _first(known, track)
+    first, verdict = _first(known, track), track.verdict
     told = [] if first is None else [first]
-    verdict = track.verdict
-    is_unsaid = first is not None and first.cause in BY_MOTION
-    if is_unsaid and track.kind != "good" and verdict is not None:
-        told.append(_by_verdict(known, track, verdict, _go(known, track, verdict), "look"))
+    if first is not None and verdict is not None and not _says(first, verdict):
+        said = _by_verdict(known, track, verdict, _go(known, track, verdict), "look")
+        told += [] if _is_same(known, said, first) else [said]
     for doubt in doubts(track, known.limbs):
         one = _of_limb(known, track, doubt)
         if not any(_is_same(known, one, other) for other in told):
             told.append(one)
     yield from told
+
+
+def _says(found: Problem, verdict: Verdict) -> bool:
+    """Whether a problem says what the verdict says."""
+    return verdict.kind == "good" or (
+        found.cause not in BY_MOTION and verdict.part in (None, found.part)
+    )
 
 
 def _first(known: Judged, track: SegmentResult) -> Problem | None:
@@ -144,18 +150,17 @@ def _inside(track: SegmentResult, frame: int) -> int:
 
 
 def _where_it_gains(known: Judged, track: SegmentResult, verdict: Verdict) -> Problem:
-    """At the frame where a keyframe would mend most: by the verdict where that is about it, else a
-    limb in doubt there, else by how the body moves."""
-    frame = _inside(track, track.first + int(possible_drift_px(track).argmax()))
+    """Where the limb that is most in doubt is farthest off; without one at the frame where a
+    keyframe would mend most, by the verdict where that is about it, else by how the body moves."""
+    doubtful = next(iter(doubts(track, known.limbs)), None)
+    row = int(possible_drift_px(track).argmax()) if doubtful is None else doubtful.row
+    frame = _inside(track, track.first + row)
     if verdict.kind != "good" and _is_about(verdict, frame):
-        return _by_verdict(known, track, verdict, frame, "key")
-    row = frame - track.first
-    for doubt in doubts(track, known.limbs):
-        if doubt.first <= row <= doubt.last:
-            errors = part_errors_px(track)
-            assert errors is not None
-            here = doubt._replace(row=row, px=float(errors[row, doubt.part]))
-            return replace(_of_limb(known, track, here), remedy="key")
+        limb = known.limb_of(verdict.part)
+        if verdict.part is None or doubtful is None or doubtful.part in limb:
+            return _by_verdict(known, track, verdict, frame, "key")
+    if doubtful is not None:
+        return replace(_of_limb(known, track, doubtful), remedy="key")
     cause, frames = _how_it_moves(known, track, frame)
     found = Problem(track.span, verdict.kind, cause, frame, frames, None, "key")
     return _sized(known, track, found)

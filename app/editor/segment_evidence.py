@@ -32,7 +32,7 @@ LEAST_PX = 3.0
 """Nothing that is expected to be off by less is worth a look."""
 NEAR_PEAK = 0.9
 """Frames of nearly the largest error are as good a place: among them a keyframe gains most."""
-GAP = 2
+GAP = 4
 """Frames in doubt that are so far apart are one place."""
 
 

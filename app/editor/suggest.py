@@ -17,7 +17,7 @@ from app.editor.problems import (
     is_worth_a_keyframe,
     problem_of,
 )
-from app.editor.segment_evidence import gain, possible_drift_px
+from app.editor.segment_evidence import gain, part_errors_px, possible_drift_px
 from app.editor.verdict_text import add_keyframe, frame_range
 from tracker.storage.results import Span
 from tracker.tracking.result import SegmentResult
@@ -94,11 +94,19 @@ def _by_gain(known: Judged, tracks: Sequence[SegmentResult]) -> Suggestion | Non
         return _about(known, max(wrong, key=_need))
     worth = [t for t in waiting if not is_past_mending(t) and is_worth_a_keyframe(known, t)]
     if worth:
-        best = max(worth, key=lambda track: (float(possible_drift_px(track).sum()), gain(track)))
-        return _about(known, best)
+        return _about(known, max(worth, key=lambda track: _gains_by(known, track)))
     if bad:
         return _about(known, max(bad, key=lambda track: (track.kind == "lost", _need(track))))
     return None
+
+
+def _gains_by(known: Judged, track: SegmentResult) -> tuple[float, float, float]:
+    """How much a keyframe would mend: by the joint that is farthest off where joints tell, else by
+    what may have drifted."""
+    found = problem_of(known, track)
+    tells = part_errors_px(track) is not None
+    px = found.px if tells and found is not None and found.px is not None else 0.0
+    return px, float(possible_drift_px(track).sum()), gain(track)
 
 
 def _is_open(known: Judged, track: SegmentResult) -> bool:

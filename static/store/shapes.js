@@ -556,6 +556,10 @@
  * @property {{ width: number, height: number }} [timeSize]
  * @property {{ first: number, last: number }} [timeWindow]
  * @property {'shown' | 'over' | null} [zoomHint]
+ * @property {import('../actions/review_list.js').ReviewList | null} [review]  Null while nothing is reviewed.
+ * @property {number | null} [reviewGoal]  As somebody chose it, pixels.
+ * @property {boolean} [reviewLeft]  It was closed before its end.
+ * @property {boolean} [reviewDone]  The places that were answered are listed.
  */
 
 /** @typedef {keyof Sections | `u:${keyof Ui}`} Watched  What a room can watch. */
