@@ -17,16 +17,19 @@ class _Advice:
     """next: of the keyframes' frames, the session and its results.  missing: of a session without
     a segment, what it lacks."""
 
-    next: Callable[[Sequence[int], Session, Fitting], Suggestion]
+    next: Callable[[Sequence[int], Session, Judged], Suggestion]
     missing: Callable[[Session], str]
 
 
-def next_step(keys: Sequence[int], session: Session, fitting: Fitting) -> Suggestion:
+def next_step(
+    keys: Sequence[int], session: Session, fitting: Fitting, known: Judged | None = None
+) -> Suggestion:
     """The one thing that helps most. keys: frames of the keyframes, ascending.
 
     fitting: the results of the present segments; unfinished ones count as none.
+    known: the same, where what is wrong with them was asked for already.
     """
-    return _ADVICE.of(session).next(keys, session, fitting)
+    return _ADVICE.of(session).next(keys, session, known or Judged.over(session, fitting))
 
 
 def why_nothing_to_do(session: Session) -> str:
@@ -34,17 +37,16 @@ def why_nothing_to_do(session: Session) -> str:
     return _ADVICE.of(session).missing(session)
 
 
-def _next_of_film(keys: Sequence[int], session: Session, fitting: Fitting) -> Suggestion:
-    known = Judged.over(session, fitting)
-    return suggestion(keys, session.video.frame_count, fitting, session.body.names, known)
+def _next_of_film(keys: Sequence[int], session: Session, known: Judged) -> Suggestion:
+    return suggestion(keys, session.video.frame_count, known.tracks, known.parts, known)
 
 
 def _missing_of_film(session: Session) -> str:
     return "Add a second keyframe first."
 
 
-def _next_of_surfaces(keys: Sequence[int], session: Session, fitting: Fitting) -> Suggestion:
-    return surface_suggestion(keys, session.spans, fitting, Judged.over(session, fitting))
+def _next_of_surfaces(keys: Sequence[int], session: Session, known: Judged) -> Suggestion:
+    return surface_suggestion(keys, session.spans, known.tracks, known)
 
 
 def _missing_of_surfaces(session: Session) -> str:

@@ -128,11 +128,15 @@ class Judged:
         limb = self.limb_of(part)
         return seen[0] if seen and self.index(seen[0]) not in limb else None
 
-    def answer(self, part: str | None, frame: int) -> Reviewed | None:
-        """What a person said of a part at a frame, where the motion is still that; the newest."""
+    def answer(self, part: str | None, frame: int, span: Span | None = None) -> Reviewed | None:
+        """What a person said of a part at a frame, where the motion is still that; the newest.
+
+        span: of the segment that was looked at; neighbours share a keyframe.
+        """
         limb = self.limb_of(part)
         for said in reversed(self.reviewed):
             is_then = said.first_frame <= frame <= said.last_frame
+            is_then = is_then and (span is None or span[0] <= said.frame <= span[1])
             if is_then and self.index(said.part) in limb and self.counts(said):
                 return said
         return None

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Final, Literal, TypeAlias
+from weakref import WeakKeyDictionary
 
 from app.editor.judged import Judged
 from app.editor.segment_evidence import (
@@ -79,7 +80,14 @@ def problem_of(known: Judged, track: SegmentResult) -> Problem | None:
 
 def problems_of(known: Judged, track: SegmentResult) -> tuple[Problem, ...]:
     """All of a segment: first what is wrong with it as a whole, then limbs in doubt."""
-    return tuple(_answered(known, one) for one in _found(known, track))
+    told = _TOLD.setdefault(known, {})
+    if track.span not in told:
+        told[track.span] = tuple(_answered(known, one) for one in _found(known, track))
+    return told[track.span]
+
+
+_TOLD: WeakKeyDictionary[Judged, dict[Span, tuple[Problem, ...]]] = WeakKeyDictionary()
+"""Found once, and asked for by everything that speaks of a segment."""
 
 
 def is_worth_a_keyframe(known: Judged, track: SegmentResult) -> bool:
@@ -250,5 +258,5 @@ def _is_same(known: Judged, one: Problem, other: Problem) -> bool:
 
 
 def _answered(known: Judged, found: Problem) -> Problem:
-    said = known.answer(found.part, found.frame)
+    said = known.answer(found.part, found.frame, found.span)
     return found if said is None else replace(found, answer=said.answer)

@@ -112,7 +112,8 @@ def suggest(app_state: AppState) -> Json:
     if edit is None:
         return None
     fitting = edit.results.fitting(edit.settled)
-    found = next_step(edit.keys, edit.settled, fitting)
+    known = Judged.of(edit.settled, edit.results)
+    found = next_step(edit.keys, edit.settled, fitting, known)
     return {
         "frame": found.frame,
         "title": found.title,
