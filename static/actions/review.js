@@ -33,7 +33,7 @@ export const places = () => placesAbove(server.review?.places ?? [], goal());
 export const place = () => (ui.review ? currentRow(ui.review) : undefined);
 
 export function mountReview() {
-  watch(['review'], followAnswers);
+  watch(['review', 'done'], followAnswers);
   watch(['keys', 'u:dragging'], followKeys);
   watch(['file'], () => server.file?.path !== before?.path && leave());
 }
@@ -90,6 +90,7 @@ export function answer(said) {
 /** To the next place (1), or back to the previous one (−1); the list is ranked anew. */
 export function turn(way) {
   clearTimeout(timer);
+  setUi('reviewHeld', null);
   if (ui.review) change(turned(ui.review, places(), way));
 }
 
@@ -97,6 +98,13 @@ export function turn(way) {
 export function visit(id) {
   clearTimeout(timer);
   if (ui.review) change({ ...ui.review, current: id });
+}
+
+/** To a place that was clicked outside of the list. */
+export function visitOrOpen(id) {
+  if (!isReviewing()) toggleReview();
+  if (!ui.review.rows.some((row) => row.id === id)) turn(1);
+  if (ui.review.rows.some((row) => row.id === id)) visit(id);
 }
 
 function note(id, what) {
@@ -127,8 +135,9 @@ function show(row) {
 function followAnswers() {
   if (!ui.review || !isCaughtUp()) return;
   const list = withUndone(ui.review, server.review?.places ?? []);
-  if (list !== ui.review) change(list);
-  else if (ui.review.current === null && places().length) change(turned(ui.review, places(), 1));
+  const isOver = list.current === null || !list.rows.length;
+  if (isOver && places().length) change(turned(list, places(), 1));
+  else if (list !== ui.review) change(list);
 }
 
 /** A keyframe at the place, of the limb or of all, corrects it; after a moment the list goes on. */

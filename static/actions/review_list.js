@@ -8,7 +8,7 @@
  * @typedef {object} ReviewList
  * @property {ReviewPlace[]} rows  As they were ranked last; answered ones stay among them until the next N.
  * @property {string | null} current  The row's id; null where nothing is left.
- * @property {{ id: string, frame: number, answer: Answer }[]} done  In the order of the answers.
+ * @property {{ id: string, frame: number, label: string, answer: Answer }[]} done  In the order of the answers.
  */
 
 /**
@@ -45,7 +45,7 @@ export const currentRow = (list) => list.rows.find(({ id }) => id === list.curre
 export function answered(list, id, answer) {
   const row = list.rows.find((each) => each.id === id);
   if (!row || answerOf(list, id)) return list;
-  const after = { ...list, done: [...list.done, { id, frame: row.frame, answer }] };
+  const after = { ...list, done: [...list.done, { id, frame: row.frame, label: row.label, answer }] };
   return { ...after, current: beside(openRows(after), list.rows, id, 1)?.id ?? null };
 }
 

@@ -9,7 +9,7 @@ import { dropdown } from '../controls/dropdown.js';
 import { icon } from '../controls/icons.js';
 import { toggleMenu } from '../controls/menu.js';
 import { count, roughError } from '../controls/words.js';
-import { server, ui } from '../store/state.js';
+import { server, setUi, ui } from '../store/state.js';
 import './review_crop.js';
 
 /** @typedef {import('../store/shapes.js').ReviewPlace} ReviewPlace */
@@ -21,9 +21,9 @@ export function reviewPanel() {
   const open = openRows(list);
   return html`<section class="review" aria-label="Review">
     ${head(list, open.length)}
-    <div class="rv-rows" role="list">${list.rows.map((row) => drawRow(list, row))}</div>
+    <div class="rv-rows" role="list" @pointerleave=${() => setUi('reviewHeld', null)}>${list.rows.map((row) => drawRow(list, row))}</div>
     ${open.length ? nothing : ending(list)}
-    ${open.length && list.done.length ? doneRow(list) : nothing}
+    ${list.done.length ? doneRow(list) : nothing}
     ${untracked()}
   </section>`;
 }
@@ -70,7 +70,7 @@ function drawRow(list, row) {
         <span class="rv-why cut">${row.reason}</span>
       </span>
     </button>
-    ${isCurrent && !answer ? actions(row) : nothing}
+    ${isCurrent && !answer ? actions(row) : answer && ui.reviewHeld === row.id ? html`<div class="rv-held" inert>${actions(row)}</div>` : nothing}
   </div>`;
 }
 
@@ -89,15 +89,25 @@ const limbWords = (row) =>
 
 /** @param {import('../actions/actions.js').ActionId} id */
 function act(id, kind, showsKey = true) {
-  return html`<button type="button" class="btn sm ${kind}" title=${`${titleOf(id)} (${keyOf(id)})`} @click=${() => perform(id)}>
+  return html`<button type="button" class="btn sm ${kind}" title=${`${titleOf(id)} (${keyOf(id)})`} @click=${(event) => press(event, id)}>
     ${labelOf(id)}${showsKey ? html`<kbd>${keyOf(id)}</kbd>` : nothing}</button>`;
+}
+
+/** By the pointer: nothing moves under it, so the row keeps its height until it leaves. */
+function press(event, id) {
+  const isPointer = event.detail > 0;
+  if (isPointer && id !== 'nextPlace') setUi('reviewHeld', ui.review.current);
+  perform(id);
 }
 
 /** "3 done: 4, 44, 93", those which are no rows any more. */
 function doneRow(list) {
   const gone = list.done.filter(({ id }) => !list.rows.some((row) => row.id === id));
   if (!gone.length) return nothing;
-  return html`<p class="row past num">${icon('check')}${gone.length} done: ${gone.map(({ frame }) => frame).join(', ')}</p>`;
+  const listed = gone.map(({ label, frame, answer }) => html`<li>${label} <span class="num">${frame}</span> <span class="dim">${SAID[answer].toLowerCase()}</span></li>`);
+  return html`<p class="row past num">${icon('check')}${gone.length} done: ${gone.map(({ frame }) => frame).join(', ')}<span class="sp"></span>
+      <button type="button" class="btn ghost sm" aria-expanded=${Boolean(ui.reviewDone)} @click=${() => setUi('reviewDone', !ui.reviewDone)}>${ui.reviewDone ? 'Hide' : 'Show'}</button></p>
+    ${ui.reviewDone ? html`<ul class="rv-done">${listed}</ul>` : nothing}`;
 }
 
 function ending(list) {

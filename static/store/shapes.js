@@ -560,6 +560,7 @@
  * @property {number | null} [reviewGoal]  As somebody chose it, pixels.
  * @property {boolean} [reviewLeft]  It was closed before its end.
  * @property {boolean} [reviewDone]  The places that were answered are listed.
+ * @property {string | null} [reviewHeld]  A row that keeps its height while the pointer is on the list.
  */
 
 /** @typedef {keyof Sections | `u:${keyof Ui}`} Watched  What a room can watch. */

@@ -6,7 +6,9 @@ import { isSurface } from '../../store/subject.js';
 import { GUTTER, OVERVIEW, pxPerFrame, RULER, x, zoomAt } from '../draw/scale.js';
 import { isZoomed, scrollBy } from '../../actions/window.js';
 import { BAR, barOf } from '../draw/segments.js';
+import { visitOrOpen } from '../../actions/review.js';
 import { placeNear } from '../draw/drafts.js';
+import { reviewPlaceNear } from '../draw/places.js';
 import { keyNear } from '../draw/keymarks.js';
 import { curveKeyNear } from '../draw/curve.js';
 import { laneAt } from '../draw/lanes.js';
@@ -65,6 +67,8 @@ function under(place) {
   if (place.x < GUTTER) return { kind: 'gutter' };
   const strip = isZoomed() && place.y > RULER - 2 && place.y < RULER + OVERVIEW + 2;
   if (strip) return { kind: 'overview' };
+  const review = reviewPlaceNear(place.x, place.y);
+  if (review !== null) return { kind: 'review', place: review };
   if (place.y >= rows.keys.y && place.y < rows.keys.y + rows.keys.h) return inKeys(place, rows);
   const pin = pinAt(rows.pins, place);
   if (pin !== null) return pin;
@@ -97,6 +101,8 @@ function begin(what, place) {
       return grabKey(what.frame, place);
     case 'place':
       return grabHead({ ...place, x: x(what.frame) });
+    case 'review':
+      return grabHead({ ...place, x: x(what.place.frame) }, () => visitOrOpen(what.place.id));
     case 'pin':
       return grabPin(what, place);
     case 'proposal':
