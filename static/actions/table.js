@@ -118,6 +118,7 @@ const POSE = {
     label: 'Key this limb only', icon: 'part', keys: ['Shift K'], off: whyNotKeyLimb,
     title: 'The limb is exact at this frame, the rest of the body stays with the tracker', run: keyLimb,
   },
+  keyWhole: { label: 'Key the whole pose', icon: 'key', message: (at = frame()) => ({ do: 'add_key', frame: at }) },
   unkeyLimb: { label: (about) => `Leave the ${about?.label?.toLowerCase() ?? 'limb'} to the tracker`, icon: 'x', message: unkeyMessage },
   deleteKeyframe: { label: 'Delete keyframe', icon: 'key', keys: ['Delete'], off: whyNotDelete, run: deleteKey },
   duplicateKeyframe: { label: 'Duplicate to frame', icon: 'copy', run: duplicateKey },

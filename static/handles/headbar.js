@@ -5,6 +5,7 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { partNamed } from '../store/parts.js';
 import { server, setUi, ui } from '../store/state.js';
 import { keyOf, perform } from '../actions/actions.js';
+import { partKeyAt } from '../actions/limbs.js';
 import { segmentsHere } from '../actions/tracking.js';
 import { icon } from '../controls/icons.js';
 import { VERDICTS } from '../controls/verdicts.js';
@@ -34,6 +35,11 @@ function poseStatus() {
   if (source === 'draft') {
     return html`<span class="row b what draft">${icon('keyadd')}<span class="word">Frame</span> ${frame}</span>
       <span class="mut say">Posed, press <kbd>${keyOf('addKeyframe')}</kbd> to keep</span>`;
+  }
+  const part = partKeyAt(frame);
+  if (part) {
+    return html`<span class="row b what key">${icon('part')}<span class="word">Part keyframe</span> ${frame}</span>
+      <span class="mut say">${part.words}</span>`;
   }
   return html`<span class="row b what"><span class="word">Frame</span> ${frame}</span><span class="mut say">${sourceWords(source)}</span>`;
 }

@@ -160,7 +160,7 @@
  * @typedef {object} PartKeyframe  Of some limbs alone.
  * @property {number} frame
  * @property {string[]} parts
- * @property {{ label: string, side: 'L' | 'R' | 'C' }[]} limbs  What they are called, and their colours.
+ * @property {{ label: string, side: 'L' | 'R' | 'C', parts: string[] }[]} limbs  What they are called, and their colours.
  * @property {string} words  "right arm only"
  */
 

@@ -84,7 +84,10 @@ def _part_keyframe(body: Body, keyframe: PartKeyframe) -> Json:
     return {
         "frame": keyframe.frame,
         "parts": list(keyframe.parts),
-        "limbs": [{"label": label, "side": side_of(body, parts[-1])} for label, parts in limbs],
+        "limbs": [
+            {"label": label, "side": side_of(body, parts[-1]), "parts": list(parts)}
+            for label, parts in limbs
+        ],
         "words": f"{keyed_words(body, keyframe.parts)} only",
     }
 

@@ -10,6 +10,9 @@ import { visitOrOpen } from '../../actions/review.js';
 import { placeNear } from '../draw/drafts.js';
 import { reviewPlaceNear } from '../draw/places.js';
 import { keyNear } from '../draw/keymarks.js';
+import { partNear } from '../draw/partmarks.js';
+import { partKeyAt } from '../../actions/limbs.js';
+import { perform } from '../../actions/actions.js';
 import { curveKeyNear } from '../draw/curve.js';
 import { laneAt } from '../draw/lanes.js';
 import { pinAt, proposalOf } from '../draw/pins.js';
@@ -43,6 +46,7 @@ export function listenOn(drawing, groundOf, scrollLanes) {
   drawing.addEventListener('dblclick', (event) => {
     const what = under(placeOf(event));
     if (what.kind === 'proposal') acceptAt(what);
+    if (what.kind === 'key' && partKeyAt(what.frame)) perform('keyWhole', what.frame);
   });
   drawing.addEventListener('wheel', (event) => wheel(event, scrollLanes), { passive: false });
   // A click takes the focus away from no view and gives it to nothing here.
@@ -81,7 +85,7 @@ function under(place) {
 }
 
 function inKeys(place, rows) {
-  const key = keyNear(place.x);
+  const key = keyNear(place.x) ?? partNear(place.x);
   if (key !== null) return { kind: 'key', frame: key };
   const confirm = placeNear(place.x);
   if (confirm !== null) return { kind: 'place', frame: confirm.frame };
@@ -200,7 +204,7 @@ function menu(event) {
 export function openMenuAtHead() {
   const { left, bottom } = element.querySelector('.playhead .flag').getBoundingClientRect();
   const page = [left, bottom];
-  if (isKey(frame())) openKeyMenu(frame(), page);
+  if (isKey(frame()) || partKeyAt()) openKeyMenu(frame(), page);
   else if (segmentAt(frame())) openSegmentMenu(segmentAt(frame()), page);
 }
 

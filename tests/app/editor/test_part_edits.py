@@ -194,13 +194,13 @@ def test_the_page_is_told_frames_limbs_and_sides() -> None:
     (told,) = pose_values.keys(AppState(edit=state))["parts"]
     assert told["frame"] == 12
     assert told["limbs"] == [
-        {"label": "Right arm", "side": "R"},
-        {"label": "Left leg", "side": "L"},
+        {"label": "Right arm", "side": "R", "parts": list(RIGHT_ARM)},
+        {"label": "Left leg", "side": "L", "parts": list(LEFT_LEG)},
     ]
     assert told["words"] == "right arm and left leg only"
     head = keyed({**KEY_12, "parts": ["head"]})
     (told,) = pose_values.keys(AppState(edit=head))["parts"]
-    assert told["limbs"] == [{"label": "Head", "side": "C"}]
+    assert [(limb["label"], limb["side"]) for limb in told["limbs"]] == [("Head", "C")]
 
 
 def test_a_part_keyframe_not_tracked_yet_shows_the_pose_it_was_set_with() -> None:
