@@ -355,6 +355,25 @@ class Floor(Edit):
     under: Name | None = None
 
 
+# --- the review
+
+
+class AcceptPlace(Edit):
+    """The motion is right at this place to review: of a part, or of the whole body."""
+
+    do: Literal["accept_place"] = "accept_place"
+    frame: FrameIndex
+    part: Name | None = None
+
+
+class CannotTell(Edit):
+    """Whether it is right there nobody can tell from the picture."""
+
+    do: Literal["cannot_tell"] = "cannot_tell"
+    frame: FrameIndex
+    part: Name | None = None
+
+
 # --- the body
 
 
@@ -690,13 +709,24 @@ Keying: TypeAlias = (
     | ExactKey
 )
 Pinning: TypeAlias = SetPin | ChangePin | DeletePin | SplitPin | AcceptPins | Floor
+Reviewing: TypeAlias = AcceptPlace | CannotTell
 Shaping: TypeAlias = Shape | Size | Joint | Height | Preset | ResetBody | Clavicles | Tracked
 Filming: TypeAlias = Intrinsics | FieldOfView | Lens | Distortion | Vertical | UpFromFeet | ResetUp
 Choosing: TypeAlias = AddMask | ChangeMask | DeleteMask | Settings | Observe
 Seeing: TypeAlias = CorrectKeypoint | IgnoreKeypoint | RestoreKeypoint
 Rewinding: TypeAlias = Undo | Redo | GoToStep | EndStroke | CancelStroke
 Editing: TypeAlias = (
-    Looking | Posing | Keying | Noting | Pinning | Shaping | Filming | Choosing | Seeing | Rewinding
+    Looking
+    | Posing
+    | Keying
+    | Noting
+    | Pinning
+    | Reviewing
+    | Shaping
+    | Filming
+    | Choosing
+    | Seeing
+    | Rewinding
 )
 """What `app.editor.update` knows to apply."""
 

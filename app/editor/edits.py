@@ -18,6 +18,7 @@ from app.editor import (
     part_edits,
     pin_edits,
     posing_edits,
+    review_edits,
     surface_edits,
     tracking_edits,
 )
@@ -103,6 +104,8 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
     do.DeletePin: EditKind(pin_edits.delete_pin, "unpin"),
     do.SplitPin: EditKind(pin_edits.split_pin, "split a pin at", "frame"),
     do.AcceptPins: EditKind(pin_edits.accept_pins, "accept proposed pins"),
+    do.AcceptPlace: EditKind(review_edits.accept_place, "accept", "part"),
+    do.CannotTell: EditKind(review_edits.cannot_tell, "leave open", "part"),
     do.Floor: EditKind(floor_edits.set_floor, "change the floor"),
     do.Shape: EditKind(body_edits.set_shape, "change the shape of", "part"),
     do.Size: EditKind(body_edits.set_size, "resize", "part"),

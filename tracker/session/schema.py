@@ -33,6 +33,7 @@ from tracker.session.notes import NoteList, require_notes
 from tracker.session.part_keyframes import require_part_keyframes
 from tracker.session.pins import PinList, require_pins
 from tracker.session.results import Results
+from tracker.session.reviewed import ReviewedList
 from tracker.session.settings import (
     FrameIndex,
     IgnoreMask,
@@ -64,6 +65,7 @@ MOST: Mapping[str, int] = {
     "keypoint_corrections": 10_000,
     "pins": 1_000,
     "notes": 1_000,
+    "reviewed": 10_000,
 }
 """Far above what a person sets in a session."""
 
@@ -273,6 +275,7 @@ class Session(Plain):
         exclude_if=operator.not_,
         description="What drafting the film found besides the drafts; left out where nobody did.",
     )
+    reviewed: ReviewedList = ()
     surface: Surface | None = Field(
         default=None,
         exclude_if=operator.not_,

@@ -21,6 +21,7 @@ from app.store.sections import (
     motion_values,
     pin_values,
     pose_values,
+    review_values,
     scene_values,
     space_values,
     surface_values,
@@ -85,6 +86,7 @@ _TRACKED = _both(
     _settled(
         *("body", "camera", "lens_source", "keyframes", "ignore_masks", "settings", "keypoints"),
         *("part_keyframes", "keypoint_corrections", "surface", "pins", "floor_m", "up_camera"),
+        "reviewed",
     ),
     _edit("results"),
 )
@@ -120,6 +122,7 @@ SECTIONS: dict[str, _Section] = {
     "keys": _Section(_doc("body", "keyframes", "part_keyframes", "drafts"), pose_values.keys),
     "segments": _Section(_both(_TRACKED, lambda o: (o.running,)), motion_values.segments),
     "errors": _Section(_TRACKED, error_values.errors),
+    "review": _Section(_both(_TRACKED, _settled("drafts", "drafted")), review_values.review),
     "space": _Section(_TRACKED, space_values.space),
     "suggest": _Section(_both(_TRACKED, _edit("frame")), motion_values.suggest),
     "need": _Section(_TRACKED, motion_values.need),

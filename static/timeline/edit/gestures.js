@@ -8,7 +8,9 @@ import { clampFrame } from '../../store/clip.js';
 import { frameAt, GUTTER, OVERVIEW, pxPerFrame, RULER, x, zoomAt } from '../draw/scale.js';
 import { isZoomed, scrollBy } from '../../actions/window.js';
 import { BAR, barOf } from '../draw/segments.js';
+import { visitOrOpen } from '../../actions/review.js';
 import { placeNear } from '../draw/drafts.js';
+import { reviewPlaceNear } from '../draw/places.js';
 import { keyNear } from '../draw/keymarks.js';
 import { partNear } from '../draw/partmarks.js';
 import { partKeyAt } from '../../actions/limbs.js';
@@ -75,6 +77,8 @@ function under(place) {
   if (strip) return { kind: 'overview' };
   const note = noteMarkAt(place);
   if (note !== null) return { kind: 'note', frame: note };
+  const review = reviewPlaceNear(place.x, place.y);
+  if (review !== null) return { kind: 'review', place: review };
   if (place.y >= rows.keys.y && place.y < rows.keys.y + rows.keys.h) return inKeys(place, rows);
   const pin = pinAt(rows.pins, place);
   if (pin !== null) return pin;
@@ -109,6 +113,8 @@ function begin(what, place) {
       return grabNote(what.frame, place);
     case 'place':
       return grabHead({ ...place, x: x(what.frame) });
+    case 'review':
+      return grabHead({ ...place, x: x(what.place.frame) }, () => visitOrOpen(what.place.id));
     case 'pin':
       return grabPin(what, place);
     case 'proposal':
