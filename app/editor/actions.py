@@ -7,9 +7,10 @@ Frames are video frame numbers; angles degrees, sizes centimetres, as on the pag
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, TypeAlias
+from itertools import pairwise
+from typing import Annotated, Literal, Self, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, TypeAdapter
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, TypeAdapter, model_validator
 
 from app.posing import Gesture, Way
 from tracker.body.body import Dof, Name, Point
@@ -37,6 +38,7 @@ Spot: TypeAlias = tuple[Coordinate, Coordinate]
 Polygon: TypeAlias = Annotated[tuple[Spot, ...], Field(min_length=3, max_length=500)]
 Stroke: TypeAlias = Annotated[str, Field(min_length=1, max_length=60)]
 PinIndex: TypeAlias = Annotated[int, Field(ge=0, le=1000)]
+Frames: TypeAlias = Annotated[tuple[FrameIndex, ...], Field(min_length=1, max_length=10_000)]
 Landmarks: TypeAlias = Annotated[tuple[Name, ...], Field(max_length=20)]
 
 
@@ -205,6 +207,35 @@ class DuplicateKey(Edit):
     do: Literal["duplicate_key"] = "duplicate_key"
     frame: FrameIndex
     to: FrameIndex
+
+
+class DeleteKeys(Edit):
+    do: Literal["delete_keys"] = "delete_keys"
+    frames: Frames
+
+
+class RetimeKeys(Edit):
+    """Several keyframes at other frames, one for each, in the same order: moved or stretched.
+    copy_them: they stay where they are, too."""
+
+    do: Literal["retime_keys"] = "retime_keys"
+    frames: Frames
+    to: Frames
+    copy_them: bool = False
+
+    @model_validator(mode="after")
+    def _one_for_each(self) -> Self:
+        if len(self.frames) != len(self.to):
+            raise ValueError("give one frame for each keyframe")
+        for frames in (self.frames, self.to):
+            if any(a >= b for a, b in pairwise(frames)):
+                raise ValueError("give frames in ascending order, each once")
+        return self
+
+    @property
+    def is_shift(self) -> bool:
+        """Whether all of them move by as much."""
+        return len({b - a for a, b in zip(self.frames, self.to, strict=True)}) == 1
 
 
 class KeyAngle(Edit):
@@ -612,7 +643,17 @@ Posing: TypeAlias = (
     | CopyKey
     | TakeTracked
 )
-Keying: TypeAlias = AddKey | DeleteKey | MoveKey | DuplicateKey | KeyAngle | SoftenKey | ExactKey
+Keying: TypeAlias = (
+    AddKey
+    | DeleteKey
+    | DeleteKeys
+    | MoveKey
+    | RetimeKeys
+    | DuplicateKey
+    | KeyAngle
+    | SoftenKey
+    | ExactKey
+)
 Pinning: TypeAlias = SetPin | ChangePin | DeletePin | SplitPin | AcceptPins | Floor
 Shaping: TypeAlias = Shape | Size | Joint | Height | Preset | ResetBody | Clavicles | Tracked
 Filming: TypeAlias = Intrinsics | FieldOfView | Lens | Distortion | Vertical | ResetUp

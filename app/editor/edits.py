@@ -12,6 +12,7 @@ from app.editor import (
     camera_edits,
     depth_turn,
     floor_edits,
+    key_range_edits,
     keyframe_edits,
     keypoint_edits,
     pin_edits,
@@ -31,11 +32,12 @@ class EditKind:
     """One kind of edit.
 
     apply: the document after it; KeyposeError, in one sentence, when it cannot be done.
-    verb: what undo calls it.  target: the action's field that names what it is done to.
+    verb: what undo calls it, or how that is made of the action.
+    target: the action's field that names what it is done to.
     """
 
     apply: Callable[[EditorState, Any], Session]
-    verb: str
+    verb: str | Callable[[Any], str]
     target: str | None = None
 
 
@@ -83,6 +85,8 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
     do.AddKey: EditKind(_add_keyframe, "add keyframe", "frame"),
     do.DeleteKey: EditKind(_delete_keyframe, "delete keyframe", "frame"),
     do.MoveKey: EditKind(_move_keyframe, "move keyframe", "frame"),
+    do.DeleteKeys: EditKind(key_range_edits.delete_keyframes, key_range_edits.deleting),
+    do.RetimeKeys: EditKind(key_range_edits.retime_keyframes, key_range_edits.retiming),
     do.DuplicateKey: EditKind(_duplicate_keyframe, "duplicate keyframe", "frame"),
     do.SoftenKey: EditKind(pin_edits.soften_key, "soften keyframe", "frame"),
     do.ExactKey: EditKind(pin_edits.soften_key, "set exact keyframe", "frame"),
@@ -123,6 +127,8 @@ def label_of(action: do.Edit) -> str:
     if isinstance(action, do.Drag):
         return _drag_label(action)
     kind = EDITS[type(action)]
+    if not isinstance(kind.verb, str):
+        return kind.verb(action)
     target = getattr(action, kind.target) if kind.target else None
     if target is None:
         return kind.verb

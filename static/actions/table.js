@@ -13,7 +13,7 @@ import { draftCount, draftMessage, whyNotDraft } from './drafting.js';
 import {
   FILTER_HZ, copyPath, copyPicture, hasMotion, saveMotion, savePicture, saveReport,
 } from './export.js';
-import { addKey, copyKey, deleteKey, duplicateKey, whyNotDelete } from './keying.js';
+import { addKey, copyKey, duplicateKey } from './keying.js';
 import { ringsAreShown } from './keypoints.js';
 import { foldLanes } from './lanes.js';
 import { fitsFocal } from './lens.js';
@@ -28,6 +28,7 @@ import {
 import {
   atFirst, atLast, hasNoChild, isRoot, noKeyframe, noOtherSide, nothingCopied, whyNotFitPose, whyNotFitSizes, whyNotSwap,
 } from './reasons.js';
+import { deleteAny, deleteLabel, nudge, selectAll, whyNotDeleteAny, whyNotNudge, whyNotSelectAll } from './selection.js';
 import { chooseTheme, chosenTheme } from './theme.js';
 import {
   changedSegments, namesOf, trackSegment, whyNotTrack, whyNotTrackChanged, whyNotTracked, whyNotTrackThis,
@@ -112,8 +113,14 @@ const FRAMES = {
 /** @satisfies {Record<string, Action>} */
 const POSE = {
   addKeyframe: { label: 'Add keyframe', icon: 'key', keys: ['K'], run: addKey },
-  deleteKeyframe: { label: 'Delete keyframe', icon: 'key', keys: ['Delete'], off: whyNotDelete, run: deleteKey },
+  deleteKeyframe: { label: deleteLabel, icon: 'key', keys: ['Delete'], row: 'Delete keyframes', off: whyNotDeleteAny, run: deleteAny },
   duplicateKeyframe: { label: 'Duplicate to frame', icon: 'copy', run: duplicateKey },
+  selectAllKeyframes: { label: 'Select all keyframes', keys: ['Ctrl A'], off: whyNotSelectAll, run: selectAll },
+  selectRange: { label: 'Select a range, one more', keys: ['Shift Click', 'Ctrl Click'], heard: 'pointer' },
+  earlier: nudging(-1, 'ArrowLeft'),
+  later: nudging(1, 'ArrowRight'),
+  tenEarlier: nudging(-10, 'Shift ArrowLeft'),
+  tenLater: nudging(10, 'Shift ArrowRight'),
   fitPose: {
     label: 'Fit pose', icon: 'wand', keys: ['F'], off: whyNotFitPose,
     title: () => `Refine the pose to match the ${words().image}`,
@@ -379,6 +386,14 @@ export const ACTIONS = { ...FRAMES, ...POSE, ...PINS, ...TRACK, ...TOOLS, ...VIE
 /** @typedef {keyof typeof ACTIONS} ActionId */
 
 // --- entries that are alike
+
+function nudging(by, chord) {
+  const label = `Move selected keyframes ${Math.abs(by) === 1 ? 'one frame' : 'ten frames'} ${by < 0 ? 'earlier' : 'later'}`;
+  return {
+    label, keys: [`Ctrl ${chord}`], row: 'Move selected keyframes', ...REPEATS,
+    off: () => whyNotNudge(by), run: () => nudge(by),
+  };
+}
 
 function tool(name) {
   return { on: () => ui.tool === name, run: () => setUi('tool', name) };

@@ -5,6 +5,7 @@ import { BY_CHORD, perform } from '../actions/actions.js';
 import { closeSheets } from '../controls/dialogs.js';
 import { keepsKey, leaveControl } from '../controls/focus.js';
 import { closeMenu } from '../controls/menu.js';
+import { clearSelection } from '../actions/selection.js';
 import { closeGuide } from '../guide/guide.js';
 import { discardSizes, lookBack, onPreviewKey } from '../actions/preview.js';
 import { closeFit } from './fit_card.js';
@@ -68,7 +69,7 @@ function onKeyDown(event) {
 
 /** What Esc ends, the nearest first; whether there was anything. */
 function escape() {
-  return closeSheets() || closeMenu() || leaveControl() || discardSizes() || closeFit() || closeGuide() || cancelJob();
+  return closeSheets() || closeMenu() || leaveControl() || discardSizes() || clearSelection() || closeFit() || closeGuide() || cancelJob();
 }
 
 /** A text that is marked in a message is what Ctrl C should copy. */

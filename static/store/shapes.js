@@ -500,6 +500,7 @@
  * @property {number} [timeHead]
  * @property {any} [timeGrabbed]
  * @property {any} [timeHover]
+ * @property {number[]} [timeKeys]  Frames of the keyframes that were selected.
  * @property {number | null} [timePin]  The pin whose bar was clicked.
  * @property {Set<string>} [timeOpen]
  * @property {number} [timeScroll]

@@ -30,7 +30,7 @@ function transport() {
     ${button('firstFrame')}${button('previousKeyframe')}${button('previousFrame')}${button('play')}
     ${button('nextFrame')}${button('nextKeyframe')}${button('lastFrame')}
     ${frameBox()}
-    ${isKey(frame()) ? button('deleteKeyframe', { pressed: true }) : button('addKeyframe', { pressed: false })}
+    ${isKey(frame()) ? actionIcon('deleteKeyframe', frame(), { size: '', pressed: true }) : button('addKeyframe', { pressed: false })}
     ${keyFrames().length > 0 ? button('middle') : nothing}
     <span class="vsep"></span>`;
 }

@@ -9,12 +9,14 @@ import { clamp, shortNumber, signedNumber } from '../../controls/arithmetic.js';
 import { GUTTER, right, RULER, x } from './scale.js';
 import { around, frame, isKey, placesToConfirm, segmentAt, draftFrames } from '../../actions/playhead.js';
 import { reasonOf } from '../../actions/drafting.js';
+import { selectedKeys } from '../../actions/selection.js';
 import { diamond } from './keymarks.js';
 import { BAR, barOf } from './segments.js';
 import { grabbed, hovered } from '../edit/pointer.js';
 import { scale, valueAt } from './curve.js';
 import { allPins, framesOf } from '../../actions/pins.js';
 import { belowPin, proposalOf } from './pins.js';
+import { drawBox, drawMovingKeys } from './selection.js';
 
 export function flagWidth() {
   return 16 + 9 * String(frame()).length;
@@ -61,6 +63,8 @@ const LETTER_PX = 6.6;
 export function drawGrabbed(rows) {
   const what = grabbed();
   if (what?.kind === 'key') return drawMovingKey(what, rows);
+  if (what?.kind === 'keys') return drawMovingKeys(what, rows, label);
+  if (what?.kind === 'box') return drawBox(what, rows);
   if (what?.kind === 'pin') return drawPinDrag(what, rows);
   if (what?.kind === 'angle') return drawAngle(what, rows);
   return what === null ? drawHover(rows) : nothing;
@@ -120,6 +124,7 @@ function drawHover(rows) {
     return svg`<path class="hover" d=${diamond(x(what.frame), middle, 9.5)} />
       ${label(`Keyframe ${what.frame}`, x(what.frame), middle + 23)}`;
   }
+  if (what.kind === 'grip') return drawGripHover(what, rows);
   if (what.kind === 'pin' || what.kind === 'proposal') return drawPinHover(what, rows);
   if (what.kind === 'place') return drawPlaceHover(what.frame, rows);
   if (what.kind === 'curvekey') return drawCurveHover(what.frame, rows);
@@ -128,6 +133,12 @@ function drawHover(rows) {
   const { from, to } = barOf(segment);
   return svg`<rect class="hover" x=${from - 1.5} y=${middle - BAR.half - 1.5} rx="4"
     width=${Math.max(1, to - from) + 3} height=${2 * BAR.half + 3} />`;
+}
+
+function drawGripHover({ end }, rows) {
+  const frames = selectedKeys();
+  const at = end === 'first' ? frames[0] : frames.at(-1);
+  return at === undefined ? nothing : label('Drag to stretch', x(at), rows.keys.middle + 23);
 }
 
 function drawPinHover(what, rows) {

@@ -3,7 +3,7 @@
 import { server, ui } from '../../store/state.js';
 import { follow } from '../../controls/gesture.js';
 import { isSurface } from '../../store/subject.js';
-import { GUTTER, OVERVIEW, pxPerFrame, RULER, x, zoomAt } from '../draw/scale.js';
+import { frameAt, GUTTER, OVERVIEW, pxPerFrame, RULER, x, zoomAt } from '../draw/scale.js';
 import { isZoomed, scrollBy } from '../../actions/window.js';
 import { BAR, barOf } from '../draw/segments.js';
 import { placeNear } from '../draw/drafts.js';
@@ -11,11 +11,14 @@ import { keyNear } from '../draw/keymarks.js';
 import { curveKeyNear } from '../draw/curve.js';
 import { laneAt } from '../draw/lanes.js';
 import { pinAt, proposalOf } from '../draw/pins.js';
+import { gripNear } from '../draw/selection.js';
 import { grabOverview } from '../draw/overview.js';
 import { grabAngle, grabHead, grabKey, selectFrom } from './drags.js';
+import { grabBox, grabKeys, grabSelectionEnd } from './range_drags.js';
 import { openKeyMenu, openPinMenu, openProposalMenu, openSegmentMenu } from './menus.js';
 import { acceptAt, grabPin, grabProposal } from './pin_drags.js';
-import { frame, isKey, segmentAt } from '../../actions/playhead.js';
+import { chooseOnly, clearSelection, extendTo, isSelected, selectedKeys, toggleKey } from '../../actions/selection.js';
+import { frame, goTo, isKey, segmentAt, stopPlaying } from '../../actions/playhead.js';
 import { setHovered } from './pointer.js';
 
 const CLICK_PX = 3;
@@ -59,13 +62,17 @@ function placeOf(event) {
   };
 }
 
-/** What is under a place: {kind, ...}; the kind "frames" is everywhere else. */
+/** What is under a place: {kind, ...}; "ground" is the row of keyframes, "frames" everywhere else. */
 function under(place) {
   const { rows, lanes, scroll } = ground();
-  if (place.x < GUTTER) return { kind: 'gutter' };
+  const isInKeys = place.y >= rows.keys.y && place.y < rows.keys.y + rows.keys.h;
+  const grip = isInKeys ? gripNear(place.x) : null;
+  if (grip !== null) return { kind: 'grip', end: grip };
+  // A box over the first keyframe begins beside it.
+  if (place.x < GUTTER) return { kind: isInKeys ? 'beside' : 'gutter' };
   const strip = isZoomed() && place.y > RULER - 2 && place.y < RULER + OVERVIEW + 2;
   if (strip) return { kind: 'overview' };
-  if (place.y >= rows.keys.y && place.y < rows.keys.y + rows.keys.h) return inKeys(place, rows);
+  if (isInKeys) return inKeys(place, rows);
   const pin = pinAt(rows.pins, place);
   if (pin !== null) return pin;
   const lane = laneAt(rows, lanes, place.y, scroll);
@@ -81,12 +88,39 @@ function inKeys(place, rows) {
   if (key !== null) return { kind: 'key', frame: key };
   const confirm = placeNear(place.x);
   if (confirm !== null) return { kind: 'place', frame: confirm.frame };
-  if (Math.abs(place.y - rows.keys.middle) > BAR.half + 3) return { kind: 'frames' };
+  if (Math.abs(place.y - rows.keys.middle) > BAR.half + 3) return { kind: 'ground' };
   const segment = (server.segments ?? []).find((s) => {
     const { from, to } = barOf(s);
     return place.x >= from - 1 && place.x <= to + 1;
   });
-  return segment ? { kind: 'segment', segment } : { kind: 'frames' };
+  return segment ? { kind: 'segment', segment } : { kind: 'ground' };
+}
+
+/** A click on a keyframe goes there; with Shift it extends the selection, with Ctrl it toggles the keyframe. */
+function clickKey(at, place) {
+  if (place.ctrl) return toggleKey(at);
+  if (place.shift) return extendTo(at);
+  chooseOnly(at);
+  return goTo(at);
+}
+
+const grabKeyAt = (at, place) => {
+  const click = () => clickKey(at, place);
+  if (isSelected(at) && selectedKeys().length > 1) return grabKeys(at, place, click);
+  const alone = grabKey(at, place, click);
+  const end = () => {
+    clearSelection();
+    alone.end();
+  };
+  return { ...alone, end };
+};
+
+/** A click on the row goes there and lets go of the selection, then does what else it does here. */
+function clickGround(place, more = () => {}) {
+  clearSelection();
+  stopPlaying();
+  goTo(frameAt(place.x));
+  more();
 }
 
 function begin(what, place) {
@@ -94,7 +128,13 @@ function begin(what, place) {
     case 'overview':
       return grabOverview(place.x);
     case 'key':
-      return grabKey(what.frame, place);
+      return grabKeyAt(what.frame, place);
+    case 'grip':
+      return grabSelectionEnd(what.end, place);
+    case 'beside':
+      return grabBox(place, () => {});
+    case 'ground':
+      return grabBox(place, () => clickGround(place));
     case 'place':
       return grabHead({ ...place, x: x(what.frame) });
     case 'pin':
@@ -104,7 +144,7 @@ function begin(what, place) {
     case 'curvekey':
       return grabAngle(what.frame, ground().rows.curve, place);
     case 'segment':
-      return grabHead(place, () => openSegmentMenu(what.segment, place.page));
+      return grabBox(place, () => clickGround(place, () => openSegmentMenu(what.segment, place.page)));
     case 'lane':
       return grabHead(place, () => selectFrom(what.lane, frame()));
     case 'frames':
@@ -171,12 +211,12 @@ function drop() {
   gesture = null;
 }
 
-const CURSORS = { key: 'grab', curvekey: 'ns-resize', segment: 'pointer', place: 'pointer', overview: 'grab', pin: 'grab', proposal: 'pointer' };
+const CURSORS = { key: 'grab', grip: 'ew-resize', curvekey: 'ns-resize', segment: 'pointer', place: 'pointer', overview: 'grab', pin: 'grab', proposal: 'pointer' };
 
 function pointAt(what) {
   element.style.cursor = (what.kind === 'pin' && what.end !== 'middle' ? 'ew-resize' : CURSORS[what.kind]) ?? '';
   if (what.kind === 'segment') setHovered({ kind: 'segment', first: what.segment.first });
-  else if (['key', 'curvekey', 'place', 'pin', 'proposal'].includes(what.kind)) setHovered(what);
+  else if (['key', 'grip', 'curvekey', 'place', 'pin', 'proposal'].includes(what.kind)) setHovered(what);
   else setHovered(null);
 }
 

@@ -8,6 +8,7 @@ ui.timeHover = null;
 /**
  * null | {kind: "scrub"} | {kind: "pan"}
  * | {kind: "key", from, to, copy, taken, refused} | {kind: "angle", frame, axis, from, deg}
+ * | {kind: "box", from, to} | {kind: "keys", frames, to, held, end: "first" | "last" | null, copy, taken, refused}
  * | {kind: "pin", index, end: "first" | "last" | "middle", from: {first, last}}
  */
 export function grabbed() {
@@ -18,7 +19,8 @@ export function setGrabbed(what) {
   setUi('timeGrabbed', what);
 }
 
-/** null | {kind: "key", frame} | {kind: "segment", first, last} | {kind: "curvekey", frame} | {kind: "place", frame}
+/** null | {kind: "key", frame} | {kind: "grip", end} | {kind: "segment", first, last} | {kind: "curvekey", frame} | {kind: "place", frame}
+ * | {kind: "box", from, to} | {kind: "keys", frames, to, held, end: "first" | "last" | null, copy, taken, refused}
  * | {kind: "pin", index, end} | {kind: "proposal", part, first} */
 export function hovered() {
   return ui.timeHover;
