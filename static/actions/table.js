@@ -2,7 +2,6 @@
 // done and how. The keyboard, the sheet of keys, menus, buttons and their tips are made from it.
 
 import { openChooser, toggleSheet } from '../controls/dialogs.js';
-import { lastFrame } from '../store/clip.js';
 import { partNamed, selectedPart } from '../store/parts.js';
 import { server, setUi, ui } from '../store/state.js';
 import { words } from '../store/subject.js';
@@ -22,9 +21,9 @@ import {
   proposedPins, togglePin, unpin, whyNoPinHere, whyNotPin,
 } from './pins.js';
 import {
-  frame, goTo, isKey, keyBeside, middle, next, nextProblem, problems, step, suggestedFrame, toFirst,
-  togglePlaying, toKey, toLast,
+  frame, goTo, isKey, keyBeside, middle, next, nextProblem, problems, step, suggestedFrame, toFirst, toKey, toLast,
 } from './playhead.js';
+import { clearSpan, playBack, playFaster, setIn, setOut, stop, toggleLoop, togglePlaying, whyNotClear, whyNotPlay } from './playing.js';
 import {
   atFirst, atLast, hasNoChild, isRoot, noKeyframe, noOtherSide, nothingCopied, whyNotFitPose, whyNotFitSizes, whyNotSwap,
 } from './reasons.js';
@@ -55,8 +54,8 @@ import { isZoomed, zoomTo, zoomToInterval } from './window.js';
  * @property {(...about: any[]) => unknown} [run]
  * @property {boolean} [repeats]  while its key stays down; where it leads nowhere, nothing is said
  * @property {boolean} [always]  also while no file is open
- * @property {'drag' | 'pointer' | 'escape' | 'release'} [heard]  by whom its keys are heard, if not
- *   by the keyboard's table: by a drag, by a view, by Esc in its order, when Space is let go
+ * @property {'drag' | 'pointer' | 'escape' | 'release' | 'playing'} [heard]  by whom its keys are heard, if not
+ *   by the keyboard's table: by a drag, by a view, by Esc in its order, when Space is let go, while it plays
  */
 
 const REPEATS = { repeats: true };
@@ -90,8 +89,17 @@ const FRAMES = {
   play: {
     label: () => (ui.playing ? 'Stop' : 'Play'), icon: () => (ui.playing ? 'pause' : 'play'),
     keys: ['Space'], row: 'Play, stop', heard: 'release',
-    off: () => (lastFrame() === 0 ? 'There is only one frame' : ''), run: togglePlaying,
+    off: whyNotPlay, run: togglePlaying,
   },
+  playBack: { label: 'Play backward', keys: ['J'], off: whyNotPlay, run: playBack },
+  playFaster: { label: 'Faster', keys: ['L'], row: 'Faster, stop, while playing', heard: 'playing', run: playFaster },
+  stopPlaying: { label: 'Stop', keys: ['K'], row: 'Faster, stop, while playing', heard: 'playing', run: stop },
+  loop: {
+    label: 'Loop', icon: 'repeat', title: 'Play again and again', keys: ['Shift L'], on: () => Boolean(ui.loop), run: toggleLoop,
+  },
+  setIn: { label: 'In point here', icon: 'in', keys: ['Shift I'], row: 'In, out point here', title: 'Playing begins at this frame', run: () => setIn() },
+  setOut: { label: 'Out point here', icon: 'out', keys: ['Shift O'], row: 'In, out point here', title: 'Playing ends at this frame', run: () => setOut() },
+  clearSpan: { label: 'Clear in and out point', icon: 'x', keys: ['Shift X'], off: whyNotClear, run: clearSpan },
   previousKeyframe: {
     label: 'Previous keyframe', icon: 'pk', keys: [','], row: 'Previous, next keyframe', ...REPEATS,
     off: () => noKeyframe(-1), run: () => toKey(-1),

@@ -1,7 +1,7 @@
 // The keyboard: a chord is looked up in the table of actions, wherever the focus is.
 
 import { server, ui, setUi } from '../store/state.js';
-import { BY_CHORD, perform } from '../actions/actions.js';
+import { BY_CHORD, perform, WHILE_PLAYING } from '../actions/actions.js';
 import { closeSheets } from '../controls/dialogs.js';
 import { keepsKey, leaveControl } from '../controls/focus.js';
 import { closeMenu } from '../controls/menu.js';
@@ -59,6 +59,11 @@ function onKeyDown(event) {
   if (onPreviewKey(chord, event)) return;
   if (chord === 'Space') {
     pressSpace(event);
+    return;
+  }
+  if (ui.playing && WHILE_PLAYING.has(chord)) {
+    event.preventDefault();
+    if (!event.repeat) perform(WHILE_PLAYING.get(chord));
     return;
   }
   const binding = BY_CHORD.get(chord);

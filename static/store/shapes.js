@@ -500,6 +500,10 @@
  * @property {number} [timeHead]
  * @property {any} [timeGrabbed]
  * @property {any} [timeHover]
+ * @property {number} speed  Of playing, 1 as it was filmed.
+ * @property {number} shuttle  How many times as fast, while it plays; negative: backward.
+ * @property {boolean} loop
+ * @property {{ first: number | null, last: number | null }} span  In and out point.
  * @property {number[]} [timeKeys]  Frames of the keyframes that were selected.
  * @property {number | null} [timePin]  The pin whose bar was clicked.
  * @property {Set<string>} [timeOpen]

@@ -12,6 +12,7 @@ import { frame } from '../actions/playhead.js';
 import { headKeys } from './edit/head_keys.js';
 import { grabbed } from './edit/pointer.js';
 import { listenOn } from './edit/gestures.js';
+import { mountPlaying } from '../actions/playing.js';
 import { mountSelection } from '../actions/selection.js';
 import { followPins, listenForPinKeys, watchPointer } from './edit/pin_drags.js';
 import { drawMenusIn } from '../controls/menu.js';
@@ -25,7 +26,7 @@ import { memoize } from './draw/series.js';
 /** @type {import('../store/shapes.js').Watched[]} */
 const WATCHED = [
   'file', 'damage', 'view', 'keys', 'segments', 'draft', 'suggest', 'need', 'lanes', 'curve', 'body', 'job',
-  'pins', 'proposed_pins', 'u:timePin', 'u:timeKeys',
+  'pins', 'proposed_pins', 'u:timePin', 'u:timeKeys', 'u:span', 'u:loop', 'u:speed', 'u:shuttle',
   'u:playing', 'u:chart', 'u:lanes', 'u:curveAxis', 'u:timeWindow', 'u:timeSize', 'u:timeHead',
   'u:timeGrabbed', 'u:timeHover', 'u:timeOpen', 'u:timeScroll', 'u:zoomHint',
 ];
@@ -46,6 +47,7 @@ export function mount() {
   watchPointer();
   listenForPinKeys();
   mountSelection();
+  mountPlaying();
   const bar = time.querySelector('#tr');
   const layers = layersOf(drawing, ground);
   new ResizeObserver(() => measure(drawing)).observe(drawing);

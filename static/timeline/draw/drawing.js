@@ -14,6 +14,7 @@ import { drawDrafts, drawPlaces } from './drafts.js';
 import { drawSegments } from './segments.js';
 import { drawLaneLabels, drawLanes } from './lanes.js';
 import { drawSelection } from './selection.js';
+import { drawSpan } from './span.js';
 import { drawPinLabels, drawPins } from './pins.js';
 import { drawCurrentCurveKey, drawCurve } from './curve.js';
 import { drawCurveLabels } from './curvelabels.js';
@@ -78,6 +79,7 @@ const LAYERS = [
     ]],
   ['frames', 'nothing', () => [server.curve, isScore()],
     ({ rows, empty }) => drawNothingYet(rows, empty, isScore())],
+  ['above', 'span', () => [ui.span, isScore()], ({ rows }) => drawSpan(bottomOf(rows))],
   ['above', 'labels', () => [server.keys], ({ rows }) => [drawClip(), drawKeyLabels(rows)]],
   ['above', 'lane-labels', () => [server.view?.selected],
     ({ rows, lanes, scroll }) => drawLaneLabels(rows, lanes, scroll, toggleGroup, selectOf)],
@@ -87,7 +89,7 @@ const LAYERS = [
   ['above', 'overview', () => [server.segments, server.keys, frame()], () => drawOverview()],
   ['top', 'head', () => [frame(), server.keys, server.segments, isScore()],
     ({ rows }) => drawPlayhead(bottomOf(rows))],
-  ['top', 'grabbed', () => [grabbed(), hovered(), server.segments, server.curve, server.pins, ui.curveAxis],
+  ['top', 'grabbed', () => [grabbed(), hovered(), server.segments, server.curve, server.pins, ui.curveAxis, ui.span],
     ({ rows }) => drawGrabbed(rows)],
 ];
 

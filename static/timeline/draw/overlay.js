@@ -2,7 +2,7 @@
 // or hovered, as the key on its way, the angle being changed, the mark under the pointer.
 
 import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
-import { server } from '../../store/state.js';
+import { server, ui } from '../../store/state.js';
 import { partNamed } from '../../store/parts.js';
 import { frameCount, lastFrame } from '../../store/clip.js';
 import { clamp, shortNumber, signedNumber } from '../../controls/arithmetic.js';
@@ -64,6 +64,7 @@ export function drawGrabbed(rows) {
   const what = grabbed();
   if (what?.kind === 'key') return drawMovingKey(what, rows);
   if (what?.kind === 'keys') return drawMovingKeys(what, rows, label);
+  if (what?.kind === 'span') return label(`${what.end === 'first' ? 'In' : 'Out'} ${ui.span[what.end]}`, x(ui.span[what.end]), RULER + 12);
   if (what?.kind === 'box') return drawBox(what, rows);
   if (what?.kind === 'pin') return drawPinDrag(what, rows);
   if (what?.kind === 'angle') return drawAngle(what, rows);

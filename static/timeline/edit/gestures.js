@@ -12,6 +12,8 @@ import { curveKeyNear } from '../draw/curve.js';
 import { laneAt } from '../draw/lanes.js';
 import { pinAt, proposalOf } from '../draw/pins.js';
 import { gripNear } from '../draw/selection.js';
+import { spanEndAt } from '../draw/span.js';
+import { grabSpanEnd, openSpanMenu } from './span_drags.js';
 import { grabOverview } from '../draw/overview.js';
 import { grabAngle, grabHead, grabKey, selectFrom } from './drags.js';
 import { grabBox, grabKeys, grabSelectionEnd } from './range_drags.js';
@@ -68,6 +70,8 @@ function under(place) {
   const isInKeys = place.y >= rows.keys.y && place.y < rows.keys.y + rows.keys.h;
   const grip = isInKeys ? gripNear(place.x) : null;
   if (grip !== null) return { kind: 'grip', end: grip };
+  const spanEnd = spanEndAt(place);
+  if (spanEnd !== null) return { kind: 'spanend', end: spanEnd };
   // A box over the first keyframe begins beside it.
   if (place.x < GUTTER) return { kind: isInKeys ? 'beside' : 'gutter' };
   const strip = isZoomed() && place.y > RULER - 2 && place.y < RULER + OVERVIEW + 2;
@@ -131,6 +135,8 @@ function begin(what, place) {
       return grabKeyAt(what.frame, place);
     case 'grip':
       return grabSelectionEnd(what.end, place);
+    case 'spanend':
+      return grabSpanEnd(what.end, place);
     case 'beside':
       return grabBox(place, () => {});
     case 'ground':
@@ -211,7 +217,7 @@ function drop() {
   gesture = null;
 }
 
-const CURSORS = { key: 'grab', grip: 'ew-resize', curvekey: 'ns-resize', segment: 'pointer', place: 'pointer', overview: 'grab', pin: 'grab', proposal: 'pointer' };
+const CURSORS = { key: 'grab', grip: 'ew-resize', spanend: 'ew-resize', curvekey: 'ns-resize', segment: 'pointer', place: 'pointer', overview: 'grab', pin: 'grab', proposal: 'pointer' };
 
 function pointAt(what) {
   element.style.cursor = (what.kind === 'pin' && what.end !== 'middle' ? 'ew-resize' : CURSORS[what.kind]) ?? '';
@@ -242,6 +248,7 @@ function openMenuOn(what, place) {
   setHovered(null);
   if (what.kind === 'key' || what.kind === 'curvekey') openKeyMenu(what.frame, place.page);
   if (what.kind === 'segment') openSegmentMenu(what.segment, place.page);
+  if (what.kind === 'spanend') openSpanMenu(what.end, place.page);
   if (what.kind === 'pin') openPinMenu(what.index, place.page);
   if (what.kind === 'proposal') openProposalMenu(proposalOf(what), place.page);
 }

@@ -9,7 +9,7 @@ ui.timeHover = null;
  * null | {kind: "scrub"} | {kind: "pan"}
  * | {kind: "key", from, to, copy, taken, refused} | {kind: "angle", frame, axis, from, deg}
  * | {kind: "box", from, to} | {kind: "keys", frames, to, held, end: "first" | "last" | null, copy, taken, refused}
- * | {kind: "pin", index, end: "first" | "last" | "middle", from: {first, last}}
+ * | {kind: "span", end: "first" | "last"} | {kind: "pin", index, end: "first" | "last" | "middle", from: {first, last}}
  */
 export function grabbed() {
   return ui.timeGrabbed;

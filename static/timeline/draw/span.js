@@ -1,0 +1,38 @@
+// The in and the out point on the ruler: what lies outside is darkened, a bracket at either end is
+// dragged.
+
+import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
+import { ui } from '../../store/state.js';
+import { hasSpan } from '../../actions/playing.js';
+import { GUTTER, right, RULER, visible, x } from './scale.js';
+
+const MARGIN = 26;
+const TOP = 3;
+const REACH = 9;
+
+export function drawSpan(height) {
+  if (!hasSpan()) return nothing;
+  const { first, last } = ui.span;
+  const [from, to] = [first === null ? GUTTER : x(first), last === null ? right() + MARGIN : x(last)];
+  const shade = (left, wide) => (wide > 0 ? svg`<rect class="outside" x=${left} y="0" width=${wide} height=${height} />` : nothing);
+  return svg`${first === null ? nothing : shade(GUTTER, from - GUTTER)}${last === null ? nothing : shade(to, right() + MARGIN - to)}
+    <rect class="within" x=${from} y=${RULER - 3} width=${Math.max(0, to - from)} height="3" />
+    ${first === null ? nothing : bracket(from, -1, `In point ${first}`)}${last === null ? nothing : bracket(to, 1, `Out point ${last}`)}`;
+}
+
+/** A bracket that stands outside its frame, so that the playhead on it can still be grabbed. */
+const bracket = (at, side, title) => svg`<path class="spanend" d=${`M${at} ${RULER}V${TOP}h${side * 6}v4h${-side * 3}V${RULER - 4}h${side * 3}v4z`}><title>${title}</title></path>`;
+
+/** "first" or "last": the end of the span at a place of the ruler; null beside both. */
+export function spanEndAt({ x: px, y }) {
+  if (y >= RULER || y < 0) return null;
+  const { first, last } = ui.span;
+  const seen = visible();
+  const isAt = (frame, side) => {
+    if (frame === null || frame < seen.first || frame > seen.last) return false;
+    const apart = side * (px - x(frame));
+    return apart >= -1 && apart <= REACH;
+  };
+  if (isAt(first, -1)) return 'first';
+  return isAt(last, 1) ? 'last' : null;
+}
