@@ -12,6 +12,7 @@ from typing import Annotated, Literal, Self, TypeAlias
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, TypeAdapter, model_validator
 
+from app.editor.copied import Copied
 from app.posing import Gesture, Way
 from tracker.body.body import Dof, Name, Point
 from tracker.session.settings import (
@@ -38,6 +39,7 @@ Spot: TypeAlias = tuple[Coordinate, Coordinate]
 Polygon: TypeAlias = Annotated[tuple[Spot, ...], Field(min_length=3, max_length=500)]
 Stroke: TypeAlias = Annotated[str, Field(min_length=1, max_length=60)]
 PinIndex: TypeAlias = Annotated[int, Field(ge=0, le=1000)]
+PoseName: TypeAlias = Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[^\x00-\x1f]+$")]
 Frames: TypeAlias = Annotated[tuple[FrameIndex, ...], Field(min_length=1, max_length=10_000)]
 Landmarks: TypeAlias = Annotated[tuple[Name, ...], Field(max_length=20)]
 
@@ -163,12 +165,26 @@ class TurnInDepth(Edit):
 
 
 class CopyPose(Message):
+    """These keyframes, or the pose shown at the present frame."""
+
     do: Literal["copy_pose"] = "copy_pose"
+    frames: tuple[FrameIndex, ...] = ()
 
 
 class PastePose(Edit):
+    """What was copied: a pose here, keyframes from here on.
+
+    copied: from elsewhere; left out, what was copied in this session.  onto_body: the first pose
+    stands where the body does, not where it was copied.  replace: keyframes that are in the way.
+    name: of a pose of the library.
+    """
+
     do: Literal["paste_pose"] = "paste_pose"
     mirrored: bool = False
+    copied: Copied | None = None
+    onto_body: bool = False
+    replace: bool = False
+    name: PoseName | None = None
 
 
 class CopyKey(Edit):

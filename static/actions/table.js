@@ -8,6 +8,7 @@ import { words } from '../store/subject.js';
 import { fitLarge, showLarge, VIEW_KEYS, VIEW_NAMES } from '../views/views.js';
 import { count } from '../controls/words.js';
 import { alongChain, endOfChain, otherSide, outward } from './chain.js';
+import { copy, copyWords, nothingCopied, pasteWith } from './copying.js';
 import { draftCount, draftMessage, whyNotDraft } from './drafting.js';
 import {
   FILTER_HZ, copyPath, copyPicture, hasMotion, saveMotion, savePicture, saveReport,
@@ -25,7 +26,7 @@ import {
 } from './playhead.js';
 import { clearSpan, playBack, playFaster, setIn, setOut, stop, toggleLoop, togglePlaying, whyNotClear, whyNotPlay } from './playing.js';
 import {
-  atFirst, atLast, hasNoChild, isRoot, noKeyframe, noOtherSide, nothingCopied, whyNotFitPose, whyNotFitSizes, whyNotSwap,
+  atFirst, atLast, hasNoChild, isRoot, noKeyframe, noOtherSide, whyNotFitPose, whyNotFitSizes, whyNotSwap,
 } from './reasons.js';
 import { deleteAny, deleteLabel, nudge, selectAll, whyNotDeleteAny, whyNotNudge, whyNotSelectAll } from './selection.js';
 import { chooseTheme, chosenTheme } from './theme.js';
@@ -54,8 +55,9 @@ import { isZoomed, zoomTo, zoomToInterval } from './window.js';
  * @property {(...about: any[]) => unknown} [run]
  * @property {boolean} [repeats]  while its key stays down; where it leads nowhere, nothing is said
  * @property {boolean} [always]  also while no file is open
- * @property {'drag' | 'pointer' | 'escape' | 'release' | 'playing'} [heard]  by whom its keys are heard, if not
- *   by the keyboard's table: by a drag, by a view, by Esc in its order, when Space is let go, while it plays
+ * @property {'drag' | 'pointer' | 'escape' | 'release' | 'playing' | 'paste'} [heard]  by whom its keys are heard, if not
+ *   by the keyboard's table: by a drag, by a view, by Esc in its order, when Space is let go, while it plays,
+ *   by what the browser tells of its clipboard
  */
 
 const REPEATS = { repeats: true };
@@ -144,15 +146,21 @@ const POSE = {
     title: () => `Replace this frame’s pose with the ${words().done} one`,
     message: () => ({ do: 'take_tracked' }),
   },
-  copyPose: { label: 'Copy pose', icon: 'copy', keys: ['Ctrl C'], row: 'Copy, paste pose', message: () => ({ do: 'copy_pose' }) },
+  copyPose: {
+    label: copyWords, icon: 'copy', keys: ['Ctrl C'], row: 'Copy, paste pose or keyframes',
+    title: 'Copy the selected keyframes, else the pose at this frame', run: copy,
+  },
   pastePose: {
-    label: 'Paste pose', icon: 'paste', keys: ['Ctrl V'], row: 'Copy, paste pose', off: nothingCopied,
-    message: () => ({ do: 'paste_pose', mirrored: false }),
+    label: 'Paste', icon: 'paste', keys: ['Ctrl V'], row: 'Copy, paste pose or keyframes', heard: 'paste', off: nothingCopied,
+    title: 'Paste the copied pose here, or the copied keyframes from this frame on', run: () => pasteWith({}),
   },
   pasteMirrored: {
-    label: 'Paste mirrored', icon: 'mirror', keys: ['Ctrl Shift V'], off: nothingCopied,
-    title: 'Paste the copied pose with left and right swapped',
-    message: () => ({ do: 'paste_pose', mirrored: true }),
+    label: 'Paste mirrored', icon: 'mirror', keys: ['Ctrl Shift V'], heard: 'paste', off: nothingCopied,
+    title: 'Paste with left and right swapped', run: () => pasteWith({ mirrored: true }),
+  },
+  pasteOnto: {
+    label: 'Paste onto the body here', icon: 'paste', keys: ['Shift V'], off: nothingCopied,
+    title: 'Paste where the body stands at this frame, not where it was copied', run: () => pasteWith({ onto_body: true }),
   },
   copyPrevious: {
     label: () => copyLabel(-1), icon: 'prev', keys: ['P'], row: 'Copy from previous keyframe',

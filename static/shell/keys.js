@@ -5,6 +5,7 @@ import { BY_CHORD, perform, WHILE_PLAYING } from '../actions/actions.js';
 import { closeSheets } from '../controls/dialogs.js';
 import { keepsKey, leaveControl } from '../controls/focus.js';
 import { closeMenu } from '../controls/menu.js';
+import { awaitPaste, mountPaste } from '../actions/copying.js';
 import { clearSelection } from '../actions/selection.js';
 import { closeGuide } from '../guide/guide.js';
 import { discardSizes, lookBack, onPreviewKey } from '../actions/preview.js';
@@ -16,6 +17,7 @@ const SYMBOL = /^[^\p{L}\s]$/u;
 export function mountKeys() {
   addEventListener('keydown', onKeyDown);
   addEventListener('keyup', onKeyUp);
+  mountPaste(() => Boolean(ui.sheet || ui.chooser || ui.dragging) || keepsKey('Ctrl V'));
   addEventListener('pointerdown', () => (space.isUsed = true), true);
   addEventListener('blur', () => {
     setUi('space', false);
@@ -59,6 +61,10 @@ function onKeyDown(event) {
   if (onPreviewKey(chord, event)) return;
   if (chord === 'Space') {
     pressSpace(event);
+    return;
+  }
+  if (server.file && (chord === 'Ctrl V' || chord === 'Ctrl Shift V')) {
+    awaitPaste(chord === 'Ctrl Shift V'); // the browser goes on to tell what is on its clipboard
     return;
   }
   if (ui.playing && WHILE_PLAYING.has(chord)) {

@@ -500,6 +500,7 @@
  * @property {number} [timeHead]
  * @property {any} [timeGrabbed]
  * @property {any} [timeHover]
+ * @property {boolean} [copiedHere]  What was copied last is not on the browser's clipboard.
  * @property {number} speed  Of playing, 1 as it was filmed.
  * @property {number} shuttle  How many times as fast, while it plays; negative: backward.
  * @property {boolean} loop

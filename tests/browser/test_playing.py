@@ -110,7 +110,7 @@ def test_a_loop_stays_between_in_and_out_point_until_it_is_stopped(
         page.keyboard.press("Space")
 
         def has_turned() -> bool:
-            seen = page.evaluate("() => window.seen")
+            seen: list[int] = page.evaluate("() => window.seen")
             return sum(a > b for a, b in pairwise(seen)) >= 2
 
         until(has_turned, "the third time round")

@@ -14,14 +14,17 @@ export function drawSpan(height) {
   if (!hasSpan()) return nothing;
   const { first, last } = ui.span;
   const [from, to] = [first === null ? GUTTER : x(first), last === null ? right() + MARGIN : x(last)];
-  const shade = (left, wide) => (wide > 0 ? svg`<rect class="outside" x=${left} y="0" width=${wide} height=${height} />` : nothing);
+  const shade = (left, wide) => (wide > 0
+    ? svg`<rect class="outside ruler" x=${left} y="0" width=${wide} height=${RULER} />
+      <rect class="outside" x=${left} y=${RULER} width=${wide} height=${Math.max(0, height - RULER)} />`
+    : nothing);
   return svg`${first === null ? nothing : shade(GUTTER, from - GUTTER)}${last === null ? nothing : shade(to, right() + MARGIN - to)}
     <rect class="within" x=${from} y=${RULER - 3} width=${Math.max(0, to - from)} height="3" />
     ${first === null ? nothing : bracket(from, -1, `In point ${first}`)}${last === null ? nothing : bracket(to, 1, `Out point ${last}`)}`;
 }
 
 /** A bracket that stands outside its frame, so that the playhead on it can still be grabbed. */
-const bracket = (at, side, title) => svg`<path class="spanend" d=${`M${at} ${RULER}V${TOP}h${side * 6}v4h${-side * 3}V${RULER - 4}h${side * 3}v4z`}><title>${title}</title></path>`;
+const bracket = (at, side, title) => svg`<path class="spanend" d=${`M${at} ${TOP}h${side * 6}V${RULER}h${-side * 6}v-3h${side * 3}V${TOP + 3}h${-side * 3}z`}><title>${title}</title></path>`;
 
 /** "first" or "last": the end of the span at a place of the ruler; null beside both. */
 export function spanEndAt({ x: px, y }) {
