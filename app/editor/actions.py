@@ -40,6 +40,7 @@ Polygon: TypeAlias = Annotated[tuple[Spot, ...], Field(min_length=3, max_length=
 Stroke: TypeAlias = Annotated[str, Field(min_length=1, max_length=60)]
 PinIndex: TypeAlias = Annotated[int, Field(ge=0, le=1000)]
 PoseName: TypeAlias = Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[^\x00-\x1f]+$")]
+PoseId: TypeAlias = Annotated[str, Field(pattern=r"^[0-9a-f]{12}$")]
 Frames: TypeAlias = Annotated[tuple[FrameIndex, ...], Field(min_length=1, max_length=10_000)]
 Landmarks: TypeAlias = Annotated[tuple[Name, ...], Field(max_length=20)]
 
@@ -185,6 +186,39 @@ class PastePose(Edit):
     onto_body: bool = False
     replace: bool = False
     name: PoseName | None = None
+
+
+class KeepPose(Message):
+    """The pose shown here is kept under a name, for every session."""
+
+    do: Literal["keep_pose"] = "keep_pose"
+    name: PoseName
+
+
+class RenamePose(Message):
+    do: Literal["rename_pose"] = "rename_pose"
+    id: PoseId
+    name: PoseName
+
+
+class DeletePose(Message):
+    """A kept pose is deleted; RestorePose has it back."""
+
+    do: Literal["delete_pose"] = "delete_pose"
+    id: PoseId
+
+
+class RestorePose(Message):
+    do: Literal["restore_pose"] = "restore_pose"
+    id: PoseId
+
+
+class InsertPose(Message):
+    """A kept pose becomes that of the present frame, where the body stands."""
+
+    do: Literal["insert_pose"] = "insert_pose"
+    id: PoseId
+    mirrored: bool = False
 
 
 class CopyKey(Edit):
@@ -686,6 +720,9 @@ Fitting: TypeAlias = FitHere | FitSizes | Draft | LookBefore | CloseFit | Previe
 Running: TypeAlias = Track | Fitting | Cancel | SaveAgain | Close | Open
 """What the store does: jobs and files."""
 
-Action: TypeAlias = Annotated[Editing | Running, Field(discriminator="do")]
+Shelving: TypeAlias = KeepPose | RenamePose | DeletePose | RestorePose
+"""What the store does with the kept poses."""
+
+Action: TypeAlias = Annotated[Editing | Running | Shelving | InsertPose, Field(discriminator="do")]
 
 ACTIONS: TypeAdapter[Action] = TypeAdapter(Action)

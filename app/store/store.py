@@ -29,6 +29,7 @@ from app.store.examiner import Examiner
 from app.store.fitter import Fitter
 from app.store.guide import guide_after
 from app.store.keypoint_finder import KeypointFinder
+from app.store.pose_library import PoseLibrary
 from app.store.preview import WAITING, SizesPreview
 from app.store.runner import Runner
 from app.store.saving import SessionWriter
@@ -89,6 +90,7 @@ class Store:
         self._writer = SessionWriter(loop, self, library, self._on_saved)
         self._examiner: Examiner | None = None
         self._clients = Clients()
+        self._poses = PoseLibrary(library.workspace, lambda poses: self._set(poses=poses))
         self.frames: Frames | None = None
 
     @property
@@ -149,8 +151,13 @@ class Store:
         if isinstance(action, actions.Running):
             self._run_action(action)
             return
+        if isinstance(action, actions.Shelving):
+            self._in_background(self._poses.change(action, self._app_state.edit))
+            return
         if self._app_state.edit is None:
             raise Refused("Open a video first.")
+        if isinstance(action, actions.InsertPose):
+            action = self._poses.inserting(action)
         if not isinstance(action, actions.Looking):
             self._writer.lock.require_writable()
             self._require_no_preview()
@@ -381,6 +388,7 @@ class Store:
                 guide=Guide(first=not edit.doc.keyframes),
                 saved=Saved("readonly" if read_only else "saved", 0.0, read_only),
             )
+            await self._poses.read()
             self._runner.opened(edit)
             self._solve_space()
             if edit.doc.evidence.can_be_damaged:

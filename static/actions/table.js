@@ -25,6 +25,7 @@ import {
   frame, goTo, isKey, keyBeside, middle, next, nextProblem, problems, step, suggestedFrame, toFirst, toKey, toLast,
 } from './playhead.js';
 import { clearSpan, playBack, playFaster, setIn, setOut, stop, toggleLoop, togglePlaying, whyNotClear, whyNotPlay } from './playing.js';
+import { insertTitle, keepMessage, whyNotInsert, whyNotKeep } from './poses.js';
 import {
   atFirst, atLast, hasNoChild, isRoot, noKeyframe, noOtherSide, whyNotFitPose, whyNotFitSizes, whyNotSwap,
 } from './reasons.js';
@@ -161,6 +162,18 @@ const POSE = {
   pasteOnto: {
     label: 'Paste onto the body here', icon: 'paste', keys: ['Shift V'], off: nothingCopied,
     title: 'Paste where the body stands at this frame, not where it was copied', run: () => pasteWith({ onto_body: true }),
+  },
+  keepPose: {
+    label: 'Keep in the pose library', icon: 'plus', title: 'Keep the pose of this frame for every session', off: whyNotKeep,
+    message: keepMessage,
+  },
+  insertPose: {
+    label: (pose) => `Insert ${pose?.name ?? 'a kept pose'}`, title: insertTitle, off: whyNotInsert,
+    message: ({ id }) => ({ do: 'insert_pose', id }),
+  },
+  insertMirrored: {
+    label: (pose) => `Insert ${pose?.name ?? 'a kept pose'} mirrored`, icon: 'mirror', off: whyNotInsert,
+    message: ({ id }) => ({ do: 'insert_pose', id, mirrored: true }),
   },
   copyPrevious: {
     label: () => copyLabel(-1), icon: 'prev', keys: ['P'], row: 'Copy from previous keyframe',

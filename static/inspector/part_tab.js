@@ -3,6 +3,7 @@
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { actionButton, actionIcon } from '../actions/buttons.js';
 import { floor, pins, pinsComeFirst } from './pins.js';
+import { poses } from './poses.js';
 import { position } from './position.js';
 import { rotation } from './rotation.js';
 import { section } from './section.js';
@@ -12,10 +13,10 @@ import { isSurface } from '../store/subject.js';
 
 export function partTab() {
   const part = selectedPart();
-  if (!part) return html`${pose()}`;
+  if (!part) return html`${pose()}${poses()}`;
   const pinned = isSurface() ? nothing : html`${pins(part)}${floor(part)}`;
   const isFirst = pinsComeFirst(part);
-  return html`${isFirst ? pinned : nothing}${part.parent ? nothing : position()}${rotation(part)}${pose()}${size(part)}${isFirst ? nothing : pinned}`;
+  return html`${isFirst ? pinned : nothing}${part.parent ? nothing : position()}${rotation(part)}${pose()}${poses()}${size(part)}${isFirst ? nothing : pinned}`;
 }
 
 const POSES = /** @type {const} */ ([

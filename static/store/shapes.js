@@ -351,6 +351,16 @@
 /** @typedef {{ state: 'saved' | 'saving' | 'failed' | 'readonly', at: number, words: string }} Saved */
 
 /**
+ * @typedef {object} KeptPose  Of the library of poses.
+ * @property {string} id
+ * @property {string} name
+ * @property {string} body
+ * @property {boolean} fits  Whether the present body has any of its parts.
+ * @property {PoseStroke[]} strokes  Those behind first, in a field of 100 × 100.
+ */
+/** @typedef {['L' | 'R' | 'C', number, number, number, number, number]} PoseStroke  Side, x0, y0, x1, y1, width. */
+
+/**
  * @typedef {object} Sections  The newest of each section; null while nothing is open.
  * @property {File | null} file
  * @property {Camera | null} camera
@@ -387,6 +397,7 @@
  * @property {Saved} saved
  * @property {{ undo: string | null, redo: string | null }} undo
  * @property {boolean} clipboard
+ * @property {KeptPose[]} poses
  * @property {{ first: boolean, done: Record<string, boolean> }} guide
  * @property {number} tabs
  * @property {[number, number][]} damage  First and last of every run of frames that are not tracked by.
