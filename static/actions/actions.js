@@ -74,7 +74,7 @@ export const BY_CHORD = new Map(
 
 /** What each chord does while the film plays, before anything else. @type {Map<string, ActionId>} */
 export const WHILE_PLAYING = new Map(
-  GROUPS.flatMap(({ actions }) => Object.entries(actions)).flatMap(([id, entry]) => {
+  Object.entries(ACTIONS).flatMap(([id, entry]) => {
     /** @type {Action} */
     const { keys = [], heard } = entry;
     return heard === 'playing' ? keys.map((chord) => /** @type {[string, ActionId]} */ ([chord, id])) : [];

@@ -11,9 +11,12 @@ import { frame, isKey } from './playhead.js';
 import { selectedKeys, selectKeys } from './selection.js';
 
 const LARGEST = 1_000_000;
+const NEWER = 'This was copied in a newer Keypose. Update this one to paste it.';
 const NOTHING = 'The clipboard holds no pose or keyframes. Copy some first (Ctrl C).';
 
-/** @typedef {{ keypose: 'pose' | 'keyframes', keys: { after: number }[] }} Copied */
+const VERSION = 1;
+
+/** @typedef {{ keypose: 'pose' | 'keyframes', version?: number, keys: { after: number }[] }} Copied */
 /** @typedef {{ mirrored?: boolean, onto_body?: boolean }} How */
 
 export const copyWords = () => (selectedKeys().length > 1 ? `Copy ${selectedKeys().length} keyframes` : 'Copy pose');
@@ -60,6 +63,7 @@ export function pasteText(text, how = {}) {
 
 /** @param {Copied} copied @param {How} how */
 function paste(copied, how) {
+  if ((copied.version ?? VERSION) > VERSION) return toast({ kind: 'check', words: NEWER });
   const message = { do: 'paste_pose', ...how, copied };
   if (copied.keypose === 'pose') return send(message);
   const frames = framesFrom(copied, frame());

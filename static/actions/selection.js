@@ -20,6 +20,9 @@ let anchor = null;
 /** The frames that marks stand at which can be selected, ascending. */
 export const marks = () => keyFrames();
 
+/** Undone, a move gives back what was selected before it. @type {{ from: number[], to: number[] } | null} */
+let moved = null;
+
 let known = { kept: NONE, keys: NONE, chosen: NONE };
 
 /** The frames of the selected keyframes, ascending. @returns {number[]} */
@@ -85,6 +88,7 @@ export function whyNotAt(frames, to, isCopy = false) {
 export function retime(frames, to, isCopy = false) {
   if (frames.every((at, i) => at === to[i])) return;
   send({ do: 'retime_keys', frames, to, copy_them: isCopy });
+  moved = { from: frames, to };
   selectKeys(to);
 }
 
@@ -124,6 +128,7 @@ export function nudge(by) {
     nudging = { stroke: newStroke('keys'), from: now, to };
   }
   nudging.to = to;
+  moved = { from: nudging.from, to };
   send({ do: 'retime_keys', frames: nudging.from, to, stroke: nudging.stroke });
   selectKeys(to);
 }
@@ -145,6 +150,12 @@ let file = null;
 function forgetGone() {
   const now = server.file?.path ?? null;
   if (now !== file) anchor = null;
-  if (now !== file || (isCaughtUp() && ui.timeKeys.length !== selectedKeys().length)) selectKeys(now === file ? selectedKeys() : NONE);
+  if (now !== file) selectKeys(NONE);
+  else if (isCaughtUp() && ui.timeKeys.length !== selectedKeys().length) selectKeys(whatIsLeft());
   file = now;
+}
+
+function whatIsLeft() {
+  const isUndone = moved !== null && ui.timeKeys === moved.to && moved.from.every(isKey);
+  return isUndone ? moved.from : selectedKeys();
 }

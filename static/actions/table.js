@@ -94,7 +94,7 @@ const FRAMES = {
     keys: ['Space'], row: 'Play, stop', heard: 'release',
     off: whyNotPlay, run: togglePlaying,
   },
-  playBack: { label: 'Play backward', keys: ['J'], off: whyNotPlay, run: playBack },
+  playBack: { label: 'Play backward', keys: ['J'], row: 'Play backward, slower', off: whyNotPlay, run: playBack },
   playFaster: { label: 'Faster', keys: ['L'], row: 'Faster, stop, while playing', heard: 'playing', run: playFaster },
   stopPlaying: { label: 'Stop', keys: ['K'], row: 'Faster, stop, while playing', heard: 'playing', run: stop },
   loop: {

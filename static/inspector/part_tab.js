@@ -16,7 +16,7 @@ export function partTab() {
   if (!part) return html`${pose()}${poses()}`;
   const pinned = isSurface() ? nothing : html`${pins(part)}${floor(part)}`;
   const isFirst = pinsComeFirst(part);
-  return html`${isFirst ? pinned : nothing}${part.parent ? nothing : position()}${rotation(part)}${pose()}${poses()}${size(part)}${isFirst ? nothing : pinned}`;
+  return html`${isFirst ? pinned : nothing}${part.parent ? nothing : position()}${rotation(part)}${pose()}${size(part)}${isFirst ? nothing : pinned}${poses()}`;
 }
 
 const POSES = /** @type {const} */ ([

@@ -17,7 +17,7 @@ import { grabSpanEnd, openSpanMenu } from './span_drags.js';
 import { grabOverview } from '../draw/overview.js';
 import { grabAngle, grabHead, grabKey, selectFrom } from './drags.js';
 import { grabBox, grabKeys, grabSelectionEnd } from './range_drags.js';
-import { openKeyMenu, openPinMenu, openProposalMenu, openSegmentMenu } from './menus.js';
+import { openKeyMenu, openPinMenu, openProposalMenu, openSegmentMenu, openSelectionMenu } from './menus.js';
 import { acceptAt, grabPin, grabProposal } from './pin_drags.js';
 import { chooseOnly, clearSelection, extendTo, isSelected, selectedKeys, toggleKey } from '../../actions/selection.js';
 import { frame, goTo, isKey, segmentAt, stopPlaying } from '../../actions/playhead.js';
@@ -108,9 +108,11 @@ function clickKey(at, place) {
   return goTo(at);
 }
 
+const isAmongSelected = (at) => isSelected(at) && selectedKeys().length > 1;
+
 const grabKeyAt = (at, place) => {
   const click = () => clickKey(at, place);
-  if (isSelected(at) && selectedKeys().length > 1) return grabKeys(at, place, click);
+  if (isAmongSelected(at)) return grabKeys(at, place, click);
   const alone = grabKey(at, place, click);
   const end = () => {
     clearSelection();
@@ -246,7 +248,8 @@ export function openMenuAtHead() {
 
 function openMenuOn(what, place) {
   setHovered(null);
-  if (what.kind === 'key' || what.kind === 'curvekey') openKeyMenu(what.frame, place.page);
+  if (what.kind === 'grip' || (what.kind === 'key' && isAmongSelected(what.frame))) openSelectionMenu(place.page);
+  else if (what.kind === 'key' || what.kind === 'curvekey') openKeyMenu(what.frame, place.page);
   if (what.kind === 'segment') openSegmentMenu(what.segment, place.page);
   if (what.kind === 'spanend') openSpanMenu(what.end, place.page);
   if (what.kind === 'pin') openPinMenu(what.index, place.page);
