@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
+from pydantic import FiniteFloat
 
 from app.render.form import form_of
 from tracker.body.pose import Pose, pose_transforms
@@ -27,11 +28,11 @@ class PoseStroke:
     """From (x0, y0) to (x1, y1), `width` across, in a field of SIZE × SIZE, y down."""
 
     side: SideLetter
-    x0: float
-    y0: float
-    x1: float
-    y1: float
-    width: float
+    x0: FiniteFloat
+    y0: FiniteFloat
+    x1: FiniteFloat
+    y1: FiniteFloat
+    width: FiniteFloat
 
 
 def pose_strokes(skeleton: Skeleton, pose: Pose) -> tuple[PoseStroke, ...]:

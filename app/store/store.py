@@ -357,6 +357,7 @@ class Store:
         What is open already stays open as it is: the file may lag behind.
         """
         async with self._opening:
+            await self._poses.read()
             opened = await asyncio.to_thread(open_for_editing, path, self._library.session_for)
             try:
                 if self._opened is not None and self._opened.is_same(opened):
@@ -388,7 +389,6 @@ class Store:
                 guide=Guide(first=not edit.doc.keyframes),
                 saved=Saved("readonly" if read_only else "saved", 0.0, read_only),
             )
-            await self._poses.read()
             self._runner.opened(edit)
             self._solve_space()
             if edit.doc.evidence.can_be_damaged:

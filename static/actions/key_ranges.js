@@ -55,7 +55,8 @@ function apart(frames, first, last) {
 
 /** The frames among `to` that marks stand at which are not among the moved. @returns {Frames} */
 export function met(marks, moved, to, isCopy = false) {
-  const stay = new Set(isCopy ? marks : marks.filter((at) => !moved.includes(at)));
+  const gone = new Set(isCopy ? [] : moved);
+  const stay = new Set(marks.filter((at) => !gone.has(at)));
   return to.filter((at) => stay.has(at));
 }
 

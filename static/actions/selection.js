@@ -29,7 +29,8 @@ let known = { kept: NONE, keys: NONE, chosen: NONE };
 export function selectedKeys() {
   const [kept, keys] = [ui.timeKeys ?? NONE, marks()];
   if (kept !== known.kept || keys !== known.keys) {
-    const chosen = kept.filter((at) => keys.includes(at));
+    const there = new Set(keys);
+    const chosen = kept.filter((at) => there.has(at));
     known = { kept, keys, chosen: chosen.length ? chosen : NONE };
   }
   return known.chosen;

@@ -127,7 +127,7 @@ const POSE = {
   deleteKeyframe: { label: deleteLabel, icon: 'key', keys: ['Delete'], row: 'Delete keyframes', off: whyNotDeleteAny, run: deleteAny },
   duplicateKeyframe: { label: 'Duplicate to frame', icon: 'copy', run: duplicateKey },
   selectAllKeyframes: { label: 'Select all keyframes', keys: ['Ctrl A'], off: whyNotSelectAll, run: selectAll },
-  selectRange: { label: 'Select a range, one more', keys: ['Shift Click', 'Ctrl Click'], heard: 'pointer' },
+  selectRange: { label: 'Range, one more', keys: ['Shift Click', 'Ctrl Click'], heard: 'pointer' },
   earlier: nudging(-1, 'ArrowLeft'),
   later: nudging(1, 'ArrowRight'),
   tenEarlier: nudging(-10, 'Shift ArrowLeft'),
@@ -148,11 +148,11 @@ const POSE = {
     message: () => ({ do: 'take_tracked' }),
   },
   copyPose: {
-    label: copyWords, icon: 'copy', keys: ['Ctrl C'], row: 'Copy, paste pose or keyframes',
+    label: copyWords, icon: 'copy', keys: ['Ctrl C'], row: 'Copy, paste',
     title: 'Copy the selected keyframes, else the pose at this frame', run: copy,
   },
   pastePose: {
-    label: 'Paste', icon: 'paste', keys: ['Ctrl V'], row: 'Copy, paste pose or keyframes', heard: 'paste', off: nothingCopied,
+    label: 'Paste', icon: 'paste', keys: ['Ctrl V'], row: 'Copy, paste', heard: 'paste', off: nothingCopied,
     title: 'Paste the copied pose here, or the copied keyframes from this frame on', run: () => pasteWith({}),
   },
   pasteMirrored: {
@@ -419,7 +419,7 @@ export const ACTIONS = { ...FRAMES, ...POSE, ...PINS, ...TRACK, ...TOOLS, ...VIE
 function nudging(by, chord) {
   const label = `Move selected keyframes ${Math.abs(by) === 1 ? 'one frame' : 'ten frames'} ${by < 0 ? 'earlier' : 'later'}`;
   return {
-    label, keys: [`Ctrl ${chord}`], row: 'Move selected keyframes', ...REPEATS,
+    label, keys: [`Ctrl ${chord}`], row: Math.abs(by) === 1 ? 'Move selected ones' : 'By ten frames', ...REPEATS,
     off: () => whyNotNudge(by), run: () => nudge(by),
   };
 }

@@ -50,11 +50,12 @@ function inWindow(frames) {
 }
 
 /** The keyframes, but those at the frames `without`; those chosen look so. */
-export function drawKeys(rows, without = [], chosen = []) {
+export function drawKeys(rows, without = [], selected = []) {
+  const [gone, chosen] = [new Set(without), new Set(selected)];
   const middle = rows.keys.middle;
   const { diamonds, ticks } = marksOf(inWindow(keyFrames()));
-  const here = (mark) => !without.includes(mark.frame);
-  const isChosen = (mark) => chosen.includes(mark.frame);
+  const here = (mark) => !gone.has(mark.frame);
+  const isChosen = (mark) => chosen.has(mark.frame);
   const large = ({ frame: at, room }) => diamond(x(at), middle, radiusFor(room));
   const small = ({ frame: at, room }) => {
     const wide = tickWidth(room);

@@ -12,10 +12,12 @@ const AIR = 10;
 const REACH = 6;
 const GRIP = { wide: 4, high: 16 };
 
-/** Left and right edge of the band; null where fewer than two keyframes are selected. */
+/** Left and right edge of the band; null where fewer than two keyframes are selected. At the first
+ * frame it keeps clear of the names of the rows. */
 function edges(frames) {
   if (frames.length < 2) return null;
-  return { first: Math.max(x(frames[0]) - AIR, GUTTER + 2), last: x(frames.at(-1)) + AIR };
+  const first = x(frames[0]);
+  return { first: first < GUTTER ? first - AIR : Math.max(first - AIR, GUTTER + 2), last: x(frames.at(-1)) + AIR };
 }
 
 export function drawSelection(rows, frames) {
@@ -32,7 +34,7 @@ export function gripNear(px) {
   const frames = selectedKeys();
   const at = edges(frames);
   if (at === null) return null;
-  const isNearer = (end, frame) => Math.abs(px - at[end]) <= REACH && Math.abs(px - at[end]) < Math.abs(px - x(frame));
+  const isNearer = (end, frame) => x(frame) > GUTTER && Math.abs(px - at[end]) <= REACH && Math.abs(px - at[end]) < Math.abs(px - x(frame));
   if (isNearer('first', frames[0])) return 'first';
   return isNearer('last', frames.at(-1)) ? 'last' : null;
 }

@@ -2,6 +2,7 @@
 // dragged.
 
 import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
+import { clamp } from '../../controls/arithmetic.js';
 import { ui } from '../../store/state.js';
 import { hasSpan } from '../../actions/playing.js';
 import { GUTTER, right, RULER, visible, x } from './scale.js';
@@ -13,14 +14,20 @@ const REACH = 9;
 export function drawSpan(height) {
   if (!hasSpan()) return nothing;
   const { first, last } = ui.span;
-  const [from, to] = [first === null ? GUTTER : x(first), last === null ? right() + MARGIN : x(last)];
+  const end = right() + MARGIN;
+  const [from, to] = [first === null ? GUTTER : clamp(x(first), GUTTER, end), last === null ? end : clamp(x(last), GUTTER, end)];
   const shade = (left, wide) => (wide > 0
     ? svg`<rect class="outside ruler" x=${left} y="0" width=${wide} height=${RULER} />
       <rect class="outside" x=${left} y=${RULER} width=${wide} height=${Math.max(0, height - RULER)} />`
     : nothing);
-  return svg`${first === null ? nothing : shade(GUTTER, from - GUTTER)}${last === null ? nothing : shade(to, right() + MARGIN - to)}
+  return svg`${first === null ? nothing : shade(GUTTER, from - GUTTER)}${last === null ? nothing : shade(to, end - to)}
     <rect class="within" x=${from} y=${RULER - 3} width=${Math.max(0, to - from)} height="3" />
-    ${first === null ? nothing : bracket(from, -1, `In point ${first}`)}${last === null ? nothing : bracket(to, 1, `Out point ${last}`)}`;
+    ${isSeen(first) ? bracket(from, -1, `In point ${first}`) : nothing}${isSeen(last) ? bracket(to, 1, `Out point ${last}`) : nothing}`;
+}
+
+function isSeen(frame) {
+  const seen = visible();
+  return frame !== null && frame >= seen.first && frame <= seen.last;
 }
 
 /** A bracket that stands outside its frame, so that the playhead on it can still be grabbed. */
@@ -30,9 +37,8 @@ const bracket = (at, side, title) => svg`<path class="spanend" d=${`M${at} ${TOP
 export function spanEndAt({ x: px, y }) {
   if (y >= RULER || y < 0) return null;
   const { first, last } = ui.span;
-  const seen = visible();
   const isAt = (frame, side) => {
-    if (frame === null || frame < seen.first || frame > seen.last) return false;
+    if (!isSeen(frame)) return false;
     const apart = side * (px - x(frame));
     return apart >= -1 && apart <= REACH;
   };
