@@ -7,10 +7,12 @@ Frames are video frame numbers; angles degrees, sizes centimetres, as on the pag
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, TypeAlias
+from itertools import pairwise
+from typing import Annotated, Literal, Self, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, TypeAdapter
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, TypeAdapter, model_validator
 
+from app.editor.copied import Copied
 from app.posing import Gesture, Way
 from tracker.body.body import Dof, Name, Point
 from tracker.session.history import MOST_STEPS
@@ -41,6 +43,9 @@ Stroke: TypeAlias = Annotated[str, Field(min_length=1, max_length=60)]
 StepCount: TypeAlias = Annotated[int, Field(ge=0, le=MOST_STEPS)]
 PinIndex: TypeAlias = Annotated[int, Field(ge=0, le=1000)]
 NoteText: TypeAlias = Annotated[str, Field(max_length=LONGEST)]
+PoseName: TypeAlias = Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[^\x00-\x1f]+$")]
+PoseId: TypeAlias = Annotated[str, Field(pattern=r"^[0-9a-f]{12}$")]
+Frames: TypeAlias = Annotated[tuple[FrameIndex, ...], Field(min_length=1, max_length=10_000)]
 Landmarks: TypeAlias = Annotated[tuple[Name, ...], Field(max_length=20)]
 
 
@@ -168,11 +173,58 @@ class TurnInDepth(Edit):
 
 
 class CopyPose(Message):
+    """These keyframes, or the pose shown at the present frame."""
+
     do: Literal["copy_pose"] = "copy_pose"
+    frames: tuple[FrameIndex, ...] = ()
 
 
 class PastePose(Edit):
+    """What was copied: a pose here, keyframes from here on.
+
+    copied: from elsewhere; left out, what was copied in this session.  onto_body: the first pose
+    stands where the body does, not where it was copied.  replace: keyframes that are in the way.
+    name: of a pose of the library.
+    """
+
     do: Literal["paste_pose"] = "paste_pose"
+    mirrored: bool = False
+    copied: Copied | None = None
+    onto_body: bool = False
+    replace: bool = False
+    name: PoseName | None = None
+
+
+class KeepPose(Message):
+    """The pose shown here is kept under a name, for every session."""
+
+    do: Literal["keep_pose"] = "keep_pose"
+    name: PoseName
+
+
+class RenamePose(Message):
+    do: Literal["rename_pose"] = "rename_pose"
+    id: PoseId
+    name: PoseName
+
+
+class DeletePose(Message):
+    """A kept pose is deleted; RestorePose has it back."""
+
+    do: Literal["delete_pose"] = "delete_pose"
+    id: PoseId
+
+
+class RestorePose(Message):
+    do: Literal["restore_pose"] = "restore_pose"
+    id: PoseId
+
+
+class InsertPose(Message):
+    """A kept pose becomes that of the present frame, where the body stands."""
+
+    do: Literal["insert_pose"] = "insert_pose"
+    id: PoseId
     mirrored: bool = False
 
 
@@ -231,6 +283,35 @@ class UnkeyParts(Edit):
     do: Literal["unkey_parts"] = "unkey_parts"
     frame: FrameIndex
     parts: Annotated[tuple[Name, ...], Field(min_length=1, max_length=1000)]
+
+
+class DeleteKeys(Edit):
+    do: Literal["delete_keys"] = "delete_keys"
+    frames: Frames
+
+
+class RetimeKeys(Edit):
+    """Several keyframes at other frames, one for each, in the same order: moved or stretched.
+    copy_them: they stay where they are, too."""
+
+    do: Literal["retime_keys"] = "retime_keys"
+    frames: Frames
+    to: Frames
+    copy_them: bool = False
+
+    @model_validator(mode="after")
+    def _one_for_each(self) -> Self:
+        if len(self.frames) != len(self.to):
+            raise ValueError("give one frame for each keyframe")
+        for frames in (self.frames, self.to):
+            if any(a >= b for a, b in pairwise(frames)):
+                raise ValueError("give frames in ascending order, each once")
+        return self
+
+    @property
+    def is_shift(self) -> bool:
+        """Whether all of them move by as much."""
+        return len({b - a for a, b in zip(self.frames, self.to, strict=True)}) == 1
 
 
 class KeyAngle(Edit):
@@ -702,6 +783,8 @@ Keying: TypeAlias = (
     | DeleteKey
     | MoveKey
     | DuplicateKey
+    | DeleteKeys
+    | RetimeKeys
     | KeyParts
     | UnkeyParts
     | KeyAngle
@@ -735,6 +818,9 @@ Fitting: TypeAlias = FitHere | FitSizes | Draft | LookBefore | CloseFit | Previe
 Running: TypeAlias = Track | Fitting | Cancel | SaveAgain | Close | Open
 """What the store does: jobs and files."""
 
-Action: TypeAlias = Annotated[Editing | Running, Field(discriminator="do")]
+Shelving: TypeAlias = KeepPose | RenamePose | DeletePose | RestorePose
+"""What the store does with the kept poses."""
+
+Action: TypeAlias = Annotated[Editing | Running | Shelving | InsertPose, Field(discriminator="do")]
 
 ACTIONS: TypeAdapter[Action] = TypeAdapter(Action)

@@ -12,10 +12,12 @@ from app.editor import (
     camera_edits,
     depth_turn,
     floor_edits,
+    key_range_edits,
     keyframe_edits,
     keypoint_edits,
     note_edits,
     part_edits,
+    pasting,
     pin_edits,
     posing_edits,
     review_edits,
@@ -34,11 +36,12 @@ class EditKind:
     """One kind of edit.
 
     apply: the document after it; KeyposeError, in one sentence, when it cannot be done.
-    verb: what undo calls it.  target: the action's field that names what it is done to.
+    verb: what undo calls it, or how that is made of the action.
+    target: the action's field that names what it is done to.
     """
 
     apply: Callable[[EditorState, Any], Session]
-    verb: str
+    verb: str | Callable[[Any], str]
     target: str | None = None
 
 
@@ -84,13 +87,15 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
     do.ResetPose: EditKind(_alone(posing_edits.reset_pose), "reset the pose"),
     do.Exchange: EditKind(_alone(posing_edits.swap_sides), "swap left and right"),
     do.TurnInDepth: EditKind(depth_turn.turn_in_depth, "turn in depth", "part"),
-    do.PastePose: EditKind(posing_edits.paste_pose, "paste the pose"),
+    do.PastePose: EditKind(pasting.paste, pasting.pasting),
     do.CopyKey: EditKind(posing_edits.copy_key, "copy keyframe", "from_frame"),
     do.TakeTracked: EditKind(_alone(posing_edits.take_tracked), "use the tracked pose"),
     do.KeyAngle: EditKind(posing_edits.turn_key, "turn", "part"),
     do.AddKey: EditKind(_add_keyframe, "add keyframe", "frame"),
     do.DeleteKey: EditKind(_delete_keyframe, "delete keyframe", "frame"),
     do.MoveKey: EditKind(_move_keyframe, "move keyframe", "frame"),
+    do.DeleteKeys: EditKind(key_range_edits.delete_keyframes, key_range_edits.deleting),
+    do.RetimeKeys: EditKind(key_range_edits.retime_keyframes, key_range_edits.retiming),
     do.DuplicateKey: EditKind(_duplicate_keyframe, "duplicate keyframe", "frame"),
     do.KeyParts: EditKind(_key_parts, "add part keyframe", "frame"),
     do.UnkeyParts: EditKind(part_edits.unkey_parts, "change part keyframe", "frame"),
@@ -139,6 +144,8 @@ def label_of(action: do.Edit) -> str:
     if isinstance(action, do.Drag):
         return _drag_label(action)
     kind = EDITS[type(action)]
+    if not isinstance(kind.verb, str):
+        return kind.verb(action)
     target = getattr(action, kind.target) if kind.target else None
     if target is None:
         return kind.verb

@@ -22,14 +22,13 @@ from app.posing import (
     ends_to_hold,
     facing,
     keep_pinned,
-    mirror_pose,
     placed_ends,
     swap_left_right,
     with_angles,
     with_reset,
 )
 from tracker.body.pose import Pose
-from tracker.session.schema import Keyframe, Session
+from tracker.session.schema import Session
 
 
 def drag_part(
@@ -134,14 +133,6 @@ def swap_sides(state: EditorState) -> Session:
     )
 
 
-def paste_pose(state: EditorState, action: do.PastePose) -> Session:
-    """The copied pose, here; optionally mirrored."""
-    if state.clipboard is None:
-        raise Refused("Copy a pose first (Ctrl C).")
-    pose = _fitting(state, state.clipboard).pose(state.skeleton)
-    return _with_pose(state, mirror_pose(state.skeleton, pose) if action.mirrored else pose)
-
-
 def copy_key(state: EditorState, action: do.CopyKey) -> Session:
     """The pose of another keyframe, here."""
     found = find(state.doc.keyframes, action.from_frame)
@@ -175,13 +166,6 @@ def angles_at(state: EditorState, pose: Pose) -> dict[str, list[float]]:
     """Every part's [x, y, z] in degrees."""
     values = angles_deg(state.skeleton, pose).round(3).tolist()
     return dict(zip(state.doc.body.names, values, strict=True))
-
-
-def _fitting(state: EditorState, copied: Keyframe) -> Keyframe:
-    """The copied pose as far as this body has the parts."""
-    known = set(state.doc.body.names)
-    rotations = {name: q for name, q in copied.rotations_wxyz.items() if name in known}
-    return copied.model_copy(update={"rotations_wxyz": rotations})
 
 
 def _with_pose(state: EditorState, pose: Pose) -> Session:

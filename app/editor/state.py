@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
+from app.editor.copied import Copied
 from app.editor.pointer_views import up_of
 from app.posing import Readout, opening_pose
 from tracker.body.pose import Pose
@@ -13,7 +14,7 @@ from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import Array
 from tracker.session.history import History
 from tracker.session.pins import Pin
-from tracker.session.schema import Keyframe, Session
+from tracker.session.schema import Session
 from tracker.storage.results import Fitting, Results, pose_at
 
 
@@ -65,7 +66,7 @@ class EditorState:
     display: Display = field(default_factory=Display)
     stroke: Stroke | None = None
     over: tuple[str, ...] = ()
-    clipboard: Keyframe | None = None
+    clipboard: Copied | None = None
     compared: Session | None = None
     proposed_pins: tuple[Pin, ...] = ()
     dismissed_pins: tuple[Pin, ...] = ()

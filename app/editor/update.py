@@ -8,11 +8,10 @@ from typing import Any
 from pydantic import ValidationError
 
 from app.editor import actions as do
-from app.editor import pin_edits, posing_edits
-from app.editor.documents import impossible, keyframe_of, require_sound
+from app.editor import pasting, pin_edits, posing_edits
+from app.editor.documents import impossible, require_sound
 from app.editor.edits import EDITS, label_of
 from app.editor.refusal import Refused
-from app.editor.shown import shown_pose
 from app.editor.state import EditorState, Stroke
 from app.posing import Readout
 from tracker.errors import one_sentence
@@ -40,9 +39,7 @@ def _look(state: EditorState, action: do.Looking) -> EditorState:
             state.doc.body.index(action.part)
         return replace(state, selected=action.part)
     if isinstance(action, do.CopyPose):
-        pose = shown_pose(state).pose
-        copied = keyframe_of(state.skeleton, pose, state.frame, state.times_s)
-        return replace(state, clipboard=copied)
+        return replace(state, clipboard=pasting.copied_from(state, action))
     if isinstance(action, do.BeginGuide):
         return state
     if isinstance(action, do.DismissPins):
@@ -126,6 +123,8 @@ def _edit(state: EditorState, action: Any) -> EditorState:
     if action.stroke is None or not _is_under_way(state, action.stroke):
         state = end_stroke(state)
     before = state if state.stroke is None else state.with_doc(state.stroke.before)
+    if isinstance(action, do.PastePose):
+        action = pasting.with_copied(state, action)
     label = label_of(action)
     try:
         doc, readout = _changed(state, before, action)

@@ -41,6 +41,13 @@ class Pick(Message, InView):
     at: Spot
 
 
+class CopiedText(Message):
+    """What was copied last, as text for a clipboard."""
+
+    ask: Literal["copied"]
+    id: Annotated[int, Field(ge=0, lt=2**53)]
+
+
 class Shot(Message):
     """A picture of the body at a frame; what is left out is as the page shows it. The free view is
     seen from an azimuth and an elevation."""
@@ -66,7 +73,9 @@ class Motion(Message):
     fps: Annotated[FiniteFloat, Field(ge=0.1, le=1000)] | None = None
 
 
-PICK: TypeAdapter[Pick] = TypeAdapter(Pick)
+QUESTION: TypeAdapter[Pick | CopiedText] = TypeAdapter(
+    Annotated[Pick | CopiedText, Field(discriminator="ask")]
+)
 SHOT: TypeAdapter[Shot] = TypeAdapter(Shot)
 MOTION: TypeAdapter[Motion] = TypeAdapter(Motion)
 
@@ -90,9 +99,12 @@ class Outputs:
         reply = {"t": "reply", "id": message.get("id")}
         edit = self._store.app_state.edit
         try:
-            question = PICK.validate_python(message)
+            question = QUESTION.validate_python(message)
         except ValidationError as error:
             return {**reply, "parts": [], "outline": [], "words": one_sentence(error)}
+        if isinstance(question, CopiedText):
+            copied = edit.clipboard if edit is not None else None
+            return {**reply, "text": copied.text if copied is not None else None}
         if edit is None:
             return {**reply, "parts": [], "outline": []}
         return {**reply, **_picked(edit, question)}

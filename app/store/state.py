@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+from app.document.library.poses import KeptPose
 from app.editor.documents import posed
 from app.editor.state import EditorState
 from app.jobs import PoseFitting
@@ -130,6 +131,7 @@ class AppState:
     draft: the document as the last draft of the clip left it.
     unusable: which observed surfaces cannot be used, a sentence as far as is known, or empty.
     fitting: how far a pose is fitted.  preview: new sizes that wait to be applied.
+    poses: those that were kept.
     """
 
     server: str = ""
@@ -148,6 +150,7 @@ class AppState:
     preview: SizesPreview | None = None
     surface: SurfaceSeen = SurfaceSeen()
     unusable: str = ""
+    poses: tuple[KeptPose, ...] = ()
 
     @property
     def displayed(self) -> AppState:

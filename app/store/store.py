@@ -30,6 +30,7 @@ from app.store.examiner import Examiner
 from app.store.fitter import Fitter
 from app.store.guide import guide_after
 from app.store.keypoint_finder import KeypointFinder
+from app.store.pose_library import PoseLibrary
 from app.store.preview import WAITING, SizesPreview
 from app.store.runner import Runner
 from app.store.saving import SessionWriter
@@ -90,6 +91,7 @@ class Store:
         self._writer = SessionWriter(loop, self, library, self._on_saved)
         self._examiner: Examiner | None = None
         self._clients = Clients()
+        self._poses = PoseLibrary(library.workspace, lambda poses: self._set(poses=poses))
         self.frames: Frames | None = None
 
     @property
@@ -150,8 +152,13 @@ class Store:
         if isinstance(action, actions.Running):
             self._run_action(action)
             return
+        if isinstance(action, actions.Shelving):
+            self._in_background(self._poses.change(action, self._app_state.edit))
+            return
         if self._app_state.edit is None:
             raise Refused("Open a video first.")
+        if isinstance(action, actions.InsertPose):
+            action = self._poses.inserting(action)
         if not isinstance(action, actions.Looking):
             self._writer.lock.require_writable()
             self._require_no_preview()
@@ -353,6 +360,7 @@ class Store:
         What is open already stays open as it is: the file may lag behind.
         """
         async with self._opening:
+            await self._poses.read()
             opened = await asyncio.to_thread(open_for_editing, path, self._library.session_for)
             try:
                 if self._opened is not None and self._opened.is_same(opened):

@@ -72,6 +72,15 @@ export const BY_CHORD = new Map(
   }),
 );
 
+/** What each chord does while the film plays, before anything else. @type {Map<string, ActionId>} */
+export const WHILE_PLAYING = new Map(
+  Object.entries(ACTIONS).flatMap(([id, entry]) => {
+    /** @type {Action} */
+    const { keys = [], heard } = entry;
+    return heard === 'playing' ? keys.map((chord) => /** @type {[string, ActionId]} */ ([chord, id])) : [];
+  }),
+);
+
 /** The lines of the sheet of keys: [{ title, lines: [{ words, keys }] }]. */
 export function keySheet() {
   return GROUPS.filter(({ title }) => title).map(({ title, actions }) => ({ title: title(), lines: linesOf(actions) }));

@@ -19,9 +19,13 @@ export function addKey() {
 
 /** Delete a keyframe, by default the one under the playhead. */
 export function deleteKey(at = frame()) {
-  const n = send({ do: 'delete_key', frame: at });
-  const button = { label: 'Undo', run: () => bringBack(n) };
-  toast({ kind: 'info', words: `${partKeyAt(at) ? 'Part keyframe' : 'Keyframe'} ${at} deleted.`, button, brief: true });
+  const what = partKeyAt(at) ? 'Part keyframe' : 'Keyframe';
+  sayDeleted(send({ do: 'delete_key', frame: at }), `${what} ${at} deleted.`);
+}
+
+/** What message n has deleted can be had back at once. */
+export function sayDeleted(n, words) {
+  toast({ kind: 'info', words, button: { label: 'Undo', run: () => bringBack(n) }, brief: true });
 }
 
 export const whyNotDelete = (at = frame()) => (isKey(at) || partKeyAt(at) ? '' : `Frame ${at} is not a keyframe`);

@@ -161,7 +161,3 @@ export function nextProblem(state = null) {
   stopPlaying();
   goTo(places.find((place) => place > frame()) ?? places[0]);
 }
-
-export function togglePlaying() {
-  setUi('playing', !ui.playing);
-}

@@ -20,10 +20,6 @@ export function noKeyframe(way) {
   return `There is no keyframe ${way < 0 ? 'before' : 'after'} frame ${frame()}`;
 }
 
-export function nothingCopied() {
-  return server.clipboard ? '' : 'Copy a pose first (Ctrl C)';
-}
-
 /** A surface is fitted to from any pose, also from the one the body first has. */
 export function whyNotFitPose() {
   if (isSurface()) return '';

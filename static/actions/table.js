@@ -3,18 +3,18 @@
 
 import { openChooser, toggleSearch, toggleSheet } from '../controls/dialogs.js';
 import { toggleMenu } from '../controls/menu.js';
-import { lastFrame } from '../store/clip.js';
 import { partNamed, selectedPart } from '../store/parts.js';
 import { server, setUi, ui } from '../store/state.js';
 import { words } from '../store/subject.js';
 import { fitLarge, showLarge, VIEW_KEYS, VIEW_NAMES } from '../views/views.js';
 import { count } from '../controls/words.js';
 import { alongChain, endOfChain, otherSide, outward } from './chain.js';
+import { copy, copyWords, nothingCopied, pasteWith } from './copying.js';
 import { draftCount, draftMessage, whyNotDraft } from './drafting.js';
 import {
   FILTER_HZ, copyPath, copyPicture, hasMotion, saveMotion, savePicture, saveReport,
 } from './export.js';
-import { addKey, copyKey, deleteKey, duplicateKey, whyNotCopyHere, whyNotDelete } from './keying.js';
+import { addKey, copyKey, duplicateKey, whyNotCopyHere } from './keying.js';
 import { ringsAreShown } from './keypoints.js';
 import { goToStep, noHistory } from './history.js';
 import { foldLanes } from './lanes.js';
@@ -26,13 +26,15 @@ import {
   proposedPins, togglePin, unpin, whyNoPinHere, whyNotPin,
 } from './pins.js';
 import {
-  frame, goTo, isKey, keyBeside, middle, next, nextProblem, problems, step, suggestedFrame, toFirst,
-  togglePlaying, toKey, toLast,
+  frame, goTo, isKey, keyBeside, middle, next, nextProblem, problems, step, suggestedFrame, toFirst, toKey, toLast,
 } from './playhead.js';
+import { clearSpan, playBack, playFaster, setIn, setOut, stop, toggleLoop, togglePlaying, whyNotClear, whyNotPlay } from './playing.js';
+import { insertTitle, keepMessage, whyNotInsert, whyNotKeep } from './poses.js';
 import {
-  atFirst, atLast, hasNoChild, isRoot, noKeyframe, noOtherSide, nothingCopied, whyNotFitPose, whyNotFitSizes, whyNotSwap,
+  atFirst, atLast, hasNoChild, isRoot, noKeyframe, noOtherSide, whyNotFitPose, whyNotFitSizes, whyNotSwap,
 } from './reasons.js';
 import { answer, goal, isReviewing, places, toggleReview, turn, whyNoPlace, whyNotReview } from './review.js';
+import { deleteAny, deleteLabel, nudge, selectAll, whyNotDeleteAny, whyNotNudge, whyNotSelectAll } from './selection.js';
 import { chooseTheme, chosenTheme } from './theme.js';
 import {
   changedSegments, namesOf, trackSegment, whyNotTrack, whyNotTrackChanged, whyNotTracked, whyNotTrackThis,
@@ -59,8 +61,9 @@ import { isZoomed, zoomTo, zoomToInterval } from './window.js';
  * @property {(...about: any[]) => unknown} [run]
  * @property {boolean} [repeats]  while its key stays down; where it leads nowhere, nothing is said
  * @property {boolean} [always]  also while no file is open
- * @property {'drag' | 'pointer' | 'escape' | 'release' | 'review'} [heard]  by whom its keys are heard, if not
- *   by the keyboard's table: by a drag, by a view, by Esc in its order, when Space is let go, by the review
+ * @property {'drag' | 'pointer' | 'escape' | 'release' | 'review' | 'playing' | 'paste'} [heard]  by whom its keys are
+ *   heard, if not by the keyboard's table: by a drag, by a view, by Esc in its order, when Space is let go, by the
+ *   review, while it plays, by what the browser tells of its clipboard
  */
 
 const REPEATS = { repeats: true };
@@ -94,8 +97,17 @@ const FRAMES = {
   play: {
     label: () => (ui.playing ? 'Stop' : 'Play'), icon: () => (ui.playing ? 'pause' : 'play'),
     keys: ['Space'], row: 'Play, stop', heard: 'release',
-    off: () => (lastFrame() === 0 ? 'There is only one frame' : ''), run: togglePlaying,
+    off: whyNotPlay, run: togglePlaying,
   },
+  playBack: { label: 'Play backward', keys: ['J'], row: 'Play backward, slower', off: whyNotPlay, run: playBack },
+  playFaster: { label: 'Faster', keys: ['L'], row: 'Faster, stop, while playing', heard: 'playing', run: playFaster },
+  stopPlaying: { label: 'Stop', keys: ['K'], row: 'Faster, stop, while playing', heard: 'playing', run: stop },
+  loop: {
+    label: 'Loop', icon: 'repeat', title: 'Play again and again', keys: ['Shift L'], on: () => Boolean(ui.loop), run: toggleLoop,
+  },
+  setIn: { label: 'In point here', icon: 'in', keys: ['Shift I'], row: 'In, out point here', title: 'Playing begins at this frame', run: () => setIn() },
+  setOut: { label: 'Out point here', icon: 'out', keys: ['Shift O'], row: 'In, out point here', title: 'Playing ends at this frame', run: () => setOut() },
+  clearSpan: { label: 'Clear in and out point', icon: 'x', keys: ['Shift X'], off: whyNotClear, run: clearSpan },
   previousKeyframe: {
     label: 'Previous keyframe', icon: 'pk', keys: [','], row: 'Previous, next keyframe', ...REPEATS,
     off: () => noKeyframe(-1), run: () => toKey(-1),
@@ -128,11 +140,11 @@ const NOTES = {
     label: 'All notes', icon: 'note', off: () => (server.notes?.length ? '' : 'There are no notes'), run: () => toggleSearch('Note'),
   },
   previousNote: {
-    label: 'Previous note', icon: 'flag', keys: ['Shift J'], row: 'Previous, next note', ...REPEATS,
+    label: 'Previous note', icon: 'flag', keys: ['Shift A'], row: 'Previous, next note', ...REPEATS,
     off: () => noNote(-1), run: () => toNote(-1),
   },
   nextNote: {
-    label: 'Next note', icon: 'flag', keys: ['J'], row: 'Previous, next note', ...REPEATS,
+    label: 'Next note', icon: 'flag', keys: ['A'], row: 'Previous, next note', ...REPEATS,
     off: () => noNote(1), run: () => toNote(1),
   },
 };
@@ -146,8 +158,14 @@ const POSE = {
   },
   keyWhole: { label: 'Key the whole pose', icon: 'key', message: (at = frame()) => ({ do: 'add_key', frame: at }) },
   unkeyLimb: { label: (about) => `Leave the ${about?.label?.toLowerCase() ?? 'limb'} to the tracker`, icon: 'x', message: unkeyMessage },
-  deleteKeyframe: { label: 'Delete keyframe', icon: 'key', keys: ['Delete'], off: whyNotDelete, run: deleteKey },
+  deleteKeyframe: { label: deleteLabel, icon: 'key', keys: ['Delete'], row: 'Delete keyframes', off: whyNotDeleteAny, run: deleteAny },
   duplicateKeyframe: { label: 'Duplicate to frame', icon: 'copy', run: duplicateKey },
+  selectAllKeyframes: { label: 'Select all keyframes', keys: ['Ctrl A'], off: whyNotSelectAll, run: selectAll },
+  selectRange: { label: 'Range, one more', keys: ['Shift Click', 'Ctrl Click'], heard: 'pointer' },
+  earlier: nudging(-1, 'ArrowLeft'),
+  later: nudging(1, 'ArrowRight'),
+  tenEarlier: nudging(-10, 'Shift ArrowLeft'),
+  tenLater: nudging(10, 'Shift ArrowRight'),
   fitPose: {
     label: 'Fit pose', icon: 'wand', keys: ['F'], off: whyNotFitPose,
     title: () => `Refine the pose to match the ${words().image}`,
@@ -163,15 +181,33 @@ const POSE = {
     title: () => `Replace this frame’s pose with the ${words().done} one`,
     message: () => ({ do: 'take_tracked' }),
   },
-  copyPose: { label: 'Copy pose', icon: 'copy', keys: ['Ctrl C'], row: 'Copy, paste pose', message: () => ({ do: 'copy_pose' }) },
+  copyPose: {
+    label: copyWords, icon: 'copy', keys: ['Ctrl C'], row: 'Copy, paste',
+    title: 'Copy the selected keyframes, else the pose at this frame', run: copy,
+  },
   pastePose: {
-    label: 'Paste pose', icon: 'paste', keys: ['Ctrl V'], row: 'Copy, paste pose', off: nothingCopied,
-    message: () => ({ do: 'paste_pose', mirrored: false }),
+    label: 'Paste', icon: 'paste', keys: ['Ctrl V'], row: 'Copy, paste', heard: 'paste', off: nothingCopied,
+    title: 'Paste the copied pose here, or the copied keyframes from this frame on', run: () => pasteWith({}),
   },
   pasteMirrored: {
-    label: 'Paste mirrored', icon: 'mirror', keys: ['Ctrl Shift V'], off: nothingCopied,
-    title: 'Paste the copied pose with left and right swapped',
-    message: () => ({ do: 'paste_pose', mirrored: true }),
+    label: 'Paste mirrored', icon: 'mirror', keys: ['Ctrl Shift V'], heard: 'paste', off: nothingCopied,
+    title: 'Paste with left and right swapped', run: () => pasteWith({ mirrored: true }),
+  },
+  pasteOnto: {
+    label: 'Paste onto the body here', icon: 'paste', keys: ['Shift V'], off: nothingCopied,
+    title: 'Paste where the body stands at this frame, not where it was copied', run: () => pasteWith({ onto_body: true }),
+  },
+  keepPose: {
+    label: 'Keep in the pose library', icon: 'plus', title: 'Keep the pose of this frame for every session', off: whyNotKeep,
+    message: keepMessage,
+  },
+  insertPose: {
+    label: (pose) => `Insert ${pose?.name ?? 'a kept pose'}`, title: insertTitle, off: whyNotInsert,
+    message: ({ id }) => ({ do: 'insert_pose', id }),
+  },
+  insertMirrored: {
+    label: (pose) => `Insert ${pose?.name ?? 'a kept pose'} mirrored`, icon: 'mirror', off: whyNotInsert,
+    message: ({ id }) => ({ do: 'insert_pose', id, mirrored: true }),
   },
   copyPrevious: {
     label: () => copyLabel(-1), icon: 'prev', keys: ['P'], row: 'Copy from previous keyframe',
@@ -447,6 +483,14 @@ export const ACTIONS = { ...FRAMES, ...NOTES, ...POSE, ...PINS, ...TRACK, ...REV
 /** @typedef {keyof typeof ACTIONS} ActionId */
 
 // --- entries that are alike
+
+function nudging(by, chord) {
+  const label = `Move selected keyframes ${Math.abs(by) === 1 ? 'one frame' : 'ten frames'} ${by < 0 ? 'earlier' : 'later'}`;
+  return {
+    label, keys: [`Ctrl ${chord}`], row: Math.abs(by) === 1 ? 'Move selected ones' : 'By ten frames', ...REPEATS,
+    off: () => whyNotNudge(by), run: () => nudge(by),
+  };
+}
 
 function tool(name) {
   return { on: () => ui.tool === name, run: () => setUi('tool', name) };

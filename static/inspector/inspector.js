@@ -36,7 +36,7 @@ const OTHERWISE = {
 
 /** @type {import('../store/shapes.js').Watched[]} */
 const SHOWN = [
-  'file', 'surface', 'camera', 'body', 'view', 'pose', 'keys', 'segments', 'errors', 'space', 'draft', 'job', 'lanes', 'masks', 'settings', 'cues', 'networks', 'keypoints', 'clipboard',
+  'file', 'surface', 'camera', 'body', 'view', 'pose', 'keys', 'segments', 'errors', 'space', 'draft', 'job', 'lanes', 'masks', 'settings', 'cues', 'networks', 'keypoints', 'clipboard', 'poses', 'u:timeKeys',
   'pins', 'proposed_pins', 'floor',
   'u:tab', 'u:tool', 'u:hover', 'u:figureHover', 'u:freeAxes', 'u:lens', 'u:mask', 'u:box',
   'u:rings', 'u:allKeypoints', 'u:draftRange', 'u:segmentFirst', 'u:allFreedoms', 'u:fitFocal',

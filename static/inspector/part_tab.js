@@ -4,6 +4,7 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { actionButton, actionIcon } from '../actions/buttons.js';
 import { limbs } from './limbs.js';
 import { floor, pins, pinsComeFirst } from './pins.js';
+import { poses } from './poses.js';
 import { position } from './position.js';
 import { rotation } from './rotation.js';
 import { section } from './section.js';
@@ -13,10 +14,10 @@ import { isSurface } from '../store/subject.js';
 
 export function partTab() {
   const part = selectedPart();
-  if (!part) return html`${limbs()}${pose()}`;
+  if (!part) return html`${limbs()}${pose()}${poses()}`;
   const pinned = isSurface() ? nothing : html`${pins(part)}${floor(part)}`;
   const isFirst = pinsComeFirst(part);
-  return html`${limbs()}${isFirst ? pinned : nothing}${part.parent ? nothing : position()}${rotation(part)}${pose()}${size(part)}${isFirst ? nothing : pinned}`;
+  return html`${limbs()}${isFirst ? pinned : nothing}${part.parent ? nothing : position()}${rotation(part)}${pose()}${size(part)}${isFirst ? nothing : pinned}${poses()}`;
 }
 
 const POSES = /** @type {const} */ ([

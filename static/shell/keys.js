@@ -1,10 +1,12 @@
 // The keyboard: a chord is looked up in the table of actions, wherever the focus is.
 
 import { server, ui, setUi } from '../store/state.js';
-import { BY_CHORD, perform } from '../actions/actions.js';
+import { BY_CHORD, perform, WHILE_PLAYING } from '../actions/actions.js';
 import { closeSheets } from '../controls/dialogs.js';
 import { keepsKey, leaveControl } from '../controls/focus.js';
 import { closeMenu } from '../controls/menu.js';
+import { awaitPaste, mountPaste } from '../actions/copying.js';
+import { clearSelection } from '../actions/selection.js';
 import { closeGuide } from '../guide/guide.js';
 import { discardSizes, lookBack, onPreviewKey } from '../actions/preview.js';
 import { closeReview, onReviewKey } from '../actions/review.js';
@@ -16,6 +18,7 @@ const SYMBOL = /^[^\p{L}\s]$/u;
 export function mountKeys() {
   addEventListener('keydown', onKeyDown);
   addEventListener('keyup', onKeyUp);
+  mountPaste(() => Boolean(ui.sheet || ui.chooser || ui.dragging) || keepsKey('Ctrl V'));
   addEventListener('pointerdown', () => (space.isUsed = true), true);
   addEventListener('blur', () => {
     setUi('space', false);
@@ -61,6 +64,15 @@ function onKeyDown(event) {
     pressSpace(event);
     return;
   }
+  if (server.file && (chord === 'Ctrl V' || chord === 'Ctrl Shift V')) {
+    awaitPaste(chord === 'Ctrl Shift V'); // the browser goes on to tell what is on its clipboard
+    return;
+  }
+  if (ui.playing && WHILE_PLAYING.has(chord)) {
+    event.preventDefault();
+    if (!event.repeat) perform(WHILE_PLAYING.get(chord));
+    return;
+  }
   const binding = BY_CHORD.get(chord);
   if (!binding || (!server.file && !binding.always)) return;
   event.preventDefault();
@@ -69,7 +81,7 @@ function onKeyDown(event) {
 
 /** What Esc ends, the nearest first; whether there was anything. */
 function escape() {
-  return closeSheets() || closeMenu() || leaveControl() || discardSizes() || closeFit() || closeGuide() || closeReview() || cancelJob();
+  return closeSheets() || closeMenu() || leaveControl() || discardSizes() || clearSelection() || closeFit() || closeGuide() || closeReview() || cancelJob();
 }
 
 /** A text that is marked in a message is what Ctrl C should copy. */

@@ -412,6 +412,16 @@
 /** @typedef {{ frame: number, text: string }} Note  Without words a flag. */
 
 /**
+ * @typedef {object} KeptPose  Of the library of poses.
+ * @property {string} id
+ * @property {string} name
+ * @property {string} body
+ * @property {boolean} fits  Whether the present body has any of its parts.
+ * @property {PoseStroke[]} strokes  Those behind first, in a field of 100 × 100.
+ */
+/** @typedef {['L' | 'R' | 'C', number, number, number, number, number]} PoseStroke  Side, x0, y0, x1, y1, width. */
+
+/**
  * @typedef {object} Sections  The newest of each section; null while nothing is open.
  * @property {File | null} file
  * @property {Camera | null} camera
@@ -451,6 +461,7 @@
  * @property {History | null} history
  * @property {Note[]} notes  By frame.
  * @property {boolean} clipboard
+ * @property {KeptPose[]} poses
  * @property {{ first: boolean, done: Record<string, boolean> }} guide
  * @property {number} tabs
  * @property {[number, number][]} damage  First and last of every run of frames that are not tracked by.
@@ -567,6 +578,12 @@
  * @property {number} [timeHead]
  * @property {any} [timeGrabbed]
  * @property {any} [timeHover]
+ * @property {boolean} [copiedHere]  What was copied last is not on the browser's clipboard.
+ * @property {number} speed  Of playing, 1 as it was filmed.
+ * @property {number} shuttle  How many times as fast, while it plays; negative: backward.
+ * @property {boolean} loop
+ * @property {{ first: number | null, last: number | null }} span  In and out point.
+ * @property {number[]} [timeKeys]  Frames of the keyframes that were selected.
  * @property {number | null} [timePin]  The pin whose bar was clicked.
  * @property {Set<string>} [timeOpen]
  * @property {number} [timeScroll]

@@ -18,6 +18,10 @@ export const ui = {
   hover: null,
   dragging: false,
   playing: false,
+  speed: 1,
+  shuttle: 1,
+  loop: false,
+  span: { first: null, last: null },
   connected: false,
 };
 

@@ -8,9 +8,11 @@ import { applySizes, isPreview, outdatedWords } from '../actions/preview.js';
 import { placesWords, reasonOf } from '../actions/drafting.js';
 import { frame, goTo, placeAhead, stopPlaying, isKey, keyFrames } from '../actions/playhead.js';
 import { isReviewing, place as placeToReview, places as placesToReview } from '../actions/review.js';
+import { chooseSpeed, rateWords, SPEEDS, speedWords } from '../actions/playing.js';
 import { proposedPins } from '../actions/pins.js';
 import { partNamed } from '../store/parts.js';
 import { count } from '../controls/words.js';
+import { dropdown } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';
 import { VERDICTS } from '../controls/verdicts.js';
 import { frameCount, lastFrame } from '../store/clip.js';
@@ -30,11 +32,18 @@ function transport() {
   return html`
     ${button('firstFrame')}${button('previousKeyframe')}${button('previousFrame')}${button('play')}
     ${button('nextFrame')}${button('nextKeyframe')}${button('lastFrame')}
+    ${button('loop')}${speed()}
     ${frameBox()}
-    ${isKey(frame()) ? button('deleteKeyframe', { pressed: true }) : button('addKeyframe', { pressed: false })}
+    ${isKey(frame()) ? actionIcon('deleteKeyframe', frame(), { size: '', pressed: true }) : button('addKeyframe', { pressed: false })}
     ${keyFrames().length > 0 ? button('middle') : nothing}
     <span class="vsep"></span>`;
 }
+
+/** As it plays now, and to choose from. */
+const speed = () => dropdown({
+  kind: 'ghost', label: 'Speed', title: 'How fast to play', text: rateWords(), value: String(ui.speed),
+  options: SPEEDS.map((each) => ({ id: String(each), label: speedWords(each) })), act: (id) => chooseSpeed(Number(id)),
+});
 
 const SUGGESTION_ICONS = { good: 'check', track: 'track', look: 'warn', confirm: 'flag' };
 

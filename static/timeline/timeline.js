@@ -12,6 +12,8 @@ import { frame } from '../actions/playhead.js';
 import { headKeys } from './edit/head_keys.js';
 import { grabbed } from './edit/pointer.js';
 import { listenOn } from './edit/gestures.js';
+import { mountPlaying } from '../actions/playing.js';
+import { mountSelection } from '../actions/selection.js';
 import { followPins, listenForPinKeys, watchPointer } from './edit/pin_drags.js';
 import { mountNoteCard } from './note_card.js';
 import { drawMenusIn } from '../controls/menu.js';
@@ -26,6 +28,7 @@ import { memoize } from './draw/series.js';
 const WATCHED = [
   'file', 'damage', 'view', 'keys', 'segments', 'draft', 'suggest', 'need', 'lanes', 'curve', 'body', 'job',
   'pins', 'proposed_pins', 'notes', 'u:timePin', 'review', 'u:review', 'u:reviewGoal', 'u:reviewLeft',
+  'u:timeKeys', 'u:span', 'u:loop', 'u:speed', 'u:shuttle',
   'u:playing', 'u:chart', 'u:lanes', 'u:curveAxis', 'u:timeWindow', 'u:timeSize', 'u:timeHead',
   'u:timeGrabbed', 'u:timeHover', 'u:timeOpen', 'u:timeScroll', 'u:zoomHint',
 ];
@@ -46,6 +49,8 @@ export function mount() {
   watchPointer();
   listenForPinKeys();
   mountNoteCard(time.querySelector('#tnote'), drawing);
+  mountSelection();
+  mountPlaying();
   const bar = time.querySelector('#tr');
   const layers = layersOf(drawing, ground);
   new ResizeObserver(() => measure(drawing)).observe(drawing);

@@ -4,6 +4,7 @@ import { server, ui, setUi, watch } from '../store/state.js';
 import { clampFrame } from '../store/clip.js';
 import { fetchOwn } from '../store/key.js';
 import { listen, send } from '../store/link.js';
+import { changedAt, dueAt, framesAhead, rangeToPlay } from './clock.js';
 
 const AHEAD = 24;
 const MOST_BYTES = 400e6;
@@ -24,6 +25,7 @@ let film = '';
 let version = '';
 let wanted = -1;
 let shown = -1; // the frame whose picture is on the screen
+/** While playing: {run, lap, sent, sentAt, drawn, due, askedAt, n}. */
 let play = null;
 /** Where playing left the playhead, {frame, n}: older answers of the server come after it. */
 let left = null;
@@ -37,6 +39,7 @@ export function mountFrames(canvas, onSize) {
   listen('state', () => left && server.done >= left.n && showServerFrame());
   watch(['u:connected'], () => (left = null));
   watch(['u:playing'], () => (ui.playing ? startPlaying() : stopPlaying()));
+  watch(['u:speed', 'u:shuttle', 'u:loop', 'u:span'], playOtherwise);
 }
 
 /** The server's frame counts once it has applied where playing ended. */
@@ -104,14 +107,9 @@ function loadFirst(frame) {
 
 function loadAround(frame) {
   const last = server.file.frames - 1;
-  const steps = play ? AHEAD : 3;
   queue.length = 0;
-  if (!decoded.has(frame) && !loading.has(frame)) queue.push(frame);
-  for (let step = 1; step <= steps; step++) {
-    for (const next of play ? [frame + step] : [frame + step, frame - step]) {
-      if (next < 0 || next > last || decoded.has(next) || loading.has(next)) continue;
-      queue.push(next);
-    }
+  for (const next of [frame, ...(play ? framesAhead(play.run, frame, AHEAD) : [1, -1, 2, -2, 3, -3].map((step) => frame + step))]) {
+    if (next >= 0 && next <= last && !decoded.has(next) && !loading.has(next)) queue.push(next);
   }
   pump();
 }
@@ -159,11 +157,34 @@ function evict() {
 
 function startPlaying() {
   if (!server.file || !server.view) return;
-  const last = server.file.frames - 1;
-  const first = server.view.frame >= last ? 0 : server.view.frame;
-  play = { first, began: performance.now(), sent: -1, sentAt: 0, drawn: -1, due: -1, askedAt: 0 };
-  loadAround(first);
+  const now = performance.now();
+  play = { run: runFrom(server.view.frame, now), askedAt: 0, due: -1, n: null };
+  beginLap(0);
+  loadAround(play.run.from);
   requestAnimationFrame(tick);
+}
+
+/** How the film is played from a frame on, as things are chosen now. @returns {import('./clock.js').Run} */
+function runFrom(at, began) {
+  const { frames, fps, times } = server.file;
+  const rate = ui.speed * ui.shuttle;
+  const range = rangeToPlay({ lastFrame: frames - 1, keys: server.keys?.frames ?? [], span: ui.span, at, way: Math.sign(rate) });
+  return { ...range, began, rate, loops: ui.loop, fps, times };
+}
+
+/** Another speed, way or range while it plays: on from the frame that is due. */
+function playOtherwise() {
+  if (!play) return;
+  const now = performance.now();
+  const turns = Math.sign(ui.speed * ui.shuttle) !== Math.sign(play.run.rate);
+  const { from } = changedAt(play.run, now, {});
+  play.run = runFrom(from, now);
+  if (turns || play.run.from !== from) beginLap(0);
+}
+
+/** Once more from its beginning, or the other way: nothing of this was seen yet. */
+function beginLap(lap) {
+  Object.assign(play, { lap, sent: null, sentAt: 0, drawn: null });
 }
 
 function stopPlaying() {
@@ -176,53 +197,51 @@ function stopPlaying() {
 
 function tick(now) {
   if (!play) return;
-  const due = dueFrame(Math.max(0, now - play.began) / 1000);
-  const last = server.file.frames - 1;
-  const frame = newestReady(Math.min(due, last));
-  if (frame !== null && frame !== play.sent) {
+  const due = dueAt(play.run, now);
+  if (due.lap !== play.lap) beginLap(due.lap);
+  const frame = newestReady(due.frame);
+  if (frame !== null) {
     play.sent = frame;
     play.sentAt = now;
     play.n = send({ do: 'go', frame });
   }
-  if (now - play.sentAt > PATIENCE_MS) drawOnward(play.sent);
-  if (due !== play.due || due > last) fetchDue(Math.min(due, last), now);
-  play.due = due;
-  if (due > last && (play.drawn >= last || refused.has(last))) setUi('playing', false);
+  if (play.sent !== null && now - play.sentAt > PATIENCE_MS) drawOnward(play.sent);
+  if (due.frame !== play.due || due.over) fetchDue(due.frame, now);
+  play.due = due.frame;
+  if (due.over && (play.drawn === due.frame || refused.has(due.frame))) setUi('playing', false);
   else requestAnimationFrame(tick);
 }
 
 /** Have what is due and what follows it; a picture that did not come is asked for again. */
 function fetchDue(due, now) {
-  if (play.due >= due && now - play.askedAt < AGAIN_MS) return;
+  if (play.due === due && now - play.askedAt < AGAIN_MS) return;
   play.askedAt = now;
   wanted = -1;
   loadAround(due);
 }
 
+/** Whether a frame comes after another, the way it is played; all come after none. */
+const isAfter = (frame, other) => other === null || Math.sign(play.run.rate) * (frame - other) > 0;
+
 /** The server moved the body: its picture now comes with it. */
 function followServer() {
-  if (server.view.frame <= play.sent) drawOnward(server.view.frame);
+  if (play.sent !== null && !isAfter(server.view.frame, play.sent)) drawOnward(server.view.frame);
 }
 
 /** Time does not run backward, though the server's answer for an earlier frame may come late. */
 function drawOnward(frame) {
-  if (frame <= play.drawn || !decoded.has(frame)) return;
+  if (!isAfter(frame, play.drawn) || !decoded.has(frame)) return;
   play.drawn = frame;
   draw(frame);
 }
 
 /** The newest picture that is there and not later than due; none when it was shown already. */
 function newestReady(due) {
-  for (let frame = due; frame > Math.max(play.sent, play.first - 1); frame--) {
+  const { run, lap, sent } = play;
+  const way = Math.sign(run.rate);
+  const first = lap === 0 ? run.from : way > 0 ? run.first : run.last;
+  for (let frame = due; isAfter(frame, sent) && !isAfter(first, frame); frame -= way) {
     if (decoded.has(frame)) return frame;
   }
   return null;
-}
-
-function dueFrame(seconds) {
-  const { times, fps } = server.file;
-  if (!times) return play.first + Math.floor(seconds * fps);
-  let frame = play.first;
-  while (frame < times.length && times[frame] - times[play.first] <= seconds) frame++;
-  return frame < times.length ? frame - 1 : frame;
 }

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Page
 
 from tests.app.serving import Keypose, Visitor
-from tests.browser.hands import section, until, until_told
+from tests.browser.hands import screen, section, until, until_told
 from tests.browser.shared import let_in, opened, served
 
 LATE = """
@@ -88,3 +90,62 @@ def test_playing_ends_though_the_last_picture_cannot_be_had(
         context.route(f"**/frame/{last}.jpg*", lambda route: route.fulfill(status=404))
         page = opened(context, keypose)
         assert _played(page)[-1] < last
+
+
+def _ui(page: Page, name: str) -> Any:
+    return page.evaluate(f"() => window.keypose.ui.{name}")
+
+
+def test_a_loop_stays_between_in_and_out_point_until_it_is_stopped(
+    browser: Browser, keypose: Keypose
+) -> None:
+    with let_in(browser, drawn=False) as context:
+        page = opened(context, keypose)
+        _go(keypose, page, 10)
+        page.keyboard.press("Shift+I")
+        _go(keypose, page, 16)
+        page.keyboard.press("Shift+O")
+        page.keyboard.press("Shift+L")
+        page.evaluate(RECORD)
+        page.keyboard.press("Space")
+
+        def has_turned() -> bool:
+            seen: list[int] = page.evaluate("() => window.seen")
+            return sum(a > b for a, b in pairwise(seen)) >= 2
+
+        until(has_turned, "the third time round")
+        screen(page, "timeline-loop")
+        page.keyboard.press("k")  # while it plays: no keyframe is added
+        until(lambda: not _ui(page, "playing"), "the end")
+        seen = page.evaluate("() => window.seen")
+        assert set(seen) <= set(range(10, 17))
+        assert 10 not in section(page, "keys.frames")
+        page.reload()
+        page.wait_for_selector("html[data-ready]", state="attached")
+        until(lambda: _ui(page, "span.first") == 10, "the in point")
+        assert _ui(page, "span.last") == 16
+        assert _ui(page, "loop") is True
+        page.keyboard.press("Shift+X")
+        until(lambda: _ui(page, "span.first") is None, "nothing chosen")
+
+
+def test_backward_pictures_go_backward_only_and_l_turns_them_round(
+    browser: Browser, keypose: Keypose
+) -> None:
+    with let_in(browser, drawn=False) as context:
+        page = opened(context, keypose)
+        live = section(page, "view.live")
+        _go(keypose, page, 14)
+        page.evaluate(RECORD)
+        page.keyboard.press("j")
+        until(lambda: _ui(page, "playing"), "playing")
+        until(lambda: not _ui(page, "playing"), "the end")
+        seen = page.evaluate("() => window.seen")
+        assert seen == sorted(seen, reverse=True)
+        assert seen[-1] == 0
+        _go(keypose, page, 60)
+        page.keyboard.press("j")
+        page.keyboard.press("l")
+        until(lambda: _ui(page, "shuttle") == 1, "forward")
+        assert section(page, "view.live") == live, "while it plays L is no switch"
+        until(lambda: not _ui(page, "playing"), "the end")

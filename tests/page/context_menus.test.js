@@ -27,9 +27,9 @@ test('menus name actions of the table, and none twice', () => {
 });
 
 test('what is not possible stays, with its reason in the place of the key', () => {
-  const { 'Paste pose': paste, 'Copy pose': copy } = labelled(contextEntries('picture'));
+  const { Paste: paste, 'Add keyframe': add } = labelled(contextEntries('picture'));
   assert.deepEqual([paste.off, paste.right], ['Copy a pose first (Ctrl C)', 'Copy a pose first (Ctrl C)']);
-  assert.deepEqual([copy.off, copy.right], ['', 'Ctrl C']);
+  assert.deepEqual([add.off, add.right], ['', 'K']);
 });
 
 test('a keyframe is added or deleted, whichever fits the frame', () => {

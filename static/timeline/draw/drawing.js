@@ -5,6 +5,7 @@ import { render } from '../../vendor/lit-html/lit-html.js';
 import { server, setUi, ui } from '../../store/state.js';
 import { isSurface } from '../../store/subject.js';
 import { frame, segmentAt, suggestedFrame } from '../../actions/playhead.js';
+import { selectedKeys } from '../../actions/selection.js';
 import { selectFrom } from '../edit/drags.js';
 import { grabbed, hovered } from '../edit/pointer.js';
 import { drawClip, drawDamage, drawGround, drawKeyLabels, drawNothingYet, drawRuler } from './ground.js';
@@ -15,12 +16,15 @@ import { drawCurrentPart, drawPartKeys } from './partmarks.js';
 import { drawSegments } from './segments.js';
 import { drawNotes } from './notes.js';
 import { drawLaneLabels, drawLanes } from './lanes.js';
+import { drawSelection } from './selection.js';
+import { drawSpan } from './span.js';
 import { drawPinLabels, drawPins } from './pins.js';
 import { drawCurrentCurveKey, drawCurve } from './curve.js';
 import { drawCurveLabels } from './curvelabels.js';
 import { drawScoreLabels, drawScores } from './scores.js';
 import { drawBand, drawGrabbed, drawPlayhead } from './overlay.js';
 import { drawOverview } from './overview.js';
+import { memoize } from './series.js';
 
 /** A function that draws the layer if any of its inputs is another than the last time. */
 function layer(element, inputs, draw) {
@@ -38,8 +42,15 @@ const isScore = () => ui.chart === 'score' && !isSurface() && (server.segments ?
 /** Where frames end: the chart of scores under them has passes across, not frames. */
 const bottomOf = (rows) => (isScore() && rows.curve !== null ? rows.curve.y - 3 : rows.height);
 
-const keyGrabbed = () => (grabbed()?.kind === 'key' && !grabbed().copy ? grabbed().from : null);
 const noteGrabbed = () => (grabbed()?.kind === 'note' ? grabbed().from : null);
+/** The frames of the keyframes that are on their way: where they were they are not drawn. */
+const NONE = [];
+const keysGrabbed = memoize((what) => {
+  if (what === null || what.copy) return NONE;
+  return what.kind === 'key' ? [what.from] : what.kind === 'keys' ? what.frames : NONE;
+});
+const onTheWay = () => keysGrabbed(grabbed());
+const chosenKeys = () => (grabbed()?.kind === 'keys' ? NONE : selectedKeys());
 const pinGrabbed = () => (grabbed()?.kind === 'pin' ? grabbed() : null);
 const angleGrabbed = () => (grabbed()?.kind === 'angle' ? grabbed().frame : null);
 
@@ -61,14 +72,17 @@ const LAYERS = [
     ({ rows }) => (isScore() ? drawScores(rows.curve) : drawCurve(rows.curve, angleGrabbed()))],
   ['frames', 'suggestion', () => [suggestedFrame(), server.keys, isScore(), Boolean(ui.review)],
     ({ rows }) => drawSuggestion(rows, bottomOf(rows))],
-  ['frames', 'keys', () => [server.keys, server.segments, keyGrabbed()], ({ rows }) => [drawKeys(rows, keyGrabbed()), drawPartKeys(rows, keyGrabbed())]],
-  ['frames', 'places', () => [server.draft, isScore()], ({ rows }) => drawPlaces(rows, bottomOf(rows))],
   ['frames', 'review', () => [server.review, ui.review, ui.reviewGoal, ui.reviewLeft], () => drawReviewPlaces()],
-  ['frames', 'current', () => [frame(), keyGrabbed(), angleGrabbed(), isScore(), ...curveInputs()],
+  ['frames', 'selection', () => [server.keys, chosenKeys()], ({ rows }) => drawSelection(rows, chosenKeys())],
+  ['frames', 'keys', () => [server.keys, server.segments, String(onTheWay()), chosenKeys()],
+    ({ rows }) => [drawKeys(rows, onTheWay(), chosenKeys()), drawPartKeys(rows, onTheWay())]],
+  ['frames', 'places', () => [server.draft, isScore()], ({ rows }) => drawPlaces(rows, bottomOf(rows))],
+  ['frames', 'current', () => [frame(), String(onTheWay()), chosenKeys(), angleGrabbed(), isScore(), ...curveInputs()],
     ({ rows }) => [
-      keyGrabbed() === frame() ? null : [drawCurrent(rows), drawCurrentPart(rows)],
+      onTheWay().includes(frame()) ? null : [drawCurrent(rows, chosenKeys()), drawCurrentPart(rows)],
       isScore() || angleGrabbed() !== null ? null : drawCurrentCurveKey(rows.curve),
     ]],
+  ['frames', 'span', () => [ui.span, isScore()], ({ rows }) => drawSpan(bottomOf(rows))],
   ['frames', 'nothing', () => [server.curve, isScore()],
     ({ rows, empty }) => drawNothingYet(rows, empty, isScore())],
   ['above', 'labels', () => [server.keys], ({ rows }) => [drawClip(), drawKeyLabels(rows)]],
@@ -81,7 +95,7 @@ const LAYERS = [
   ['frames', 'notes', () => [server.notes, noteGrabbed()], () => drawNotes(noteGrabbed())],
   ['top', 'head', () => [frame(), server.keys, server.segments, isScore()],
     ({ rows }) => drawPlayhead(bottomOf(rows))],
-  ['top', 'grabbed', () => [grabbed(), hovered(), server.segments, server.curve, server.pins, ui.curveAxis],
+  ['top', 'grabbed', () => [grabbed(), hovered(), server.segments, server.curve, server.pins, ui.curveAxis, ui.span],
     ({ rows }) => drawGrabbed(rows)],
 ];
 

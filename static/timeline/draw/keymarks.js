@@ -50,10 +50,13 @@ function inWindow(frames) {
   return frames.filter((at) => at >= first - 1 && at <= last + 1);
 }
 
-export function drawKeys(rows, without = null) {
+/** The keyframes, but those at the frames `without`; those chosen look so. */
+export function drawKeys(rows, without = [], selected = []) {
+  const [gone, chosen] = [new Set(without), new Set(selected)];
   const middle = rows.keys.middle;
   const { diamonds, ticks } = marksOf(inWindow(keyFrames()));
-  const here = (mark) => mark.frame !== without;
+  const here = (mark) => !gone.has(mark.frame);
+  const isChosen = (mark) => chosen.has(mark.frame);
   const large = ({ frame: at, room }) => diamond(x(at), middle, radiusFor(room));
   const small = ({ frame: at, room }) => {
     const wide = tickWidth(room);
@@ -65,6 +68,8 @@ export function drawKeys(rows, without = null) {
   return svg`<path class="keymark" d=${diamonds.filter(here).filter(isExact).map(large).join('')} />
     <path class="keymark soft" d=${soft.map(large).join('')} />
     <path class="keymark tick" d=${ticks.filter(here).map(small).join('')} />
+    <path class="keymark chosen" d=${diamonds.filter(here).filter(isChosen).map(large).join('')} />
+    <path class="keymark tick chosen" d=${ticks.filter(here).filter(isChosen).map(small).join('')} />
     <path class="draft" d=${drafts.join('')} />`;
 }
 
@@ -81,11 +86,11 @@ export function drawSuggestion(rows, height) {
     <path class="suggested" d=${diamond(there, middle, 9)} /><path class="s-acc plus" d=${plus} />`;
 }
 
-/** The key under the playhead, in the accent; hollow while it is a draft. */
-export function drawCurrent(rows) {
+/** The key under the playhead, in the accent; hollow while it is a draft, outlined while it is chosen. */
+export function drawCurrent(rows, chosen = []) {
   const at = frame();
   if (isKey(at)) {
-    return svg`<path class=${`keymark current${isSoft(at) ? ' soft' : ''}`} d=${diamond(x(at), rows.keys.middle, CURRENT)} />`;
+    return svg`<path class=${`keymark current${isSoft(at) ? ' soft' : ''}${chosen.includes(at) ? ' chosen' : ''}`} d=${diamond(x(at), rows.keys.middle, CURRENT)} />`;
   }
   if (!draftFrames().includes(at)) return nothing;
   return svg`<path class="draft current" d=${diamond(x(at), rows.keys.middle, CURRENT - 1)} />`;

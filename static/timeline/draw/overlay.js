@@ -2,7 +2,7 @@
 // or hovered, as the key on its way, the angle being changed, the mark under the pointer.
 
 import { nothing, svg } from '../../vendor/lit-html/lit-html.js';
-import { server } from '../../store/state.js';
+import { server, ui } from '../../store/state.js';
 import { partNamed } from '../../store/parts.js';
 import { frameCount, lastFrame } from '../../store/clip.js';
 import { clamp, shortNumber, signedNumber } from '../../controls/arithmetic.js';
@@ -12,12 +12,14 @@ import { noteAt, noteLine } from '../../actions/notes.js';
 import { noteMark } from './notes.js';
 import { reasonOf } from '../../actions/drafting.js';
 import { partKeyAt } from '../../actions/limbs.js';
+import { selectedKeys } from '../../actions/selection.js';
 import { diamond } from './keymarks.js';
 import { BAR, barOf } from './segments.js';
 import { grabbed, hovered } from '../edit/pointer.js';
 import { scale, valueAt } from './curve.js';
 import { allPins, framesOf } from '../../actions/pins.js';
 import { belowPin, proposalOf } from './pins.js';
+import { drawBox, drawMovingKeys } from './selection.js';
 
 export function flagWidth() {
   return 16 + 9 * String(frame()).length;
@@ -70,6 +72,9 @@ export function drawGrabbed(rows) {
   const what = grabbed();
   if (what?.kind === 'key') return drawMovingKey(what, rows);
   if (what?.kind === 'note') return drawMovingNote(what);
+  if (what?.kind === 'keys') return drawMovingKeys(what, rows, label);
+  if (what?.kind === 'span') return label(`${what.end === 'first' ? 'In' : 'Out'} ${ui.span[what.end]}`, x(ui.span[what.end]), RULER + 12);
+  if (what?.kind === 'box') return drawBox(what, rows);
   if (what?.kind === 'pin') return drawPinDrag(what, rows);
   if (what?.kind === 'angle') return drawAngle(what, rows);
   return what === null ? drawHover(rows) : nothing;
@@ -136,6 +141,7 @@ function drawHover(rows) {
     return svg`<path class="hover" d=${diamond(x(what.frame), middle, 9.5)} />
       ${label(`Keyframe ${what.frame}`, x(what.frame), middle + 23)}`;
   }
+  if (what.kind === 'grip') return drawGripHover(what, rows);
   if (what.kind === 'pin' || what.kind === 'proposal') return drawPinHover(what, rows);
   if (what.kind === 'note') return drawNoteHover(what.frame);
   if (what.kind === 'place') return drawPlaceHover(what.frame, rows);
@@ -152,6 +158,12 @@ function drawPartHover(at, middle) {
   return svg`<path class="hover" d=${diamond(here, middle, 10.5)} />
     ${label(`Part keyframe ${at}`, here, middle + 23, `  ${partKeyAt(at).words}`)}
     ${label('', here, middle + 44, 'The other parts follow tracking here. Double-click to key the whole pose.')}`;
+}
+
+function drawGripHover({ end }, rows) {
+  const frames = selectedKeys();
+  const at = end === 'first' ? frames[0] : frames.at(-1);
+  return at === undefined ? nothing : label('Drag to stretch', x(at), rows.keys.middle + 23);
 }
 
 function drawPinHover(what, rows) {

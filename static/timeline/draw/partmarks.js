@@ -43,10 +43,11 @@ export function partMark(limbs, cx, cy, kind = '') {
     ${outlinesOf(fills, cx, cy, RADIUS).map(([side, d]) => svg`<path class=${`line ${side}`} d=${d} />`)}</g>`;
 }
 
-export function drawPartKeys(rows, without = null) {
+/** All of them, but for those that are on their way elsewhere. */
+export function drawPartKeys(rows, without = []) {
   const { first, last } = visible();
   const seen = partKeys().filter((key) => key.frame >= first - 1 && key.frame <= last + 1);
-  return seen.filter((key) => key.frame !== without).map((key) => partMark(key.limbs, x(key.frame), rows.keys.middle));
+  return seen.filter((key) => !without.includes(key.frame)).map((key) => partMark(key.limbs, x(key.frame), rows.keys.middle));
 }
 
 /** The one under the playhead, ringed in the accent. */

@@ -56,11 +56,11 @@ function release() {
 const SHAKE_MS = 240;
 
 /**
- * Grab the key at a frame, with Shift of a copy of it; a click that moves less than 3 px goes
- * there. The edit is sent when the diamond is released: on its way over other frames it would do nothing
+ * Grab the key at a frame, with Shift or Alt a copy of it; `click` is what a click does that moves
+ * less than 3 px. The edit is sent when the diamond is released: on its way over other frames it would do nothing
  * but outdate results.
  */
-export function grabKey(from, start) {
+export function grabKey(from, start, click) {
   const offset = x(from) - start.x;
   stopPlaying();
   return {
@@ -68,9 +68,9 @@ export function grabKey(from, start) {
     move(place) {
       const to = clampFrame(frameAt(place.x + offset));
       const taken = to !== from && (isKey(to) || Boolean(partKeyAt(to)));
-      setGrabbed({ kind: 'key', from, to, copy: place.shift, taken, refused: false });
+      setGrabbed({ kind: 'key', from, to, copy: place.shift || place.alt, taken, refused: false });
     },
-    click: () => goTo(from),
+    click,
     end: () => drop(grabbed()),
     cancel: () => setGrabbed(null),
   };
@@ -78,7 +78,7 @@ export function grabKey(from, start) {
 
 function drop(key) {
   if (key.taken) {
-    refuse(key);
+    putBack(key);
     return;
   }
   setGrabbed(null);
@@ -87,8 +87,8 @@ function drop(key) {
   goTo(key.to);
 }
 
-/** Onto another key: the diamond shakes and goes back. */
-function refuse(key) {
+/** Onto another key: what was dragged shakes and goes back. */
+export function putBack(key) {
   const shaking = { ...key, refused: true };
   setGrabbed(shaking);
   setTimeout(() => grabbed() === shaking && setGrabbed(null), SHAKE_MS);

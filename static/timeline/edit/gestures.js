@@ -18,12 +18,19 @@ import { curveKeyNear } from '../draw/curve.js';
 import { laneAt } from '../draw/lanes.js';
 import { pinAt, proposalOf } from '../draw/pins.js';
 import { noteMarkAt } from '../draw/notes.js';
+import { grabNote } from './note_drags.js';
+import { gripNear } from '../draw/selection.js';
+import { spanEndAt } from '../draw/span.js';
+import { grabSpanEnd, openSpanMenu } from './span_drags.js';
 import { grabOverview } from '../draw/overview.js';
 import { grabAngle, grabHead, grabKey, selectFrom } from './drags.js';
-import { openFramesMenu, openKeyMenu, openNoteMenu, openPinMenu, openProposalMenu, openSegmentMenu } from './menus.js';
-import { grabNote } from './note_drags.js';
+import { grabBox, grabKeys, grabSelectionEnd } from './range_drags.js';
+import {
+  openFramesMenu, openKeyMenu, openNoteMenu, openPinMenu, openProposalMenu, openSegmentMenu, openSelectionMenu,
+} from './menus.js';
 import { acceptAt, grabPin, grabProposal } from './pin_drags.js';
-import { frame, isKey, segmentAt } from '../../actions/playhead.js';
+import { chooseOnly, clearSelection, extendTo, isSelected, selectedKeys, toggleKey } from '../../actions/selection.js';
+import { frame, goTo, isKey, segmentAt, stopPlaying } from '../../actions/playhead.js';
 import { setHovered } from './pointer.js';
 
 const CLICK_PX = 3;
@@ -69,17 +76,23 @@ function placeOf(event) {
   };
 }
 
-/** What is under a place: {kind, ...}; the kind "frames" is everywhere else. */
+/** What is under a place: {kind, ...}; "ground" is the row of keyframes, "frames" everywhere else. */
 function under(place) {
   const { rows, lanes, scroll } = ground();
-  if (place.x < GUTTER) return { kind: 'gutter' };
+  const isInKeys = place.y >= rows.keys.y && place.y < rows.keys.y + rows.keys.h;
+  const grip = isInKeys ? gripNear(place.x) : null;
+  if (grip !== null) return { kind: 'grip', end: grip };
+  const spanEnd = spanEndAt(place);
+  if (spanEnd !== null) return { kind: 'spanend', end: spanEnd };
+  // A box over the first keyframe begins beside it.
+  if (place.x < GUTTER) return { kind: isInKeys ? 'beside' : 'gutter' };
   const strip = isZoomed() && place.y > RULER - 2 && place.y < RULER + OVERVIEW + 2;
   if (strip) return { kind: 'overview' };
   const note = noteMarkAt(place);
   if (note !== null) return { kind: 'note', frame: note };
   const review = reviewPlaceNear(place.x, place.y);
   if (review !== null) return { kind: 'review', place: review };
-  if (place.y >= rows.keys.y && place.y < rows.keys.y + rows.keys.h) return inKeys(place, rows);
+  if (isInKeys) return inKeys(place, rows);
   const pin = pinAt(rows.pins, place);
   if (pin !== null) return pin;
   const lane = laneAt(rows, lanes, place.y, scroll);
@@ -95,12 +108,41 @@ function inKeys(place, rows) {
   if (key !== null) return { kind: 'key', frame: key };
   const confirm = placeNear(place.x);
   if (confirm !== null) return { kind: 'place', frame: confirm.frame };
-  if (Math.abs(place.y - rows.keys.middle) > BAR.half + 3) return { kind: 'frames' };
+  if (Math.abs(place.y - rows.keys.middle) > BAR.half + 3) return { kind: 'ground' };
   const segment = (server.segments ?? []).find((s) => {
     const { from, to } = barOf(s);
     return place.x >= from - 1 && place.x <= to + 1;
   });
-  return segment ? { kind: 'segment', segment } : { kind: 'frames' };
+  return segment ? { kind: 'segment', segment } : { kind: 'ground' };
+}
+
+/** A click on a keyframe goes there; with Shift it extends the selection, with Ctrl it toggles the keyframe. */
+function clickKey(at, place) {
+  if (place.ctrl) return toggleKey(at);
+  if (place.shift) return extendTo(at);
+  chooseOnly(at);
+  return goTo(at);
+}
+
+const isAmongSelected = (at) => isSelected(at) && selectedKeys().length > 1;
+
+const grabKeyAt = (at, place) => {
+  const click = () => clickKey(at, place);
+  if (isAmongSelected(at)) return grabKeys(at, place, click);
+  const alone = grabKey(at, place, click);
+  const end = () => {
+    clearSelection();
+    alone.end();
+  };
+  return { ...alone, end };
+};
+
+/** A click on the row goes there and lets go of the selection, then does what else it does here. */
+function clickGround(place, more = () => {}) {
+  clearSelection();
+  stopPlaying();
+  goTo(frameAt(place.x));
+  more();
 }
 
 function begin(what, place) {
@@ -108,9 +150,17 @@ function begin(what, place) {
     case 'overview':
       return grabOverview(place.x);
     case 'key':
-      return grabKey(what.frame, place);
+      return grabKeyAt(what.frame, place);
     case 'note':
       return grabNote(what.frame, place);
+    case 'grip':
+      return grabSelectionEnd(what.end, place);
+    case 'spanend':
+      return grabSpanEnd(what.end, place);
+    case 'beside':
+      return grabBox(place, () => {});
+    case 'ground':
+      return grabBox(place, () => clickGround(place));
     case 'place':
       return grabHead({ ...place, x: x(what.frame) });
     case 'review':
@@ -122,7 +172,7 @@ function begin(what, place) {
     case 'curvekey':
       return grabAngle(what.frame, ground().rows.curve, place);
     case 'segment':
-      return grabHead(place, () => openSegmentMenu(what.segment, place.page));
+      return grabBox(place, () => clickGround(place, () => openSegmentMenu(what.segment, place.page)));
     case 'lane':
       return grabHead(place, () => selectFrom(what.lane, frame()));
     case 'frames':
@@ -189,12 +239,15 @@ function drop() {
   gesture = null;
 }
 
-const CURSORS = { key: 'grab', curvekey: 'ns-resize', segment: 'pointer', place: 'pointer', overview: 'grab', pin: 'grab', proposal: 'pointer', note: 'grab' };
+const CURSORS = {
+  key: 'grab', note: 'grab', pin: 'grab', overview: 'grab', grip: 'ew-resize', spanend: 'ew-resize', curvekey: 'ns-resize',
+  segment: 'pointer', place: 'pointer', proposal: 'pointer',
+};
 
 function pointAt(what) {
   element.style.cursor = (what.kind === 'pin' && what.end !== 'middle' ? 'ew-resize' : CURSORS[what.kind]) ?? '';
   if (what.kind === 'segment') setHovered({ kind: 'segment', first: what.segment.first });
-  else if (['key', 'curvekey', 'place', 'pin', 'proposal', 'note'].includes(what.kind)) setHovered(what);
+  else if (['key', 'grip', 'curvekey', 'place', 'pin', 'proposal', 'note'].includes(what.kind)) setHovered(what);
   else setHovered(null);
 }
 
@@ -221,10 +274,12 @@ const WHEREVER = ['frames', 'lane', 'chart'];
 
 function openMenuOn(what, place) {
   setHovered(null);
-  if (what.kind === 'key' || what.kind === 'curvekey') openKeyMenu(what.frame, place.page);
   if (what.kind === 'segment') openSegmentMenu(what.segment, place.page, clampFrame(frameAt(place.x)));
   if (what.kind === 'note') openNoteMenu(what.frame, place.page);
   if (WHEREVER.includes(what.kind)) openFramesMenu(clampFrame(frameAt(place.x)), place.page);
+  if (what.kind === 'grip' || (what.kind === 'key' && isAmongSelected(what.frame))) openSelectionMenu(place.page);
+  else if (what.kind === 'key' || what.kind === 'curvekey') openKeyMenu(what.frame, place.page);
+  if (what.kind === 'spanend') openSpanMenu(what.end, place.page);
   if (what.kind === 'pin') openPinMenu(what.index, place.page);
   if (what.kind === 'proposal') openProposalMenu(proposalOf(what), place.page);
 }

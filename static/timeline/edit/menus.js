@@ -7,11 +7,12 @@ import { noteAt, noteLine } from '../../actions/notes.js';
 import { placeForCopy } from '../../actions/keying.js';
 import { partKeyAt } from '../../actions/limbs.js';
 import { frame, segmentAt } from '../../actions/playhead.js';
+import { selectedKeys } from '../../actions/selection.js';
 import { allPins, framesOf } from '../../actions/pins.js';
 import { icon } from '../../controls/icons.js';
 import { content, heading, line, openMenuAt } from '../../controls/menu.js';
 import { VERDICTS } from '../../controls/verdicts.js';
-import { range } from '../../controls/words.js';
+import { count, range } from '../../controls/words.js';
 import { lastFrame } from '../../store/clip.js';
 import { words as subject } from '../../store/subject.js';
 
@@ -38,6 +39,14 @@ function openPartKeyMenu({ frame: at, limbs, words }, page) {
     ...several.map((limb) => menuItem('unkeyLimb', { frame: at, ...limb })),
     menuItem('duplicateKeyframe', at, { ask: { value: placeForCopy(at), last: lastFrame(), answer: 'Duplicate' } }),
     menuItem('deleteKeyframe', at, { icon: 'trash', ...elsewhere(at === frame()) }),
+  ], page);
+}
+
+/** What is done to all selected keyframes. */
+export function openSelectionMenu(page) {
+  const title = count(selectedKeys().length, 'keyframe');
+  openMenuAt(title, [
+    heading(`${title} selected`), menuItem('copyPose'), menuItem('deleteKeyframe', undefined, { icon: 'trash' }), line, menuItem('selectAllKeyframes'),
   ], page);
 }
 

@@ -1,0 +1,115 @@
+// Copying and pasting a pose or keyframes, by way of the browser's clipboard, so that they reach other
+// tabs and sessions. What cannot be written there is still copied within this session, by the server.
+
+import { toast } from '../controls/toasts.js';
+import { count } from '../controls/words.js';
+import { ask, send } from '../store/link.js';
+import { server, setUi, ui } from '../store/state.js';
+import { readText, writeText } from './clipboard.js';
+import { listed } from './key_ranges.js';
+import { frame, isKey } from './playhead.js';
+import { selectedKeys, selectKeys } from './selection.js';
+
+const LARGEST = 1_000_000;
+const NEWER = 'This was copied in a newer Keypose. Update this one to paste it.';
+const NOTHING = 'The clipboard holds no pose or keyframes. Copy some first (Ctrl C).';
+
+const VERSION = 1;
+
+/** @typedef {{ keypose: 'pose' | 'keyframes', version?: number, keys: { after: number }[] }} Copied */
+/** @typedef {{ mirrored?: boolean, onto_body?: boolean }} How */
+
+export const copyWords = () => (selectedKeys().length > 1 ? `Copy ${selectedKeys().length} keyframes` : 'Copy pose');
+
+export const canRead = () => Boolean(globalThis.navigator?.clipboard?.readText);
+
+export const nothingCopied = () => (server.clipboard || canRead() ? '' : 'Copy a pose first (Ctrl C)');
+
+/** Copy the selected keyframes, or the pose at this frame. */
+export async function copy() {
+  const frames = selectedKeys();
+  send({ do: 'copy_pose', frames });
+  const text = ask({ ask: 'copied' }).then((answer) => answer.text ?? Promise.reject(new Error('nothing')));
+  setUi('copiedHere', !(await writeText(text)));
+  if (frames.length > 1) toast({ kind: 'info', words: `${count(frames.length, 'keyframe')} copied.` });
+}
+
+/**
+ * What a text holds, as far as the page can tell: the server checks the rest.
+ * @param {string | null} text
+ * @returns {Copied | null}
+ */
+export function copiedIn(text) {
+  if (!text || text.length > LARGEST || !text.includes('"keypose"')) return null;
+  try {
+    const found = JSON.parse(text);
+    const isOurs = ['pose', 'keyframes'].includes(found?.keypose) && Array.isArray(found.keys) && found.keys.length > 0;
+    return isOurs ? found : null;
+  } catch {
+    return null;
+  }
+}
+
+/** The frames at which the keyframes of what was copied would stand. @returns {number[]} */
+export const framesFrom = (copied, at) => copied.keys.map((key) => at + Number(key?.after ?? 0));
+
+/** Paste what a text holds, else what was copied in this session where that did not get into any text. */
+export function pasteText(text, how = {}) {
+  const copied = copiedIn(text);
+  if (copied) return paste(copied, how);
+  if (server.clipboard && (ui.copiedHere || !text)) return send({ do: 'paste_pose', ...how });
+  return toast({ kind: 'check', words: NOTHING });
+}
+
+/** @param {Copied} copied @param {How} how */
+function paste(copied, how) {
+  if ((copied.version ?? VERSION) > VERSION) return toast({ kind: 'check', words: NEWER });
+  const message = { do: 'paste_pose', ...how, copied };
+  if (copied.keypose === 'pose') return send(message);
+  const frames = framesFrom(copied, frame());
+  const taken = frames.filter(isKey);
+  const go = (more = {}) => {
+    send({ ...message, ...more });
+    selectKeys(frames);
+  };
+  if (!taken.length) return go();
+  const words = taken.length === 1 ? `Frame ${taken[0]} is already a keyframe.` : `Frames ${listed(taken)} are already keyframes.`;
+  const at = frame();
+  return toast({
+    kind: 'check', words, detail: 'Nothing was pasted.',
+    button: { label: taken.length === 1 ? 'Replace it' : 'Replace them', run: () => (frame() === at ? go({ replace: true }) : paste(copied, how)) },
+  });
+}
+
+/** From a button or a menu: the clipboard is asked. @param {How} how */
+export async function pasteWith(how) {
+  pasteText(ui.copiedHere ? '' : await readText(), how);
+}
+
+// --- by its keys the browser tells by itself what is on the clipboard
+
+const PATIENCE_MS = 300;
+/** @type {{ mirrored: boolean, timer: number } | null} */
+let awaited = null;
+
+/** Ctrl V was pressed: what is on the clipboard comes next; in a browser that tells nothing, nothing. */
+export function awaitPaste(mirrored) {
+  clearTimeout(awaited?.timer);
+  awaited = { mirrored, timer: setTimeout(() => settle(''), PATIENCE_MS) };
+}
+
+/** `isElsewhere()`: whether what is pasted belongs to a field of text. */
+export function mountPaste(isElsewhere) {
+  document.addEventListener('paste', (event) => {
+    if (isElsewhere() || !server.file) return;
+    event.preventDefault();
+    settle(event.clipboardData?.getData('text/plain') ?? '');
+  });
+}
+
+function settle(text) {
+  const { mirrored = false, timer } = awaited ?? {};
+  clearTimeout(timer);
+  awaited = null;
+  pasteText(text, mirrored ? { mirrored } : {});
+}

@@ -1,0 +1,162 @@
+// The keyframes that are selected on the timeline: choosing them, and what is done to all of them. What
+// is kept are frames; those at which no keyframe stands any more do not count.
+
+import { isCaughtUp } from '../store/edits.js';
+import { lastFrame } from '../store/clip.js';
+import { newStroke, send } from '../store/link.js';
+import { server, setUi, ui, watch } from '../store/state.js';
+import { count } from '../controls/words.js';
+import { between, joined, listed, met, shifted, toggled } from './key_ranges.js';
+import { deleteKey, sayDeleted, whyNotDelete } from './keying.js';
+import { frame, isKey, keyFrames } from './playhead.js';
+
+/** @type {number[]} */
+const NONE = [];
+ui.timeKeys = NONE;
+
+/** Where a range that Shift extends begins. @type {number | null} */
+let anchor = null;
+
+/** The frames that marks stand at which can be selected, ascending. */
+export const marks = () => keyFrames();
+
+/** Undone, a move gives back what was selected before it. @type {{ from: number[], to: number[] } | null} */
+let moved = null;
+
+let known = { kept: NONE, keys: NONE, chosen: NONE };
+
+/** The frames of the selected keyframes, ascending. @returns {number[]} */
+export function selectedKeys() {
+  const [kept, keys] = [ui.timeKeys ?? NONE, marks()];
+  if (kept !== known.kept || keys !== known.keys) {
+    const there = new Set(keys);
+    const chosen = kept.filter((at) => there.has(at));
+    known = { kept, keys, chosen: chosen.length ? chosen : NONE };
+  }
+  return known.chosen;
+}
+
+export const isSelected = (at) => selectedKeys().includes(at);
+
+export function selectKeys(frames) {
+  setUi('timeKeys', frames.length ? frames : NONE);
+}
+
+/** Whether any was selected. */
+export function clearSelection() {
+  const had = selectedKeys().length > 0;
+  selectKeys(NONE);
+  return had;
+}
+
+export const selectAll = () => selectKeys([...marks()]);
+
+export const whyNotSelectAll = () => (marks().length ? '' : 'There is no keyframe yet');
+
+/** A keyframe was clicked without a key held: from here on a range begins here. */
+export function chooseOnly(at) {
+  anchor = at;
+  selectKeys(NONE);
+}
+
+/** With Ctrl one more or one less; the one that was clicked before counts as the first. */
+export function toggleKey(at) {
+  const before = selectedKeys();
+  const first = before.length === 0 && anchor !== null && anchor === frame() && isKey(anchor) && anchor !== at ? [anchor] : [];
+  anchor = at;
+  selectKeys(toggled(joined(before, first), at));
+}
+
+/** With Shift all from the one clicked before, or from the playhead, to this one. */
+export function extendTo(at) {
+  const from = anchor !== null && isKey(anchor) ? anchor : frame();
+  selectKeys(between(marks(), from, at));
+}
+
+/** Those in a box, beside what was selected before it. */
+export const selectBetween = (first, last, before = NONE) => selectKeys(joined(before, between(marks(), first, last)));
+
+// --- what is done to all of them
+
+/** Why they cannot stand at these frames, or ''. */
+export function whyNotAt(frames, to, isCopy = false) {
+  const taken = met(marks(), frames, to, isCopy);
+  if (!taken.length) return '';
+  return taken.length === 1 ? `Frame ${taken[0]} is already a keyframe` : `Frames ${listed(taken)} are already keyframes`;
+}
+
+/** They stand at these frames from now on, or are copied to them, and stay selected. */
+export function retime(frames, to, isCopy = false) {
+  if (frames.every((at, i) => at === to[i])) return;
+  send({ do: 'retime_keys', frames, to, copy_them: isCopy });
+  moved = { from: frames, to };
+  selectKeys(to);
+}
+
+/** Why neither the selected keyframes can be deleted nor, without any, the one at this frame; or ''. */
+export const whyNotDeleteAny = (at) => (at === undefined && selectedKeys().length ? '' : whyNotDelete(at));
+
+/** Delete the selected keyframes; without any, or where one is named, that one. */
+export function deleteAny(at) {
+  const frames = selectedKeys();
+  if (at !== undefined || !frames.length) return deleteKey(at);
+  sayDeleted(send({ do: 'delete_keys', frames }), `${count(frames.length, 'keyframe')} deleted.`);
+  return selectKeys(NONE);
+}
+
+export const deleteLabel = (at) =>
+  (at === undefined && selectedKeys().length > 1 ? `Delete ${selectedKeys().length} keyframes` : 'Delete keyframe');
+
+// --- a key that stays down moves them as one step of undo
+
+/** @type {{ stroke: string, from: number[], to: number[] } | null} */
+let nudging = null;
+
+export function whyNotNudge(by) {
+  const frames = selectedKeys();
+  if (!frames.length) return 'Select keyframes first: drag a box over them';
+  const to = shifted(frames, by, lastFrame());
+  if (String(to) === String(frames)) return `The selection reaches the ${by < 0 ? 'first' : 'last'} frame`;
+  return whyNotAt(frames, to);
+}
+
+/** Move them by some frames; each step is measured from where they stood when the key went down. */
+export function nudge(by) {
+  const now = ui.timeKeys;
+  const to = shifted(now, by, lastFrame());
+  if (nudging?.to !== now) {
+    endNudge();
+    nudging = { stroke: newStroke('keys'), from: now, to };
+  }
+  nudging.to = to;
+  moved = { from: nudging.from, to };
+  send({ do: 'retime_keys', frames: nudging.from, to, stroke: nudging.stroke });
+  selectKeys(to);
+}
+
+export function endNudge() {
+  if (nudging) send({ do: 'end_stroke', stroke: nudging.stroke });
+  nudging = null;
+}
+
+export function mountSelection() {
+  addEventListener('keyup', endNudge);
+  addEventListener('blur', endNudge);
+  watch(['keys', 'file'], forgetGone);
+}
+
+let file = null;
+
+/** A keyframe made later where one was deleted is not selected. */
+function forgetGone() {
+  const now = server.file?.path ?? null;
+  if (now !== file) anchor = null;
+  if (now !== file) selectKeys(NONE);
+  else if (isCaughtUp() && ui.timeKeys.length !== selectedKeys().length) selectKeys(whatIsLeft());
+  file = now;
+}
+
+function whatIsLeft() {
+  const isUndone = moved !== null && ui.timeKeys === moved.to && moved.from.every(isKey);
+  return isUndone ? moved.from : selectedKeys();
+}
