@@ -12,6 +12,7 @@ from starlette.requests import Request
 from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route
 
+from app.document.library.names import clean_name
 from app.editor.actions import Degrees, Message, Spot
 from app.editor.feet import feet_paths
 from app.editor.pointer_views import pointer_views
@@ -139,7 +140,11 @@ class Outputs:
         return edit, await self._surfaces.video(edit) or opened.video
 
     def _name(self) -> str:
-        return self._store.opened.name if self._store.opened else "keypose"
+        """What files are called, without what no file can be called."""
+        opened, edit = self._store.opened, self._store.app_state.edit
+        if opened is None or edit is None:
+            return "keypose"
+        return clean_name(edit.doc.title) if edit.doc.title else opened.name
 
 
 def _picked(edit: EditorState, question: Pick) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import asyncio
 import re
 import secrets
 from collections.abc import Callable, Coroutine
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -33,6 +34,7 @@ from app.store.preview import WAITING, SizesPreview
 from app.store.runner import Runner
 from app.store.saving import SessionWriter
 from app.store.sections import Sections
+from app.store.shelf import Shelf
 from app.store.state import (
     AppState,
     FitOutcome,
@@ -44,7 +46,7 @@ from app.store.state import (
     SurfaceSeen,
 )
 from app.store.tabs import Tab, Tabs
-from tracker.errors import SessionError, SurfaceError, VideoError, one_sentence
+from tracker.errors import KeyposeError, SessionError, SurfaceError, VideoError, one_sentence
 from tracker.storage.chronicle import mark_of
 from tracker.video import VideoInfo
 
@@ -87,6 +89,7 @@ class Store:
         self._tasks: set[asyncio.Task[None]] = set()
         self._warned: str | None = None
         self._writer = SessionWriter(loop, self, library, self._on_saved)
+        self._shelf = Shelf(self, library)
         self._examiner: Examiner | None = None
         self._clients = Clients()
         self.frames: Frames | None = None
@@ -255,6 +258,8 @@ class Store:
             self._in_background(self._open_named(action))
         elif isinstance(action, actions.Close):
             self._in_background(self.close_session())
+        elif isinstance(action, actions.Shelving):
+            self._in_background(self._shelf.do(action))
         elif isinstance(action, actions.SaveAgain):
             self._writer.saver.retry()
         elif isinstance(action, actions.Cancel):
@@ -387,6 +392,15 @@ class Store:
                 self._examiner = Examiner(self._loop, opened.video, self._on_damage)
             for words in (*opened.news, *([problem] if problem else [])):
                 self.note("check", words)
+            await self._visit(opened)
+
+    async def _visit(self, opened: OpenSession) -> None:
+        """The page's address leads to it from now on."""
+        source = opened.video.info.path if opened.fresh else opened.session_path
+        with suppress(KeyposeError):  # then it is found until the program ends
+            await asyncio.to_thread(
+                self._library.visit, opened.session_path, source, opened.session
+            )
 
     def _on_damage(self, info: VideoInfo) -> None:
         """More frames of the open video are known to be missing or damaged."""
@@ -467,6 +481,11 @@ class Store:
         if self._writer.saver.problem is not None:
             raise SessionError(self._writer.saver.problem)
         return opened.session_path
+
+    def tell(self, message: dict[str, Any]) -> None:
+        """Send every tab that is there a message that needs no words."""
+        if len(self._tabs):
+            self._tabs.send(message)
 
     def note(self, kind: str, words: str, button: dict[str, Any] | None = None) -> None:
         """Send every tab a sentence; when there is none, the first that comes."""

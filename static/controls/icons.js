@@ -77,6 +77,7 @@ const SHAPES = {
   phone: svg`<rect x="4.200" y="1.800" width="7.600" height="12.400" rx="1.600"/><circle cx="6.600" cy="4.400" r="1.100"/>`,
   camcorder: svg`<rect x="1.800" y="4.500" width="8.700" height="7" rx="1.200"/><path d="M10.500 7.200 14.200 5v6l-3.700-2.200"/>`,
   action: svg`<rect x="2" y="4" width="12" height="8.500" rx="1.600"/><circle cx="10" cy="8.300" r="2.300"/>`,
+  pen: svg`<path d="M10.500 3 13 5.500 5.500 13l-3 .5.5-3zM9 4.500 11.500 7"/>`,
   trash: svg`<path d="M3 4.500h10M6.500 4.500V3h3v1.500M4.500 4.500l.6 8.500h5.800l.6-8.500"/>`,
 };
 

@@ -1,5 +1,6 @@
 // Everything around the work: top bar, menus, keys, guide, start screen, messages, status.
 
+import { mountAddress } from './address.js';
 import { mountBanner } from './banner.js';
 import { mountFitCard } from './fit_card.js';
 import { mountFocus } from '../controls/focus.js';
@@ -28,6 +29,7 @@ export function mount() {
   mountChooser();
   mountToasts();
   mountLine();
+  mountAddress();
   mountBanner();
   mountTips();
   mountDropping();

@@ -21,7 +21,7 @@ let wasShown = false;
 export function mountStart() {
   const place = addOnTop('empty', 'main');
   /** @type {import('../store/shapes.js').Watched[]} */
-  const own = ['u:library', 'u:upload', 'u:dropping', 'u:find', 'u:connected'];
+  const own = ['u:library', 'u:upload', 'u:dropping', 'u:find', 'u:connected', 'u:renaming'];
   watch(['file', ...own], () => {
     const isShown = !server.file;
     if (isShown && !wasShown) arrive();

@@ -475,11 +475,14 @@
  * @property {boolean} [flatRead]
  * @property {string | null} [readOnlyRead]
  * @property {string | null} [line]  Since when the server does not answer: lost, long, ended.
+ * @property {boolean} [turnedAway]  Somebody answers who does not know this browser.
+ * @property {boolean} [returning]  The session that was open at the server before is being opened again.
  * @property {(Job & { kind: string }) | null} [ended]
  * @property {string} [theme]
  * @property {boolean} [filterMotion]  Saved motion is low-pass filtered.
  * @property {Library | null} [library]
  * @property {{ kind: string, lost: Recent | null } | null} [chooser]
+ * @property {string | null} [renaming]  The session whose name is being changed.
  * @property {string} [find]
  * @property {string} [fileFind]
  * @property {{ name: string, loaded: number, total: number } | null} [upload]

@@ -13,7 +13,6 @@ import { headKeys } from './edit/head_keys.js';
 import { grabbed } from './edit/pointer.js';
 import { listenOn } from './edit/gestures.js';
 import { followPins, listenForPinKeys, watchPointer } from './edit/pin_drags.js';
-import { drawMenusIn } from '../controls/menu.js';
 import { clearNumbers, PATTERNS } from './draw/ground.js';
 import { GUTTER, isCramped, rowsFor, setWidth } from './draw/scale.js';
 import { isZoomed, reveal } from '../actions/window.js';
@@ -39,7 +38,6 @@ export function mount() {
   render(frameOf(), time);
   const drawing = time.querySelector('#tsvg');
   mountFold();
-  drawMenusIn(time.querySelector('#tmenu'));
   listenOn(drawing, ground, scrollLanes);
   headKeys(drawing);
   watchPointer();
@@ -55,8 +53,7 @@ function frameOf() {
   return html`<div id="tr" role="toolbar" aria-label="Frames" @mousedown=${keepFocus}></div>
     <svg id="tsvg" role="group" aria-label="Frames, keyframes and segments">${PATTERNS}
       <clipPath id="tl-frames"><rect x=${GUTTER + 1} y="-4" width="100000" height="10000" /></clipPath>
-    </svg>
-    <div id="tmenu"></div>`;
+    </svg>`;
 }
 
 /** A press on the bar leaves the focus where keys reach the views; the frame box is typed into. */

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import time
@@ -35,6 +36,9 @@ _PACKETS = ((0, 188), (4, 192))
 
 _ALSO_CODE = (".ts", ".mts")
 """Endings that TypeScript has, too."""
+
+_TITLE = re.compile(rb'"title": ("(?:[^"\\]|\\.)*")')
+"""What a person calls a session; it stands at the beginning of its file."""
 
 _SET_ASIDE = re.compile(r"\.theirs-[0-9a-f]{8}\.json$")
 """The name of what another program wrote into a session, kept beside it."""
@@ -158,6 +162,14 @@ def is_session(path: Path) -> bool:
     return b'"schema_version"' in head and b'"video"' in head
 
 
+def _title(path: Path) -> str:
+    found = _TITLE.search(_head(path))
+    try:
+        return str(json.loads(found[1])) if found else ""
+    except ValueError:
+        return ""
+
+
 def _is_transport_stream(path: Path) -> bool:
     """Known by the byte that begins each of its packets, which a recorder's clock may precede."""
     head = _head(path)
@@ -181,6 +193,8 @@ def _found(number: int, root: Path, path: Path, kind: Kind, count: int = 0) -> I
     name, folder = path.name, path.parent
     if kind == "session" and name == "session.json" and path.parent != root:
         name, folder = path.parent.name.removesuffix(SESSION_FOLDER), path.parent.parent
+    if kind == "session":
+        name = _title(path) or name
     yield Found(
         id=f"{number}/{quoted(place)}",
         kind=kind,

@@ -6,14 +6,29 @@ import time
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
+from threading import Lock
 from typing import Any, Literal, TypeAlias
 
+from app.document.duplicating import duplicate_session
 from app.document.library.files import file_at, find_files, is_inside
 from app.document.library.names import printable
-from app.document.library.recents import Recent, Span, forget, read_recents, remember, spans_of
+from app.document.library.recents import (
+    Recent,
+    Span,
+    forget,
+    id_of,
+    name_of,
+    read_recents,
+    remember,
+    rename,
+    spans_of,
+)
 from app.document.library.samples import bundled_samples, own_copy
 from app.document.library.session_paths import SESSION, session_for
+from app.document.library.trash import FOLDER as TRASH
+from app.document.library.trash import Trash
 from app.document.library.uploads import LARGEST_BYTES, SURFACES, Upload
+from app.document.renaming import rename_session
 from tracker.errors import KeyposeError, SessionError
 from tracker.files import read_own
 from tracker.session.schema import Session
@@ -52,6 +67,9 @@ class Library:
         self._largest = largest_upload
         self._book = self.workspace / "recents.json"
         self._thumbs = self.workspace / "thumbs"
+        self._trash = Trash(self.workspace / TRASH)
+        self._writing = Lock()
+        self._visited: dict[str, Path] = {}
 
     # --- what there is
 
@@ -90,11 +108,52 @@ class Library:
         if printable(str(path)) != str(path):
             return  # a name that is no text cannot be written down
         segments = spans_of(session) if spans is None else spans
-        remember(self._book, Recent.of(path, session, segments, time.time()))
+        with self._writing:
+            remember(self._book, Recent.of(path, session, segments, time.time()))
+
+    def visit(self, session_path: Path, source: Path, session: Session) -> None:
+        """A session was opened, from its own file or from a video whose session is not saved yet.
+        It is found again as a recent one; KeyposeError where the disk refuses to keep that."""
+        self._visited[id_of(str(session_path.absolute()))] = source
+        if session_path.is_file():
+            self.remember(session_path, session)
 
     def forget(self, id: str) -> None:
         """Leave a session out of the recent ones; its files stay."""
-        forget(self._book, id)
+        with self._writing:
+            forget(self._book, id)
+
+    # --- what a person does with sessions that are not open
+
+    def rename(self, id: str, title: str) -> None:
+        """Call a session something else; KeyposeError when it cannot be changed."""
+        path = self._recent(id)
+        session = rename_session(path, " ".join(title.split()))
+        with self._writing:
+            rename(self._book, id, name_of(path, session.title))
+
+    def duplicate(self, id: str) -> tuple[str, str]:
+        """Copy a session beside itself, without its video; the copy's id and name."""
+        path = duplicate_session(self._recent(id))
+        session = load_session(path)
+        self.remember(path, session)
+        return id_of(str(path.absolute())), name_of(path, session.title)
+
+    def delete(self, id: str) -> tuple[str, str]:
+        """Move a session to the trash, without its video; its id there, and its name."""
+        path = self._recent(id)
+        name = next((one.name for one in self.recents() if one.id == id), name_of(path, ""))
+        in_trash = self._trash.put(path)
+        self._visited.pop(id, None)
+        self.forget(id)
+        return in_trash, name
+
+    def restore(self, id: str) -> tuple[str, str]:
+        """Put a session of the trash back where it lay; its id and name."""
+        path = self._trash.restore(id)
+        session = load_session(path)
+        self.remember(path, session)
+        return id_of(str(path.absolute())), name_of(path, session.title)
 
     # --- the paths behind it
 
@@ -122,6 +181,9 @@ class Library:
         for one in self.recents():
             if one.id == id:
                 return Path(one.path)
+        source = self._visited.get(id)
+        if source is not None and source.exists():
+            return source
         raise KeyposeError("This session no longer exists.")
 
     def _uploaded_path(self, id: str) -> Path:
