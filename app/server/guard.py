@@ -46,7 +46,7 @@ _QUERIES: tuple[tuple[re.Pattern[str], frozenset[str]], ...] = tuple(
         (r"/view/[a-z]+", {"fixedDpr", "darkMode", "hideViserLogo", "websocket"}),
         (r"/frame/\d+\.jpg", {"v"}),
         (r"/picture\.png", {"view", "frame", "mode", "opacity", "tint", "azimuth", "elevation"}),
-        (r"/motion", {"format"}),
+        (r"/motion", {"format", "filter_hz", "fps", "first", "last"}),
         (r"/upload", {"name"}),
     )
 )

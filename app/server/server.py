@@ -27,6 +27,7 @@ from app.scene.scenery import SceneryMaker
 from app.scene.viser_compat import PAGE, ROLES
 from app.server.browsers import NAME as BROWSERS
 from app.server.browsers import Browsers
+from app.server.exports import Exports
 from app.server.guard import PROTOCOL, Guard, headers_for
 from app.server.library_routes import LibraryRoutes
 from app.server.outputs import Outputs
@@ -63,6 +64,7 @@ class Server:
         )
         self._shelf = LibraryRoutes(library)
         self._outputs = Outputs(self.store, self._surfaces)
+        self._exports = Exports(self.store)
         self.guard = Guard(
             self._application(),
             browsers=Browsers(library.workspace / BROWSERS),
@@ -82,6 +84,7 @@ class Server:
                 Route("/view/{role}", self._view),
                 Route("/frame/{index:int}.jpg", self._frame),
                 *self._outputs.routes(),
+                *self._exports.routes(),
                 *self._shelf.routes(),
                 Mount("/static", StaticFiles(directory=STATIC)),
             ],
@@ -113,6 +116,7 @@ class Server:
         try:
             await self._uvicorn.serve(sockets=[listener])
         finally:
+            await self._exports.close()
             await self.store.stop()
 
     # --- pages

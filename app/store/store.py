@@ -18,6 +18,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from app.document.library import Library, id_of
+from app.document.library.names import clean_name
 from app.document.open import OpenSession, edit_state, open_for_editing
 from app.editor import actions
 from app.editor.refusal import Refused
@@ -97,6 +98,14 @@ class Store:
     @property
     def app_state(self) -> AppState:
         return self._app_state
+
+    @property
+    def name(self) -> str:
+        """What its files are called, without what no file can be called."""
+        if self._opened is None or self._app_state.edit is None:
+            return "keypose"
+        title = self._app_state.edit.doc.title
+        return clean_name(title) if title else self._opened.name
 
     @property
     def opened(self) -> OpenSession | None:

@@ -9,6 +9,7 @@ import { words } from '../store/subject.js';
 import { fitLarge, showLarge, VIEW_KEYS, VIEW_NAMES } from '../views/views.js';
 import { count } from '../controls/words.js';
 import { alongChain, endOfChain, otherSide, outward } from './chain.js';
+import { askWhatIsMissing, usualOptions } from './exporting.js';
 import { draftCount, draftMessage, whyNotDraft } from './drafting.js';
 import {
   FILTER_HZ, copyPath, copyPicture, hasMotion, saveMotion, savePicture, saveReport,
@@ -358,6 +359,14 @@ const FILE = {
   copyPath: { label: 'Copy path', icon: 'copy', run: copyPath },
   closeFile: { label: 'Close', icon: 'x', message: () => ({ do: 'close' }) },
   ...MOTION,
+  saveAllMotion: {
+    label: 'All formats, ZIP', icon: 'exp',
+    off: () => (hasMotion() ? '' : `${words().verb} first: there is no motion yet`), run: () => saveMotion('all'),
+  },
+  exportFilm: exportDialog('film', 'Film…', 'film'),
+  exportImages: exportDialog('pictures', 'Images of all keyframes…', 'img'),
+  exportSheet: exportDialog('sheet', 'Keyframe sheet…', 'quad'),
+  exportMotion: exportDialog('motion', 'With options…', 'track'),
   filterMotion: {
     label: `Low-pass filter, ${FILTER_HZ} Hz`,
     title: 'Motion is saved without what is faster, and without delay; keyframes move a little',
@@ -408,8 +417,18 @@ function motion(format, icon, reader) {
   return { label: format.toUpperCase(), icon, reader, off, run: () => saveMotion(format) };
 }
 
+function exportDialog(what, label, icon) {
+  const off = () => (server.keys?.frames.length ? '' : 'Add a keyframe first');
+  return { label, icon, off, run: () => openExport(what) };
+}
+
 function theme(name, label, icon) {
   return { label, icon, always: true, on: () => chosenTheme() === name, run: () => chooseTheme(name) };
+}
+
+function openExport(what) {
+  askWhatIsMissing();
+  setUi('exporting', { ...usualOptions(), what, ...(ui.exportJob ? { what: ui.exportJob.what } : {}) });
 }
 
 const nextOf = (all, one) => all[(all.indexOf(one) + 1) % all.length];

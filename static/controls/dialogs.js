@@ -7,6 +7,9 @@ import { setUi, ui, watch } from '../store/state.js';
 
 /** @typedef {import('../store/shapes.js').Watched} Watched */
 
+/** @type {('sheet' | 'chooser' | 'exporting')[]} */
+const SHEETS = ['sheet', 'chooser', 'exporting'];
+
 /** Open or close the sheet of keys. */
 export const toggleSheet = () => setUi('sheet', !ui.sheet);
 
@@ -19,15 +22,14 @@ export function openChooser(kind, lost = null) {
 
 /** Close the sheets; tells whether one was open, or about to open with the next frame. */
 export function closeSheets() {
-  if (!ui.sheet && !ui.chooser) return false;
-  setUi('sheet', null);
-  setUi('chooser', null);
+  if (!ui.sheet && !ui.chooser && !ui.exporting) return false;
+  for (const name of SHEETS) setUi(name, null);
   return true;
 }
 
 /**
  * A dialog, open while `ui[name]` holds something, and drawn when that or any of `names` changes.
- * @param {{ id: string, label: string, name: 'sheet' | 'chooser', names: Watched[], draw: () => unknown }} spec
+ * @param {{ id: string, label: string, name: 'sheet' | 'chooser' | 'exporting', names: Watched[], draw: () => unknown }} spec
  */
 export function mountDialog({ id, label, name, names, draw }) {
   const dialog = addOnTop(id, 'dialog');

@@ -2,6 +2,7 @@
 
 import { mountAddress } from './address.js';
 import { mountBanner } from './banner.js';
+import { mountExportDialog } from './export_dialog.js';
 import { mountFitCard } from './fit_card.js';
 import { mountFocus } from '../controls/focus.js';
 import { mountGuide } from '../guide/guide.js';
@@ -27,6 +28,7 @@ export function mount() {
   mountFitCard();
   mountSheet();
   mountChooser();
+  mountExportDialog();
   mountToasts();
   mountLine();
   mountAddress();

@@ -480,6 +480,9 @@
  * @property {(Job & { kind: string }) | null} [ended]
  * @property {string} [theme]
  * @property {boolean} [filterMotion]  Saved motion is low-pass filtered.
+ * @property {any} [exporting]  What is chosen in the dialog of exports, while it is open.
+ * @property {{ id: string, what: string, done: number, of: number } | null} [exportJob]  The export under way.
+ * @property {Record<string, string>} [exportMissing]  What cannot be exported here, with what mends it.
  * @property {Library | null} [library]
  * @property {{ kind: string, lost: Recent | null } | null} [chooser]
  * @property {string | null} [renaming]  The session whose name is being changed.
