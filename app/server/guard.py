@@ -48,6 +48,7 @@ _QUERIES: tuple[tuple[re.Pattern[str], frozenset[str]], ...] = tuple(
         (r"/picture\.png", {"view", "frame", "mode", "opacity", "tint", "azimuth", "elevation"}),
         (r"/motion", {"format", "filter_hz", "fps", "first", "last"}),
         (r"/upload", {"name"}),
+        (r"/folder|/file\.jpg", {"at"}),
     )
 )
 _WITHOUT_KEY = re.compile(r"/|/static/.+|/thumb/.+|/view/[a-z]+")

@@ -6,6 +6,7 @@ import { send } from '../store/link.js';
 import { ui, setUi } from '../store/state.js';
 import { count, longAgo } from '../controls/words.js';
 import { openChooser } from '../controls/dialogs.js';
+import { smallPicture } from './picture.js';
 import { isRenamed, onSessionKey, openSessionMenu, renameBox } from './session_menu.js';
 
 const WIDTH = 220; // of a strip, px
@@ -36,16 +37,6 @@ export function recentSessions() {
     ${found.filter(({ missing }) => missing).slice(0, MOST_MOVED).map(movedCard)}`;
 }
 
-/** A picture of what is to be opened; a film where there is none. */
-export function thumbnail(address) {
-  return html`<span class="th"
-    >${address ? html`<img src=${address} alt="" draggable="false" @error=${hide} />` : nothing}
-    ${icon('film')}</span
-  >`;
-}
-
-const hide = (event) => event.target.remove();
-
 function onKey(event, found) {
   const first = found.find(({ missing }) => !missing);
   if (event.key === 'Enter' && first) open(first);
@@ -59,7 +50,7 @@ const open = ({ id }) => send({ do: 'open', kind: 'recent', id });
 
 function row(recent) {
   const { name, keyframes, frames, strip, thumb, path } = recent;
-  const face = (title) => html`${thumbnail(thumb)}
+  const face = (title) => html`${smallPicture({ address: thumb })}
     <span class="what"
       >${title}
       <span class="mut num">${count(keyframes, 'keyframe')} · ${count(frames, 'frame')}</span>

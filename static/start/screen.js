@@ -7,7 +7,8 @@ import { send } from '../store/link.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 import { openChooser } from '../controls/dialogs.js';
 import { loadLibrary } from '../store/library.js';
-import { recentSessions, thumbnail } from './recents.js';
+import { smallPicture } from './picture.js';
+import { recentSessions } from './recents.js';
 import { uploadCard } from './uploading.js';
 
 const STEPS = [
@@ -87,7 +88,7 @@ function samples() {
 
 function sample({ id, thumb, words }, title) {
   return html`<button class="rec sample" @click=${() => send({ do: 'open', kind: 'sample', id })}>
-    ${thumbnail(thumb)}
+    ${smallPicture({ address: thumb })}
     <span><span class="b">${title}</span><br /><span class="mut">${words}</span></span>
     <span class="btn sm">Open</span>
   </button>`;

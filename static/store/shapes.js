@@ -433,6 +433,9 @@
  * @property {number} largest_upload
  */
 
+/** @typedef {{ id: string, name: string }} Folder */
+/** @typedef {{ way: Folder[], folders: Folder[], files: any[], more: boolean }} FolderListing */
+
 /**
  * @typedef {object} Message  A toast; one with a button waits for an answer, unless it is brief.
  * @property {string} words
@@ -488,6 +491,8 @@
  * @property {string | null} [renaming]  The session whose name is being changed.
  * @property {string} [find]
  * @property {string} [fileFind]
+ * @property {FolderListing} [place]  The folder that the file chooser stands in.
+ * @property {{ by: 'name' | 'size' | 'date', down: boolean }} [fileSort]
  * @property {{ name: string, loaded: number, total: number } | null} [upload]
  * @property {Toast[]} [toasts]
  * @property {number | null} [guideStep]
