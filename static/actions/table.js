@@ -347,14 +347,14 @@ export const MOTION = {
 const FILE = {
   openFile: { label: 'Open…', icon: 'folder', run: () => openChooser('any') },
   openRecent: { label: (recent) => recent.name, icon: 'film', message: ({ id }) => ({ do: 'open', kind: 'recent', id }) },
-  renameSession: { label: 'Rename', icon: 'pen', always: true, run: ({ id }) => setUi('renaming', id) },
+  renameSession: { label: 'Rename', icon: 'pen', always: true, run: ({ id } = server.file) => setUi('renaming', id) },
   duplicateSession: {
     label: 'Duplicate', icon: 'copy', title: 'A copy for another try on the same video', always: true,
-    message: ({ id }) => ({ do: 'duplicate_session', id }),
+    message: ({ id } = server.file) => ({ do: 'duplicate_session', id }),
   },
   deleteSession: {
     label: 'Move to the trash', icon: 'trash', title: 'The video stays', always: true,
-    message: ({ id }) => ({ do: 'delete_session', id }),
+    message: ({ id } = server.file) => ({ do: 'delete_session', id }),
   },
   copyPath: { label: 'Copy path', icon: 'copy', run: copyPath },
   closeFile: { label: 'Close', icon: 'x', message: () => ({ do: 'close' }) },

@@ -9,6 +9,7 @@ import { interaction } from './interaction.js';
 import { drawKeypoints } from './keypoints.js';
 import { drawLabels } from './labels.js';
 import { drawMasks } from './masks.js';
+import { drawOffline } from './offline.js';
 import { drawPinMarks, drawSoles } from './pinmarks.js';
 import { drawRings } from './rings.js';
 import { isLarge } from './scale.js';
@@ -41,6 +42,7 @@ function overlay(view) {
     ${drawLimb(view)}
     ${drawReach(view, targets.grips)}
     ${drawGrips(view, targets.grips)}
+    ${drawOffline(view)}
     ${drawPinMarks(view)}
     ${drawSizes(view, targets.sizes)}
     ${drawRings(view, targets.rings)}

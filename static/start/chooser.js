@@ -19,6 +19,7 @@ const TITLES = { any: 'Open', video: 'Choose a video', meshes: 'Choose surfaces'
 const SIGNS = { video: 'film', images: 'img', meshes: 'both', session: 'key' };
 const NOUNS = { video: 'Video', images: 'Images', meshes: 'Meshes', session: 'Session' };
 const COLUMNS = { name: 'Name', size: 'Size', date: 'Date' };
+const NEWEST = 30;
 const MOST = 300; // rows; more are found by name
 
 export function mountChooser() {
@@ -34,7 +35,8 @@ function sheet() {
   const { kind, lost } = ui.chooser;
   const isSearch = Boolean(wanted());
   const folders = isSearch ? [] : ui.place?.folders ?? [];
-  const files = sorted(isSearch ? found(kind) : ofKind(ui.place?.files ?? [], kind), ui.fileSort);
+  const isTop = !isSearch && ui.place?.way.length === 0;
+  const files = isTop ? newest(kind) : sorted(isSearch ? found(kind) : ofKind(ui.place?.files ?? [], kind), ui.fileSort);
   return html`<div class="in" @keydown=${onKey}>
     <div class="row sheethead">
       <span class="title">${lost ? `Find ${lost.video}` : TITLES[kind]}</span><span class="sp"></span>
@@ -50,9 +52,10 @@ function sheet() {
       <button class="ib" title="Close" data-key="Esc" aria-label="Close" @click=${close}>${icon('x')}</button>
     </div>
     ${isSearch ? nothing : way()}
-    ${files.length ? columns() : nothing}
+    ${files.length && !isTop ? columns() : nothing}
     <div class="filelist" role="list">
-      ${folders.map(folderRow)}${files.slice(0, MOST).map((file) => fileRow(file, isSearch))}
+      ${folders.map(folderRow)}${isTop && files.length ? html`<h3>Newest in these folders</h3>` : nothing}
+      ${files.slice(0, MOST).map((file) => fileRow(file, isSearch || isTop))}
       ${folders.length + files.length ? nothing : none(isSearch)}
     </div>
     <div class="row sheetfoot">
@@ -69,13 +72,16 @@ const ofKind = (files, kind) => files.filter((file) => KINDS[kind]?.includes(fil
 const found = (kind) =>
   ofKind(ui.library?.files ?? [], kind).filter((file) => `${file.folder}/${file.name}`.toLowerCase().includes(wanted()));
 
+/** What was made last, in all folders: what is looked for is mostly among it. */
+const newest = (kind) => sorted(ofKind(ui.library?.files ?? [], kind), { by: 'date', down: true }).slice(0, NEWEST);
+
 // --- where one is
 
 /** The way from the folders there are to this one. */
 function way() {
   const places = ui.place?.way ?? [];
   return html`<nav class="way row" aria-label="Folder">
-    <button class="ib s" title="Up" data-key="Backspace" aria-label="Up" ?disabled=${!places.length} @click=${up}>${icon('up')}</button>
+    <button class="ib s" title="Up" data-key="Backspace" aria-label="Up" ?disabled=${!places.length} @click=${up}><span class="turned">${icon('chev')}</span></button>
     <button class="crumb" ?disabled=${!places.length} @click=${() => enterFolder('')}>Folders</button>
     ${places.map(({ id, name }, i) => html`${icon('chr')}<button class="crumb cut" aria-current=${i === places.length - 1 ? 'page' : nothing}
       @click=${() => enterFolder(id)}>${name}</button>`)}
@@ -102,14 +108,14 @@ const folderRow = ({ id, name }) => html`<button class="filerow folder" role="li
   <span class="th">${icon('folder')}</span><span class="cut">${name}</span><span></span><span></span>
 </button>`;
 
-function fileRow(file, isSearch) {
+function fileRow(file, hasFolder) {
   const size = file.count ? count(file.count, file.kind === 'images' ? 'image' : 'mesh').replace('meshs', 'meshes') : bytes(file.bytes);
   const address = file.kind === 'meshes' ? '' : `/file.jpg?${new URLSearchParams({ at: file.id })}`;
   return html`<button class="filerow ${file.kind}" role="listitem" title=${`${file.folder}/${file.name}`} @click=${() => choose(file)}>
     ${smallPicture({ address, own: true, sign: SIGNS[file.kind] })}
     <span class="what cut">${file.name}<span class="kind ${file.kind}">${icon(SIGNS[file.kind])}${NOUNS[file.kind]}</span>
-      ${isSearch ? html`<span class="dim cut">${file.folder}</span>` : nothing}</span>
-    <span class="dim num size">${file.kind === 'session' ? '' : size}</span>
+      ${hasFolder ? html`<span class="dim cut">${file.folder}</span>` : nothing}</span>
+    <span class="dim num bytes">${file.kind === 'session' ? '' : size}</span>
     <span class="dim num when">${longAgo(file.modified_at)}</span>
   </button>`;
 }
