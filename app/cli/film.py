@@ -5,8 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass
-from fractions import Fraction
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,23 +22,18 @@ from app.cli.views import (
     film_view,
     frame_range,
     rate,
-    require_frame,
-    require_tint,
     session_to_draw,
     size,
     video_if_there,
 )
-from tracker.errors import SessionError
+from app.export.drawable import require_frame, require_tint
 
 if TYPE_CHECKING:
+    from app.export.film import FilmOrder
     from app.render.films import Film
     from app.render.palette import Picture
     from app.render.poses import KnownPoses
     from tracker.session import Session
-    from tracker.video import Video
-
-USUAL_FPS = 25.0
-"""Where neither the video nor two keyframes give the pace."""
 
 _EXAMPLES = """\
   keypose film session.json --out overlay.mp4
@@ -85,48 +79,39 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    from app.export.film import film_of, write_film
     from app.render.poses import KnownPoses
 
     session, out = session_to_draw(arguments, "film", ".mp4"), arguments.out
     require_tint(session, arguments.tint)
     poses = KnownPoses.of(session, arguments.session)
-    film = _film(session, poses, arguments)
-    opened = _video(session, arguments.session, film)
-    with opened as video:
-        clock = _clock(session, video, film, arguments.fps)
-        facts = _shoot(session, video, poses, film, clock, arguments)
+    film = film_of(arguments.session.name, session, poses, _order(arguments))
+    require_frame(session, film.last)
+    with _video(session, arguments.session, film) as video:
+        facts = write_film(
+            out, session, video, poses, film, arguments.fps,
+            seen=_with_bar, overwrite=arguments.overwrite,
+        )  # fmt: skip
     _note(session, poses, film)
     if arguments.json:
-        print_json({"written": [str(out)], **facts})
+        print_json({"written": [str(out)], **asdict(facts)})
     else:
         print_written([out], False)
     return 0
 
 
-@dataclass(frozen=True)
-class _Clock:
-    """When the film's frames are shown: pts counts in time_base seconds."""
-
-    time_base: Fraction
-    pts: list[int]
-    rate: Fraction
-
-
-def _film(session: Session, poses: KnownPoses, arguments: argparse.Namespace) -> Film:
-    from app.render.films import Film
+def _order(arguments: argparse.Namespace) -> FilmOrder:
+    from app.export.film import FilmOrder
     from app.render.studio import Paint
 
-    known = poses.frames
-    if not known:
-        raise SessionError(f"{arguments.session.name} has no pose to film: set a keyframe first.")
-    first, last = arguments.frames or (known[0], known[-1])
-    require_frame(session, last)
     paint = Paint(arguments.style, arguments.opacity / 100)
-    return Film(arguments.view, first, last, paint, arguments.size, arguments.tint)
+    asked = (arguments.view, arguments.frames, paint, arguments.size, arguments.tint)
+    return FilmOrder(*asked, arguments.fps)
 
 
 def _video(session: Session, session_path: Path, film: Film) -> Any:
     """The video, for its pictures or its times; a new camera does without it, with a note."""
+    from app.export.film import USUAL_FPS
     from tracker.storage.files import open_video_of
 
     if film.needs_video:
@@ -140,60 +125,6 @@ def _video(session: Session, session_path: Path, film: Film) -> Any:
         else f"the film has {USUAL_FPS:g} frames a second"
     )
     return video_if_there(session, session_path, pace)
-
-
-def _clock(session: Session, video: Video | None, film: Film, fps: Fraction | None) -> _Clock:
-    count = film.last - film.first + 1
-    if fps is None and video is not None:
-        info = video.info
-        pts = info.pts[film.first : film.last + 1]
-        return _Clock(info.time_base, (pts - pts[0]).tolist(), _fraction(info.fps))
-    if fps is None:
-        fps = _fraction(_fps_of_keyframes(session))
-    return _Clock(1 / fps, list(range(count)), fps)
-
-
-def _fps_of_keyframes(session: Session) -> float:
-    if session.evidence.fps is not None:
-        return session.evidence.fps
-    keys = session.keyframes
-    seconds = keys[-1].time_s - keys[0].time_s if keys else 0.0
-    return (keys[-1].frame - keys[0].frame) / seconds if seconds > 0 else USUAL_FPS
-
-
-def _fraction(value: float) -> Fraction:
-    return Fraction(min(max(float(value), 0.01), 1000.0)).limit_denominator(100_000)
-
-
-def _shoot(
-    session: Session,
-    video: Video | None,
-    poses: KnownPoses,
-    film: Film,
-    clock: _Clock,
-    arguments: argparse.Namespace,
-) -> dict[str, Any]:
-    """Draw and write; the facts of the film."""
-    from app.render.films import film_pictures, film_size
-    from tracker.video.encode import FilmWriter, film_file
-
-    wanted = film_size(session, poses, film)
-    aspect = video.info.pixel_aspect if video and film.view == "main" and not film.size else None
-    pictures = film_pictures(session, video, poses, film, float(clock.rate))
-    with (
-        film_file(arguments.out, overwrite=arguments.overwrite) as place,
-        FilmWriter(place, wanted, clock.time_base, clock.rate, aspect) as writer,
-    ):
-        for pts, picture in zip(clock.pts, _with_bar(pictures, len(clock.pts)), strict=True):
-            writer.add(picture, pts)
-    seconds = float(clock.pts[-1] * clock.time_base) + 1 / float(clock.rate)
-    return {
-        "first_frame": film.first,
-        "last_frame": film.last,
-        "width": wanted[0],
-        "height": wanted[1],
-        "seconds": round(seconds, 6),
-    }
 
 
 def _with_bar(pictures: Iterator[Picture], count: int) -> Iterator[Picture]:

@@ -16,16 +16,14 @@ from app.cli.arguments import (
 )
 from app.cli.json_output import print_written
 from app.cli.views import (
-    MOST_PIXELS,
     add_look,
-    require_frame,
-    require_tint,
     scale,
     session_to_draw,
     size,
     still_view,
     video_if_there,
 )
+from app.export.drawable import MOST_PIXELS, require_frame, require_tint
 from tracker.errors import FormatError, SessionError
 
 if TYPE_CHECKING:

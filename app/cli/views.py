@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.cli.arguments import note, whole_number
+from app.export.drawable import LARGEST_SIDE, MOST_PIXELS, SMALLEST_SIDE
 from tracker.errors import FormatError, SessionError
 
 if TYPE_CHECKING:
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
     from tracker.session import Session
 
 NAMES = ("main", "top", "side", "front", "all")
-SMALLEST_SIDE, LARGEST_SIDE, MOST_PIXELS = 16, 8192, 20_000_000
 _NUMBER = re.compile(r"[+-]?\d{1,6}(\.\d{0,9})?")
 
 
@@ -63,26 +63,6 @@ def add_look(command: argparse.ArgumentParser) -> None:
         help="colour an observed surface by its contact or photo weight, or by its distance "
         "from the body; default: clay",
     )
-
-
-def require_tint(session: Session, tint: str) -> None:
-    """Refused where there is nothing to colour, or nothing that colours it."""
-    evidence = session.evidence
-    if tint != "clay" and not evidence.has_surface:
-        about = f"This session is about a {evidence.words.noun}"
-        raise FormatError(f"{about}: it has no surface to colour by {tint}.")
-    if tint in ("contact", "distance") and session.model_keyframe is None:
-        raise FormatError(
-            f"No surface moves with the body yet, so nothing is known of {tint}: set a keyframe "
-            "first."
-        )
-
-
-def require_frame(session: Session, frame: int) -> None:
-    """SessionError unless the video has the frame."""
-    count = session.video.frame_count
-    if frame >= count:
-        raise SessionError(f"There is no frame {frame}; the video's frames are 0 to {count - 1}.")
 
 
 def video_if_there(session: Session, session_path: Path, otherwise: str) -> Any:

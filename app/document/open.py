@@ -62,7 +62,7 @@ class OpenSession:
 
     @property
     def name(self) -> str:
-        """What a person calls it: the folder's name, or the video's."""
+        """What it is called where a person has not said so: as its folder, or its video."""
         folder = self.session_path.parent.name
         return folder.removesuffix(".keypose") or self.video.info.path.stem
 

@@ -17,6 +17,7 @@ from app.posing import Gesture, Way
 from tracker.body.body import Dof, Name, Point
 from tracker.session.history import MOST_STEPS
 from tracker.session.notes import LONGEST
+from tracker.session.schema import Title
 from tracker.session.settings import (
     ALL_CUES,
     Cue,
@@ -748,6 +749,47 @@ class SaveAgain(Message):
     do: Literal["save_again"] = "save_again"
 
 
+class Rename(Edit):
+    """What a person calls the open session; empty: as its folder is called."""
+
+    do: Literal["rename"] = "rename"
+    title: Title
+
+
+SessionId: TypeAlias = Annotated[str, Field(pattern=r"^[0-9a-f]{16}$")]
+"""Of a session among the recent ones, or of one in the trash."""
+
+
+class RenameSession(Message):
+    """The same of any recent session."""
+
+    do: Literal["rename_session"] = "rename_session"
+    id: SessionId
+    title: Title
+
+
+class DuplicateSession(Message):
+    """A copy beside it; its video is not copied."""
+
+    do: Literal["duplicate_session"] = "duplicate_session"
+    id: SessionId
+
+
+class DeleteSession(Message):
+    """To the trash of the workspace; its video stays where it is."""
+
+    do: Literal["delete_session"] = "delete_session"
+    id: SessionId
+
+
+class RestoreSession(Message):
+    """Back from the trash; `open` where it was deleted while it was open."""
+
+    do: Literal["restore_session"] = "restore_session"
+    id: SessionId
+    open: bool = False
+
+
 class Close(Message):
     do: Literal["close"] = "close"
 
@@ -809,18 +851,22 @@ Editing: TypeAlias = (
     | Filming
     | Choosing
     | Seeing
+    | Rename
     | Rewinding
 )
 """What `app.editor.update` knows to apply."""
 
 Previewing: TypeAlias = PreviewPoses | ApplySizes | DiscardSizes
 Fitting: TypeAlias = FitHere | FitSizes | Draft | LookBefore | CloseFit | Previewing
-Running: TypeAlias = Track | Fitting | Cancel | SaveAgain | Close | Open
+Shelving: TypeAlias = RenameSession | DuplicateSession | DeleteSession | RestoreSession
+Running: TypeAlias = Track | Fitting | Cancel | SaveAgain | Close | Open | Shelving
 """What the store does: jobs and files."""
 
-Shelving: TypeAlias = KeepPose | RenamePose | DeletePose | RestorePose
+PoseKeeping: TypeAlias = KeepPose | RenamePose | DeletePose | RestorePose
 """What the store does with the kept poses."""
 
-Action: TypeAlias = Annotated[Editing | Running | Shelving | InsertPose, Field(discriminator="do")]
+Action: TypeAlias = Annotated[
+    Editing | Running | PoseKeeping | InsertPose, Field(discriminator="do")
+]
 
 ACTIONS: TypeAdapter[Action] = TypeAdapter(Action)

@@ -74,6 +74,13 @@ def _in_video(state: EditorState, frame: int) -> int:
     return frame
 
 
+def _rename(state: EditorState, action: do.Rename) -> Session:
+    title = " ".join(action.title.split())
+    if not title.isprintable():
+        raise Refused("A name has letters, digits and signs only.")
+    return state.doc.model_copy(update={"title": title})
+
+
 def _alone(apply: Callable[[EditorState], Session]) -> Callable[[EditorState, Any], Session]:
     """An edit that needs no more than its name."""
     return lambda state, _: apply(state)
@@ -91,6 +98,7 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
     do.CopyKey: EditKind(posing_edits.copy_key, "copy keyframe", "from_frame"),
     do.TakeTracked: EditKind(_alone(posing_edits.take_tracked), "use the tracked pose"),
     do.KeyAngle: EditKind(posing_edits.turn_key, "turn", "part"),
+    do.Rename: EditKind(_rename, "rename"),
     do.AddKey: EditKind(_add_keyframe, "add keyframe", "frame"),
     do.DeleteKey: EditKind(_delete_keyframe, "delete keyframe", "frame"),
     do.MoveKey: EditKind(_move_keyframe, "move keyframe", "frame"),

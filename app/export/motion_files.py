@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,11 +22,13 @@ from tracker.storage.tracks import Tracks
 
 @dataclass(frozen=True)
 class File:
-    """One file to save; `suffix` follows the session's name."""
+    """One file to save; `suffix` follows the session's name. left_out: what could not be written,
+    sentences."""
 
     content: bytes
     media_type: str
     suffix: str
+    left_out: str = ""
 
 
 @dataclass(frozen=True)
@@ -115,11 +117,28 @@ def motion_archive(
     files = motion_files(format_name, shown_motion(edit), sampling)
     if len(files) == 1:
         return File(next(iter(files.values())), FORMATS[format_name].media_type, f".{format_name}")
+    return File(_packed(files), "application/zip", f"-{format_name}.zip")
+
+
+def every_format(edit: EditorState, sampling: Sampling = AS_TRACKED) -> File:
+    """The motion in every format that can hold it, in one zip; FormatError where none can."""
+    recording, files, left_out = shown_motion(edit), dict[str, bytes](), []
+    for name in FORMATS:
+        try:
+            files |= motion_files(name, recording, sampling)
+        except FormatError as error:
+            left_out.append(f"{name.upper()}: {error}")
+    if not files:
+        raise FormatError(left_out[0])
+    return File(_packed(files), "application/zip", "-motion.zip", " ".join(left_out))
+
+
+def _packed(files: Mapping[str, bytes]) -> bytes:
     packed = io.BytesIO()
     with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
         for name, content in files.items():
             archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)  # no clock
-    return File(packed.getvalue(), "application/zip", f"-{format_name}.zip")
+    return packed.getvalue()
 
 
 def saved_motion(session: Session, tracks: Tracks, times_s: Array) -> Recording:

@@ -23,13 +23,16 @@ from starlette.responses import HTMLResponse, PlainTextResponse, RedirectRespons
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from app.server.addresses import parse
-from app.server.browsers import Browsers
+from app.server.browsers import LONGEST_S, Browsers
 from app.server.tokens import OneTimeTokens
 
 Kind: TypeAlias = Literal["page", "view", "data"]
 
 TOKEN = "token"
 """The query name that carries a one-time token."""
+
+SESSION = "session"
+"""The query name that tells which session the page opens. It is no secret."""
 
 KEY_HEADER = "x-keypose-key"
 PROTOCOL = "keypose"
@@ -39,17 +42,20 @@ KEY_PROTOCOL = "keypose-key."
 _QUERIES: tuple[tuple[re.Pattern[str], frozenset[str]], ...] = tuple(
     (re.compile(path), frozenset(names))
     for path, names in (
-        (r"/", {TOKEN}),
+        (r"/", {TOKEN, SESSION}),
         (r"/view/[a-z]+", {"fixedDpr", "darkMode", "hideViserLogo", "websocket"}),
         (r"/frame/\d+\.jpg", {"v"}),
         (r"/picture\.png", {"view", "frame", "mode", "opacity", "tint", "azimuth", "elevation"}),
-        (r"/motion", {"format"}),
+        (r"/motion", {"format", "filter_hz", "fps", "first", "last"}),
         (r"/upload", {"name"}),
+        (r"/folder|/file\.jpg", {"at"}),
     )
 )
 _WITHOUT_KEY = re.compile(r"/|/static/.+|/thumb/.+|/view/[a-z]+")
 """What the browser itself asks for, which adds no key: the page, its files, small pictures, and the
 views, which send where the body is and accept nothing."""
+
+_SESSION_ID = re.compile(r"[0-9a-f]{16}")
 
 _SAFE_METHODS = ("GET", "HEAD")
 _LONGEST_QUERY = 2000
@@ -62,7 +68,8 @@ class Refusal(Exception):
 class Guard:
     """ASGI middleware in front of everything.
 
-    `port` is set once the socket is bound. `browsers` are those let in. `extra_hosts` are other
+    `port` is set once the socket is bound. `browsers` are those let in,
+    `tokens` what lets in more of them. `extra_hosts` are other
     names under which the server may be addressed, with or without a port, such as the one given
     with --host; `public_hosts` those of a proxy in front of it, which may add TLS. `entered` is
     called with each token that has been used.
@@ -73,6 +80,7 @@ class Guard:
         app: ASGIApp,
         port: int = 0,
         browsers: Browsers | None = None,
+        tokens: OneTimeTokens | None = None,
         extra_hosts: Iterable[str] = (),
         public_hosts: Iterable[str] = (),
     ) -> None:
@@ -193,7 +201,14 @@ class Guard:
         headers["Content-Security-Policy"] += f"; script-src 'nonce-{nonce}'"
         headers["Referrer-Policy"] = "no-referrer"
         response = HTMLResponse(_ENTRY.format(nonce=nonce, key=given.key), 200, headers)
-        response.set_cookie(self.cookie, given.cookie, path="/", httponly=True, samesite="strict")
+        response.set_cookie(
+            self.cookie,
+            given.cookie,
+            max_age=int(LONGEST_S),  # as long as it is known, so that a bookmark leads in
+            path="/",
+            httponly=True,
+            samesite="strict",
+        )
         return response
 
 
@@ -323,9 +338,12 @@ def _query(scope: Scope) -> dict[str, str]:
         raise unknown from None
     names = [name for name, _ in pairs]
     known = next((n for path, n in _QUERIES if path.fullmatch(scope["path"])), frozenset())
-    if len(set(names)) != len(names) or not known.issuperset(names):
+    query = dict(pairs)
+    if len(query) != len(names) or not known.issuperset(names):
         raise unknown
-    return dict(pairs)
+    if SESSION in query and not _SESSION_ID.fullmatch(query[SESSION]):
+        raise unknown
+    return query
 
 
 async def _refuse(words: str, scope: Scope, receive: Receive, send: Send) -> None:

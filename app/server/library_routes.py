@@ -12,6 +12,9 @@ from app.document.library import Library, Upload
 from app.server.guard import headers_for
 from tracker.errors import KeyposeError
 
+MOST_AT_A_TIME = 2
+"""Pictures of files that are decoded."""
+
 ENOUGH = {"private": "private, max-age=86400", "none": "no-store"}
 
 
@@ -20,12 +23,15 @@ class LibraryRoutes:
 
     def __init__(self, library: Library) -> None:
         self._library = library
+        self._decoding = asyncio.Semaphore(MOST_AT_A_TIME)
 
     def routes(self) -> list[Route]:
         """Where the page asks for all this."""
         return [
             Route("/library", self._contents),
+            Route("/folder", self._folder),
             Route("/thumb/{id}.jpg", self._thumb),
+            Route("/file.jpg", self._file_thumb),
             Route("/upload", self._upload, methods=["POST"]),
         ]
 
@@ -33,6 +39,25 @@ class LibraryRoutes:
         contents = await asyncio.to_thread(self._library.contents)
         headers = {**headers_for("data"), "Cache-Control": ENOUGH["none"]}
         return JSONResponse(contents, headers=headers)
+
+    async def _folder(self, request: Request) -> Response:
+        try:
+            at = request.query_params.get("at", "")
+            listing = await asyncio.to_thread(self._library.folder, at)
+        except KeyposeError as error:
+            return _words(str(error), 404)
+        headers = {**headers_for("data"), "Cache-Control": ENOUGH["none"]}
+        return JSONResponse(listing, headers=headers)
+
+    async def _file_thumb(self, request: Request) -> Response:
+        """Few at a time: a folder may hold hundreds of films, and somebody is working."""
+        at = request.query_params.get("at", "")
+        async with self._decoding:
+            content = await asyncio.to_thread(self._library.file_thumb, at)
+        if content is None:
+            return _words("There is no such picture.", 404)
+        headers = {**headers_for("data"), "Cache-Control": ENOUGH["private"]}
+        return Response(content, media_type="image/jpeg", headers=headers)
 
     async def _thumb(self, request: Request) -> Response:
         try:

@@ -17,7 +17,7 @@ from app.editor.feet import feet_paths
 from app.editor.pointer_views import pointer_views
 from app.editor.shown import shown_pose
 from app.editor.state import EditorState
-from app.export.motion_files import Sampling, motion_archive
+from app.export.motion_files import File, Sampling, every_format, motion_archive
 from app.export.motion_formats import MotionFormat
 from app.posing import InView, outline, parts_at
 from app.render.snapshots import Look, View, png, snapshot
@@ -61,16 +61,27 @@ class Shot(Message):
     tint: Tint | None = None
 
 
+LEFT_OUT = "X-Keypose-Left-Out"
+"""The header that says, percent-encoded, which formats an archive lacks and why."""
+
 FREE_SIZE = (1600, 1200)
 """Pixels of a picture of the free view."""
 
 
 class Motion(Message):
-    """The tracked motion as a file; `filter_hz` and `fps` as of `Sampling`."""
+    """The tracked motion as a file, in one format or in all, from the frame `first` to `last` where
+    both are given; `filter_hz` and `fps` as of `Sampling`."""
 
-    format: MotionFormat
+    format: MotionFormat | Literal["all"]
+    first: FrameIndex | None = None
+    last: FrameIndex | None = None
     filter_hz: Annotated[FiniteFloat, Field(gt=0, le=1000)] | None = None
     fps: Annotated[FiniteFloat, Field(ge=0.1, le=1000)] | None = None
+
+    @property
+    def sampling(self) -> Sampling:
+        ends = None if self.first is None or self.last is None else (self.first, self.last)
+        return Sampling(self.fps, self.filter_hz, ends)
 
 
 QUESTION: TypeAdapter[Pick | CopiedText] = TypeAdapter(
@@ -112,7 +123,7 @@ class Outputs:
     async def _picture(self, request: Request) -> Response:
         try:
             shot = SHOT.validate_strings(dict(request.query_params))
-            (edit, video), name = await self._require_open(), self._name()
+            (edit, video), name = await self._require_open(), self._store.name
             frame = edit.frame if shot.frame is None else min(shot.frame, edit.frame_count - 1)
             content = await asyncio.to_thread(_png, edit, video, frame, shot)
         except (ValidationError, KeyposeError) as error:
@@ -122,16 +133,17 @@ class Outputs:
     async def _motion(self, request: Request) -> Response:
         try:
             wanted = MOTION.validate_strings(dict(request.query_params))
-            edit, name = self._edit(), self._name()
-            sampling = Sampling(wanted.fps, wanted.filter_hz)
-            file = await asyncio.to_thread(motion_archive, wanted.format, edit, sampling)
+            edit, name = self._edit(), self._store.name
+            file = await asyncio.to_thread(_motion_of, wanted, edit)
         except (ValidationError, KeyposeError) as error:
             return _refused(error)
-        return _download(file.content, file.media_type, f"{name}{file.suffix}")
+        response = _download(file.content, file.media_type, f"{name}{file.suffix}")
+        response.headers[LEFT_OUT] = quote(file.left_out)
+        return response
 
     async def _report(self, _: Request) -> Response:
         try:
-            (_edit, video), name = await self._require_open(), self._name()
+            (_edit, video), name = await self._require_open(), self._store.name
             path = await self._store.saved_path()
             content = await asyncio.to_thread(_report_of, path, video)
         except KeyposeError as error:
@@ -149,9 +161,6 @@ class Outputs:
         if opened is None:
             raise KeyposeError("Open a video first.")
         return edit, await self._surfaces.video(edit) or opened.video
-
-    def _name(self) -> str:
-        return self._store.opened.name if self._store.opened else "keypose"
 
 
 def _picked(edit: EditorState, question: Pick) -> dict[str, Any]:
@@ -172,6 +181,12 @@ def _png(edit: EditorState, video: Video, frame: int, shot: Shot) -> bytes:
     opacity = looks.opacity if shot.opacity is None else shot.opacity
     look = Look(shot.view, shot.mode or looks.mode, opacity, shot.tint or looks.tint)
     return png(snapshot(edit.doc, video, frame, shown_pose(edit, frame).pose, look))
+
+
+def _motion_of(wanted: Motion, edit: EditorState) -> File:
+    if wanted.format == "all":
+        return every_format(edit, wanted.sampling)
+    return motion_archive(wanted.format, edit, wanted.sampling)
 
 
 def _report_of(path: Path, video: Video) -> bytes:

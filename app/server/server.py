@@ -27,10 +27,13 @@ from app.scene.scenery import SceneryMaker
 from app.scene.viser_compat import PAGE, ROLES
 from app.server.browsers import NAME as BROWSERS
 from app.server.browsers import Browsers
+from app.server.exports import Exports
 from app.server.guard import PROTOCOL, Guard, headers_for
 from app.server.library_routes import LibraryRoutes
 from app.server.outputs import Outputs
 from app.server.surfaces import Surfaces
+from app.server.tokens import NAME as LINKS
+from app.server.tokens import OneTimeTokens
 from app.store.sections import image_version
 from app.store.store import Store
 from app.store.tabs import Tab
@@ -39,6 +42,8 @@ from tracker.errors import KeyposeError
 STATIC = Path(static.__file__).parent
 LARGEST_MESSAGE = 1 << 20
 SECONDS_TO_CLOSE = 2
+SECONDS_BETWEEN_BEATS = 1.0
+"""A tab that hears nothing for three of them takes the line for lost."""
 
 
 class Server:
@@ -59,9 +64,11 @@ class Server:
         )
         self._shelf = LibraryRoutes(library)
         self._outputs = Outputs(self.store, self._surfaces)
+        self._exports = Exports(self.store)
         self.guard = Guard(
             self._application(),
             browsers=Browsers(library.workspace / BROWSERS),
+            tokens=OneTimeTokens(library.workspace / LINKS),
             extra_hosts=hosts,
             public_hosts=public_hosts,
         )
@@ -77,6 +84,7 @@ class Server:
                 Route("/view/{role}", self._view),
                 Route("/frame/{index:int}.jpg", self._frame),
                 *self._outputs.routes(),
+                *self._exports.routes(),
                 *self._shelf.routes(),
                 Mount("/static", StaticFiles(directory=STATIC)),
             ],
@@ -108,6 +116,7 @@ class Server:
         try:
             await self._uvicorn.serve(sockets=[listener])
         finally:
+            await self._exports.close()
             await self.store.stop()
 
     # --- pages
@@ -197,11 +206,19 @@ async def _send(websocket: WebSocket, tab: Tab) -> None:
     number = 0
     with contextlib.suppress(WebSocketDisconnect, RuntimeError):
         while True:
-            for message in await tab.next():
+            for message in await _news(tab):
                 number += 1
                 # JSON has no word for what is no number: null, which the page shows as nothing.
                 text = to_json({**message, "seq": number}, inf_nan_mode="null").decode()
                 await websocket.send_text(text)
+
+
+async def _news(tab: Tab) -> list[dict[str, Any]]:
+    """What a tab is to be told, if only that somebody is still here."""
+    try:
+        return await asyncio.wait_for(tab.next(), SECONDS_BETWEEN_BEATS)
+    except TimeoutError:
+        return [{"t": "beat"}]
 
 
 def _fresh(request: Request, kind: Any) -> dict[str, str]:

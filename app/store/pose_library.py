@@ -39,7 +39,7 @@ class PoseLibrary:
             self._known = ()
         self._show(self._known)
 
-    async def change(self, action: actions.Shelving, edit: EditorState | None) -> None:
+    async def change(self, action: actions.PoseKeeping, edit: EditorState | None) -> None:
         """Do it and show the outcome; KeyposeError, in one sentence, when it cannot be done."""
         async with self._one_at_a_time:
             await asyncio.to_thread(self._change, action, edit)
@@ -55,7 +55,7 @@ class PoseLibrary:
                 )
         raise Refused("This pose is not in the library any more.")
 
-    def _change(self, action: actions.Shelving, edit: EditorState | None) -> None:
+    def _change(self, action: actions.PoseKeeping, edit: EditorState | None) -> None:
         if isinstance(action, actions.KeepPose):
             if edit is None:
                 raise Refused("Open a video first.")

@@ -95,7 +95,7 @@ class Running:
 class OpenedFile:
     """The session's file and its video; `film` tells videos apart, whatever they are called.
 
-    id: of the session among the recent ones.
+    id: of the session among the recent ones.  name: where a person has not called it otherwise.
     """
 
     name: str

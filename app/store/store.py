@@ -11,6 +11,7 @@ import re
 import secrets
 import time
 from collections.abc import Callable, Coroutine
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from app.document.library import Library, id_of
+from app.document.library.names import clean_name
 from app.document.open import OpenSession, edit_state, open_for_editing
 from app.editor import actions
 from app.editor.refusal import Refused
@@ -35,6 +37,7 @@ from app.store.preview import WAITING, SizesPreview
 from app.store.runner import Runner
 from app.store.saving import SessionWriter
 from app.store.sections import Sections
+from app.store.shelf import Shelf
 from app.store.state import (
     AppState,
     FitOutcome,
@@ -46,7 +49,7 @@ from app.store.state import (
     SurfaceSeen,
 )
 from app.store.tabs import Tab, Tabs
-from tracker.errors import SessionError, SurfaceError, VideoError, one_sentence
+from tracker.errors import KeyposeError, SessionError, SurfaceError, VideoError, one_sentence
 from tracker.storage.chronicle import mark_of
 from tracker.video import VideoInfo
 
@@ -89,6 +92,7 @@ class Store:
         self._tasks: set[asyncio.Task[None]] = set()
         self._warned: str | None = None
         self._writer = SessionWriter(loop, self, library, self._on_saved)
+        self._shelf = Shelf(self, library)
         self._examiner: Examiner | None = None
         self._clients = Clients()
         self._poses = PoseLibrary(library.workspace, lambda poses: self._set(poses=poses))
@@ -97,6 +101,14 @@ class Store:
     @property
     def app_state(self) -> AppState:
         return self._app_state
+
+    @property
+    def name(self) -> str:
+        """What its files are called, without what no file can be called."""
+        if self._opened is None or self._app_state.edit is None:
+            return "keypose"
+        title = self._app_state.edit.doc.title
+        return clean_name(title) if title else self._opened.name
 
     @property
     def opened(self) -> OpenSession | None:
@@ -152,7 +164,7 @@ class Store:
         if isinstance(action, actions.Running):
             self._run_action(action)
             return
-        if isinstance(action, actions.Shelving):
+        if isinstance(action, actions.PoseKeeping):
             self._in_background(self._poses.change(action, self._app_state.edit))
             return
         if self._app_state.edit is None:
@@ -265,6 +277,8 @@ class Store:
             self._in_background(self._open_named(action))
         elif isinstance(action, actions.Close):
             self._in_background(self.close_session())
+        elif isinstance(action, actions.Shelving):
+            self._in_background(self._shelf.do(action))
         elif isinstance(action, actions.SaveAgain):
             self._writer.saver.retry()
         elif isinstance(action, actions.Cancel):
@@ -398,6 +412,15 @@ class Store:
                 self._examiner = Examiner(self._loop, opened.video, self._on_damage)
             for words in (*opened.news, *([problem] if problem else [])):
                 self.note("check", words)
+            await self._visit(opened)
+
+    async def _visit(self, opened: OpenSession) -> None:
+        """The page's address leads to it from now on."""
+        source = opened.video.info.path if opened.fresh else opened.session_path
+        with suppress(KeyposeError):  # then it is found until the program ends
+            await asyncio.to_thread(
+                self._library.visit, opened.session_path, source, opened.session
+            )
 
     def _on_damage(self, info: VideoInfo) -> None:
         """More frames of the open video are known to be missing or damaged."""
@@ -478,6 +501,11 @@ class Store:
         if self._writer.saver.problem is not None:
             raise SessionError(self._writer.saver.problem)
         return opened.session_path
+
+    def tell(self, message: dict[str, Any]) -> None:
+        """Send every tab that is there a message that needs no words."""
+        if len(self._tabs):
+            self._tabs.send(message)
 
     def note(self, kind: str, words: str, button: dict[str, Any] | None = None) -> None:
         """Send every tab a sentence; when there is none, the first that comes."""

@@ -75,21 +75,31 @@ function pictureAddress(view) {
   return `/picture.png?${query}`;
 }
 
-async function saveFrom(address, name) {
+/** Save what the server answers, or say why nothing was saved. */
+export async function saveFrom(address, name) {
   try {
     const response = await fetchOk(address);
-    const saved = nameIn(response) ?? name;
-    saveBlob(await response.blob(), saved);
-    toast({ kind: 'good', words: `Saved as ${saved}.` });
+    const saved = await saveAs(response, name);
+    const leftOut = decodeURIComponent(response.headers.get('x-keypose-left-out') ?? '');
+    if (leftOut) toast({ kind: 'check', words: `Saved as ${saved}.`, detail: `Left out: ${leftOut}` });
+    else toast({ kind: 'good', words: `Saved as ${saved}.` });
   } catch (error) {
     toast({ kind: 'check', words: 'Nothing was saved.', detail: sentence(error.message) });
   }
 }
 
+/** Save an answer as a file under the name it says, else under this one; the name. */
+export async function saveAs(response, name) {
+  const saved = nameIn(response) ?? name;
+  saveBlob(await response.blob(), saved);
+  return saved;
+}
+
 const fetchBlob = async (address) => (await fetchOk(address)).blob();
 
-async function fetchOk(address) {
-  const response = await fetchOwn(address);
+/** What the server answers; an error in its words where it refuses. */
+export async function fetchOk(address, options = {}) {
+  const response = await fetchOwn(address, options);
   if (response.ok) return response;
   const words = (await response.text()).slice(0, 300);
   let problem;

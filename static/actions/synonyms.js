@@ -113,6 +113,7 @@ export const SYNONYMS = {
 /** What it is called where it stands without the heading of the menu or bar it is from. */
 /** @type {Partial<Record<import('./table.js').ActionId, string>>} */
 export const TITLES = {
+  renameSession: 'Rename session', duplicateSession: 'Duplicate session', deleteSession: 'Move session to the trash',
   acceptPins: 'Accept all proposed pins',
   dismissPins: 'Dismiss all proposed pins',
   cancel: 'Cancel what is running',

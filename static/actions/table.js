@@ -10,6 +10,7 @@ import { fitLarge, showLarge, VIEW_KEYS, VIEW_NAMES } from '../views/views.js';
 import { count } from '../controls/words.js';
 import { alongChain, endOfChain, otherSide, outward } from './chain.js';
 import { copy, copyWords, nothingCopied, pasteWith } from './copying.js';
+import { askWhatIsMissing, usualOptions } from './exporting.js';
 import { draftCount, draftMessage, whyNotDraft } from './drafting.js';
 import {
   FILTER_HZ, copyPath, copyPicture, hasMotion, saveMotion, savePicture, saveReport,
@@ -445,13 +446,33 @@ export const MOTION = {
   saveNpz: motion('npz', 'quad', 'NumPy'),
 };
 
+/** Why nothing can be done with a whole session: none is open, and none is meant. */
+const whichSession = (session = server.file) => (session ? '' : 'Open a session first');
+
 /** @satisfies {Record<string, Action>} */
 const FILE = {
   openFile: { label: 'Open…', icon: 'folder', run: () => openChooser('any') },
   openRecent: { label: (recent) => recent.name, icon: 'film', message: ({ id }) => ({ do: 'open', kind: 'recent', id }) },
+  renameSession: { label: 'Rename', icon: 'pen', always: true, off: whichSession, run: ({ id } = server.file) => setUi('renaming', id) },
+  duplicateSession: {
+    label: 'Duplicate', icon: 'copy', title: 'A copy for another try on the same video', always: true, off: whichSession,
+    message: ({ id } = server.file) => ({ do: 'duplicate_session', id }),
+  },
+  deleteSession: {
+    label: 'Move to the trash', icon: 'trash', title: 'The video stays', always: true, off: whichSession,
+    message: ({ id } = server.file) => ({ do: 'delete_session', id }),
+  },
   copyPath: { label: 'Copy path', icon: 'copy', run: copyPath },
   closeFile: { label: 'Close', icon: 'x', message: () => ({ do: 'close' }) },
   ...MOTION,
+  saveAllMotion: {
+    label: 'All formats, ZIP', icon: 'exp',
+    off: () => (hasMotion() ? '' : `${words().verb} first: there is no motion yet`), run: () => saveMotion('all'),
+  },
+  exportFilm: exportDialog('film', 'Film…', 'film'),
+  exportImages: exportDialog('pictures', 'Images of all keyframes…', 'img'),
+  exportSheet: exportDialog('sheet', 'Keyframe sheet…', 'quad'),
+  exportMotion: exportDialog('motion', 'With options…', 'track'),
   filterMotion: {
     label: `Low-pass filter, ${FILTER_HZ} Hz`,
     title: 'Removes faster motion without delay; keyframes move a little',
@@ -511,8 +532,18 @@ function motion(format, icon, reader) {
   return { label: format.toUpperCase(), icon, reader, off, run: () => saveMotion(format) };
 }
 
+function exportDialog(what, label, icon) {
+  const off = () => (server.keys?.frames.length ? '' : 'Add a keyframe first');
+  return { label, icon, off, run: () => openExport(what) };
+}
+
 function theme(name, label, icon) {
   return { label, icon, always: true, on: () => chosenTheme() === name, run: () => chooseTheme(name) };
+}
+
+function openExport(what) {
+  askWhatIsMissing();
+  setUi('exporting', { ...usualOptions(), what, ...(ui.exportJob ? { what: ui.exportJob.what } : {}) });
 }
 
 const nextOf = (all, one) => all[(all.indexOf(one) + 1) % all.length];

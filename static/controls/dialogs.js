@@ -7,6 +7,9 @@ import { setUi, ui, watch } from '../store/state.js';
 
 /** @typedef {import('../store/shapes.js').Watched} Watched */
 
+/** @type {('sheet' | 'chooser' | 'search' | 'exporting')[]} */
+const SHEETS = ['sheet', 'chooser', 'search', 'exporting'];
+
 /** Open or close the sheet of keys. */
 export const toggleSheet = () => setUi('sheet', !ui.sheet);
 
@@ -25,16 +28,14 @@ export function openChooser(kind, lost = null) {
 
 /** Close the sheets; tells whether one was open, or about to open with the next frame. */
 export function closeSheets() {
-  if (!ui.sheet && !ui.chooser && !ui.search) return false;
-  setUi('sheet', null);
-  setUi('chooser', null);
-  setUi('search', null);
+  if (SHEETS.every((name) => !ui[name])) return false;
+  for (const name of SHEETS) setUi(name, null);
   return true;
 }
 
 /**
  * A dialog, open while `ui[name]` holds something, and drawn when that or any of `names` changes.
- * @param {{ id: string, label: string, name: 'sheet' | 'chooser' | 'search', names: Watched[], draw: () => unknown }} spec
+ * @param {{ id: string, label: string, name: typeof SHEETS[number], names: Watched[], draw: () => unknown }} spec
  */
 export function mountDialog({ id, label, name, names, draw }) {
   const dialog = addOnTop(id, 'dialog');

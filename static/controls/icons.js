@@ -83,6 +83,7 @@ const SHAPES = {
   action: svg`<rect x="2" y="4" width="12" height="8.500" rx="1.600"/><circle cx="10" cy="8.300" r="2.300"/>`,
   find: svg`<circle cx="7" cy="7" r="4.500"/><path d="M10.400 10.400 14 14"/>`,
   note: svg`<path d="M2.500 2.500h11v8h-6l-3 3v-3h-2zM5 5.300h6M5 7.800h4"/>`,
+  pen: svg`<path d="M10.500 3 13 5.500 5.500 13l-3 .5.5-3zM9 4.500 11.500 7"/>`,
   trash: svg`<path d="M3 4.500h10M6.500 4.500V3h3v1.500M4.500 4.500l.6 8.500h5.800l.6-8.500"/>`,
 };
 

@@ -7,6 +7,7 @@
 //          and `line`, `heading`, `note`, `content`
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import { addOnTop } from './elements.js';
 import { icon } from './icons.js';
 import { ui, setUi } from '../store/state.js';
 import { reachedByKey } from './focus.js';
@@ -27,6 +28,7 @@ let before = null;
 let byKeys = false;
 
 export function mountMenus() {
+  place = addOnTop('tmenu', 'div'); // on the start screen, too, where the timeline is out of reach
   addEventListener('pointerdown', closeFromOutside, true);
   addEventListener('pointerdown', () => (byKeys = false), true);
   addEventListener('keydown', () => (byKeys = true), true);
@@ -100,11 +102,6 @@ function holder(name) {
 }
 
 // --- at the pointer
-
-/** Menus at the pointer are drawn in this element. */
-export function drawMenusIn(element) {
-  place = element;
-}
 
 /** Open a menu at a place of the window. */
 export function openMenuAt(label, entries, [left, top]) {

@@ -1,10 +1,11 @@
 // A drag under way. Each message says what it does from where it began, so that only the newest
 // counts and a lost one does no harm.
 
-import { setUi } from '../store/state.js';
+import { setUi, ui } from '../store/state.js';
 import { newStroke, send } from '../store/link.js';
 import { paced } from '../controls/gesture.js';
 import { interaction, redrawSoon } from './interaction.js';
+import { keepPreview } from './offline.js';
 import { isFine, modifiers, noteModifiers } from './pressed_keys.js';
 
 const PAUSE_MS = 16;
@@ -32,6 +33,7 @@ export function moveDrag(event, x, y) {
   const share = isFine() ? FINE : 1;
   drag.virtual = drag.virtual.map((v, i) => v + ([x, y][i] - drag.seen[i]) * share);
   drag.seen = [x, y];
+  if (!ui.connected) redrawSoon(); // only the page can show where it goes
   sendSoon();
 }
 
@@ -58,6 +60,7 @@ function finish(word) {
   const { drag } = interaction;
   if (!drag) return;
   drag.kept = word === 'end_stroke';
+  if (drag.kept) keepPreview(drag);
   if (drag.sent) send({ do: word, stroke: drag.stroke });
   interaction.drag = null;
   if ('limb' in drag) setUi('limb', drag.limb ?? null);

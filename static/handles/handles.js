@@ -9,6 +9,7 @@ import { leave, refresh } from './hover.js';
 import { letterOf, onKeys, watchKeys } from './pressed_keys.js';
 import { deleteMask } from './masks.js';
 import { paint } from './paint.js';
+import { mountOffline } from './offline.js';
 import { cancelPress, isPressed, listenTo } from './press.js';
 import { prepareSketch, sketchKey } from './sketch.js';
 import { listenForMenuKey } from './viewmenu.js';
@@ -18,11 +19,12 @@ const SECTIONS = ['file', 'pose', 'body', 'view', 'views', 'trail', 'masks', 'ke
 
 export function mount() {
   watchKeys();
+  mountOffline();
   onKeys(key);
   for (const name of ALL_VIEWS) listenTo(viewNamed(name));
   onInteraction(paint);
   onViews(paint);
-  watch([...SECTIONS, 'u:limb', 'u:mask', 'u:box', 'u:layout', 'u:dragging', 'u:tab', 'u:rings', 'u:keypointHover', 'u:review'], paint);
+  watch([...SECTIONS, 'u:limb', 'u:mask', 'u:box', 'u:layout', 'u:dragging', 'u:tab', 'u:rings', 'u:keypointHover', 'u:review', 'u:connected'], paint);
   watch(['pose'], refresh);
   watch(['u:tool'], changeTool);
   watch(['u:playing', 'file'], () => ui.playing && leave());

@@ -9,6 +9,7 @@ import { interaction } from './interaction.js';
 import { drawKeypoints } from './keypoints.js';
 import { drawLabels } from './labels.js';
 import { drawMasks } from './masks.js';
+import { drawOffline } from './offline.js';
 import { drawPinMarks, drawSoles } from './pinmarks.js';
 import { drawPlace } from './reviewmarks.js';
 import { drawRings } from './rings.js';
@@ -43,6 +44,7 @@ function overlay(view) {
     ${drawReach(view, targets.grips)}
     ${drawPlace(view)}
     ${drawGrips(view, targets.grips)}
+    ${drawOffline(view)}
     ${drawPinMarks(view)}
     ${drawSizes(view, targets.sizes)}
     ${drawRings(view, targets.rings)}

@@ -16,7 +16,7 @@ export function mountBanner() {
   const place = addOnTop('banner', 'div');
   const draw = () => render(banner(), place);
   /** @type {import('../store/shapes.js').Watched[]} */
-  const news = ['u:line', 'u:connected', 'u:dragging', 'u:readOnlyRead', 'u:flat', 'u:flatRead', 'u:unsent'];
+  const news = ['u:line', 'u:connected', 'u:dragging', 'u:readOnlyRead', 'u:flat', 'u:flatRead', 'u:unsent', 'u:returning'];
   watch(['file', 'saved', ...news], draw);
   // How many edits wait is known to the link alone.
   setInterval(() => ui.line && draw(), 500);
@@ -24,7 +24,7 @@ export function mountBanner() {
 
 function banner() {
   if (ui.line || (!ui.connected && ui.dragging && server.file)) return noLine();
-  if (ui.unsent.length) return notSent(ui.unsent[0]);
+  if (ui.unsent.length && !ui.returning) return notSent(ui.unsent[0]);
   const isNews = server.saved?.state === 'readonly' && server.file && ui.readOnlyRead !== server.file.path;
   if (isNews) return readOnly(server.saved.words);
   return ui.flat && server.file && !ui.flatRead ? flat() : nothing;

@@ -1,6 +1,8 @@
 // Everything around the work: top bar, menus, keys, guide, start screen, messages, status.
 
+import { mountAddress } from './address.js';
 import { mountBanner } from './banner.js';
+import { mountExportDialog } from './export_dialog.js';
 import { mountFitCard } from './fit_card.js';
 import { mountFocus } from '../controls/focus.js';
 import { mountGuide } from '../guide/guide.js';
@@ -30,8 +32,10 @@ export function mount() {
   mountSheet();
   mountSearch();
   mountChooser();
+  mountExportDialog();
   mountToasts();
   mountLine();
+  mountAddress();
   mountBanner();
   mountTips();
   mountDropping();

@@ -5,19 +5,31 @@ import { icon } from '../controls/icons.js';
 import { server, ui } from '../store/state.js';
 import { words } from '../store/subject.js';
 import { frame } from '../actions/playhead.js';
-import { keyOf } from '../actions/actions.js';
+import { askWhatIsMissing } from '../actions/exporting.js';
+import { keyOf, perform } from '../actions/actions.js';
 import { actionBox, menuItem } from '../actions/buttons.js';
 import { MOTION } from '../actions/table.js';
 import { hasMotion, viewShown } from '../actions/export.js';
 import { isTracked } from '../actions/tracking.js';
 import { goal, places } from '../actions/review.js';
-import { content, heading, line, menuButton, menuHolder, note } from '../controls/menu.js';
 import { count, joined, range } from '../controls/words.js';
+import { content, heading, line, menuButton, menuHolder, note, toggleMenu } from '../controls/menu.js';
 
 export function exportButton() {
-  const face = html`${icon('exp')}Export${icon('chev')}`;
-  const button = menuButton('export', { kind: 'btn ghost', title: 'Export images and motion', face });
+  const face = html`${icon('exp')}Export${far()}${icon('chev')}`;
+  const act = () => {
+    askWhatIsMissing();
+    if (ui.exportJob) perform(/** @type {const} */ ('exportFilm')); // which shows how far it is
+    else toggleMenu('export');
+  };
+  const button = menuButton('export', { kind: 'btn ghost', title: 'Export films, images and motion', face, act });
   return menuHolder('export', () => button, items, 'right export');
+}
+
+/** How far the export under way is. */
+function far() {
+  const { done = 0, of = 0 } = ui.exportJob ?? {};
+  return of ? html`<span class="num"> ${Math.round((100 * done) / of)} %</span>` : nothing;
 }
 
 function items() {
@@ -29,10 +41,16 @@ function items() {
     menuItem('saveAllImages'),
     menuItem('copyImage'),
     line,
+    menuItem('exportFilm', undefined, { right: 'MP4' }),
+    menuItem('exportImages', undefined, { right: 'ZIP' }),
+    menuItem('exportSheet', undefined, { right: 'PNG' }),
+    line,
     heading(`Motion${frames}`),
     ...Object.entries(MOTION).map(([id, { reader }]) =>
-      menuItem(/** @type {keyof MOTION} */ (id), undefined, { right: reader }),
+      menuItem(/** @type {keyof MOTION} */ (id), undefined, { right: reader, ...lacking(id) }),
     ),
+    menuItem('saveAllMotion'),
+    menuItem('exportMotion', undefined, { right: 'frames, rate, filter' }),
     content(html`<div class="mtick">${actionBox('filterMotion')}</div>`),
     varying(),
     warning(),
@@ -40,6 +58,12 @@ function items() {
     line,
     menuItem('saveReport', undefined, { right: 'verdicts, charts, images' }),
   ];
+}
+
+/** What cannot be written here, with what mends it. */
+function lacking(id) {
+  const remedy = id === 'saveC3d' && ui.exportMissing?.c3d;
+  return remedy ? { right: remedy, off: `C3D needs ezc3d: ${remedy}` } : {};
 }
 
 /** Only the camera's picture has a size that is known here: the video's own. */

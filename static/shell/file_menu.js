@@ -6,6 +6,7 @@ import { icon } from '../controls/icons.js';
 import { server, ui } from '../store/state.js';
 import { damagedFrames } from '../store/clip.js';
 import { isSurface } from '../store/subject.js';
+import { isRenamed, renameBox, sessionEntries } from '../start/session_menu.js';
 import { heading, line, menuButton, menuHolder, note, toggleMenu } from '../controls/menu.js';
 import { loadLibrary } from '../store/library.js';
 import { count, longAgo } from '../controls/words.js';
@@ -13,7 +14,8 @@ import { count, longAgo } from '../controls/words.js';
 const RECENT = 5;
 
 export function fileButton() {
-  const { name, path, video } = server.file;
+  const { id, name, path, video } = server.file;
+  if (isRenamed(id)) return html`<span class="row file">${icon('film')}${renameBox({ id, name })}</span>`;
   const face = html`${icon('film')}<span class="b cut">${name}</span> <span class="mut wide cut">${video}</span>${icon('chev')}`;
   const button = menuButton('file', { kind: 'row file', title: path, face, act: show });
   return menuHolder('file', () => button, items, 'left filemenu');
@@ -31,6 +33,7 @@ function items() {
     ...(others.length ? [heading('Recent'), ...others.slice(0, RECENT).map(recent)] : []),
     line,
     note(facts()),
+    ...sessionEntries(server.file).map((entry) => ({ ...entry, right: '' })),
     menuItem('copyPath'),
     line,
     menuItem('closeFile', undefined, { right: 'to the start screen' }),

@@ -15,7 +15,7 @@ import { liveSwitch, trackButton } from './track.js';
 /** @type {import('../store/shapes.js').Watched[]} */
 const SECTIONS = ['file', 'saved', 'undo', 'history', 'job', 'view', 'keys', 'segments'];
 /** @type {import('../store/shapes.js').Watched[]} */
-const OWN = ['u:menu', 'u:ended', 'u:library', 'u:connected', 'u:layout', 'u:sheet', 'u:filterMotion'];
+const OWN = ['u:menu', 'u:ended', 'u:library', 'u:connected', 'u:layout', 'u:sheet', 'u:filterMotion', 'u:renaming', 'u:exportJob', 'u:exportMissing'];
 
 export function mountTopbar() {
   const element = document.getElementById('top');

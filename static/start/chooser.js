@@ -1,34 +1,49 @@
-// The sheet that lists the files of the folders Keypose may see, and takes one from elsewhere.
+// The sheet that walks through the folders Keypose may see, finds by name, and takes a file from
+// elsewhere.
 
 import { clamp } from '../controls/arithmetic.js';
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
-import { ui, setUi } from '../store/state.js';
+import { ui, setUi, watch } from '../store/state.js';
 import { mountDialog } from '../controls/dialogs.js';
-import { bytes, joined, longAgo } from '../controls/words.js';
+import { bytes, count, joined, longAgo } from '../controls/words.js';
+import { enterFolder, enterLastFolder } from '../store/folders.js';
 import { videoSuffixes } from '../store/library.js';
+import { smallPicture } from './picture.js';
+import { sorted } from './sorting.js';
 import { takeFiles } from './uploading.js';
 
 const KINDS = { any: null, video: ['video', 'images'], meshes: ['meshes'], session: ['session'] };
 const TITLES = { any: 'Open', video: 'Choose a video', meshes: 'Choose surfaces', session: 'Open a session' };
-const ICONS = { video: 'film', images: 'img', meshes: 'both', session: 'key' };
+const SIGNS = { video: 'film', images: 'img', meshes: 'both', session: 'key' };
+const NOUNS = { video: 'Video', images: 'Images', meshes: 'Meshes', session: 'Session' };
+const COLUMNS = { name: 'Name', size: 'Size', date: 'Date' };
+const NEWEST = 30;
 const MOST = 300; // rows; more are found by name
 
 export function mountChooser() {
-  mountDialog({ id: 'chooser', label: 'Choose a file', name: 'chooser', names: ['u:library', 'u:fileFind'], draw: sheet });
+  mountDialog({ id: 'chooser', label: 'Choose a file', name: 'chooser', names: ['u:library', 'u:fileFind', 'u:place', 'u:fileSort'], draw: sheet });
+  let wasOpen = false;
+  watch(['u:chooser'], () => {
+    if (ui.chooser && !wasOpen) enterLastFolder();
+    wasOpen = Boolean(ui.chooser);
+  });
 }
 
 function sheet() {
   const { kind, lost } = ui.chooser;
-  const found = files(kind);
+  const isSearch = Boolean(wanted());
+  const folders = isSearch ? [] : ui.place?.folders ?? [];
+  const isTop = !isSearch && ui.place?.way.length === 0;
+  const files = isTop ? newest(kind) : sorted(isSearch ? found(kind) : ofKind(ui.place?.files ?? [], kind), ui.fileSort);
   return html`<div class="in" @keydown=${onKey}>
     <div class="row sheethead">
       <span class="title">${lost ? `Find ${lost.video}` : TITLES[kind]}</span><span class="sp"></span>
       <input
         class="findbox"
         type="search"
-        placeholder="Find"
+        placeholder="Find in all folders"
         aria-label="Find a file"
         autofocus
         .value=${ui.fileFind ?? ''}
@@ -36,40 +51,71 @@ function sheet() {
       />
       <button class="ib" title="Close" data-key="Esc" aria-label="Close" @click=${close}>${icon('x')}</button>
     </div>
-    <div class="filelist">${found.length ? byFolder(found.slice(0, MOST)) : none()}</div>
+    ${isSearch ? nothing : way()}
+    ${files.length && !isTop ? columns() : nothing}
+    <div class="filelist" role="list">
+      ${folders.map(folderRow)}${isTop && files.length ? html`<h3>Newest in these folders</h3>` : nothing}
+      ${files.slice(0, MOST).map((file) => fileRow(file, isSearch || isTop))}
+      ${folders.length + files.length ? nothing : none(isSearch)}
+    </div>
     <div class="row sheetfoot">
-      <span class="dim">${footnote(found.length)}</span><span class="sp"></span>
+      <span class="dim">${footnote(files.length, isSearch)}</span><span class="sp"></span>
       ${kind === 'session' || lost ? nothing : elsewhere()}
     </div>
   </div>`;
 }
 
 const close = () => setUi('chooser', null);
+const wanted = () => (ui.fileFind ?? '').trim().toLowerCase();
+const ofKind = (files, kind) => files.filter((file) => KINDS[kind]?.includes(file.kind) ?? true);
 
-function files(kind) {
-  const wanted = (ui.fileFind ?? '').trim().toLowerCase();
-  return (ui.library?.files ?? []).filter(
-    (file) =>
-      (KINDS[kind]?.includes(file.kind) ?? true) &&
-      `${file.folder}/${file.name}`.toLowerCase().includes(wanted),
-  );
+const found = (kind) =>
+  ofKind(ui.library?.files ?? [], kind).filter((file) => `${file.folder}/${file.name}`.toLowerCase().includes(wanted()));
+
+/** What was made last, in all folders: what is looked for is mostly among it. */
+const newest = (kind) => sorted(ofKind(ui.library?.files ?? [], kind), { by: 'date', down: true }).slice(0, NEWEST);
+
+// --- where one is
+
+/** The way from the folders there are to this one. */
+function way() {
+  const places = ui.place?.way ?? [];
+  return html`<nav class="way row" aria-label="Folder">
+    <button class="ib s" title="Up" data-key="Backspace" aria-label="Up" ?disabled=${!places.length} @click=${up}><span class="turned">${icon('chev')}</span></button>
+    <button class="crumb" ?disabled=${!places.length} @click=${() => enterFolder('')}>Folders</button>
+    ${places.map(({ id, name }, i) => html`${icon('chr')}<button class="crumb cut" aria-current=${i === places.length - 1 ? 'page' : nothing}
+      @click=${() => enterFolder(id)}>${name}</button>`)}
+  </nav>`;
 }
 
-function byFolder(found) {
-  const folders = Map.groupBy
-    ? Map.groupBy(found, ({ folder }) => folder)
-    : found.reduce((map, one) => map.set(one.folder, [...(map.get(one.folder) ?? []), one]), new Map());
-  return [...folders].map(
-    ([folder, inside]) => html`<h3 class="path">${icon('folder')}${folder}</h3>
-      ${inside.map(row)}`,
-  );
+function up() {
+  const places = ui.place?.way ?? [];
+  if (places.length) enterFolder(places.at(-2)?.id ?? '');
 }
 
-function row(file) {
-  const size = file.count ? `${file.count} ${file.kind}` : bytes(file.bytes);
-  return html`<button class="filerow" @click=${() => choose(file)}>
-    ${icon(ICONS[file.kind])}<span class="cut">${file.name}</span><span class="sp"></span>
-    <span class="dim num">${file.kind === 'session' ? 'session' : size}</span>
+// --- the rows
+
+function columns() {
+  const { by, down } = ui.fileSort ?? { by: 'name', down: false };
+  const column = ([id, label]) => html`<button class="fcol ${id}" aria-pressed=${by === id} title="Sort by ${label.toLowerCase()}"
+    @click=${() => setUi('fileSort', { by: id, down: by === id ? !down : id !== 'name' })}>
+    ${label}${by === id ? html`<span class="dir ${down ? '' : 'turned'}">${icon('chev')}</span>` : nothing}
+  </button>`;
+  return html`<div class="fcols">${Object.entries(COLUMNS).map(column)}</div>`;
+}
+
+const folderRow = ({ id, name }) => html`<button class="filerow folder" role="listitem" @click=${() => enterFolder(id)}>
+  <span class="th">${icon('folder')}</span><span class="cut">${name}</span><span></span><span></span>
+</button>`;
+
+function fileRow(file, hasFolder) {
+  const size = file.count ? count(file.count, file.kind === 'images' ? 'image' : 'mesh').replace('meshs', 'meshes') : bytes(file.bytes);
+  const address = file.kind === 'meshes' ? '' : `/file.jpg?${new URLSearchParams({ at: file.id })}`;
+  return html`<button class="filerow ${file.kind}" role="listitem" title=${`${file.folder}/${file.name}`} @click=${() => choose(file)}>
+    ${smallPicture({ address, own: true, sign: SIGNS[file.kind] })}
+    <span class="what cut">${file.name}<span class="kind ${file.kind}">${icon(SIGNS[file.kind])}${NOUNS[file.kind]}</span>
+      ${hasFolder ? html`<span class="dim cut">${file.folder}</span>` : nothing}</span>
+    <span class="dim num bytes">${file.kind === 'session' ? '' : size}</span>
     <span class="dim num when">${longAgo(file.modified_at)}</span>
   </button>`;
 }
@@ -81,21 +127,18 @@ function choose({ id }) {
   else send({ do: 'open', kind: 'file', id });
 }
 
-function none() {
-  if (!ui.library) return html`<p class="dim nothing">Looking…</p>`;
-  return html`<p class="dim nothing">
-    ${ui.fileFind ? html`No file is named “${ui.fileFind}”.` : nowhere()}
-  </p>`;
+function none(isSearch) {
+  if (isSearch ? !ui.library : !ui.place) return html`<p class="dim nothing">Looking…</p>`;
+  const what = { session: 'session', meshes: 'surfaces', video: 'video', any: 'video or session' }[ui.chooser.kind];
+  return html`<p class="dim nothing">${isSearch ? html`No file is named “${ui.fileFind}”.` : `No ${what} in this folder.`}</p>`;
 }
 
-function footnote(found) {
-  if (ui.library?.more || found > MOST) return 'There are more files. Search by name.';
-  const roots = ui.library?.folders ?? [];
-  if (!roots.length || !found) return '';
-  return ui.chooser.lost ? nowhere() : `From ${roots.join(', ')}`;
+function footnote(many, isSearch) {
+  if ((isSearch ? ui.library?.more : ui.place?.more) || many > MOST) return 'There are more files. Search by name.';
+  return nowhere();
 }
 
-/** Which folders were looked into, and what to do when it lies in another. */
+/** Which folders can be looked into, and what to do when it lies in another. */
 function nowhere() {
   const { kind, lost } = ui.chooser;
   const roots = ui.library?.folders ?? [];
@@ -122,13 +165,20 @@ function onPick(event) {
   takeFiles(chosen);
 }
 
-/** Arrows walk through the rows, from the Find box too; Enter there opens the first. */
+/** Arrows walk through the rows, from the Find box too; Enter there opens the first. Backspace goes up. */
 function onKey(event) {
   const rows = [...event.currentTarget.querySelectorAll('.filerow')];
   const at = rows.indexOf(document.activeElement);
-  const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
-  if (step && rows.length) {
+  const isText = event.target.type === 'search';
+  const to = {
+    ArrowDown: at + 1, ArrowUp: at - 1, ...(isText ? {} : { Home: 0, End: rows.length - 1 }),
+  }[event.key];
+  if (to !== undefined && rows.length && !event.altKey) {
     event.preventDefault();
-    rows[clamp(at + step, 0, rows.length - 1)].focus();
-  } else if (event.key === 'Enter' && event.target.type === 'search') rows[0]?.click();
+    rows[clamp(to, 0, rows.length - 1)].focus();
+  } else if (event.key === 'Enter' && isText) rows[0]?.click();
+  else if ((event.key === 'Backspace' && !(isText && event.target.value)) || (event.key === 'ArrowUp' && event.altKey)) {
+    event.preventDefault();
+    up();
+  }
 }

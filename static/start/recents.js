@@ -6,6 +6,8 @@ import { send } from '../store/link.js';
 import { ui, setUi } from '../store/state.js';
 import { count, longAgo } from '../controls/words.js';
 import { openChooser } from '../controls/dialogs.js';
+import { smallPicture } from './picture.js';
+import { isRenamed, onSessionKey, openSessionMenu, renameBox } from './session_menu.js';
 
 const WIDTH = 220; // of a strip, px
 const MOST_MOVED = 2; // shown at once; Find shows the others
@@ -35,16 +37,6 @@ export function recentSessions() {
     ${found.filter(({ missing }) => missing).slice(0, MOST_MOVED).map(movedCard)}`;
 }
 
-/** A picture of what is to be opened; a film where there is none. */
-export function thumbnail(address) {
-  return html`<span class="th"
-    >${address ? html`<img src=${address} alt="" draggable="false" @error=${hide} />` : nothing}
-    ${icon('film')}</span
-  >`;
-}
-
-const hide = (event) => event.target.remove();
-
 function onKey(event, found) {
   const first = found.find(({ missing }) => !missing);
   if (event.key === 'Enter' && first) open(first);
@@ -58,15 +50,21 @@ const open = ({ id }) => send({ do: 'open', kind: 'recent', id });
 
 function row(recent) {
   const { name, keyframes, frames, strip, thumb, path } = recent;
-  return html`<button class="rec" title=${path} @click=${() => open(recent)}>
-    ${thumbnail(thumb)}
+  const face = (title) => html`${smallPicture({ address: thumb })}
     <span class="what"
-      ><span class="b">${name}</span>
+      >${title}
       <span class="mut num">${count(keyframes, 'keyframe')} · ${count(frames, 'frame')}</span>
       ${verdicts(strip ?? [])}</span
     >
-    <span class="dim num">${longAgo(recent.opened_at)}</span>
-  </button>`;
+    <span class="dim num">${longAgo(recent.opened_at)}</span>`;
+  if (isRenamed(recent.id)) return html`<div class="recrow"><div class="rec">${face(renameBox(recent))}</div></div>`;
+  const menu = (event) => openSessionMenu(event, recent);
+  return html`<div class="recrow" @contextmenu=${menu} @keydown=${(event) => onSessionKey(event, recent)}>
+    <button class="rec" title=${path} @click=${() => open(recent)}>${face(html`<span class="b">${name}</span>`)}</button>
+    <button class="ib more" title="Rename, duplicate, delete" aria-label="Menu of ${name}" aria-haspopup="menu" @click=${menu}>
+      ${icon('more')}
+    </button>
+  </div>`;
 }
 
 /** strip: [[state, frames], …] from the first keyframe to the last. */

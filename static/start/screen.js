@@ -7,7 +7,8 @@ import { send } from '../store/link.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 import { openChooser } from '../controls/dialogs.js';
 import { loadLibrary } from '../store/library.js';
-import { recentSessions, thumbnail } from './recents.js';
+import { smallPicture } from './picture.js';
+import { recentSessions } from './recents.js';
 import { uploadCard } from './uploading.js';
 
 const STEPS = [
@@ -21,7 +22,7 @@ let wasShown = false;
 export function mountStart() {
   const place = addOnTop('empty', 'main');
   /** @type {import('../store/shapes.js').Watched[]} */
-  const own = ['u:library', 'u:upload', 'u:dropping', 'u:find', 'u:connected'];
+  const own = ['u:library', 'u:upload', 'u:dropping', 'u:find', 'u:connected', 'u:renaming'];
   watch(['file', ...own], () => {
     const isShown = !server.file;
     if (isShown && !wasShown) arrive();
@@ -87,7 +88,7 @@ function samples() {
 
 function sample({ id, thumb, words }, title) {
   return html`<button class="rec sample" @click=${() => send({ do: 'open', kind: 'sample', id })}>
-    ${thumbnail(thumb)}
+    ${smallPicture({ address: thumb })}
     <span><span class="b">${title}</span><br /><span class="mut">${words}</span></span>
     <span class="btn sm">Open</span>
   </button>`;

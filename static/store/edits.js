@@ -19,6 +19,7 @@ const NO_EDITS = new Set([
   ...ENDS,
   ...['select', 'display', 'live', 'begin_guide', 'copy_pose', 'keep_pose', 'rename_pose', 'delete_pose', 'restore_pose', 'look_before', 'close_fit', 'preview_poses', 'discard_sizes'],
   ...['open', 'close', 'cancel', 'save_again'],
+  ...['rename_session', 'duplicate_session', 'delete_session', 'restore_session'],
 ]);
 
 let client = newClient();

@@ -1,9 +1,11 @@
 // What can be opened: recent sessions, samples, the files of the server's folders.
 
 import { fetchOwn } from './key.js';
+import { listen } from './link.js';
 import { setUi, ui } from './state.js';
 
 let asked = null;
+listen('library', loadLibrary); // sessions were renamed, duplicated, deleted or put back
 
 /** Ask the server anew; the answer becomes ui.library. */
 export function loadLibrary() {

@@ -2,12 +2,19 @@
 // edits.js until the server has them on its disk, also while the line is down.
 
 import { acknowledge, due, keep, settle } from './edits.js';
-import { keyProtocols } from './key.js';
-import { setUi, applySections } from './state.js';
+import { fetchOwn, keyProtocols } from './key.js';
+import { setUi, applySections, ui } from './state.js';
+
+const SILENT_MS = 3000; // the server says something every second
+const GIVEN_UP_MS = 10_000; // a line so long silent is laid anew
+const LOOK_MS = 500;
+const AGAIN_MS = 300;
 
 let socket = null;
 let line = 0;
 let isGreeted = false;
+let heardAt = performance.now(); // the last word of the server, or when the line was laid
+let lookedAt = performance.now();
 let questionCount = 0;
 let strokes = 0;
 const tab = Math.random().toString(36).slice(2, 10);
@@ -23,7 +30,8 @@ export function send(action) {
 
 /** Send what can be sent by now. */
 export function sendDue() {
-  if (!isOpen() || !isGreeted) return;
+  // To a silent server nothing goes: of a gesture only the newest move is sent once it speaks again.
+  if (!isOpen() || !isGreeted || !ui.connected) return;
   for (const message of due(line)) socket.send(JSON.stringify(message));
 }
 
@@ -48,7 +56,16 @@ export function listen(kind, fn) {
   listeners.get(kind).add(fn);
 }
 
+/** When the server was last heard, in the milliseconds of performance.now(). */
+export const lastHeard = () => heardAt;
+
 export function connect() {
+  setInterval(listenForSilence, LOOK_MS);
+  layLine();
+}
+
+function layLine() {
+  heardAt = performance.now();
   socket = new WebSocket(`${location.origin.replace(/^http/, 'ws')}/events`, keyProtocols());
   socket.onopen = onOpen;
   socket.onmessage = (event) => receive(JSON.parse(event.data));
@@ -68,10 +85,53 @@ function onOpen() {
 function onClose() {
   setUi('connected', false);
   questions.clear();
-  setTimeout(connect, 500);
+  setTimeout(lookForServer, AGAIN_MS);
+}
+
+/** Lay the line again once somebody answers at this address. A browser puts off sockets by seconds
+ * when many of them have failed, so it is asked by another way. */
+async function lookForServer() {
+  const { status } = await answerOf('/static/logo.svg');
+  setUi('turnedAway', status === 403);
+  if (status === 200) layLine();
+  else setTimeout(lookForServer, AGAIN_MS);
+}
+
+async function answerOf(path) {
+  try {
+    return await fetchOwn(path, { method: 'HEAD', cache: 'no-store', signal: AbortSignal.timeout(SILENT_MS) });
+  } catch {
+    return { status: 0 }; // nobody answers
+  }
+}
+
+/** A line can be dead without having been closed: a computer asleep, a network gone. */
+function listenForSilence() {
+  const now = performance.now();
+  // A tab that was asleep itself has not heard what was said meanwhile.
+  if (now - lookedAt > 2 * LOOK_MS + 1000) heardAt = now;
+  lookedAt = now;
+  if (!socket || socket.readyState > WebSocket.OPEN) return; // it is about to be laid anew
+  if (now - heardAt > GIVEN_UP_MS) giveUp();
+  else if (now - heardAt > SILENT_MS) setUi('connected', false);
+}
+
+function giveUp() {
+  const silent = socket;
+  socket = null;
+  for (const event of ['onopen', 'onmessage', 'onclose']) silent[event] = null;
+  silent.close();
+  setUi('connected', false);
+  questions.clear();
+  lookForServer();
 }
 
 function receive(message) {
+  heardAt = performance.now();
+  if (!ui.connected) {
+    setUi('connected', true);
+    sendDue();
+  }
   if (message.t === 'reply') {
     questions.get(message.id)?.(message);
     questions.delete(message.id);

@@ -508,6 +508,9 @@
  * @property {number} largest_upload
  */
 
+/** @typedef {{ id: string, name: string }} Folder */
+/** @typedef {{ way: Folder[], folders: Folder[], files: any[], more: boolean }} FolderListing */
+
 /**
  * @typedef {object} Message  A toast; one with a button waits for an answer, unless it is brief.
  * @property {string} words
@@ -553,13 +556,21 @@
  * @property {boolean} [flatRead]
  * @property {string | null} [readOnlyRead]
  * @property {string | null} [line]  Since when the server does not answer: lost, long, ended.
+ * @property {boolean} [turnedAway]  Somebody answers who does not know this browser.
+ * @property {boolean} [returning]  The session that was open at the server before is being opened again.
  * @property {(Job & { kind: string }) | null} [ended]
  * @property {string} [theme]
  * @property {boolean} [filterMotion]  Saved motion is low-pass filtered.
+ * @property {any} [exporting]  What is chosen in the dialog of exports, while it is open.
+ * @property {{ id: string, what: string, done: number, of: number } | null} [exportJob]  The export under way.
+ * @property {Record<string, string>} [exportMissing]  What cannot be exported here, with what mends it.
  * @property {Library | null} [library]
  * @property {{ kind: string, lost: Recent | null } | null} [chooser]
+ * @property {string | null} [renaming]  The session whose name is being changed.
  * @property {string} [find]
  * @property {string} [fileFind]
+ * @property {FolderListing} [place]  The folder that the file chooser stands in.
+ * @property {{ by: 'name' | 'size' | 'date', down: boolean }} [fileSort]
  * @property {{ name: string, loaded: number, total: number } | null} [upload]
  * @property {Toast[]} [toasts]
  * @property {number | null} [guideStep]

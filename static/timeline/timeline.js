@@ -16,7 +16,6 @@ import { mountPlaying } from '../actions/playing.js';
 import { mountSelection } from '../actions/selection.js';
 import { followPins, listenForPinKeys, watchPointer } from './edit/pin_drags.js';
 import { mountNoteCard } from './note_card.js';
-import { drawMenusIn } from '../controls/menu.js';
 import { clearNumbers, PATTERNS } from './draw/ground.js';
 import { GUTTER, isCramped, rowsFor, setWidth } from './draw/scale.js';
 import { isZoomed, reveal } from '../actions/window.js';
@@ -43,7 +42,6 @@ export function mount() {
   render(frameOf(), time);
   const drawing = time.querySelector('#tsvg');
   mountFold();
-  drawMenusIn(time.querySelector('#tmenu'));
   listenOn(drawing, ground, scrollLanes);
   headKeys(drawing);
   watchPointer();
@@ -63,7 +61,7 @@ function frameOf() {
     <svg id="tsvg" role="group" aria-label="Frames, keyframes and segments">${PATTERNS}
       <clipPath id="tl-frames"><rect x=${GUTTER + 1} y="-4" width="100000" height="10000" /></clipPath>
     </svg>
-    <div id="tmenu"></div><div id="tnote"></div>`;
+    <div id="tnote"></div>`;
 }
 
 /** A press on the bar leaves the focus where keys reach the views; the frame box is typed into. */

@@ -197,5 +197,5 @@ class Visitor:
         if message["t"] == "state":
             self.seen.update(message["set"])
             self.ack = max(self.ack, message["ack"])
-        else:
+        elif message["t"] != "beat":
             self.said.append(message)

@@ -4,7 +4,7 @@ import './browser.js';
 import { server, ui } from '../../static/store/state.js';
 import { ACTIONS } from '../../static/actions/table.js';
 
-server.file = { frames: 60 };
+server.file = { frames: 60, id: '0123456789abcdef' };
 server.view = { frame: 4, selected: 'left_hand', mode: 'both' };
 server.keys = { frames: [0, 8], drafts: [] };
 ui.fitFocal = true;

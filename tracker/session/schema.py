@@ -50,6 +50,7 @@ Quaternion: TypeAlias = tuple[FiniteFloat, FiniteFloat, FiniteFloat, FiniteFloat
 Metres: TypeAlias = Annotated[FiniteFloat, Field(ge=-1e5, le=1e5)]
 Position: TypeAlias = tuple[Metres, Metres, Metres]
 LensSource: TypeAlias = Literal["guess", "file", "person", "calibration", "fitted"]
+Title: TypeAlias = Annotated[str, Field(max_length=120)]
 Seconds: TypeAlias = Annotated[FiniteFloat, Field(ge=0, le=1e7)]
 
 
@@ -217,6 +218,11 @@ class Session(Plain):
 
     schema_version: Annotated[int, Field(ge=1)] = Field(
         default=PRESENT, description=f"{PRESENT}; a greater one is of a newer Keypose."
+    )
+    title: Title = Field(
+        default="",
+        exclude_if=operator.not_,
+        description="What a person calls it; left out where it is called as its folder.",
     )
     video: VideoReference
     camera: Camera

@@ -33,6 +33,11 @@ BT709 = 1
 """The number of that standard, for colours, their spread and their primaries."""
 
 
+def can_write_films() -> bool:
+    """Whether the installed PyAV brings an encoder for H.264."""
+    return "libx264" in av.codecs_available
+
+
 class FilmWriter:
     """A film being written. Leaving its block by an error leaves the file unfinished."""
 
@@ -55,7 +60,7 @@ class FilmWriter:
                 f"A film of {width}×{height} pixels cannot be made: both sides must be even, "
                 f"and at most {LARGEST_SIDE}."
             )
-        if "libx264" not in av.codecs_available:
+        if not can_write_films():
             raise VideoError(
                 "The installed PyAV cannot write H.264: install it anew with pip install av."
             )

@@ -151,6 +151,11 @@ class FolderSource:
         )
 
 
+def first_image(folder: Path) -> Path:
+    """The first image of a folder, in the order of their numbers; VideoError when it has none."""
+    return _images_in(folder)[0]
+
+
 def _images_in(path: Path) -> list[Path]:
     try:
         entries = list(path.iterdir())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import time
@@ -35,6 +36,9 @@ _PACKETS = ((0, 188), (4, 192))
 
 _ALSO_CODE = (".ts", ".mts")
 """Endings that TypeScript has, too."""
+
+_TITLE = re.compile(rb'"title": ("(?:[^"\\]|\\.)*")')
+"""What a person calls a session; it stands at the beginning of its file."""
 
 _SET_ASIDE = re.compile(r"\.theirs-[0-9a-f]{8}\.json$")
 """The name of what another program wrote into a session, kept beside it."""
@@ -102,6 +106,11 @@ def is_inside(path: Path, roots: Sequence[Path]) -> bool:
         return False
 
 
+def is_hidden(place: str) -> bool:
+    """Whether a part of a relative path is hidden, or leads upward."""
+    return any(part.startswith(".") for part in Path(place).parts)
+
+
 def quoted(path: Path) -> str:
     """A relative path as text that survives every transport, whatever bytes its names have."""
     return quote_from_bytes(os.fsencode(path.as_posix()))
@@ -127,18 +136,24 @@ class _Budget:
 def _in_folder(number: int, root: Path, here: Path, names: Sequence[str]) -> Iterator[Found]:
     seen = [name for name in names if not name.startswith(".")]
     for name in seen:
-        kind = _kind(here / name)
+        kind = kind_of(here / name)
         if kind is not None:
-            yield from _found(number, root, here / name, kind)
+            yield from found_at(number, root, here / name, kind)
     if here != root:
-        what: Kind = "meshes" if are_meshes(seen) else "images"
-        suffixes = MESHES if what == "meshes" else IMAGES
-        count = sum(name.lower().endswith(suffixes) for name in seen)
+        what, count = kind_of_folder(seen)
         if count > 1:
-            yield from _found(number, root, here, what, count)
+            yield from found_at(number, root, here, what, count)
 
 
-def _kind(path: Path) -> Kind | None:
+def kind_of_folder(names: Sequence[str]) -> tuple[Kind, int]:
+    """What a folder with files of these names opens as, and how many of them there are."""
+    what: Kind = "meshes" if are_meshes(names) else "images"
+    suffixes = MESHES if what == "meshes" else IMAGES
+    return what, sum(name.lower().endswith(suffixes) for name in names)
+
+
+def kind_of(path: Path) -> Kind | None:
+    """What a file opens as; None for what is not opened."""
     suffix = path.suffix.lower()
     if suffix in SUFFIXES:
         return "video" if suffix not in _ALSO_CODE or _is_transport_stream(path) else None
@@ -158,6 +173,14 @@ def is_session(path: Path) -> bool:
     return b'"schema_version"' in head and b'"video"' in head
 
 
+def _title(path: Path) -> str:
+    found = _TITLE.search(_head(path))
+    try:
+        return str(json.loads(found[1])) if found else ""
+    except ValueError:
+        return ""
+
+
 def _is_transport_stream(path: Path) -> bool:
     """Known by the byte that begins each of its packets, which a recorder's clock may precede."""
     head = _head(path)
@@ -172,7 +195,8 @@ def _head(path: Path) -> bytes:
         return b""
 
 
-def _found(number: int, root: Path, path: Path, kind: Kind, count: int = 0) -> Iterator[Found]:
+def found_at(number: int, root: Path, path: Path, kind: Kind, count: int = 0) -> Iterator[Found]:
+    """What lies there, of the root of this number; nothing for a link to nowhere."""
     try:
         facts = path.stat()
     except OSError:  # a link to nowhere
@@ -181,6 +205,8 @@ def _found(number: int, root: Path, path: Path, kind: Kind, count: int = 0) -> I
     name, folder = path.name, path.parent
     if kind == "session" and name == "session.json" and path.parent != root:
         name, folder = path.parent.name.removesuffix(SESSION_FOLDER), path.parent.parent
+    if kind == "session":
+        name = _title(path) or name
     yield Found(
         id=f"{number}/{quoted(place)}",
         kind=kind,

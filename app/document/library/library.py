@@ -5,15 +5,41 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import asdict
 from pathlib import Path
+from threading import Lock
 from typing import Any, Literal, TypeAlias
 
-from app.document.library.files import file_at, find_files, is_inside
+from app.document.duplicating import duplicate_session
+from app.document.library.files import (
+    Found,
+    file_at,
+    find_files,
+    is_hidden,
+    is_inside,
+    kind_of,
+    unquoted,
+)
+from app.document.library.folders import list_folder
 from app.document.library.names import printable
-from app.document.library.recents import Recent, Span, forget, read_recents, remember, spans_of
+from app.document.library.recents import (
+    Recent,
+    Span,
+    forget,
+    id_of,
+    name_of,
+    read_recents,
+    remember,
+    rename,
+    spans_of,
+)
 from app.document.library.samples import bundled_samples, own_copy
 from app.document.library.session_paths import SESSION, session_for
+from app.document.library.thumb_cache import FILE_THUMB, tidy_thumbs
+from app.document.library.trash import FOLDER as TRASH
+from app.document.library.trash import Trash
 from app.document.library.uploads import LARGEST_BYTES, SURFACES, Upload
+from app.document.renaming import rename_session
 from tracker.errors import KeyposeError, SessionError
 from tracker.files import read_own
 from tracker.session.schema import Session
@@ -52,6 +78,9 @@ class Library:
         self._largest = largest_upload
         self._book = self.workspace / "recents.json"
         self._thumbs = self.workspace / "thumbs"
+        self._trash = Trash(self.workspace / TRASH)
+        self._writing = Lock()
+        self._visited: dict[str, Path] = {}
 
     # --- what there is
 
@@ -64,17 +93,22 @@ class Library:
                 {"id": s.name, "words": s.words, "thumb": f"/thumb/{_SAMPLE_THUMB}{s.name}.jpg"}
                 for s in bundled_samples(self._samples)
             ],
-            "files": [
-                {
-                    **{"id": f.id, "kind": f.kind, "name": f.name, "folder": f.folder},
-                    **{"bytes": f.bytes, "count": f.count, "modified_at": f.modified_s},
-                }
-                for f in listing.files
-            ],
+            "files": [_file_json(f) for f in listing.files],
             "more": listing.more,
             "folders": [printable(str(root)) for root in self.roots if root.is_dir()],
             "suffixes": [*SUFFIXES, SURFACES],
             "largest_upload": self._largest,
+        }
+
+    def folder(self, id: str) -> dict[str, Any]:
+        """What one folder holds, by its id, as the page wants it; the folders that may be looked
+        into for an empty one. KeyposeError when it is none of them."""
+        listing = list_folder(id, self.roots)
+        return {
+            "way": [asdict(place) for place in listing.way],
+            "folders": [asdict(place) for place in listing.folders],
+            "files": [_file_json(f) for f in listing.files],
+            "more": listing.more,
         }
 
     def recents(self) -> list[Recent]:
@@ -90,11 +124,52 @@ class Library:
         if printable(str(path)) != str(path):
             return  # a name that is no text cannot be written down
         segments = spans_of(session) if spans is None else spans
-        remember(self._book, Recent.of(path, session, segments, time.time()))
+        with self._writing:
+            remember(self._book, Recent.of(path, session, segments, time.time()))
+
+    def visit(self, session_path: Path, source: Path, session: Session) -> None:
+        """A session was opened, from its own file or from a video whose session is not saved yet.
+        It is found again as a recent one; KeyposeError where the disk refuses to keep that."""
+        self._visited[id_of(str(session_path.absolute()))] = source
+        if session_path.is_file():
+            self.remember(session_path, session)
 
     def forget(self, id: str) -> None:
         """Leave a session out of the recent ones; its files stay."""
-        forget(self._book, id)
+        with self._writing:
+            forget(self._book, id)
+
+    # --- what a person does with sessions that are not open
+
+    def rename(self, id: str, title: str) -> None:
+        """Call a session something else; KeyposeError when it cannot be changed."""
+        path = self._recent(id)
+        session = rename_session(path, " ".join(title.split()))
+        with self._writing:
+            rename(self._book, id, name_of(path, session.title))
+
+    def duplicate(self, id: str) -> tuple[str, str]:
+        """Copy a session beside itself, without its video; the copy's id and name."""
+        path = duplicate_session(self._recent(id))
+        session = load_session(path)
+        self.remember(path, session)
+        return id_of(str(path.absolute())), name_of(path, session.title)
+
+    def delete(self, id: str) -> tuple[str, str]:
+        """Move a session to the trash, without its video; its id there, and its name."""
+        path = self._recent(id)
+        name = next((one.name for one in self.recents() if one.id == id), name_of(path, ""))
+        in_trash = self._trash.put(path)
+        self._visited.pop(id, None)
+        self.forget(id)
+        return in_trash, name
+
+    def restore(self, id: str) -> tuple[str, str]:
+        """Put a session of the trash back where it lay; its id and name."""
+        path = self._trash.restore(id)
+        session = load_session(path)
+        self.remember(path, session)
+        return id_of(str(path.absolute())), name_of(path, session.title)
 
     # --- the paths behind it
 
@@ -122,6 +197,9 @@ class Library:
         for one in self.recents():
             if one.id == id:
                 return Path(one.path)
+        source = self._visited.get(id)
+        if source is not None and source.exists():
+            return source
         raise KeyposeError("This session no longer exists.")
 
     def _uploaded_path(self, id: str) -> Path:
@@ -173,6 +251,28 @@ class Library:
                 write_file(cached, content, overwrite=True)
         return content
 
+    def file_thumb(self, id: str) -> bytes | None:
+        """A small JPEG of a file of the folders: its first picture. None when there is none;
+        decodes, so use a thread."""
+        try:
+            path = file_at(id, self.roots)
+            if is_hidden(unquoted(id.partition("/")[2])) or not (path.is_dir() or kind_of(path)):
+                return None
+            facts = path.stat()
+        except (KeyposeError, OSError):
+            return None
+        said = f"{path.absolute()}\0{facts.st_mtime_ns}\0{facts.st_size}"
+        cached = self._thumbs / f"{FILE_THUMB}{id_of(said)}.jpg"
+        with suppress(OSError):
+            return read_own(cached, _LARGEST_THUMB_BYTES)
+        content = _thumb_of(path) if path.suffix.lower() == ".json" else _thumb_of_film(path)
+        if content is not None:
+            with suppress(KeyposeError):  # then it is made anew the next time
+                make_folder(self._thumbs)
+                write_file(cached, content, overwrite=True)
+                tidy_thumbs(self._thumbs)
+        return content
+
     def _session_of_thumb(self, id: str) -> Path | None:
         """The session of a picture; ids come from a page, so only known ones lead to a file."""
         for sample in bundled_samples(self._samples):
@@ -192,6 +292,22 @@ def _thumb_of(path: Path) -> bytes | None:
             return thumbnail(session, video)
     except KeyposeError:
         return None
+
+
+def _thumb_of_film(path: Path) -> bytes | None:
+    from app.document.library.thumbnails import glimpse
+
+    try:
+        return glimpse(path)
+    except (KeyposeError, ValueError):
+        return None
+
+
+def _file_json(f: Found) -> dict[str, Any]:
+    return {
+        **{"id": f.id, "kind": f.kind, "name": f.name, "folder": f.folder},
+        **{"bytes": f.bytes, "count": f.count, "modified_at": f.modified_s},
+    }
 
 
 def _thumb_id(recent: Recent) -> str:

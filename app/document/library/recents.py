@@ -50,7 +50,7 @@ class Recent(BaseModel):
         """What is remembered of a session in this file."""
         return cls(
             path=str(path.absolute()),
-            name=path.parent.name.removesuffix(SESSION_FOLDER) or path.stem,
+            name=name_of(path, session.title),
             video=str(video_path(session, path)),
             keyframes=len(session.keyframes),
             frames=session.video.frame_count,
@@ -65,6 +65,11 @@ class Recent(BaseModel):
 def id_of(path: str) -> str:
     """What the page calls the session in this file."""
     return hashlib.sha256(path.encode("utf-8", "surrogateescape")).hexdigest()[:16]
+
+
+def name_of(path: Path, title: str) -> str:
+    """What a person calls the session in this file."""
+    return title or path.parent.name.removesuffix(SESSION_FOLDER) or path.stem
 
 
 class _Book(BaseModel):
@@ -85,6 +90,14 @@ def remember(file: Path, recent: Recent) -> None:
     book = _Book(recents=(recent, *others)[:MOST])
     make_folder(file.parent)
     write_file(file, book.model_dump_json(indent=1).encode(), overwrite=True)
+
+
+def rename(file: Path, id: str, name: str) -> None:
+    """Let a session have another name, in the place where it stands."""
+    changed = tuple(
+        one.model_copy(update={"name": name}) if one.id == id else one for one in read_recents(file)
+    )
+    write_file(file, _Book(recents=changed).model_dump_json(indent=1).encode(), overwrite=True)
 
 
 def forget(file: Path, id: str) -> None:

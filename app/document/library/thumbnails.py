@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import cv2
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +13,8 @@ from tracker.body.pose import pose_transforms
 from tracker.body.skeleton import Skeleton
 from tracker.session.schema import Session
 from tracker.video import Video
+from tracker.video.glimpse import first_picture
+from tracker.video.picture import Picture
 
 WIDTH, HEIGHT = 192, 112
 QUALITY = 82
@@ -29,7 +33,21 @@ def thumbnail(session: Session, video: Video) -> bytes:
     wide, high = int(WIDTH * scale), int(HEIGHT * scale)
     left = int(np.clip(u - wide / 2, 0, width - wide))
     top = int(np.clip(v - high / 2, 0, height - high))
-    cut = picture[top : top + high, left : left + wide]
+    return _jpeg(picture[top : top + high, left : left + wide])
+
+
+def glimpse(path: Path) -> bytes:
+    """The same size of the first picture of a film or a folder of images, its middle. VideoError
+    when there is none."""
+    picture = first_picture(path)
+    height, width = picture.shape[:2]
+    scale = min(width / WIDTH, height / HEIGHT)
+    wide, high = max(1, int(WIDTH * scale)), max(1, int(HEIGHT * scale))
+    left, top = (width - wide) // 2, (height - high) // 2
+    return _jpeg(picture[top : top + high, left : left + wide])
+
+
+def _jpeg(cut: Picture) -> bytes:
     small = cv2.resize(cut, (WIDTH, HEIGHT), interpolation=cv2.INTER_AREA)
     fine, content = cv2.imencode(
         ".jpg", cv2.cvtColor(small, cv2.COLOR_RGB2BGR), [cv2.IMWRITE_JPEG_QUALITY, QUALITY]

@@ -49,7 +49,9 @@ class Subject:
 
     @property
     def name(self) -> str:
-        """What a person calls it: the folder's name, as the page does, or the video's."""
+        """What a person calls it, else the folder's name, as in the page, or the video's."""
+        if self.session.title:
+            return self.session.title
         folder = self.session_path.absolute().parent.name
         return folder.removesuffix(".keypose") or Path(self.session.video.path).stem
 

@@ -106,7 +106,7 @@ def _tinted(app_state: AppState) -> tuple[Any, ...]:
 
 
 SECTIONS: dict[str, _Section] = {
-    "file": _Section(_both(_doc("surface"), lambda o: (o.opened,)), scene_values.file),
+    "file": _Section(_both(_doc("surface", "title"), lambda o: (o.opened,)), scene_values.file),
     "damage": _Section(lambda o: (o.opened,), scene_values.damage),
     "camera": _Section(
         _both(_doc("camera", "up_camera", "lens_source"), lambda o: (o.opened,), _tinted),

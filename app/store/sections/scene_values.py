@@ -25,7 +25,7 @@ def file(app_state: AppState) -> Json:
     info, doc = opened.info, doc_of(app_state)
     fps = (doc.evidence.fps if doc is not None else None) or info.fps
     return {
-        "name": opened.name,
+        "name": (doc.title if doc is not None else "") or opened.name,
         "video": info.path.name,
         "path": opened.session_path,
         "id": opened.id,

@@ -208,6 +208,84 @@ def test_an_id_leads_nowhere_else(id: str, library: Library, tmp_path: Path) -> 
         library.find("file", id)
 
 
+# --- one folder at a time
+
+
+def test_folders_are_walked_from_the_roots_and_back(library: Library, home: Path) -> None:
+    clip(home / "2026" / "May", "jump.mp4")
+    session_in(home / "2026" / "throw.keypose")
+    (home / "2026" / "notes.txt").touch()
+    roots = library.folder("")
+    assert roots["way"] == []
+    (root,) = roots["folders"]
+    (year,) = library.folder(root["id"])["folders"]
+    listing = library.folder(year["id"])
+    assert [place["name"] for place in listing["way"]] == ["home", "2026"]
+    assert [place["name"] for place in listing["folders"]] == ["May"]
+    assert [(f["name"], f["kind"]) for f in listing["files"]] == [("throw", "session")]
+    (may,) = listing["folders"]
+    (file,) = library.folder(may["id"])["files"]
+    assert library.find("file", file["id"]) == home / "2026" / "May" / "jump.mp4"
+    assert library.folder(listing["way"][0]["id"])["folders"] == [year]
+
+
+def test_a_folder_of_images_or_meshes_is_told_apart(library: Library, home: Path) -> None:
+    for folder, ending in (("shots", "png"), ("scan", "ply")):
+        (home / folder).mkdir()
+        for number in range(3):
+            (home / folder / f"{number}.{ending}").touch()
+    files = {f["name"]: (f["kind"], f["count"]) for f in library.folder("0/")["files"]}
+    assert files == {"shots": ("images", 3), "scan": ("meshes", 3)}
+
+
+@pytest.mark.parametrize(
+    "id",
+    [
+        *("0", "0/..", "0/%2e%2e", "0/../outside", "0//etc", "/", "9/", "-1/", "x/", "٠/"),
+        *("0/.hidden", "0/linked", "0/nothing", "0/jump.mp4", "0/a%00", "0/sub/../../outside"),
+    ],
+)
+def test_walking_leads_nowhere_else(id: str, library: Library, home: Path, tmp_path: Path) -> None:
+    clip(tmp_path / "outside")
+    clip(home / ".hidden")
+    clip(home)
+    (home / "linked").symlink_to(tmp_path / "outside")
+    with pytest.raises(KeyposeError, match="no longer exists"):
+        library.folder(id)
+    assert [place["name"] for place in library.folder("0/")["folders"]] == []
+    assert id == "0" or library.file_thumb(f"{id}/jump.mp4") is None
+
+
+def test_films_images_and_sessions_have_small_pictures_that_are_kept(
+    library: Library, home: Path, tmp_path: Path
+) -> None:
+    video = clip(home)
+    shutil.copytree(SAMPLES / "person", home / "walk")
+    (home / "shots").mkdir()
+    for number in range(2):
+        cv2.imwrite(str(home / "shots" / f"{number}.png"), np.full((60, 90, 3), 200, np.uint8))
+    for id in ("0/jump.mp4", "0/walk/session.json", "0/shots"):
+        content = library.file_thumb(id)
+        assert content is not None
+        picture = cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
+        assert picture is not None
+        assert picture.shape == (112, 192, 3)
+        assert len(content) < 20_000
+    kept = left_in(tmp_path / "workspace" / "thumbs")
+    assert len(kept) == 3
+    video.write_bytes(video.read_bytes() + b"x")  # another file has another picture
+    library.file_thumb("0/jump.mp4")
+    assert len(left_in(tmp_path / "workspace" / "thumbs")) == 4
+
+
+def test_what_is_no_film_has_no_picture(library: Library, home: Path) -> None:
+    (home / "broken.mp4").write_bytes(b"no film")
+    cv2.imwrite(str(home / "private.png"), np.zeros((4, 4, 3), np.uint8))
+    clip(home, ".hidden.mp4")
+    for id in ("0/broken.mp4", "0/private.png", "0/.hidden.mp4", "0/", "", "0/none.mp4"):
+        assert library.file_thumb(id) is None
+
+
 def test_a_name_that_is_no_text_is_listed_and_found(library: Library, home: Path) -> None:
     strange = Path(os.fsdecode(os.fsencode(home) + b"/film\xff.mp4"))
     shutil.copyfile(SAMPLES / "box" / "box.mp4", strange)

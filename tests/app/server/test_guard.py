@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import hashlib
 import hmac
 import re
 from typing import Any
@@ -265,6 +266,7 @@ def test_a_link_lets_one_browser_in_once_and_gives_it_secrets_of_its_own() -> No
     settings = answer.headers["set-cookie"].lower()
     assert "httponly" in settings
     assert "samesite=strict" in settings
+    assert f"max-age={30 * 24 * 3600}" in settings
     assert answer.headers["cache-control"] == "no-store"
     key = re.search(r'"keypose.key", "([^"]+)"', answer.text)
     assert key is not None
@@ -364,7 +366,12 @@ def test_secrets_are_not_compared_letter_by_letter(monkeypatch: pytest.MonkeyPat
     guard = door()
     query = link(guard)
     comes(guard, "token=guess")
-    assert (b"guess", query.removeprefix("token=").encode()) in compared
+    token = query.removeprefix("token=").encode()
+    assert (_sha256(b"guess"), _sha256(token)) in compared  # digests as well
+
+
+def _sha256(secret: bytes) -> bytes:
+    return hashlib.sha256(secret).hexdigest().encode()
 
 
 @pytest.mark.parametrize(
@@ -377,6 +384,9 @@ def test_secrets_are_not_compared_letter_by_letter(monkeypatch: pytest.MonkeyPat
         ("/static/page.js", "v=1"),
         ("/events", "token=1&a=2"),
         ("/", "token"),
+        ("/", "session=../../etc/passwd"),
+        ("/", "session=0123456789abcdef&session=0123456789abcdef"),
+        ("/library", "session=0123456789abcdef"),
         ("/", "&".join(f"a{i}=1" for i in range(20))),
         ("/frame/1.jpg", "v=" + "x" * 5000),
         ("/motion", "format=%ff"),
@@ -384,6 +394,13 @@ def test_secrets_are_not_compared_letter_by_letter(monkeypatch: pytest.MonkeyPat
 )
 def test_an_unknown_word_in_the_address_is_refused(path: str, query: str) -> None:
     assert refused(ask(path, query))
+
+
+def test_the_page_s_address_may_name_a_session_but_lets_nobody_in_by_it() -> None:
+    query = "session=0123456789abcdef"
+    assert ask("/", query).text == "inside"
+    assert refused(ask("/", query, cookie=None))
+    assert refused(ask("/", query, sec_fetch_site="cross-site", **OPENED))
 
 
 def test_a_view_takes_the_settings_the_page_gives_it() -> None:

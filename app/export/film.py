@@ -1,0 +1,117 @@
+"""A session's motion as a film in a file: of the command line and the page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from typing import TypeAlias
+
+from app.render.films import Film, FilmView, film_pictures, film_size
+from app.render.palette import Picture
+from app.render.poses import KnownPoses
+from app.render.studio import Paint, Size
+from app.render.tints import Tint
+from tracker.errors import SessionError
+from tracker.session.schema import Session
+from tracker.storage.results import Span
+from tracker.video import Video
+from tracker.video.encode import FilmWriter, film_file
+
+USUAL_FPS = 25.0
+"""Where neither the video nor two keyframes give the pace."""
+
+Seen: TypeAlias = Callable[[Iterator[Picture], int], Iterator[Picture]]
+"""Lets somebody count the pictures that go by; their number is known before."""
+
+
+@dataclass(frozen=True)
+class FilmOrder:
+    """What is asked for. frames: None for all from the first pose to the last. fps: None for the
+    video's own times."""
+
+    view: FilmView = "main"
+    frames: Span | None = None
+    paint: Paint = field(default_factory=lambda: Paint("both", 0.5))
+    size: Size | None = None
+    tint: Tint = "clay"
+    fps: Fraction | None = None
+
+
+@dataclass(frozen=True)
+class FilmFacts:
+    """Of the film that was written: first and last frame, pixels, seconds."""
+
+    first_frame: int
+    last_frame: int
+    width: int
+    height: int
+    seconds: float
+
+
+@dataclass(frozen=True)
+class _Clock:
+    """When the film's frames are shown: pts counts in time_base seconds."""
+
+    time_base: Fraction
+    pts: list[int]
+    rate: Fraction
+
+
+def film_of(name: str, session: Session, poses: KnownPoses, order: FilmOrder) -> Film:
+    """The film that is ordered; SessionError where there is nothing to film, by the file's name."""
+    known = poses.frames
+    if not known:
+        raise SessionError(f"{name} has no pose to film: set a keyframe first.")
+    first, last = order.frames or (known[0], known[-1])
+    return Film(order.view, first, last, order.paint, order.size, order.tint)
+
+
+def write_film(
+    out: Path,
+    session: Session,
+    video: Video | None,
+    poses: KnownPoses,
+    film: Film,
+    fps: Fraction | None,
+    *,
+    seen: Seen = lambda pictures, _: pictures,
+    overwrite: bool = False,
+) -> FilmFacts:
+    """Draw and write a film; KeyposeError, and no file, when it cannot be made."""
+    clock = _clock(session, video, film, fps)
+    wanted = film_size(session, poses, film)
+    aspect = video.info.pixel_aspect if video and film.view == "main" and not film.size else None
+    pictures = film_pictures(session, video, poses, film, float(clock.rate))
+    with (
+        film_file(out, overwrite=overwrite) as place,
+        FilmWriter(place, wanted, clock.time_base, clock.rate, aspect) as writer,
+    ):
+        for pts, picture in zip(clock.pts, seen(pictures, len(clock.pts)), strict=True):
+            writer.add(picture, pts)
+    seconds = float(clock.pts[-1] * clock.time_base) + 1 / float(clock.rate)
+    return FilmFacts(film.first, film.last, *wanted, round(seconds, 6))
+
+
+def _clock(session: Session, video: Video | None, film: Film, fps: Fraction | None) -> _Clock:
+    count = film.last - film.first + 1
+    if fps is None and video is not None:
+        info = video.info
+        pts = info.pts[film.first : film.last + 1]
+        return _Clock(info.time_base, (pts - pts[0]).tolist(), _fraction(info.fps))
+    if fps is None:
+        fps = _fraction(_fps_of_keyframes(session))
+    return _Clock(1 / fps, list(range(count)), fps)
+
+
+def _fps_of_keyframes(session: Session) -> float:
+    if session.evidence.fps is not None:
+        return session.evidence.fps
+    keys = session.keyframes
+    seconds = keys[-1].time_s - keys[0].time_s if keys else 0.0
+    return (keys[-1].frame - keys[0].frame) / seconds if seconds > 0 else USUAL_FPS
+
+
+def _fraction(value: float) -> Fraction:
+    return Fraction(min(max(float(value), 0.01), 1000.0)).limit_denominator(100_000)

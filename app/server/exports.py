@@ -1,0 +1,252 @@
+"""Long exports of the page: begun, asked about, cancelled, fetched. One at a time."""
+
+from __future__ import annotations
+
+import asyncio
+import importlib.util
+import secrets
+import shutil
+import tempfile
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, Any, Literal, TypeAlias
+
+from pydantic import Field, FiniteFloat, TypeAdapter, ValidationError, model_validator
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import FileResponse, JSONResponse, Response
+from starlette.routing import Route
+
+from app.editor.actions import Degrees, Message
+from app.export.drawable import (
+    LARGEST_SIDE,
+    MOST_PIXELS,
+    SMALLEST_SIDE,
+    require_frame,
+    require_tint,
+)
+from app.export.film import FilmOrder
+from app.jobs.exporting import (
+    Export,
+    ExportProcess,
+    FilmExport,
+    PicturesExport,
+    SheetExport,
+    fps_of,
+)
+from app.render.films import FilmView
+from app.render.snapshots import Look
+from app.render.stills import Still
+from app.render.studio import Paint
+from app.render.tints import Tint
+from app.render.viewpoints import Viewpoint
+from app.server.guard import headers_for
+from app.store.store import Store
+from tracker.errors import FormatError, KeyposeError, one_sentence
+from tracker.session.schema import Session
+from tracker.session.settings import FrameIndex
+from tracker.video.encode import can_write_films
+
+LARGEST_ORDER = 1 << 14
+C3D_REMEDY = "pip install 'keypose[c3d]'"
+FILM_REMEDY = "pip install --force-reinstall av"
+
+Side: TypeAlias = Annotated[int, Field(ge=SMALLEST_SIDE, le=LARGEST_SIDE)]
+
+
+class _Drawn(Message):
+    """How the body is drawn over the video."""
+
+    style: Literal["wire", "solid", "both"] = "both"
+    opacity: Annotated[FiniteFloat, Field(ge=0, le=1)] = 0.5
+    tint: Tint = "clay"
+
+    @property
+    def paint(self) -> Paint:
+        return Paint(self.style, self.opacity)
+
+    def require(self, session: Session) -> None:
+        """KeyposeError where it cannot be drawn of this session."""
+        require_tint(session, self.tint)
+
+
+class _Sized(_Drawn):
+    """With a view and a size; `camera` and `orbit` of a picture look from azimuth and elevation."""
+
+    view: Literal["main", "top", "side", "front", "all", "orbit", "camera"] = "main"
+    azimuth: Degrees = 0.0
+    elevation: Annotated[FiniteFloat, Field(ge=-90, le=90)] = 12.0
+    size: tuple[Side, Side] | None = None
+
+    @property
+    def viewpoint(self) -> Viewpoint:
+        return Viewpoint(self.azimuth % 360.0, self.elevation)
+
+    @model_validator(mode="after")
+    def _is_not_too_large(self) -> _Sized:
+        if self.size is not None and self.size[0] * self.size[1] > MOST_PIXELS:
+            raise ValueError(f"more than {MOST_PIXELS // 10**6} million pixels")
+        return self
+
+
+class Film(_Sized):
+    """The motion as a film; without frames from the first pose to the last."""
+
+    what: Literal["film"]
+    frames: tuple[FrameIndex, FrameIndex] | None = None
+    fps: Annotated[FiniteFloat, Field(ge=0.1, le=1000)] | None = None
+
+    @property
+    def export(self) -> Export:
+        view: FilmView = self.viewpoint if self.view == "camera" else self.view
+        order = (view, self.frames, self.paint, self.size, self.tint, fps_of(self.fps))
+        return FilmExport(FilmOrder(*order))
+
+    def require(self, session: Session) -> None:
+        super().require(session)
+        if self.frames is not None:
+            if self.frames[0] > self.frames[1]:
+                raise FormatError("The last frame of a film comes after its first.")
+            require_frame(session, self.frames[1])
+
+
+class Sheet(_Drawn):
+    """All keyframes on one picture."""
+
+    what: Literal["sheet"]
+    columns: Annotated[int, Field(ge=1, le=100)] | None = None
+
+    @property
+    def export(self) -> Export:
+        return SheetExport(Look("main", self.style, self.opacity, self.tint), self.columns)
+
+
+class Pictures(_Sized):
+    """A picture of every keyframe, of every frame that has a pose, or of one frame."""
+
+    what: Literal["pictures"]
+    frames: Literal["keyframes", "posed"] | FrameIndex = "keyframes"
+    background: Literal["video", "none"] = "video"
+
+    @property
+    def export(self) -> Export:
+        view: Any = self.viewpoint if self.view in ("orbit", "camera") else self.view
+        nothing = self.background == "none"
+        still = Still(view, self.paint, self.size, on_nothing=nothing, tint=self.tint)
+        return PicturesExport(still, self.frames)
+
+    def require(self, session: Session) -> None:
+        super().require(session)
+        if isinstance(self.frames, int):
+            require_frame(session, self.frames)
+
+
+Order: TypeAlias = Annotated[Film | Sheet | Pictures, Field(discriminator="what")]
+ORDER: TypeAdapter[Film | Sheet | Pictures] = TypeAdapter(Order)
+
+
+class Exports:
+    """The routes of long exports, and the one that is under way."""
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        self._id = ""
+        self._name = ""
+        self._process: ExportProcess | None = None
+        self._beginning = asyncio.Lock()
+
+    def routes(self) -> list[Route]:
+        """Where the page asks for all this."""
+        return [
+            Route("/exports", self._possible),
+            Route("/exports", self._begin, methods=["POST"]),
+            Route("/exports/{id}", self._state),
+            Route("/exports/{id}", self._cancel, methods=["DELETE"]),
+            Route("/exports/{id}/file", self._file),
+        ]
+
+    async def close(self) -> None:
+        """End what is under way, and leave no files."""
+        process, self._process = self._process, None
+        if process is not None:
+            await asyncio.to_thread(process.cancel)
+            await asyncio.to_thread(shutil.rmtree, process.out.parent, ignore_errors=True)
+
+    async def _possible(self, _: Request) -> Response:
+        """What cannot be exported here, with what mends it."""
+        missing = {}
+        if importlib.util.find_spec("ezc3d") is None:
+            missing["c3d"] = C3D_REMEDY
+        if not can_write_films():
+            missing["film"] = FILM_REMEDY
+        return _json({"missing": missing})
+
+    async def _begin(self, request: Request) -> Response:
+        try:
+            order = ORDER.validate_json(await _body(request))
+            async with self._beginning:
+                return await self._start(order)
+        except ValidationError as error:
+            return _json({"words": one_sentence(error)}, 400)
+        except (KeyposeError, ClientDisconnect, OSError) as error:
+            return _json({"words": str(error)}, 400)
+
+    async def _start(self, order: Film | Sheet | Pictures) -> Response:
+        if self._process is not None and self._process.state.state == "running":
+            words = "Another export is under way. Wait for it or cancel it."
+            return _json({"words": words}, 409)
+        path = await self._store.saved_path()
+        edit, opened = self._store.app_state.edit, self._store.opened
+        if edit is None or opened is None:
+            raise FormatError("Open a video first.")
+        order.require(edit.doc)
+        await self.close()
+        folder = Path(await asyncio.to_thread(tempfile.mkdtemp, prefix="keypose-export-"))
+        export = order.export
+        out = folder / f"export{Path(export.suffix).suffix}"
+        self._process = await asyncio.to_thread(ExportProcess, export, path, out)
+        self._id = secrets.token_hex(8)
+        self._name = f"{self._store.name}{export.suffix}"
+        return _json({"id": self._id})
+
+    def _under_way(self, request: Request) -> ExportProcess | None:
+        return self._process if request.path_params["id"] == self._id else None
+
+    async def _state(self, request: Request) -> Response:
+        process = self._under_way(request)
+        return _gone() if process is None else _json(asdict(process.state))
+
+    async def _cancel(self, request: Request) -> Response:
+        process = self._under_way(request)
+        if process is None:
+            return _gone()
+        await asyncio.to_thread(process.cancel)
+        state = asdict(process.state)
+        await self.close()
+        return _json(state)
+
+    async def _file(self, request: Request) -> Response:
+        process = self._under_way(request)
+        if process is None or process.state.state != "done" or not process.out.is_file():
+            return _gone()
+        headers = {**headers_for("data"), "Cache-Control": "no-store"}
+        return FileResponse(
+            process.out, headers=headers, filename=self._name, content_disposition_type="inline"
+        )
+
+
+async def _body(request: Request) -> bytes:
+    content = b""
+    async for chunk in request.stream():
+        content += chunk
+        if len(content) > LARGEST_ORDER:
+            raise FormatError("The order of an export is too long.")
+    return content
+
+
+def _gone() -> Response:
+    return _json({"words": "This export is over."}, 404)
+
+
+def _json(content: Any, status: int = 200) -> Response:
+    headers = {**headers_for("data"), "Cache-Control": "no-store"}
+    return JSONResponse(content, status, headers)

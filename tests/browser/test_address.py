@@ -1,0 +1,132 @@
+"""The page's address leads to the session: Back, Forward, reload, a bookmark, another Keypose."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from tests.app.serving import ROOT, Keypose
+from tests.browser.hands import section, until
+from tests.browser.shared import let_in, opened
+from tests.browser.test_restart import MARK, WAITING
+from tracker.storage.files import load_session
+
+
+@pytest.fixture
+def workspace(tmp_path: Path) -> tuple[str, str]:
+    for name in ("person", "box"):
+        (tmp_path / name).mkdir()
+        for file in (f"{name}.mp4", "session.json"):
+            shutil.copy(ROOT / "sample_videos" / name / file, tmp_path / name)
+    return "--workspace", str(tmp_path / "workspace")
+
+
+@pytest.fixture
+def visit(
+    browser: Browser, tmp_path: Path, workspace: tuple[str, str]
+) -> Iterator[tuple[Page, Keypose]]:
+    """A page with one session open, after another."""
+    keypose = Keypose(str(tmp_path / "box" / "session.json"), *workspace)
+    with let_in(browser, drawn=False) as context:
+        page = opened(context, keypose)
+        until(lambda: _asked(page) is not None, "the first session's address")
+        _send(page, {"do": "close"})
+        until(lambda: section(page, "file") is None, "the start screen")
+        yield page, keypose
+    code, words = keypose.end()
+    assert code == 0, words
+    assert "Traceback" not in words, words
+
+
+def _asked(page: Page) -> str | None:
+    found = re.search(r"\?session=([0-9a-f]{16})$", _address(page))
+    return found[1] if found else None
+
+
+def _address(page: Page) -> str:
+    return str(page.evaluate("() => location.href"))
+
+
+def _send(page: Page, action: dict[str, str]) -> None:
+    page.evaluate("async (action) => (await import('/static/store/link.js')).send(action)", action)
+
+
+def _name(page: Page) -> str | None:
+    file = section(page, "file")
+    return None if file is None else str(file["name"])
+
+
+def test_back_forward_reload_and_a_bookmark_lead_to_the_session(
+    visit: tuple[Page, Keypose],
+) -> None:
+    page, _ = visit
+    assert _asked(page) is None
+    page.locator(".rec", has_text="box").click()
+    until(lambda: _name(page) == "box" and _asked(page) is not None, "the session")
+    address = _address(page)
+    page.go_back()
+    until(lambda: _name(page) is None and _asked(page) is None, "the start screen")
+    page.go_forward()
+    until(lambda: _name(page) == "box" and _address(page) == address, "the session again")
+    page.reload()
+    page.wait_for_selector("html[data-ready]", state="attached")
+    assert _name(page) == "box"
+    assert _address(page) == address
+    _send(page, {"do": "close"})
+    until(lambda: _asked(page) is None, "the start screen")
+    page.goto(address)
+    until(lambda: _name(page) == "box", "what the bookmark leads to")
+    assert "token" not in _address(page)
+
+
+def test_an_address_that_leads_nowhere_is_told_and_corrected(visit: tuple[Page, Keypose]) -> None:
+    page, keypose = visit
+    page.goto(f"{keypose.origin}/?session={'0' * 16}")
+    page.get_by_text("This session no longer exists.").wait_for()
+    until(lambda: _asked(page) is None, "the address of the start screen")
+
+
+def test_a_tab_returns_to_its_session_at_another_keypose_of_the_workspace_with_its_edits(
+    browser: Browser, tmp_path: Path, workspace: tuple[str, str]
+) -> None:
+    session = tmp_path / "person" / "session.json"
+    keypose = Keypose(str(session), *workspace)
+    with let_in(browser, drawn=False) as context:
+        page = opened(context, keypose)
+        until(lambda: _asked(page) is not None, "the address")
+        page.evaluate(MARK, list(range(25)))
+        keypose.kill()
+        page.evaluate(MARK, list(range(25, 50)))
+        again = Keypose(*workspace, port=keypose.port)  # nothing is named: the tab knows
+        until(lambda: _name(page) == "person" and page.evaluate(WAITING) == 0, "the return")
+        assert page.locator("#banner").inner_text() == ""
+        masks = load_session(session).ignore_masks
+        assert [round(mask.polygon[0][0]) for mask in masks] == list(range(50))
+    code, words = again.end()
+    assert code == 0, words
+
+
+def test_a_silent_server_is_told_and_what_was_done_meanwhile_arrives_once(
+    browser: Browser, tmp_path: Path, workspace: tuple[str, str]
+) -> None:
+    session = tmp_path / "person" / "session.json"
+    keypose = Keypose(str(session), *workspace)
+    with let_in(browser, drawn=False) as context:
+        page = opened(context, keypose)
+        banner = page.locator("#banner")
+        keypose.process.send_signal(signal.SIGSTOP)
+        page.evaluate(MARK, [1, 2])
+        banner.get_by_text("2 edits will be sent when it is back.").wait_for()
+        keypose.process.send_signal(signal.SIGCONT)
+        until(lambda: page.evaluate(WAITING) == 0, "the edits")
+        until(lambda: banner.inner_text() == "", "the end of it")
+        masks = load_session(session).ignore_masks
+        assert [round(mask.polygon[0][0]) for mask in masks] == [1, 2]
+    code, words = keypose.end()
+    assert code == 0, words
