@@ -14,8 +14,8 @@ import { content, heading, line, menuButton, menuHolder, note } from '../control
 import { joined, range } from '../controls/words.js';
 
 export function exportButton() {
-  const face = html`${icon('exp')}Export${icon('chev')}`;
-  const button = menuButton('export', { kind: 'btn ghost', title: 'Export images and motion', face });
+  const face = html`${icon('exp')}<span class="word">Export</span>${icon('chev')}`;
+  const button = menuButton('export', { kind: 'btn ghost', title: 'Export images and motion', label: 'Export', face });
   return menuHolder('export', () => button, items, 'right export');
 }
 

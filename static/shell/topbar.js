@@ -1,6 +1,6 @@
 // The top bar: file, saved, undo, job, Live, Track, Export, help, theme.
 
-import { html, render } from '../vendor/lit-html/lit-html.js';
+import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { actionIcon, menuItem } from '../actions/buttons.js';
 import { icon, LOGO } from '../controls/icons.js';
 import { menuButton, menuHolder } from '../controls/menu.js';
@@ -8,6 +8,7 @@ import { server, watch } from '../store/state.js';
 import { exportButton } from './export_menu.js';
 import { fileButton } from './file_menu.js';
 import { jobState, noticeJob } from './job.js';
+import { isNarrow, isTiny, moreButton, onWidth } from './more.js';
 import { savedState, savedTicks } from './saved.js';
 import { liveSwitch, trackButton } from './track.js';
 
@@ -22,6 +23,7 @@ export function mountTopbar() {
     render(bar(), element);
     document.title = title();
   };
+  onWidth(draw);
   watch(['job', 'segments'], noticeJob);
   watch([...SECTIONS, ...OWN], draw);
   setInterval(() => savedTicks() && draw(), 1000);
@@ -30,7 +32,7 @@ export function mountTopbar() {
 function bar() {
   return html`<div class="row logo">${LOGO}<span class="wordmark">Keypose</span></div>
     ${server.file ? session() : html`<span class="sp"></span>`}
-    ${actionIcon('showKeys', undefined, { size: '' })}${themeButton()}`;
+    ${isNarrow() ? moreButton() : html`${actionIcon('showKeys', undefined, { size: '' })}${themeButton()}`}`;
 }
 
 /** The browser's tab tells how far the tracking is while one works elsewhere. */
@@ -40,11 +42,11 @@ function title() {
   return `${percent}${server.file.name} – Keypose`;
 }
 
+/** What comes and goes by itself stands in the middle; nothing left or right of it moves. */
 function session() {
-  return html`${fileButton()}${savedState()}
-    <span class="vsep"></span>
-    ${actionIcon('undo', undefined, { size: '' })}${actionIcon('redo', undefined, { size: '' })}
-    <span class="sp"></span>${jobState()}${liveSwitch()}${trackButton()}
+  return html`${fileButton()}
+    ${actionIcon('undo', undefined, { size: '' })}${isTiny() ? nothing : actionIcon('redo', undefined, { size: '' })}
+    <span class="news">${savedState()}</span>${jobState()}${isNarrow() ? nothing : liveSwitch()}${trackButton()}
     <span class="vsep"></span>${exportButton()}`;
 }
 
