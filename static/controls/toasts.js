@@ -3,6 +3,7 @@
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { addOnTop } from './elements.js';
 import { icon } from './icons.js';
+import { steadily } from './steady.js';
 import { listen, send } from '../store/link.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 
@@ -12,6 +13,8 @@ const STAYS_MS = { good: 4000, info: 6000, check: 9000, lost: 12000 };
 const ICONS = { good: 'check', check: 'warn', lost: 'lost', info: 'help' };
 
 let count = 0;
+/** @type {HTMLElement | null} */
+let place = null;
 
 /**
  * Show a message: {kind, words, detail?, button?: {label, send?: action, run?: fn}, brief?}. One with
@@ -22,18 +25,24 @@ export function toast(message) {
   const same = shown.find(({ words }) => words === message.words);
   const until = performance.now() + (STAYS_MS[message.kind] ?? STAYS_MS.info);
   if (same) same.until = until;
-  else setUi('toasts', [...shown, { ...message, until, ...stamp() }].slice(-MOST));
+  else setUi('toasts', fewest([...shown, { ...message, until, ...stamp() }]));
 }
+
+/** Under a pointer none goes, or the others would move there. */
+const isUnderPointer = () => place?.matches(':hover, :focus-within') === true;
+const fewest = (shown) => (isUnderPointer() ? shown : shown.slice(-MOST));
 
 const stamp = () => ({ id: ++count, path: server.file?.path ?? null, at: performance.now() });
 
 export function mountToasts() {
-  const place = addOnTop('toasts', 'div');
-  place.setAttribute('aria-live', 'polite');
+  const stack = addOnTop('toasts', 'div');
+  place = stack;
+  stack.setAttribute('aria-live', 'polite');
   listen('note', toast);
   listen('refused', ({ words }) => toast({ kind: 'check', words }));
   watch(['file'], forgetOthers);
-  watch(['u:toasts'], () => render((ui.toasts ?? []).map(card), place));
+  // The newest stands farthest from the edge, so that none is pushed away by the next.
+  watch(['u:toasts'], steadily(() => render((ui.toasts ?? []).map(card), stack)));
   setInterval(sweep, 500);
 }
 
@@ -48,12 +57,11 @@ function forgetOthers() {
   if (left.length < shown.length) setUi('toasts', left);
 }
 
-/** What is old goes; what is being read stays, and so does what waits for an answer. */
+/** What is old goes, unless it is being read or waits for an answer. */
 function sweep() {
-  const isRead = ({ id }) =>
-    document.querySelector(`[data-toast="${id}"]`)?.matches(':hover, :focus-within');
+  if (isUnderPointer()) return;
   const shown = ui.toasts ?? [];
-  const left = shown.filter((one) => (one.button && !one.brief) || one.until > performance.now() || isRead(one));
+  const left = shown.filter((one) => (one.button && !one.brief) || one.until > performance.now());
   if (left.length < shown.length) setUi('toasts', left);
 }
 

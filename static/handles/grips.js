@@ -29,8 +29,11 @@ function gripOf(view, given) {
 }
 
 export function drawGrips(view, grips) {
-  return svg`<g class="grips">${grips.map((grip) => drawGrip(view, grip))}</g>`;
+  return svg`<g class="grips">${hotLast(view, grips).map((grip) => drawGrip(view, grip))}</g>`;
 }
+
+/** Where handles lie over each other the one that is meant is seen. */
+const hotLast = (view, grips) => [...grips].sort((a, b) => Number(isHot(view, a)) - Number(isHot(view, b)));
 
 function drawGrip(view, grip) {
   const dragged = isDragged(grip);

@@ -4,13 +4,15 @@ import { ui, setUi, watch } from '../store/state.js';
 import { ALL_VIEWS, onViews, view as viewNamed } from '../views/views.js';
 import { mountBars } from './bars.js';
 import { sendSoon } from './drag.js';
+import { mountFloating } from './floating.js';
 import { interaction, onInteraction, redrawSoon } from './interaction.js';
-import { leave, refresh } from './hover.js';
+import { leave, refresh, renameHandle } from './hover.js';
 import { letterOf, onKeys, watchKeys } from './pressed_keys.js';
 import { deleteMask } from './masks.js';
 import { paint } from './paint.js';
 import { mountOffline } from './offline.js';
 import { cancelPress, isPressed, listenTo } from './press.js';
+import { selectBehind } from './select.js';
 import { prepareSketch, sketchKey } from './sketch.js';
 import { listenForMenuKey } from './viewmenu.js';
 
@@ -30,6 +32,7 @@ export function mount() {
   watch(['u:playing', 'file'], () => ui.playing && leave());
   listenForMenuKey();
   mountBars();
+  mountFloating();
 }
 
 function changeTool() {
@@ -48,9 +51,18 @@ function key(event) {
   if (isPressed() && name !== ' ') {
     if (name === 'escape') cancelPress();
     stop(event);
-  } else if (sketchKey(event, name) || maskKey(name)) {
+  } else if (sketchKey(event, name) || maskKey(name) || (name === 'tab' && tabKey())) {
     stop(event);
   }
+}
+
+/** While the keys are with the views, Tab goes through handles that lie over each other under the pointer. */
+function tabKey() {
+  const { pointer } = interaction;
+  if (!pointer || document.activeElement !== document.body) return false;
+  if (!selectBehind(pointer.view, pointer.x, pointer.y)) return false;
+  renameHandle();
+  return true;
 }
 
 function maskKey(name) {

@@ -5,7 +5,8 @@ import { server, ui, setUi } from '../store/state.js';
 import { ask } from '../store/link.js';
 import { interaction, redrawSoon } from './interaction.js';
 import { isDrawingTool } from './sketch.js';
-import { targetAt } from './targets.js';
+import { whichOf } from './overlap.js';
+import { stackAt, targetAt } from './targets.js';
 
 const PAUSE_MS = 30;
 const NAME_MS = 400;
@@ -18,6 +19,7 @@ let naming = null;
 /** The pointer moved over a view with nothing pressed. */
 export function hover(view, x, y, touchy) {
   const target = targetAt(view, x, y, touchy);
+  if (interaction.chosen && interaction.chosen.key !== target?.key) interaction.chosen = null;
   interaction.pointer = { view, x, y };
   const key = target?.key ?? null;
   if (interaction.hot?.key !== key || interaction.hot?.view !== view.name) {
@@ -31,7 +33,7 @@ export function hover(view, x, y, touchy) {
 
 /** The pointer left, or what it saw is no longer true. */
 export function leave() {
-  interaction.hot = interaction.over = interaction.pointer = wanted = null;
+  interaction.hot = interaction.over = interaction.pointer = interaction.chosen = wanted = null;
   clearTimeout(naming);
   setUi('hover', null);
   redrawSoon();
@@ -52,7 +54,17 @@ function nameTarget(view, target, x, y) {
   wanted = null;
   setUi('hover', null);
   const label = target.kind === 'ring' ? ringLabel(target) : target.label;
-  name({ view: view.name, part: target.key, outline: [], label, at: { x, y } });
+  const which = target.handle ? whichOf(stackAt(view, x, y), target) : '';
+  name({ view: view.name, part: target.key, outline: [], label, which, at: { x, y } });
+}
+
+/** Another of the handles under the resting pointer is meant: it is named at once. */
+export function renameHandle() {
+  if (!interaction.pointer || ui.dragging) return;
+  const { view, x, y } = interaction.pointer;
+  hover(view, x, y, false);
+  clearTimeout(naming);
+  showName();
 }
 
 /** "Bend", "Twist": what the ring's axis means for this part. */

@@ -4,6 +4,8 @@
 export const interaction = {
   /** View and key of the handle under the pointer. */
   hot: null,
+  /** Of handles that lie over each other the one that was chosen: {view, key, order}. */
+  chosen: null,
   /** The part under the pointer: {view, part, outline, named, at}. */
   over: null,
   /** The drag under way: {view, target, stroke, from, wedge, …}. */
@@ -32,6 +34,12 @@ export function redrawSoon() {
     asked = false;
     for (const fn of listeners) fn();
   });
+}
+
+/** Of handles that lie over each other this one is meant, until the pointer leaves it. */
+export function choose(view, stack, target) {
+  const order = stack.map(({ key }) => key);
+  interaction.chosen = order.length > 1 ? { view: view.name, key: target.key, order } : null;
 }
 
 /** Whether this target of this view is under the pointer. */

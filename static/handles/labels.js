@@ -92,6 +92,6 @@ function drawName(view) {
   const { x, y } = over.at;
   const left = x + 150 > view.el.clientWidth;
   return html`<div class="flt name ${left ? 'left' : ''}" style="left:${x + (left ? -10 : 14)}px;top:${y + 16}px">
-    ${over.side ? html`<span class="dot" style="background:var(--b${over.side})"></span>` : nothing}${over.label}
+    ${over.side ? html`<span class="dot" style="background:var(--b${over.side})"></span>` : nothing}${over.label}${over.which ? html` <span class="mut">${over.which}</span> <kbd>Tab</kbd>` : nothing}
   </div>`;
 }

@@ -13,7 +13,7 @@ import { server, ui } from '../store/state.js';
 import { beginOnSurface, beginOnTarget } from './begin.js';
 import { cancelDrag, endDrag, moveDrag } from './drag.js';
 import { interaction } from './interaction.js';
-import { hover, leave, pick } from './hover.js';
+import { hover, leave, pick, renameHandle } from './hover.js';
 import { openKeypointMenu } from './keypoints.js';
 import { isKeyDown, noteModifiers } from './pressed_keys.js';
 import { beginPan, endPan, movePan, pinch, wheel } from './pan.js';
@@ -234,7 +234,10 @@ function finish(x, y) {
 function finishClick({ view, x, y, target, picked }) {
   // The time of the release counts, not that of the answer which parts were there.
   const at = { x, y, time: performance.now() };
-  if (target) click(view, at, target, []);
+  if (target) {
+    click(view, at, target, []);
+    if (interaction.chosen) renameHandle();
+  }
   else picked.then(({ parts }) => click(view, at, null, parts));
 }
 

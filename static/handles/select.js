@@ -4,7 +4,10 @@ import { server, ui, setUi } from '../store/state.js';
 import { send } from '../store/link.js';
 import { select as selectPart } from '../store/parts.js';
 import { chooseMask, deleteCorner, maskAt } from './masks.js';
+import { choose } from './interaction.js';
+import { after } from './overlap.js';
 import { distance } from './space.js';
+import { stackAt, targetAt } from './targets.js';
 
 const DOUBLE_MS = 350;
 const SAME_PX = 5;
@@ -12,14 +15,38 @@ const SAME_PX = 5;
 let last = { time: -Infinity, view: null, at: [0, 0], part: null, frame: -1 };
 
 /** A click in a view at a time: on a target, on parts (front to back), or on nothing. */
-export function click(view, { x, y, time: now }, target, parts) {
+export function click(view, { x, y, time: now }, pressed, parts) {
   const here = last.view === view.name && distance(last.at, [x, y]) < SAME_PX;
   const same = here && last.frame === server.view.frame;
   const twice = same && now - last.time < DOUBLE_MS;
+  const target = same && !twice ? further(view, x, y, pressed) : held(view, x, y, pressed);
   const part = target ? partOf(target) : partAt(parts, same && !twice);
   if (twice) clickTwice(view, x, y, target);
   else clickOnce(view, x, y, target, part);
   last = { time: twice ? -Infinity : now, view: view.name, at: [x, y], frame: server.view.frame, part: twice ? last.part : part };
+}
+
+/** Where handles lie over each other, the pressed one is meant until the pointer leaves it. */
+function held(view, x, y, target) {
+  if (target) choose(view, stackAt(view, x, y), target);
+  return target;
+}
+
+/** The handle behind the one that was pressed, which itself was chosen by the press before. */
+function further(view, x, y, target) {
+  const stack = target ? stackAt(view, x, y) : [];
+  const next = stack.length > 1 ? after(stack, target) : target;
+  if (next) choose(view, stack, next);
+  return next;
+}
+
+/** Select the handle behind the one that is meant here; false where that is the last of them. */
+export function selectBehind(view, x, y) {
+  const stack = stackAt(view, x, y);
+  const target = targetAt(view, x, y);
+  if (stack.length < 2 || target === stack.at(-1)) return false;
+  select(further(view, x, y, target).part);
+  return true;
 }
 
 /** The front part, or at a further click the one behind the selected. */

@@ -2,8 +2,10 @@
 
 import { server, ui } from '../store/state.js';
 import { gripsIn } from './grips.js';
+import { interaction } from './interaction.js';
 import { keypointsIn, ringAt } from './keypoints.js';
 import { masksIn } from './masks.js';
+import { asBefore, likeliestFirst, meant } from './overlap.js';
 import { ringsIn } from './rings.js';
 import { gripScale, isLarge } from './scale.js';
 import { sizesIn } from './sizes.js';
@@ -41,18 +43,28 @@ export function targetsIn(view) {
 
 /** The target a pointer at (x, y) means, or null. */
 export function targetAt(view, x, y, touch = false) {
-  if (ui.tool === 'pan' || isDrawingTool(ui.tool)) return null;
+  return meant(stackAt(view, x, y, touch), chosenIn(view));
+}
+
+const chosenIn = ({ name }) => (interaction.chosen?.view === name ? interaction.chosen : null);
+
+/** The targets that a pointer at (x, y) may mean, in the order in which further presses lead to them. */
+export function stackAt(view, x, y, touch = false) {
+  if (ui.tool === 'pan' || isDrawingTool(ui.tool)) return [];
   const { grips, rings, sizes, masks, trail, keypoints } = targetsIn(view);
   const finger = touch ? FINGER : 1;
   const keypoint = ringAt(keypoints, x, y, finger);
-  if (keypoint) return keypoint;
+  if (keypoint) return [keypoint];
   const found = [...grips, ...sizes, ...masks, ...trail, ...rings]
     .map((target) => ({ target, miss: missOf(view, target, x, y) / finger }))
     .filter(({ miss }) => miss <= 1)
     .sort((a, b) => a.miss - b.miss);
   // A ring seen edge-on runs through the handle in its middle, which must stay within reach.
-  const point = found.find(({ target, miss }) => target.kind !== 'ring' && miss <= SURE);
-  return (point ?? found[0])?.target ?? null;
+  const sure = found.filter(({ target, miss }) => target.kind !== 'ring' && miss <= SURE);
+  const handles = sure.filter(({ target }) => target.handle);
+  // A corner of a mask or a key of the trail does what it does at the first press.
+  if (!sure[0]?.target.handle) return (sure.length ? sure : found).slice(0, 1).map(({ target }) => target);
+  return asBefore(likeliestFirst(handles, server.view.selected), chosenIn(view));
 }
 
 /** How far the pointer is from a target, as a share of the target's reach. */

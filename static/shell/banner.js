@@ -3,7 +3,9 @@
 
 import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { addOnTop } from '../controls/elements.js';
+import { steadily } from '../controls/steady.js';
 import { icon } from '../controls/icons.js';
+import { isNarrow, onWidth } from './more.js';
 import { backlog, discard, release } from '../store/edits.js';
 import { send, sendDue } from '../store/link.js';
 import { server, ui, setUi, watch } from '../store/state.js';
@@ -14,10 +16,11 @@ ui.flatRead = false;
 
 export function mountBanner() {
   const place = addOnTop('banner', 'div');
-  const draw = () => render(banner(), place);
+  const draw = steadily(() => render(banner(), place));
   /** @type {import('../store/shapes.js').Watched[]} */
   const news = ['u:line', 'u:connected', 'u:dragging', 'u:readOnlyRead', 'u:flat', 'u:flatRead', 'u:unsent', 'u:returning'];
   watch(['file', 'saved', ...news], draw);
+  onWidth(draw);
   // How many edits wait is known to the link alone.
   setInterval(() => ui.line && draw(), 500);
 }
@@ -25,6 +28,7 @@ export function mountBanner() {
 function banner() {
   if (ui.line || (!ui.connected && ui.dragging && server.file)) return noLine();
   if (ui.unsent.length && !ui.returning) return notSent(ui.unsent[0]);
+  if (server.saved?.state === 'failed' && server.file && isNarrow()) return notSaved(server.saved.words);
   const isNews = server.saved?.state === 'readonly' && server.file && ui.readOnlyRead !== server.file.path;
   if (isNews) return readOnly(server.saved.words);
   return ui.flat && server.file && !ui.flatRead ? flat() : nothing;
@@ -77,6 +81,14 @@ const UNSENT_BUTTON = {
 };
 
 const button = (label, act) => html`<button class="btn sm" @click=${act}>${label}</button>`;
+
+/** In a narrow window, where the top bar has no room for it. */
+function notSaved(words) {
+  return html`<div class="banner lost" role="alert">
+    ${icon('lost')}<span><b>Not saved.</b> ${words}</span>
+    ${button('Try again', () => send({ do: 'save_again' }))}
+  </div>`;
+}
 
 function readOnly(words) {
   const what = words || 'Read only: nothing is saved.';

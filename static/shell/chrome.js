@@ -13,6 +13,7 @@ import { mountLine } from './line.js';
 import { mountMenus } from '../controls/menu.js';
 import { mountSearch } from './search.js';
 import { mountStatus } from './status.js';
+import { mountSteady } from '../controls/steady.js';
 import { mountTheme } from '../actions/theme.js';
 import { mountTips } from '../controls/tips.js';
 import { mountToasts } from '../controls/toasts.js';
@@ -22,6 +23,7 @@ import { mountDropping } from '../start/dropping.js';
 import { mountStart } from '../start/screen.js';
 
 export function mount() {
+  mountSteady();
   mountTheme();
   mountTopbar();
   mountStatus();

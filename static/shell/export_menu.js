@@ -16,13 +16,13 @@ import { count, joined, range } from '../controls/words.js';
 import { content, heading, line, menuButton, menuHolder, note, toggleMenu } from '../controls/menu.js';
 
 export function exportButton() {
-  const face = html`${icon('exp')}Export${far()}${icon('chev')}`;
+  const face = html`${icon('exp')}<span class="word">Export</span>${far()}${icon('chev')}`;
   const act = () => {
     askWhatIsMissing();
     if (ui.exportJob) perform(/** @type {const} */ ('exportFilm')); // which shows how far it is
     else toggleMenu('export');
   };
-  const button = menuButton('export', { kind: 'btn ghost', title: 'Export films, images and motion', face, act });
+  const button = menuButton('export', { kind: 'btn ghost', title: 'Export films, images and motion', label: 'Export', face, act });
   return menuHolder('export', () => button, items, 'right export');
 }
 

@@ -1,11 +1,12 @@
 // The history: all steps that can be undone or redone, in a menu that hangs from undo.
 
-import { html } from '../vendor/lit-html/lit-html.js';
+import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { historyRows } from '../actions/history.js';
 import { actionIcon, menuItem } from '../actions/buttons.js';
 import { icon } from '../controls/icons.js';
 import { heading, menuButton, menuHolder, toggleMenu } from '../controls/menu.js';
 import { server } from '../store/state.js';
+import { isNarrow, isTiny } from './more.js';
 
 const NAME = 'history';
 
@@ -13,8 +14,8 @@ const NAME = 'history';
 export function historyButtons() {
   const arrow = menuButton(NAME, { kind: 'ib slim', title: 'History', label: 'History', face: icon('chev') });
   return html`<span class="undoes" @contextmenu=${show}>
-    ${actionIcon('undo', undefined, { size: '' })}${actionIcon('redo', undefined, { size: '' })}
-    ${menuHolder(NAME, () => arrow, items, 'left history')}</span>`;
+    ${actionIcon('undo', undefined, { size: '' })}${isTiny() ? nothing : actionIcon('redo', undefined, { size: '' })}
+    ${menuHolder(NAME, () => (isNarrow() ? nothing : arrow), items, 'left history')}</span>`;
 }
 
 /** The right button on undo or redo. */

@@ -14,11 +14,14 @@ let ran = new Set(); // the segments this job has worked on, as "39–50"
 let timer = 0;
 let wasRunning = false;
 
-/** The job of the top bar, or nothing. */
+/** The job's place in the top bar, which is as wide without one: nothing beside it moves. */
 export function jobState() {
+  return html`<div class="jobs">${shown()}</div>`;
+}
+
+function shown() {
   if (server.job?.state === 'running') return runningJob(server.job);
-  if (ui.ended) return endedJob(ui.ended);
-  return nothing;
+  return ui.ended ? endedJob(ui.ended) : nothing;
 }
 
 /** Stop the running job; tells whether there was one. */
@@ -73,7 +76,7 @@ function runningJob(job) {
     aria-valuenow=${isFit ? nothing : percent}
     aria-valuetext="${job.words} ${left}"
   >
-    <span class="spin">${icon('run')}</span><b class="num">${job.title}</b>
+    <span class="spin">${icon('run')}</span><b class="num cut">${job.title}</b>
     <span class="mut num cut"
       >${now}${left
         ? `${now ? ' · ' : ''}${left}`
@@ -86,7 +89,7 @@ function runningJob(job) {
 
 function endedJob({ kind, title, words }) {
   return html`<div class="job end ${kind}" role="status">
-    ${icon(ICONS[kind])}<b class="num">${title}</b>
+    ${icon(ICONS[kind])}<b class="num cut" title=${title}>${title}</b>
     ${words ? html`<span class="mut num cut" title=${words}>${words}</span>` : nothing}
   </div>`;
 }

@@ -1,6 +1,7 @@
 // Whether the work is safe: "Saved 2 s ago", "Saving…", "Not saved: …", "Read only: …".
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { isNarrow } from './more.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
 import { server, ui } from '../store/state.js';
@@ -30,9 +31,11 @@ function isSaving() {
 
 function hasFailed({ words }) {
   const said = words ? `Not saved: ${words}` : 'Not saved';
+  // Where the bar has no room for it a banner says it.
+  if (isNarrow()) return html`<span class="row saved failed" title=${said}>${icon('lost')}</span>`;
   return html`<span class="chip lost notsaved" title=${said}>
-    ${icon('lost')}<span class="cut">${said}</span>
-    <button class="btn sm" @click=${() => send({ do: 'save_again' })}>Try again</button>
+    ${icon('lost')}<button class="btn sm" @click=${() => send({ do: 'save_again' })}>Try again</button>
+    <span class="cut">${said}</span>
   </span>`;
 }
 

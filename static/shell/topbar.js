@@ -1,6 +1,6 @@
 // The top bar: file, saved, undo, job, Live, Track, Export, help, theme.
 
-import { html, render } from '../vendor/lit-html/lit-html.js';
+import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { actionIcon, menuItem } from '../actions/buttons.js';
 import { icon, LOGO } from '../controls/icons.js';
 import { menuButton, menuHolder } from '../controls/menu.js';
@@ -9,6 +9,7 @@ import { exportButton } from './export_menu.js';
 import { fileButton } from './file_menu.js';
 import { historyButtons } from './history_menu.js';
 import { jobState, noticeJob } from './job.js';
+import { isNarrow, moreButton, onWidth } from './more.js';
 import { savedState, savedTicks } from './saved.js';
 import { liveSwitch, trackButton } from './track.js';
 
@@ -23,6 +24,7 @@ export function mountTopbar() {
     render(bar(), element);
     document.title = title();
   };
+  onWidth(draw);
   watch(['job', 'segments'], noticeJob);
   watch([...SECTIONS, ...OWN], draw);
   setInterval(() => savedTicks() && draw(), 1000);
@@ -31,7 +33,7 @@ export function mountTopbar() {
 function bar() {
   return html`<div class="row logo">${LOGO}<span class="wordmark">Keypose</span></div>
     ${server.file ? session() : html`<span class="sp"></span>`}
-    ${actionIcon('search', undefined, { size: '' })}${actionIcon('showKeys', undefined, { size: '' })}${themeButton()}`;
+    ${isNarrow() ? moreButton() : html`${actionIcon('search', undefined, { size: '' })}${actionIcon('showKeys', undefined, { size: '' })}${themeButton()}`}`;
 }
 
 /** The browser's tab tells how far the tracking is while one works elsewhere. */
@@ -41,11 +43,11 @@ function title() {
   return `${percent}${server.file.name} – Keypose`;
 }
 
+/** What comes and goes by itself stands in the middle; nothing left or right of it moves. */
 function session() {
-  return html`${fileButton()}${savedState()}
-    <span class="vsep"></span>
+  return html`${fileButton()}
     ${historyButtons()}
-    <span class="sp"></span>${jobState()}${liveSwitch()}${trackButton()}
+    <span class="news">${savedState()}</span>${jobState()}${isNarrow() ? nothing : liveSwitch()}${trackButton()}
     <span class="vsep"></span>${exportButton()}`;
 }
 

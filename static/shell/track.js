@@ -40,7 +40,7 @@ function split(open) {
       data-key=${idle ? nothing : keyOf('trackChanged')}
       @click=${() => idle || perform('trackChanged')}
     >
-      ${icon('track')}${isFirstTrack() ? verb : `${verb} changed`}<kbd>${keyOf('trackChanged')}</kbd>
+      ${icon('track')}${label(verb)}<kbd>${keyOf('trackChanged')}</kbd>
     </button>
     <button
       class="btn pri"
@@ -54,6 +54,13 @@ function split(open) {
       ${icon('chev')}
     </button>
   </span>`;
+}
+
+/** As wide with either label, so that nothing beside it moves when the first track begins. */
+function label(verb) {
+  const first = isFirstTrack();
+  const one = (said, shown) => html`<span class=${shown ? 'shown' : ''} aria-hidden=${!shown}>${said}</span>`;
+  return html`<span class="either">${one(verb, first)}${one(`${verb} changed`, !first)}</span>`;
 }
 
 /** Which segments each of them means stands beside it. */

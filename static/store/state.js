@@ -26,6 +26,7 @@ export const ui = {
 };
 
 const watchers = new Set();
+const afterwards = new Set();
 const changed = new Set();
 let asked = false;
 
@@ -41,6 +42,9 @@ export function watch(names, fn) {
   return () => watchers.delete(watcher);
 }
 
+/** Call fn after every redraw, when everybody has drawn. @param {() => void} fn */
+export const onRedraw = (fn) => void afterwards.add(fn);
+
 /**
  * Set one of this tab's own values.
  * @template {keyof Ui} K
@@ -53,8 +57,42 @@ export function setUi(name, value) {
   mark('u:' + name);
 }
 
+/**
+ * Sections that add, remove or move controls without the person's doing. While a control is pressed
+ * they wait, so that it stays under the pointer; what a gesture itself changes never waits.
+ * @type {Set<keyof Sections>}
+ */
+const UNASKED = new Set([
+  'job', 'segments', 'errors', 'space', 'suggest', 'proposed_pins', 'fit', 'sizes_preview', 'draft', 'saved',
+  'undo', 'guide', 'damage', 'cues', 'networks', 'keypoints', 'tabs',
+]);
+
+/** @type {Partial<Sections> | null} */
+let waiting = null;
+
 /** Take over sections from the server. */
 export function applySections(sections) {
+  // With another file everything is another.
+  if (sections.file !== undefined && sections.file?.path !== server.file?.path) release();
+  for (const [name, value] of Object.entries(sections)) {
+    if (waiting !== null && UNASKED.has(/** @type {keyof Sections} */ (name))) {
+      waiting[name] = value;
+      continue;
+    }
+    server[name] = value;
+    mark(name);
+  }
+}
+
+/** A control is pressed: what would move it waits until `release`. */
+export function hold() {
+  waiting ??= {};
+}
+
+/** What has waited is taken over. */
+export function release() {
+  const sections = waiting ?? {};
+  waiting = null;
   for (const [name, value] of Object.entries(sections)) {
     server[name] = value;
     mark(name);
@@ -86,4 +124,5 @@ function redraw() {
       reportError(error);
     }
   }
+  for (const fn of afterwards) fn();
 }

@@ -55,7 +55,7 @@ function drawSuggestion() {
   if (ui.reviewLeft && placesToReview().length) return interrupted();
   if (!confirmation() && proposedPins().length) return drawProposals();
   const suggest = confirmation() ?? server.suggest;
-  if (!suggest) return nothing;
+  if (!suggest) return html`<div class="sug none"></div>`;
   const { state, title, words } = server.job ?? {};
   const atWork = suggest.kind === 'track' && state === 'running';
   const said = atWork ? { title, detail: words } : suggest;
@@ -95,8 +95,8 @@ function drawProposals() {
   const why = `The ${proposedWord()} still in these frames.`;
   return html`<div class="sug proposed" role="status" title=${`${title} ${why}`}>
     ${icon('anchor')}<span class="tx"><b>${title}</b> <span class="mut">${why}</span></span>
-    <button class="btn sm pri" @click=${() => perform('acceptPins')}>${labelOf('acceptPins')}</button>
-    <button class="btn sm ghost" title=${titleOf('dismissPins')} @click=${() => perform('dismissPins')}>${labelOf('dismissPins')}</button></div>`;
+    <button class="btn sm ghost" title=${titleOf('dismissPins')} @click=${() => perform('dismissPins')}>${labelOf('dismissPins')}</button>
+    <button class="btn sm pri" @click=${() => perform('acceptPins')}>${labelOf('acceptPins')}</button></div>`;
 }
 
 /** "feet stand", "left foot stands", "hands and feet stand". */
@@ -126,16 +126,16 @@ function primary(id, word, label = labelOf(id), kind = 'pri') {
     >${word}<kbd>${keyOf(id)}</kbd></button>`;
 }
 
-/** How many segments are good, to check and lost; a press goes to the next of them. */
+/** How many segments are good, to check and lost, each in its own place; a press goes to the next of them. */
 function counts() {
   const states = (server.segments ?? []).map((segment) => segment.state);
   const found = ['good', 'check', 'lost'].map((state) => [states.filter((s) => s === state).length, state]);
-  if (found.every(([number]) => number === 0)) return nothing;
+  if (states.length === 0) return nothing;
   return html`<span class="counts">${found.map((each) => drawCount(...each))}</span>`;
 }
 
 function drawCount(number, state) {
-  if (number === 0) return nothing;
+  if (number === 0) return html`<span class="count ${state}"></span>`;
   const said = state === 'check' ? 'to check' : state;
   const inside = html`${icon(VERDICTS[state].sign)}${number}<span class="word"> ${said}</span>`;
   const words = `${number} ${said}`;

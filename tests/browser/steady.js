@@ -1,0 +1,82 @@
+// What a test does in the page, all at once: feed it with news as the server would, press, look.
+async () => {
+  const state = await import('/static/store/state.js');
+  const { toast } = await import('/static/controls/toasts.js');
+  const { gripsIn } = await import('/static/handles/grips.js');
+  const { isReady } = await import('/static/handles/targets.js');
+  const CONTROLS = 'button, input, [role=slider], [role=option], number-field';
+  const EDGE = 8; // the lines between the views, which are dragged
+
+  Element.prototype.setPointerCapture = () => {}; // which these pointers cannot have
+  const drawn = () => new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
+
+  const feed = async ({ sections, ui, toasts, theme }) => {
+    document.documentElement.dataset.theme = theme;
+    for (const [name, value] of Object.entries(ui)) state.setUi(name, value);
+    toasts.forEach(toast);
+    state.applySections(sections);
+    await drawn();
+    if (ui.layout || ui.tab) await drawn(); // views that are sized anew are drawn a frame later
+  };
+
+  const point = (kind, target, [clientX, clientY], buttons) =>
+    target.dispatchEvent(new PointerEvent(kind, {
+      clientX, clientY, buttons,
+      pointerType: 'mouse', isPrimary: true, bubbles: true, cancelable: true,
+    }));
+
+  const boxOf = (element) => JSON.stringify(element.getBoundingClientRect());
+  const said = (element) => element.outerHTML.replace(/<!--.*?-->/g, '').slice(0, 160);
+
+  /** The middles of all controls that could be pressed now. */
+  const spots = () => [...document.querySelectorAll(CONTROLS)].flatMap((element) => {
+    const { left, top, width, height } = element.getBoundingClientRect();
+    const [x, y] = [left + width / 2, top + height / 2];
+    const hit = document.elementFromPoint(x, y);
+    return width && hit && element.contains(hit) ? [[x, y]] : [];
+  });
+
+  /** What takes the press of a handle. */
+  const covered = () => ['main', 'top', 'side', 'front', 'free'].map(window.keypose.view).filter(isReady).flatMap((view) => {
+    const { left, top, right, bottom } = view.over.getBoundingClientRect();
+    return gripsIn(view).flatMap(({ key, at }) => {
+      const [x, y] = [left + at[0], top + at[1]];
+      if (x < left + EDGE || x > right - EDGE || y < top + EDGE || y > bottom - EDGE) return [];
+      const hit = document.elementFromPoint(x, y);
+      return !hit || view.over.contains(hit) ? [] : [`${key} of ${view.name} lies under ${said(hit)}`];
+    });
+  });
+
+  /** Press a control, let the news come, and say what became of it. */
+  const press = async (news, share) => {
+    const all = spots();
+    const at = all[Math.floor(share * all.length)];
+    const found = document.elementFromPoint(...at);
+    const control = found.closest(CONTROLS) ?? found;
+    point('pointermove', found, at, 0);
+    point('pointerdown', found, at, 1);
+    const box = boxOf(control);
+    await feed(news);
+    const now = document.elementFromPoint(...at);
+    const problem = !control.contains(now)
+      ? [`${said(control)} became ${said(now)}`]
+      : box === boxOf(control) ? [] : [`${said(control)} moved from ${box} to ${boxOf(control)}`];
+    point('pointerup', found, at, 0);
+    await new Promise((done) => setTimeout(done));
+    return problem;
+  };
+
+  window.steady = {
+    feed,
+    /** Problems of all cases: what was covered, what moved. */
+    async run(cases) {
+      const problems = [];
+      for (const [number, { before, after, share }] of cases.entries()) {
+        await feed(before);
+        const found = [...covered(), ...(await press(after, share)), ...covered()];
+        problems.push(...found.map((problem) => `state ${number}: ${problem}`));
+      }
+      return problems;
+    },
+  };
+}
