@@ -103,7 +103,8 @@ def placed(skeleton: Skeleton, keyed: KeyedParts, rest: Pose) -> Pose:
     R[keyed.parts] = keyed.pose.Rs_parent_part[keyed.parts]
     inside = np.isin(np.arange(skeleton.part_count), keyed.parts)
     tops = [int(i) for i in keyed.parts if not inside[skeleton.parents[i]]]
-    moved = [top for top in tops if np.abs(_carrier(there - here, skeleton, top)).max() > SAME]
+    away = np.abs(there - here).max(axis=(1, 2))
+    moved = [top for top in tops if away[skeleton.parents[top]] > SAME]
     if not moved:
         return Pose(R, t)
     for top in moved:
@@ -112,10 +113,6 @@ def placed(skeleton: Skeleton, keyed: KeyedParts, rest: Pose) -> Pose:
     reached = _reached(skeleton, keyed, Pose(R, t), there, moved).Rs_parent_part
     R[keyed.parts] = reached[keyed.parts]
     return Pose(R, t)
-
-
-def _carrier(Ts: Array, skeleton: Skeleton, top: int) -> Array:
-    return np.asarray(Ts[skeleton.parents[top]])
 
 
 def _reached(
