@@ -61,7 +61,7 @@ const LAYERS = [
     ({ rows }) => drawSuggestion(rows, bottomOf(rows))],
   ['frames', 'keys', () => [server.keys, server.segments, keyGrabbed()], ({ rows }) => [drawKeys(rows, keyGrabbed()), drawPartKeys(rows, keyGrabbed())]],
   ['frames', 'places', () => [server.draft, isScore()], ({ rows }) => drawPlaces(rows, bottomOf(rows))],
-  ['frames', 'review', () => [server.review, ui.review, ui.reviewGoal, ui.reviewLeft], () => drawReviewPlaces()],
+  ['frames', 'review-places', () => [server.review, ui.review, ui.reviewGoal, ui.reviewLeft], () => drawReviewPlaces()],
   ['frames', 'current', () => [frame(), keyGrabbed(), angleGrabbed(), isScore(), ...curveInputs()],
     ({ rows }) => [
       keyGrabbed() === frame() ? null : [drawCurrent(rows), drawCurrentPart(rows)],
