@@ -232,15 +232,15 @@ def _hidden(known: Judged, track: SegmentResult, found: Problem) -> Problem:
 
 
 def _sized(known: Judged, track: SegmentResult, found: Problem) -> Problem:
-    """With how far off it is expected to be; of a body of which no part is named, the worst one
-    where that is known."""
+    """With how far off it is expected to be: the part where joints tell, else the body in the mean.
+    Where no part is named, it is the worst one."""
     row = found.frame - track.first
     errors = part_errors_px(track)
     if errors is not None and 0 < row < len(errors) - 1:
         index = int(errors[row].argmax()) if found.part is None else known.index(found.part)
         if errors[row, index] > 0:
             found = replace(found, part=known.name(index), px=float(errors[row, index]))
-    elif track.diagnostics.expected_gain is not None:
+    elif track.diagnostics.expected_gain is not None and found.part is None:
         found = replace(found, px=float(body_error_px(track)[row]))
     scale = known.px_per_m(track, found.frame, found.part)
     if found.px is None or scale is None or known.guessed:

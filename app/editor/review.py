@@ -117,10 +117,13 @@ def _goal(right_px: float | None) -> int:
 
 
 def _worst_first(places: Sequence[Place]) -> list[Place]:
-    """Those whose size nobody knows before all others: a keyframe is wrong, or all is lost."""
+    """Of those whose size nobody knows wrong keyframes and what is lost come first, others last."""
 
     def rank(place: Place) -> tuple[float, float, int]:
-        return -(np.inf if place.px is None else place.px), -(place.cm or 0.0), place.frame
+        why = place.why
+        is_lost = isinstance(why, Problem) and (why.remedy == "keyframe" or why.kind == "lost")
+        px = place.px if place.px is not None else np.inf if is_lost else 0.0
+        return -px, -(place.cm or 0.0), place.frame
 
     return sorted(places, key=rank)
 

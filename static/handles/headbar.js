@@ -72,7 +72,7 @@ function chip(segment, isShort) {
     @click=${() => perform('goTo', target(segment))}>
     ${icon(sign)}<span class="num">${frames}</span>
     <em class="say">${isShort ? word || subject().doing : say}</em>
-    ${where ? html`<em class="num where">${isShort ? `→ ${segment.go}` : where}</em>` : nothing}
+    ${where ? html`<em class="num where">${isShort || why !== say ? `→ ${segment.go}` : where}</em>` : nothing}
   </button>`;
 }
 

@@ -10,6 +10,7 @@ import { icon } from '../controls/icons.js';
 import { toggleMenu } from '../controls/menu.js';
 import { count, roughError } from '../controls/words.js';
 import { server, setUi, ui } from '../store/state.js';
+import { words } from '../store/subject.js';
 import './review_crop.js';
 
 /** @typedef {import('../store/shapes.js').ReviewPlace} ReviewPlace */
@@ -66,7 +67,7 @@ function drawRow(list, row) {
       <frame-crop aria-hidden="true" .spec=${row}></frame-crop>
       <span class="rv-what">
         <span class="rv-name"><i class="dot" style="background:var(--${row.side})"></i><b class="cut">${row.label}</b><span class="num">${row.frame}</span></span>
-        <span class="num rv-size">${answer ? html`<span class="said">${icon('check')}${SAID[answer]}</span>` : row.size || 'to confirm'}</span>
+        <span class="num rv-size">${answer ? html`<span class="said">${icon('check')}${SAID[answer]}</span>` : row.size || (row.kind === 'draft' ? 'to confirm' : 'size not known')}</span>
         <span class="rv-why cut">${row.reason}</span>
       </span>
     </button>
@@ -82,10 +83,11 @@ function actions(row) {
 
 const DRAFT = 'Accept makes the draft a keyframe. Correct it on the picture first where it is off.';
 
-const limbWords = (row) =>
-  row.part === null
-    ? 'Or drag what is off on the picture. That keys only the limb you drag.'
-    : `Or drag the ring on the picture. That keys only the limb of the ${row.label.toLowerCase()}.`;
+/** @param {ReviewPlace} row */
+function limbWords({ part }) {
+  const limb = server.body?.lanes.find(({ parts }) => part && parts.includes(part))?.label.toLowerCase();
+  return limb ? `Or drag the ring on the picture. That keys only the ${limb}.` : 'Or drag what is off. That keys only the limb you drag.';
+}
 
 /** @param {import('../actions/actions.js').ActionId} id */
 function act(id, kind, showsKey = true) {
@@ -111,16 +113,19 @@ function doneRow(list) {
 }
 
 function ending(list) {
-  const isNew = !list.done.length && !server.review?.answered.length;
-  if (isNew && !hasMotion()) return html`<p class="none note">Nothing to review. Track first.</p>`;
+  if (!list.done.length && !hasMotion()) return html`<div class="ended none"><p>Nothing to review. Track first.</p>${track('pri')}</div>`;
+  const soFar = server.review?.untracked ? ' so far' : '';
   return html`<div class="ended" role="status">
-    <p class="row b">${icon('check')}<b>Nothing left above ${goal()} px</b></p>
+    <p class="row b">${icon('check')}<b>Nothing left above ${goal()} px${soFar}</b></p>
     ${list.done.length ? html`<p class="num">${doneWords(list)}</p>` : nothing}
     ${expected()}
-    <div class="row"><button type="button" class="btn pri sm" @click=${() => toggleMenu('export')}>Export…</button>
+    <div class="row"><button type="button" class="btn sm ${soFar ? '' : 'pri'}" @click=${() => toggleMenu('export')}>Export…</button>
       ${lower()}</div>
   </div>`;
 }
+
+const track = (kind) =>
+  html`<button type="button" class="btn sm ${kind}" title=${titleOf('trackChanged')} @click=${() => perform('trackChanged')}>${words().verb}<kbd>${keyOf('trackChanged')}</kbd></button>`;
 
 const hasMotion = () => (server.segments ?? []).some(({ state }) => ['good', 'check', 'lost'].includes(state));
 
@@ -142,8 +147,7 @@ function untracked() {
   const many = server.review?.untracked ?? 0;
   if (!many || !hasMotion()) return nothing;
   const verb = many === 1 ? 'needs' : 'need';
-  return html`<p class="row past">${icon('warn')}<span>${count(many, 'segment')} ${verb} tracking.</span><span class="sp"></span>
-    <button type="button" class="btn sm" @click=${() => perform('trackChanged')}>${labelOf('trackChanged')}<kbd>${keyOf('trackChanged')}</kbd></button></p>`;
+  return html`<p class="row past warned">${icon('warn')}<span>${count(many, 'segment')} ${verb} tracking.</span><span class="sp"></span>${track('')}</p>`;
 }
 
 /** Keep the current row in sight. */

@@ -72,11 +72,11 @@ const LAYERS = [
     ({ rows }) => (isScore() ? drawScores(rows.curve) : drawCurve(rows.curve, angleGrabbed()))],
   ['frames', 'suggestion', () => [suggestedFrame(), server.keys, isScore(), Boolean(ui.review)],
     ({ rows }) => drawSuggestion(rows, bottomOf(rows))],
-  ['frames', 'review', () => [server.review, ui.review, ui.reviewGoal, ui.reviewLeft], () => drawReviewPlaces()],
   ['frames', 'selection', () => [server.keys, chosenKeys()], ({ rows }) => drawSelection(rows, chosenKeys())],
   ['frames', 'keys', () => [server.keys, server.segments, String(onTheWay()), chosenKeys()],
     ({ rows }) => [drawKeys(rows, onTheWay(), chosenKeys()), drawPartKeys(rows, onTheWay())]],
   ['frames', 'places', () => [server.draft, isScore()], ({ rows }) => drawPlaces(rows, bottomOf(rows))],
+  ['frames', 'review-places', () => [server.review, ui.review, ui.reviewGoal, ui.reviewLeft], () => drawReviewPlaces()],
   ['frames', 'current', () => [frame(), String(onTheWay()), chosenKeys(), angleGrabbed(), isScore(), ...curveInputs()],
     ({ rows }) => [
       onTheWay().includes(frame()) ? null : [drawCurrent(rows, chosenKeys()), drawCurrentPart(rows)],

@@ -1,0 +1,133 @@
+"""Review: from place to place where the motion is least sure, by the keyboard alone."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from tests.app.editor.test_review import doubting
+from tests.app.serving import ROOT, Keypose
+from tests.browser.hands import screens, section, until, until_counted, until_told
+from tests.browser.shared import let_in, opened
+from tracker.storage.files import save_session
+from tracker.storage.results import save_results
+
+PLACES = {"right_forearm": (10, 14.0), "left_foot": (5, 9.0), "left_forearm": (15, 7.0)}
+
+
+@pytest.fixture
+def page(browser: Browser, tmp_path: Path) -> Iterator[Page]:
+    place = tmp_path / "person"
+    place.mkdir()
+    shutil.copy(ROOT / "sample_videos" / "person" / "person.mp4", place)
+    state = doubting(**PLACES)
+    path = place / "session.json"
+    save_session(save_results(state.doc, path, state.results), path)
+    keypose = Keypose(str(path), "--workspace", str(tmp_path / "workspace"))
+    with keypose, let_in(browser, drawn=False, size=(1440, 900)) as context:
+        yield opened(context, keypose)
+
+
+def rows(page: Page) -> list[str]:
+    return [text.split("\n")[0] for text in page.locator(".rv-place .rv-name b").all_inner_texts()]
+
+
+def current(page: Page) -> str | None:
+    found = page.locator(".rv-place.on .rv-name b")
+    return found.inner_text() if found.count() else None
+
+
+def window(page: Page) -> Any:
+    return page.locator(".view#main canvas.vid").evaluate("(screen) => screen.style.transform")
+
+
+def test_places_are_accepted_skipped_and_left_open_by_the_keyboard(page: Page) -> None:
+    before = window(page)
+    page.keyboard.press("Shift+R")
+    until_counted(page, ".rv-place", 3)
+    assert rows(page) == ["Right forearm", "Left foot", "Left forearm"]
+    until_told(page, "view.frame", lambda frame: frame == 10)
+    until_told(page, "view.selected", lambda part: part == "right_forearm")
+    until_counted(page, "#main .doubt", 1)
+    assert window(page) != before
+    until_counted(page, "#tsvg .review-place", 3)
+    until_counted(page, "frame-crop canvas", 3)
+    assert page.locator("#status").inner_text().startswith("Enter")
+    screens(page, "review-1-open")
+    page.keyboard.press("Enter")
+    until_told(page, "review.answered.length", lambda many: many == 1)
+    until_told(page, "view.frame", lambda frame: frame == 5)
+    assert rows(page) == ["Right forearm", "Left foot", "Left forearm"], "rows stay"
+    assert section(page, "undo.undo") == "accept right forearm"
+    page.keyboard.press("n")
+    until_told(page, "view.frame", lambda frame: frame == 15)
+    assert rows(page) == ["Left foot", "Left forearm"]
+    page.keyboard.press("Shift+N")
+    until_told(page, "view.frame", lambda frame: frame == 5)
+    page.keyboard.press("Shift+Enter")
+    until_told(page, "review.answered.length", lambda many: many == 2)
+    until(lambda: current(page) == "Left forearm")
+    page.keyboard.press("Escape")
+    until_counted(page, "section.review", 0)
+    assert window(page) == before
+    strip = page.locator("#tr .sug")
+    until(lambda: "Review: 1 left" in strip.inner_text())
+    screens(page, "review-2-left")
+    strip.get_by_role("button", name="Continue").click()
+    until(lambda: current(page) == "Left forearm")
+    page.keyboard.press("Enter")
+    page.get_by_text("Nothing left above 5 px so far").wait_for(timeout=20_000)
+    screens(page, "review-3-ended")
+    page.keyboard.press("Control+z")
+    until(lambda: current(page) == "Left forearm")
+
+
+def test_a_drag_keys_the_limb_alone_and_the_list_goes_on(page: Page) -> None:
+    page.keyboard.press("Shift+R")
+    until_told(page, "view.frame", lambda frame: frame == 10)
+    until_counted(page, "#main .doubt", 1)
+    box = page.locator("#main [data-grip='grip:right_hand']").bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 12, y + 8, steps=4)
+    page.mouse.up()
+    keyed = until_told(page, "keys.parts", lambda parts: len(parts) == 1)
+    assert keyed[0]["frame"] == 10
+    assert "right_forearm" in keyed[0]["parts"]
+    assert section(page, "keys.frames") == [0, 24, 48, 72]
+    page.get_by_text("Corrected").wait_for(timeout=20_000)
+    assert section(page, "undo.undo").startswith("move")
+    screens(page, "review-4-corrected")
+    page.keyboard.press("Control+z")
+    until_told(page, "keys.parts", lambda parts: parts == [])
+    until(lambda: current(page) == "Right forearm")
+
+
+def test_rows_do_not_move_under_the_pointer(page: Page) -> None:
+    page.keyboard.press("Shift+R")
+    until_counted(page, ".rv-place", 3)
+    second = page.locator(".rv-place").nth(1)
+    before = second.bounding_box()
+    page.locator(".rv-place.on").get_by_role("button", name="Accept").click()
+    until(lambda: current(page) == "Left foot")
+    after = second.bounding_box()
+    assert before is not None
+    assert after is not None
+    assert after["y"] == before["y"]
+
+
+def test_before_tracking_it_says_what_to_do_first(page: Page) -> None:
+    page.keyboard.press("Delete")
+    until_told(page, "keys.frames", lambda keys: keys == [24, 48, 72])
+    page.keyboard.press("Shift+R")
+    page.get_by_text("Nothing to review. Track first.").wait_for(timeout=20_000)
+    screens(page, "review-5-empty")
+    page.keyboard.press("Escape")
+    until_counted(page, "section.review", 0)
