@@ -2,17 +2,15 @@
 # Another interpreter:  make run PYTHON=python3.12
 
 PYTHON ?= python3
-SAMPLE = sample_videos/balance
-OUT = out/balance
 KEYPOSE = .venv/bin/keypose
 NODE_TOOLS = tests/page/node_modules
 
 .PHONY: run test browser check bench clean
 .DEFAULT_GOAL := run
 
-# Open the sample in the browser, as a copy that is kept in out/.
+# Open the page, which offers the samples; copies of them, and everything else, are kept in out/.
 run: .venv/.ready
-	@$(KEYPOSE) open $(SAMPLE)/session.json --out $(OUT) --workspace out
+	@$(KEYPOSE) open --workspace out
 
 test: check browser
 	@.venv/bin/pytest -n 2 --dist loadgroup

@@ -19,6 +19,9 @@ UNITS = ("m", "dm", "cm", "mm", "in", "ft")
 UP_AXES = ("+x", "-x", "+y", "-y", "+z", "-z")
 """As in tracker.session.settings, which would load more than help needs."""
 
+SESSION, SESSION_FOLDER = "session.json", ".keypose"
+"""As in app.document.library, likewise."""
+
 WIDTH = 88
 """Columns of a description, whose examples below it are kept as they are."""
 
@@ -45,13 +48,16 @@ def add_command(
 
 def add_session(command: argparse.ArgumentParser) -> None:
     command.add_argument(
-        "session", metavar="SESSION", type=session_file, help="the session's file or folder"
+        "session",
+        metavar="SESSION",
+        type=session_file,
+        nargs="?",
+        default=os.curdir,
+        help="the session's file or folder, or its video; default: the one in this folder",
     )
 
 
-def add_json(
-    command: argparse.ArgumentParser, what: str = "print JSON on stdout, and nothing else"
-) -> None:
+def add_json(command: argparse.ArgumentParser, what: str = "print only JSON on stdout") -> None:
     command.add_argument("--json", action="store_true", help=what)
 
 
@@ -59,7 +65,9 @@ def add_overwrite(command: argparse.ArgumentParser) -> None:
     command.add_argument("--overwrite", action="store_true", help="overwrite existing files")
 
 
-def add_output(command: argparse.ArgumentParser, name: str, more: str | None = None) -> None:
+def add_output(
+    command: argparse.ArgumentParser, name: str, more: str = "the file to write"
+) -> None:
     """The file or folder that the command writes, and how that is reported."""
     command.add_argument("--out", metavar=name, type=file_name, required=True, help=more)
     add_json(command)
@@ -86,12 +94,44 @@ def file_name(text: str) -> Path:
 
 
 def session_file(text: str) -> Path:
-    """A parser of names of session files, or of the folders they lie in. A link is followed here,
-    once: what belongs to a session lies beside its file, and is never written through a link."""
+    """A parser of names of session files, of the folders they lie in, and of their videos. A link
+    is followed here, once: what belongs to a session lies beside its file, and is never written
+    through a link."""
     path = file_name(text)
-    if path.is_dir() and (path / "session.json").is_file():
-        path = path / "session.json"
+    path = _in_folder(path) if path.is_dir() else _of_video(path)
     return Path(os.path.realpath(path)) if path.is_symlink() else path
+
+
+def _in_folder(folder: Path) -> Path:
+    """The session of a folder: its own, that of the pictures in it, or the only one below it."""
+    whole = folder.resolve()
+    for path in (folder / SESSION, whole.with_name(f"{whole.name}{SESSION_FOLDER}") / SESSION):
+        if path.is_file():
+            return path
+    below = sorted(folder.glob(f"*{SESSION_FOLDER}/{SESSION}"))
+    if len(below) == 1:
+        return below[0]
+    if below:
+        names = ", ".join(path.parent.name for path in below[:3])
+        raise argparse.ArgumentTypeError(
+            f"there are {len(below)} sessions in {str(folder)!r}, {names}: give one of them"
+        )
+    raise argparse.ArgumentTypeError(
+        f"there is no session in the folder {str(folder)!r}; give a session's file or folder, "
+        "or its video"
+    )
+
+
+def _of_video(path: Path) -> Path:
+    """The session beside a video; any other name as it is."""
+    if path.suffix.lower() == ".json" or not path.is_file():
+        return path
+    beside = path.with_suffix(SESSION_FOLDER) / SESSION
+    if beside.is_file():
+        return beside
+    raise argparse.ArgumentTypeError(
+        f"{path.name!r} has no session beside it; `keypose open {path}` begins one"
+    )
 
 
 def host_name(text: str) -> str:
@@ -139,9 +179,13 @@ def add_work(command: argparse.ArgumentParser) -> None:
         "--out", metavar="DIR", type=file_name, help="folder for session and results"
     )
     command.add_argument(
-        "--workers", metavar="N", type=whole_number(1), default=1, help="segments at a time"
+        "--workers",
+        metavar="N",
+        type=whole_number(1),
+        default=1,
+        help="segments to track at the same time; default: 1",
     )
-    add_json(command, "print JSON lines: events, the summary last")
+    add_json(command, "print events as JSON lines on stdout, with the summary last")
     add_overwrite(command)
 
 

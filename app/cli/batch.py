@@ -53,14 +53,14 @@ no password: keep them to a network you trust.
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Track saved sessions anew, many at a time, as the page would"
+    summary = "Track many saved sessions again, as the page would"
     details = (
-        "Results are written beside each session; keyframes are never changed, and a session that "
-        "is open in the page is left alone. What goes wrong with one does not stop the others. A "
-        "table and a page, batch-report.html, show the outcome. Ctrl+C or SIGTERM keeps the "
-        "segments that are finished; the same command given again continues with the sessions that "
-        "were not done, and once all have had their turn it begins anew. The exit code is 1 when "
-        "tracking was lost somewhere or a session was not done."
+        "Results are written beside each session. Keyframes are never changed, and a session "
+        "that is open in the page is skipped. An error in one session does not stop the "
+        "others. A table and a page, batch-report.html, show the outcome. Ctrl+C or SIGTERM "
+        "keeps finished segments; run the same command again to continue with the sessions "
+        "that are left. The exit code is 1 when tracking was lost somewhere or a session was "
+        "not tracked."
     )
     command = add_command(commands, "batch", run, summary, details, _EXAMPLES)
     command.add_argument(
@@ -68,12 +68,12 @@ def add(commands: Subcommands) -> None:
         metavar="PATH",
         type=file_name,
         nargs="+",
-        help="a session file, or a folder searched for sessions, hidden folders left out",
+        help="a session file, or a folder to search for sessions (hidden folders are skipped)",
     )
     command.add_argument(
         "--only",
         choices=("outdated",),
-        help="track only the segments without results that fit, of at least this quality",
+        help="track only segments whose results are missing, outdated or of a lower quality",
     )
     of_session = "; each session's own when left out"
     command.add_argument("--method", choices=("keypose", "paper"), help=f"how{of_session}")
@@ -84,25 +84,26 @@ def add(commands: Subcommands) -> None:
         metavar="FORMAT[,FORMAT]",
         type=motion_formats,
         default=(),
-        help="write the motion, too, beside each session or below --out; formats as of keypose "
-        "export",
+        help="also export the motion, beside each session or below --out; formats as in "
+        "keypose export",
     )
     command.add_argument(
         "--out",
         metavar="DIR",
         type=file_name,
         help="folder for the report and the exported files; default: the deepest folder that "
-        "holds all sessions. What a batch has done is kept there, too, in .keypose-batch",
+        "contains all sessions. The progress of the batch is kept there too, in "
+        ".keypose-batch",
     )
     command.add_argument(
         "--workers",
         metavar="N",
         type=whole_number(1, MOST_WORKERS),
-        help="sessions at a time, each in a process of its own; default: one for each core, "
-        "as far as there are 2 GB of memory for each",
+        help="sessions to track at the same time, one process each; default: one per core, "
+        "with 2 GB of memory each",
     )
     command.add_argument(
-        "--scheduler", metavar="ADDRESS", help="work on the Dask cluster of this scheduler instead"
+        "--scheduler", metavar="ADDRESS", help="use the Dask cluster of this scheduler instead"
     )
     add_json(command, "print JSON lines: events, the summary last")
     add_overwrite(command)

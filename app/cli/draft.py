@@ -48,14 +48,17 @@ _REASONS = {
 def add(commands: Subcommands) -> None:
     summary = "Draft a pose for every frame, from a box around the person on one frame"
     details = (
-        "The bundled network looks for the person in every frame; the body is fitted to the joints "
-        "it finds. A session with the drafts goes to the folder, the keypoints beside it. Size and "
-        "distance show only together in a picture: the body keeps its preset's height. Frames that "
-        "do not show the person well enough get no draft. Drafts become keyframes when you confirm "
-        "them in the page; those to confirm first are listed. Ctrl+C leaves nothing behind."
+        "The bundled network finds the person's joints in every frame, and the body is fitted "
+        "to them. The session and its keypoints are written to the folder. One camera cannot "
+        "tell size from distance, so the body keeps its preset's height. Frames that do not "
+        "show the person well enough get no draft. Drafts become keyframes when you confirm "
+        "them in the page; the ones to confirm first are listed. Ctrl+C cancels and writes "
+        "nothing."
     )
     command = add_command(commands, "draft", run, summary, details, _EXAMPLES)
-    command.add_argument("video", metavar="VIDEO", type=file_name, help="file or image folder")
+    command.add_argument(
+        "video", metavar="VIDEO", type=file_name, help="video file or folder of images"
+    )
     command.add_argument(
         "--box",
         metavar="L,T,R,B",
@@ -68,10 +71,10 @@ def add(commands: Subcommands) -> None:
         "--frame",
         metavar="N",
         type=whole_number(0),
-        help="the frame of the box; the first one to draft when left out",
+        help="the frame of the box; default: the first frame to draft",
     )
     command.add_argument(
-        "--frames", metavar="A-B", type=_frames, help="first and last frame to draft"
+        "--frames", metavar="A-B", type=_frames, help="first and last frame to draft; default: all"
     )
     command.add_argument(
         "--body",
@@ -83,7 +86,7 @@ def add(commands: Subcommands) -> None:
         "--field-of-view",
         metavar="DEGREES",
         type=_angle,
-        help="along the picture's longer side; a usual lens is assumed when left out",
+        help="along the picture's longer side; default: from the file, else of a usual lens",
     )
     command.add_argument(
         "--out", metavar="DIR", type=file_name, required=True, help="folder for the session"
@@ -102,7 +105,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tracker.video import Video
 
     if len(arguments.box) > 1:
-        raise KeypointError("--box is given twice: a draft is of one person, from one box.")
+        raise KeypointError("--box is given twice. Draft one person at a time.")
     (box,), body = arguments.box, preset(arguments.body)
     place = arguments.out / "session.json"
     if not arguments.overwrite:
@@ -248,7 +251,7 @@ def _box(text: str) -> tuple[float, float, float, float]:
         left, top, right, bottom = (float(word) for word in text.split(","))
     except ValueError:
         raise argparse.ArgumentTypeError(
-            f"{text!r} is no box: give its left, top, right and bottom in pixels, such as "
+            f"{text!r} is not a box: give left, top, right and bottom in pixels, such as "
             "210,80,420,610"
         ) from None
     return left, top, right, bottom
@@ -258,7 +261,7 @@ def _frames(text: str) -> tuple[int, int]:
     parse = whole_number(0)
     first, dash, last = text.partition("-")
     if not dash:
-        raise argparse.ArgumentTypeError(f"{text!r} is no range of frames, such as 0-90")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a range of frames such as 0-90")
     return parse(first), parse(last)
 
 

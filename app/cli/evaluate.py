@@ -29,13 +29,19 @@ _KINDS = {
 def add(commands: Subcommands) -> None:
     summary = "Measure the tracked motion against a reference"
     details = (
-        "Only frames strictly between keyframes count, those that the motion was tracked with; "
-        "their linear interpolation is shown for comparison. A reference is an .npz file of poses "
-        "or joint positions, or a .json file of marked joints in pixels."
+        "Only frames strictly between the keyframes of the tracking count. Linear "
+        "interpolation between them is shown for comparison. The reference is an .npz file of "
+        "poses or joint positions, or a .json file of marked joints in pixels."
     )
     command = add_command(commands, "evaluate", run, summary, details, _EXAMPLES)
     add_session(command)
-    command.add_argument("--reference", metavar="FILE", type=file_name, required=True)
+    command.add_argument(
+        "--reference",
+        metavar="FILE",
+        type=file_name,
+        required=True,
+        help="poses or joint positions (.npz), or marked joints (.json)",
+    )
     add_json(command)
 
 

@@ -34,9 +34,9 @@ _EXAMPLES = """\
 def add(commands: Subcommands) -> None:
     kinds = (f"{name}: {', '.join(kind.names)}, {kind.words}." for name, kind in FORMATS.items())
     details = (
-        f"{' '.join(kinds)} Frames that are not "
-        "tracked stay empty in csv, npz, trc and c3d; bvh and glb hold no gaps. Of a film whose "
-        "rate varies, csv and npz keep every frame with its time; the others get the mean rate."
+        f"{' '.join(kinds)} Frames that are not tracked stay empty in csv, npz, trc and c3d; bvh "
+        "and glb cannot have gaps. If the video's frame rate varies, csv and npz keep the time of "
+        "every frame and the others use the mean rate."
     )
     command = add_command(
         commands, "export", run, "Write the tracked motion for other programs", details, _EXAMPLES
@@ -53,16 +53,22 @@ def add(commands: Subcommands) -> None:
         "--filter",
         metavar="HZ",
         type=cutoff_hz,
-        help="cut-off of a low-pass filter without delay, such as 6Hz (Butterworth, fourth order); "
-        "default: none",
+        help="cut-off of a zero-phase low-pass filter, such as 6Hz (Butterworth, fourth "
+        "order); default: none",
     )
     command.add_argument(
-        "--fps", metavar="N", type=rate, help="frames a second in every format; default: the film's"
+        "--fps",
+        metavar="N",
+        type=rate,
+        help="frames per second in every format; default: the video's",
     )
     command.add_argument(
-        "--frames", metavar="A-B", type=frame_range, help="frames of the film; default: all"
+        "--frames",
+        metavar="A-B",
+        type=frame_range,
+        help="first and last frame of the video; default: all",
     )
-    add_output(command, "DIR", "folder; made when it is missing")
+    add_output(command, "DIR", "folder; created if missing")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -50,13 +50,13 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Film the body into an MP4 file (H.264, without sound)"
+    summary = "Render the tracked body into an MP4 film (H.264, no sound)"
     details = (
-        "main draws it over the video, all adds the views from the top, the side and the front; "
-        "orbit goes once round the body while it moves, camera stands still at an azimuth and an "
-        "elevation about it, both on a floor: an azimuth of 0 looks as the video's camera does, 90 "
-        "from the right of its picture. Frames keep their times; where one has no pose, it is "
-        "shown without the body. An observed surface is seen in every view."
+        "Views: main draws the body over the video; all adds the top, side and front views; "
+        "orbit circles the body once while it moves; camera is a fixed viewpoint at an azimuth"
+        " and an elevation. An azimuth of 0 looks along the video's camera, 90 from the right "
+        "of its picture. Frames keep their times; frames without a pose are shown without the "
+        "body. An observed surface is shown in every view."
     )
     command = add_command(commands, "film", run, summary, details, _EXAMPLES)
     add_session(command)
@@ -65,21 +65,21 @@ def add(commands: Subcommands) -> None:
         metavar="VIEW",
         type=film_view,
         default="main",
-        help="main, top, side, front, all, orbit, or camera:AZIMUTH,ELEVATION[,METRES]; "
-        "default: main",
+        help="main, top, side, front, all, orbit, or camera:AZIMUTH,ELEVATION[,METRES] in "
+        "degrees and metres from the body; default: main",
     )
     command.add_argument(
         "--frames",
         metavar="A-B",
         type=frame_range,
-        help="default: from the first that has a pose to the last",
+        help="first and last frame; default: all frames that have a pose",
     )
     add_look(command)
     command.add_argument(
-        "--size", metavar="WxH", type=size, help="of the film, pixels; default: the video's"
+        "--size", metavar="WxH", type=size, help="size of the film in pixels; default: the video's"
     )
     command.add_argument(
-        "--fps", metavar="N", type=rate, help="frames a second; default: the video's own times"
+        "--fps", metavar="N", type=rate, help="frames per second; default: the video's own timing"
     )
     add_output(command, "FILE.mp4")
 

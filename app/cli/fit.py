@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.cli.arguments import (
+    SESSION,
+    SESSION_FOLDER,
     UNITS,
     UP_AXES,
     Subcommands,
@@ -24,16 +26,15 @@ if TYPE_CHECKING:
 
 _EXAMPLES = """\
   keypose open scan
-  keypose fit scan --session scan.keypose/session.json
+  keypose fit scan
   keypose fit --session session.json --weights contact --out try --json > events.jsonl
 """
 _DETAILS = (
-    "The body is posed in the mesh of one step at least, in the page that `keypose open "
-    "MESHES` shows; that surface then moves with it. Results are written beside the session, "
-    "which then refers to them and keeps how it was fitted; with --out, a copy of the session "
-    "and the results go to that folder and the session stays as it is. An unusable mesh is "
-    "left out and reported. Ctrl+C or SIGTERM keeps the steps that are done. The exit code is "
-    "1 when the body was lost somewhere."
+    "Pose the body in at least one mesh first, with `keypose open MESHES`; the surface of that"
+    " mesh then moves with the body. Results are written beside the session. With --out, a "
+    "copy of the session and the results are written to that folder and the session is not "
+    "changed. An unusable mesh is skipped and reported. Ctrl+C or SIGTERM keeps finished "
+    "steps. The exit code is 1 when the body was lost somewhere."
 )
 
 
@@ -45,50 +46,52 @@ def add(commands: Subcommands) -> None:
         metavar="MESHES",
         type=file_name,
         nargs="?",
-        help="a folder of PLY, OBJ, GLB or OFF files, or an animated GLB file; the session's own "
-        "when left out",
+        help="a folder of PLY, OBJ, GLB or OFF files, or an animated GLB file; default: the "
+        "session's meshes",
     )
     command.add_argument(
         "--session",
         metavar="SESSION",
         type=session_file,
-        required=True,
-        help="the session's file or folder",
+        help="the session's file or folder; default: the one beside the meshes, or in this folder",
     )
-    of_session = "; the session's own when left out"
+    of_session = "; default: the session's setting"
     command.add_argument(
         "--cameras",
         metavar="FILE",
         type=file_name,
-        help="the calibrated cameras whose images show which parts of the surfaces are reliable"
-        f"{of_session}",
+        help="JSON file with the calibrated cameras, whose images tell which parts of the "
+        f"surfaces are reliable{of_session}",
     )
     command.add_argument(
         "--weights",
         choices=("both", "contact", "photo", "none"),
-        help="what makes a place count less: contact of parts, cameras that do not agree on it, "
-        f"both, or nothing{of_session}",
+        help="give surface near other parts (contact), surface where cameras disagree "
+        f"(photo), or both less weight{of_session}",
     )
     command.add_argument(
         "--distance",
         choices=("plane", "point"),
-        help=f"to the surface, or to its nearest point{of_session}",
+        help=f"measure distance to the surface's tangent plane or to its nearest point{of_session}",
     )
     command.add_argument(
         "--binding",
         choices=("nearest", "smooth"),
-        help=f"whether a place of the surface moves with the nearest part alone{of_session}",
+        help="nearest: each surface point moves with the nearest part; smooth: near joints "
+        f"with both parts{of_session}",
     )
     command.add_argument(
-        "--units", choices=UNITS, help="of the meshes; refused where it is another one"
+        "--units", choices=UNITS, help="unit of the meshes; must match the session's"
     )
     command.add_argument(
         "--up",
         choices=UP_AXES,
-        help="the axis that is up, such as --up=-z; refused likewise",
+        help="up axis of the meshes, such as --up=-z; must match the session's",
     )
     qualities = ("full", "fast", "preview")
-    command.add_argument("--quality", choices=qualities, help=f"how much work{of_session}")
+    command.add_argument(
+        "--quality", choices=qualities, help=f"full, or less accurate and faster{of_session}"
+    )
     add_work(command)
 
 
@@ -96,11 +99,21 @@ def run(arguments: argparse.Namespace) -> int:
     from app.cli.outcome import track_and_save
     from app.jobs.rerun import require_trackable, with_settings
 
+    if arguments.session is None:
+        arguments.session = _usual_place(arguments.meshes)
     session = _with_meshes(_session(arguments), arguments)
     require_trackable(session, arguments.session)
     surface = _surface(session, arguments)
     session = session.model_copy(update={"surface": surface})
     return track_and_save(session, with_settings(session, None, arguments.quality), arguments)
+
+
+def _usual_place(meshes: Path | None) -> Path:
+    """Where the session lies when nobody says."""
+    if meshes is None:
+        return Path(SESSION)
+    stem = meshes.name if meshes.is_dir() else meshes.stem
+    return meshes.with_name(f"{stem}{SESSION_FOLDER}") / SESSION
 
 
 def _session(arguments: argparse.Namespace) -> Session:

@@ -32,27 +32,31 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    summary = (
-        "Make a surface of every step from the silhouettes of calibrated cameras: their visual "
-        "hull, as step_0000.ply and so on, in the units and axes of the cameras' file"
-    )
+    summary = "Build one surface per time step from the silhouettes of calibrated cameras"
     details = (
-        "Where it also names images, the zncc of each vertex says how well the cameras that see it "
-        "agree: fitting needs that to ignore false volume. A step that cannot be made is reported "
-        "and left out; Ctrl+C keeps what is done."
+        "Writes the visual hulls as step_0000.ply and so on, in the units and axes of the "
+        "cameras' file. If the file also names images, each vertex gets a zncc that says how "
+        "well the cameras that see it agree; fitting uses it to ignore false volume. A step "
+        "that fails is reported and skipped. Ctrl+C keeps finished steps."
     )
     command = add_command(commands, "hull", run, summary, details, _EXAMPLES)
-    command.add_argument("rig", metavar="CAMERAS", type=file_name, help="the cameras' file, JSON")
+    command.add_argument(
+        "rig", metavar="CAMERAS", type=file_name, help="JSON file with the calibrated cameras"
+    )
     command.add_argument(
         "--out", metavar="DIR", type=file_name, required=True, help="folder for the surfaces"
     )
     command.add_argument(
-        "--voxel", metavar="METRES", type=_length, default=0.01, help="default: 0.01"
+        "--voxel",
+        metavar="METRES",
+        type=_length,
+        default=0.01,
+        help="edge length of a voxel in metres; default: 0.01",
     )
     command.add_argument(
         "--carve",
         action="store_true",
-        help="take away what cameras see through, judged by the images; takes seconds a step",
+        help="remove volume that the images contradict; takes seconds per step",
     )
     add_json(command)
     add_overwrite(command)

@@ -45,12 +45,12 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Bring in a motion recorded elsewhere, or keypoints seen in the pictures"
+    summary = "Import a motion recorded elsewhere, or 2D keypoints"
     details = (
         "BVH, TRC, C3D or CSV: the motion is fitted to the session's body, aligned with its "
-        "keyframes, saved as a start for tracking, used where it scores better than the tracker's "
-        "own. With --keypoints, COCO, AlphaPose, OpenPose or MediaPipe: drafts of poses at some "
-        "frames. Keyframes are never changed."
+        "keyframes and saved as an initial guess, which tracking uses where it scores better "
+        "than its own. With --keypoints, COCO, AlphaPose, OpenPose or MediaPipe: drafts poses "
+        "at some frames. Keyframes are never changed."
     )
     command = add_command(commands, "import", run, summary, details, _EXAMPLES)
     add_session(command)
@@ -64,16 +64,18 @@ def add(commands: Subcommands) -> None:
         "--offset-frames",
         metavar="N",
         type=int,
-        help="the video's frame at which the file's time 0 lies; in frames, may be negative",
+        help="video frame at the file's time 0; may be negative",
     )
-    motion.add_argument("--offset-s", metavar="S", type=_seconds, help="the same in seconds")
+    motion.add_argument(
+        "--offset-s", metavar="S", type=_seconds, help="video time at the file's time 0, in seconds"
+    )
     motion.add_argument(
         "--unit",
         choices=("m", "cm", "mm", "auto"),
-        help="of the file's lengths; auto scales them to the body; the file's own when left out, "
-        "auto where it names none",
+        help="unit of the file's lengths; auto scales them to the body; default: the file's "
+        "unit, else auto",
     )
-    motion.add_argument("--fps", metavar="X", type=_rate, help="the file's frames a second")
+    motion.add_argument("--fps", metavar="X", type=_rate, help="frames per second of the file")
     points = command.add_argument_group("keypoints")
     points.add_argument("--keypoints", action="store_true", help="the file holds 2D keypoints")
     points.add_argument(
@@ -81,15 +83,15 @@ def add(commands: Subcommands) -> None:
         metavar="NAME",
         type=str.upper,
         choices=tuple(LAYOUTS),
-        help=f"order of the keypoints where the file does not tell it: {', '.join(LAYOUTS)}",
+        help=f"order of the keypoints if the file does not state it: {', '.join(LAYOUTS)}",
     )
-    points.add_argument("--exchange", action="store_true", help="swap left and right of them")
-    points.add_argument("--frames", metavar="N,N,…", type=_frames, help="frames to make drafts at")
+    points.add_argument("--exchange", action="store_true", help="swap left and right keypoints")
+    points.add_argument("--frames", metavar="N,N,…", type=_frames, help="frames to draft")
     points.add_argument(
         "--every",
         metavar="N",
         type=whole_number(1),
-        help=f"frames from one draft to the next ({EVERY} when left out)",
+        help=f"frames from one draft to the next; default: {EVERY}",
     )
     add_json(command)
 
@@ -127,7 +129,7 @@ def _require_of_a_kind(arguments: argparse.Namespace) -> None:
     for one, other in (("offset_frames", "offset_s"), ("frames", "every")):
         if getattr(arguments, one) is not None and getattr(arguments, other) is not None:
             names = (f"--{name.replace('_', '-')}" for name in (one, other))
-            raise FormatError(f"{' and '.join(names)} say the same; give one of them.")
+            raise FormatError(f"{' and '.join(names)} mean the same; give one of them.")
 
 
 # --- motion

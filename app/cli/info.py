@@ -28,15 +28,21 @@ _EXAMPLES = """\
 def add(commands: Subcommands) -> None:
     summary = "Show size, frames, rate and fingerprint of a video file or a folder of images"
     details = (
-        "Of meshes, one for every time step, it shows steps and size, whether the first one has "
-        "holes, and which steps cannot be used as far as the beginnings of their files show."
+        "For a folder of meshes, one per time step: the number of steps, their size, whether "
+        "the first one has holes, and which steps cannot be used, judged by the headers of "
+        "their files."
     )
     command = add_command(commands, "info", run, summary, details, _EXAMPLES)
-    command.add_argument("video", metavar="VIDEO|MESHES", type=file_name, help="the video")
+    command.add_argument(
+        "video",
+        metavar="VIDEO|MESHES",
+        type=file_name,
+        help="video file, folder of images, or folder of meshes",
+    )
     command.add_argument(
         "--check",
         action="store_true",
-        help="decode every frame of a video, and list which are damaged",
+        help="decode every frame of a video and list the damaged ones",
     )
     add_json(command)
 
@@ -171,9 +177,9 @@ def _lines(facts: dict[str, Any]) -> list[str]:
         device = f", {facts['device']}" if facts["device"] else ""
         lines.insert(-1, f"  lens         {facts['focal_mm']:g} mm as on 35 mm film{device}")
     notes = {
-        f"turned by {facts['rotation_deg']}° to stand upright": facts["rotation_deg"],
+        f"rotated by {facts['rotation_deg']}° to be upright": facts["rotation_deg"],
         f"pixels {facts['pixel_aspect']:.4f} times as wide as high": facts["pixel_aspect"] != 1,
-        "interlaced: two half pictures are woven into one": facts["interlaced"],
+        "interlaced: every frame holds two fields": facts["interlaced"],
         f"{len(facts['missing_frames'])} frames cannot be decoded": facts["missing_frames"],
         _damage(facts): facts["damaged_frames"],
         "every frame was decoded, and none is damaged": facts["checked"]

@@ -13,8 +13,9 @@ import io
 import os
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
+from difflib import get_close_matches
 from importlib.metadata import version
 from typing import NoReturn
 
@@ -31,6 +32,7 @@ from app.cli import (
     models,
     open,
     report,
+    review,
     schema,
     sheet,
     shot,
@@ -58,6 +60,10 @@ examples:
 class _Parser(argparse.ArgumentParser):
     """Says what is wrong in one sentence instead of a page of usage."""
 
+    def options(self) -> list[str]:
+        """The names of its options, as they are typed."""
+        return [name for name in self._option_string_actions if name.startswith("--")]
+
     def error(self, message: str) -> NoReturn:
         self.exit(BAD_INPUT, f"{_sentence(f'{self.prog}: {message}')} See {self.prog} --help.\n")
 
@@ -67,7 +73,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     if isinstance(sys.stdout, io.TextIOWrapper):  # a file name may hold what a terminal cannot show
         sys.stdout.reconfigure(errors="backslashreplace")
     try:
-        arguments = parser().parse_args(argv)
+        arguments = _parsed(sys.argv[1:] if argv is None else list(argv))
         with sigterm_as_ctrl_c():
             code: int = arguments.run(arguments)
         sys.stdout.flush()
@@ -90,9 +96,42 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _fault()
 
 
+def _parsed(argv: list[str]) -> argparse.Namespace:
+    """The arguments; a name that is not known is refused with the nearest one that is."""
+    top, commands = grammar()
+    given = next((word for word in argv if not word.startswith("-")), None)
+    if given is None:
+        return top.parse_args(argv)
+    if given not in commands:
+        is_there = os.path.exists(given)  # noqa: PTH110 — Path's raises for some names
+        meant = f"; did you mean `keypose open {given}`?" if is_there else ""
+        top.error(f"there is no command {given!r}{meant or _nearest(given, list(commands))}")
+    _require_known_options(argv[argv.index(given) + 1 :], commands[given])
+    arguments, further = top.parse_known_args(argv)
+    if further:
+        commands[given].error(f"there is one argument too many, {further[0]!r}")
+    return arguments
+
+
+def _require_known_options(words: list[str], command: _Parser) -> None:
+    """Checked before the parser sees them, which would rather miss an argument that is required."""
+    for word in words:
+        name = word.split("=")[0]
+        if name == "--":
+            return
+        if name.startswith("--") and not any(known.startswith(name) for known in command.options()):
+            command.error(f"there is no option {name!r}{_nearest(name, command.options())}")
+
+
+def _nearest(given: str, known: list[str]) -> str:
+    """What was meant, where it can be guessed."""
+    near = get_close_matches(given, known, n=1)
+    return f"; did you mean {near[0]}?" if near else ""
+
+
 def _fault() -> int:
     traceback.print_exc()
-    print("This is a fault of Keypose, not of your input.", file=sys.stderr)
+    print("This is an error in Keypose, not in your input.", file=sys.stderr)
     return FAULT
 
 
@@ -102,8 +141,8 @@ def _drop_output() -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
-def parser() -> argparse.ArgumentParser:
-    """The grammar of the command line."""
+def grammar() -> tuple[_Parser, Mapping[str, _Parser]]:
+    """The grammar of the command line, and those of its commands by name."""
     top = _Parser(
         prog="keypose",
         description="3D motion from ordinary video: pose a body at a few frames, the tracker "
@@ -120,6 +159,7 @@ def parser() -> argparse.ArgumentParser:
         open,
         draft,
         track,
+        review,
         fit,
         batch,
         evaluate,
@@ -135,7 +175,7 @@ def parser() -> argparse.ArgumentParser:
         schema,
     ):
         command.add(commands)
-    return top
+    return top, commands.choices
 
 
 def _introduce(top: argparse.ArgumentParser) -> int:

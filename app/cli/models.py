@@ -25,9 +25,11 @@ _EXAMPLES = """\
 
 def add(commands: Subcommands) -> None:
     summary = "List the networks that find keypoints, or add one"
-    about = "Without anything: lists them. `add` downloads one, or takes it from a file."
+    about = "Without arguments, lists them. `add` downloads one or copies it from a file."
     command = add_command(commands, "models", run, summary, about, _EXAMPLES)
-    command.add_argument("what", nargs="?", choices=("list", "add"), default="list")
+    command.add_argument(
+        "what", nargs="?", choices=("list", "add"), default="list", help="list (default) or add"
+    )
     command.add_argument("name", nargs="?", help="with add: which network")
     command.add_argument(
         "--from", dest="file", type=Path, metavar="FILE", help="the .tflite file or the npm .tgz"

@@ -60,20 +60,28 @@ def add(commands: Subcommands) -> None:
         "meshes, and every change is saved at once. Ctrl+C ends the server."
     )
     command = add_command(commands, "open", run, summary, details, _EXAMPLES)
-    command.add_argument("path", metavar="VIDEO|MESHES|SESSION", type=file_name, nargs="?")
+    command.add_argument(
+        "path",
+        metavar="VIDEO|MESHES|SESSION",
+        type=file_name,
+        nargs="?",
+        help="what to open; default: choose in the page",
+    )
     command.add_argument(
         "--port",
         metavar="N",
         type=whole_number(0, 65535),
         default=None,
-        help=f"default: {PORT}, or the next that is free; 0: any free one",
+        help=f"port to serve; default: {PORT}, or the next free one; 0: any free one",
     )
-    command.add_argument("--no-browser", action="store_true", help="only print the address")
+    command.add_argument(
+        "--no-browser", action="store_true", help="only print the address, do not open a browser"
+    )
     command.add_argument(
         "--out",
         metavar="DIR",
         type=file_name,
-        help="work on a copy of the session in DIR, made when it is missing",
+        help="work on a copy of the session in DIR, which is created if missing",
     )
     command.add_argument(
         "--workspace",
@@ -82,16 +90,19 @@ def add(commands: Subcommands) -> None:
         default=Path("~/Keypose").expanduser(),
         help="where uploads, samples and the list of sessions are stored; default: ~/Keypose",
     )
-    of_files = "of new meshes; as the files say, or guessed, when left out"
-    command.add_argument("--units", choices=UNITS, help=f"the unit {of_files}")
+    of_files = "of new meshes; default: as the files state, else guessed"
+    command.add_argument("--units", choices=UNITS, help=f"unit {of_files}")
+    command.add_argument("--up", choices=UP_AXES, help=f"up axis, such as --up=-z, {of_files}")
     command.add_argument(
-        "--up", choices=UP_AXES, help=f"the axis, such as --up=-z, that is up {of_files}"
+        "--cameras",
+        metavar="FILE",
+        type=file_name,
+        help="JSON file with the calibrated cameras of new meshes",
     )
     command.add_argument(
-        "--cameras", metavar="FILE", type=file_name, help="the calibrated cameras of new meshes"
-    )
-    command.add_argument(
-        "--host", default="127.0.0.1", help="another address to serve; default: 127.0.0.1"
+        "--host",
+        default="127.0.0.1",
+        help="address to serve; default: 127.0.0.1, this computer alone",
     )
     command.add_argument(
         "--let-others-in", action="store_true", help="allow a --host that others can reach"
@@ -102,8 +113,8 @@ def add(commands: Subcommands) -> None:
         type=host_name,
         action="append",
         default=[],
-        help="a name by which others reach this server, as it stands in their address: of a proxy, "
-        "or with :PORT of this computer; may be repeated; needs --let-others-in",
+        help="name by which others reach this server, such as a proxy's, or this computer's "
+        "with :PORT; can be repeated; needs --let-others-in",
     )
 
 

@@ -20,14 +20,11 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    summary = (
-        "Write what tracking found into one HTML file: verdicts in words, rank and observability "
-        "over time, the score of every pass, joint angles, keyframes with their intervals, and "
-        "pictures"
-    )
+    summary = "Write a report on the tracking as one HTML file"
     details = (
-        "The file is self-contained and needs no network. Where the video is missing, the "
-        "pictures are left out."
+        "It has the verdicts in words, rank and observability over time, the score of every "
+        "pass, joint angles, keyframes with their intervals, and pictures. The file is "
+        "self-contained and needs no network. Without the video the pictures are left out."
     )
     command = add_command(commands, "report", run, summary, details, _EXAMPLES)
     add_session(command)

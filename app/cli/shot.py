@@ -42,18 +42,20 @@ _EXAMPLES = """\
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Draw the body at one frame into a PNG file"
+    summary = "Render the body at one frame into a PNG file"
     details = (
-        "The pose is the keyframe's where one is set and the tracked one elsewhere; main is the "
-        "video's frame with the body over it, without the lens's distortion, or plain grey where "
-        "the video's frame is missing. orbit looks at the body from any side, on a floor: an "
-        "azimuth of 0 looks as the video's camera does, 90 from the right of its picture; the "
-        "elevation is 12 degrees when left out. An observed surface is seen behind the body in "
-        "main, and as a sheet around it in every other view."
+        "Uses the keyframe's pose if there is one at this frame, else the tracked pose. Views:"
+        " main is the undistorted video frame with the body over it (grey if the frame is "
+        "missing); orbit looks at the body from any side, with a floor: an azimuth of 0 looks "
+        "along the video's camera, 90 from the right of its picture; the default elevation is "
+        "12 degrees. An observed surface is drawn behind the body in main and around it in "
+        "every other view."
     )
     command = add_command(commands, "shot", run, summary, details, _EXAMPLES)
     add_session(command)
-    command.add_argument("--frame", metavar="N", type=whole_number(0), required=True)
+    command.add_argument(
+        "--frame", metavar="N", type=whole_number(0), required=True, help="the frame to draw"
+    )
     command.add_argument(
         "--view",
         metavar="VIEW",
@@ -64,16 +66,23 @@ def add(commands: Subcommands) -> None:
     add_look(command)
     how_large = command.add_mutually_exclusive_group()
     how_large.add_argument(
-        "--size", metavar="WxH", type=size, help="of the picture, pixels; default: the video's"
+        "--size",
+        metavar="WxH",
+        type=size,
+        help="size of the picture in pixels; default: the video's",
     )
     how_large.add_argument(
-        "--scale", metavar="N", type=scale, default=1.0, help="so many times the video's size"
+        "--scale",
+        metavar="N",
+        type=scale,
+        default=1.0,
+        help="scale the video's size by this factor",
     )
     command.add_argument(
         "--background",
         choices=("video", "none"),
         default="video",
-        help="none: the body alone, transparent around it, without letters and floor",
+        help="none: the body alone on a transparent background, without labels and floor",
     )
     add_output(command, "FILE.png")
 

@@ -18,55 +18,56 @@ _EXAMPLES = """\
 def add(commands: Subcommands) -> None:
     summary = "Track the motion between the keyframes"
     details = (
-        "Results are written beside the session, which then refers to them; with --out, a copy of "
-        "the session and the results go to that folder and the session stays as it is. Ctrl+C or "
-        "SIGTERM keeps the segments that are finished. A session that is open in the page is left "
-        "alone. The exit code is 1 when tracking was lost somewhere."
+        "Results are written beside the session. With --out, a copy of the session and the "
+        "results are written to that folder and the session is not changed. Ctrl+C or SIGTERM "
+        "keeps finished segments. A session that is open in the page is not tracked. The exit "
+        "code is 1 when tracking was lost somewhere."
     )
     command = add_command(commands, "track", run, summary, details, _EXAMPLES)
     add_session(command)
-    of_session = "; the session's own when left out"
+    of_session = "; default: the session's setting"
     command.add_argument("--method", choices=("keypose", "paper"), help=f"how{of_session}")
     qualities = ("full", "fast", "preview")
-    command.add_argument("--quality", choices=qualities, help=f"how much work{of_session}")
+    command.add_argument(
+        "--quality", choices=qualities, help=f"full, or less accurate and faster{of_session}"
+    )
     starts = ("auto", "linear", "templates", "both-ways", "import")
     command.add_argument(
         "--initial",
         choices=starts,
-        help="where every segment starts from: interpolation, head, hands and feet followed by "
-        "what they look like, the body followed from both keyframes, or an imported motion"
-        f"{of_session}",
+        help="initial guess of each segment: the best of all (auto), interpolation, template "
+        "matching of head, hands and feet, tracking from both keyframes, or an imported "
+        f"motion{of_session}",
     )
     command.add_argument(
         "--leave-out",
         metavar="PART",
         action="append",
-        help=f"a part whose limb is not followed by its looks; may be given again{of_session}",
+        help=f"a part to exclude from template matching; can be repeated{of_session}",
     )
     command.add_argument(
         "--static-camera",
         choices=("yes", "no"),
-        help=f"whether the camera stands still{of_session}, which may be as found in the video",
+        help=f"whether the camera is static{of_session}, by default detected in the video",
     )
     command.add_argument(
         "--cues",
         metavar="CUE,…",
         type=_cues,
-        help="what the motion is found from: brightness, keypoints or both, and silhouette "
-        f"besides, with a comma between{of_session}. Keypoints need a person's body, the "
-        "silhouette a camera that stands still; the published method does without",
+        help="what to track from: brightness, keypoints or both, and silhouette, separated by"
+        f" commas{of_session}. Keypoints need a person's body, silhouette needs a static "
+        "camera; the published method uses brightness alone",
     )
     command.add_argument(
         "--network",
         choices=("full", "heavy"),
-        help="what finds keypoints: the bundled network, or the more exact and slower one that "
-        f"`keypose models add heavy` adds{of_session}",
+        help="network that finds keypoints: the bundled one (full), or a slower and more "
+        f"accurate one that `keypose models add heavy` adds{of_session}",
     )
     command.add_argument(
         "--smooth",
         choices=("yes", "no"),
-        help="whether the whole motion is made smooth in space, as far as the pictures allow"
-        f"{of_session}",
+        help=f"whether the motion is smoothed in space as far as the video allows{of_session}",
     )
     add_work(command)
 
@@ -75,7 +76,7 @@ def _cues(text: str) -> tuple[str, ...]:
     """Names of cues; the silhouette only decides between motions that the others lead to."""
     cues = names_of("brightness", "keypoints", "silhouette")(text)
     if cues == ("silhouette",):
-        words = "silhouette finds no motion alone; add brightness or keypoints"
+        words = "silhouette cannot track alone; add brightness or keypoints"
         raise argparse.ArgumentTypeError(words)
     return cues
 

@@ -44,21 +44,24 @@ def add_look(command: argparse.ArgumentParser) -> None:
     """How the body is drawn over the video, and what colours an observed surface."""
     styles = ("wire", "solid", "both")
     command.add_argument(
-        "--style", choices=styles, default="both", help="of the body over the video; default: both"
+        "--style",
+        choices=styles,
+        default="both",
+        help="how the body is drawn over the video; default: both",
     )
     command.add_argument(
         "--opacity",
         metavar="PERCENT",
         type=whole_number(0, 100),
         default=50,
-        help="of the solid body over the video; default: 50",
+        help="opacity of the solid body over the video; default: 50",
     )
     command.add_argument(
         "--tint",
         choices=("clay", "contact", "photo", "distance"),
         default="clay",
-        help="of an observed surface: what it counts for by contact or by the cameras, or how far "
-        "it is from the body; default: clay",
+        help="colour an observed surface by its contact or photo weight, or by its distance "
+        "from the body; default: clay",
     )
 
 

@@ -196,5 +196,5 @@ def _require_text(path: Path) -> None:
         str(path).encode()
     except UnicodeEncodeError:
         raise SessionError(
-            f"The name {str(path)!r} is no text in UTF-8: rename it or its folder."
+            f"The name {str(path)!r} is not valid UTF-8: rename it or its folder."
         ) from None

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from app.document.edit_log import Beginning
 from app.document.new import new_session, new_surface_session, path_from, standing_in
+from app.editor.documents import Posed
 from app.editor.pointer_views import up_of
 from app.editor.state import EditorState
 from app.posing import opening_pose
@@ -20,7 +21,7 @@ from tracker.files import read_regular
 from tracker.geometry.rotations import Array
 from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 from tracker.session.history import History
-from tracker.session.schema import Keyframe, Session
+from tracker.session.schema import Session
 from tracker.storage.atomic import make_folder
 from tracker.storage.beside import carry_beside
 from tracker.storage.chronicle import OUTSIDE, is_same_film, of_film
@@ -201,16 +202,16 @@ def _exported_again(before: Session, now: Session) -> tuple[str, ...]:
 def with_times(doc: Session, times_s: Array) -> Session:
     """With each pose at its frame's time in the video, which hand-written sessions may not know."""
 
-    def timed(poses: tuple[Keyframe, ...]) -> tuple[Keyframe, ...]:
+    def timed(poses: tuple[Posed, ...]) -> tuple[Posed, ...]:
         retimed = [(pose, float(times_s[pose.frame])) for pose in poses]
         if all(pose.time_s == time_s for pose, time_s in retimed):
             return poses
         return tuple(pose.model_copy(update={"time_s": time_s}) for pose, time_s in retimed)
 
-    keyframes, drafts = timed(doc.keyframes), timed(doc.drafts)
-    if keyframes is doc.keyframes and drafts is doc.drafts:
+    poses = {name: timed(getattr(doc, name)) for name in ("keyframes", "part_keyframes", "drafts")}
+    if all(now is getattr(doc, name) for name, now in poses.items()):
         return doc
-    return doc.model_copy(update={"keyframes": keyframes, "drafts": drafts})
+    return doc.model_copy(update=poses)
 
 
 def _is_one_file(one: Path, other: Path) -> bool:
@@ -234,12 +235,12 @@ def _length(path: Path) -> int:
 def _news(opened: Opened) -> tuple[str, ...]:
     found = opened.recovered
     if opened.problem:
-        return (f"{opened.problem} What could be undone before does not come back.",)
+        return (f"{opened.problem} Earlier undo steps are lost.",)
     if not opened.journal.whole:
-        return ("The journal of edits is damaged: some steps may not come back by undo.",)
+        return ("The journal of edits is damaged: some undo steps may be missing.",)
     if found.ahead:
-        edits = "An edit" if found.ahead == 1 else f"{found.ahead} edits"
-        return (f"{edits} made before Keypose ended unexpectedly came back.",)
+        edits = "one edit" if found.ahead == 1 else f"{found.ahead} edits"
+        return (f"Restored {edits} made before Keypose ended unexpectedly.",)
     past = found.moment.history.past
     if not found.follows and past and past[-1].label == OUTSIDE:
         return ("The session was changed outside this page; undo brings back how you left it.",)

@@ -113,7 +113,10 @@ class BeginGuide(Message):
 
 
 class Drag(Edit, Gesture):
+    """partial: the limbs it moves become a part keyframe of the present frame."""
+
     do: Literal["drag"] = "drag"
+    partial: bool = False
 
 
 class Angles(Edit):
@@ -195,6 +198,8 @@ class AddKey(Edit):
 
 
 class DeleteKey(Edit):
+    """The keyframe of a frame, or its part keyframe; the same for the next two."""
+
     do: Literal["delete_key"] = "delete_key"
     frame: FrameIndex
 
@@ -209,6 +214,23 @@ class DuplicateKey(Edit):
     do: Literal["duplicate_key"] = "duplicate_key"
     frame: FrameIndex
     to: FrameIndex
+
+
+class KeyParts(Edit):
+    """Limbs as they are shown at a frame become its part keyframe: those of these parts; left out,
+    those that were posed there, else the selected part's."""
+
+    do: Literal["key_parts"] = "key_parts"
+    frame: FrameIndex
+    parts: Annotated[tuple[Name, ...], Field(max_length=1000)] = ()
+
+
+class UnkeyParts(Edit):
+    """The limbs of these parts are tracked at a frame again."""
+
+    do: Literal["unkey_parts"] = "unkey_parts"
+    frame: FrameIndex
+    parts: Annotated[tuple[Name, ...], Field(min_length=1, max_length=1000)]
 
 
 class KeyAngle(Edit):
@@ -333,6 +355,25 @@ class Floor(Edit):
     under: Name | None = None
 
 
+# --- the review
+
+
+class AcceptPlace(Edit):
+    """The motion is right at this place to review: of a part, or of the whole body."""
+
+    do: Literal["accept_place"] = "accept_place"
+    frame: FrameIndex
+    part: Name | None = None
+
+
+class CannotTell(Edit):
+    """Whether it is right there nobody can tell from the picture."""
+
+    do: Literal["cannot_tell"] = "cannot_tell"
+    frame: FrameIndex
+    part: Name | None = None
+
+
 # --- the body
 
 
@@ -431,6 +472,12 @@ class Vertical(Edit):
     do: Literal["vertical"] = "vertical"
     a: Spot
     b: Spot
+
+
+class UpFromFeet(Edit):
+    """Up so that the pinned feet stand level."""
+
+    do: Literal["up_from_feet"] = "up_from_feet"
 
 
 class ResetUp(Edit):
@@ -649,16 +696,37 @@ Posing: TypeAlias = (
     | CopyKey
     | TakeTracked
 )
-Keying: TypeAlias = AddKey | DeleteKey | MoveKey | DuplicateKey | KeyAngle | SoftenKey | ExactKey
 Noting: TypeAlias = SetNote | MoveNote | DeleteNote
+Keying: TypeAlias = (
+    AddKey
+    | DeleteKey
+    | MoveKey
+    | DuplicateKey
+    | KeyParts
+    | UnkeyParts
+    | KeyAngle
+    | SoftenKey
+    | ExactKey
+)
 Pinning: TypeAlias = SetPin | ChangePin | DeletePin | SplitPin | AcceptPins | Floor
+Reviewing: TypeAlias = AcceptPlace | CannotTell
 Shaping: TypeAlias = Shape | Size | Joint | Height | Preset | ResetBody | Clavicles | Tracked
-Filming: TypeAlias = Intrinsics | FieldOfView | Lens | Distortion | Vertical | ResetUp
+Filming: TypeAlias = Intrinsics | FieldOfView | Lens | Distortion | Vertical | UpFromFeet | ResetUp
 Choosing: TypeAlias = AddMask | ChangeMask | DeleteMask | Settings | Observe
 Seeing: TypeAlias = CorrectKeypoint | IgnoreKeypoint | RestoreKeypoint
 Rewinding: TypeAlias = Undo | Redo | GoToStep | EndStroke | CancelStroke
 Editing: TypeAlias = (
-    Looking | Posing | Keying | Noting | Pinning | Shaping | Filming | Choosing | Seeing | Rewinding
+    Looking
+    | Posing
+    | Keying
+    | Noting
+    | Pinning
+    | Reviewing
+    | Shaping
+    | Filming
+    | Choosing
+    | Seeing
+    | Rewinding
 )
 """What `app.editor.update` knows to apply."""
 

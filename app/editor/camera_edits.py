@@ -62,10 +62,11 @@ def _with_lens(state: EditorState, lens: Camera, source: LensSource) -> Session:
     update = {
         "lens_source": source,
         "keyframes": tuple(at_new_focal(k, farther) for k in doc.keyframes),
+        "part_keyframes": tuple(at_new_focal(k, farther) for k in doc.part_keyframes),
         "drafts": tuple(at_new_focal(k, farther) for k in doc.drafts),
     }
     doc = doc.model_copy(update=update)
-    for posed in (*doc.keyframes, *doc.drafts):
+    for posed in (*doc.keyframes, *doc.part_keyframes, *doc.drafts):
         require_before_camera(state.skeleton, posed.pose(state.skeleton))
     return doc
 
@@ -86,12 +87,12 @@ def set_up(state: EditorState, action: do.Vertical) -> Session:
     if not np.isfinite(up).all():
         raise Refused("The lens shows nothing at one end of this line. Draw it nearer the centre.")
     x, y, z = (float(v) for v in up)
-    return state.doc.model_copy(update={"up_camera": (x, y, z)})
+    return state.doc.model_copy(update={"up_camera": (x, y, z), "up_from_feet": False})
 
 
 def reset_up(state: EditorState) -> Session:
     """The camera's own up again."""
-    return state.doc.model_copy(update={"up_camera": None})
+    return state.doc.model_copy(update={"up_camera": None, "up_from_feet": False})
 
 
 def _with_camera(state: EditorState, changes: dict[str, Any]) -> Session:

@@ -37,9 +37,7 @@ def require_draftable(doc: Session, frame: int, box: Box, frames: tuple[int, int
     if doc.surface is not None:
         raise Refused("Drafts are made from a video, not from surfaces.")
     if len(points_on_body(doc.body, JOINTS).indices) < len(JOINTS):
-        raise Refused(
-            f"Drafts are made of people: choose one of the bodies {listed(PRESETS)} first."
-        )
+        raise Refused(f"Drafts need a person's body: choose {listed(PRESETS)} first.")
     first, last = frames
     if not 0 <= first <= last < count:
         raise Refused(f"The frames to draft must lie within those of the video, 0 to {count - 1}.")

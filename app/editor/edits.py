@@ -15,8 +15,10 @@ from app.editor import (
     keyframe_edits,
     keypoint_edits,
     note_edits,
+    part_edits,
     pin_edits,
     posing_edits,
+    review_edits,
     surface_edits,
     tracking_edits,
 )
@@ -58,6 +60,11 @@ def _duplicate_keyframe(state: EditorState, action: do.DuplicateKey) -> Session:
     return keyframe_edits.duplicate_keyframe(state, action)
 
 
+def _key_parts(state: EditorState, action: do.KeyParts) -> Session:
+    _in_video(state, action.frame)
+    return part_edits.key_parts(state, action)
+
+
 def _in_video(state: EditorState, frame: int) -> int:
     if frame >= state.frame_count:
         raise Refused(f"The video has frames 0 to {state.frame_count - 1}.")
@@ -85,6 +92,8 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
     do.DeleteKey: EditKind(_delete_keyframe, "delete keyframe", "frame"),
     do.MoveKey: EditKind(_move_keyframe, "move keyframe", "frame"),
     do.DuplicateKey: EditKind(_duplicate_keyframe, "duplicate keyframe", "frame"),
+    do.KeyParts: EditKind(_key_parts, "add part keyframe", "frame"),
+    do.UnkeyParts: EditKind(part_edits.unkey_parts, "change part keyframe", "frame"),
     do.SoftenKey: EditKind(pin_edits.soften_key, "soften keyframe", "frame"),
     do.ExactKey: EditKind(pin_edits.soften_key, "set exact keyframe", "frame"),
     do.SetNote: EditKind(note_edits.set_note, "write the note at", "frame"),
@@ -95,6 +104,8 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
     do.DeletePin: EditKind(pin_edits.delete_pin, "unpin"),
     do.SplitPin: EditKind(pin_edits.split_pin, "split a pin at", "frame"),
     do.AcceptPins: EditKind(pin_edits.accept_pins, "accept proposed pins"),
+    do.AcceptPlace: EditKind(review_edits.accept_place, "accept", "part"),
+    do.CannotTell: EditKind(review_edits.cannot_tell, "leave open", "part"),
     do.Floor: EditKind(floor_edits.set_floor, "change the floor"),
     do.Shape: EditKind(body_edits.set_shape, "change the shape of", "part"),
     do.Size: EditKind(body_edits.set_size, "resize", "part"),
@@ -109,6 +120,7 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
     do.Lens: EditKind(camera_edits.set_lens, "change the lens"),
     do.Distortion: EditKind(camera_edits.set_distortion, "change the distortion"),
     do.Vertical: EditKind(camera_edits.set_up, "change the up direction"),
+    do.UpFromFeet: EditKind(_alone(floor_edits.set_up_from_feet), "level the pinned feet"),
     do.ResetUp: EditKind(_alone(camera_edits.reset_up), "reset the up direction"),
     do.AddMask: EditKind(tracking_edits.add_mask, "draw a mask"),
     do.ChangeMask: EditKind(tracking_edits.change_mask, "change a mask"),

@@ -1,4 +1,4 @@
-"""Edits of the floor: how high it lies."""
+"""Edits of the floor: how high it lies, and which way is up from it."""
 
 from __future__ import annotations
 
@@ -14,9 +14,12 @@ from tracker.body.pose import pose_transforms
 from tracker.geometry.rotations import Array
 from tracker.session.pins import Pin
 from tracker.session.schema import Session
+from tracker.tracking.space.level import up_from_places
 
 LEAST_M = 0.05
 """The floor lies at least this far above or below the camera."""
+LEAST_APART_M = 0.5
+"""Feet that stand nearer to each other than this do not tell what is level."""
 
 
 def set_floor(state: EditorState, action: do.Floor) -> Session:
@@ -32,6 +35,20 @@ def set_floor(state: EditorState, action: do.Floor) -> Session:
     return _with_floor(state, action.height_m)
 
 
+def set_up_from_feet(state: EditorState) -> Session:
+    """Up so that the pinned feet stand level; what they do not tell stays as it is."""
+    places = np.array([_middle(state, pin) for pin in state.doc.pins if pin.landmarks])
+    apart = np.ptp(places, axis=0) if len(places) else np.zeros(3)
+    if np.linalg.norm(apart) < LEAST_APART_M:
+        raise Refused("Pin two steps first, at least half a metre apart.")
+    x, y, z = (round(float(v), 6) for v in up_from_places(places, np.array(up_of(state.doc))))
+    levelled = state.doc.model_copy(update={"up_camera": (x, y, z), "up_from_feet": True})
+    if levelled.floor_m is None:
+        return levelled
+    state = state.with_doc(levelled)
+    return _with_floor(state, _height_of_pins(state))
+
+
 def foot_height(state: EditorState, pin: Pin, frame: int) -> float:
     """How high a pin's lowest point lies at a frame, metres along up from the camera."""
     return round(float((_points_at(state, pin, frame) @ np.array(up_of(state.doc))).min()), 4)
@@ -43,9 +60,16 @@ def _height_of_pins(state: EditorState) -> float:
     pins = [pin for pin in state.doc.pins if pin.floor] or feet
     if not pins:
         raise Refused("No foot is pinned yet. Pin one that stands on the floor first.")
-    middles = [(pin.first_frame + pin.last_frame) // 2 for pin in pins]
-    heights = [foot_height(state, pin, at) for pin, at in zip(pins, middles, strict=True)]
-    return float(np.median(heights))
+    return float(np.median([foot_height(state, pin, _middle_frame(pin)) for pin in pins]))
+
+
+def _middle(state: EditorState, pin: Pin) -> Array:
+    """(3,) where a pinned foot stands, camera frame, metres."""
+    return np.asarray(_points_at(state, pin, _middle_frame(pin)).mean(axis=0))
+
+
+def _middle_frame(pin: Pin) -> int:
+    return (pin.first_frame + pin.last_frame) // 2
 
 
 def _points_at(state: EditorState, pin: Pin, frame: int) -> Array:

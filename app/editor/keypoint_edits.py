@@ -54,7 +54,7 @@ def _require_counting(doc: Session, joint: str) -> None:
     if doc.surface is not None:
         raise Refused("Keypoints are found in a video, not in surfaces.")
     if not len(points_on_body(doc.body, [joint]).indices):
-        raise Refused(f"{part_label(joint)} is no keypoint that this body has.")
+        raise Refused(f"This body has no keypoint {part_label(joint).lower()}.")
 
 
 def _in_video(camera: Camera, at: Pixel) -> Pixel:

@@ -18,12 +18,12 @@ _REASONS: Final[Mapping[Cause, str]] = {
     "no_surface": "no surface that can be used",
     "not_fitted": "not fitted yet",
     "one_keyframe": "fitted from one keyframe only so far",
-    "keyframe_off_surface": "the keyframe lies off its surface",
-    "body_off_surface": "at key {first} the body lies off its surface",
+    "keyframe_off_surface": "the keyframe is off its surface",
+    "body_off_surface": "at key {first} the body is off its surface",
     "keyframe_off_keypoints": "at key {first} the {part} is not where it is seen",
     "moves_beside_body": "the body does not cover what moves",
     "not_followed": "lost near {first}",
-    "nothing_seen": "nothing of the body is seen: check keys, camera and masks",
+    "nothing_seen": "the body is not visible: check keyframes, camera and masks",
     "contradiction": "keys {first} and {last} contradict each other",
 }
 _WITH_THEIR_FRAMES: Final = ("damaged", "body_off_surface", "keyframe_off_keypoints")

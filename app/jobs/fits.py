@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 
 Send = Callable[[Report], None]
 
-_FAULT = "Fitting met a fault of Keypose itself ({}); nothing was changed."
+_FAULT = "Fitting failed with an internal error ({}). Nothing was changed."
 
 
 class Fit:

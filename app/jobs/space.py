@@ -11,7 +11,7 @@ from tracker.session import Session
 
 Send = Callable[[Report], None]
 
-_FAULT = "Smoothing met a fault of Keypose itself ({}); the motion is as it was tracked."
+_FAULT = "Smoothing failed with an internal error ({}). The motion is as it was tracked."
 
 
 def solve_order(order: SpaceOrder, cancelled: Event, send: Send) -> None:

@@ -107,5 +107,5 @@ def _message(error: Exception) -> str:
         return one_sentence(error)
     return failure_message(
         error,
-        "Tracking met a fault of Keypose itself ({}); what was finished is kept, try again.",
+        "Tracking failed with an internal error ({}). Finished work is kept; try again.",
     )

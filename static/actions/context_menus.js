@@ -14,7 +14,7 @@ export const CONTEXTS = {
   part: {
     title: 'a part',
     groups: [
-      ['turnInDepth', 'resetPart', 'otherSide'],
+      ['keyLimb', 'turnInDepth', 'resetPart', 'otherSide'],
       ['addKeyframe', 'deleteKeyframe', 'fitPose', 'copyPose', 'pastePose'],
     ],
   },

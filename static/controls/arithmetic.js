@@ -15,7 +15,7 @@ export function read(text, value, unit = '') {
   if (result === null) return { words: `“${text.trim()}” is not a number.` };
   const amount = result * factor;
   const answer = relative ? applyRelative(relative[1] ?? relative[2], value, amount, result) : amount;
-  if (!Number.isFinite(answer)) return { words: 'Nothing can be divided by zero.' };
+  if (!Number.isFinite(answer)) return { words: 'Cannot divide by zero.' };
   return { value: answer };
 }
 

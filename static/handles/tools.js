@@ -18,7 +18,7 @@ const CARRY = hint('carry');
 const LIMB = ['Double-click', 'select the limb'];
 
 const RESTING = {
-  select: [['Click', 'select; again: what is behind'], LIMB, ['Drag', 'rotate a part, move the waist'], CARRY],
+  select: [['Click', 'select; click again for what is behind'], LIMB, ['Drag', 'rotate a part, move the waist'], CARRY],
   rotate: [['Drag', 'rotate about its joint'], FINE, DEGREES, FREE],
   move: [['Drag', 'move the whole body in the image plane'], FINE, DEPTH, BACK],
   ends: [['Drag', 'pull a hand or foot, the limb follows'], DEPTH, FINE, CENTIMETRES],

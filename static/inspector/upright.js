@@ -1,4 +1,4 @@
-// What is up: as the camera holds it, or along a line drawn on the picture.
+// What is up: as the camera holds it, along a line drawn on the picture, or so that feet stand level.
 
 import { html } from '../vendor/lit-html/lit-html.js';
 import { server, setUi } from '../store/state.js';
@@ -12,7 +12,8 @@ export function upright() {
     'Up direction',
     html`${line('Set by', dropdown({
       label: 'Up direction set by', value: origin, act: setBy,
-      options: [{ id: 'camera', label: 'Camera' }, { id: 'drawn', label: 'Drawn vertical' }],
+      options: [{ id: 'camera', label: 'Camera' }, { id: 'drawn', label: 'Drawn vertical' },
+        { id: 'feet', label: 'Pinned feet' }],
       title: 'Which way is up in the top, side and front views',
     }))}
     ${fact('Tilt', `${shortNumber(tilt, 1)}°`, 'How far the camera looks down')}
@@ -26,5 +27,6 @@ export function upright() {
 
 function setBy(id) {
   if (id === 'camera') send({ do: 'reset_up' });
+  else if (id === 'feet') send({ do: 'up_from_feet' });
   else setUi('tool', 'vertical');
 }

@@ -53,6 +53,9 @@ function content() {
   </div>`;
 }
 
+/** The samples that are offered, in the order in which the server has them. */
+const SAMPLE_TITLES = { walk: 'Try a walk', balance: 'Try a balance beam', arms: 'Try surfaces' };
+
 function dropZone() {
   return html`<div class="dz ${ui.dropping ? 'over' : ''}">
     ${PICTURE}
@@ -77,12 +80,9 @@ function buttons() {
 
 /** A film to try, and surfaces. */
 function samples() {
-  const [first, ...others] = ui.library?.samples ?? [];
-  const surfaces = others.find(({ id }) => id === 'arms');
-  if (!first) return nothing;
-  return html`<div class="samples">
-    ${sample(first, 'Try the sample')}${surfaces ? sample(surfaces, 'Try surfaces') : nothing}
-  </div>`;
+  const shown = (ui.library?.samples ?? []).filter(({ id }) => SAMPLE_TITLES[id]);
+  if (!shown.length) return nothing;
+  return html`<div class="samples">${shown.map((one) => sample(one, SAMPLE_TITLES[one.id]))}</div>`;
 }
 
 function sample({ id, thumb, words }, title) {

@@ -93,7 +93,7 @@ function refuse(file) {
   const isSession = file.name.toLowerCase().endsWith('.json');
   const words = isSession
     ? `${file.name} is opened where it lies. Its video and its motion lie beside it: Open a session…`
-    : `${file.name} is no video. Keypose opens ${KINDS}.`;
+    : `${file.name} is not a video. Keypose opens ${KINDS}.`;
   toast({ kind: 'check', words });
 }
 

@@ -50,7 +50,7 @@ test('one pins only a hand or a foot with the key, but unpins whatever is pinned
 
 test('a keyframe is softened, and made exact again', () => {
   assert.equal(labelOf('softKey', 0), 'Soften the keyframe');
-  assert.equal(labelOf('softKey', 50), 'Meet the keyframe exactly');
+  assert.equal(labelOf('softKey', 50), 'Make the keyframe exact');
   assert.equal(whyNot('softKey', 7), 'Frame 7 is not a keyframe');
 });
 

@@ -56,6 +56,7 @@ class Recording:
     sampled_at: (N,) which frame of the video a pose belongs to, in fractions; None: its own number.
     filter_hz: the cut-off of the low-pass filter that the poses went through; None: as tracked.
     notes:     what a person wrote at frames of the video.
+    part_frames: frames at which limbs alone were keyed, ascending.
     """
 
     skeleton: Skeleton
@@ -69,6 +70,7 @@ class Recording:
     sampled_at: Array | None = None
     filter_hz: float | None = None
     notes: tuple[Note, ...] = ()
+    part_frames: tuple[int, ...] = ()
 
     @classmethod
     def of(
@@ -95,6 +97,7 @@ class Recording:
             tuple(sorted(_open_ends(session, segments))),
             _mean_rate(times_s),
             notes=session.notes,
+            part_frames=tuple(keyframe.frame for keyframe in session.part_keyframes),
         )
 
     def __len__(self) -> int:
@@ -195,8 +198,15 @@ class Recording:
     def at_keyframe(self) -> NDArray[np.bool_]:
         """(N,) True at a keyframe, whose pose is not a tracked one."""
         ends = {frame for s in self.segments for frame in (s.first_frame, s.last_frame)}
-        keyed = np.array(sorted(ends - set(self.open_ends)), dtype=float)
-        near = np.abs(self.film_frames[:, None] - keyed) <= AT_KEYFRAME
+        return self._at(sorted(ends - set(self.open_ends)))
+
+    @property
+    def at_part_keyframe(self) -> NDArray[np.bool_]:
+        """(N,) True where limbs alone were keyed."""
+        return self._at(self.part_frames)
+
+    def _at(self, frames: Sequence[int]) -> NDArray[np.bool_]:
+        near = np.abs(self.film_frames[:, None] - np.array(frames, dtype=float)) <= AT_KEYFRAME
         found = np.asarray(near.any(axis=1))
         found.setflags(write=False)
         return found

@@ -24,10 +24,11 @@ class Sample:
 
 
 SAMPLES = (
-    Sample("balance", "A man walks a beam and leans over. 61 frames with 5 keyframes."),
-    Sample("person", "A rendered figure walks by. 73 frames with 4 keyframes."),
-    Sample("arms", "Three arms close and touch. 19 frames of surfaces, no film, with 1 keyframe."),
-    Sample("box", "A box tumbles through the picture. 41 frames with 2 keyframes."),
+    Sample("walk", "A woman walks across a lawn. 153 frames, 8 keyframes, feet pinned."),
+    Sample("balance", "A man walks a beam and leans over. 61 frames, 5 keyframes."),
+    Sample("person", "A rendered figure walks by. 73 frames, 4 keyframes."),
+    Sample("arms", "Three arms close and touch. 19 frames of surfaces, no video, 1 keyframe."),
+    Sample("box", "A box tumbles through the picture. 41 frames, 2 keyframes."),
 )
 
 

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from app.editor.part_edits import keyed_words
 from app.export.report.figures import figure
 from app.export.report.labels import words_for
 from app.export.report.markup import Child, Html, element
 from app.export.report.subject import Subject
 from app.posing.labels import number_text
+from tracker.errors import listed
 from tracker.session.notes import Note
+from tracker.session.schema import Session
 from tracker.storage.results import Span, State
 
 
@@ -42,6 +45,15 @@ def notes_table(subject: Subject) -> Html:
     """Every note with its frame; of a flag that it is one."""
     rows = [_note_row(subject, note) for note in subject.session.notes]
     return table(("Frame", "Time, s", "Note"), rows, (0, 1))
+
+
+def part_keyframes(session: Session) -> Html | None:
+    """Which limbs were keyed alone, and where; None where none were."""
+    if not session.part_keyframes:
+        return None
+    said = [f"{k.frame} ({keyed_words(session.body, k.parts)})" for k in session.part_keyframes]
+    words = f"Limbs keyed alone, the rest of the body tracked: at {listed(said)}."
+    return element("p", words, class_="note")
 
 
 def table(

@@ -43,7 +43,7 @@ def _failure_as_summary(task: Task, send: SendStep, stop: Event) -> Summary:
     except MemoryError:
         return Summary(name, "failed", "There is not enough memory: use fewer workers.")
     except Exception as error:  # noqa: BLE001 — a fault, reported as such; the other sessions go on
-        words = failure_message(error, "This met a fault of Keypose itself ({}).")
+        words = failure_message(error, "Keypose ran into an internal error ({}).")
         return Summary(name, "failed", words)
 
 

@@ -13,6 +13,7 @@ from app.posing import tilt_and_roll, view_rotations
 from app.store.sections.json_value import Json, doc_of
 from app.store.sections.surface_values import surface_version
 from app.store.state import AppState
+from tracker.session.schema import Session
 from tracker.tracking.diagnostics.runs import runs
 
 
@@ -64,11 +65,17 @@ def camera(app_state: AppState) -> Json:
         "lens_source": doc.lens_source,
         "lens_is_guess": doc.lens_is_guess,
         "up": list(up),
-        "up_origin": "camera" if doc.up_camera is None else "drawn",
+        "up_origin": _up_origin(doc),
         "tilt_deg": tilt,
         "roll_deg": roll,
         "image_version": image_version(app_state),
     }
+
+
+def _up_origin(doc: Session) -> str:
+    if doc.up_camera is None:
+        return "camera"
+    return "feet" if doc.up_from_feet else "drawn"
 
 
 def image_version(app_state: AppState) -> str:

@@ -8,8 +8,12 @@ import { clampFrame } from '../../store/clip.js';
 import { frameAt, GUTTER, OVERVIEW, pxPerFrame, RULER, x, zoomAt } from '../draw/scale.js';
 import { isZoomed, scrollBy } from '../../actions/window.js';
 import { BAR, barOf } from '../draw/segments.js';
+import { visitOrOpen } from '../../actions/review.js';
 import { placeNear } from '../draw/drafts.js';
+import { reviewPlaceNear } from '../draw/places.js';
 import { keyNear } from '../draw/keymarks.js';
+import { partNear } from '../draw/partmarks.js';
+import { partKeyAt } from '../../actions/limbs.js';
 import { curveKeyNear } from '../draw/curve.js';
 import { laneAt } from '../draw/lanes.js';
 import { pinAt, proposalOf } from '../draw/pins.js';
@@ -46,6 +50,7 @@ export function listenOn(drawing, groundOf, scrollLanes) {
     const what = under(placeOf(event));
     if (what.kind === 'proposal') acceptAt(what);
     if (what.kind === 'note') perform('note', what.frame);
+    if (what.kind === 'key' && partKeyAt(what.frame)) perform('keyWhole', what.frame);
   });
   drawing.addEventListener('wheel', (event) => wheel(event, scrollLanes), { passive: false });
   // A click takes the focus away from no view and gives it to nothing here.
@@ -72,6 +77,8 @@ function under(place) {
   if (strip) return { kind: 'overview' };
   const note = noteMarkAt(place);
   if (note !== null) return { kind: 'note', frame: note };
+  const review = reviewPlaceNear(place.x, place.y);
+  if (review !== null) return { kind: 'review', place: review };
   if (place.y >= rows.keys.y && place.y < rows.keys.y + rows.keys.h) return inKeys(place, rows);
   const pin = pinAt(rows.pins, place);
   if (pin !== null) return pin;
@@ -84,7 +91,7 @@ function under(place) {
 }
 
 function inKeys(place, rows) {
-  const key = keyNear(place.x);
+  const key = keyNear(place.x) ?? partNear(place.x);
   if (key !== null) return { kind: 'key', frame: key };
   const confirm = placeNear(place.x);
   if (confirm !== null) return { kind: 'place', frame: confirm.frame };
@@ -106,6 +113,8 @@ function begin(what, place) {
       return grabNote(what.frame, place);
     case 'place':
       return grabHead({ ...place, x: x(what.frame) });
+    case 'review':
+      return grabHead({ ...place, x: x(what.place.frame) }, () => visitOrOpen(what.place.id));
     case 'pin':
       return grabPin(what, place);
     case 'proposal':
@@ -203,7 +212,7 @@ function menu(event) {
 export function openMenuAtHead() {
   const { left, bottom } = element.querySelector('.playhead .flag').getBoundingClientRect();
   const page = [left, bottom];
-  if (isKey(frame())) openKeyMenu(frame(), page);
+  if (isKey(frame()) || partKeyAt()) openKeyMenu(frame(), page);
   else if (segmentAt(frame())) openSegmentMenu(segmentAt(frame()), page);
   else openFramesMenu(frame(), page);
 }

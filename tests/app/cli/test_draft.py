@@ -67,14 +67,14 @@ def test_json_tells_the_progress_and_the_frames_to_confirm(
 WRONG: dict[str, tuple[tuple[str, ...], str, str]] = {
     "a box outside": ((), "3000,10,3100,90", "outside the picture"),
     "a box without size": ((), "10,10,10,10", "has no size"),
-    "a box of words": ((), "here", "is no box"),
-    "a box of three numbers": ((), "10,20,30", "is no box"),
+    "a box of words": ((), "here", "is not a box"),
+    "a box of three numbers": ((), "10,20,30", "is not a box"),
     "a box with nobody in it": ((), "0,0,60,60", "No person was found at frame 0"),
     "two boxes": (("--box", "10,10,90,90"), AROUND, "--box is given twice"),
     "a frame that is not to be drafted": (("--frame", "9"), AROUND, "one of those to draft"),
     "frames beyond the video": (("--frames", "0-5000"), AROUND, "within those of the video"),
     "frames that fall": (("--frames", "5-2"), AROUND, "within those of the video"),
-    "no range": (("--frames", "5"), AROUND, "no range of frames"),
+    "no range": (("--frames", "5"), AROUND, "not a range of frames"),
     "no body": (("--body", "giant"), AROUND, "There is no body 'giant'"),
     "no angle": (("--field-of-view", "200"), AROUND, "not an angle"),
 }

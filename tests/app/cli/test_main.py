@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -16,7 +17,7 @@ import numpy as np
 import pytest
 
 from app.cli import follow
-from app.cli.main import main
+from app.cli.main import grammar, main
 from app.render.palette import Picture
 from app.render.snapshots import _with_plate
 from tests.tracker import session_cases as cases
@@ -261,7 +262,7 @@ def test_a_fault_of_the_program_is_told_in_full_with_an_exit_code_of_its_own(
     err = capsys.readouterr().err
     assert err.startswith("Traceback")
     assert "ZeroDivisionError" in err
-    assert err.endswith("\nThis is a fault of Keypose, not of your input.\n")
+    assert err.endswith("\nThis is an error in Keypose, not in your input.\n")
 
 
 COMMANDS = ("track", "batch", "evaluate", "shot", "film", "sheet", "report", "export", "info")
@@ -279,7 +280,7 @@ def test_every_command_helps_with_examples(
 
 
 def test_help_loads_no_heavy_library() -> None:
-    code = "import sys, app.cli.main; app.cli.main.parser(); print(*sys.modules)"
+    code = "import sys, app.cli.main; app.cli.main.grammar(); print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert not {"numpy", "cv2", "av", "numba", "pydantic", "scipy"} & set(done.stdout.split())
 
@@ -332,3 +333,45 @@ def test_a_sessions_folder_stands_for_its_file(tracked_path: Path, tmp_path: Pat
     out = tmp_path / "a.png"
     assert main(["shot", str(tracked_path.parent), "--frame", "2", "--out", str(out)]) == 0
     assert out.exists()
+
+
+@pytest.mark.parametrize("given", ["a folder", "a video", "a folder of folders", "nothing"])
+def test_a_session_is_found_from_what_a_person_has_at_hand(
+    tracked_path: Path, tmp_path: Path, given: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here = tmp_path / "films"
+    shutil.copytree(tracked_path.parent, here / "jump.keypose")
+    (here / "jump.mp4").write_bytes(b"only its name matters")
+    monkeypatch.chdir(here / "jump.keypose" if given == "nothing" else here)
+    words = {"a folder": ["jump.keypose"], "a video": ["jump.mp4"], "a folder of folders": ["."]}
+    out = tmp_path / "tables"
+    assert main(["export", *words.get(given, []), "--format", "csv", "--out", str(out)]) == 0
+    assert (out / "joints.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [("new.mp4", "`keypose open new.mp4` begins one"), (".", "a.keypose, b.keypose: give one")],
+)
+def test_what_has_no_session_or_several_is_told(
+    tracked_path: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    given: str,
+    said: str,
+) -> None:
+    for name in ("a.keypose", "b.keypose"):
+        shutil.copytree(tracked_path.parent, tmp_path / "films" / name)
+    monkeypatch.chdir(tmp_path / "films")
+    Path("new.mp4").touch()
+    with pytest.raises(SystemExit) as ended:
+        main(["track", given])
+    assert ended.value.code == 2
+    assert said in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", grammar()[1])
+def test_every_option_and_argument_is_explained(name: str) -> None:
+    unexplained = [action.dest for action in grammar()[1][name]._actions if not action.help]
+    assert unexplained == []

@@ -101,10 +101,14 @@ def test_a_wrong_session_is_one_sentence_and_nothing_is_written(
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["fly"], "invalid choice"),
-        (["track"], "SESSION"),
+        (["fly"], "there is no command 'fly'"),
+        (["trak", "session.json"], "did you mean track?"),
+        (["frames"], "did you mean `keypose open frames`?"),
+        (["track", "--qualty", "fast"], "there is no option '--qualty'; did you mean --quality?"),
+        (["export", "--formt", "bvh"], "did you mean --format?"),
+        (["track", "session.json", "twice.json"], "one argument too many, 'twice.json'"),
         (["track", "none.json"], "no session file"),
-        (["track", "frames"], "is a folder"),
+        (["track", "frames"], "there is no session in the folder 'frames'"),
         (["track", "session.json", "--workers", "0"], "not a whole number from 1 on"),
         (["track", "session.json", "--method", "guess"], "invalid choice"),
         (["track", "session.json", "--out", "session.json/sub"], "cannot be written to"),

@@ -156,7 +156,7 @@ def test_what_the_journal_alone_has_comes_back_with_a_word(path: Path) -> None:
 
     async def look(store: Store) -> None:
         said = (await store.join().next())[0]
-        assert said["words"] == "2 edits made before Keypose ended unexpectedly came back."
+        assert said["words"] == "Restored 2 edits made before Keypose ended unexpectedly."
 
     with_store(path, look)
 

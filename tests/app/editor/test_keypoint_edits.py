@@ -65,7 +65,7 @@ def test_of_a_bent_lens_it_is_kept_where_the_film_shows_it() -> None:
 @pytest.mark.parametrize(
     ("wrong", "words"),
     [
-        ({"joint": "left_toe"}, "Left toe is no keypoint that this body has."),
+        ({"joint": "left_toe"}, "This body has no keypoint left toe."),
         ({"frame": 10_000}, "beyond the video"),
         ({"at": [99_999, 3]}, "far outside the picture"),
     ],

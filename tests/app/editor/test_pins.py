@@ -250,6 +250,20 @@ def test_the_floor_is_given_taken_from_pinned_feet_or_forgotten() -> None:
     assert under.doc.floor_m == by_foot.doc.floor_m
 
 
+def test_up_is_found_from_pinned_feet_in_one_step() -> None:
+    with pytest.raises(Refused, match="Pin two steps first"):
+        after(desk(), {**FOOT, "frame": 24}, {"do": "up_from_feet"})
+    other = {"do": "set_pin", "part": "right_foot", "frame": 66, "floor": True}
+    pinned = after(desk(), {**FOOT, "frame": 6}, other)
+    found = after(pinned, {"do": "up_from_feet"})
+    assert found.doc.up_camera is not None
+    assert found.doc.up_from_feet
+    assert found.doc.floor_m != pinned.doc.floor_m
+    assert after(found, {"do": "undo"}).doc == pinned.doc
+    drawn = after(found, {"do": "vertical", "a": (100, 40), "b": (103, 200)})
+    assert not drawn.doc.up_from_feet
+
+
 # --- keyframes
 
 

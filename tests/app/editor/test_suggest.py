@@ -107,7 +107,7 @@ def test_keyframes_that_are_wrong_themselves_are_to_be_looked_at() -> None:
     assert found.detail == "Keys 3 and 4 contradict each other"
     found = suggestion((0, 24), 73, {(0, 24): judged(0, 24, Verdict.nothing_seen(0, 24))})
     assert (found.frame, found.kind) == (0, "look")
-    assert found.detail == "Nothing of the body is seen: check keys, camera and masks"
+    assert found.detail == "The body is not visible: check keyframes, camera and masks"
 
 
 def test_in_a_short_interval_there_is_nothing_to_do_but_look() -> None:

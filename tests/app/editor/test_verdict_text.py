@@ -24,10 +24,10 @@ SAID = {
     "Check: no surface that can be used, frames 33–34": Verdict.check("no_surface", (33, 34)),
     "Check: not fitted yet, frames 40–48": Verdict.check("not_fitted", (40, 48)),
     "Check: fitted from one keyframe only so far": Verdict.check("one_keyframe", (25, 47)),
-    "Check: the keyframe lies off its surface, frame 48": Verdict.check(
+    "Check: the keyframe is off its surface, frame 48": Verdict.check(
         "keyframe_off_surface", (48, 48)
     ),
-    "Check: at key 0 the body lies off its surface": Verdict.check("body_off_surface", (0, 0)),
+    "Check: at key 0 the body is off its surface": Verdict.check("body_off_surface", (0, 0)),
     "Check: at key 24 the left forearm is not where it is seen": Verdict.check(
         "keyframe_off_keypoints", (24, 24), "left_forearm"
     ),
@@ -35,7 +35,9 @@ SAID = {
         "moves_beside_body", (31, 36)
     ),
     "Lost. Add a keyframe at 37": Verdict.not_followed(37),
-    "Lost. Nothing of the body is seen: check keys, camera and masks": Verdict.nothing_seen(24, 48),
+    "Lost. The body is not visible: check keyframes, camera and masks": Verdict.nothing_seen(
+        24, 48
+    ),
     "Lost. Keys 24 and 25 contradict each other": Verdict.contradiction(24, 25),
     "Check frames 30–40: the moon is full": Verdict(
         kind="check", cause="other", text="check frames 30–40: the moon is full"

@@ -143,7 +143,7 @@ def test_a_fault_is_one_sentence_too(
     fits(fit)
     report = told(SizesOrder(CONTENT, "v", job=3))
     assert isinstance(report, JobFailed)
-    assert "a fault of Keypose itself (ZeroDivisionError)" in report.words
+    assert "an internal error (ZeroDivisionError)" in report.words
     assert "Traceback" in capsys.readouterr().err
 
 

@@ -79,8 +79,8 @@ def test_a_fault_is_told_in_one_sentence_and_is_no_end(monkeypatch: pytest.Monke
     monkeypatch.setattr(space, "solved", fail)
     (failed,) = told(order(smooth()))
     assert isinstance(failed, JobFailed)
-    assert failed.words.startswith("Smoothing met a fault of Keypose itself")
-    assert failed.words.endswith("the motion is as it was tracked.")
+    assert failed.words.startswith("Smoothing failed with an internal error")
+    assert failed.words.endswith("The motion is as it was tracked.")
     assert "\n" not in failed.words
 
 

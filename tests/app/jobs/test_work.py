@@ -185,7 +185,7 @@ def test_a_segment_that_cannot_be_begun_leaves_the_others() -> None:
     ("error", "words"),
     [
         (MemoryError(), "There is not enough memory to track 0–4: set a keyframe between"),
-        (ZeroDivisionError(), "a fault of Keypose itself (ZeroDivisionError)"),
+        (ZeroDivisionError(), "an internal error (ZeroDivisionError)"),
     ],
 )
 def test_faults_are_one_sentence_too(

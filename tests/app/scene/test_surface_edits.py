@@ -288,9 +288,9 @@ def test_a_fit_that_was_stopped_goes_on_first() -> None:
 
 def test_a_body_that_lies_off_its_surface_is_to_be_looked_at_before_anything_else() -> None:
     state = fitted(desk(), Verdict.check("body_off_surface", (0, 0)), missing=11)
-    reason = "Check keyframe 0: The body lies off its surface there"
+    reason = "Check keyframe 0: The body is off its surface there"
     assert suggested(state) == ("look", 0, reason)
-    assert told(state, "segments")[0]["words"] == "Check: at key 0 the body lies off its surface"
+    assert told(state, "segments")[0]["words"] == "Check: at key 0 the body is off its surface"
 
 
 def test_what_is_good_needs_nothing() -> None:

@@ -152,7 +152,7 @@ def test_a_fault_of_the_program_fails_its_session_and_is_logged(
 
     monkeypatch.setattr(run_one, "rerun", broken)
     summary, _ = done(path)
-    assert summary.words == "This met a fault of Keypose itself (ZeroDivisionError)."
+    assert summary.words == "Keypose ran into an internal error (ZeroDivisionError)."
     assert "Traceback" in capfd.readouterr().err
 
 
