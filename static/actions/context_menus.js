@@ -31,7 +31,7 @@ export const CONTEXTS = {
   free: { title: 'the free view', groups: [['addKeyframe', 'deleteKeyframe', 'copyPose', 'pastePose', 'note'], ['ghosts', 'trail']] },
   freePart: { title: 'a part', groups: [['turnInDepth', 'resetPart', 'otherSide']] },
   eye: { title: 'the free view', groups: [['fitView']] },
-  keyframe: { title: 'a keyframe', groups: [['copyKeyHere'], ['note']] },
+  keyframe: { title: 'a keyframe', groups: [['copyKeyHere', 'note']] },
   segment: { title: 'a segment', groups: [['trackChanged', 'nextProblem'], ['note']] },
   frames: { title: 'the timeline', groups: [['goTo', 'note'], ['zoomToInterval', 'lanes', 'trackChanged']] },
   note: { title: 'a note', groups: [['goTo', 'note', 'deleteNote']] },

@@ -25,8 +25,8 @@ export function openKeyMenu(at, page) {
     menuItem('goTo', at),
     menuItem('duplicateKeyframe', at, { ask: { value: placeForCopy(at), last: lastFrame(), answer: 'Duplicate' } }),
     menuItem('softKey', at),
-    menuItem('deleteKeyframe', at, { icon: 'trash', ...elsewhere(at === frame()) }), line,
-    ...contextEntries('keyframe', { copyKeyHere: at, note: at }),
+    ...contextEntries('keyframe', { copyKeyHere: at, note: at }), line,
+    menuItem('deleteKeyframe', at, { icon: 'trash', ...elsewhere(at === frame()) }),
   ], page);
 }
 
