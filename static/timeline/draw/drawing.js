@@ -87,7 +87,7 @@ const LAYERS = [
   ['above', 'chart-labels', () => [isScore(), ...chartInputs()],
     ({ rows }) => (isScore() ? drawScoreLabels(rows.curve) : drawCurveLabels(rows.curve))],
   ['above', 'overview', () => [server.segments, server.keys, frame()], () => drawOverview()],
-  ['top', 'head', () => [frame(), server.keys, server.segments, isScore()],
+  ['top', 'head', () => [frame(), server.keys, selectedKeys(), server.segments, isScore()],
     ({ rows }) => drawPlayhead(bottomOf(rows))],
   ['top', 'grabbed', () => [grabbed(), hovered(), server.segments, server.curve, server.pins, ui.curveAxis, ui.span],
     ({ rows }) => drawGrabbed(rows)],

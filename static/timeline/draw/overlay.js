@@ -9,7 +9,7 @@ import { clamp, shortNumber, signedNumber } from '../../controls/arithmetic.js';
 import { GUTTER, right, RULER, x } from './scale.js';
 import { around, frame, isKey, placesToConfirm, segmentAt, draftFrames } from '../../actions/playhead.js';
 import { reasonOf } from '../../actions/drafting.js';
-import { selectedKeys } from '../../actions/selection.js';
+import { isSelected, selectedKeys } from '../../actions/selection.js';
 import { diamond } from './keymarks.js';
 import { BAR, barOf } from './segments.js';
 import { grabbed, hovered } from '../edit/pointer.js';
@@ -44,7 +44,7 @@ function flag(half, top, bottom) {
 
 function spokenFrame() {
   const at = frame();
-  const what = isKey(at) ? ', keyframe' : draftFrames().includes(at) ? ', draft' : '';
+  const what = isKey(at) ? `, keyframe${isSelected(at) ? ', selected' : ''}` : draftFrames().includes(at) ? ', draft' : '';
   const segment = segmentAt(at);
   return `Frame ${at} of ${lastFrame()}${what}${segment?.words ? `. ${segment.words}` : ''}`;
 }
