@@ -177,7 +177,7 @@ class CopyPose(Message):
     """These keyframes, or the pose shown at the present frame."""
 
     do: Literal["copy_pose"] = "copy_pose"
-    frames: tuple[FrameIndex, ...] = ()
+    frames: Annotated[tuple[FrameIndex, ...], Field(max_length=10_000)] = ()
 
 
 class PastePose(Edit):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 from app.editor import actions as do
 from app.editor.copied import Copied, pasted_poses
 from app.editor.documents import keyframe_of, posed, require_before_camera
@@ -12,11 +14,11 @@ from app.editor.state import EditorState
 from tracker.session.schema import Session
 
 
-def copied_from(state: EditorState, action: do.CopyPose) -> Copied:
-    """Some keyframes, or the pose shown at the present frame."""
-    if not action.frames:
+def copied_from(state: EditorState, frames: Collection[int]) -> Copied:
+    """The keyframes at some frames; of none the pose shown at the present frame."""
+    if not frames:
         return Copied.pose_of(state.skeleton, shown_pose(state).pose)
-    found = [find(state.doc.keyframes, frame) for frame in sorted(set(action.frames))]
+    found = [find(state.doc.keyframes, frame) for frame in sorted(set(frames))]
     keyframes = [keyframe for keyframe in found if keyframe is not None]
     if len(keyframes) < len(found):
         raise Refused("One of these frames is not a keyframe any more.")

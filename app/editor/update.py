@@ -39,7 +39,7 @@ def _look(state: EditorState, action: do.Looking) -> EditorState:
             state.doc.body.index(action.part)
         return replace(state, selected=action.part)
     if isinstance(action, do.CopyPose):
-        return replace(state, clipboard=pasting.copied_from(state, action))
+        return replace(state, clipboard=pasting.copied_from(state, action.frames))
     if isinstance(action, do.BeginGuide):
         return state
     if isinstance(action, do.DismissPins):

@@ -14,6 +14,7 @@ from starlette.routing import Route
 
 from app.editor.actions import Degrees, Message, Spot
 from app.editor.feet import feet_paths
+from app.editor.pasting import copied_from
 from app.editor.pointer_views import pointer_views
 from app.editor.shown import shown_pose
 from app.editor.state import EditorState
@@ -42,10 +43,11 @@ class Pick(Message, InView):
 
 
 class CopiedText(Message):
-    """What was copied last, as text for a clipboard."""
+    """Some keyframes, or the pose at the present frame, as text for a clipboard."""
 
     ask: Literal["copied"]
     id: Annotated[int, Field(ge=0, lt=2**53)]
+    frames: Annotated[tuple[FrameIndex, ...], Field(max_length=10_000)] = ()
 
 
 class Shot(Message):
@@ -114,8 +116,7 @@ class Outputs:
         except ValidationError as error:
             return {**reply, "parts": [], "outline": [], "words": one_sentence(error)}
         if isinstance(question, CopiedText):
-            copied = edit.clipboard if edit is not None else None
-            return {**reply, "text": copied.text if copied is not None else None}
+            return {**reply, "text": _copied_text(edit, question)}
         if edit is None:
             return {**reply, "parts": [], "outline": []}
         return {**reply, **_picked(edit, question)}
@@ -161,6 +162,14 @@ class Outputs:
         if opened is None:
             raise KeyposeError("Open a video first.")
         return edit, await self._surfaces.video(edit) or opened.video
+
+
+def _copied_text(edit: EditorState | None, question: CopiedText) -> str | None:
+    """None where there is nothing of the kind."""
+    try:
+        return None if edit is None else copied_from(edit, question.frames).text
+    except KeyposeError:
+        return None
 
 
 def _picked(edit: EditorState, question: Pick) -> dict[str, Any]:

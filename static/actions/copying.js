@@ -10,7 +10,9 @@ import { listed } from './key_ranges.js';
 import { frame, isKey } from './playhead.js';
 import { selectedKeys, selectKeys } from './selection.js';
 
-const LARGEST = 1_000_000;
+/** What the server takes in a message, and how many keyframes at a time. */
+const LARGEST_BYTES = 1_000_000;
+const MOST_KEYS = 500;
 const NEWER = 'This was copied in a newer Keypose. Update this one to paste it.';
 const NOTHING = 'The clipboard holds no pose or keyframes. Copy some first (Ctrl C).';
 
@@ -25,11 +27,13 @@ export const canRead = () => Boolean(globalThis.navigator?.clipboard?.readText);
 
 export const nothingCopied = () => (server.clipboard || canRead() ? '' : 'Copy a pose first (Ctrl C)');
 
+export const whyNotCopy = () => (selectedKeys().length > MOST_KEYS ? `At most ${MOST_KEYS} keyframes can be copied at a time` : '');
+
 /** Copy the selected keyframes, or the pose at this frame. */
 export async function copy() {
   const frames = selectedKeys();
   send({ do: 'copy_pose', frames });
-  const text = ask({ ask: 'copied' }).then((answer) => answer.text ?? Promise.reject(new Error('nothing')));
+  const text = ask({ ask: 'copied', frames }).then((answer) => answer.text ?? Promise.reject(new Error('nothing')));
   setUi('copiedHere', !(await writeText(text)));
   if (frames.length > 1) toast({ kind: 'info', words: `${count(frames.length, 'keyframe')} copied.` });
 }
@@ -40,15 +44,17 @@ export async function copy() {
  * @returns {Copied | null}
  */
 export function copiedIn(text) {
-  if (!text || text.length > LARGEST || !text.includes('"keypose"')) return null;
+  if (!text || text.length > LARGEST_BYTES || !text.includes('"keypose"')) return null;
   try {
     const found = JSON.parse(text);
     const isOurs = ['pose', 'keyframes'].includes(found?.keypose) && Array.isArray(found.keys) && found.keys.length > 0;
-    return isOurs ? found : null;
+    return isOurs && bytesOf(found) < LARGEST_BYTES ? found : null;
   } catch {
     return null;
   }
 }
+
+const bytesOf = (found) => new TextEncoder().encode(JSON.stringify(found)).length;
 
 /** The frames at which the keyframes of what was copied would stand. @returns {number[]} */
 export const framesFrom = (copied, at) => copied.keys.map((key) => at + Number(key?.after ?? 0));

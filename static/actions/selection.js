@@ -67,6 +67,11 @@ export function toggleKey(at) {
   selectKeys(toggled(joined(before, first), at));
 }
 
+/** The keyframe under the playhead, one more or one less. */
+export const selectHere = () => selectKeys(toggled(selectedKeys(), frame()));
+
+export const whyNotSelect = () => (marks().includes(frame()) ? '' : `Frame ${frame()} is not a keyframe`);
+
 /** With Shift all from the one clicked before, or from the playhead, to this one. */
 export function extendTo(at) {
   const from = anchor !== null && isKey(anchor) ? anchor : frame();

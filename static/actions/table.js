@@ -9,8 +9,8 @@ import { words } from '../store/subject.js';
 import { fitLarge, showLarge, VIEW_KEYS, VIEW_NAMES } from '../views/views.js';
 import { count } from '../controls/words.js';
 import { alongChain, endOfChain, otherSide, outward } from './chain.js';
-import { copy, copyWords, nothingCopied, pasteWith } from './copying.js';
 import { askWhatIsMissing, usualOptions } from './exporting.js';
+import { copy, copyWords, nothingCopied, pasteWith, whyNotCopy } from './copying.js';
 import { draftCount, draftMessage, whyNotDraft } from './drafting.js';
 import {
   FILTER_HZ, copyPath, copyPicture, hasMotion, saveMotion, savePicture, saveReport,
@@ -35,7 +35,7 @@ import {
   atFirst, atLast, hasNoChild, isRoot, noKeyframe, noOtherSide, whyNotFitPose, whyNotFitSizes, whyNotSwap,
 } from './reasons.js';
 import { answer, goal, isReviewing, places, toggleReview, turn, whyNoPlace, whyNotReview } from './review.js';
-import { deleteAny, deleteLabel, nudge, selectAll, whyNotDeleteAny, whyNotNudge, whyNotSelectAll } from './selection.js';
+import { deleteAny, deleteLabel, nudge, selectAll, selectHere, whyNotDeleteAny, whyNotNudge, whyNotSelect, whyNotSelectAll } from './selection.js';
 import { chooseTheme, chosenTheme } from './theme.js';
 import {
   changedSegments, namesOf, trackSegment, whyNotTrack, whyNotTrackChanged, whyNotTracked, whyNotTrackThis,
@@ -162,6 +162,9 @@ const POSE = {
   deleteKeyframe: { label: deleteLabel, icon: 'key', keys: ['Delete'], row: 'Delete keyframes', off: whyNotDeleteAny, run: deleteAny },
   duplicateKeyframe: { label: 'Duplicate to frame', icon: 'copy', run: duplicateKey },
   selectAllKeyframes: { label: 'Select all keyframes', keys: ['Ctrl A'], off: whyNotSelectAll, run: selectAll },
+  selectKeyframe: {
+    label: 'Select this keyframe', title: 'One more or one less', keys: ['Shift A'], off: whyNotSelect, run: selectHere,
+  },
   selectRange: { label: 'Range, one more', keys: ['Shift Click', 'Ctrl Click'], heard: 'pointer' },
   earlier: nudging(-1, 'ArrowLeft'),
   later: nudging(1, 'ArrowRight'),
@@ -183,7 +186,7 @@ const POSE = {
     message: () => ({ do: 'take_tracked' }),
   },
   copyPose: {
-    label: copyWords, icon: 'copy', keys: ['Ctrl C'], row: 'Copy, paste',
+    label: copyWords, icon: 'copy', keys: ['Ctrl C'], row: 'Copy, paste', off: whyNotCopy,
     title: 'Copy the selected keyframes, else the pose at this frame', run: copy,
   },
   pastePose: {

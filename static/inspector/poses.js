@@ -1,6 +1,6 @@
 // The library of poses in the inspector: small pictures; a click on one makes it the pose of this frame.
 
-import { html, nothing, svg } from '../vendor/lit-html/lit-html.js';
+import { html, nothing, render, svg } from '../vendor/lit-html/lit-html.js';
 import { perform, titleOf, whyNot } from '../actions/actions.js';
 import { actionIcon } from '../actions/buttons.js';
 import { deletePose, keptPoses, renamePose } from '../actions/poses.js';
@@ -30,10 +30,24 @@ function card(pose) {
   </li>`;
 }
 
+/** Elements by the strokes drawn in them: many poses are not compared stroke by stroke with every move of a drag. */
+const pictures = new WeakMap();
+
 /** The body in strokes, as it stood before the camera. */
 function picture({ strokes }) {
-  return html`<svg viewBox="-6 -6 112 112" aria-hidden="true">${strokes.map(
-    ([side, x0, y0, x1, y1, width]) => svg`<path class=${`edge`} d=${`M${x0} ${y0}L${x1 + 0.01} ${y1}`} stroke-width=${width + 2.4} />
-      <path class=${side} d=${`M${x0} ${y0}L${x1 + 0.01} ${y1}`} stroke-width=${width} />`,
-  )}</svg>`;
+  if (!pictures.has(strokes)) {
+    const place = document.createElement('span');
+    render(html`<svg viewBox="-6 -6 112 112" aria-hidden="true">${strokes.map(drawStroke)}</svg>`, place);
+    pictures.set(strokes, place);
+  }
+  return pictures.get(strokes);
+}
+
+const EDGE = 2.4;
+/** A line of no length has no round ends in every browser. */
+const LEAST = 0.01;
+
+function drawStroke([side, x0, y0, x1, y1, width]) {
+  const path = `M${x0} ${y0}L${x1 + LEAST} ${y1}`;
+  return svg`<path class="edge" d=${path} stroke-width=${width + EDGE} /><path class=${side} d=${path} stroke-width=${width} />`;
 }

@@ -92,6 +92,19 @@ def test_one_that_is_dragged_takes_all_selected_along_as_one_step(at: Desk) -> N
     assert at.agreed("undo")["undo"] == "move 2 keyframes"
     page.keyboard.press("Control+z")
     until_told(page, "keys.frames", lambda now: now == KEYS)
+    until(lambda: _chosen(page) == [24, 48], "what was selected before")
+
+
+def test_keyframes_are_selected_without_a_mouse(at: Desk) -> None:
+    page = at.page
+    for key in ("Shift+A", ".", "Shift+A", "."):
+        page.keyboard.press(key)
+    until_told(page, "view.frame", lambda frame: frame == 48)
+    assert _chosen(page) == [0, 24]
+    page.keyboard.press("Shift+A")
+    assert _chosen(page) == [0, 24, 48]
+    page.keyboard.press("Delete")
+    until_told(page, "keys.frames", lambda now: now == [72])
 
 
 def test_others_in_the_way_are_told_and_nothing_moves(at: Desk) -> None:

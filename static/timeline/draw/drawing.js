@@ -93,7 +93,7 @@ const LAYERS = [
     ({ rows }) => (isScore() ? drawScoreLabels(rows.curve) : drawCurveLabels(rows.curve))],
   ['above', 'overview', () => [server.segments, server.keys, frame()], () => drawOverview()],
   ['frames', 'notes', () => [server.notes, noteGrabbed()], () => drawNotes(noteGrabbed())],
-  ['top', 'head', () => [frame(), server.keys, server.segments, isScore()],
+  ['top', 'head', () => [frame(), server.keys, selectedKeys(), server.segments, isScore()],
     ({ rows }) => drawPlayhead(bottomOf(rows))],
   ['top', 'grabbed', () => [grabbed(), hovered(), server.segments, server.curve, server.pins, ui.curveAxis, ui.span],
     ({ rows }) => drawGrabbed(rows)],

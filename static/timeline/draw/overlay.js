@@ -12,7 +12,7 @@ import { noteAt, noteLine } from '../../actions/notes.js';
 import { noteMark } from './notes.js';
 import { reasonOf } from '../../actions/drafting.js';
 import { partKeyAt } from '../../actions/limbs.js';
-import { selectedKeys } from '../../actions/selection.js';
+import { isSelected, selectedKeys } from '../../actions/selection.js';
 import { diamond } from './keymarks.js';
 import { BAR, barOf } from './segments.js';
 import { grabbed, hovered } from '../edit/pointer.js';
@@ -48,7 +48,7 @@ function flag(half, top, bottom) {
 function spokenFrame() {
   const at = frame();
   const part = partKeyAt(at) ? `, part keyframe, ${partKeyAt(at).words}` : '';
-  const what = isKey(at) ? ', keyframe' : draftFrames().includes(at) ? ', draft' : part;
+  const what = isKey(at) ? `, keyframe${isSelected(at) ? ', selected' : ''}` : draftFrames().includes(at) ? ', draft' : part;
   const segment = segmentAt(at);
   const note = noteAt(at);
   const noted = note ? `, note: ${noteLine(note, HOVERED)}` : '';

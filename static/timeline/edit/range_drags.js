@@ -4,12 +4,15 @@
 import { clampFrame, lastFrame } from '../../store/clip.js';
 import { selectBetween, retime, selectedKeys, selectKeys, whyNotAt } from '../../actions/selection.js';
 import { shifted, stretched } from '../../actions/key_ranges.js';
-import { stopPlaying } from '../../actions/playhead.js';
+import { frame, stopPlaying } from '../../actions/playhead.js';
 import { keyOf } from '../../actions/actions.js';
 import { reveal } from '../../actions/window.js';
+import { nearest } from '../draw/keymarks.js';
 import { frameAt, x } from '../draw/scale.js';
 import { grabbed, setGrabbed } from './pointer.js';
 import { putBack } from './drags.js';
+
+const SNAP_PX = 4;
 
 /** Pull a box over keyframes; with Shift or Ctrl they come beside those selected. `click` is what a click does. */
 export function grabBox(start, click) {
@@ -49,7 +52,8 @@ export function grabKeys(at, start, click) {
   };
 }
 
-/** Grab the first or the last end of the selection: times scale about the other. */
+/** Grab the first or the last end of the selection: times scale about the other. It snaps to the
+ * playhead; Alt: it does not. */
 export function grabSelectionEnd(end, start) {
   const frames = selectedKeys();
   const held = end === 'first' ? frames[0] : frames.at(-1);
@@ -57,7 +61,11 @@ export function grabSelectionEnd(end, start) {
   stopPlaying();
   return {
     edits: true,
-    move: (place) => carry({ frames, to: stretched(frames, end, frameAt(place.x + offset), lastFrame()), held, end, copy: false }),
+    move(place) {
+      const at = place.x + offset;
+      const snapped = place.alt ? null : nearest([frame()], at, SNAP_PX);
+      carry({ frames, to: stretched(frames, end, snapped ?? frameAt(at), lastFrame()), held, end, copy: false });
+    },
     click: () => {},
     end: drop,
     cancel: () => setGrabbed(null),
