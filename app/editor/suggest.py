@@ -12,6 +12,7 @@ import numpy as np
 
 from app.editor.verdict_text import add_keyframe, frame_range, reason, reason_with_frames
 from tracker.geometry.rotations import Array, log_rotation, transpose
+from tracker.session.ahead import Direction
 from tracker.session.verdict import Verdict
 from tracker.storage.results import Span
 from tracker.tracking.diagnostics.expected_gain import MENDED
@@ -51,12 +52,14 @@ class Suggestion:
     kind: "pose" a frame and press K; "key" set the keyframe `frame`; "track" what is not tracked as
     it is posed now; "look" at `frame`, where keyframes themselves are wrong or no keyframe more
     would help; "good" nothing.
+    ahead: tracking that way from the keyframes leads on.
     """
 
     frame: int | None
     title: str
     detail: str
     kind: Literal["pose", "key", "track", "look", "good"]
+    ahead: Direction | None = None
 
 
 def suggestion(

@@ -30,7 +30,7 @@ import {
 } from './reasons.js';
 import { chooseTheme, chosenTheme } from './theme.js';
 import {
-  changedSegments, namesOf, trackSegment, whyNotTrack, whyNotTrackChanged, whyNotTracked, whyNotTrackThis,
+  changedSegments, namesOf, trackSegment, whyNotAhead, whyNotTrack, whyNotTrackChanged, whyNotTracked, whyNotTrackThis,
 } from './tracking.js';
 import { isZoomed, zoomTo, zoomToInterval } from './window.js';
 
@@ -230,6 +230,16 @@ const TRACK = {
   trackAll: {
     label: () => `${words().verb} all ${count((server.segments ?? []).length, 'segment')}`, icon: 'reset',
     off: whyNotTrack, message: () => ({ do: 'track', what: 'all' }),
+  },
+  trackAhead: {
+    label: 'Track ahead', icon: 'fwd', keys: ['A'], off: () => whyNotAhead('forward'),
+    title: 'Follow the body on from the last keyframe, as far as it is seen well',
+    message: () => ({ do: 'track_ahead', direction: 'forward' }),
+  },
+  trackBack: {
+    label: 'Track back', icon: 'back', keys: ['Shift A'], off: () => whyNotAhead('backward'),
+    title: 'Follow the body back from the first keyframe, as far as it is seen well',
+    message: () => ({ do: 'track_ahead', direction: 'backward' }),
   },
   draft: {
     label: () => `Draft ${count(draftCount(), 'frame')}`, icon: 'wand', off: whyNotDraft,

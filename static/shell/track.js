@@ -64,6 +64,8 @@ function items() {
     menuItem('trackChanged', undefined, { label: html`${verb} changed${tail(namesOf(changedSegments()))}` }),
     menuItem('trackThis', here, { label: html`${verb} this${tail(here && range(here.first, here.last))}` }),
     menuItem('trackAll'),
+    menuItem('trackAhead'),
+    menuItem('trackBack'),
   ];
 }
 

@@ -204,6 +204,7 @@
  * @property {string} title  What to do.
  * @property {string} detail  Why.
  * @property {string} kind
+ * @property {'forward' | 'backward' | null} ahead  The way in which tracking ahead leads on.
  */
 /** @typedef {{ part: string, x: Series, y: Series, z: Series, error: Series }} Curve */
 /** @typedef {{ part: string, points: [number, number, number, number][], keys: number[] }} Trail */
@@ -345,7 +346,7 @@
  * @property {string} words
  * @property {number} percent
  * @property {number | null} seconds_left
- * @property {'track' | 'fit' | 'draft' | 'space'} kind
+ * @property {'track' | 'fit' | 'draft' | 'ahead' | 'space'} kind
  */
 
 /** @typedef {{ state: 'saved' | 'saving' | 'failed' | 'readonly', at: number, words: string }} Saved */

@@ -82,13 +82,20 @@ function proposedWord() {
 function confirmation() {
   const place = placeAhead();
   if (!place) return null;
-  return { kind: 'confirm', frame: place.frame, title: placesWords(), detail: `Next: frame ${place.frame}. ${reasonOf(place)}` };
+  return { kind: 'confirm', ahead: null, frame: place.frame, title: placesWords(), detail: `Next: frame ${place.frame}. ${reasonOf(place)}` };
 }
 
-function suggestionButton({ frame: to, kind }) {
+function suggestionButton({ frame: to, kind, ahead }) {
   if (kind === 'track') return primary('trackChanged', subject().verb);
+  if (ahead && server.job?.state !== 'running') return aheadButton(ahead);
   if (to === null || to === undefined || to === frame()) return html`<span class="pad"></span>`;
   return primary('suggestedFrame', 'Go', labelOf('goTo', to));
+}
+
+/** Where the keyframes end, the body can be followed on. @param {'forward' | 'backward'} way */
+function aheadButton(way) {
+  const id = way === 'forward' ? 'trackAhead' : 'trackBack';
+  return primary(id, labelOf(id));
 }
 
 /** @param {import('../actions/actions.js').ActionId} id */

@@ -26,6 +26,7 @@ from tracker.body.pose import Pose, part_transforms
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import quaternion_wxyz, rotation_from_quaternion
+from tracker.session.ahead import Ahead, require_ahead
 from tracker.session.corrections import KeypointCorrection, require_corrections
 from tracker.session.drafted import Drafted
 from tracker.session.evidence import Evidence, evidence_of
@@ -60,6 +61,7 @@ MOST: Mapping[str, int] = {
     "ignore_masks": 10_000,
     "keypoint_corrections": 10_000,
     "pins": 1_000,
+    "ahead": 100,
 }
 """Far above what a person sets in a session."""
 
@@ -137,6 +139,12 @@ class Keyframe(Plain):
         exclude_if=operator.not_,
         description="The motion need only come near it: mostly its depth gives way to pins and "
         "smoothness. Left out where it is met exactly.",
+    )
+    followed: bool = Field(
+        default=False,
+        exclude_if=operator.not_,
+        description="Of a draft: found by tracking ahead, and not changed by a person since. Left "
+        "out otherwise.",
     )
 
     @field_validator("rotations_wxyz")
@@ -245,6 +253,12 @@ class Session(Plain):
         exclude_if=operator.not_,
         description="What drafting the film found besides the drafts; left out where nobody did.",
     )
+    ahead: tuple[Ahead, ...] = Field(
+        default=(),
+        exclude_if=operator.not_,
+        description="How far the body was followed from keyframes, and why no farther; left out "
+        "where it was not.",
+    )
     surface: Surface | None = Field(
         default=None,
         exclude_if=operator.not_,
@@ -320,6 +334,7 @@ def require_fit(session: Session, poses: Sequence[Keyframe]) -> None:
     _require_direction(session.up_camera)
     _require_parts(session.settings.left_out, session.body)
     require_pins(session.pins, session.body, video.frame_count)
+    require_ahead(session.ahead, session.body, video.frame_count)
     require_corrections(session.keypoint_corrections, video.frame_count, video.width, video.height)
     for keyframe in poses:
         _require_in_video(keyframe, video.frame_count)

@@ -120,7 +120,7 @@ SECTIONS: dict[str, _Section] = {
     "segments": _Section(_both(_TRACKED, lambda o: (o.running,)), motion_values.segments),
     "errors": _Section(_TRACKED, error_values.errors),
     "space": _Section(_TRACKED, space_values.space),
-    "suggest": _Section(_both(_TRACKED, _edit("frame")), motion_values.suggest),
+    "suggest": _Section(_both(_TRACKED, _settled("ahead"), _edit("frame")), motion_values.suggest),
     "need": _Section(_TRACKED, motion_values.need),
     "lanes": _Section(_TRACKED, motion_values.lanes),
     "curve": _Section(_both(_TRACKED, _curve_poses, _edit("selected")), pose_values.curve),

@@ -109,6 +109,7 @@ def suggest(app_state: AppState) -> Json:
         "title": found.title,
         "detail": found.detail,
         "kind": found.kind,
+        "ahead": found.ahead,
     }
 
 
