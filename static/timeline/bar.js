@@ -44,8 +44,8 @@ function drawSuggestion() {
   if (!confirmation() && proposedPins().length) return drawProposals();
   const suggest = confirmation() ?? server.suggest;
   if (!suggest) return nothing;
-  const { state, title, words } = server.job ?? {};
-  const atWork = suggest.kind === 'track' && state === 'running';
+  const { state, title, words, kind } = server.job ?? {};
+  const atWork = state === 'running' && (suggest.kind === 'track' || kind === 'ahead');
   const said = atWork ? { title, detail: words } : suggest;
   return html`<div class=${`sug ${suggest.kind}`} role="status" title=${`${said.title}. ${said.detail}`}>
     ${icon(SUGGESTION_ICONS[suggest.kind] ?? 'keyadd')}
@@ -87,7 +87,7 @@ function confirmation() {
 
 function suggestionButton({ frame: to, kind, ahead }) {
   if (kind === 'track') return primary('trackChanged', subject().verb);
-  if (ahead && server.job?.state !== 'running') return aheadButton(ahead);
+  if (ahead) return aheadButton(ahead);
   if (to === null || to === undefined || to === frame()) return html`<span class="pad"></span>`;
   return primary('suggestedFrame', 'Go', labelOf('goTo', to));
 }

@@ -11,7 +11,7 @@ from tracker.errors import SessionError
 from tracker.session.ahead import Direction, Stop, StopCause
 from tracker.tracking.ahead.followed import Followed, by_brightness, by_keypoints
 from tracker.tracking.ahead.line import Line
-from tracker.tracking.ahead.stops import Stopped, stopped
+from tracker.tracking.ahead.stops import Stopped, pictures_end, stopped
 from tracker.tracking.cues.anchors import Anchors, anchors_of
 from tracker.tracking.method import FULL, Keypose, method_of
 from tracker.tracking.pool import Cancelled
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from tracker.session.settings import TrackSettings
     from tracker.tracking.cues.sources import KeypointSource
     from tracker.tracking.scene import Scene
+    from tracker.video.pyramid import Clip
 
 LONGEST: Final = 64
 """Steps that are followed at most: a keyframe is due then anyway."""
@@ -107,50 +108,84 @@ class _Work:
     emit: Emit
     trusted: Trajectory | None = None
     """By step, as far as it was trusted last."""
+    meanwhile: Trajectory | None = None
+    """The same by brightness alone, while keypoints are looked for."""
     notes: tuple[str, ...] = ()
 
     def run(self, steps: int, end: StopCause) -> FoundAhead:
         try:
             return self._found(*self._follow(steps, end))
         except Cancelled:
-            return self._found(self._so_far(), Stop(cause="cancelled"))
+            return self._found(self.meanwhile or self._so_far(), Stop(cause="cancelled"))
 
     def _follow(self, steps: int, end: StopCause) -> tuple[Trajectory, Stop]:
         for count in [*range(BLOCK, steps, BLOCK), steps]:
-            is_last = count == steps
-            followed, scene, segment = self._block(count, steps)
-            is_short = len(followed.motion) <= count  # it left the space before the camera
-            halt = stopped(scene, segment.clip, followed, is_last=is_last or is_short)
-            if halt is None and is_short:
-                halt = Stopped(len(followed.motion) - 1, Stop(cause="left_picture"))
-            if halt is not None:
-                return _cut(followed.motion, halt.step), halt.stop
-            self.trusted = followed.motion
+            clip = self._pictures(count, steps)
+            edge = pictures_end(clip)
+            reach = count if edge is None else edge.step
+            if reach > 0:
+                halt = self._grow(reach, steps, is_last=edge is not None or count == steps)
+                if halt is not None:
+                    return self._so_far(), halt
+            if edge is not None:
+                return self._so_far(), edge.stop
         return self._so_far(), Stop(cause=end)
 
-    def _block(self, count: int, steps: int) -> tuple[Followed, Scene, Segment]:
-        """All of the first `count` steps of so many."""
-        line, tracker, start = self.line, self.tracker, self._start
-        whole = line.span(steps)  # one size of pictures throughout
-        clip = line.clip(tracker.loader(whole).load(*line.span(count)), count)
-        segment, method = Segment(0, count, start, start, clip), _method(self.settings)
+    def _grow(self, count: int, steps: int, *, is_last: bool) -> Stop | None:
+        """Follow all of the first `count` steps of so many; why not all of them can be trusted."""
+        ways, scene = self._block(count, steps)
+        halts = [self._judged(way, scene, count, is_last=is_last) for way in ways]
+        reached = [count if halt is None else halt.step for halt in halts]
+        best = reached.index(max(reached))
+        self.trusted, self.meanwhile = _cut(ways[best].motion, reached[best]), None
+        halt = halts[best]
+        return None if halt is None else halt.stop
+
+    def _judged(
+        self, followed: Followed, scene: Scene, count: int, *, is_last: bool
+    ) -> Stopped | None:
+        """Where a motion over so many steps stops to be trusted."""
+        is_short = len(followed.motion) <= count  # it left the space before the camera
+        halt = stopped(scene, followed, is_last=is_last or is_short)
+        if halt is None and is_short:
+            return Stopped(len(followed.motion) - 1, Stop(cause="left_picture"))
+        return halt
+
+    def _pictures(self, count: int, steps: int) -> Clip:
+        """Of the first `count` steps; of one size throughout."""
+        line = self.line
+        return line.clip(self.tracker.loader(line.span(steps)).load(*line.span(count)), count)
+
+    def _block(self, count: int, steps: int) -> tuple[list[Followed], Scene]:
+        """All of the first `count` steps of so many, with keypoints and by brightness alone: the
+        way that can be trusted longer is the one to go."""
+        tracker, start, whole = self.tracker, self._start, self.line.span(steps)
+        segment = Segment(0, count, start, start, self._pictures(count, steps))
+        method = _method(self.settings)
         scene = tracker.scene_about([start], whole, method.density)
         source = tracker.keypoint_source(self.settings)
         brightness = source is None or "brightness" in self.settings.cues_used
         followed = by_brightness(scene, segment, method) if brightness else None
         if followed is not None:
+            self._keep_if_cancelled(followed, scene, count)
             self._tell(followed.motion)
         if source is None:
             assert followed is not None
-            return followed, scene, segment
+            return [followed], scene
         free = tracker.scene_about([start], whole, method.density, free=True)
         anchors = self._anchors(source, free, segment, whole)
         if not anchors:
             self.notes = (NO_KEYPOINTS,)
-            return followed or by_brightness(scene, segment, method), scene, segment
-        chain = None if followed is None else followed.motion
-        found = self._heard(by_keypoints(free, segment, method, anchors, chain))
-        return found, free, segment
+            return [followed or by_brightness(scene, segment, method)], scene
+        heard = self._heard(by_keypoints(free, segment, method, anchors, followed))
+        return [heard] if followed is None else [heard, followed], scene
+
+    def _keep_if_cancelled(self, followed: Followed, scene: Scene, count: int) -> None:
+        """What brightness alone has found of a block is kept where that is cancelled."""
+        halt = self._judged(followed, scene, count, is_last=True)
+        motion = _cut(followed.motion, count if halt is None else halt.step)
+        if len(motion) > len(self._so_far()):
+            self.meanwhile = motion
 
     def _anchors(
         self, source: KeypointSource, free: Scene, segment: Segment, whole: tuple[int, int]
@@ -158,7 +193,7 @@ class _Work:
         count = segment.last_frame
         keypoints: Keypoints | None = source.beyond(
             self.line.frame, self.line.frame_at(count), self.tracker.skeleton, segment.start,
-            lambda: self._tell(self._so_far()),
+            lambda: self._tell(self.meanwhile or self._so_far()),
         )  # fmt: skip
         if keypoints is None:
             return ()

@@ -15,21 +15,21 @@ if TYPE_CHECKING:
 
 
 def hidden_share(scene: Scene, pose: Pose, part: int) -> tuple[float, int | None]:
-    """Of a part's near side that lies in the picture, the share which other parts cover, and the
-    part that covers most of it; 1 and None where nothing of it lies in the picture."""
-    skeleton, points = scene.skeleton, scene.points
+    """The share of a part's near side that other parts cover or that lies outside the picture; and
+    the part that covers most of it, None where more of it is outside."""
+    skeleton, points, camera = scene.skeleton, scene.points, scene.camera
     Ts = pose_transforms(skeleton, pose)
     own = slice(points.starts[part], points.starts[part + 1])
     R, p = Ts[part, :3, :3], Ts[part, :3, 3]
     p_camera = points.points[own] @ R.T + p
     near = ((points.normals[own] @ R.T) * p_camera).sum(axis=-1) < 0
-    uv = np.round(scene.camera.project(p_camera[near])).astype(int)
-    inside = ((uv >= 0) & (uv < (scene.camera.width, scene.camera.height))).all(axis=-1)
-    if not inside.any():
-        return 1.0, None
-    u, v = uv[inside].T
-    seen = raster(BodyMesh.of(skeleton), Ts, ViewCamera.of(scene.camera)).part[v, u]
-    others = seen[(seen >= 0) & (seen != part)]
-    if not len(others):
+    if not near.any():
         return 0.0, None
-    return len(others) / len(seen), int(np.bincount(others).argmax())
+    uv = np.round(camera.project(p_camera[near])).astype(int)
+    inside = ((uv >= 0) & (uv < np.array([camera.width, camera.height]))).all(axis=-1)
+    u, v = uv[inside].T
+    seen = raster(BodyMesh.of(skeleton), Ts, ViewCamera.of(camera)).part[v, u]
+    covering = seen[(seen >= 0) & (seen != part)]
+    outside = int((~inside).sum())
+    behind = int(np.bincount(covering).argmax()) if len(covering) > outside else None
+    return (len(covering) + outside) / len(uv), behind

@@ -39,18 +39,19 @@ class Stopped:
     stop: Stop
 
 
-def stopped(scene: Scene, clip: Clip, followed: Followed, *, is_last: bool) -> Stopped | None:
+def pictures_end(clip: Clip) -> Stopped | None:
+    """Where the pictures themselves end a motion; None where they do not. clip: by step."""
+    found = [*_bare(_damaged(clip), "damaged"), *_bare(_cut(clip), "cut")]
+    return min(found, key=lambda each: each.step, default=None)
+
+
+def stopped(scene: Scene, followed: Followed, *, is_last: bool) -> Stopped | None:
     """Where a followed motion stops first; None where nothing speaks against it so far.
 
-    clip: its pictures by step.  is_last: nothing is followed beyond it. A doubt that has only begun
-    counts then, which may else pass again.
+    is_last: nothing is followed beyond it. A doubt that has only begun counts then, which may else
+    pass again.
     """
-    found = [
-        *_bare(_damaged(clip, len(followed.motion)), "damaged"),
-        *_bare(_cut(clip, len(followed.motion)), "cut"),
-        *_bare(_leaves(scene, followed), "left_picture"),
-        *_doubted(scene, followed, is_last),
-    ]
+    found = [*_bare(_leaves(scene, followed), "left_picture"), *_doubted(scene, followed, is_last)]
     return min(found, key=lambda each: each.step, default=None)
 
 
@@ -63,13 +64,13 @@ def _first(bad: NDArray[np.bool_]) -> int | None:
     return int(bad.argmax()) if bad.any() else None
 
 
-def _damaged(clip: Clip, count: int) -> int | None:
-    return min((step for step in clip.damaged if 0 < step < count), default=None)
+def _damaged(clip: Clip) -> int | None:
+    return min((step for step in clip.damaged if step > 0), default=None)
 
 
-def _cut(clip: Clip, count: int) -> int | None:
+def _cut(clip: Clip) -> int | None:
     """By the coarsest pictures."""
-    grey = clip.levels[-1][clip.slots(0, count - 1), ..., 0]
+    grey = clip.levels[-1][clip.slots(0, len(clip) - 1), ..., 0]
     change = np.abs(np.diff(grey, axis=0)).mean(axis=(1, 2))
     if not len(change):
         return None
