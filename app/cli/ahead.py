@@ -35,13 +35,11 @@ def track_ahead_and_save(session: Session, asked: Session, arguments: argparse.N
 
     session: as its file is to stand.  arguments: session, ahead, out, overwrite, json.
     """
-    from app.editor.ahead import followed_session, start_frame, up_to_date
+    from app.editor.ahead import followed_session, up_to_date
     from tracker.storage.files import open_video_of, save_session
 
     require_place(arguments)
-    ways = _WAYS[arguments.ahead]
-    for way in ways:
-        start_frame(session, way)  # is refused before any work
+    ways = _ways(session, arguments.ahead)
     stop, found = threading.Event(), []
     with open_video_of(asked, arguments.session) as video, locked_place(arguments) as place:
         warm_tracker()
@@ -61,6 +59,25 @@ def track_ahead_and_save(session: Session, asked: Session, arguments: argparse.N
     if stop.is_set():
         return INTERRUPTED
     return DONE if all(each.to_frame != each.frame for each in found) else NOTHING
+
+
+def _ways(session: Session, asked: str) -> list[Direction]:
+    """Those that lead anywhere; refused, before any work, where none of them does."""
+    from app.editor.ahead import start_frame
+    from app.editor.refusal import Refused
+
+    possible: list[Direction] = []
+    why: Refused | None = None
+    for way in _WAYS[asked]:
+        try:
+            start_frame(session, way)
+        except Refused as refused:
+            why = refused
+        else:
+            possible.append(way)
+    if why is not None and not possible:
+        raise why
+    return possible
 
 
 def _followed(

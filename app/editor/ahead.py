@@ -33,12 +33,12 @@ def start_frame(doc: Session, direction: Direction) -> int:
     if doc.surface is not None:
         raise Refused("Surfaces are fitted from one keyframe on: press Fit.")
     if not doc.keyframes:
-        raise Refused("Pose a frame and add it as a keyframe first (K).")
+        raise Refused("Pose a frame and add it as a keyframe first.")
     forward = direction == "forward"
     frame = doc.keyframes[-1 if forward else 0].frame
     if frame == (doc.video.frame_count - 1 if forward else 0):
         end = "last frame" if forward else "first frame"
-        raise Refused(f"The keyframe at {frame} is the video's {end}.")
+        raise Refused(f"The keyframe at {frame} is the video's {end}: nothing lies beyond.")
     return frame
 
 

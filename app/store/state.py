@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal
 
 from app.editor.ahead import followed_so_far
@@ -152,7 +153,7 @@ class AppState:
     surface: SurfaceSeen = SurfaceSeen()
     unusable: str = ""
 
-    @property
+    @cached_property
     def displayed(self) -> AppState:
         """With what is only shown: a pose as far as it is fitted, the motion as far as it is
         tracked ahead, new sizes that are not applied yet, or what stood before the last fit while

@@ -232,7 +232,7 @@ const TRACK = {
     off: whyNotTrack, message: () => ({ do: 'track', what: 'all' }),
   },
   trackAhead: {
-    label: 'Track ahead', icon: 'fwd', keys: ['A'], off: () => whyNotAhead('forward'),
+    label: 'Track ahead', icon: 'ahead', keys: ['A'], off: () => whyNotAhead('forward'),
     title: 'Follow the body on from the last keyframe, as far as it is seen well',
     message: () => ({ do: 'track_ahead', direction: 'forward' }),
   },

@@ -43,6 +43,8 @@ const SHAPES = {
   nk: svg`<path class="f" d="M9 4.5 12.5 8 9 11.5z"/><path d="M5 4.6 8.4 8 5 11.4 1.6 8z"/>`,
   sb: svg`<path d="M9.5 4 5.5 8l4 4"/>`,
   sf: svg`<path d="M6.5 4l4 4-4 4"/>`,
+  ahead: svg`<path class="f" d="M4 5.200 6.800 8 4 10.800 1.200 8z"/><path d="M8.200 8h5.800M11.200 5.200 14 8l-2.800 2.800"/>`,
+  back: svg`<path class="f" d="M12 5.200 14.800 8 12 10.800 9.200 8z"/><path d="M7.800 8H2M4.800 5.200 2 8l2.800 2.800"/>`,
   play: svg`<path class="f" d="M4.5 2.8v10.4L13 8z"/>`,
   loop: svg`<path d="M3 8a4 4 0 0 1 4-4h5M10 2l2 2-2 2M13 8a4 4 0 0 1-4 4H4M6 14l-2-2 2-2"/>`,
   lock: svg`<rect x="3.5" y="7" width="9" height="6.5" rx="1.2"/><path d="M5.5 7V5a2.5 2.5 0 0 1 5 0v2"/>`,

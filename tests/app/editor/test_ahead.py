@@ -158,9 +158,9 @@ def test_a_pose_of_ones_own_stays() -> None:
 def test_where_it_cannot_begin_it_says_why() -> None:
     with pytest.raises(Refused, match="Pose a frame and add it as a keyframe first"):
         start_frame(desk(keyframes=False).doc, "forward")
-    with pytest.raises(Refused, match=r"The keyframe at 72 is the video's last frame\."):
+    with pytest.raises(Refused, match=r"The keyframe at 72 is the video's last frame: nothing"):
         start_frame(desk().doc, "forward")
-    with pytest.raises(Refused, match=r"The keyframe at 0 is the video's first frame\."):
+    with pytest.raises(Refused, match=r"The keyframe at 0 is the video's first frame: nothing"):
         start_frame(desk().doc, "backward")
     with pytest.raises(ValueError, match="direction"):
         ACTIONS.validate_python({"do": "track_ahead", "direction": "sideways"})

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Generator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Final, TypeAlias
@@ -16,7 +17,7 @@ from tracker.tracking.cues.anchors import Anchors, anchors_of
 from tracker.tracking.method import FULL, Keypose, method_of
 from tracker.tracking.pool import Cancelled
 from tracker.tracking.segment import Segment
-from tracker.tracking.tracker import NO_KEYPOINTS, Tracker
+from tracker.tracking.tracker import LOOKS_UNTOLD, NO_KEYPOINTS, Tracker
 
 if TYPE_CHECKING:
     from tracker.body.pose import Pose
@@ -77,6 +78,14 @@ def follow_ahead(
     if steps < 1:
         raise SessionError(_NOWHERE[end].format(frame=frame, where=_WHERE[direction]))
     return work.run(steps, end)
+
+
+def followed_ways(
+    tracker: Tracker, line: Line, steps: int, settings: TrackSettings
+) -> list[Followed]:
+    """The body followed over so many steps, trusted or not: with keypoints, where they count and
+    there are any, and by brightness alone, where that counts."""
+    return _Work(tracker, line, settings, lambda motion: None)._block(steps, steps)[0]
 
 
 _NOWHERE: Final = {
@@ -190,11 +199,15 @@ class _Work:
     def _anchors(
         self, source: KeypointSource, free: Scene, segment: Segment, whole: tuple[int, int]
     ) -> tuple[Anchors, ...]:
-        count = segment.last_frame
+        count, looks = segment.last_frame, itertools.count()
+
+        def report() -> None:
+            if next(looks) % LOOKS_UNTOLD == 0:
+                self._tell(self.meanwhile or self._so_far())
+
         keypoints: Keypoints | None = source.beyond(
-            self.line.frame, self.line.frame_at(count), self.tracker.skeleton, segment.start,
-            lambda: self._tell(self.meanwhile or self._so_far()),
-        )  # fmt: skip
+            self.line.frame, self.line.frame_at(count), self.tracker.skeleton, segment.start, report
+        )
         if keypoints is None:
             return ()
         camera, by_step = self.tracker.loader(whole).camera, self.line.keypoints(keypoints, count)
