@@ -147,6 +147,7 @@
  * @typedef {object} Pose  At the present frame.
  * @property {number} frame
  * @property {'keyframe' | 'draft' | 'tracked' | 'between' | 'held' | 'opening'} source
+ * @property {boolean} followed  Of a draft: found by tracking ahead, as it was found.
  * @property {string | null} stroke
  * @property {Record<string, number[]>} T  Part to camera: three rows of four.
  * @property {Record<string, Point>} points

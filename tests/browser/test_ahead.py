@@ -40,9 +40,11 @@ def test_one_keyframe_is_followed_and_k_keeps_where_it_led(shared: Desk, page: P
     to = section(page, "suggest")["frame"]
     page.keyboard.press("n")
     until(lambda: section(page, "view")["frame"] == to, "the frame to key")
+    page.locator(".say", has_text="Tracked ahead, press K to keep").wait_for()
+    screens(page, "ahead-4-there")
     page.keyboard.press("k")
     until(lambda: section(page, "keys")["frames"] == [24, to], "two keyframes")
-    screens(page, "ahead-4-kept")
+    screens(page, "ahead-5-kept")
     page.keyboard.press("Control+z")
     until(lambda: section(page, "keys")["drafts"], "the drafts again")
     page.keyboard.press("Control+z")
