@@ -98,6 +98,11 @@ def up_to_date(doc: Session) -> Session:
     return _without(doc, outdated) if outdated else doc
 
 
+def without_followed(doc: Session) -> Session:
+    """Without anything that was tracked ahead."""
+    return _without(doc, list(doc.ahead))
+
+
 def stands(doc: Session, record: Ahead) -> bool:
     """Whether what was followed still leads on from where the keyframes end."""
     if not doc.keyframes:

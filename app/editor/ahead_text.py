@@ -48,7 +48,8 @@ def found_sentence(found: FoundAhead) -> str:
     if found.to_frame == found.frame:
         why = _WHY_NOT.get(found.stop.cause, "nothing leads on")
         named = _named(found.stop, found.direction == "forward")
-        return f"Nothing tracked from {found.frame}: {why.format(**named)}."
+        nothing = f"Nothing tracked from {found.frame}: {why.format(**named)}."
+        return f"{nothing} Pose the next keyframe by hand."
     record = Ahead(from_frame=found.frame, to_frame=found.to_frame, stop=found.stop)
     return f"{tracked_to(record)}. {why_stopped(record)}."
 

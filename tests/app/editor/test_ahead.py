@@ -11,6 +11,7 @@ from app.editor.actions import ACTIONS
 from app.editor.advice import next_step
 from app.editor.ahead import start_frame, with_followed
 from app.editor.ahead_text import found_sentence
+from app.editor.drafted import with_clip_drafted
 from app.editor.refusal import Refused
 from app.editor.shown import shown_pose
 from app.editor.state import EditorState
@@ -155,6 +156,14 @@ def test_a_pose_of_ones_own_stays() -> None:
     assert drafts(gone.doc) == [30, 35]
 
 
+def test_drafting_the_whole_film_takes_its_place() -> None:
+    state = followed(40)
+    poses = {30: shown_pose(state, 30).pose}
+    drafted = with_clip_drafted(state, (28, 32), state.doc.body, poses, None)
+    assert drafts(drafted.doc) == [30]
+    assert not drafted.doc.ahead
+
+
 def test_where_it_cannot_begin_it_says_why() -> None:
     with pytest.raises(Refused, match="Pose a frame and add it as a keyframe first"):
         start_frame(desk(keyframes=False).doc, "forward")
@@ -175,7 +184,8 @@ def test_it_is_said_how_far_it_came_and_why_no_farther() -> None:
     assert said(40, cause="clip_end") == "Tracked ahead to 40. The video ends there."
     assert said(2, cause="cut") == "Tracked back to 2. Another scene begins after it."
     assert said(24, cause="uncertain", part="left_shin") == (
-        "Nothing tracked from 24: left shin may be wrong right after it."
+        "Nothing tracked from 24: left shin may be wrong right after it. "
+        "Pose the next keyframe by hand."
     )
 
 
