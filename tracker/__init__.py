@@ -20,6 +20,8 @@ from typing import Any
 _MODULES = {
     "Body": "tracker.body.body",
     "Camera": "tracker.geometry.camera",
+    "Cancelled": "tracker.tracking.pool",
+    "FoundAhead": "tracker.tracking.ahead.follow",
     "Keyframe": "tracker.session",
     "KeyposeError": "tracker.errors",
     "PassFinished": "tracker.tracking.pool",
@@ -44,6 +46,7 @@ _MODULES = {
     "preset": "tracker.body.body",
     "save_result": "tracker.storage.tracks",
     "save_session": "tracker.storage.files",
+    "track_ahead": "tracker.storage.tracking",
     "track_session": "tracker.storage.tracking",
     "verdict_words": "tracker.formats.verdict_words",
 }

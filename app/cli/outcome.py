@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 import shlex
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,14 +27,11 @@ def track_and_save(session: Session, asked: Session, arguments: argparse.Namespa
     session: as its file is to stand.  arguments: session, out, overwrite, workers, json.
     """
     from app.cli.follow import follow
-    from app.document.folder_lock import locked
     from tracker.storage.files import open_video_of
     from tracker.storage.finding import with_present_fingerprints
 
-    _require_place(arguments)
-    copy = "add --out DIR to track a copy" if arguments.out is None else "choose another --out"
-    lock = locked(_place(arguments), f"close it there, or {copy}")
-    with open_video_of(asked, arguments.session) as video, lock:
+    require_place(arguments)
+    with open_video_of(asked, arguments.session) as video, locked_place(arguments):
         session, asked = (
             with_present_fingerprints(s, arguments.session, video) for s in (session, asked)
         )
@@ -68,7 +67,7 @@ def _say_what_is_left_out(session: Session, arguments: argparse.Namespace) -> No
         print(words, file=sys.stderr, flush=True)
 
 
-def _require_place(arguments: argparse.Namespace) -> None:
+def require_place(arguments: argparse.Namespace) -> None:
     """Whether the results can be written is asked before the work, not after."""
     from tracker.storage.atomic import require_absent, require_folder
 
@@ -76,6 +75,17 @@ def _require_place(arguments: argparse.Namespace) -> None:
     if arguments.out is not None and not arguments.overwrite:
         require_absent([_place(arguments)], error=SessionError)
     require_folder(folder, error=SessionError)
+
+
+@contextmanager
+def locked_place(arguments: argparse.Namespace) -> Iterator[Path]:
+    """The session file to write, while nobody else writes it."""
+    from app.document.folder_lock import locked
+
+    copy = "add --out DIR to track a copy" if arguments.out is None else "choose another --out"
+    place = _place(arguments)
+    with locked(place, f"close it there, or {copy}"):
+        yield place
 
 
 def _place(arguments: argparse.Namespace) -> Path:
@@ -117,27 +127,34 @@ def _save_found(
 def _write(
     session: Session, asked: Session, found: Run, arguments: argparse.Namespace
 ) -> Results | None:
-    from app.document.open import with_paths_from
     from app.jobs.rerun import save_found, save_tracks_beside
-    from tracker.storage.atomic import make_folder, write_file
-    from tracker.storage.beside import carry_beside
-    from tracker.storage.files import session_json
+    from tracker.storage.atomic import make_folder
 
     if arguments.out is None or not found.found:
         return save_found(asked, arguments.session, found.found)
     make_folder(arguments.out, error=SessionError)
+    results = save_tracks_beside(asked, _place(arguments), found.found)
+    write_copy(session.model_copy(update={"results": results}), arguments)
+    return results
+
+
+def write_copy(session: Session, arguments: argparse.Namespace) -> None:
+    """The session in the folder --out, with all that belongs to it but its motion."""
+    from app.document.open import with_paths_from
+    from tracker.storage.atomic import make_folder, write_file
+    from tracker.storage.beside import carry_beside
+    from tracker.storage.files import session_json
+
+    make_folder(arguments.out, error=SessionError)
     carry_beside(session, arguments.session.parent, arguments.out)
-    place = _place(arguments)
-    results = save_tracks_beside(asked, place, found.found)
     there = with_paths_from(session, arguments.session, arguments.out)
     write_file(
-        place,
-        session_json(there.model_copy(update={"results": results})),
+        _place(arguments),
+        session_json(there),
         overwrite=arguments.overwrite,
         keep_previous=True,
         error=SessionError,
     )
-    return results
 
 
 def _print_summary(summary: dict[str, Any], as_json: bool) -> None:

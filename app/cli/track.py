@@ -12,6 +12,7 @@ _EXAMPLES = """\
   keypose track session.json --json > events.jsonl
   keypose track session.json --method paper --initial templates --leave-out right_hand
   keypose track session.json --cues brightness
+  keypose track session.json --ahead forward
 """
 
 
@@ -69,6 +70,12 @@ def add(commands: Subcommands) -> None:
         choices=("yes", "no"),
         help=f"whether the motion is smoothed in space as far as the video allows{of_session}",
     )
+    command.add_argument(
+        "--ahead",
+        choices=("forward", "backward", "both"),
+        help="instead, follow the body on from the last keyframe, back from the first, or both, as "
+        "far as it is seen well; one keyframe is enough. The poses become drafts of the session",
+    )
     add_work(command)
 
 
@@ -87,7 +94,8 @@ def run(arguments: argparse.Namespace) -> int:
     from tracker.storage.files import load_session
 
     session = load_session(arguments.session)
-    require_trackable(session, arguments.session)
+    if arguments.ahead is None:
+        require_trackable(session, arguments.session)
     still = None if arguments.static_camera is None else arguments.static_camera == "yes"
     asked = with_settings(
         session,
@@ -100,4 +108,8 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.network,
         None if arguments.smooth is None else arguments.smooth == "yes",
     )
+    if arguments.ahead is not None:
+        from app.cli.ahead import track_ahead_and_save
+
+        return track_ahead_and_save(session, asked, arguments)
     return track_and_save(session, asked, arguments)

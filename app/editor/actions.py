@@ -709,6 +709,13 @@ class Draft(Message):
     last: FrameIndex | None = None
 
 
+class TrackAhead(Message):
+    """The body followed on from the last keyframe, or back from the first."""
+
+    do: Literal["track_ahead"] = "track_ahead"
+    direction: Literal["forward", "backward"] = "forward"
+
+
 class LookBefore(Message):
     """What stood before the last fit is shown, as long as `on`."""
 
@@ -857,8 +864,8 @@ Editing: TypeAlias = (
 """What `app.editor.update` knows to apply."""
 
 Previewing: TypeAlias = PreviewPoses | ApplySizes | DiscardSizes
-Fitting: TypeAlias = FitHere | FitSizes | Draft | LookBefore | CloseFit | Previewing
 Shelving: TypeAlias = RenameSession | DuplicateSession | DeleteSession | RestoreSession
+Fitting: TypeAlias = FitHere | FitSizes | Draft | TrackAhead | LookBefore | CloseFit | Previewing
 Running: TypeAlias = Track | Fitting | Cancel | SaveAgain | Close | Open | Shelving
 """What the store does: jobs and files."""
 

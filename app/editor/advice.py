@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from app.editor.judged import Judged
 from app.editor.suggest import Fitting, Suggestion, suggestion
+from app.editor.suggest_ahead import followed_suggestion, with_way_ahead
 from app.editor.suggest_surfaces import surface_suggestion
 from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 from tracker.session.schema import Session
@@ -38,7 +39,11 @@ def why_nothing_to_do(session: Session) -> str:
 
 
 def _next_of_film(keys: Sequence[int], session: Session, known: Judged) -> Suggestion:
-    return suggestion(keys, session.video.frame_count, known.tracks, known.parts, known)
+    followed = followed_suggestion(session)
+    if followed is not None:
+        return followed
+    found = suggestion(keys, session.video.frame_count, known.tracks, known.parts, known)
+    return with_way_ahead(found, keys, session)
 
 
 def _missing_of_film(session: Session) -> str:

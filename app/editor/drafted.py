@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import groupby
 from typing import TYPE_CHECKING
 
+from app.editor.ahead import without_followed
 from app.editor.documents import keyframe_of, require_sound, with_drafts
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
@@ -67,8 +68,9 @@ def drafted_session(
     """With these drafts in place of those there were from the first to the last of the frames, and
     what was found besides: where nobody was, and which to confirm.
 
-    Keyframes stay, and so do imported keypoints.
+    Keyframes stay, and so do imported keypoints; what was tracked ahead does not.
     """
+    doc = without_followed(doc)
     skeleton, keyed = Skeleton.of(body), {keyframe.frame for keyframe in doc.keyframes}
     drafts = [draft for draft in doc.drafts if not frames[0] <= draft.frame <= frames[1]]
     drafts += [

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Literal
 
+from app.editor.ahead import up_to_date
 from app.editor.copied import Copied
 from app.editor.pointer_views import up_of
 from app.posing import Readout, opening_pose
@@ -114,7 +115,9 @@ class EditorState:
         return replace(self, dismissed_pins=()) if self.dismissed_pins else self
 
     def with_doc(self, doc: Session) -> EditorState:
-        """The same with another document; the skeleton is rebuilt only for another body."""
+        """The same with another document, but for what it makes outdated of what was tracked
+        ahead; the skeleton is rebuilt only for another body."""
+        doc = up_to_date(doc)
         times_s = doc.evidence.times_s() if doc.surface is not self.doc.surface else None
         if times_s is not None:
             self = replace(self, times_s=times_s)

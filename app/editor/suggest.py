@@ -19,6 +19,7 @@ from app.editor.problems import (
 )
 from app.editor.segment_evidence import gain, part_errors_px, possible_drift_px
 from app.editor.verdict_text import add_keyframe, frame_range
+from tracker.session.ahead import Direction
 from tracker.storage.results import Span
 from tracker.tracking.result import SegmentResult
 
@@ -38,6 +39,7 @@ class Suggestion:
     it is posed now; "look" at `frame`, where keyframes themselves are wrong or no keyframe more
     would help; "good" nothing.
     problem: the one that is spoken of.
+    ahead: tracking that way from the keyframes leads on.
     """
 
     frame: int | None
@@ -45,6 +47,7 @@ class Suggestion:
     detail: str
     kind: Literal["pose", "key", "track", "look", "good"]
     problem: Problem | None = None
+    ahead: Direction | None = None
 
 
 def suggestion(

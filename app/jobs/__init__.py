@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from app.jobs.messages import (
+    AheadOrder,
     Drafted,
     Drafting,
     DraftOrder,
     FitOrder,
     Fitted,
+    FollowedAhead,
+    FollowingAhead,
     JobFailed,
     JobFinished,
     PassFinished,
@@ -30,11 +33,14 @@ from app.jobs.tracking import LIVE, Tracking
 
 __all__ = [
     "LIVE",
+    "AheadOrder",
     "DraftOrder",
     "Drafted",
     "Drafting",
     "FitOrder",
     "Fitted",
+    "FollowedAhead",
+    "FollowingAhead",
     "JobFailed",
     "JobFinished",
     "PassFinished",

@@ -1,4 +1,5 @@
-"""One order to fit: a pose, or the sizes, to what the pictures show, or drafts of a whole clip."""
+"""One order to fit: a pose, or the sizes, to what the pictures show, drafts of a whole clip,
+or the body followed ahead."""
 
 from __future__ import annotations
 
@@ -12,11 +13,14 @@ from pydantic import ValidationError
 from app.jobs.drafts import DraftLeft, Telling, drafted
 from app.jobs.failure import failure_message
 from app.jobs.messages import (
+    AheadOrder,
     Drafted,
     Drafting,
     DraftOrder,
     FitOrder,
     Fitted,
+    FollowedAhead,
+    FollowingAhead,
     JobFailed,
     JobFinished,
     PoseFitted,
@@ -28,6 +32,7 @@ from app.jobs.messages import (
 )
 from app.jobs.worker_cache import WorkerCache
 from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
 from tracker.errors import SurfaceError, one_sentence
 from tracker.session import Session
 from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
@@ -62,7 +67,8 @@ class Fit:
         except Exception as error:  # noqa: BLE001 — a fault, reported as such
             self._send(JobFailed(job, failure_message(error, _FAULT)))
         else:
-            cancelled = self._cancelled.is_set()
+            keeps = isinstance(fitted, FollowedAhead)  # what was found until then
+            cancelled = self._cancelled.is_set() and not keeps
             self._send(JobFinished(job, cancelled=True) if cancelled else fitted)
 
     def _fit(self, worker_cache: WorkerCache) -> Fitted:
@@ -71,6 +77,8 @@ class Fit:
 
     def on_film(self, order: FitOrder, session: Session, worker_cache: WorkerCache) -> Fitted:
         """A pose or the sizes fitted to pictures, or a clip drafted."""
+        if isinstance(order, AheadOrder):
+            return self._ahead(order, session, worker_cache)
         video = worker_cache.video(session, order.video_path)
         if isinstance(order, PoseOrder):
             return self._pose(order, session, video)
@@ -82,6 +90,8 @@ class Fit:
         """A pose fitted to the surface of its frame; SurfaceError where sizes are asked for."""
         if isinstance(order, DraftOrder):
             raise SurfaceError("Drafts are made from a video, not from surfaces.")
+        if isinstance(order, AheadOrder):
+            raise SurfaceError("Surfaces are fitted from one keyframe on: press Fit.")
         if isinstance(order, SizesOrder):
             raise SurfaceError(
                 "Sizes are fitted to pictures, not to surfaces: set them in Body, by what you see."
@@ -124,6 +134,23 @@ class Fit:
         )  # fmt: skip
         given = (found.error_px, found.alone, found.with_poses, found.unseen)
         return SizesFitted(order.job, found.message, *given)
+
+    def _ahead(
+        self, order: AheadOrder, session: Session, worker_cache: WorkerCache
+    ) -> FollowedAhead:
+        from tracker.tracking.ahead.follow import LONGEST, follow_ahead  # what only this needs
+        from tracker.tracking.pool import Cancelled
+
+        folder = Path(order.folder)
+        tracker = worker_cache.follower(session, order.video_path, folder)
+
+        def emit(motion: Trajectory) -> None:
+            if self._cancelled.is_set():
+                raise Cancelled
+            self._send(FollowingAhead(order.job, order.frame, motion, LONGEST))
+
+        found = follow_ahead(tracker, order.frame, order.direction, session.settings, emit)
+        return FollowedAhead(order.job, found)
 
     def _draft(self, order: DraftOrder, session: Session, video: Video) -> Drafted:
         def tell(progress: DraftProgress) -> None:

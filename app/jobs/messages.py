@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 from tracker.body.body import Body
 from tracker.body.pose import Pose
+from tracker.body.trajectory import Trajectory
 from tracker.keypoints.keypoints import Keypoints
 from tracker.keypoints.region import Box
+from tracker.session.ahead import Direction
 from tracker.session.settings import Quality
 from tracker.storage.stretches import Stretch
 from tracker.tracking.result import SegmentResult
@@ -19,6 +21,7 @@ from tracker.tracking.space.result import SpaceResult
 if TYPE_CHECKING:
     from tracker.fitting.draft import Proposal
     from tracker.fitting.sizes import Proposal as SizesProposal
+    from tracker.tracking.ahead.follow import FoundAhead
 
 Wanted: TypeAlias = tuple[int, int, str]
 """First frame, last frame and key of a segment to track."""
@@ -90,6 +93,22 @@ class DraftOrder:
     job: int = 0
 
 
+@dataclass(frozen=True)
+class AheadOrder:
+    """Follow the body from a keyframe as far as the evidence carries.
+
+    session: JSON of a session with its keyframes.
+    folder: of the session's file.
+    """
+
+    session: bytes
+    video_path: str
+    frame: int
+    direction: Direction
+    folder: str = ""
+    job: int = 0
+
+
 @dataclass(frozen=True, eq=False)
 class SpaceOrder:
     """Solve for the motion in space of these stretches, which were tracked before.
@@ -102,7 +121,7 @@ class SpaceOrder:
     job: int = 0
 
 
-FitOrder: TypeAlias = PoseOrder | SizesOrder | DraftOrder
+FitOrder: TypeAlias = PoseOrder | SizesOrder | DraftOrder | AheadOrder
 AnyOrder: TypeAlias = Order | FitOrder | SpaceOrder
 
 
@@ -261,7 +280,26 @@ class Drafted:
     proposals: tuple[Proposal, ...]
 
 
-Fitted: TypeAlias = PoseFitted | SizesFitted | Drafted
+@dataclass(frozen=True, eq=False)
+class FollowingAhead:
+    """How far the body was followed from the keyframe at a frame: the motion so far, by frame, of
+    about so many steps."""
+
+    job: int
+    frame: int
+    motion: Trajectory
+    of: int
+
+
+@dataclass(frozen=True, eq=False)
+class FollowedAhead:
+    """The body was followed, perhaps no farther than its keyframe."""
+
+    job: int
+    found: FoundAhead
+
+
+Fitted: TypeAlias = PoseFitted | SizesFitted | Drafted | FollowedAhead
 """What ends an order to fit, unless it was cancelled or failed."""
 
 Report: TypeAlias = (
@@ -273,6 +311,7 @@ Report: TypeAlias = (
     | SpaceSolved
     | Drafting
     | PoseFitting
+    | FollowingAhead
     | JobFinished
     | JobFailed
     | Fitted

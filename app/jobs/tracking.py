@@ -12,16 +12,14 @@ from typing import Any
 
 from app.jobs.messages import (
     Cancel,
-    Drafted,
     FitOrder,
+    Fitted,
     JobFailed,
     JobFinished,
     Order,
     Pause,
-    PoseFitted,
     Ready,
     Report,
-    SizesFitted,
     SpaceOrder,
     Wanted,
     Warming,
@@ -82,11 +80,10 @@ class Tracking:
         return job
 
     def fit(self, order: FitOrder) -> int:
-        """Fit a pose or the sizes, or draft a clip; the job's number, which takes the place of the
-        order's own.
+        """Fit a pose or the sizes, draft a clip or track ahead; the job's number, which takes the
+        place of the order's own.
 
-        Ends a job that is at work, as tracking does. Ends in one PoseFitted, SizesFitted or
-        Drafted, or as other jobs do.
+        Ends a job that is at work, as tracking does. Ends in one Fitted, or as other jobs do.
         """
         job = self._begin(_DIED_FITTING)
         self._ensure_worker().send(replace(order, job=job))
@@ -155,7 +152,7 @@ class Tracking:
     def _on_message(self, worker: WorkerProcess, report: Report) -> None:
         if worker is not self._worker:
             return
-        if isinstance(report, JobFinished | JobFailed | PoseFitted | SizesFitted | Drafted):
+        if isinstance(report, JobFinished | JobFailed | Fitted):
             self._open.pop(report.job, None)
         if isinstance(report, Warming | Ready):
             report = replace(report, job=self.job)

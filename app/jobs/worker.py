@@ -13,15 +13,13 @@ from app.jobs.latest_order import LatestOrder
 from app.jobs.messages import (
     AnyOrder,
     Cancel,
-    DraftOrder,
+    FitOrder,
     JobFinished,
     Order,
     PassFinished,
     Pause,
-    PoseOrder,
     Ready,
     Report,
-    SizesOrder,
     SpaceOrder,
     Warming,
 )
@@ -66,7 +64,7 @@ class Worker:
             (self._may_go_on.clear if message.on else self._may_go_on.set)()
             return
         self._may_go_on.set()
-        if isinstance(message, Order | PoseOrder | SizesOrder | DraftOrder | SpaceOrder):
+        if isinstance(message, Order | FitOrder | SpaceOrder):
             dropped = self._latest.put(message)
         else:
             dropped = self._latest.cancel(message.job)

@@ -56,6 +56,13 @@ class WorkerCache:
 
     def of_film(self, session: Session, path: str, folder: Path) -> SegmentTracker:
         """What tracks the segments of a film."""
+        return self._film_tracker(session, path, folder)
+
+    def follower(self, session: Session, path: str, folder: Path) -> Tracker:
+        """What follows the body of a film, of which one keyframe is enough."""
+        return self._film_tracker(session, path, folder, fewest=1)
+
+    def _film_tracker(self, session: Session, path: str, folder: Path, fewest: int = 2) -> Tracker:
         video = self.video(session, path)
         masks, static = session.ignore_masks, session.has_static_camera
         prepared_for = (self._opened, session.camera, masks, static)
@@ -67,6 +74,7 @@ class WorkerCache:
             first_motion=first_motion.of_session(session, folder),
             like=self._tracker,
             keypoints=keypoints.of_session(session, folder),
+            fewest=fewest,
         )
         return self._tracker
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import numpy as np
 
 from app.document.open import OpenSession
 from app.editor import actions as do
+from app.editor.ahead import start_frame, with_followed
+from app.editor.ahead_text import found_sentence
 from app.editor.drafted import (
     KEYPOINT_SOURCE,
     keeps_proportions,
@@ -21,11 +23,14 @@ from app.editor.fitted import pose_to_fit, require_sizes_to_fit, with_pose_fitte
 from app.editor.shown import find, shown_pose
 from app.editor.state import EditorState
 from app.jobs import (
+    AheadOrder,
     Drafted,
     DraftOrder,
     FitOrder,
     Fitted,
+    FollowedAhead,
     JobFailed,
+    JobFinished,
     PoseFitted,
     PoseOrder,
     SizesFitted,
@@ -43,10 +48,17 @@ from tracker.storage.atomic import make_folder
 from tracker.storage.keypoints import of_session, save_keypoints
 from tracker.storage.results import pose_at
 
+if TYPE_CHECKING:
+    from tracker.tracking.ahead.follow import FoundAhead
+
 SAME = 1e-9
 """Poses that differ by less are the same."""
 NEAR_FRAMES = 8
 """So many frames to both sides the tracked poses are handed over."""
+
+
+Asking: TypeAlias = do.FitHere | do.FitSizes | do.Draft | do.TrackAhead
+"""What a person asks to be fitted."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,13 +74,13 @@ class FitRequest:
     began: EditorState
 
     @classmethod
-    def of(
-        cls, opened: OpenSession, edit: EditorState, action: do.FitHere | do.FitSizes | do.Draft
-    ) -> FitRequest:
+    def of(cls, opened: OpenSession, edit: EditorState, action: Asking) -> FitRequest:
         """What is asked for; Refused with the reason where it cannot be had."""
         path = str(opened.video.info.path)
         if isinstance(action, do.Draft):
             return cls(_draft_order(path, edit, action), None, edit)
+        if isinstance(action, do.TrackAhead):
+            return cls(_ahead_order(path, opened, edit, action), None, edit)
         if isinstance(action, do.FitSizes):
             require_sizes_to_fit(edit)
             return cls(SizesOrder(_content(edit.doc), path, action.focal), None, edit)
@@ -80,6 +92,9 @@ class FitRequest:
     def title(self) -> str:
         if isinstance(self.order, DraftOrder):
             return "Drafting poses"
+        if isinstance(self.order, AheadOrder):
+            way = "ahead" if self.order.direction == "forward" else "back"
+            return f"Tracking {way} from {self.order.frame}"
         return "Fitting the sizes" if self.frame is None else f"Fitting frame {self.frame}"
 
     @property
@@ -87,6 +102,8 @@ class FitRequest:
         """What is said when it began from something that has changed."""
         if isinstance(self.order, DraftOrder):
             return "Draft cancelled because the body, the camera or a keyframe changed."
+        if isinstance(self.order, AheadOrder):
+            return "Tracking ahead cancelled because the body, the camera or a keyframe changed."
         what = "sizes" if self.frame is None else "pose"
         return f"Fit cancelled because the {what} changed."
 
@@ -110,7 +127,8 @@ class FitRequest:
 
     def is_like(self, other: FitRequest) -> bool:
         """Whether the other asks for the same of what still stands."""
-        if isinstance(self.order, DraftOrder) or isinstance(other.order, DraftOrder):
+        whole = DraftOrder | AheadOrder
+        if isinstance(self.order, whole) or isinstance(other.order, whole):
             return self.order == other.order
         focal = (getattr(request.order, "focal", None) for request in (self, other))
         return (
@@ -122,6 +140,9 @@ class FitRequest:
     def _inputs(self, doc: Session) -> tuple[Any, ...]:
         if isinstance(self.order, DraftOrder):
             return doc.body, doc.camera, doc.surface, doc.keyframes
+        if isinstance(self.order, AheadOrder):
+            cues = doc.settings, doc.keypoint_corrections
+            return doc.body, doc.camera, doc.ignore_masks, doc.keyframes, *cues
         what = (doc.body, doc.camera, doc.ignore_masks, doc.surface)
         if self.frame is None:
             return *what, doc.keyframes, doc.drafts
@@ -145,6 +166,8 @@ class Host(Protocol):
 
     def show_draft(self, edit: EditorState) -> None: ...
 
+    def show_ahead(self, edit: EditorState) -> None: ...
+
     def show_preview(self, preview: SizesPreview) -> None: ...
 
     def note(self, kind: str, words: str) -> None: ...
@@ -160,7 +183,7 @@ class Fitter:
         self._request: FitRequest | None = None
         self._found: Fitted | None = None
 
-    def ask(self, action: do.FitHere | do.FitSizes | do.Draft) -> None:
+    def ask(self, action: Asking) -> None:
         """Begin; a fit that is asked for twice is done once."""
         opened, edit = self._current()
         request = FitRequest.of(opened, edit, action)
@@ -175,27 +198,35 @@ class Fitter:
         _, edit = self._current()
         if not self._request.is_current(edit):
             self._host.note("info", self._request.why_cancelled)
-            self.cancel()
+            self._drop()
         elif self._found is not None and edit.stroke is None:
             self._apply(self._request, self._found)
 
     def cancel(self) -> bool:
-        """Leave the fit that is under way; whether there was one."""
+        """Leave the fit that is under way; whether there was one. What was tracked ahead until then
+        is reported, and kept."""
         if self._request is None:
             return False
+        if isinstance(self._request.order, AheadOrder):
+            self._runner.cancel()
+        else:
+            self._drop()
+        return True
+
+    def _drop(self) -> None:
         self._runner.drop_fit()
         self._resume_tracking()
-        return True
 
     def closed(self) -> None:
         """No session is open any more."""
         self._request = self._found = None
 
-    def _on_fit_end(self, report: Fitted | JobFailed) -> None:
+    def _on_fit_end(self, report: Fitted | JobFailed | JobFinished) -> None:
         if self._request is None:
             return
-        if isinstance(report, JobFailed):
-            self._host.note("lost", report.words)
+        if isinstance(report, JobFailed | JobFinished):
+            if isinstance(report, JobFailed):
+                self._host.note("lost", report.words)
             self._resume_tracking()
             return
         self._found = report
@@ -211,6 +242,9 @@ class Fitter:
             if isinstance(found, SizesFitted):
                 self._preview(found, edit)
                 return
+            if isinstance(found, FollowedAhead):
+                self._take_ahead(found.found, edit)
+                return
             after, outcome = apply_fit(request, found, edit)
             if after is edit:
                 self._host.note("info", outcome.words)
@@ -220,6 +254,13 @@ class Fitter:
             self._host.note("check", str(error))
         finally:
             self._resume_tracking()
+
+    def _take_ahead(self, found: FoundAhead, edit: EditorState) -> None:
+        """What led nowhere changes nothing; what led on is told where the next keyframe is."""
+        if found.to_frame != found.frame:
+            self._host.show_ahead(with_followed(edit, found))
+        else:
+            self._host.note("check", found_sentence(found))
 
     def _preview(self, found: SizesFitted, edit: EditorState) -> None:
         preview = SizesPreview.of(found, edit)
@@ -284,6 +325,14 @@ def _draft_order(path: str, edit: EditorState, action: do.Draft) -> DraftOrder:
     bare = doc.model_copy(update={"keyframes": ()})
     proportions = not keeps_proportions(doc)
     return DraftOrder(_content(bare), path, action.frame, action.box, frames, proportions)
+
+
+def _ahead_order(
+    path: str, opened: OpenSession, edit: EditorState, action: do.TrackAhead
+) -> AheadOrder:
+    frame = start_frame(edit.doc, action.direction)
+    folder = str(opened.session_path.absolute().parent)
+    return AheadOrder(_content(edit.doc), path, frame, action.direction, folder)
 
 
 def _content(doc: Session) -> bytes:

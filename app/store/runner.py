@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from typing import Literal, TypeAlias
@@ -14,11 +14,14 @@ from app.editor.advice import why_nothing_to_do
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.jobs import (
+    AheadOrder,
     Drafted,
     Drafting,
     DraftOrder,
     FitOrder,
     Fitted,
+    FollowedAhead,
+    FollowingAhead,
     JobFailed,
     JobFinished,
     PassFinished,
@@ -44,11 +47,13 @@ from tracker.tracking.result import SegmentResult
 
 What: TypeAlias = Literal["this", "changed", "all"]
 Ending: TypeAlias = Literal["done", "cancelled", "failed"]
-OnFitEnd: TypeAlias = Callable[[Fitted | JobFailed], None]
+OnFitEnd: TypeAlias = Callable[[Fitted | JobFailed | JobFinished], None]
 
 
-FitKind: TypeAlias = Literal["fit", "draft"]
+FitKind: TypeAlias = Literal["fit", "draft", "ahead"]
 
+_FIT_KINDS: Mapping[type[FitOrder], FitKind] = {DraftOrder: "draft", AheadOrder: "ahead"}
+"""Those that know how far they are."""
 NETWORK_SHARE = 0.9
 """Of the time that a draft takes."""
 SECONDS_TO_LEAVE = 3.0
@@ -82,6 +87,7 @@ class Runner:
         self.results: Results | None = None
         self.running: dict[Span, Running] = {}
         self.fitting: PoseFitting | None = None
+        self.following: FollowingAhead | None = None
         self.job = Job()
 
     # --- called by the store
@@ -96,6 +102,7 @@ class Runner:
         self._past = self._newest
         self._number, self._fit_done, self._waiting = 0, None, frozenset()
         self.running, self.results, self.job, self.fitting = {}, None, Job(), None
+        self.following = None
 
     def stop(self) -> None:
         """End the worker."""
@@ -131,19 +138,18 @@ class Runner:
         self._began = time.monotonic()
         self.running = dict.fromkeys(self._waiting, Running())
         words = "tracking continues after it" if self._waiting else ""
-        kind: FitKind = "draft" if isinstance(order, DraftOrder) else "fit"
-        self.job = Job("running", title, words, kind=kind)
+        self.job = Job("running", title, words, kind=_FIT_KINDS.get(type(order), "fit"))
         self._notify(self, False)
 
     def drop_fit(self) -> None:
         """Drop the fit at work."""
         self._tracking.cancel()
-        self._number, self.fitting = 0, None
+        self._number, self.fitting, self.following = 0, None, None
 
     def resume(self, opened: OpenSession, edit: EditorState) -> None:
         """The fit is over: track what waited for it."""
         waiting, self._waiting, self._fit_done = self._waiting, frozenset(), None
-        self.fitting = None
+        self.fitting = self.following = None
         self.job, self.running = Job(), {}
         keys = segment_keys(edit.settled)
         wanted = [(*span, key) for span, key in keys.items() if span in waiting]
@@ -248,9 +254,11 @@ class Runner:
                 self._on_drafting(report)
             case PoseFitting():
                 self.fitting = report
-            case PoseFitted() | SizesFitted() | Drafted():
+            case FollowingAhead():
+                self._on_following(report)
+            case PoseFitted() | SizesFitted() | Drafted() | FollowedAhead():
                 self._on_fit_end(report)
-            case JobFailed() if self._fit_done is not None:
+            case JobFailed() | JobFinished() if self._fit_done is not None:
                 self._on_fit_end(report)
             case JobFinished() if self.job.kind == "space":
                 self.job = self._ended
@@ -273,8 +281,14 @@ class Runner:
         left = seconds_left(time.monotonic() - self._began, percent / 100)
         self.job = replace(self.job, words=words, percent=percent, seconds_left=left)
 
-    def _on_fit_end(self, report: Fitted | JobFailed) -> None:
-        self._number, self.fitting = 0, None
+    def _on_following(self, report: FollowingAhead) -> None:
+        self.following = report
+        steps = len(report.motion) - 1
+        words = f"{steps} frames so far" if steps else "Looking for the person"
+        self.job = replace(self.job, words=words, percent=100 * steps / report.of)
+
+    def _on_fit_end(self, report: Fitted | JobFailed | JobFinished) -> None:
+        self._number, self.fitting, self.following = 0, None, None
         if self._fit_done is not None:
             self._fit_done(report)
 

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Literal
 
 from app.document.library.poses import KeptPose
+from app.editor.ahead import followed_so_far
 from app.editor.documents import posed
 from app.editor.state import EditorState
-from app.jobs import PoseFitting
+from app.jobs import FollowingAhead, PoseFitting
 from app.store.preview import SizesPreview
 from tracker.keypoints.keypoints import Keypoints
 from tracker.session.schema import Session
@@ -28,7 +30,7 @@ class Job:
     words: str = ""
     percent: float = 0.0
     seconds_left: float | None = None
-    kind: Literal["track", "fit", "draft", "space"] = "track"
+    kind: Literal["track", "fit", "draft", "ahead", "space"] = "track"
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,8 +132,8 @@ class AppState:
     server: differs for every start of the program.  revision: differs after every edit.
     draft: the document as the last draft of the clip left it.
     unusable: which observed surfaces cannot be used, a sentence as far as is known, or empty.
-    fitting: how far a pose is fitted.  preview: new sizes that wait to be applied.
-    poses: those that were kept.
+    fitting: how far a pose is fitted.  following: how far the body is tracked ahead.
+    preview: new sizes that wait to be applied.  poses: those that were kept.
     """
 
     server: str = ""
@@ -147,15 +149,17 @@ class AppState:
     draft: Session | None = None
     keypoints: KnownKeypoints = KnownKeypoints()
     fitting: PoseFitting | None = None
+    following: FollowingAhead | None = None
     preview: SizesPreview | None = None
     surface: SurfaceSeen = SurfaceSeen()
     unusable: str = ""
     poses: tuple[KeptPose, ...] = ()
 
-    @property
+    @cached_property
     def displayed(self) -> AppState:
-        """With what is only shown: a pose as far as it is fitted, new sizes that are not applied
-        yet, or what stood before the last fit while somebody looks back at it."""
+        """With what is only shown: a pose as far as it is fitted, the motion as far as it is
+        tracked ahead, new sizes that are not applied yet, or what stood before the last fit while
+        somebody looks back at it."""
         edit, preview, fitting = self.edit, self.preview, self.fitting
         if edit is None:
             return self
@@ -163,6 +167,9 @@ class AppState:
             return self if preview.looking_back else replace(self, edit=preview.shown_in(edit))
         if fitting is not None and fitting.frame == edit.frame and edit.stroke is None:
             doc = posed(edit.doc, edit.skeleton, fitting.pose, fitting.frame, edit.times_s)
+            return replace(self, edit=edit.with_doc(doc))
+        if self.following is not None and edit.stroke is None:
+            doc = followed_so_far(edit, self.following.frame, self.following.motion)
             return replace(self, edit=edit.with_doc(doc))
         if self.fit is None or not self.fit.looking_back:
             return self

@@ -270,7 +270,8 @@ class Store:
         self._next_progress = self._loop.time() + rest
         if edit is not None and runner.results is not None:
             edit = replace(edit, results=runner.results)
-        self._set(edit=edit, job=runner.job, running=dict(runner.running), fitting=runner.fitting)
+        self._set(edit=edit, job=runner.job, running=dict(runner.running))
+        self._set(fitting=runner.fitting, following=runner.following)
 
     def _run_action(self, action: actions.Running) -> None:
         if isinstance(action, actions.Open):
@@ -334,6 +335,10 @@ class Store:
         """Go on from the drafts of the clip."""
         self._edit_to(edit)
         self._set(draft=edit.doc)
+
+    def show_ahead(self, edit: EditorState) -> None:
+        """Go on from what was tracked ahead."""
+        self._edit_to(edit)
 
     def _show_before(self, on: bool) -> None:
         fit, preview = self._app_state.fit, self._app_state.preview
@@ -467,7 +472,9 @@ class Store:
         self._writer.close()
         self._clients = Clients()
         self._set(opened=None, edit=None, running={}, job=Job(), saved=Saved(), fit=None)
-        self._set(draft=None, preview=None, fitting=None, keypoints=KnownKeypoints())
+        self._set(
+            draft=None, preview=None, fitting=None, following=None, keypoints=KnownKeypoints()
+        )
         self._set(surface=SurfaceSeen(), unusable="", revision="")
         if examiner is not None:
             await asyncio.to_thread(examiner.close)

@@ -38,7 +38,7 @@ import { answer, goal, isReviewing, places, toggleReview, turn, whyNoPlace, whyN
 import { deleteAny, deleteLabel, nudge, selectAll, selectHere, whyNotDeleteAny, whyNotNudge, whyNotSelect, whyNotSelectAll } from './selection.js';
 import { chooseTheme, chosenTheme } from './theme.js';
 import {
-  changedSegments, namesOf, trackSegment, whyNotTrack, whyNotTrackChanged, whyNotTracked, whyNotTrackThis,
+  changedSegments, namesOf, trackSegment, whyNotAhead, whyNotTrack, whyNotTrackChanged, whyNotTracked, whyNotTrackThis,
 } from './tracking.js';
 import { isZoomed, zoomTo, zoomToInterval } from './window.js';
 
@@ -141,11 +141,11 @@ const NOTES = {
     label: 'All notes', icon: 'note', off: () => (server.notes?.length ? '' : 'There are no notes'), run: () => toggleSearch('Note'),
   },
   previousNote: {
-    label: 'Previous note', icon: 'flag', keys: ['Shift A'], row: 'Previous, next note', ...REPEATS,
+    label: 'Previous note', icon: 'flag', keys: ['Shift H'], row: 'Previous, next note', ...REPEATS,
     off: () => noNote(-1), run: () => toNote(-1),
   },
   nextNote: {
-    label: 'Next note', icon: 'flag', keys: ['A'], row: 'Previous, next note', ...REPEATS,
+    label: 'Next note', icon: 'flag', keys: ['H'], row: 'Previous, next note', ...REPEATS,
     off: () => noNote(1), run: () => toNote(1),
   },
 };
@@ -163,7 +163,7 @@ const POSE = {
   duplicateKeyframe: { label: 'Duplicate to frame', icon: 'copy', run: duplicateKey },
   selectAllKeyframes: { label: 'Select all keyframes', keys: ['Ctrl A'], off: whyNotSelectAll, run: selectAll },
   selectKeyframe: {
-    label: 'Select this keyframe', title: 'One more or one less', keys: ['Shift A'], off: whyNotSelect, run: selectHere,
+    label: 'Select this keyframe', title: 'One more or one less', keys: ['Shift S'], off: whyNotSelect, run: selectHere,
   },
   selectRange: { label: 'Range, one more', keys: ['Shift Click', 'Ctrl Click'], heard: 'pointer' },
   earlier: nudging(-1, 'ArrowLeft'),
@@ -313,6 +313,16 @@ const TRACK = {
   trackAll: {
     label: () => `${words().verb} all ${count((server.segments ?? []).length, 'segment')}`, icon: 'reset',
     off: whyNotTrack, message: () => ({ do: 'track', what: 'all' }),
+  },
+  trackAhead: {
+    label: 'Track ahead', icon: 'ahead', keys: ['A'], off: () => whyNotAhead('forward'),
+    title: 'Follow the body on from the last keyframe, as far as it is seen well',
+    message: () => ({ do: 'track_ahead', direction: 'forward' }),
+  },
+  trackBack: {
+    label: 'Track back', icon: 'back', keys: ['Shift A'], off: () => whyNotAhead('backward'),
+    title: 'Follow the body back from the first keyframe, as far as it is seen well',
+    message: () => ({ do: 'track_ahead', direction: 'backward' }),
   },
   draft: {
     label: () => `Draft ${count(draftCount(), 'frame')}`, icon: 'wand', off: whyNotDraft,

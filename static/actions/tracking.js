@@ -2,7 +2,8 @@
 
 import { send } from '../store/link.js';
 import { server } from '../store/state.js';
-import { fewestKeys, tooFewWords, words } from '../store/subject.js';
+import { fewestKeys, isSurface, tooFewWords, words } from '../store/subject.js';
+import { lastFrame } from '../store/clip.js';
 import { count, range } from '../controls/words.js';
 import { frame, goTo, segmentAt } from './playhead.js';
 
@@ -37,6 +38,20 @@ export function whyNotTrackChanged() {
   const why = whyNotTrack();
   if (why || changedSegments().length) return why;
   return server.job?.state === 'running' ? `${words().doing} already` : 'All segments are up to date';
+}
+
+/**
+ * Why the body cannot be followed from the last keyframe on, or back from the first, or ''.
+ * @param {'forward' | 'backward'} direction
+ */
+export function whyNotAhead(direction) {
+  if (isSurface()) return 'Surfaces are fitted from one keyframe on';
+  const { state, kind } = server.job ?? {};
+  if (state === 'running' && kind === 'ahead') return 'Tracking ahead already';
+  const keys = server.keys?.frames ?? [];
+  if (keys.length === 0) return 'Add a keyframe first';
+  const [key, end] = direction === 'forward' ? [keys.at(-1), lastFrame()] : [keys[0], 0];
+  return key === end ? `The keyframe at ${key} is the ${end === 0 ? 'first' : 'last'} frame` : '';
 }
 
 /** Of a segment, by default the one of the playhead. */

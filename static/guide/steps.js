@@ -184,10 +184,11 @@ function turnWaist() {
  * @returns {Step}
  */
 export function ending() {
-  const { kind, title = '', detail = '' } = server.suggest ?? {};
+  const { kind, title = '', detail = '', ahead } = server.suggest ?? {};
   const keys = server.keys?.frames.length ?? 0;
   if (keys < fewestKeys()) {
-    const then = isSurface() ? '' : ' Then press T to track the frames in between.';
+    const onward = ahead ? ' Or press A: the body is tracked ahead, and you correct where it leads.' : '';
+    const then = isSurface() ? '' : ` Then press T to track the frames in between.${onward}`;
     return { title: keys === 1 ? 'First keyframe set' : 'Ready to pose', text: `${title}.${then}` };
   }
   if (server.job?.state === 'running') return { title: subject().doing, text: 'You can keep posing meanwhile.' };

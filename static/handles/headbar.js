@@ -34,7 +34,7 @@ function poseStatus() {
   }
   if (source === 'draft') {
     return html`<span class="row b what draft">${icon('keyadd')}<span class="word">Frame</span> ${frame}</span>
-      <span class="mut say">Posed, press <kbd>${keyOf('addKeyframe')}</kbd> to keep</span>`;
+      <span class="mut say">${server.pose.followed ? 'Tracked ahead' : 'Posed'}, press <kbd>${keyOf('addKeyframe')}</kbd> to keep</span>`;
   }
   const part = partKeyAt(frame);
   if (part) {

@@ -73,6 +73,8 @@ function items() {
     menuItem('trackAll'),
     line,
     menuItem('review'),
+    menuItem('trackAhead'),
+    menuItem('trackBack'),
   ];
 }
 

@@ -147,6 +147,7 @@
  * @typedef {object} Pose  At the present frame.
  * @property {number} frame
  * @property {'keyframe' | 'draft' | 'tracked' | 'part' | 'between' | 'held' | 'opening'} source
+ * @property {boolean} followed  Of a draft: found by tracking ahead, as it was found.
  * @property {string | null} stroke
  * @property {Record<string, number[]>} T  Part to camera: three rows of four.
  * @property {Record<string, Point>} points
@@ -253,6 +254,7 @@
  * @property {string} kind
  * @property {string | null} part  That is to be looked at there.
  * @property {string | null} cause
+ * @property {'forward' | 'backward' | null} ahead  The way in which tracking ahead leads on.
  */
 /** @typedef {{ part: string, x: Series, y: Series, z: Series, error: Series }} Curve */
 /** @typedef {{ part: string, points: [number, number, number, number][], keys: number[] }} Trail */
@@ -394,7 +396,7 @@
  * @property {string} words
  * @property {number} percent
  * @property {number | null} seconds_left
- * @property {'track' | 'fit' | 'draft' | 'space'} kind
+ * @property {'track' | 'fit' | 'draft' | 'ahead' | 'space'} kind
  */
 
 /** @typedef {{ state: 'saved' | 'saving' | 'failed' | 'readonly', at: number, words: string }} Saved */

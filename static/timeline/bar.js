@@ -56,8 +56,8 @@ function drawSuggestion() {
   if (!confirmation() && proposedPins().length) return drawProposals();
   const suggest = confirmation() ?? server.suggest;
   if (!suggest) return html`<div class="sug none"></div>`;
-  const { state, title, words } = server.job ?? {};
-  const atWork = suggest.kind === 'track' && state === 'running';
+  const { state, title, words, kind } = server.job ?? {};
+  const atWork = state === 'running' && (suggest.kind === 'track' || kind === 'ahead');
   const said = atWork ? { title, detail: words } : suggest;
   return html`<div class=${`sug ${suggest.kind}`} role="status" title=${`${said.title}. ${said.detail}`}>
     ${icon(SUGGESTION_ICONS[suggest.kind] ?? 'keyadd')}
@@ -111,13 +111,20 @@ function proposedWord() {
 function confirmation() {
   const place = placeAhead();
   if (!place) return null;
-  return { kind: 'confirm', frame: place.frame, title: placesWords(), detail: `Next: frame ${place.frame}. ${reasonOf(place)}` };
+  return { kind: 'confirm', ahead: null, frame: place.frame, title: placesWords(), detail: `Next: frame ${place.frame}. ${reasonOf(place)}` };
 }
 
-function suggestionButton({ frame: to, kind }) {
+function suggestionButton({ frame: to, kind, ahead }) {
   if (kind === 'track') return primary('trackChanged', subject().verb);
+  if (ahead) return aheadButton(ahead);
   if (to === null || to === undefined || to === frame()) return html`<span class="pad"></span>`;
   return primary('suggestedFrame', 'Go', labelOf('goTo', to));
+}
+
+/** Where the keyframes end, the body can be followed on. @param {'forward' | 'backward'} way */
+function aheadButton(way) {
+  const id = way === 'forward' ? 'trackAhead' : 'trackBack';
+  return primary(id, labelOf(id));
 }
 
 /** @param {import('../actions/actions.js').ActionId} id */

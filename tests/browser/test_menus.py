@@ -210,7 +210,7 @@ def test_a_note_is_written_moved_gone_to_and_deleted(at: Desk) -> None:
     _noted(page, 40, "The hand is hidden")
     _noted(page, 60, "")
     page.locator("#mnote", has_text="Flag").wait_for()
-    page.keyboard.press("Shift+A")
+    page.keyboard.press("Shift+H")
     until_told(page, "view.frame", lambda frame: frame == 40)
     page.locator("#mnote", has_text="The hand is hidden").wait_for()
     page.keyboard.press("Home")

@@ -26,6 +26,7 @@ from tracker.body.pose import Pose, part_transforms
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import quaternion_wxyz, rotation_from_quaternion
+from tracker.session.ahead import Ahead, require_ahead
 from tracker.session.corrections import KeypointCorrection, require_corrections
 from tracker.session.drafted import Drafted
 from tracker.session.evidence import Evidence, evidence_of
@@ -67,6 +68,7 @@ MOST: Mapping[str, int] = {
     "pins": 1_000,
     "notes": 1_000,
     "reviewed": 10_000,
+    "ahead": 100,
 }
 """Far above what a person sets in a session."""
 
@@ -144,6 +146,12 @@ class Keyframe(Plain):
         exclude_if=operator.not_,
         description="The motion need only come near it: mostly its depth gives way to pins and "
         "smoothness. Left out where it is met exactly.",
+    )
+    followed: bool = Field(
+        default=False,
+        exclude_if=operator.not_,
+        description="Of a draft: found by tracking ahead, and not changed by a person since. Left "
+        "out otherwise.",
     )
 
     @field_validator("rotations_wxyz")
@@ -282,6 +290,12 @@ class Session(Plain):
         description="What drafting the film found besides the drafts; left out where nobody did.",
     )
     reviewed: ReviewedList = ()
+    ahead: tuple[Ahead, ...] = Field(
+        default=(),
+        exclude_if=operator.not_,
+        description="How far the body was followed from keyframes, and why no farther; left out "
+        "where it was not.",
+    )
     surface: Surface | None = Field(
         default=None,
         exclude_if=operator.not_,
@@ -361,6 +375,7 @@ def require_fit(session: Session, poses: Sequence[Keyframe]) -> None:
     _require_parts(session.settings.left_out, session.body)
     require_pins(session.pins, session.body, video.frame_count)
     require_notes(session.notes, video.frame_count)
+    require_ahead(session.ahead, session.body, video.frame_count)
     require_corrections(session.keypoint_corrections, video.frame_count, video.width, video.height)
     for keyframe in poses:
         _require_in_video(keyframe, video.frame_count)

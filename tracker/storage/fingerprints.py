@@ -81,6 +81,13 @@ def setup_hash(session: Session) -> str:
     return _INPUTS.of(session).whole(session)
 
 
+def ahead_key(session: Session, keyframe: Keyframe) -> str:
+    """Of what a body is followed ahead with from a keyframe: its pose, the body and the camera."""
+    pose = _pose(_ById(keyframe), session.body.names)
+    setup = [keyframe.frame, _body(_ById(session.body)), _camera(_ById(session.camera))]
+    return hashlib.sha256(json.dumps(setup).encode() + pose).hexdigest()[:16]
+
+
 def open_ends(session: Session) -> tuple[int, ...]:
     """Where a motion of surfaces begins or ends without a keyframe; none of a film's."""
     return session.evidence.open_ends([keyframe.frame for keyframe in session.keyframes])

@@ -10,6 +10,7 @@ from tracker.errors import SessionError
 from tracker.keypoints.keypoints import Keypoints
 from tracker.keypoints.model_files import FULL, find_model
 from tracker.keypoints.on_body import is_persons
+from tracker.session.ahead import Direction
 from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, surface_of
 from tracker.session.schema import Session
 from tracker.storage.detections import Detections
@@ -19,6 +20,7 @@ from tracker.storage.part_keyframes import keyed_parts
 from tracker.surface.fit.fitter import SurfaceFitter
 from tracker.surface.source import UnratedSteps
 from tracker.surface.steps import Steps
+from tracker.tracking.ahead.follow import LONGEST, Emit, FoundAhead, follow_ahead
 from tracker.tracking.cues.sources import (
     CorrectedKeypoints,
     DetectedKeypoints,
@@ -38,9 +40,10 @@ def tracker_of(
     first_motion: Trajectory | None = None,
     like: Tracker | None = None,
     keypoints: Keypoints | None = None,
+    fewest: int = 2,
 ) -> Tracker:
-    """A session's tracker; SessionError with fewer than two keyframes, or without the first motion
-    that its settings use.
+    """A session's tracker; SessionError with fewer keyframes than the fewest, or without the first
+    motion that its settings use.
 
     keypoints: what `keypoints.of_session` reads beside the session's file.
     like: a tracker of the same video, camera, masks and plate, whose prepared pictures are used.
@@ -54,7 +57,7 @@ def tracker_of(
     parts = keyed_parts(session, skeleton)
     keys = segment_keys(without_part_keyframes(session))
     if like is not None:
-        return like.renewed(skeleton, poses, first_motion, source, parts, keys)
+        return like.renewed(skeleton, poses, first_motion, source, parts, keys, fewest=fewest)
     return Tracker(
         video,
         session.camera,
@@ -67,6 +70,7 @@ def tracker_of(
         source,
         parts,
         keys,
+        fewest=fewest,
     )
 
 
@@ -130,6 +134,31 @@ def track_session(
     chosen = range(len(keys)) if segments is None else sorted(set(segments))
     tasks = [Task(index, keys[index][0], session.settings, keys[index][1]) for index in chosen]
     yield from run_chosen(tracker, session.settings, tasks, workers, cancelled)
+
+
+def track_ahead(
+    session: Session,
+    video: Video,
+    direction: Direction = "forward",
+    *,
+    longest: int = LONGEST,
+    emit: Emit = lambda motion: None,
+    keypoints: Keypoints | None = None,
+) -> FoundAhead:
+    """Follow the body on from a session's last keyframe, or back from its first, as far as the
+    evidence carries; SessionError without a keyframe, or where it is the video's end.
+
+    longest: frames that are followed at most.  emit: is given the motion on the way; raising
+    `Cancelled` there ends it, and what was found until then is kept.  keypoints: what
+    `keypoints.of_session` reads beside the session's file.
+    """
+    if not session.keyframes:
+        raise SessionError("keyframes: tracking ahead needs one, and the session has none.")
+    if session.surface is not None:
+        raise SessionError("Surfaces are fitted from one keyframe on: use fit, not ahead.")
+    frame = session.keyframes[-1 if direction == "forward" else 0].frame
+    tracker = tracker_of(session, video, MEMORY_BYTES, keypoints=keypoints, fewest=1)
+    return follow_ahead(tracker, frame, direction, session.settings, emit, longest)
 
 
 def _film_tracker(

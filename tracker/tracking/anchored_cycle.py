@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class _Ended:
+class Ended:
     """Where the cycle led from one start. index: of its last trajectory among all passes.
 
     cost: of all evidence together.  drift_px (N - 1, M): what was left to correct.
@@ -76,18 +76,18 @@ def track_anchored(
     elif begun is None:
         begun = starts(scene, segment, replace(method, templates=False))
     tried: list[Pass] = []
-    ends: list[_Ended] = []
+    ends: list[Ended] = []
     for anchors in candidates:
         correction = Correction(free, segment, anchors)
         alone = Pass("keypoints", from_keypoints(correction, from_afar), None)
         if not brightness:
             tried.append(alone)
             yield alone
-            ends.append(_unmeasured(correction, alone.trajectory, len(tried) - 1))
+            ends.append(measured_by_keypoints(correction, alone.trajectory, len(tried) - 1))
             continue
         for start in (alone, *begun.ways[:1]):
             if is_sound(scene, segment, start.trajectory):
-                ended = yield from _cycle(correction, method, start, tried)
+                ended = yield from cycle(correction, method, start, tried)
                 ends.append(ended)
     if silhouette:
         ends = [_beside_what_moves(scene, segment, ended) for ended in ends]
@@ -100,23 +100,27 @@ def expected_anchored_steps(passes: int) -> int:
     return 2 * (passes + 2)
 
 
-def _unmeasured(correction: Correction, found: Trajectory, index: int) -> _Ended:
+def measured_by_keypoints(correction: Correction, found: Trajectory, index: int) -> Ended:
     """What keypoints alone led to."""
     held = even_increments(correction.scene, correction.segment.interpolated())
     nothing = np.zeros((len(found) - 1, len(correction.scene.marks[1])))
-    return _Ended(index, found, correction.cost(found, held), nothing, correction.anchors)
+    return Ended(index, found, correction.cost(found, held), nothing, correction.anchors)
 
 
-def _beside_what_moves(scene: Scene, segment: Segment, ended: _Ended) -> _Ended:
+def _beside_what_moves(scene: Scene, segment: Segment, ended: Ended) -> Ended:
     """With what moves and the body does not cover, or the other way round, in its cost."""
     mismatch = silhouette_mismatch(scene, segment.clip, ended.trajectory)
     return replace(ended, cost=ended.cost + mismatch.cost())
 
 
-def _cycle(
+def cycle(
     correction: Correction, method: Keypose, start: Pass, tried: list[Pass]
-) -> Generator[Pass, None, _Ended]:
-    """All passes from one start, which are put into `tried` one by one."""
+) -> Generator[Pass, None, Ended]:
+    """All passes from one start, which are put into `tried` one by one.
+
+    Refined are motions between two keyframes: a last pose that nobody set is no texture to
+    compare with.
+    """
     free, segment = correction.scene, correction.segment
     present, what = start.trajectory, start.what
     for _ in range(method.passes):
@@ -130,15 +134,17 @@ def _cycle(
     measured, drift, score = _measure(free, segment, method, present)
     tried.append(Pass(what, present, score))
     yield tried[-1]
-    others = correction.problem(measured, Cauchy(), bends=False)
-    refined = refine(free, segment.clip, present, method.refinement, others)
+    refined = present
+    if not correction.open_end:
+        others = correction.problem(measured, Cauchy(), bends=False)
+        refined = refine(free, segment.clip, present, method.refinement, others)
     if refined is not present and is_sound(free, segment, refined):
         present = refined
         measured, drift, score = _measure(free, segment, method, present)
         tried.append(Pass("refinement", present, score))
         yield tried[-1]
     cost = correction.cost(present, measured)
-    return _Ended(len(tried) - 1, present, cost, drift, correction.anchors)
+    return Ended(len(tried) - 1, present, cost, drift, correction.anchors)
 
 
 def _measure(
@@ -152,7 +158,7 @@ def _measure(
 
 
 def _outcome(
-    scene: Scene, free: Scene, begun: Starts, tried: list[Pass], ends: list[_Ended], best: _Ended
+    scene: Scene, free: Scene, begun: Starts, tried: list[Pass], ends: list[Ended], best: Ended
 ) -> Outcome:
     chains = begun.chains
     zeros = np.zeros((len(best.trajectory), len(scene.marks[1])))
@@ -165,11 +171,14 @@ def _outcome(
         diverged=False,
         gap=0.0,
         notes=begun.notes,
-        joints=_joint_evidence(free, ends, best),
+        joints=joint_evidence(free, ends, best),
     )
 
 
-def _joint_evidence(free: Scene, ends: list[_Ended], best: _Ended) -> JointEvidence:
+def joint_evidence(
+    free: Scene, ends: Sequence[Ended], best: Ended, keyed: tuple[int, ...] = (0, -1)
+) -> JointEvidence:
+    """What the keypoints tell of the best motion. keyed: its rows that are keyframes."""
     anchors, height = best.anchors, best.anchors.height_px
     here = _joint_pixels(free, best)
     away = np.linalg.norm(here - anchors.uv, axis=-1) / height
@@ -181,9 +190,10 @@ def _joint_evidence(free: Scene, ends: list[_Ended], best: _Ended) -> JointEvide
         anchors.visibility,
         np.max(apart, axis=0) / height if apart else np.full(away.shape, UNKNOWN),
         height,
+        keyed,
     )
 
 
-def _joint_pixels(free: Scene, end: _Ended) -> Array:
+def _joint_pixels(free: Scene, end: Ended) -> Array:
     """(N, K) where the joints are that have keypoints."""
     return image_points(free.camera, end.anchors.where(end.trajectory.transforms(free.skeleton)))

@@ -56,6 +56,11 @@ class _Prepared:
         self._loaders: dict[WorkingSize, ClipLoader] = {}
 
     @property
+    def frame_count(self) -> int:
+        """Of the video."""
+        return self._video.info.frame_count
+
+    @property
     def has_static_camera(self) -> bool:
         """Whether pictures are compared with one of the empty scene."""
         return self._given[1]
@@ -72,8 +77,9 @@ class Tracker:
     """A video, a camera, a body and its keyposes, made ready to be tracked.
 
     Keep it to track again after a keyframe has changed: pictures stay prepared. Raises SessionError
-    with fewer than two keyposes. `first_motion` is one to start from, wherever it reaches;
-    `keyed_parts` are limbs that are exact at frames between keyposes.
+    with fewer than two keyposes, or than `fewest`: one is enough to follow the body ahead.
+    `first_motion` is one to start from, wherever it reaches; `keyed_parts` are limbs that are exact
+    at frames between keyposes.
     """
 
     def __init__(
@@ -89,17 +95,20 @@ class Tracker:
         keypoints: KeypointSource | None = None,
         keyed_parts: Sequence[KeyedParts] = (),
         keys: Mapping[tuple[int, int], str] | None = None,
+        *,
+        fewest: int = 2,
     ) -> None:
         """keys: of the segments without `keyed_parts`; where two are equal so are the motions."""
         self._first_motion, self._keypoints = first_motion, keypoints
         self._keyed_parts, self._keys, self._kept = tuple(keyed_parts), keys or {}, KeptOutcomes()
         self._prepared = _Prepared(video, camera, masks, static_camera, memory)
         self._laid: dict[float, SurfacePoints] = {}
-        self._pose(skeleton, keyposes)
+        self._pose(skeleton, keyposes, fewest)
 
-    def _pose(self, skeleton: Skeleton, keyposes: Mapping[int, Pose]) -> None:
+    def _pose(self, skeleton: Skeleton, keyposes: Mapping[int, Pose], fewest: int) -> None:
         """Take keyposes of a body."""
-        _require_two(keyposes)
+        if len(keyposes) < fewest:
+            _require_two(keyposes)
         self.skeleton = skeleton
         self.keyposes = {frame: keyposes[frame] for frame in sorted(keyposes)}
 
@@ -111,6 +120,8 @@ class Tracker:
         keypoints: KeypointSource | None = None,
         keyed_parts: Sequence[KeyedParts] = (),
         keys: Mapping[tuple[int, int], str] | None = None,
+        *,
+        fewest: int = 2,
     ) -> Tracker:
         """A tracker of other keyposes, or of another body, before the same video.
 
@@ -122,7 +133,7 @@ class Tracker:
         other._keyed_parts, other._keys = tuple(keyed_parts), keys or {}
         if skeleton is not self.skeleton:
             other._laid = {}
-        other._pose(skeleton, keyposes)
+        other._pose(skeleton, keyposes, fewest)
         return other
 
     def loader(self, span: tuple[int, int]) -> ClipLoader:
@@ -134,7 +145,13 @@ class Tracker:
 
         free: with all parts that carry keypoints free to turn.
         """
-        loader, poses = self.loader(span), [self.keyposes[frame] for frame in span]
+        return self.scene_about([self.keyposes[frame] for frame in span], span, density, free)
+
+    def scene_about(
+        self, poses: Sequence[Pose], span: tuple[int, int], density: float, free: bool = False
+    ) -> Scene:
+        """The scene of frames in which the body is about as in these poses."""
+        loader = self.loader(span)
         camera = loader.size.camera(loader.camera)
         skeleton = with_free_joints(self.skeleton) if free else self.skeleton
         return Scene.of(skeleton, camera, poses, density, self._sample)
@@ -144,6 +161,11 @@ class Tracker:
         if spacing_m not in self._laid:  # what is free to turn does not matter
             self._laid[spacing_m] = sample_points(skeleton, spacing_m)
         return self._laid[spacing_m]
+
+    @property
+    def frame_count(self) -> int:
+        """Of the video."""
+        return self._prepared.frame_count
 
     @property
     def spans(self) -> list[tuple[int, int]]:
@@ -256,7 +278,8 @@ class Tracker:
     ) -> Keypoints | None:
         """While they are looked for, the motion is interpolation: that is emitted now and then, so
         that the work can be stopped."""
-        if self._keypoints is None or not self._listens_to_keypoints(settings):
+        source = self.keypoint_source(settings)
+        if source is None:
             return None
         looks, waiting = count(), Pass("interpolation", segment.interpolated(), None)
 
@@ -264,7 +287,11 @@ class Tracker:
             if next(looks) % LOOKS_UNTOLD == 0:
                 emit(waiting, 0)
 
-        return self._keypoints.over(segment, self.skeleton, report)
+        return source.over(segment, self.skeleton, report)
+
+    def keypoint_source(self, settings: TrackSettings) -> KeypointSource | None:
+        """Where keypoints come from; None where they do not count."""
+        return self._keypoints if self._listens_to_keypoints(settings) else None
 
     def _listens_to_keypoints(self, settings: TrackSettings) -> bool:
         """Whether keypoints count where there are any: never for the printed method, nor for bodies

@@ -125,7 +125,7 @@ SECTIONS: dict[str, _Section] = {
     "errors": _Section(_TRACKED, error_values.errors),
     "review": _Section(_both(_TRACKED, _settled("drafts", "drafted")), review_values.review),
     "space": _Section(_TRACKED, space_values.space),
-    "suggest": _Section(_both(_TRACKED, _edit("frame")), motion_values.suggest),
+    "suggest": _Section(_both(_TRACKED, _settled("ahead"), _edit("frame")), motion_values.suggest),
     "need": _Section(_TRACKED, motion_values.need),
     "lanes": _Section(_TRACKED, motion_values.lanes),
     "curve": _Section(_both(_TRACKED, _curve_poses, _edit("selected")), pose_values.curve),

@@ -121,6 +121,7 @@ def suggest(app_state: AppState) -> Json:
         "kind": found.kind,
         "part": None if found.problem is None else found.problem.part,
         "cause": None if found.problem is None else found.problem.cause,
+        "ahead": found.ahead,
     }
 
 

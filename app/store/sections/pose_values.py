@@ -6,7 +6,7 @@ import numpy as np
 
 from app.editor.part_edits import keyed_limbs, keyed_words
 from app.editor.posing_edits import angles_at
-from app.editor.shown import shown_pose
+from app.editor.shown import find, shown_pose
 from app.editor.state import EditorState
 from app.editor.trail import end_trail
 from app.posing import at_limit, part_angles_deg
@@ -33,6 +33,7 @@ def pose(app_state: AppState) -> Json:
     return {
         "frame": edit.frame,
         "source": standing.source,
+        "followed": _is_followed(edit),
         "stroke": edit.stroke.name if edit.stroke else None,
         "T": dict(
             zip(edit.doc.body.names, Ts[:, :3].reshape(-1, 12).round(6).tolist(), strict=True)
@@ -43,6 +44,12 @@ def pose(app_state: AppState) -> Json:
         "at_limit": at_limit(edit.skeleton, standing.pose) if edit.display.limits else {},
         "gesture": _gesture(edit),
     }
+
+
+def _is_followed(edit: EditorState) -> bool:
+    """Whether the pose at the present frame was found by tracking ahead."""
+    draft = find(edit.doc.drafts, edit.frame)
+    return draft is not None and draft.followed
 
 
 def _gesture(edit: EditorState) -> Json:

@@ -130,20 +130,24 @@ def with_free_joints(skeleton: Skeleton) -> Skeleton:
 
 
 def anchors_of(
-    scene: Scene, segment: Segment, camera: Camera, keypoints: Keypoints, weight: float = 1.0
-) -> tuple[Anchors, ...]:
+    scene: Scene, segment: Segment, camera: Camera, keypoints: Keypoints, weight: float = 1.0,
+    *, open_end: bool = False,
+) -> tuple[Anchors, ...]:  # fmt: skip
     """The anchors of a segment: as the detector tells left and right, and, where it seems to
     exchange them, also set right. None where they lie on another body, or there are none.
 
     scene: of the skeleton with free joints.  camera: of the video, with its distortion.
     weight: what standard deviations are divided by, but for what a person set.
+    open_end: the first keyframe alone is posed.
     """
     index, parts, points = points_on_body(scene.skeleton.body, keypoints.names)
     if len(index) < FEWEST:
         return ()
     seen = _undistorted(keypoints.over(segment.first_frame, segment.last_frame), scene, camera)
     height = height_px(scene.skeleton, scene.camera, segment.start)
-    keyed = {0: segment.start, len(seen) - 1: segment.end}
+    keyed = {0: segment.start}
+    if not open_end:
+        keyed[len(seen) - 1] = segment.end
     candidates = [seen]
     nominal = {n: _places(scene, pose, parts, points) for n, pose in keyed.items()}
     swapped = exchanged_sides(seen, index, nominal, height)

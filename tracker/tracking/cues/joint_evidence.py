@@ -37,6 +37,7 @@ class JointEvidence:
     parts (K,): the part that carries each.  distance (N, K): of its keypoint, NaN without one.
     visibility (N, K).  apart (N, K): of the motions from different starts.
     height_px: of the body, in pixels of the pictures worked on.
+    keyed: rows that are keyframes.
     """
 
     parts: NDArray[np.int64]
@@ -44,10 +45,11 @@ class JointEvidence:
     visibility: Array
     apart: Array
     height_px: float
+    keyed: tuple[int, ...] = (0, -1)
 
     @property
     def wrong(self) -> Array:
-        """(N, K) probability that a joint is off by more than WRONG; 0 at both keyframes."""
+        """(N, K) probability that a joint is off by more than WRONG; 0 at keyframes."""
         distance = np.where(np.isfinite(self.distance), self.distance, UNKNOWN)
         logit = (
             BASE
@@ -56,14 +58,14 @@ class JointEvidence:
             + BY_APART * np.log(self.apart + LEAST)
         )
         wrong = 1 / (1 + np.exp(-logit))
-        wrong[[0, -1]] = 0.0
+        wrong[list(self.keyed)] = 0.0
         return np.asarray(wrong)
 
     def expected_error(self, parts: int) -> Array:
         """(N, P) shares of the body's height by which a part's worst joint is expected to be off;
         NaN for parts that carry none."""
         by_joint = RIGHT_ERROR + (WRONG_ERROR - RIGHT_ERROR) * self.wrong
-        by_joint[[0, -1]] = 0.0
+        by_joint[list(self.keyed)] = 0.0
         expected = np.full((len(by_joint), parts), np.nan)
         for joint, part in enumerate(self.parts):
             expected[:, part] = np.fmax(expected[:, part], by_joint[:, joint])

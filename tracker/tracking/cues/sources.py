@@ -59,6 +59,15 @@ class KeypointSource(FrameSource, Protocol):
         report: called again and again; what it raises ends the search within a frame.
         """
 
+    def beyond(
+        self, frame: int, last: int, skeleton: Skeleton, pose: Pose, report: Callable[[], None]
+    ) -> Keypoints | None:
+        """Those from a frame in which the body is posed up to another, before or after it, in the
+        order of frames; None where nobody is found.
+
+        report: as above.
+        """
+
 
 @dataclass(frozen=True, eq=False)
 class GivenKeypoints:
@@ -73,6 +82,11 @@ class GivenKeypoints:
 
     def at(self, frame: int, skeleton: Skeleton, pose: Pose) -> Keypoints | None:
         return self.keypoints.over(frame, frame)
+
+    def beyond(
+        self, frame: int, last: int, skeleton: Skeleton, pose: Pose, report: Callable[[], None]
+    ) -> Keypoints | None:
+        return self.keypoints.over(min(frame, last), max(frame, last))
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +116,13 @@ class DetectedKeypoints:
 
     def at(self, frame: int, skeleton: Skeleton, pose: Pose) -> Keypoints | None:
         return self._detect((frame, frame), _seeds({frame: pose}, skeleton, self.camera), _unheard)
+
+    def beyond(
+        self, frame: int, last: int, skeleton: Skeleton, pose: Pose, report: Callable[[], None]
+    ) -> Keypoints | None:
+        seeds = _seeds({frame: pose}, skeleton, self.camera)
+        frames = min(frame, last), max(frame, last)
+        return self._detect(frames, seeds, lambda progress: report())
 
     def _detect(
         self, frames: tuple[int, int], seeds: list[Seed], report: Callable[[Progress], None]
@@ -137,6 +158,11 @@ class CorrectedKeypoints:
 
     def at(self, frame: int, skeleton: Skeleton, pose: Pose) -> Keypoints | None:
         return self._corrected(self.source.at(frame, skeleton, pose))
+
+    def beyond(
+        self, frame: int, last: int, skeleton: Skeleton, pose: Pose, report: Callable[[], None]
+    ) -> Keypoints | None:
+        return self._corrected(self.source.beyond(frame, last, skeleton, pose, report))
 
     def _corrected(self, found: Keypoints | None) -> Keypoints | None:
         return None if found is None else found.corrected(self.corrections)

@@ -1,0 +1,139 @@
+"""`keypose track --ahead`: the body followed on from a keyframe, its poses saved as drafts."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from app.cli.interrupts import set_when_interrupted
+from app.cli.json_output import print_json
+from app.cli.outcome import INTERRUPTED, locked_place, require_place, write_copy
+from app.cli.warm_up import warm_tracker
+from tracker.body.trajectory import Trajectory
+from tracker.session.ahead import Direction
+
+if TYPE_CHECKING:
+    from tracker.session import Session
+    from tracker.tracking.ahead.follow import FoundAhead
+    from tracker.video import Video
+
+DONE, NOTHING = 0, 1
+_WAYS: Mapping[str, tuple[Direction, ...]] = {
+    "forward": ("forward",),
+    "backward": ("backward",),
+    "both": ("forward", "backward"),
+}
+
+
+def track_ahead_and_save(session: Session, asked: Session, arguments: argparse.Namespace) -> int:
+    """Follow the body as the session was asked for, save the drafts and print how far it came; the
+    exit code.
+
+    session: as its file is to stand.  arguments: session, ahead, out, overwrite, json.
+    """
+    from app.editor.ahead import followed_session, up_to_date
+    from tracker.storage.files import open_video_of, save_session
+
+    require_place(arguments)
+    ways = _ways(session, arguments.ahead)
+    stop, found = threading.Event(), []
+    with open_video_of(asked, arguments.session) as video, locked_place(arguments) as place:
+        warm_tracker()
+        with set_when_interrupted(stop):
+            for way in ways:
+                if not stop.is_set():
+                    found.append(_followed(asked, video, way, stop, arguments))
+        for each in found:
+            given = each.frame, each.motion, each.to_frame, each.stop, video.info.times_s
+            session = followed_session(up_to_date(session), *given)
+        if any(each.to_frame != each.frame for each in found):
+            if arguments.out is None:
+                save_session(session, place)
+            else:
+                write_copy(session.model_copy(update={"results": None}), arguments)
+    _print(found, str(place), arguments.json)
+    if stop.is_set():
+        return INTERRUPTED
+    return DONE if all(each.to_frame != each.frame for each in found) else NOTHING
+
+
+def _ways(session: Session, asked: str) -> list[Direction]:
+    """Those that lead anywhere; refused, before any work, where none of them does."""
+    from app.editor.ahead import start_frame
+    from app.editor.refusal import Refused
+
+    possible: list[Direction] = []
+    why: Refused | None = None
+    for way in _WAYS[asked]:
+        try:
+            start_frame(session, way)
+        except Refused as refused:
+            why = refused
+        else:
+            possible.append(way)
+    if why is not None and not possible:
+        raise why
+    return possible
+
+
+def _followed(
+    session: Session,
+    video: Video,
+    way: Direction,
+    stop: threading.Event,
+    arguments: argparse.Namespace,
+) -> FoundAhead:
+    from tracker.storage.keypoints import of_session
+    from tracker.storage.tracking import track_ahead
+    from tracker.tracking.pool import Cancelled
+
+    keypoints = of_session(session, arguments.session.parent)
+    with _reporter(arguments.json) as tell:
+
+        def emit(motion: Trajectory) -> None:
+            if stop.is_set():
+                raise Cancelled
+            tell(len(motion) - 1)
+
+        return track_ahead(session, video, way, emit=emit, keypoints=keypoints)
+
+
+@contextmanager
+def _reporter(as_json: bool) -> Iterator[Callable[[int], None]]:
+    """JSON lines, a count at a terminal, or nothing: a log needs no progress."""
+    if as_json:
+        yield lambda frames: print_json({"event": "progress", "frames": frames})
+    elif sys.stderr.isatty():
+        from tqdm import tqdm
+
+        with tqdm(unit="frame", file=sys.stderr, dynamic_ncols=True) as bar:
+
+            def tell(frames: int) -> None:
+                bar.n = frames
+                bar.refresh()
+
+            yield tell
+    else:
+        yield lambda frames: None
+
+
+def _print(found: list[FoundAhead], place: str, as_json: bool) -> None:
+    from app.editor.ahead_text import found_sentence
+
+    if as_json:
+        facts = [
+            {"from": f.frame, "to": f.to_frame, **f.stop.model_dump(), "notes": list(f.notes)}
+            for f in found
+        ]
+        print_json({"event": "finished", "ahead": facts, "session": place})
+        return
+    for each in found:
+        print(found_sentence(each))
+        for note in each.notes:
+            print(f"  {note}")
+    if any(each.to_frame != each.frame for each in found):
+        print(f"Written: {place}")

@@ -1,0 +1,128 @@
+"""Poses found by tracking ahead: where it may begin, taken over as one step, dropped when outdated.
+
+They are drafts beyond the last keyframe, or before the first, with a record of how far they reach
+and why no farther. Both go together, with the edit that makes them outdated: another pose of the
+keyframe they came from, another body or camera, or a keyframe beyond, which makes a segment there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from app.editor.documents import keyframe_of, require_sound, with_drafts
+from app.editor.refusal import Refused
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
+from tracker.geometry.rotations import Array
+from tracker.session.ahead import Ahead, Direction, Stop
+from tracker.session.schema import Keyframe, Session
+from tracker.storage.fingerprints import ahead_key
+
+if TYPE_CHECKING:
+    from app.editor.state import EditorState
+    from tracker.tracking.ahead.follow import FoundAhead
+
+LABEL = "track ahead"
+"""What undo calls it."""
+
+
+def start_frame(doc: Session, direction: Direction) -> int:
+    """The keyframe to track ahead from, the last one or, backward, the first; Refused where that
+    leads nowhere."""
+    if doc.surface is not None:
+        raise Refused("Surfaces are fitted from one keyframe on: press Fit.")
+    if not doc.keyframes:
+        raise Refused("Pose a frame and add it as a keyframe first.")
+    forward = direction == "forward"
+    frame = doc.keyframes[-1 if forward else 0].frame
+    if frame == (doc.video.frame_count - 1 if forward else 0):
+        end = "last frame" if forward else "first frame"
+        raise Refused(f"The keyframe at {frame} is the video's {end}: nothing lies beyond.")
+    return frame
+
+
+def followed_session(
+    doc: Session,
+    frame: int,
+    motion: Trajectory,
+    to_frame: int,
+    stop: Stop | None,
+    times_s: Array,
+) -> Session:
+    """With these poses, followed from the keyframe at a frame, in place of what was followed from
+    it before; with the record of them where it is known why they end.
+
+    What a person posed stays, and so do keyframes. Drafts of the whole film do not.
+    """
+    skeleton = Skeleton.of(doc.body)
+    first, last = min(frame, to_frame), max(frame, to_frame)
+    doc = _without(doc, [record for record in doc.ahead if _same_way(record, frame, to_frame)])
+    own = {k.frame for k in doc.keyframes}
+    if doc.drafted is None:
+        own |= {draft.frame for draft in doc.drafts}
+    fresh = [
+        keyframe_of(skeleton, motion.pose(at), at, times_s).model_copy(update={"followed": True})
+        for at in range(first, last + 1)
+        if at not in own
+    ]
+    replaced = {draft.frame for draft in fresh}
+    doc = with_drafts(doc, [*fresh, *(d for d in doc.drafts if d.frame not in replaced)])
+    keyframe = next(k for k in doc.keyframes if k.frame == frame)
+    if stop is None or to_frame == frame:
+        return doc
+    record = Ahead(from_frame=frame, to_frame=to_frame, stop=stop, key=ahead_key(doc, keyframe))
+    ordered = sorted((*doc.ahead, record), key=lambda one: one.from_frame)
+    return doc.model_copy(update={"ahead": tuple(ordered)})
+
+
+def followed_so_far(state: EditorState, frame: int, motion: Trajectory) -> Session:
+    """The document with what was followed from a frame until now, to be shown."""
+    to_frame = motion.last_frame if motion.first_frame == frame else motion.first_frame
+    return followed_session(state.doc, frame, motion, to_frame, None, state.times_s)
+
+
+def with_followed(state: EditorState, found: FoundAhead) -> EditorState:
+    """With what was followed, as one step."""
+    given = found.frame, found.motion, found.to_frame, found.stop
+    doc = followed_session(state.doc, *given, state.times_s)
+    require_sound(state.doc, doc, LABEL)
+    history = state.history.after(state.doc, LABEL, state.frame)
+    return replace(state.with_doc(doc), history=history)
+
+
+def up_to_date(doc: Session) -> Session:
+    """Without what was followed from a keyframe that is posed otherwise now, or is no longer the
+    last one, or the first, that way."""
+    outdated = [record for record in doc.ahead if not stands(doc, record)]
+    return _without(doc, outdated) if outdated else doc
+
+
+def without_followed(doc: Session) -> Session:
+    """Without anything that was tracked ahead."""
+    return _without(doc, list(doc.ahead))
+
+
+def stands(doc: Session, record: Ahead) -> bool:
+    """Whether what was followed still leads on from where the keyframes end."""
+    if not doc.keyframes:
+        return False
+    keyframe: Keyframe = doc.keyframes[-1 if record.is_forward else 0]
+    return keyframe.frame == record.from_frame and record.key == ahead_key(doc, keyframe)
+
+
+def _without(doc: Session, records: list[Ahead]) -> Session:
+    if not records:
+        return doc
+    kept = tuple(record for record in doc.ahead if record not in records)
+    spans = [record.span for record in records]
+    drafts = [
+        draft
+        for draft in doc.drafts
+        if not (draft.followed and any(a <= draft.frame <= b for a, b in spans))
+    ]
+    return with_drafts(doc.model_copy(update={"ahead": kept}), drafts)
+
+
+def _same_way(record: Ahead, frame: int, to_frame: int) -> bool:
+    return record.from_frame == frame and record.is_forward == (to_frame >= frame)

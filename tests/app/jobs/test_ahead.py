@@ -1,0 +1,63 @@
+"""An order to track ahead, at work: it tells how far it is, and cancelled keeps what it found."""
+
+from __future__ import annotations
+
+from threading import Event
+
+import pytest
+
+from app.jobs import AheadOrder, FollowedAhead, FollowingAhead, JobFailed, Report
+from app.jobs.fits import Fit
+from app.jobs.worker_cache import WorkerCache
+from tests.app import surface_cases
+from tests.app.serving import ROOT
+from tracker.session import Session
+from tracker.session.ahead import Direction
+from tracker.storage.files import load_session
+
+BOX = ROOT / "sample_videos" / "box" / "session.json"
+
+
+@pytest.fixture(scope="module")
+def cache() -> WorkerCache:
+    return WorkerCache()
+
+
+def worked(cache: WorkerCache, session: Session, frame: int, *, cancel: bool) -> list[Report]:
+    """All that is reported of an order from this frame."""
+    said: list[Report] = []
+    cancelled = Event()
+    way: Direction = "forward" if frame == 0 else "backward"
+    if cancel:
+        cancelled.set()
+    video, folder = BOX.with_name("box.mp4"), str(BOX.parent)
+    order = AheadOrder(session.model_dump_json().encode(), str(video), frame, way, folder, 7)
+    Fit(order, cancelled, said.append).run(cache)
+    return said
+
+
+def one_key(frame: int) -> Session:
+    session = load_session(BOX)
+    keys = tuple(k for k in session.keyframes if k.frame == frame)
+    return session.model_copy(update={"keyframes": keys, "results": None})
+
+
+def test_it_tells_how_far_it_is_and_what_it_found(cache: WorkerCache) -> None:
+    *on_the_way, end = worked(cache, one_key(40), 40, cancel=False)
+    assert on_the_way
+    assert all(isinstance(report, FollowingAhead) for report in on_the_way)
+    assert isinstance(end, FollowedAhead)
+    assert (end.job, end.found.to_frame, end.found.stop.cause) == (7, 0, "clip_end")
+
+
+def test_cancelled_it_keeps_what_it_found(cache: WorkerCache) -> None:
+    (end,) = worked(cache, one_key(40), 40, cancel=True)
+    assert isinstance(end, FollowedAhead)
+    assert end.found.stop.cause == "cancelled"
+    assert end.found.to_frame < 40
+
+
+def test_of_surfaces_it_is_refused(cache: WorkerCache) -> None:
+    (end,) = worked(cache, surface_cases.session(), 0, cancel=False)
+    assert isinstance(end, JobFailed)
+    assert end.words == "Surfaces are fitted from one keyframe on: press Fit."

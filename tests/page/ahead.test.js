@@ -1,0 +1,28 @@
+// Tracking ahead: what is sent, and why it cannot begin.
+
+import './browser.js';
+import assert from 'node:assert/strict';
+import { beforeEach, test } from 'node:test';
+import { server } from '../../static/store/state.js';
+import { ACTIONS } from '../../static/actions/table.js';
+import { whyNotAhead } from '../../static/actions/tracking.js';
+
+beforeEach(() => Object.assign(server, { file: { frames: 73 }, job: null, keys: { frames: [24], drafts: [], soft: [] } }));
+
+test('one keyframe is enough, in either direction', () => {
+  assert.equal(whyNotAhead('forward'), '');
+  assert.equal(whyNotAhead('backward'), '');
+  assert.deepEqual(ACTIONS.trackAhead.message(), { do: 'track_ahead', direction: 'forward' });
+  assert.deepEqual(ACTIONS.trackBack.message(), { do: 'track_ahead', direction: 'backward' });
+});
+
+test('where it leads nowhere the button says why', () => {
+  server.keys.frames = [];
+  assert.equal(whyNotAhead('forward'), 'Add a keyframe first');
+  server.keys.frames = [0, 72];
+  assert.equal(whyNotAhead('forward'), 'The keyframe at 72 is the last frame');
+  assert.equal(whyNotAhead('backward'), 'The keyframe at 0 is the first frame');
+  server.keys.frames = [24];
+  server.job = { state: 'running', kind: 'ahead' };
+  assert.equal(whyNotAhead('forward'), 'Tracking ahead already');
+});

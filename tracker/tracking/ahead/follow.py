@@ -1,0 +1,254 @@
+"""The body followed from one keyframe, forward or backward, as far as the evidence carries."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Generator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Final, TypeAlias
+
+from tracker.body.trajectory import Pass, Trajectory
+from tracker.errors import SessionError
+from tracker.session.ahead import Direction, Stop, StopCause
+from tracker.tracking.ahead.followed import Followed, by_brightness, by_keypoints
+from tracker.tracking.ahead.line import Line
+from tracker.tracking.ahead.stops import Stopped, pictures_end, stopped
+from tracker.tracking.cues.anchors import Anchors, anchors_of
+from tracker.tracking.method import FULL, Keypose, method_of
+from tracker.tracking.pool import Cancelled
+from tracker.tracking.segment import Segment
+from tracker.tracking.tracker import LOOKS_UNTOLD, NO_KEYPOINTS, Tracker
+
+if TYPE_CHECKING:
+    from tracker.body.pose import Pose
+    from tracker.keypoints.keypoints import Keypoints
+    from tracker.session.settings import TrackSettings
+    from tracker.tracking.cues.sources import KeypointSource
+    from tracker.tracking.scene import Scene
+    from tracker.video.pyramid import Clip
+
+LONGEST: Final = 64
+"""Steps that are followed at most: a keyframe is due then anyway."""
+BLOCK: Final = 32
+"""Steps that are added at a time. As many are kept together of what a network has seen."""
+
+Emit: TypeAlias = Callable[[Trajectory], None]
+"""Is given the motion on the way, by frame, the keyframe's pose included; may raise Cancelled."""
+
+
+@dataclass(frozen=True, eq=False)
+class FoundAhead:
+    """What was followed from a keyframe.
+
+    motion: by frame, from the keyframe to the last frame that can be trusted, both included; one
+        frame where none can.
+    notes: sentences about what could not be done as asked.
+    """
+
+    frame: int
+    direction: Direction
+    motion: Trajectory
+    stop: Stop
+    notes: tuple[str, ...] = ()
+
+    @property
+    def to_frame(self) -> int:
+        """The last frame that can be trusted."""
+        forward = self.direction == "forward"
+        return self.motion.last_frame if forward else self.motion.first_frame
+
+
+def follow_ahead(
+    tracker: Tracker,
+    frame: int,
+    direction: Direction,
+    settings: TrackSettings,
+    emit: Emit,
+    longest: int = LONGEST,
+) -> FoundAhead:
+    """Follow the body from its keypose at a frame, at most to just before the next keyframe.
+
+    What `emit` raises as Cancelled ends the work, and what was found until then is kept.
+    SessionError where there is nothing to follow.
+    """
+    if frame not in tracker.keyposes:
+        raise SessionError(f"Frame {frame} has no keyframe; pose it first.")
+    work = _Work(tracker, Line(frame, direction), settings, emit)
+    steps, end = _reach(tracker, work.line, longest)
+    if steps < 1:
+        raise SessionError(_NOWHERE[end].format(frame=frame, where=_WHERE[direction]))
+    return work.run(steps, end)
+
+
+def followed_ways(
+    tracker: Tracker, line: Line, steps: int, settings: TrackSettings
+) -> list[Followed]:
+    """The body followed over so many steps, trusted or not: with keypoints, where they count and
+    there are any, and by brightness alone, where that counts."""
+    return _Work(tracker, line, settings, lambda motion: None)._block(steps, steps)[0]
+
+
+_NOWHERE: Final = {
+    "clip_end": "Frame {frame} is the video's {where}: there is nothing to track from it.",
+    "keyframe": "The keyframe next to frame {frame} leaves nothing to track between them.",
+}
+_WHERE: Final = {"forward": "last", "backward": "first"}
+
+
+def _reach(tracker: Tracker, line: Line, longest: int) -> tuple[int, StopCause]:
+    """How many steps may be followed, and what ends them."""
+    last = tracker.frame_count - 1
+    to_end = last - line.frame if line.direction == "forward" else line.frame
+    others = [line.sign * (key - line.frame) for key in tracker.keyposes]
+    to_key = min((away - 1 for away in others if away > 0), default=to_end)
+    ends: list[tuple[int, StopCause]] = [(to_end, "clip_end"), (longest, "limit")]
+    if to_key < to_end:
+        ends.insert(0, (to_key, "keyframe"))
+    return min(ends, key=lambda end: end[0])
+
+
+@dataclass(eq=False)
+class _Work:
+    """One keyframe's way, grown block by block."""
+
+    tracker: Tracker
+    line: Line
+    settings: TrackSettings
+    emit: Emit
+    trusted: Trajectory | None = None
+    """By step, as far as it was trusted last."""
+    meanwhile: Trajectory | None = None
+    """The same by brightness alone, while keypoints are looked for."""
+    notes: tuple[str, ...] = ()
+
+    def run(self, steps: int, end: StopCause) -> FoundAhead:
+        try:
+            return self._found(*self._follow(steps, end))
+        except Cancelled:
+            return self._found(self.meanwhile or self._so_far(), Stop(cause="cancelled"))
+
+    def _follow(self, steps: int, end: StopCause) -> tuple[Trajectory, Stop]:
+        for count in [*range(BLOCK, steps, BLOCK), steps]:
+            clip = self._pictures(count, steps)
+            edge = pictures_end(clip)
+            reach = count if edge is None else edge.step
+            if reach > 0:
+                halt = self._grow(reach, steps, is_last=edge is not None or count == steps)
+                if halt is not None:
+                    return self._so_far(), halt
+            if edge is not None:
+                return self._so_far(), edge.stop
+        return self._so_far(), Stop(cause=end)
+
+    def _grow(self, count: int, steps: int, *, is_last: bool) -> Stop | None:
+        """Follow all of the first `count` steps of so many; why not all of them can be trusted."""
+        ways, scene = self._block(count, steps)
+        halts = [self._judged(way, scene, count, is_last=is_last) for way in ways]
+        reached = [count if halt is None else halt.step for halt in halts]
+        best = reached.index(max(reached))
+        self.trusted, self.meanwhile = _cut(ways[best].motion, reached[best]), None
+        halt = halts[best]
+        return None if halt is None else halt.stop
+
+    def _judged(
+        self, followed: Followed, scene: Scene, count: int, *, is_last: bool
+    ) -> Stopped | None:
+        """Where a motion over so many steps stops to be trusted."""
+        is_short = len(followed.motion) <= count  # it left the space before the camera
+        halt = stopped(scene, followed, is_last=is_last or is_short)
+        if halt is None and is_short:
+            return Stopped(len(followed.motion) - 1, Stop(cause="left_picture"))
+        return halt
+
+    def _pictures(self, count: int, steps: int) -> Clip:
+        """Of the first `count` steps; of one size throughout."""
+        line = self.line
+        return line.clip(self.tracker.loader(line.span(steps)).load(*line.span(count)), count)
+
+    def _block(self, count: int, steps: int) -> tuple[list[Followed], Scene]:
+        """All of the first `count` steps of so many, with keypoints and by brightness alone: the
+        way that can be trusted longer is the one to go."""
+        tracker, start, whole = self.tracker, self._start, self.line.span(steps)
+        segment = Segment(0, count, start, start, self._pictures(count, steps))
+        method = _method(self.settings)
+        scene = tracker.scene_about([start], whole, method.density)
+        source = tracker.keypoint_source(self.settings)
+        brightness = source is None or "brightness" in self.settings.cues_used
+        followed = by_brightness(scene, segment, method) if brightness else None
+        if followed is not None:
+            self._keep_if_cancelled(followed, scene, count)
+            self._tell(followed.motion)
+        if source is None:
+            assert followed is not None
+            return [followed], scene
+        free = tracker.scene_about([start], whole, method.density, free=True)
+        anchors = self._anchors(source, free, segment, whole)
+        if not anchors:
+            self.notes = (NO_KEYPOINTS,)
+            return [followed or by_brightness(scene, segment, method)], scene
+        heard = self._heard(by_keypoints(free, segment, method, anchors, followed))
+        return [heard] if followed is None else [heard, followed], scene
+
+    def _keep_if_cancelled(self, followed: Followed, scene: Scene, count: int) -> None:
+        """What brightness alone has found of a block is kept where that is cancelled."""
+        halt = self._judged(followed, scene, count, is_last=True)
+        motion = _cut(followed.motion, count if halt is None else halt.step)
+        if len(motion) > len(self._so_far()):
+            self.meanwhile = motion
+
+    def _anchors(
+        self, source: KeypointSource, free: Scene, segment: Segment, whole: tuple[int, int]
+    ) -> tuple[Anchors, ...]:
+        count, looks = segment.last_frame, itertools.count()
+
+        def report() -> None:
+            if next(looks) % LOOKS_UNTOLD == 0:
+                self._tell(self.meanwhile or self._so_far())
+
+        keypoints: Keypoints | None = source.beyond(
+            self.line.frame, self.line.frame_at(count), self.tracker.skeleton, segment.start, report
+        )
+        if keypoints is None:
+            return ()
+        camera, by_step = self.tracker.loader(whole).camera, self.line.keypoints(keypoints, count)
+        weight = self.settings.weight("keypoints")
+        return anchors_of(free, segment, camera, by_step, weight, open_end=True)
+
+    def _heard(self, work: Generator[Pass, None, Followed]) -> Followed:
+        """What the work comes to; every motion on the way is emitted."""
+        while True:
+            try:
+                step = next(work)
+            except StopIteration as done:
+                found: Followed = done.value
+                self._tell(found.motion)
+                return found
+            self._tell(step.trajectory)
+
+    def _tell(self, motion: Trajectory) -> None:
+        self.emit(self.line.motion(motion))
+
+    def _so_far(self) -> Trajectory:
+        if self.trusted is not None:
+            return self.trusted
+        start = self._start
+        return Trajectory(0, start.Rs_parent_part[None], start.p_camera_root[None])
+
+    @property
+    def _start(self) -> Pose:
+        return self.tracker.keyposes[self.line.frame]
+
+    def _found(self, motion: Trajectory, stop: Stop) -> FoundAhead:
+        line = self.line
+        return FoundAhead(line.frame, line.direction, line.motion(motion), stop, self.notes)
+
+
+def _cut(motion: Trajectory, last: int) -> Trajectory:
+    count = max(last, 0) + 1
+    return Trajectory(0, motion.Rs_parent_part[:count], motion.ps_camera_root[:count])
+
+
+def _method(settings: TrackSettings) -> Keypose:
+    """The published method follows from two keyframes only: then ours."""
+    method = method_of(settings)
+    return replace(method, templates=False) if isinstance(method, Keypose) else FULL

@@ -1,0 +1,110 @@
+"""Where a followed motion stops to be trusted, and why."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+
+from tracker.session.ahead import Stop, StopCause
+from tracker.tracking.ahead.hidden import hidden_share
+from tracker.tracking.diagnostics.judge import SHORTEST_RUN
+from tracker.tracking.diagnostics.runs import runs
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from tracker.tracking.ahead.followed import Followed
+    from tracker.tracking.scene import Scene
+    from tracker.video.pyramid import Clip
+
+MOST_ERROR: Final = 0.03
+"""Of the body's height in the picture: a part that is expected to be off by more is not trusted."""
+INSIDE_SHARE: Final = 0.5
+"""Of the marks that are in the picture at the keyframe: with fewer the body has left it."""
+CUT_GREY, CUT_TIMES = 20.0, 6.0
+"""Another scene begins where pictures differ by so many grey levels in the mean, and by so many
+times as much as they do as a rule."""
+HIDDEN_SHARE: Final = 0.5
+"""A part is hidden where others cover so much of its near side."""
+
+
+@dataclass(frozen=True)
+class Stopped:
+    """step: the last that can be trusted."""
+
+    step: int
+    stop: Stop
+
+
+def pictures_end(clip: Clip) -> Stopped | None:
+    """Where the pictures themselves end a motion; None where they do not. clip: by step."""
+    found = [*_bare(_damaged(clip), "damaged"), *_bare(_cut(clip), "cut")]
+    return min(found, key=lambda each: each.step, default=None)
+
+
+def stopped(scene: Scene, followed: Followed, *, is_last: bool) -> Stopped | None:
+    """Where a followed motion stops first; None where nothing speaks against it so far.
+
+    is_last: nothing is followed beyond it. A doubt that has only begun counts then, which may else
+    pass again.
+    """
+    found = [*_bare(_leaves(scene, followed), "left_picture"), *_doubted(scene, followed, is_last)]
+    return min(found, key=lambda each: each.step, default=None)
+
+
+def _bare(first_bad: int | None, cause: StopCause) -> Iterator[Stopped]:
+    if first_bad is not None:
+        yield Stopped(first_bad - 1, Stop(cause=cause))
+
+
+def _first(bad: NDArray[np.bool_]) -> int | None:
+    return int(bad.argmax()) if bad.any() else None
+
+
+def _damaged(clip: Clip) -> int | None:
+    return min((step for step in clip.damaged if step > 0), default=None)
+
+
+def _cut(clip: Clip) -> int | None:
+    """By the coarsest pictures."""
+    grey = clip.levels[-1][clip.slots(0, len(clip) - 1), ..., 0]
+    change = np.abs(np.diff(grey, axis=0)).mean(axis=(1, 2))
+    if not len(change):
+        return None
+    first = _first(change > max(CUT_GREY, CUT_TIMES * float(np.median(change))))
+    return None if first is None else first + 1
+
+
+def _leaves(scene: Scene, followed: Followed) -> int | None:
+    uv, camera = scene.mark_pixels(followed.motion), scene.camera
+    size = np.array([camera.width, camera.height])
+    inside = np.asarray(((uv > -0.5) & (uv < size - 0.5)).all(axis=-1))
+    at_first = inside[0]
+    if not at_first.any():
+        return 1
+    return _first(inside[:, at_first].mean(axis=1) < INSIDE_SHARE)
+
+
+def _doubted(scene: Scene, followed: Followed, is_last: bool) -> Iterator[Stopped]:
+    """Parts that may be wrong for more than a moment."""
+    error = np.nan_to_num(followed.expected_error)
+    bad, count = error > MOST_ERROR, len(error)
+    for part in np.flatnonzero(bad.any(axis=0)):
+        for first, last in runs(bad[:, part]):
+            lasts = last - first + 1 >= SHORTEST_RUN
+            if lasts or (is_last and last == count - 1):
+                worst = first + int(error[first : last + 1, part].argmax())
+                stop = _about(scene, followed, int(part), (first + worst) // 2)
+                yield Stopped(first - 1, stop)
+                break
+
+
+def _about(scene: Scene, followed: Followed, part: int, step: int) -> Stop:
+    name = scene.skeleton.body.names
+    share, behind = hidden_share(scene, followed.motion.pose(step), part)
+    if share < HIDDEN_SHARE:
+        return Stop(cause="uncertain", part=name[part])
+    return Stop(cause="not_seen", part=name[part], behind=None if behind is None else name[behind])
