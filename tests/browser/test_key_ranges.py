@@ -97,11 +97,11 @@ def test_one_that_is_dragged_takes_all_selected_along_as_one_step(at: Desk) -> N
 
 def test_keyframes_are_selected_without_a_mouse(at: Desk) -> None:
     page = at.page
-    for key in ("Shift+A", ".", "Shift+A", "."):
+    for key in ("Shift+S", ".", "Shift+S", "."):
         page.keyboard.press(key)
     until_told(page, "view.frame", lambda frame: frame == 48)
     assert _chosen(page) == [0, 24]
-    page.keyboard.press("Shift+A")
+    page.keyboard.press("Shift+S")
     assert _chosen(page) == [0, 24, 48]
     page.keyboard.press("Delete")
     until_told(page, "keys.frames", lambda now: now == [72])

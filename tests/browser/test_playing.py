@@ -137,14 +137,17 @@ def test_backward_pictures_go_backward_only_and_l_turns_them_round(
         live = section(page, "view.live")
         _go(keypose, page, 14)
         page.evaluate(RECORD)
-        page.keyboard.press("j")
+        page.keyboard.press("Shift+Space")
         until(lambda: _ui(page, "playing"), "playing")
         until(lambda: not _ui(page, "playing"), "the end")
         seen = page.evaluate("() => window.seen")
         assert seen == sorted(seen, reverse=True)
         assert seen[-1] == 0
         _go(keypose, page, 60)
+        page.keyboard.press("Space")
+        until(lambda: _ui(page, "playing"), "playing")
         page.keyboard.press("j")
+        until(lambda: _ui(page, "shuttle") == -1, "backward")
         page.keyboard.press("l")
         until(lambda: _ui(page, "shuttle") == 1, "forward")
         assert section(page, "view.live") == live, "while it plays L is no switch"
