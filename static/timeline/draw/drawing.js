@@ -13,7 +13,7 @@ import { drawCurrent, drawKeys, drawNeed, drawSuggestion } from './keymarks.js';
 import { drawDrafts, drawPlaces } from './drafts.js';
 import { drawSegments } from './segments.js';
 import { drawLaneLabels, drawLanes } from './lanes.js';
-import { drawSelection } from './selection.js';
+import { drawGrips, drawSelectionBand } from './selection.js';
 import { drawSpan } from './span.js';
 import { drawPinLabels, drawPins } from './pins.js';
 import { drawCurrentCurveKey, drawCurve } from './curve.js';
@@ -61,6 +61,7 @@ const LAYERS = [
     ({ rows, lanes, scroll }) => drawLanes(rows, lanes, scroll)],
   ['frames', 'pinbars', () => [server.pins, server.proposed_pins, server.body, ui.timePin, pinGrabbed()],
     ({ rows }) => drawPins(rows.pins)],
+  ['frames', 'selection', () => [chosenKeys()], ({ rows }) => drawSelectionBand(rows, chosenKeys())],
   ['frames', 'need', () => [server.need, server.suggest], ({ rows }) => drawNeed(rows)],
   ['frames', 'segments', () => [server.segments, server.suggest, server.keys], ({ rows }) => drawSegments(rows)],
   ['frames', 'drafts', () => [server.keys, server.segments, server.draft], ({ rows }) => drawDrafts(rows)],
@@ -68,7 +69,7 @@ const LAYERS = [
     ({ rows }) => (isScore() ? drawScores(rows.curve) : drawCurve(rows.curve, angleGrabbed()))],
   ['frames', 'suggestion', () => [suggestedFrame(), server.keys, isScore()],
     ({ rows }) => drawSuggestion(rows, bottomOf(rows))],
-  ['frames', 'selection', () => [server.keys, chosenKeys()], ({ rows }) => drawSelection(rows, chosenKeys())],
+  ['frames', 'grips', () => [chosenKeys()], ({ rows }) => drawGrips(rows, chosenKeys())],
   ['frames', 'keys', () => [server.keys, server.segments, String(onTheWay()), chosenKeys()],
     ({ rows }) => drawKeys(rows, onTheWay(), chosenKeys())],
   ['frames', 'places', () => [server.draft, isScore()], ({ rows }) => drawPlaces(rows, bottomOf(rows))],
