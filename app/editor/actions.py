@@ -10,7 +10,15 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Annotated, Literal, Self, TypeAlias
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, TypeAdapter, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    FiniteFloat,
+    StringConstraints,
+    TypeAdapter,
+    model_validator,
+)
 
 from app.editor.copied import Copied
 from app.posing import Gesture, Way
@@ -44,7 +52,12 @@ Stroke: TypeAlias = Annotated[str, Field(min_length=1, max_length=60)]
 StepCount: TypeAlias = Annotated[int, Field(ge=0, le=MOST_STEPS)]
 PinIndex: TypeAlias = Annotated[int, Field(ge=0, le=1000)]
 NoteText: TypeAlias = Annotated[str, Field(max_length=LONGEST)]
-PoseName: TypeAlias = Annotated[str, Field(min_length=1, max_length=60, pattern=r"^[^\x00-\x1f]+$")]
+PoseName: TypeAlias = Annotated[
+    str,
+    StringConstraints(
+        strip_whitespace=True, min_length=1, max_length=60, pattern=r"^[^\x00-\x1f]+$"
+    ),
+]
 PoseId: TypeAlias = Annotated[str, Field(pattern=r"^[0-9a-f]{12}$")]
 Frames: TypeAlias = Annotated[tuple[FrameIndex, ...], Field(min_length=1, max_length=10_000)]
 Landmarks: TypeAlias = Annotated[tuple[Name, ...], Field(max_length=20)]

@@ -6,9 +6,9 @@ import { count } from '../controls/words.js';
 import { ask, send } from '../store/link.js';
 import { server, setUi, ui } from '../store/state.js';
 import { readText, writeText } from './clipboard.js';
-import { listed } from './key_ranges.js';
-import { frame, isKey } from './playhead.js';
-import { selectedKeys, selectKeys } from './selection.js';
+import { listed, met } from './key_ranges.js';
+import { frame } from './playhead.js';
+import { marks, selectedKeys, selectKeys } from './selection.js';
 
 /** What the server takes in a message, and how many keyframes at a time. */
 const LARGEST_BYTES = 1_000_000;
@@ -20,6 +20,9 @@ const VERSION = 1;
 
 /** @typedef {{ keypose: 'pose' | 'keyframes', version?: number, keys: { after: number }[] }} Copied */
 /** @typedef {{ mirrored?: boolean, onto_body?: boolean }} How */
+
+/** What was copied here and did not get onto the clipboard. @type {string | null} */
+let unwritten = null;
 
 export const copyWords = () => (selectedKeys().length > 1 ? `Copy ${selectedKeys().length} keyframes` : 'Copy pose');
 
@@ -34,7 +37,9 @@ export async function copy() {
   const frames = selectedKeys();
   send({ do: 'copy_pose', frames });
   const text = ask({ ask: 'copied', frames }).then((answer) => answer.text ?? Promise.reject(new Error('nothing')));
-  setUi('copiedHere', !(await writeText(text)));
+  const isWritten = await writeText(text);
+  unwritten = isWritten ? null : await text.catch(() => null);
+  setUi('copiedHere', !isWritten);
   if (frames.length > 1) toast({ kind: 'info', words: `${count(frames.length, 'keyframe')} copied.` });
 }
 
@@ -59,9 +64,9 @@ const bytesOf = (found) => new TextEncoder().encode(JSON.stringify(found)).lengt
 /** The frames at which the keyframes of what was copied would stand. @returns {number[]} */
 export const framesFrom = (copied, at) => copied.keys.map((key) => at + Number(key?.after ?? 0));
 
-/** Paste what a text holds, else what was copied in this session where that did not get into any text. */
+/** Paste what was copied here where that did not get onto the clipboard, else what its text holds. */
 export function pasteText(text, how = {}) {
-  const copied = copiedIn(text);
+  const copied = copiedIn(unwritten) ?? copiedIn(text);
   if (copied) return paste(copied, how);
   if (server.clipboard && (ui.copiedHere || !text)) return send({ do: 'paste_pose', ...how });
   return toast({ kind: 'check', words: NOTHING });
@@ -73,7 +78,7 @@ function paste(copied, how) {
   const message = { do: 'paste_pose', ...how, copied };
   if (copied.keypose === 'pose') return send(message);
   const frames = framesFrom(copied, frame());
-  const taken = frames.filter(isKey);
+  const taken = met(marks(), [], frames);
   const go = (more = {}) => {
     send({ ...message, ...more });
     selectKeys(frames);
@@ -82,7 +87,7 @@ function paste(copied, how) {
   const words = taken.length === 1 ? `Frame ${taken[0]} is already a keyframe.` : `Frames ${listed(taken)} are already keyframes.`;
   const at = frame();
   return toast({
-    kind: 'check', words, detail: 'Nothing was pasted.',
+    kind: 'check', words, detail: 'Nothing was pasted.', brief: true,
     button: { label: taken.length === 1 ? 'Replace it' : 'Replace them', run: () => (frame() === at ? go({ replace: true }) : paste(copied, how)) },
   });
 }

@@ -31,11 +31,13 @@ export function togglePlaying() {
   setUi('playing', !ui.playing);
 }
 
-/** J: backward; while it plays slower, then backward and faster. */
 export function playBack() {
-  setUi('shuttle', ui.playing ? shuttled(ui.shuttle, -1) : -1);
+  setUi('shuttle', -1);
   setUi('playing', true);
 }
+
+/** J while it plays: slower, then backward and faster. */
+export const playSlower = () => setUi('shuttle', shuttled(ui.shuttle, -1));
 
 /** L while it plays. */
 export const playFaster = () => setUi('shuttle', shuttled(ui.shuttle, 1));

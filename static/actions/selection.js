@@ -8,7 +8,7 @@ import { server, setUi, ui, watch } from '../store/state.js';
 import { count } from '../controls/words.js';
 import { between, joined, listed, met, shifted, toggled } from './key_ranges.js';
 import { deleteKey, sayDeleted, whyNotDelete } from './keying.js';
-import { frame, isKey, keyFrames } from './playhead.js';
+import { frame, keyFrames } from './playhead.js';
 
 /** @type {number[]} */
 const NONE = [];
@@ -19,6 +19,8 @@ let anchor = null;
 
 /** The frames that marks stand at which can be selected, ascending. */
 export const marks = () => keyFrames();
+
+const isMark = (at) => marks().includes(at);
 
 /** Undone, a move gives back what was selected before it. @type {{ from: number[], to: number[] } | null} */
 let moved = null;
@@ -62,7 +64,7 @@ export function chooseOnly(at) {
 /** With Ctrl one more or one less; the one that was clicked before counts as the first. */
 export function toggleKey(at) {
   const before = selectedKeys();
-  const first = before.length === 0 && anchor !== null && anchor === frame() && isKey(anchor) && anchor !== at ? [anchor] : [];
+  const first = before.length === 0 && anchor !== null && anchor === frame() && isMark(anchor) && anchor !== at ? [anchor] : [];
   anchor = at;
   selectKeys(toggled(joined(before, first), at));
 }
@@ -70,11 +72,11 @@ export function toggleKey(at) {
 /** The keyframe under the playhead, one more or one less. */
 export const selectHere = () => selectKeys(toggled(selectedKeys(), frame()));
 
-export const whyNotSelect = () => (marks().includes(frame()) ? '' : `Frame ${frame()} is not a keyframe`);
+export const whyNotSelect = () => (isMark(frame()) ? '' : `Frame ${frame()} is not a keyframe`);
 
 /** With Shift all from the one clicked before, or from the playhead, to this one. */
 export function extendTo(at) {
-  const from = anchor !== null && isKey(anchor) ? anchor : frame();
+  const from = anchor !== null && isMark(anchor) ? anchor : frame();
   selectKeys(between(marks(), from, at));
 }
 
@@ -162,6 +164,6 @@ function forgetGone() {
 }
 
 function whatIsLeft() {
-  const isUndone = moved !== null && ui.timeKeys === moved.to && moved.from.every(isKey);
+  const isUndone = moved !== null && ui.timeKeys === moved.to && moved.from.every(isMark);
   return isUndone ? moved.from : selectedKeys();
 }

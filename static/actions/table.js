@@ -29,7 +29,7 @@ import {
 import {
   frame, goTo, isKey, keyBeside, middle, next, nextProblem, problems, step, suggestedFrame, toFirst, toKey, toLast,
 } from './playhead.js';
-import { clearSpan, playBack, playFaster, setIn, setOut, stop, toggleLoop, togglePlaying, whyNotClear, whyNotPlay } from './playing.js';
+import { clearSpan, playBack, playFaster, playSlower, setIn, setOut, stop, toggleLoop, togglePlaying, whyNotClear, whyNotPlay } from './playing.js';
 import { insertTitle, keepMessage, whyNotInsert, whyNotKeep } from './poses.js';
 import {
   atFirst, atLast, hasNoChild, isRoot, noKeyframe, noOtherSide, whyNotFitPose, whyNotFitSizes, whyNotSwap,
@@ -100,9 +100,10 @@ const FRAMES = {
     keys: ['Space'], row: 'Play, stop', heard: 'release',
     off: whyNotPlay, run: togglePlaying,
   },
-  playBack: { label: 'Play backward', keys: ['J'], row: 'Play backward, slower', off: whyNotPlay, run: playBack },
-  playFaster: { label: 'Faster', keys: ['L'], row: 'Faster, stop, while playing', heard: 'playing', run: playFaster },
-  stopPlaying: { label: 'Stop', keys: ['K'], row: 'Faster, stop, while playing', heard: 'playing', run: stop },
+  playBack: { label: 'Play backward', keys: ['Shift Space'], off: whyNotPlay, run: playBack },
+  playSlower: { label: 'Slower, then backward', keys: ['J'], row: 'Shuttle while playing', heard: 'playing', run: playSlower },
+  stopPlaying: { label: 'Stop', keys: ['K'], row: 'Shuttle while playing', heard: 'playing', run: stop },
+  playFaster: { label: 'Faster', keys: ['L'], row: 'Shuttle while playing', heard: 'playing', run: playFaster },
   loop: {
     label: 'Loop', icon: 'repeat', title: 'Play again and again', keys: ['Shift L'], on: () => Boolean(ui.loop), run: toggleLoop,
   },

@@ -137,15 +137,41 @@ def test_backward_pictures_go_backward_only_and_l_turns_them_round(
         live = section(page, "view.live")
         _go(keypose, page, 14)
         page.evaluate(RECORD)
-        page.keyboard.press("j")
+        page.keyboard.press("Shift+Space")
         until(lambda: _ui(page, "playing"), "playing")
         until(lambda: not _ui(page, "playing"), "the end")
         seen = page.evaluate("() => window.seen")
         assert seen == sorted(seen, reverse=True)
         assert seen[-1] == 0
         _go(keypose, page, 60)
+        page.keyboard.press("Space")
+        until(lambda: _ui(page, "playing"), "playing")
         page.keyboard.press("j")
+        until(lambda: _ui(page, "shuttle") == -1, "backward")
         page.keyboard.press("l")
         until(lambda: _ui(page, "shuttle") == 1, "forward")
         assert section(page, "view.live") == live, "while it plays L is no switch"
         until(lambda: not _ui(page, "playing"), "the end")
+
+
+def test_the_out_point_is_dragged_on_the_ruler_and_snaps_to_keyframes(
+    browser: Browser, keypose: Keypose
+) -> None:
+    with let_in(browser, drawn=False, size=(1440, 900)) as context:
+        page = opened(context, keypose)
+        _go(keypose, page, 30)
+        page.keyboard.press("Shift+O")
+        until(lambda: _ui(page, "span.last") == 30, "the out point")
+        box = page.locator("#tsvg").bounding_box()
+        assert box is not None
+        each = (box["width"] - 138 - 26) / (section(page, "file.frames") - 1)
+        bracket = box["x"] + 138 + 30 * each + 4, box["y"] + 10
+        page.mouse.move(*bracket)
+        page.mouse.down()
+        page.mouse.move(bracket[0] + 18 * each + 2, bracket[1], steps=5)
+        page.mouse.up()
+        until(lambda: _ui(page, "span.last") == 48, "the keyframe near it")
+        assert section(page, "view.frame") == 30, "the ruler was not scrubbed"
+        page.mouse.click(bracket[0] + 18 * each, bracket[1], button="right")
+        page.get_by_role("menuitem", name="Clear the out point").click()
+        until(lambda: _ui(page, "span.last") is None, "no out point")

@@ -49,10 +49,10 @@ test('brackets are grabbed outside their frames, where the playhead is not', () 
   assert.equal(spanEndAt({ x: scale.x(60) + 4, y: 40 }), null);
 });
 
-test('J plays backward, then faster; L forward again; the words tell how fast', () => {
+test('J turns it backward, then faster; L forward again; the words tell how fast', () => {
   playing.playBack();
   assert.deepEqual([ui.playing, ui.shuttle, playing.rateWords()], [true, -1, '−1×']);
-  playing.playBack();
+  playing.playSlower();
   assert.equal(playing.rateWords(), '−2×');
   playing.playFaster();
   playing.playFaster();
@@ -62,7 +62,7 @@ test('J plays backward, then faster; L forward again; the words tell how fast', 
   assert.equal(playing.rateWords(), '0.5×');
 });
 
-test('K and L mean what they ever did while nothing plays', () => {
-  assert.deepEqual([WHILE_PLAYING.get('K'), WHILE_PLAYING.get('L')], ['stopPlaying', 'playFaster']);
+test('J, K and L shuttle while it plays, and mean what they ever did while nothing does', () => {
+  assert.deepEqual(['J', 'K', 'L'].map((key) => WHILE_PLAYING.get(key)), ['playSlower', 'stopPlaying', 'playFaster']);
   assert.deepEqual([BY_CHORD.get('K').id, BY_CHORD.get('L').id], ['addKeyframe', 'live']);
 });

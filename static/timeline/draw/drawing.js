@@ -16,7 +16,7 @@ import { drawCurrentPart, drawPartKeys } from './partmarks.js';
 import { drawSegments } from './segments.js';
 import { drawNotes } from './notes.js';
 import { drawLaneLabels, drawLanes } from './lanes.js';
-import { drawSelection } from './selection.js';
+import { drawGrips, drawSelectionBand } from './selection.js';
 import { drawSpan } from './span.js';
 import { drawPinLabels, drawPins } from './pins.js';
 import { drawCurrentCurveKey, drawCurve } from './curve.js';
@@ -65,6 +65,7 @@ const LAYERS = [
     ({ rows, lanes, scroll }) => drawLanes(rows, lanes, scroll)],
   ['frames', 'pinbars', () => [server.pins, server.proposed_pins, server.body, ui.timePin, pinGrabbed()],
     ({ rows }) => drawPins(rows.pins)],
+  ['frames', 'selection', () => [chosenKeys()], ({ rows }) => drawSelectionBand(rows, chosenKeys())],
   ['frames', 'need', () => [server.need, server.suggest], ({ rows }) => drawNeed(rows)],
   ['frames', 'segments', () => [server.segments, server.suggest, server.keys], ({ rows }) => drawSegments(rows)],
   ['frames', 'drafts', () => [server.keys, server.segments, server.draft], ({ rows }) => drawDrafts(rows)],
@@ -72,7 +73,7 @@ const LAYERS = [
     ({ rows }) => (isScore() ? drawScores(rows.curve) : drawCurve(rows.curve, angleGrabbed()))],
   ['frames', 'suggestion', () => [suggestedFrame(), server.keys, isScore(), Boolean(ui.review)],
     ({ rows }) => drawSuggestion(rows, bottomOf(rows))],
-  ['frames', 'selection', () => [server.keys, chosenKeys()], ({ rows }) => drawSelection(rows, chosenKeys())],
+  ['frames', 'grips', () => [chosenKeys()], ({ rows }) => drawGrips(rows, chosenKeys())],
   ['frames', 'keys', () => [server.keys, server.segments, String(onTheWay()), chosenKeys()],
     ({ rows }) => [drawKeys(rows, onTheWay(), chosenKeys()), drawPartKeys(rows, onTheWay())]],
   ['frames', 'places', () => [server.draft, isScore()], ({ rows }) => drawPlaces(rows, bottomOf(rows))],

@@ -20,13 +20,19 @@ function edges(frames) {
   return { first: first < GUTTER ? first - AIR : Math.max(first - AIR, GUTTER + 2), last: x(frames.at(-1)) + AIR };
 }
 
-export function drawSelection(rows, frames) {
+/** The band lies under the segments: their colours stay as they are. */
+export function drawSelectionBand(rows, frames) {
+  const at = edges(frames);
+  if (at === null) return nothing;
+  return svg`<rect class="selband" x=${at.first} y=${rows.keys.y + 1.5} width=${at.last - at.first} height=${rows.keys.h - 4} rx="4" />`;
+}
+
+export function drawGrips(rows, frames) {
   const at = edges(frames);
   if (at === null) return nothing;
   const { y, h } = rows.keys;
   const grip = (px) => svg`<rect class="selgrip" x=${px - GRIP.wide / 2} y=${y + (h - GRIP.high) / 2} width=${GRIP.wide} height=${GRIP.high} rx="2" />`;
-  return svg`<rect class="selband" x=${at.first} y=${y + 1.5} width=${at.last - at.first} height=${h - 4} rx="4" />
-    ${grip(at.first)}${grip(at.last)}`;
+  return svg`${grip(at.first)}${grip(at.last)}`;
 }
 
 /** "first" or "last": the grip at a pixel of the keyframes' row; null beside both. */
@@ -50,7 +56,7 @@ export function drawMovingKeys(what, rows, plate) {
   const middle = rows.keys.middle;
   const homes = copy ? nothing : svg`<path class="home" d=${frames.map((at) => diamond(x(at), middle, 4.5)).join('')} />`;
   const there = to[frames.indexOf(held)];
-  return svg`${drawSelection(rows, to)}${homes}
+  return svg`${drawSelectionBand(rows, to)}${drawGrips(rows, to)}${homes}
     <path class=${`moving chosen${taken ? ' taken' : ''}${refused ? ' shake' : ''}`} d=${to.map((at) => diamond(x(at), middle, 7)).join('')} />
     ${plate(taken || wordsOf(what), clamp(x(there), GUTTER, Infinity), middle + 22)}`;
 }

@@ -43,6 +43,7 @@ export function grabKeys(at, start, click) {
   return {
     edits: true,
     move(place) {
+      reveal(clampFrame(frameAt(place.x)), 0);
       const to = shifted(frames, frameAt(place.x + offset) - at, lastFrame());
       carry({ frames, to, held: at, copy: place.shift || place.alt });
     },
@@ -62,6 +63,7 @@ export function grabSelectionEnd(end, start) {
   return {
     edits: true,
     move(place) {
+      reveal(clampFrame(frameAt(place.x)), 0);
       const at = place.x + offset;
       const snapped = place.alt ? null : nearest([frame()], at, SNAP_PX);
       carry({ frames, to: stretched(frames, end, snapped ?? frameAt(at), lastFrame()), held, end, copy: false });

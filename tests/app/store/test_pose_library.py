@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from app.document.library.poses import KeptPose
 from app.editor.actions import DeletePose, InsertPose, KeepPose, RenamePose, RestorePose
@@ -78,6 +79,12 @@ def test_poses_are_renamed_deleted_and_had_back(tmp_path: Path) -> None:
     ]
     with pytest.raises(Refused, match="not in the library any more"):
         library.inserting(InsertPose(id="0" * 12))
+
+
+@pytest.mark.parametrize("name", ["", "   ", "a\nb", "x" * 61])
+def test_a_name_that_cannot_be_read_on_one_line_is_refused(name: str) -> None:
+    with pytest.raises(ValidationError):
+        KeepPose(name=name)
 
 
 def test_another_program_of_the_workspace_reads_what_was_kept(tmp_path: Path) -> None:
