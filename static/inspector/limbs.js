@@ -10,7 +10,7 @@ export function limbs() {
   const key = partKeyAt();
   if (!key) return nothing;
   const rows = key.limbs.map((limb) => html`<div class="row pinrow">
-    <span class=${`dot ${limb.side}`} aria-hidden="true"></span><span class="cut">${limb.label}</span><span class="sp"></span>
+    <span class="dot" style="background:var(--${limb.side})"></span><span class="cut">${limb.label}</span><span class="sp"></span>
     ${actionIcon('unkeyLimb', { frame: key.frame, parts: limb.parts, label: limb.label })}</div>`);
   return section(
     `Part keyframe ${key.frame}`,

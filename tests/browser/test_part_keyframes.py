@@ -7,10 +7,21 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Page
 
-from tests.browser.hands import SCREENS, Spot, drag, section, settled, spot, until_told
+from tests.browser.hands import (
+    SCREENS,
+    Spot,
+    at_rest,
+    drag,
+    screens,
+    section,
+    settled,
+    spot,
+    until_told,
+)
 from tests.browser.shared import Desk, desk
 
 SIZE = (1440, 900)
+SECONDS_TO_TRACK = 240
 
 
 @pytest.fixture(scope="module")
@@ -104,3 +115,32 @@ def test_a_second_limb_shares_the_diamond_and_leaves_it_from_the_inspector(at: D
     page.screenshot(path=SCREENS / "part-keyframe-two.png")
     page.get_by_role("button", name="Leave the right arm to the tracker").click()
     until_told(page, "keys.parts[0].words", lambda words: words == "left leg only")
+
+
+def test_with_live_on_the_limb_is_tracked_at_once_and_the_rest_stays_where_it_was(at: Desk) -> None:
+    page = at.page
+    page.keyboard.press("Home")
+    page.keyboard.press("/")
+    until_told(page, "pose.frame", lambda now: now == 12)
+    page.keyboard.press("Shift+T")
+    until_told(page, "pose.source", lambda source: source == "tracked", SECONDS_TO_TRACK)
+    until_told(page, "job.state", lambda state: state == "done", SECONDS_TO_TRACK)
+    at.visitor.do(do="live", on=True)
+    before = spot(page, "left_foot")
+    _pull(page, "right_hand", (24, -10))
+    until_told(page, "keys.drafts", lambda drafts: drafts == [12])
+    at_rest(page, "pose.points.right_hand")
+    dropped = spot(page, "right_hand")
+    page.keyboard.press("Shift+K")
+    until_told(page, "keys.parts", lambda parts: len(parts) == 1)
+    until_told(
+        page,
+        "segments[0].state",
+        lambda state: state in ("good", "check", "lost"),
+        SECONDS_TO_TRACK,
+    )
+    until_told(page, "pose.source", lambda source: source == "tracked", SECONDS_TO_TRACK)
+    settled(page)
+    assert spot(page, "right_hand") == pytest.approx(dropped, abs=0.5)
+    assert spot(page, "left_foot") == pytest.approx(before, abs=0.01)
+    screens(page, "part-keyframe-live")

@@ -172,8 +172,8 @@ class Keyframe(Plain):
 class PartKeyframe(Keyframe):
     """A keyframe of some parts alone: these are exact at its frame, the rest is tracked.
 
-    Its pose is of the whole body as it stood when it was set. Exact are its parts where that pose
-    has them in the camera frame; the rest of it is what the frame shows until it is tracked.
+    Its pose is of the whole body as it stood when it was set. Its parts are seen where that pose
+    has them, and as far from the root in depth; the rest of it is shown until the frame is tracked.
     """
 
     parts: Annotated[tuple[Name, ...], Field(min_length=1, max_length=1000)] = Field(

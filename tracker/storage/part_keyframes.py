@@ -9,7 +9,8 @@ from tracker.tracking.parts.keyed import KeyedParts
 
 def keyed_parts(session: Session, skeleton: Skeleton) -> list[KeyedParts]:
     """What is exact at frames between keyframes."""
+    telephoto = session.camera.projection == "telephoto"
     return [
-        KeyedParts.of(skeleton, keyframe.frame, keyframe.parts, keyframe.pose(skeleton))
+        KeyedParts.of(skeleton, keyframe.frame, keyframe.parts, keyframe.pose(skeleton), telephoto)
         for keyframe in session.part_keyframes
     ]

@@ -67,8 +67,10 @@ def track_anchored(
     free: the scene with all parts that carry keypoints free to turn.  candidates: the anchors,
     two where left and right are in doubt.  brightness: whether it counts as well.
     silhouette: whether what moves counts when the best motion is chosen.
-    begun: starts from brightness, where they are known.
+    begun: starts from brightness, where they are known: of a motion that is about right already,
+        which keypoints need not reach from afar.
     """
+    from_afar = begun is None
     if not brightness:
         begun = Starts(())
     elif begun is None:
@@ -77,7 +79,7 @@ def track_anchored(
     ends: list[_Ended] = []
     for anchors in candidates:
         correction = Correction(free, segment, anchors)
-        alone = Pass("keypoints", from_keypoints(correction), None)
+        alone = Pass("keypoints", from_keypoints(correction, from_afar), None)
         if not brightness:
             tried.append(alone)
             yield alone

@@ -29,7 +29,7 @@ from tracker.tracking.drift import closing_error
 from tracker.tracking.initial.chains import fit_to_keyframes
 from tracker.tracking.method import Keypose, Method, Paper, method_of
 from tracker.tracking.parts.correct import Evidence, corrected, expected_limb_steps
-from tracker.tracking.parts.kept import KeptOutcomes
+from tracker.tracking.parts.kept import KeptOutcomes, Kind
 from tracker.tracking.parts.keyed import KeyedParts
 from tracker.tracking.result import SegmentResult
 from tracker.tracking.scene import Scene
@@ -155,10 +155,14 @@ class Tracker:
         whole = expected_steps(settings)
         if self._listens_to_keypoints(settings):
             whole = expected_anchored_steps(method_of(settings).passes)
-        kind = (self._keys.get(span, ""), settings.model_dump_json())
-        tracked = 0 if self._kept.get(kind) is not None else whole
         inside = [each for each in self._keyed_parts if span[0] < each.frame < span[1]]
-        return tracked + expected_limb_steps(self.skeleton, inside, whole) if inside else whole
+        if not inside:
+            return whole
+        known = self._kept.get(self._kind(span, settings)) is not None
+        return (0 if known else whole) + expected_limb_steps(self.skeleton, inside, whole)
+
+    def _kind(self, span: tuple[int, int], settings: TrackSettings) -> Kind:
+        return self._keys.get(span, ""), settings.quality, settings.model_dump_json()
 
     def move_keyframe(self, frame: int, pose: Pose) -> None:
         """Give an existing keyframe another pose."""
@@ -205,13 +209,13 @@ class Tracker:
     ) -> Work:
         """The segment tracked, or as it was tracked before; then with limbs where they were set."""
         first, last = segment.first_frame, segment.last_frame
-        kind = (self._keys.get((first, last), ""), settings.model_dump_json())
-        outcome = self._kept.get(kind) if kind[0] else None
+        inside = [each for each in self._keyed_parts if first < each.frame < last]
+        kind = self._kind((first, last), settings)
+        outcome = self._kept.get(kind) if inside and kind[0] else None
         if outcome is None:
             outcome = yield from self._work(scene, segment, settings, emit)
             if kind[0]:
                 self._kept.keep(kind, outcome)
-        inside = [each for each in self._keyed_parts if first < each.frame < last]
         if not inside:
             return outcome
         seen = self._evidence(scene, segment, settings, emit)

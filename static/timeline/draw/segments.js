@@ -4,6 +4,7 @@ import { clamp } from '../../controls/arithmetic.js';
 import { svg, nothing } from '../../vendor/lit-html/lit-html.js';
 import { server } from '../../store/state.js';
 import { suggestedFrame } from '../../actions/playhead.js';
+import { partKeys } from '../../actions/limbs.js';
 import { singleDrafts } from './drafts.js';
 import { GUTTER, right, visible, x } from './scale.js';
 import { lastFrame } from '../../store/clip.js';
@@ -100,7 +101,7 @@ function clip({ from, to }) {
 function freePlace(from, to, wide) {
   if (to - from < wide + 8) return null;
   const suggested = suggestedFrame();
-  const diamonds = [...singleDrafts(), ...(suggested === null ? [] : [suggested])].map(x);
+  const diamonds = [...singleDrafts(), ...partKeys().map((key) => key.frame), ...(suggested === null ? [] : [suggested])].map(x);
   const isFree = (at) =>
     at - wide / 2 >= from && at + wide / 2 <= to &&
     diamonds.every((there) => Math.abs(there - at) > wide / 2 + 10);

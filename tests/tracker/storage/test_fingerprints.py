@@ -14,10 +14,10 @@ from tests.app.results_cases import PARTS, both, passing, session, track
 from tests.tracker import session_cases as cases
 from tracker.body.body import preset
 from tracker.body.shapes import Cylinder
-from tracker.session import IgnoreMask, Session, TrackSettings
+from tracker.session import IgnoreMask, PartKeyframe, Session, TrackSettings
 from tracker.session.corrections import KeypointCorrection
 from tracker.session.schema import KeypointFile
-from tracker.storage.fingerprints import segment_key, segment_keys
+from tracker.storage.fingerprints import segment_key, segment_keys, without_part_keyframes
 from tracker.storage.results import (
     Results,
     collection,
@@ -124,6 +124,25 @@ def test_the_motion_of_a_person_depends_on_the_keypoints_that_count() -> None:
     assert keys(detected, settings=with_all) != keys(detected, settings=still)
     no_cues = paper.model_copy(update={"cues": None})
     assert keys(detected, settings=paper) == keys(detected, settings=no_cues)
+
+
+def test_a_limb_keyed_alone_outdates_its_own_segment_and_without_it_all_is_as_before() -> None:
+    bare, pose = session(), session().keyframes[1].model_dump()
+    before = list(segment_keys(bare).values())
+
+    def keys(**changes: Any) -> list[str]:
+        part = PartKeyframe(**{**pose, "frame": 2, "time_s": 0.08, "parts": ("left_hand",)})
+        given = bare.model_copy(update={"part_keyframes": (part.model_copy(update=changes),)})
+        assert segment_keys(without_part_keyframes(given)) == segment_keys(bare)
+        return list(segment_keys(given).values())
+
+    keyed = keys()
+    assert keyed[0] != before[0]
+    assert keyed[1] == before[1]
+    assert keys(time_s=0.09) == keyed
+    for other in ({"frame": 3}, {"parts": ("left_arm", "left_hand")}, {"root_m": (0.1, 0, 3.0)}):
+        assert keys(**other)[0] not in (keyed[0], before[0])
+    assert keys(frame=6)[0] == before[0]
 
 
 def test_a_corrected_keypoint_outdates_the_segment_it_lies_in_where_keypoints_count() -> None:

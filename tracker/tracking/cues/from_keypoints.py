@@ -19,17 +19,18 @@ ONE_FRAME = Criteria(
 )
 
 
-def from_keypoints(correction: Correction) -> Trajectory:
+def from_keypoints(correction: Correction, from_afar: bool = True) -> Trajectory:
     """The motion that the anchors tell, smooth, within the limits, its ends the keyframes.
 
-    Twice: from interpolation, and from following the keypoints frame by frame, which reaches what
-    interpolation is too far from. With Huber's kernel first, which comes from afar, then with
-    Cauchy's, which gives little weight to what stays far. The cheaper one counts.
+    Twice: from interpolation, and, `from_afar`, from following the keypoints frame by frame, which
+    reaches what interpolation is too far from. With Huber's kernel first, which comes from afar,
+    then with Cauchy's, which gives little weight to what stays far. The cheaper one counts.
     """
     path = correction.segment.interpolated()
     held = even_increments(correction.scene, path)
     ways: list[tuple[float, int, Trajectory]] = []
-    for way in (path, _frame_by_frame(correction)):
+    begun = (path, _frame_by_frame(correction)) if from_afar else (path,)
+    for way in begun:
         for kernel in (Huber(), Cauchy()):
             way = correction.solve(way, held, kernel)
         cost = correction.problem(held, Cauchy()).at(way, 0).cost

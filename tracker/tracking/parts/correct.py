@@ -21,8 +21,10 @@ from tracker.body.trajectory import Pass, Trajectory, interpolate, joined
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
 from tracker.keypoints.keypoints import Keypoints
+from tracker.solver.posed import image_points
+from tracker.solver.robust import Cauchy
 from tracker.tracking.anchored_cycle import track_anchored
-from tracker.tracking.cues.anchors import anchors_of
+from tracker.tracking.cues.anchors import Anchors, anchors_of
 from tracker.tracking.cues.joint_evidence import JointEvidence
 from tracker.tracking.cycle import Outcome, Work, track_from
 from tracker.tracking.initial.chains import Chain, blend_chains, follow_both
@@ -147,11 +149,19 @@ def _tracked(
         free = _only(seen.free, parts)
         anchors = anchors_of(free, segment, seen.camera, seen.keypoints, seen.weight)
         if anchors:
-            work = track_anchored(
-                scene, free, segment, method, anchors, seen.brightness, begun=begun
-            )
+            told = [min(anchors, key=lambda each: _contradiction(each, segment, free))]
+            work = track_anchored(scene, free, segment, method, told, seen.brightness, begun=begun)
             return (yield from work)
     return (yield from track_from(scene, segment, method, begun))
+
+
+def _contradiction(anchors: Anchors, segment: LimbSegment, scene: Scene) -> float:
+    """How far the keypoints of what carries the limb lie from where it was tracked: that decided
+    which of them are left and which right."""
+    seen = image_points(scene.camera, anchors.where(segment.given.transforms(scene.skeleton)))
+    away = np.linalg.norm(seen - anchors.uv, axis=-1) * anchors.scale
+    rest = ~np.isin(anchors.parts, segment.parts)
+    return float(Cauchy().loss(away[:, rest]).sum())
 
 
 def _starts(scene: Scene, segment: LimbSegment, method: Keypose) -> Starts:

@@ -7,11 +7,13 @@ from collections import OrderedDict
 from threading import Lock
 from typing import TYPE_CHECKING, TypeAlias
 
+from tracker.session.settings import Quality
+
 if TYPE_CHECKING:
     from tracker.tracking.cycle import Outcome
 
-Kind: TypeAlias = tuple[str, str]
-"""What identifies an outcome: the segment's key without part keyframes, and its settings."""
+Kind: TypeAlias = tuple[str, Quality, str]
+"""What identifies an outcome: the segment's key without part keyframes, quality, all settings."""
 
 MOST_FRAMES = 4000
 """Of all that is kept together; some 15 kB each."""
@@ -25,7 +27,13 @@ class KeptOutcomes:
         self._lock = Lock()
 
     def get(self, kind: Kind) -> Outcome | None:
+        """That of this kind; of a preview also a better one of the same segment, so that nothing
+        but a limb is seen to change while it is corrected."""
+        key, quality, _ = kind
         with self._lock:
+            better = [k for k in self._kept if k[0] == key and k[1] != "preview"]
+            if kind not in self._kept and quality == "preview" and better:
+                kind = better[-1]
             found = self._kept.get(kind)
             if found is not None:
                 self._kept.move_to_end(kind)

@@ -1,15 +1,16 @@
 """Limbs that a person set right at frames between two keyframes, and where they are on a body that
 is tracked.
 
-A limb set right is where its pose has it in the camera frame, for that is what a person saw. What
-carries it may be tracked otherwise later; then the end of the limb stays where it was put, and the
-parts between bend as little as they must.
+A limb set right is seen where its pose has it, for that is what a person looked at, and as much
+nearer or farther than the body's root, since a picture tells of depth no more. What carries it may
+be tracked otherwise later; then the end of the limb stays there, and the parts between bend as
+little as they must.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -36,18 +37,34 @@ CRITERIA = Criteria(
 
 @dataclass(frozen=True, eq=False)
 class KeyedParts:
-    """What is exact at one frame: parts (k,) of the body, with all that hangs on them, where a pose
-    of the whole body has them in the camera frame."""
+    """What is exact at one frame: parts (k,) of the body, with all that hangs on them, as a pose of
+    the whole body has them.
+
+    telephoto: whether depth changes nothing of where things are seen.
+    """
 
     frame: int
     parts: NDArray[np.int64]
     pose: Pose
+    telephoto: bool = False
 
     @classmethod
-    def of(cls, skeleton: Skeleton, frame: int, parts: Sequence[str], pose: Pose) -> KeyedParts:
+    def of(
+        cls, skeleton: Skeleton, frame: int, parts: Sequence[str], pose: Pose,
+        telephoto: bool = False,
+    ) -> KeyedParts:  # fmt: skip
         """By the names of parts."""
         named = [skeleton.body.index(name) for name in parts]
-        return cls(frame, np.flatnonzero(skeleton.below[:, named].any(axis=1)), pose)
+        below = np.flatnonzero(skeleton.below[:, named].any(axis=1))
+        return cls(frame, below, pose, telephoto)
+
+    def joints(self, skeleton: Skeleton, root_z: float) -> Array:
+        """(P, 3) where joints are on a body whose root is so far away: seen where they were."""
+        p = pose_transforms(skeleton, self.pose)[:, :3, 3]
+        farther = root_z - self.pose.p_camera_root[2]
+        if self.telephoto:
+            return np.asarray(p + np.array([0.0, 0.0, farther]))
+        return np.asarray(p * (1 + farther / p[:, 2:]))
 
     def hanging(self, skeleton: Skeleton) -> NDArray[np.int64]:
         """Those of the parts that hang on another one of them: their joints are exact as well."""
@@ -72,7 +89,7 @@ def keyed_limbs(skeleton: Skeleton, keyed: Sequence[KeyedParts]) -> list[KeyedLi
     for top in tops:
         limb = np.flatnonzero(anywhere & skeleton.below[:, top])
         own = [
-            KeyedParts(each.frame, np.intersect1d(each.parts, limb), each.pose)
+            replace(each, parts=np.intersect1d(each.parts, limb))
             for each in sorted(keyed, key=lambda each: each.frame)
         ]
         found.append(KeyedLimb(limb, tuple(each for each in own if len(each.parts))))
@@ -86,7 +103,8 @@ def placed(skeleton: Skeleton, keyed: KeyedParts, rest: Pose) -> Pose:
     R[keyed.parts] = keyed.pose.Rs_parent_part[keyed.parts]
     inside = np.isin(np.arange(skeleton.part_count), keyed.parts)
     tops = [int(i) for i in keyed.parts if not inside[skeleton.parents[i]]]
-    moved = [top for top in tops if np.abs(_carrier(there - here, skeleton, top)).max() > SAME]
+    away = np.abs(there - here).max(axis=(1, 2))
+    moved = [top for top in tops if away[skeleton.parents[top]] > SAME]
     if not moved:
         return Pose(R, t)
     for top in moved:
@@ -95,10 +113,6 @@ def placed(skeleton: Skeleton, keyed: KeyedParts, rest: Pose) -> Pose:
     reached = _reached(skeleton, keyed, Pose(R, t), there, moved).Rs_parent_part
     R[keyed.parts] = reached[keyed.parts]
     return Pose(R, t)
-
-
-def _carrier(Ts: Array, skeleton: Skeleton, top: int) -> Array:
-    return np.asarray(Ts[skeleton.parents[top]])
 
 
 def _reached(
@@ -112,14 +126,14 @@ def _reached(
     last = ~np.isin(limb, skeleton.parents)
     if len(joints):
         free = turning(skeleton, tuple(limb[~last].tolist()))
+        wanted = keyed.joints(skeleton, float(pose.p_camera_root[2]))
         precision = np.full(free.dof_count, TURN_RAD**-2.0)
         terms: list[Term] = [PosePrior.of(pose, precision)]
         for some, sigma in ((limb[last], END_M), (limb[~last], BETWEEN_M)):
             chosen = np.intersect1d(some, joints)
             if len(chosen):
                 places: tuple[BodyPoint, ...] = tuple(((int(i), (0.0, 0.0, 0.0)),) for i in chosen)
-                points = BodyPoints(free, places)
-                terms.append(PointsInSpace(points, there[chosen, :3, 3], sigma))
+                terms.append(PointsInSpace(BodyPoints(free, places), wanted[chosen], sigma))
         pose = least_squares(OnePose(free, terms), pose, CRITERIA).state
     R, t = pose.writable()
     now = pose_transforms(skeleton, pose)

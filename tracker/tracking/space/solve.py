@@ -9,7 +9,7 @@ of the floor:
         + Σ ρ(|T_j p − c_i| / 1 mm) + Σ ((u · c_i − h) / 8 mm)² + Σ |Δ³x fps³ / σ|² + keyframes,
 
 with uv, m those of the tracked motion, H the body's height in the picture. Keyframes are met
-exactly, but for those that are said to be soft; of limbs keyed alone where they are in space.
+exactly, but for those that are said to be soft, and limbs keyed alone where they were seen.
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ from tracker.solver.robust import SQUARED, Huber
 from tracker.solver.smoothness import Increments, Link, Smoothness, increments
 from tracker.solver.stretch_poses import SharedTerm, Stretch, StretchPoses
 from tracker.solver.terms import (
+    DepthFromRoot,
     JointLimits,
     PointsInPicture,
-    PointsInSpace,
     PosePrior,
     RootPosition,
     Term,
@@ -272,18 +272,28 @@ def _keyframes(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
 
 
 def _limbs(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
-    """The joints of limbs where they were keyed: the last ones exactly, those between about."""
+    """The joints of limbs seen where they were keyed, and as far from the root as they were: the
+    last ones exactly, those between about."""
     if not problem.keyed_parts:
         return ()
-    motion, count = problem.motion, skeleton.part_count
-    there, sigma = np.zeros((len(motion), count, 3)), np.full((len(motion), count), np.inf)
+    motion, size = problem.motion, (len(problem.motion), skeleton.part_count)
+    uv, depth, precision = np.zeros((*size, 2)), np.zeros(size), np.zeros(size)
     for keyed in problem.keyed_parts:
         row, hangs = keyed.frame - motion.first_frame, keyed.hanging(skeleton)
-        there[row, hangs] = pose_transforms(skeleton, keyed.pose)[hangs, :3, 3]
-        sigma[row, hangs] = np.where(np.isin(hangs, skeleton.parents), BETWEEN_M, END_M)
-    known = np.flatnonzero(np.isfinite(sigma).any(axis=0))
+        there = pose_transforms(skeleton, keyed.pose)[hangs, :3, 3]
+        uv[row, hangs] = image_points(problem.camera, there)
+        depth[row, hangs] = there[:, 2] - keyed.pose.p_camera_root[2]
+        sigma = np.where(np.isin(hangs, skeleton.parents), BETWEEN_M, END_M)
+        precision[row, hangs] = 1 / sigma
+    known = np.flatnonzero(precision.any(axis=0))
     points = BodyPoints(skeleton, tuple(((int(i), (0.0, 0.0, 0.0)),) for i in known))
-    return (PointsInSpace(points, there[:, known], sigma[:, known]),)
+    depth, precision = depth[:, known], precision[:, known]
+    pixel_m = problem.camera.depth(motion.ps_camera_root) / problem.camera.fy
+    seen = precision * pixel_m[:, None]
+    return (
+        PointsInPicture(points, problem.camera, uv[:, known], seen, NEAREST_M),
+        DepthFromRoot(points, depth, precision),
+    )
 
 
 def _limits(problem: SpaceProblem, skeleton: Skeleton) -> Term:

@@ -63,10 +63,11 @@ def require_exact_there_and_as_tracked_elsewhere(
     for end in (0, -1):
         np.testing.assert_array_equal(found.Rs_parent_part[end], base.Rs_parent_part[end])
     one = Trajectory(0, key.pose.Rs_parent_part[None], key.pose.p_camera_root[None])
-    there, set_there = (hands(m, skeleton) for m in (found, one))
-    there = there[key.frame - found.first_frame]
-    assert np.linalg.norm(there[-1] - set_there[0, -1]) < 5e-4
-    assert np.linalg.norm(camera.project(there[-1]) - camera.project(set_there[0, -1])) < 0.1
+    row = key.frame - found.first_frame
+    there, set_there = hands(found, skeleton)[row, -1], hands(one, skeleton)[0, -1]
+    assert np.linalg.norm(camera.project(there) - camera.project(set_there)) < 0.1
+    off_root = there[2] - found.ps_camera_root[row, 2]
+    assert off_root == pytest.approx(set_there[2] - key.pose.p_camera_root[2], abs=1e-3)
 
 
 @pytest.mark.parametrize("way", WAYS)
@@ -99,6 +100,21 @@ def test_of_what_was_tracked_before_only_the_limb_is_tracked_anew_to_the_same_mo
     assert len(steps) <= expected
     assert same(found, run(person.tracker(*SPAN, keyed_parts=(key,)), settings))
     assert same(run(plain.renewed(person.skeleton, plain.keyposes, keys=keys), settings), base)
+
+
+def test_a_preview_of_a_limb_leaves_the_rest_as_it_was_tracked_with_more_care(
+    person: Case,
+) -> None:
+    keys = {SPAN: "the segment without parts"}
+    plain = person.tracker(*SPAN, keys=keys)
+    base = run(plain, TrackSettings(quality="fast"))
+    pose = swung(base.trajectory.pose(AT), person.skeleton.body.names)
+    key = KeyedParts.of(person.skeleton, AT, ARM, pose)
+    later = plain.renewed(person.skeleton, plain.keyposes, keyed_parts=(key,), keys=keys)
+    found = run(later, TrackSettings(quality="preview"))
+    require_exact_there_and_as_tracked_elsewhere(
+        found.trajectory, base.trajectory, key, person.skeleton, person.camera
+    )
 
 
 def test_a_limb_set_in_one_segment_changes_no_other(person: Case) -> None:

@@ -27,6 +27,7 @@ from tests.tracker.tracking.space.space_cases import (
 )
 from tracker.body.trajectory import Trajectory
 from tracker.geometry.rotations import transpose
+from tracker.tracking.parts.keyed import KeyedParts
 from tracker.tracking.space.solve import PinnedPoint, SpaceSolution, solve_space
 
 FRAMES = 61
@@ -62,6 +63,32 @@ def require_sound(found: SpaceSolution) -> None:
     np.testing.assert_allclose(R @ transpose(R), np.broadcast_to(np.eye(3), R.shape), atol=1e-9)
     assert np.isfinite(found.places).all()
     assert all(np.isfinite(off).all() for off in found.off_m)
+
+
+# --- limbs keyed alone
+
+
+@pytest.mark.parametrize("drift_m", [0.0, 0.08])
+def test_a_limb_keyed_alone_is_seen_where_it_was_set_and_as_far_from_the_body(
+    person: Scene, drift_m: float
+) -> None:
+    """Though the body it hangs on drifted in depth, and comes back."""
+    frame, names = FRAMES // 2, person.skeleton.body.names
+    tracked = farther(person.truth, bow(drift_m))
+    key = KeyedParts.of(person.skeleton, frame, ("right_upper_arm",), tracked.pose(frame))
+    pins = pinned_foot(person, 0, FRAMES - 1)
+    found = solve_space(problem(person, tracked, pins=pins, keyed_parts=(key,))).motion
+    wrist = names.index("right_hand")
+    there, set_there = (
+        m.transforms(person.skeleton)[frame, wrist, :3, 3] for m in (found, tracked)
+    )
+    seen = person.camera.project(there) - person.camera.project(set_there)
+    assert np.linalg.norm(seen) < 0.1
+    assert there[2] - found.ps_camera_root[frame, 2] == pytest.approx(
+        set_there[2] - tracked.ps_camera_root[frame, 2], abs=1e-3
+    )
+    beside = found.transforms(person.skeleton)[frame - 1 : frame + 2, wrist, :3, 3]
+    assert np.linalg.norm(np.diff(beside, 2, axis=0)) < 0.01, "it comes there smoothly"
 
 
 # --- pins
