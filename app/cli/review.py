@@ -84,7 +84,13 @@ def _place(place: Place) -> dict[str, Any]:
 
 def _table(found: Review, goal: int) -> list[str]:
     from app.editor.problem_words import size_of
-    from app.editor.review_words import label_of_place, left_words, reason_of_place, right_words
+    from app.editor.review_words import (
+        answers_words,
+        label_of_place,
+        left_words,
+        reason_of_place,
+        right_words,
+    )
 
     places = found.above(goal)
     rows = [
@@ -98,10 +104,7 @@ def _table(found: Review, goal: int) -> list[str]:
         for row in ([head] if rows else []) + rows
     ]
     if found.answered:
-        accepted = sum(said.answer == "accepted" for said in found.answered)
-        unclear = len(found.answered) - accepted
-        more = f", {unclear} that nobody can tell" if unclear else ""
-        lines.append(f"{len(found.answered)} reviewed: {accepted} accepted{more}.")
+        lines.append(answers_words(found.answered))
     if found.untracked:
         count = len(found.untracked)
         note(f"{count} segment{'s need' if count > 1 else ' needs'} tracking first.")

@@ -12,6 +12,7 @@ from app.editor.documents import (
     with_part_keyframes,
     without,
 )
+from app.editor.part_edits import require_correctable
 from app.editor.refusal import Refused
 from app.editor.shown import find, shown_pose
 from app.editor.state import EditorState
@@ -41,7 +42,7 @@ def move_keyframe(state: EditorState, action: do.MoveKey) -> Session:
     if action.to == action.frame:
         return state.doc
     keyframe = _require(state, action.frame)
-    _require_free(state, action.to)
+    _require_free(state, keyframe, action.to)
     doc = _keyed(_without(state.doc, keyframe), _at(state, keyframe, action.to))
     if isinstance(keyframe, PartKeyframe):
         return doc
@@ -51,7 +52,7 @@ def move_keyframe(state: EditorState, action: do.MoveKey) -> Session:
 def duplicate_keyframe(state: EditorState, action: do.DuplicateKey) -> Session:
     """The same pose as a keyframe of another frame, too."""
     keyframe = _require(state, action.frame)
-    _require_free(state, action.to)
+    _require_free(state, keyframe, action.to)
     return _keyed(state.doc, _at(state, keyframe, action.to))
 
 
@@ -82,6 +83,9 @@ def _require(state: EditorState, frame: int) -> Keyframe:
     return found
 
 
-def _require_free(state: EditorState, frame: int) -> None:
+def _require_free(state: EditorState, keyframe: Keyframe, frame: int) -> None:
+    """Refused where a keyframe cannot come to a frame."""
     if find(state.doc.keyframes, frame) or find(state.doc.part_keyframes, frame):
         raise Refused(f"Frame {frame} is already a keyframe. Delete it first.")
+    if isinstance(keyframe, PartKeyframe):
+        require_correctable(state, frame)

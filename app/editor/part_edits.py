@@ -141,7 +141,7 @@ def _with_parts(state: EditorState, frame: int, pose: Pose, parts: Iterable[str]
 
 
 def require_correctable(state: EditorState, frame: int) -> None:
-    """Refused where no motion is tracked that it could correct."""
+    """Refused where there is no motion that a part keyframe could correct."""
     if state.doc.surface is not None:
         raise Refused("A body is fitted to surfaces as a whole. Press K to key all of it.")
     if find(state.doc.keyframes, frame) is not None:

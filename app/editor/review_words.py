@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 
 from app.editor.problem_words import reason_of, size_of
@@ -12,6 +12,7 @@ from app.posing import part_label
 from tracker.errors import spoken
 from tracker.session import drafted
 from tracker.session.results import SpaceFinding
+from tracker.session.reviewed import Reviewed
 
 WHOLE_BODY: Final = "Whole body"
 
@@ -51,3 +52,16 @@ def right_words(found: Review, goal_px: float) -> str:
     if found.right_px is None or found.right_px <= goal_px:
         return ""
     return f", but a joint that is right is off by {size_of(found.right_px, None)} in this video"
+
+
+def answers_words(answered: Sequence[Reviewed]) -> str:
+    """ "4 places reviewed, 3 accepted. Nobody can tell: right thigh at 49."; empty without one."""
+    if not answered:
+        return ""
+    left = [said for said in answered if said.answer == "unclear"]
+    count = len(answered)
+    told = f"{count} place{'s' if count > 1 else ''} reviewed, {count - len(left)} accepted."
+    if not left:
+        return told
+    places = ", ".join(f"{spoken(said.part)} at {said.frame}" for said in left)
+    return f"{told} Nobody can tell: {places}."

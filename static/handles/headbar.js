@@ -81,7 +81,8 @@ function verdict({ state, words: said, short, todo, pass, part, px }) {
   if (state === 'tracking') return { say: pass == null ? subject().doing : said };
   if (state === 'waiting') return { say: VERDICTS.waiting.word };
   const label = px === null ? '' : partNamed(part)?.label.toLowerCase();
-  return { say: label ? `${roughError(px, null)} at the ${label}` : short || said, why: short || said, where: todo };
+  const good = state === 'good' ? 'Good, ' : '';
+  return { say: label ? `${good}${roughError(px, null)} at the ${label}` : short || said, why: short || said, where: todo };
 }
 
 /** Where a click on a chip goes: to the trouble, or to the segment's other end. */

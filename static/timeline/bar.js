@@ -51,7 +51,8 @@ const SUGGESTION_ICONS = { good: 'check', track: 'track', look: 'warn', confirm:
  * done, how far it is. */
 function drawSuggestion() {
   if (isPreview()) return newSizes();
-  if (isReviewing()) return reviewing();
+  if (placeToReview()) return reviewing(placeToReview());
+  if (isReviewing() && !['track', 'pose'].includes(server.suggest?.kind)) return nothing;
   if (ui.reviewLeft && placesToReview().length) return interrupted();
   if (!confirmation() && proposedPins().length) return drawProposals();
   const suggest = confirmation() ?? server.suggest;
@@ -73,9 +74,7 @@ function newSizes() {
 }
 
 /** A place is looked at; the answer is given here as well. */
-function reviewing() {
-  const row = placeToReview();
-  if (!row) return nothing;
+function reviewing(row) {
   const title = row.kind === 'draft' ? 'Is the draft right here?' : `Is the ${row.label.toLowerCase()} right here?`;
   return html`<div class="sug" role="status" title=${`Frame ${row.frame}: ${row.reason}`}>${icon('flag')}
     <span class="tx"><b>${title}</b> <span class="mut">Enter accepts, drag corrects.</span></span>

@@ -7,7 +7,17 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Page
 
-from tests.browser.hands import SCREENS, Spot, drag, screens, section, settled, spot, until_told
+from tests.browser.hands import (
+    SCREENS,
+    Spot,
+    at_rest,
+    drag,
+    screens,
+    section,
+    settled,
+    spot,
+    until_told,
+)
 from tests.browser.shared import Desk, desk
 
 SIZE = (1440, 900)
@@ -119,6 +129,7 @@ def test_with_live_on_the_limb_is_tracked_at_once_and_the_rest_stays_where_it_wa
     before = spot(page, "left_foot")
     _pull(page, "right_hand", (24, -10))
     until_told(page, "keys.drafts", lambda drafts: drafts == [12])
+    at_rest(page, "pose.points.right_hand")
     dropped = spot(page, "right_hand")
     page.keyboard.press("Shift+K")
     until_told(page, "keys.parts", lambda parts: len(parts) == 1)

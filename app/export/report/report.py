@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from app.editor.advice import next_step
+from app.editor.judged import Judged
+from app.editor.review_words import answers_words
 from app.export.report.charts import angle_charts, over_time, score_chart
 from app.export.report.derivatives import derivatives_section
 from app.export.report.images import thumbnail
@@ -201,7 +203,8 @@ def _duration_s(video: VideoInfo) -> float:
 
 def _summary(subject: Subject) -> list[str]:
     """The outcome, and what would help most."""
-    next_ = next_step(subject.keys, subject.session, subject.fitting)
+    known = Judged.over(subject.session, subject.fitting)
+    next_ = next_step(subject.keys, subject.session, subject.fitting, known)
     advice = f"{_sentence(next_.title)} {_sentence(next_.detail)}".strip()
     if not subject.spans:
         return [advice]
@@ -214,7 +217,8 @@ def _summary(subject: Subject) -> list[str]:
     if len(subject.keys) < 2:
         return [outcome, advice]
     interval = f"A keyframe every {number_text(subject.mean_interval, 1)} frames on average."
-    return [f"{outcome} {interval}", advice]
+    reviewed = answers_words([said for said in known.reviewed if known.counts(said)])
+    return [f"{outcome} {interval}", advice, *([reviewed] if reviewed else [])]
 
 
 _STATES: Mapping[State, str] = {

@@ -9,7 +9,7 @@ import numpy as np
 from app.editor.advice import next_step
 from app.editor.judged import Judged
 from app.editor.problem_words import sentence_of, size_of, todo_of
-from app.editor.problems import Problem, problem_of
+from app.editor.problems import BY_MOTION, Problem, problem_of
 from app.store.sections.json_value import Json
 from app.store.state import AppState
 from tracker.session.evidence import Words
@@ -84,17 +84,18 @@ def _segment(
 
 def _verdict(track: SegmentResult, found: Problem | None) -> dict[str, Json]:
     """What is said of a segment: its problem, which everything else that is said of it names."""
-    if found is None or found.kind == "good":
-        is_good = track.kind == "good"
+    is_good = track.kind == "good"
+    if found is None or (is_good and found.cause in BY_MOTION):
         good: dict[str, Json] = {"words": "Good", "short": "Good", "cause": "good"}
         return good if is_good else {"state": "good", "words": "Reviewed", "short": "Reviewed"}
     said = sentence_of(found)
     lost = "" if said.startswith("Lost") else "Lost. "
     check = f"Check: {said[:1].lower()}{said[1:]}"
-    words = f"{lost}{said}" if found.kind == "lost" else check
+    least = f"Good. Least sure: {said[:1].lower()}{said[1:]}"
+    words = {"good": least, "check": check, "lost": f"{lost}{said}"}[found.kind]
     return {
         "words": said if found.cause == "other" else words,
-        "short": said,
+        "short": words if is_good else said,
         "todo": todo_of(found),
         "cause": found.cause,
         "part": found.part,

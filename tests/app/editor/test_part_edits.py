@@ -126,6 +126,9 @@ def test_part_keyframes_are_moved_copied_and_deleted_like_keyframes() -> None:
     assert after(both, {"do": "delete_key", "frame": 12}).doc.part_keyframes[0].frame == 15
     with pytest.raises(Refused, match="Frame 24 is already a keyframe"):
         after(state, {"do": "move_key", "frame": 12, "to": 24})
+    alone = after(state, {"do": "delete_key", "frame": 72})
+    with pytest.raises(Refused, match="between two keyframes"):
+        after(alone, {"do": "move_key", "frame": 12, "to": 60})
 
 
 def test_a_keyframe_that_comes_to_its_frame_takes_its_place() -> None:

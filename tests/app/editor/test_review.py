@@ -212,6 +212,9 @@ def test_answers_are_saved_and_the_list_is_read_without_the_page(
     save_session(save_results(done.doc, path, done.results), path)
     assert main(["review", str(path)]) == 0
     told = capsys.readouterr().out.splitlines()
-    assert told == ["2 reviewed: 1 accepted, 1 that nobody can tell.", "Nothing left above 5 px."]
+    assert told == [
+        "2 places reviewed, 1 accepted. Nobody can tell: left foot at 5.",
+        "Nothing left above 5 px.",
+    ]
     assert main(["review", str(path), "--json"]) == 0
     assert '"places": []' in capsys.readouterr().out

@@ -197,6 +197,23 @@ def test_a_session_with_few_keyframes_has_a_report(session_path: Path, keep: int
     assert "Two keyframes make the first segment" in text
 
 
+def _key_hand_alone(path: Path) -> None:
+    """At frame 6, amid the second segment."""
+
+    def change(data: dict[str, Any]) -> None:
+        pose = {**data["keyframes"][1], "frame": 6, "time_s": 6 / 25}
+        data["part_keyframes"] = [{**pose, "parts": ["left_hand"]}]
+
+    cases.altered(path, change)
+
+
+def test_limbs_keyed_alone_are_told_and_outdate_what_was_tracked(doubtful_path: Path) -> None:
+    _key_hand_alone(doubtful_path)
+    text = read(report_of(doubtful_path)).text
+    assert "Limbs keyed alone, the rest of the body tracked: at 6 (left hand)." in text
+    assert "9 frames, 3 keyframes" in text
+
+
 def test_a_damaged_motion_is_told_and_the_keyframes_are_shown(doubtful_path: Path) -> None:
     for file in doubtful_path.parent.glob("tracks-*.npz"):
         file.write_bytes(file.read_bytes()[:-50])
@@ -360,6 +377,22 @@ def test_a_sheet_shows_every_keyframe_over_the_colour_of_what_follows(
     assert all(len(bar) > 90 for bar in bars)
     assert bars[0].max() < bars[1].min()
     assert (picture[0, 0] == PAPER).all()
+
+
+def test_a_sheet_shows_limbs_keyed_alone_between_the_keyframes(
+    doubtful_path: Path, tmp_path: Path
+) -> None:
+    _key_hand_alone(doubtful_path)
+    out = tmp_path / "sheet.png"
+    assert main(["sheet", str(doubtful_path), "--out", str(out), "--columns", "4"]) == 0
+    four = cv2.imread(str(out))
+    assert (
+        main(["sheet", str(doubtful_path), "--out", str(out), "--columns", "3", "--overwrite"]) == 0
+    )
+    three = cv2.imread(str(out))
+    assert four is not None
+    assert three is not None
+    assert four.shape[0] < three.shape[0], "four pictures fit into one row of four"
 
 
 def test_a_sheet_of_one_keyframe_that_the_video_has_lost() -> None:

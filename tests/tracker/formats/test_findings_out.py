@@ -39,6 +39,13 @@ def test_every_frame_has_the_verdict_of_its_segment() -> None:
     assert {row["pose"] for row in table} == {"keyframe", "tracked"}
 
 
+def test_a_frame_at_which_limbs_alone_were_keyed_is_told() -> None:
+    made = replace(recordings.recording("person"), part_frames=(30,))
+    poses = [row["pose"] for row in rows(frames_csv(made))]
+    assert [i for i, pose in enumerate(poses) if pose == "part_keyframe"] == [30]
+    assert poses[24] == "keyframe"
+
+
 def test_the_evidence_is_that_of_the_step_to_the_next_frame() -> None:
     made = recordings.recording("person")
     table = rows(frames_csv(made))
