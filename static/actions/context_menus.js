@@ -32,7 +32,8 @@ export const CONTEXTS = {
   freePart: { title: 'a part', groups: [['turnInDepth', 'resetPart', 'otherSide']] },
   eye: { title: 'the free view', groups: [['fitView']] },
   keyframe: { title: 'a keyframe', groups: [['copyKeyHere', 'note']] },
-  segment: { title: 'a segment', groups: [['trackChanged', 'nextProblem'], ['note']] },
+  partKeyframe: { title: 'a part keyframe', groups: [['note']] },
+  segment: { title: 'a segment', groups: [['trackChanged', 'nextProblem', 'review'], ['note']] },
   frames: { title: 'the timeline', groups: [['goTo', 'note'], ['zoomToInterval', 'lanes', 'trackChanged']] },
   note: { title: 'a note', groups: [['goTo', 'note', 'deleteNote']] },
 };

@@ -16,13 +16,12 @@ export function keyLimb() {
   send({ do: 'key_parts', frame: frame() });
 }
 
-export function whyNotKeyLimb() {
+export function whyNotKeyLimb(part = selectedPart()) {
   const at = frame();
   if (isSurface()) return 'Surfaces are fitted to the whole body';
   if (isKey(at)) return `Frame ${at} is a keyframe of the whole body`;
   const segment = segmentAt(at);
   if (!segment || segment.first === at || segment.last === at) return 'Go between two keyframes';
-  const part = selectedPart();
   const hasLimb = part && part.parent !== null;
   return hasLimb || draftFrames().includes(at) ? '' : 'Select a limb, or move one';
 }

@@ -7,10 +7,11 @@ import { frameCount, lastFrame } from '../store/clip.js';
 import { select } from '../store/parts.js';
 import { server, setUi, ui } from '../store/state.js';
 import { inBrowser } from '../store/storage.js';
-import { entryOf, iconOf, isOn, labelOf, perform, spell, titleOf, whyNot } from './actions.js';
+import { entryOf, iconOf, isOn, keyOf, labelOf, perform, spell, titleOf, whyNot } from './actions.js';
 import { menusWith } from './context_menus.js';
 import { allNotes, noteLine } from './notes.js';
 import { frame, goTo, isKey, segmentAt, stopPlaying } from './playhead.js';
+import { isReviewing } from './review.js';
 import { SETTINGS, SYNONYMS, TITLES } from './synonyms.js';
 import { GROUPS } from './table.js';
 
@@ -33,10 +34,12 @@ import { GROUPS } from './table.js';
  */
 
 /** These are done to something that is pointed at; what of them one looks for stands elsewhere. */
-const NOT_ALONE = new Set(['goTo', 'goToStep', 'duplicateKeyframe', 'openRecent', 'pinCorner', 'splitPin', 'copyKeyHere', 'search']);
+const NOT_ALONE = new Set(['goTo', 'goToStep', 'duplicateKeyframe', 'openRecent', 'pinCorner', 'splitPin', 'copyKeyHere', 'unkeyLimb', 'search']);
 /** What the others are done to here, where it is not the playhead or what is selected. */
 const ABOUT = { zoomToSegment: () => segmentAt(frame()) ?? null };
 const HELD = { drag: 'Held while dragging', pointer: 'Done with the pointer' };
+/** Heard in the review alone, and done in it alone. */
+const isOfReview = (heard) => heard === 'review' && !isReviewing();
 
 const WEIGHTS = { title: 1, synonyms: 0.75, more: 0.45 };
 const FOR_RECENT = 6;
@@ -97,7 +100,7 @@ function actionEntries() {
 /** @param {ActionId} id */
 function actionEntry(id, group) {
   const { heard, keys = [], always } = entryOf(id);
-  const held = HELD[heard];
+  const held = HELD[heard] ?? (isOfReview(heard) ? `Start the review first${reviewKey()}` : undefined);
   const needsFile = !server.file && !always && id !== 'openFile' ? 'Open a video first' : '';
   const about = ABOUT[id]?.();
   const nothingThere = about === null ? 'There is no segment here' : '';
@@ -112,6 +115,8 @@ function actionEntry(id, group) {
     words: `${group} ${SYNONYMS[id] ?? ''}`, tip, run: () => perform(id, about),
   });
 }
+
+const reviewKey = () => ` (${keyOf('review')})`;
 
 function partEntries() {
   return (server.body?.parts ?? []).map((part) => made({

@@ -52,7 +52,7 @@ function pictureEntries(view) {
 function partEntries(view, part, corner) {
   const pins = pinEntries(part, corner);
   const title = pins.length ? [] : [heading(part.label)];
-  const about = { turnInDepth: part, resetPart: part, otherSide: part };
+  const about = { keyLimb: part, turnInDepth: part, resetPart: part, otherSide: part };
   const more = view.orbitBy
     ? [...contextEntries('freePart', about), line, ...freeEntries(view, part)]
     : contextEntries('part', about);

@@ -126,7 +126,7 @@ function seek() {
   requestAnimationFrame(() => requestAnimationFrame(() => {
     const section = document.querySelector(`#insp-body section[aria-label="${wanted}"]`);
     section?.scrollIntoView({ block: 'nearest' });
-    section?.animate?.([{ background: 'var(--acc-soft)' }, { background: 'transparent' }], { duration: 900 });
+    if (!matchMedia('(prefers-reduced-motion: reduce)').matches) section?.animate?.([{ background: 'var(--acc-soft)' }, { background: 'transparent' }], { duration: 900 });
     const isClosed = !document.querySelector('#insp')?.classList.contains('open');
     const tag = document.querySelector('.insp-tag button');
     if (isClosed && tag instanceof HTMLElement && tag.offsetParent !== null) tag.click();

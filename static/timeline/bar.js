@@ -155,7 +155,7 @@ function drawCount(number, state) {
 function notes() {
   const { length } = server.notes ?? [];
   if (length === 0) return nothing;
-  return html`<button class="count notes" title=${labelOf('notes')} aria-label=${`${count(length, 'note')}, list them`}
+  return html`<button class="count noted" title=${labelOf('notes')} aria-label=${`${count(length, 'note')}, list them`}
     @click=${() => perform('notes')}>${icon('note')}${length}</button>`;
 }
 

@@ -225,14 +225,14 @@ def test_a_note_is_written_moved_gone_to_and_deleted(at: Desk) -> None:
     page.locator(".notecard textarea").wait_for()
     page.keyboard.type(" here")
     screens(page, "note-card")
-    page.mouse.click(*_corner(page))  # what was written is kept
+    page.mouse.click(200, 150)  # elsewhere: what was written is kept
     until_told(page, "notes[0].text", lambda text: text == "The hand is hidden here")
     page.keyboard.press("Shift+M")
     page.locator(".notecard textarea").wait_for()
     page.keyboard.type(" or not")
     page.keyboard.press("Escape")
     _gone(page, ".notecard")
-    page.locator("#tr .count.notes").click()
+    page.locator("#tr .count.noted").click()
     until_counted(page, "#search[open] .hit", 2)
     screens(page, "notes-list")
     page.keyboard.press("Escape")

@@ -30,7 +30,14 @@ const ids = (query, kind) => found(query, kind).map(({ id }) => id);
 test('every action of the table can be found, but those that need something pointed at', () => {
   const known = new Set(allEntries().map(({ id }) => id));
   const missing = Object.keys(ACTIONS).filter((id) => !known.has(`action:${id}`));
-  assert.deepEqual(missing.sort(), ['copyKeyHere', 'duplicateKeyframe', 'goTo', 'goToStep', 'openRecent', 'pinCorner', 'search', 'splitPin']);
+  assert.deepEqual(missing.sort(), ['copyKeyHere', 'duplicateKeyframe', 'goTo', 'goToStep', 'openRecent', 'pinCorner', 'search', 'splitPin', 'unkeyLimb']);
+});
+
+test('whatever can be done needs nothing that is not there', () => {
+  for (const { id, off } of allEntries()) {
+    const action = ACTIONS[id.replace('action:', '')];
+    if (!off && action?.message) assert.ok(action.message(undefined).do, id);
+  }
 });
 
 test('what people type leads to what they mean', () => {

@@ -38,6 +38,7 @@ function openPartKeyMenu({ frame: at, limbs, words }, page) {
     menuItem('keyWhole', at),
     ...several.map((limb) => menuItem('unkeyLimb', { frame: at, ...limb })),
     menuItem('duplicateKeyframe', at, { ask: { value: placeForCopy(at), last: lastFrame(), answer: 'Duplicate' } }),
+    ...contextEntries('partKeyframe', { note: at }), line,
     menuItem('deleteKeyframe', at, { icon: 'trash', ...elsewhere(at === frame()) }),
   ], page);
 }
