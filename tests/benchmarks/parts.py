@@ -25,6 +25,7 @@ from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory, joined
 from tracker.geometry.rotations import exp_rotation
+from tracker.keypoints.detect import Stretch
 from tracker.session.settings import TrackSettings
 from tracker.solver.body_points import BodyPoints
 from tracker.solver.least_squares import Criteria, Damping, least_squares
@@ -54,6 +55,13 @@ COLUMNS = ("limb px", "rest px", "cpu s")
 WAYS = ("as tracked", "limb alone", "whole, rest tracked", "whole, rest by eye")
 
 
+class Remembered(dict[str, Stretch]):
+    """What the network found before, as the program keeps it on disk."""
+
+    def put(self, key: str, stretch: Stretch) -> None:
+        self[key] = stretch
+
+
 @dataclass(frozen=True, eq=False)
 class Scene:
     """A clip between two keyframes, tracked in one way."""
@@ -63,6 +71,7 @@ class Scene:
     skeleton: Skeleton
     settings: TrackSettings
     plain: Tracker
+    remembered: Remembered
 
     def track(
         self, poses: Mapping[int, Pose], limbs: tuple[KeyedParts, ...] = (), key: str = ""
@@ -70,7 +79,9 @@ class Scene:
         """Through these keyframes and limbs; key: under which what is tracked without is kept."""
         source = None
         if "keypoints" in self.settings.cues_used:
-            source = DetectedKeypoints(self.video, self.shown.camera)
+            source = DetectedKeypoints(
+                self.video, self.shown.camera, self.shown.name, self.remembered
+            )
         frames = sorted(poses)
         keys = {(frames[0], frames[-1]): key} if key else {}
         tracker = self.plain.renewed(
@@ -157,7 +168,7 @@ def _measured(row: Row, settings: TrackSettings, jitters: int) -> Found:
     found = Found({way: [] for way in WAYS}, [])
     with Video.open(shown.video) as video:
         plain = Tracker(video, shown.camera, hand.skeleton, ends)
-        scene = Scene(shown, video, hand.skeleton, settings, plain)
+        scene = Scene(shown, video, hand.skeleton, settings, plain, Remembered())
         for seed in range(jitters):
             _disturbed(scene, jittered(hand.skeleton, ends, seed), seed, found)
     return found
