@@ -316,12 +316,12 @@ const TRACK = {
     off: whyNotTrack, message: () => ({ do: 'track', what: 'all' }),
   },
   trackAhead: {
-    label: 'Track ahead', icon: 'ahead', keys: ['A'], off: () => whyNotAhead('forward'),
+    label: 'Track ahead', icon: 'ahead', keys: ['A'], row: 'Track ahead, back', off: () => whyNotAhead('forward'),
     title: 'Follow the body on from the last keyframe, as far as it is seen well',
     message: () => ({ do: 'track_ahead', direction: 'forward' }),
   },
   trackBack: {
-    label: 'Track back', icon: 'back', keys: ['Shift A'], off: () => whyNotAhead('backward'),
+    label: 'Track back', icon: 'back', keys: ['Shift A'], row: 'Track ahead, back', off: () => whyNotAhead('backward'),
     title: 'Follow the body back from the first keyframe, as far as it is seen well',
     message: () => ({ do: 'track_ahead', direction: 'backward' }),
   },
