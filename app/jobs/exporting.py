@@ -14,7 +14,7 @@ from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from app.jobs.process import NICENESS, PATIENCE_S
+from app.jobs.process import PATIENCE_S
 from tracker.errors import KeyposeError
 
 if TYPE_CHECKING:
@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 
 Drawn: TypeAlias = Callable[[int, int], None]
 """Told how many pictures of how many are done."""
+
+NICENESS = 10
+"""After the page's server, before the tracker: somebody waits for the file."""
 
 _DIED = "The export stopped unexpectedly. Try again."
 
