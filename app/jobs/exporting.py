@@ -41,7 +41,7 @@ class FilmExport:
     suffix: str = ".mp4"
 
     def write(self, session: Session, path: Path, out: Path, drawn: Drawn) -> str:
-        from app.export.film import film_of, write_film
+        from app.export.film import film_of, film_words, write_film
         from app.render.poses import KnownPoses
         from tracker.storage.files import open_video_of
 
@@ -55,7 +55,7 @@ class FilmExport:
 
         with open_video_of(session, path) as video:
             write_film(out, session, video, poses, film, self.order.fps, seen=seen)
-        return ""
+        return " ".join(film_words(session, poses, film))
 
 
 @dataclass(frozen=True)
