@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from app.export.film import FilmOrder
     from app.render.films import Film
     from app.render.palette import Picture
-    from app.render.poses import KnownPoses
     from tracker.session import Session
 
 _EXAMPLES = """\
@@ -79,7 +78,7 @@ def add(commands: Subcommands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    from app.export.film import film_of, write_film
+    from app.export.film import film_of, film_words, write_film
     from app.render.poses import KnownPoses
 
     session, out = session_to_draw(arguments, "film", ".mp4"), arguments.out
@@ -92,7 +91,8 @@ def run(arguments: argparse.Namespace) -> int:
             out, session, video, poses, film, arguments.fps,
             seen=_with_bar, overwrite=arguments.overwrite,
         )  # fmt: skip
-    _note(session, poses, film)
+    for words in film_words(session, poses, film):
+        note(words)
     if arguments.json:
         print_json({"written": [str(out)], **asdict(facts)})
     else:
@@ -138,15 +138,3 @@ def _with_bar(pictures: Iterator[Picture], count: int) -> Iterator[Picture]:
         for picture in pictures:
             yield picture
             bar.update()
-
-
-def _note(session: Session, poses: KnownPoses, film: Film) -> None:
-    """What the film does not show."""
-    from app.render.films import posed_frames
-    from tracker.storage.outdated import outdated_words
-
-    if poses.tracks is not None:
-        note(outdated_words(session, poses.tracks))
-    count, posed = film.last - film.first + 1, len(posed_frames(poses, film))
-    if posed < count:
-        note(f"{count - posed} of the film's {count} frames have no pose and show no body.")

@@ -8,13 +8,14 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TypeAlias
 
-from app.render.films import Film, FilmView, film_pictures, film_size
+from app.render.films import Film, FilmView, film_pictures, film_size, posed_frames
 from app.render.palette import Picture
 from app.render.poses import KnownPoses
 from app.render.studio import Paint, Size
 from app.render.tints import Tint
 from tracker.errors import SessionError
 from tracker.session.schema import Session
+from tracker.storage.outdated import outdated_words
 from tracker.storage.results import Span
 from tracker.video import Video
 from tracker.video.encode import FilmWriter, film_file
@@ -92,6 +93,14 @@ def write_film(
             writer.add(picture, pts)
     seconds = float(clock.pts[-1] * clock.time_base) + 1 / float(clock.rate)
     return FilmFacts(film.first, film.last, *wanted, round(seconds, 6))
+
+
+def film_words(session: Session, poses: KnownPoses, film: Film) -> list[str]:
+    """What a person should know of a film: what it does not show, sentences."""
+    said = outdated_words(session, poses.tracks) if poses.tracks is not None else None
+    count, posed = film.last - film.first + 1, len(posed_frames(poses, film))
+    without = f"{count - posed} of the film's {count} frames have no pose and show no body."
+    return [*([said] if said else []), *([without] if posed < count else [])]
 
 
 def _clock(session: Session, video: Video | None, film: Film, fps: Fraction | None) -> _Clock:

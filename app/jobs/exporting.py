@@ -14,7 +14,7 @@ from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from app.jobs.process import NICENESS, PATIENCE_S
+from app.jobs.process import PATIENCE_S
 from tracker.errors import KeyposeError
 
 if TYPE_CHECKING:
@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 Drawn: TypeAlias = Callable[[int, int], None]
 """Told how many pictures of how many are done."""
 
+NICENESS = 10
+"""After the page's server, before the tracker: somebody waits for the file."""
+
 _DIED = "The export stopped unexpectedly. Try again."
 
 
@@ -38,7 +41,7 @@ class FilmExport:
     suffix: str = ".mp4"
 
     def write(self, session: Session, path: Path, out: Path, drawn: Drawn) -> str:
-        from app.export.film import film_of, write_film
+        from app.export.film import film_of, film_words, write_film
         from app.render.poses import KnownPoses
         from tracker.storage.files import open_video_of
 
@@ -52,7 +55,7 @@ class FilmExport:
 
         with open_video_of(session, path) as video:
             write_film(out, session, video, poses, film, self.order.fps, seen=seen)
-        return ""
+        return " ".join(film_words(session, poses, film))
 
 
 @dataclass(frozen=True)

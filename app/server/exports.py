@@ -172,13 +172,7 @@ class Exports:
             await asyncio.to_thread(shutil.rmtree, process.out.parent, ignore_errors=True)
 
     async def _possible(self, _: Request) -> Response:
-        """What cannot be exported here, with what mends it."""
-        missing = {}
-        if importlib.util.find_spec("ezc3d") is None:
-            missing["c3d"] = C3D_REMEDY
-        if not can_write_films():
-            missing["film"] = FILM_REMEDY
-        return _json({"missing": missing})
+        return _json({"missing": missing_here()})
 
     async def _begin(self, request: Request) -> Response:
         try:
@@ -232,6 +226,16 @@ class Exports:
         return FileResponse(
             process.out, headers=headers, filename=self._name, content_disposition_type="inline"
         )
+
+
+def missing_here() -> dict[str, str]:
+    """What cannot be exported by this installation, with the command that mends it."""
+    missing = {}
+    if importlib.util.find_spec("ezc3d") is None:
+        missing["c3d"] = C3D_REMEDY
+    if not can_write_films():
+        missing["film"] = FILM_REMEDY
+    return missing
 
 
 async def _body(request: Request) -> bytes:

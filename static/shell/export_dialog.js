@@ -8,7 +8,7 @@ import { mountDialog } from '../controls/dialogs.js';
 import { dropdown, segmented, textField } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';
 import { count } from '../controls/words.js';
-import { server, setUi, ui } from '../store/state.js';
+import { server, setUi, ui, watch } from '../store/state.js';
 import { frameCount } from '../store/clip.js';
 import { frame } from '../actions/playhead.js';
 
@@ -23,8 +23,9 @@ const SIZES = ['1280x720', '1920x1080', '3840x2160'];
 export function mountExportDialog() {
   mountDialog({
     id: 'exporting', label: 'Export', name: 'exporting',
-    names: ['u:exportJob', 'u:exportMissing', 'file', 'keys', 'segments'], draw: sheet,
+    names: ['u:exportJob', 'u:exportMissing', 'file', 'keys', 'segments'], draw: () => (server.file ? sheet() : nothing),
   });
+  watch(['file'], () => server.file || setUi('exporting', null)); // what was to be exported is closed
 }
 
 function sheet() {
@@ -138,7 +139,7 @@ function foot(options) {
   const off = why(options);
   return html`<div class="row sheetfoot">
     <span class="dim" role="status">${off || FILES[options.what]}</span><span class="sp"></span>
-    <button class="btn pri" ?disabled=${Boolean(off)}>${icon('exp')}Export</button>
+    <button class="btn pri ${off ? 'off' : ''}" ?disabled=${Boolean(off)}>${icon('exp')}Export</button>
   </div>`;
 }
 

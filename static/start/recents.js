@@ -102,12 +102,16 @@ const patterns = () => svg`<defs>
 
 function movedCard(recent) {
   const { video, keyframes, exchanged } = recent;
-  return html`<div class="moved">
+  const menu = (event) => openSessionMenu(event, recent, false);
+  return html`<div class="moved recrow" @contextmenu=${menu} @keydown=${(event) => onSessionKey(event, recent)}>
     <span class="sign">${icon('warn')}</span>
     <span
       ><b>${video} ${exchanged ? 'is another video now' : 'was moved'}.</b>
       <span class="mut">Its session is safe: ${count(keyframes, 'keyframe')}.</span><br />
       <button class="textlink" @click=${() => openChooser('video', recent)}>Find the video…</button>
     </span>
+    <button class="ib more" title="Duplicate, delete" aria-label="Menu of ${recent.name}" aria-haspopup="menu" @click=${menu}>
+      ${icon('more')}
+    </button>
   </div>`;
 }

@@ -19,13 +19,16 @@ export const sessionEntries = (session) => [
 ];
 
 /** The menu of a session that is not open. @param {Named} session */
-export function openSessionMenu(event, session) {
+export function openSessionMenu(event, session, hasVideo = true) {
   event.preventDefault();
   const box = event.currentTarget.getBoundingClientRect();
   const isPointed = event.type === 'contextmenu' && event.clientX > 0;
   /** @type {[number, number]} */
   const place = isPointed ? [event.clientX, event.clientY] : [box.left, box.bottom];
-  openMenuAt(session.name, [menuItem('openRecent', session, { label: 'Open', right: 'Enter' }), line, ...sessionEntries(session)], place);
+  const entries = sessionEntries(session);
+  const open = menuItem('openRecent', session, { label: 'Open', right: 'Enter' });
+  // The card of one whose video is gone has no room for a box to rename it in.
+  openMenuAt(session.name, hasVideo ? [open, line, ...entries] : entries.slice(1), place);
 }
 
 /** F2 and Delete on a session of a list. @param {Named} session */

@@ -35,15 +35,13 @@ from app.document.library.recents import (
 )
 from app.document.library.samples import bundled_samples, own_copy
 from app.document.library.session_paths import SESSION, session_for
-from app.document.library.thumb_cache import FILE_THUMB, tidy_thumbs
+from app.document.library.thumb_cache import ThumbCache, of_session
 from app.document.library.trash import FOLDER as TRASH
 from app.document.library.trash import Trash
 from app.document.library.uploads import LARGEST_BYTES, SURFACES, Upload
 from app.document.renaming import rename_session
 from tracker.errors import KeyposeError, SessionError
-from tracker.files import read_own
 from tracker.session.schema import Session
-from tracker.storage.atomic import make_folder, write_file
 from tracker.storage.files import load_session, open_video_of, save_session
 from tracker.video.container import SUFFIXES
 from tracker.video.fingerprint import fingerprint_of_file
@@ -52,7 +50,6 @@ Kind: TypeAlias = Literal["recent", "file", "sample", "upload"]
 
 SAMPLE_FOLDER = Path(__file__).resolve().parents[3] / "sample_videos"
 _SAMPLE_THUMB = "sample-"
-_LARGEST_THUMB_BYTES = 4 * 2**20
 
 
 class Library:
@@ -77,7 +74,7 @@ class Library:
         self._samples = samples
         self._largest = largest_upload
         self._book = self.workspace / "recents.json"
-        self._thumbs = self.workspace / "thumbs"
+        self._thumbs = ThumbCache(self.workspace / "thumbs")
         self._trash = Trash(self.workspace / TRASH)
         self._writing = Lock()
         self._visited: dict[str, Path] = {}
@@ -239,17 +236,7 @@ class Library:
     def thumb(self, id: str) -> bytes | None:
         """The JPEG behind /thumb/{id}.jpg, None when there is none; decodes, so use a thread."""
         known = self._session_of_thumb(id)
-        if known is None:
-            return None
-        cached = self._thumbs / f"{id}.jpg"
-        with suppress(OSError):
-            return read_own(cached, _LARGEST_THUMB_BYTES)
-        content = _thumb_of(known)
-        if content is not None:
-            with suppress(KeyposeError):  # then it is made anew the next time
-                make_folder(self._thumbs)
-                write_file(cached, content, overwrite=True)
-        return content
+        return None if known is None else self._thumbs.get(id, lambda: of_session(known))
 
     def file_thumb(self, id: str) -> bytes | None:
         """A small JPEG of a file of the folders: its first picture. None when there is none;
@@ -258,20 +245,9 @@ class Library:
             path = file_at(id, self.roots)
             if is_hidden(unquoted(id.partition("/")[2])) or not (path.is_dir() or kind_of(path)):
                 return None
-            facts = path.stat()
+            return self._thumbs.of_file(path)
         except (KeyposeError, OSError):
             return None
-        said = f"{path.absolute()}\0{facts.st_mtime_ns}\0{facts.st_size}"
-        cached = self._thumbs / f"{FILE_THUMB}{id_of(said)}.jpg"
-        with suppress(OSError):
-            return read_own(cached, _LARGEST_THUMB_BYTES)
-        content = _thumb_of(path) if path.suffix.lower() == ".json" else _thumb_of_film(path)
-        if content is not None:
-            with suppress(KeyposeError):  # then it is made anew the next time
-                make_folder(self._thumbs)
-                write_file(cached, content, overwrite=True)
-                tidy_thumbs(self._thumbs)
-        return content
 
     def _session_of_thumb(self, id: str) -> Path | None:
         """The session of a picture; ids come from a page, so only known ones lead to a file."""
@@ -279,28 +255,6 @@ class Library:
             if id == _SAMPLE_THUMB + sample.name:
                 return self._samples / sample.name / SESSION
         return next((Path(r.path) for r in self.recents() if _thumb_id(r) == id), None)
-
-
-def _thumb_of(path: Path) -> bytes | None:
-    from app.document.library.thumbnails import (
-        thumbnail,  # with the decoder, when a picture is wanted
-    )
-
-    try:
-        session = load_session(path)
-        with open_video_of(session, path) as video:
-            return thumbnail(session, video)
-    except KeyposeError:
-        return None
-
-
-def _thumb_of_film(path: Path) -> bytes | None:
-    from app.document.library.thumbnails import glimpse
-
-    try:
-        return glimpse(path)
-    except (KeyposeError, ValueError):
-        return None
 
 
 def _file_json(f: Found) -> dict[str, Any]:

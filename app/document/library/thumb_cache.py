@@ -1,19 +1,77 @@
-"""The small pictures of files that are kept: those seen lately."""
+"""The small pictures of sessions and files, made when they are first asked for and kept."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
-FILE_THUMB = "file-"
-"""How their names begin; those of sessions stay."""
+from app.document.library.recents import id_of
+from tracker.errors import KeyposeError
+from tracker.files import read_own
+from tracker.storage.atomic import make_folder, write_file
+from tracker.storage.files import load_session, open_video_of
 
-MOST = 500
+_FILE = "file-"
+"""How the names of those of files begin; those of sessions stay."""
+
+MOST_OF_FILES = 500
+_LARGEST_BYTES = 4 * 2**20
 
 
-def tidy_thumbs(folder: Path) -> None:
-    """Remove the oldest pictures of files beyond so many."""
-    with suppress(OSError):  # what is left over does no harm
-        kept = sorted(folder.glob(f"{FILE_THUMB}*.jpg"), key=lambda f: -f.stat().st_mtime)
-        for old in kept[MOST:]:
-            old.unlink()
+class ThumbCache:
+    """folder: where they are kept."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def get(self, name: str, make: Callable[[], bytes | None]) -> bytes | None:
+        """The picture of this name, made where it is not kept yet; None where there is none."""
+        cached = self._folder / f"{name}.jpg"
+        with suppress(OSError):
+            return read_own(cached, _LARGEST_BYTES)
+        content = make()
+        if content is not None:
+            with suppress(KeyposeError):  # then it is made anew the next time
+                make_folder(self._folder)
+                write_file(cached, content, overwrite=True)
+        return content
+
+    def of_file(self, path: Path) -> bytes | None:
+        """That of a session, a video or a folder of images, as it is now. OSError where there is
+        nothing."""
+        facts = path.stat()
+        said = f"{path.absolute()}\0{facts.st_mtime_ns}\0{facts.st_size}"
+        make = of_session if path.suffix.lower() == ".json" else _of_film
+        content = self.get(f"{_FILE}{id_of(said)}", lambda: make(path))
+        self._tidy()
+        return content
+
+    def _tidy(self) -> None:
+        """Remove the oldest pictures of files beyond so many."""
+        with suppress(OSError):  # what is left over does no harm
+            kept = list(self._folder.glob(f"{_FILE}*.jpg"))
+            if len(kept) > MOST_OF_FILES:
+                for old in sorted(kept, key=lambda f: f.stat().st_mtime)[:-MOST_OF_FILES]:
+                    old.unlink()
+
+
+def of_session(path: Path) -> bytes | None:
+    """The body in the middle keyframe; None where that cannot be had."""
+    from app.document.library.thumbnails import thumbnail  # with the decoder, when it is wanted
+
+    try:
+        session = load_session(path)
+        with open_video_of(session, path) as video:
+            return thumbnail(session, video)
+    except KeyposeError:
+        return None
+
+
+def _of_film(path: Path) -> bytes | None:
+    from app.document.library.thumbnails import glimpse
+
+    try:
+        return glimpse(path)
+    except (KeyposeError, ValueError):
+        return None

@@ -17,6 +17,7 @@ from urllib.request import ProxyHandler, Request, build_opener
 
 import pytest
 
+from app.server import exports
 from tests.app.serving import LONGEST_S, ROOT, Keypose, Visitor
 
 SIZE = [160, 90]
@@ -140,6 +141,18 @@ def test_a_long_export_tells_how_far_it_is_is_cancelled_and_leaves_the_page_quic
 )
 def test_what_cannot_be_exported_is_refused_in_words(desk: Desk, order: Any, words: str) -> None:
     assert words in desk.refused(order)
+
+
+def test_what_is_not_installed_is_told_with_what_mends_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert exports.missing_here() == {}
+    monkeypatch.setattr(exports.importlib.util, "find_spec", lambda name: None)
+    monkeypatch.setattr(exports, "can_write_films", lambda: False)
+    assert exports.missing_here() == {
+        "c3d": "pip install 'keypose[c3d]'",
+        "film": "pip install --force-reinstall av",
+    }
 
 
 def test_an_export_needs_the_key_and_our_own_page(desk: Desk) -> None:

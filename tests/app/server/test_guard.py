@@ -396,6 +396,23 @@ def test_an_unknown_word_in_the_address_is_refused(path: str, query: str) -> Non
     assert refused(ask(path, query))
 
 
+@pytest.mark.parametrize(
+    ("path", "query"),
+    [
+        ("/motion", "format=bvh&filter_hz=6&fps=25&first=0&last=9"),
+        ("/picture.png", "view=free&frame=3&azimuth=1&elevation=2&mode=wire&opacity=1&tint=clay"),
+        ("/folder", "at=0/films"),
+        ("/file.jpg", "at=0/films/jump.mp4"),
+        ("/upload", "name=jump.mp4"),
+    ],
+)
+def test_every_word_that_the_page_asks_with_is_known_and_needs_the_key(
+    path: str, query: str
+) -> None:
+    assert ask(path, query).text == "inside"
+    assert refused(ask(path, query, x_keypose_key=None))
+
+
 def test_the_page_s_address_may_name_a_session_but_lets_nobody_in_by_it() -> None:
     query = "session=0123456789abcdef"
     assert ask("/", query).text == "inside"

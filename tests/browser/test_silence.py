@@ -1,0 +1,54 @@
+"""A drag goes on while the server does not answer, and what it came to is sent once it does."""
+
+from __future__ import annotations
+
+import signal
+from collections.abc import Iterator
+from math import dist
+
+import pytest
+from playwright.sync_api import Browser
+
+from tests.browser.hands import section, spot, until
+from tests.browser.shared import Desk, desk
+
+REACH_PX = 3.0
+
+
+@pytest.fixture
+def at(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    with desk(browser, tmp_path_factory.mktemp("silence")) as made:
+        yield made
+
+
+def test_a_hand_that_is_dragged_in_silence_shows_where_it_goes_and_goes_there(at: Desk) -> None:
+    page, process = at.page, at.keypose.process
+    start = spot(page, "left_hand")
+    goal = (start[0] + 40, start[1] - 50)
+    process.send_signal(signal.SIGSTOP)
+    try:
+        page.mouse.move(*start)
+        page.mouse.down()
+        page.mouse.move(start[0] + 20, start[1] - 20, steps=4)
+        page.get_by_text("Connection lost.").wait_for()
+        page.mouse.move(*goal, steps=4)
+        preview = page.locator("#main .offline")
+        preview.get_by_text("Preview").wait_for()
+
+        def middle() -> tuple[float, float]:
+            box = preview.locator("circle.spot").bounding_box()
+            assert box is not None
+            return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+        until(lambda: dist(middle(), goal) < REACH_PX, "the preview below the pointer")
+        page.mouse.up()
+        assert preview.get_by_text("Preview").is_visible()  # it waits to be sent
+        assert dist(spot(page, "left_hand"), start) < REACH_PX  # the body is as it was last seen
+    finally:
+        process.send_signal(signal.SIGCONT)
+    until(lambda: dist(spot(page, "left_hand"), goal) < REACH_PX, "the hand at its place")
+    until(lambda: page.locator("#main .offline circle").count() == 0, "the end of the preview")
+    until(lambda: section(page, "undo.undo") is not None, "one step")
+    page.keyboard.press("Control+z")
+    until(lambda: dist(spot(page, "left_hand"), start) < REACH_PX, "the hand where it was")
+    assert section(page, "undo.undo") is None
