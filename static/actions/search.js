@@ -34,7 +34,7 @@ import { GROUPS } from './table.js';
  */
 
 /** These are done to something that is pointed at; what of them one looks for stands elsewhere. */
-const NOT_ALONE = new Set(['goTo', 'goToStep', 'duplicateKeyframe', 'openRecent', 'pinCorner', 'splitPin', 'copyKeyHere', 'unkeyLimb', 'search']);
+const NOT_ALONE = new Set(['goTo', 'goToStep', 'duplicateKeyframe', 'openRecent', 'pinCorner', 'splitPin', 'copyKeyHere', 'unkeyLimb', 'search', 'insertPose', 'insertMirrored']);
 /** What the others are done to here, where it is not the playhead or what is selected. */
 const ABOUT = { zoomToSegment: () => segmentAt(frame()) ?? null };
 const HELD = { drag: 'Held while dragging', pointer: 'Done with the pointer' };

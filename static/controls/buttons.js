@@ -45,10 +45,10 @@ export function button({ name, label, key = '', title = label, act, off = '', ki
 }
 
 /** A box to tick. */
-export function checkbox({ label, on, act, title = label, key = '', off = '' }) {
+export function checkbox({ label, on, act, title = label, key = '', off = '', role = 'checkbox' }) {
   return html`<button
     type="button"
-    role="checkbox"
+    role=${role}
     class="cb ${on ? 'on' : ''} ${off ? 'off' : ''}"
     aria-checked=${on}
     aria-disabled=${off ? 'true' : nothing}

@@ -35,6 +35,9 @@ export const steadily = (draw) => () => {
   else draw();
 };
 
+/** Whether a control is pressed: nothing goes on by itself meanwhile. */
+export const isHeld = () => holds;
+
 /** @param {PointerEvent} event */
 function down(event) {
   if (!event.isPrimary) return;

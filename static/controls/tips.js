@@ -17,6 +17,8 @@ let hiddenAt = 0;
 
 export function mountTips() {
   place = addOnTop('tip', 'div');
+  // Who listens is told the title by the control itself.
+  place.setAttribute('aria-hidden', 'true');
   addEventListener('pointerover', (event) => enter(event.target));
   addEventListener('pointerout', (event) => event.relatedTarget === null && leave());
   for (const kind of ['pointerdown', 'keydown', 'wheel', 'blur']) {

@@ -6,6 +6,7 @@ import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
 import { addOnTop } from '../controls/elements.js';
 import { icon } from '../controls/icons.js';
 import { send } from '../store/link.js';
+import { isHeld } from '../controls/steady.js';
 import { keepsKey } from '../controls/focus.js';
 import { server, ui, setUi, watch } from '../store/state.js';
 import { inBrowser } from '../store/storage.js';
@@ -21,6 +22,7 @@ const KEY = 'keypose.guide';
 /** Of a wide card in its view, clear of the tools and the heading. */
 const LEFT = { x: 72, y: 60 };
 const PAUSE_MS = 900; // long enough to see the tick
+const MEANT_MS = 500;
 /** @type {import('../store/shapes.js').Watched[]} */
 const SECTIONS = ['guide', 'file', 'camera', 'pose', 'body', 'keys', 'suggest', 'segments', 'job', 'draft'];
 
@@ -28,6 +30,7 @@ let wasDone = false; // what was done before its step was shown does not move it
 let wasKept = false; // nor does a pose that was kept before
 let offered = null; // the file the guide was offered for
 let timer = 0;
+let wentOnAt = -Infinity; // by itself
 let corner = null; // where the card stands
 let isPutAside = false; // by hand: then it stays there
 
@@ -59,6 +62,8 @@ export function closeGuide() {
 export function mountGuide() {
   const marks = addOnTop('guide-marks', 'div');
   const card = addOnTop('guide', 'div');
+  card.setAttribute('role', 'region');
+  card.setAttribute('aria-label', 'First steps');
   const draw = () => {
     render(isOpen() ? coach() : nothing, card);
     if (isOpen()) place(card.querySelector('.coach'));
@@ -156,8 +161,15 @@ export function guideHints() {
 /** On to the next step, or to the end, once the tick was seen. */
 function soonOn(step, go = advance) {
   clearTimeout(timer);
-  timer = setTimeout(() => currentStep() === step && !ui.dragging && go(), PAUSE_MS);
+  timer = setTimeout(() => {
+    if (currentStep() !== step || ui.dragging || isHeld()) return;
+    wentOnAt = performance.now();
+    go();
+  }, PAUSE_MS);
 }
+
+/** A press that was meant for the step before skips none. */
+const skip = () => void (performance.now() - wentOnAt > MEANT_MS && advance());
 
 function advance() {
   let next = ui.guideStep + 1;
@@ -174,7 +186,7 @@ function coach() {
   const { title, text, choices, content } = step ?? ending();
   return html`<div class="coach ${step?.beside ? 'large' : step?.done ? 'film' : ''}" role="dialog" aria-label="Guide" @pointerdown=${lift}>
     <div class="steps">${steps().map(bar)}</div>
-    <h3>${title}</h3>
+    <h3 aria-level="2">${title}</h3>
     <p>${text}</p>
     ${choices
       ? html`<div class="choices">${choices.map((choice) => choiceButton(step, choice))}</div>`
@@ -209,7 +221,7 @@ function stepFoot(step) {
     ${step.done ? continueButton(step) : html`<button
       class="btn sm ${done ? 'pri' : ''}"
       title=${done ? 'Next step' : 'Skip this step'}
-      @click=${advance}
+      @click=${skip}
     >
       Next
     </button>`}`;

@@ -44,7 +44,7 @@ function further(view, x, y, target) {
 export function selectBehind(view, x, y) {
   const stack = stackAt(view, x, y);
   const target = targetAt(view, x, y);
-  if (stack.length < 2 || target === stack.at(-1)) return false;
+  if (stack.length < 2 || target.key === stack.at(-1).key) return false;
   select(further(view, x, y, target).part);
   return true;
 }

@@ -15,7 +15,7 @@ export function expectedErrors({ first }) {
   const rows = (server.errors ?? []).filter((error) => error.first === first && partNamed(error.part));
   if (rows.length === 0) return nothing;
   return html`<div class="errors" role="group" aria-label="Expected error">
-    <h3>Expected error</h3>
+    <h3 aria-level="2">Expected error</h3>
     ${rows.map(row)}
   </div>`;
 }

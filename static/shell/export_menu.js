@@ -51,7 +51,7 @@ function items() {
     ),
     menuItem('saveAllMotion'),
     menuItem('exportMotion', undefined, { right: 'frames, rate, filter' }),
-    content(html`<div class="mtick">${actionBox('filterMotion')}</div>`),
+    content(html`<div class="mtick">${actionBox('filterMotion', undefined, { role: 'menuitemcheckbox' })}</div>`),
     varying(),
     warning(),
     ...(places().length ? [menuItem('review', undefined, { label: `Review ${count(places().length, 'place')} above ${goal()} px first` })] : []),

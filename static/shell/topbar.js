@@ -45,7 +45,7 @@ function title() {
 
 /** What comes and goes by itself stands in the middle; nothing left or right of it moves. */
 function session() {
-  return html`${fileButton()}
+  return html`<h1 class="unseen">${server.file.name}</h1>${fileButton()}
     ${historyButtons()}
     <span class="news">${savedState()}</span>${jobState()}${isNarrow() ? nothing : liveSwitch()}${trackButton()}
     <span class="vsep"></span>${exportButton()}`;

@@ -128,8 +128,8 @@ function aheadButton(way) {
 
 /** @param {import('../actions/actions.js').ActionId} id */
 function primary(id, word, label = labelOf(id), kind = 'pri') {
-  return html`<button class="btn sm ${kind}" aria-label=${label} @click=${() => perform(id)}
-    >${word}<kbd>${keyOf(id)}</kbd></button>`;
+  return html`<button class="btn sm ${kind}" title=${label} @click=${() => perform(id)}
+    >${word}<kbd aria-hidden="true">${keyOf(id)}</kbd></button>`;
 }
 
 /** How many segments are good, to check and lost, each in its own place; a press goes to the next of them. */

@@ -30,7 +30,7 @@ const ids = (query, kind) => found(query, kind).map(({ id }) => id);
 test('every action of the table can be found, but those that need something pointed at', () => {
   const known = new Set(allEntries().map(({ id }) => id));
   const missing = Object.keys(ACTIONS).filter((id) => !known.has(`action:${id}`));
-  assert.deepEqual(missing.sort(), ['copyKeyHere', 'duplicateKeyframe', 'goTo', 'goToStep', 'openRecent', 'pinCorner', 'search', 'splitPin', 'unkeyLimb']);
+  assert.deepEqual(missing.sort(), ['copyKeyHere', 'duplicateKeyframe', 'goTo', 'goToStep', 'insertMirrored', 'insertPose', 'openRecent', 'pinCorner', 'search', 'splitPin', 'unkeyLimb']);
 });
 
 test('whatever can be done needs nothing that is not there', () => {
