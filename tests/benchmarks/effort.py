@@ -1,0 +1,140 @@
+"""How much a person has to do until a clip is right, and how long that takes them.
+
+A scripted person (`human/`) sees pictures and joints in them, with errors of 2 px and 2°, and works
+with what the page offers, until every joint is at most 5 px off in the median and 10 px at worst.
+Actions are clicks, keys and drags; looks are counted beside them. The times are of the
+keystroke-level model, see `human/counting.py`: 1.3 s a click, 0.28 s a key, 3.75 s a drag, 2 s a
+frame that is judged. What is done once a clip is told as it is; the rest for 1,800 frames.
+
+Trials run through the product's own editor and jobs, without its page; `--in-page` repeats the
+first of them in a browser, with real mouse and keys, and compares counts and poses.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import defaultdict
+from dataclasses import dataclass
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from tests.benchmarks.human.clips import CLIPS, Watched, noisy, watched
+from tests.benchmarks.human.counting import KINDS, Effort
+from tests.benchmarks.human.desk import desk
+from tests.benchmarks.human.first import FIRSTS, first_keyframe
+from tests.benchmarks.human.hand import Hand
+from tests.benchmarks.human.strategies import NOW, STRATEGIES, Outcome, Strategy, outcome
+from tests.benchmarks.keeping import Absent
+from tests.benchmarks.measures import Over
+from tests.benchmarks.table import Expected, Report, Table
+
+SIGMA_PX = 2.0
+MOST_ACTIONS, MOST_MINUTES = 45.0, 5.0
+COLUMNS = (
+    "right", "keyframes", "clicks", "keys", "drags", "looks", "actions for 1800",
+    "minutes for 1800",
+)  # fmt: skip
+WIDE = ("keyframes", "clicks", "keys", "drags", "looks", "actions for 1800", "minutes for 1800")
+CAUSES = 12
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One person at one clip. seconds: that the computer took."""
+
+    effort: Effort
+    outcome: Outcome
+    keyframes: int
+    seconds: float
+
+
+def effort(report: Report) -> None:
+    """The whole group."""
+    options = report.options
+    clips, seeds = options.clips or CLIPS, range(options.seeds)
+    report.note("clicks, keys and drags are actions; looks are frames judged; computing is not")
+    report.note(f"counted. Median (least–most) over {len(seeds)} persons; in brackets how many got")
+    report.note("every joint to 5 px in the median and 10 px at worst")
+    with threadpool_limits(1):
+        _first_keyframes(report, clips, options.seeds)
+        for name in clips:
+            try:
+                _clip(report, watched(name), options.seeds, options.strategies)
+            except Absent as absent:
+                report.note(f"{name} left out: {absent} is not here")
+
+
+def trial(clip: Watched, strategy: Strategy, seed: int) -> Trial:
+    """One person's work on a clip."""
+    began = time.process_time()
+    with desk(noisy(clip, SIGMA_PX, seed), strategy.settings) as there:
+        there.tracks = strategy.tracks
+        strategy.work(Hand.of(there, seed))
+        done = there.ledger.effort(clip.frames)
+        return Trial(done, outcome(there), len(there.keys), time.process_time() - began)
+
+
+def _first_keyframes(report: Report, clips: tuple[str, ...], seeds: int) -> None:
+    """From a clip that was just opened to its first keyframe, the body not known."""
+    columns = ("right", "actions", "seconds", "worst, px")
+    table = report.table("the first keyframe, from nothing", *columns, wide=columns[1:])
+    for name in clips:
+        try:
+            clip = watched(name)
+        except Absent:
+            continue
+        for first in FIRSTS:
+            found = [
+                first_keyframe(noisy(clip, SIGMA_PX, seed), first, seed) for seed in range(seeds)
+            ]
+            actions = Over(tuple(float(f.effort.actions) for f in found))
+            table.row(
+                f"{name}, {first.name}",
+                f"{sum(f.outcome.right for f in found)} of {seeds}",
+                actions,
+                Over(tuple(f.effort.seconds for f in found)),
+                Over(tuple(f.outcome.worst for f in found)),
+                expected=[Expected("actions", actions.median, first.most)],
+            )
+
+
+def _clip(report: Report, clip: Watched, seeds: int, names: tuple[str, ...]) -> None:
+    table = report.table(f"{clip.name}, {clip.frames} frames", *COLUMNS, wide=WIDE)
+    for strategy in STRATEGIES:
+        if names and strategy.name not in names:
+            continue
+        trials = [trial(clip, strategy, seed) for seed in range(seeds)]
+        _row(table, strategy, trials)
+        if strategy is NOW:
+            _causes(report, clip.name, trials)
+
+
+def _row(table: Table, strategy: Strategy, trials: list[Trial]) -> None:
+    right = sum(t.outcome.right for t in trials)
+    counts = [Over(tuple(float(t.effort.count(kind)) for t in trials)) for kind in KINDS]
+    actions = Over(tuple(t.effort.scaled_actions() for t in trials))
+    minutes = Over(tuple(t.effort.scaled_minutes() for t in trials))
+    expected = []
+    if strategy is NOW:
+        expected = [
+            Expected("actions", actions.median, MOST_ACTIONS),
+            Expected("minutes", minutes.median, MOST_MINUTES),
+        ]
+    keyframes = Over(tuple(float(t.keyframes) for t in trials))
+    cells = (f"{right} of {len(trials)}", keyframes, *counts, actions, minutes)
+    table.row(strategy.name, *cells, expected=expected)
+
+
+def _causes(report: Report, name: str, trials: list[Trial]) -> None:
+    """What the work consists of, the most time first."""
+    spent: dict[str, list[float]] = defaultdict(lambda: [0.0, 0.0])
+    for found in trials:
+        for why, count, seconds in found.effort.by_cause():
+            spent[why][0] += count / len(trials)
+            spent[why][1] += seconds / len(trials)
+    whole = sum(seconds for _, seconds in spent.values())
+    table = report.table(f"{name}: where the time goes", "times", "seconds", "share, %")
+    most = sorted(spent.items(), key=lambda row: -row[1][1])[:CAUSES]
+    for why, (times, seconds) in most:
+        table.row(f"  {why}", float(np.round(times, 1)), seconds, 100 * seconds / whole)
