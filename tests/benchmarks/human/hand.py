@@ -26,9 +26,9 @@ from tracker.body.pose import Pose, pose_transforms
 from tracker.errors import KeyposeError
 from tracker.geometry.rotations import Array, log_rotation
 
-LOOKS_RIGHT_PX, PLACED_PX, LOOKS_WRONG_PX = 5.0, 4.0, 8.0
-"""Joints are put right until they are as near as the first; a frame is left as it is whose joints
-are nearer than the last."""
+LOOKS_RIGHT_PX, PLACED_PX = 7.0, 5.0
+"""A joint that is nearer looks right: with what it may be seen wrongly by it is within 10 px. The
+whole body is carried more finely, for everything hangs on it."""
 TURN_DEG = 2.0
 SEEN_DEG, FAR_PX = 35.0, 25.0
 """A trunk turned by less is not seen to be; a body farther from its hips is carried there."""
@@ -64,8 +64,8 @@ class Hand:
         return cls(desk, np.random.default_rng([seed, 7]))
 
     def looks_right(self) -> bool:
-        """Whether no joint of the present frame looks wrong at a glance."""
-        return not self.wrong(LOOKS_WRONG_PX)
+        """Whether no joint of the present frame looks wrong."""
+        return not self.wrong()
 
     def wrong(self, least_px: float = LOOKS_RIGHT_PX) -> list[str]:
         """The joints that look wrong, the worst first."""
