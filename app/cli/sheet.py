@@ -56,9 +56,10 @@ def run(arguments: argparse.Namespace) -> int:
 
     session, out = session_to_draw(arguments, "picture", ".png"), arguments.out
     require_tint(session, arguments.tint)
-    count = len(session.keyframes)
-    if not 0 < count <= MOST_KEYFRAMES:
-        words = f"more than {MOST_KEYFRAMES}" if count else "no"
+    keyed, parts = len(session.keyframes), len(session.part_keyframes)
+    count = keyed + parts
+    if not keyed or count > MOST_KEYFRAMES:
+        words = f"more than {MOST_KEYFRAMES}" if keyed else "no"
         raise SessionError(f"{arguments.session.name} has {words} keyframes to draw.")
     columns, size = sheet_layout(count, session.video.width / session.video.height)
     with open_video_of(session, arguments.session) as video:
@@ -77,12 +78,15 @@ def _cells(
     import cv2
     import numpy as np
 
+    from app.editor.part_edits import keyed_words
     from app.render.sheet import Cell
     from app.render.snapshots import Look, rectified, snapshot
 
     look = Look("main", arguments.style, arguments.opacity / 100, arguments.tint)
-    for frame in subject.keys:
-        after = subject.after(frame)
+    session = subject.session
+    limbs = {k.frame: keyed_words(session.body, k.parts) for k in session.part_keyframes}
+    for frame in sorted({*subject.keys, *limbs}):
+        after = None if frame in limbs else subject.after(frame)
         small: Picture | None = None
         pose = subject.poses.pose(frame)
         if pose is not None and rectified(subject.session, video, frame) is not None:
@@ -91,4 +95,8 @@ def _cells(
         interval, state = None, None
         if after is not None:
             interval, state = after[1] - after[0], subject.states[after]
-        yield Cell(small, frame, subject.time_s(frame), interval, state)
+        if frame in limbs:
+            around = [span for span in subject.spans if span[0] < frame < span[1]]
+            state = subject.states[around[0]] if around else None
+        said = f"{limbs[frame]} only" if frame in limbs else ""
+        yield Cell(small, frame, subject.time_s(frame), interval, state, said)

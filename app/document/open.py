@@ -9,6 +9,7 @@ from pathlib import Path
 
 from app.document.edit_log import Beginning
 from app.document.new import new_session, new_surface_session, path_from, standing_in
+from app.editor.documents import Posed
 from app.editor.pointer_views import up_of
 from app.editor.state import EditorState
 from app.posing import opening_pose
@@ -20,7 +21,7 @@ from tracker.files import read_regular
 from tracker.geometry.rotations import Array
 from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 from tracker.session.history import History
-from tracker.session.schema import Keyframe, Session
+from tracker.session.schema import Session
 from tracker.storage.atomic import make_folder
 from tracker.storage.beside import carry_beside
 from tracker.storage.chronicle import OUTSIDE, is_same_film, of_film
@@ -201,16 +202,16 @@ def _exported_again(before: Session, now: Session) -> tuple[str, ...]:
 def with_times(doc: Session, times_s: Array) -> Session:
     """With each pose at its frame's time in the video, which hand-written sessions may not know."""
 
-    def timed(poses: tuple[Keyframe, ...]) -> tuple[Keyframe, ...]:
+    def timed(poses: tuple[Posed, ...]) -> tuple[Posed, ...]:
         retimed = [(pose, float(times_s[pose.frame])) for pose in poses]
         if all(pose.time_s == time_s for pose, time_s in retimed):
             return poses
         return tuple(pose.model_copy(update={"time_s": time_s}) for pose, time_s in retimed)
 
-    keyframes, drafts = timed(doc.keyframes), timed(doc.drafts)
-    if keyframes is doc.keyframes and drafts is doc.drafts:
+    poses = {name: timed(getattr(doc, name)) for name in ("keyframes", "part_keyframes", "drafts")}
+    if all(now is getattr(doc, name) for name, now in poses.items()):
         return doc
-    return doc.model_copy(update={"keyframes": keyframes, "drafts": drafts})
+    return doc.model_copy(update=poses)
 
 
 def _is_one_file(one: Path, other: Path) -> bool:

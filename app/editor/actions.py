@@ -109,7 +109,10 @@ class BeginGuide(Message):
 
 
 class Drag(Edit, Gesture):
+    """partial: the limbs it moves become a part keyframe of the present frame."""
+
     do: Literal["drag"] = "drag"
+    partial: bool = False
 
 
 class Angles(Edit):
@@ -191,6 +194,8 @@ class AddKey(Edit):
 
 
 class DeleteKey(Edit):
+    """The keyframe of a frame, or its part keyframe; the same for the next two."""
+
     do: Literal["delete_key"] = "delete_key"
     frame: FrameIndex
 
@@ -205,6 +210,23 @@ class DuplicateKey(Edit):
     do: Literal["duplicate_key"] = "duplicate_key"
     frame: FrameIndex
     to: FrameIndex
+
+
+class KeyParts(Edit):
+    """Limbs as they are shown at a frame become its part keyframe: those of these parts; left out,
+    those that were posed there, else the selected part's."""
+
+    do: Literal["key_parts"] = "key_parts"
+    frame: FrameIndex
+    parts: Annotated[tuple[Name, ...], Field(max_length=1000)] = ()
+
+
+class UnkeyParts(Edit):
+    """The limbs of these parts are tracked at a frame again."""
+
+    do: Literal["unkey_parts"] = "unkey_parts"
+    frame: FrameIndex
+    parts: Annotated[tuple[Name, ...], Field(min_length=1, max_length=1000)]
 
 
 class KeyAngle(Edit):
@@ -303,6 +325,25 @@ class Floor(Edit):
     height_m: Metres | None = None
     pinned_feet: bool = False
     under: Name | None = None
+
+
+# --- the review
+
+
+class AcceptPlace(Edit):
+    """The motion is right at this place to review: of a part, or of the whole body."""
+
+    do: Literal["accept_place"] = "accept_place"
+    frame: FrameIndex
+    part: Name | None = None
+
+
+class CannotTell(Edit):
+    """Whether it is right there nobody can tell from the picture."""
+
+    do: Literal["cannot_tell"] = "cannot_tell"
+    frame: FrameIndex
+    part: Name | None = None
 
 
 # --- the body
@@ -612,15 +653,35 @@ Posing: TypeAlias = (
     | CopyKey
     | TakeTracked
 )
-Keying: TypeAlias = AddKey | DeleteKey | MoveKey | DuplicateKey | KeyAngle | SoftenKey | ExactKey
+Keying: TypeAlias = (
+    AddKey
+    | DeleteKey
+    | MoveKey
+    | DuplicateKey
+    | KeyParts
+    | UnkeyParts
+    | KeyAngle
+    | SoftenKey
+    | ExactKey
+)
 Pinning: TypeAlias = SetPin | ChangePin | DeletePin | SplitPin | AcceptPins | Floor
+Reviewing: TypeAlias = AcceptPlace | CannotTell
 Shaping: TypeAlias = Shape | Size | Joint | Height | Preset | ResetBody | Clavicles | Tracked
 Filming: TypeAlias = Intrinsics | FieldOfView | Lens | Distortion | Vertical | ResetUp
 Choosing: TypeAlias = AddMask | ChangeMask | DeleteMask | Settings | Observe
 Seeing: TypeAlias = CorrectKeypoint | IgnoreKeypoint | RestoreKeypoint
 Rewinding: TypeAlias = Undo | Redo | EndStroke | CancelStroke
 Editing: TypeAlias = (
-    Looking | Posing | Keying | Pinning | Shaping | Filming | Choosing | Seeing | Rewinding
+    Looking
+    | Posing
+    | Keying
+    | Pinning
+    | Reviewing
+    | Shaping
+    | Filming
+    | Choosing
+    | Seeing
+    | Rewinding
 )
 """What `app.editor.update` knows to apply."""
 

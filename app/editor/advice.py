@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from app.editor.judged import Judged
 from app.editor.suggest import Fitting, Suggestion, suggestion
 from app.editor.suggest_surfaces import surface_suggestion
 from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
@@ -16,16 +17,19 @@ class _Advice:
     """next: of the keyframes' frames, the session and its results.  missing: of a session without
     a segment, what it lacks."""
 
-    next: Callable[[Sequence[int], Session, Fitting], Suggestion]
+    next: Callable[[Sequence[int], Session, Judged], Suggestion]
     missing: Callable[[Session], str]
 
 
-def next_step(keys: Sequence[int], session: Session, fitting: Fitting) -> Suggestion:
+def next_step(
+    keys: Sequence[int], session: Session, fitting: Fitting, known: Judged | None = None
+) -> Suggestion:
     """The one thing that helps most. keys: frames of the keyframes, ascending.
 
     fitting: the results of the present segments; unfinished ones count as none.
+    known: the same, where what is wrong with them was asked for already.
     """
-    return _ADVICE.of(session).next(keys, session, fitting)
+    return _ADVICE.of(session).next(keys, session, known or Judged.over(session, fitting))
 
 
 def why_nothing_to_do(session: Session) -> str:
@@ -33,16 +37,16 @@ def why_nothing_to_do(session: Session) -> str:
     return _ADVICE.of(session).missing(session)
 
 
-def _next_of_film(keys: Sequence[int], session: Session, fitting: Fitting) -> Suggestion:
-    return suggestion(keys, session.video.frame_count, fitting, session.body.names)
+def _next_of_film(keys: Sequence[int], session: Session, known: Judged) -> Suggestion:
+    return suggestion(keys, session.video.frame_count, known.tracks, known.parts, known)
 
 
 def _missing_of_film(session: Session) -> str:
     return "Add a second keyframe first."
 
 
-def _next_of_surfaces(keys: Sequence[int], session: Session, fitting: Fitting) -> Suggestion:
-    return surface_suggestion(keys, session.spans, fitting)
+def _next_of_surfaces(keys: Sequence[int], session: Session, known: Judged) -> Suggestion:
+    return surface_suggestion(keys, session.spans, known.tracks, known)
 
 
 def _missing_of_surfaces(session: Session) -> str:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 from app.editor import actions as do
-from app.editor.documents import require_before_camera
+from app.editor.documents import Posed, require_before_camera
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.posing import part_label, with_height, with_joint, with_shape, with_size
@@ -18,7 +19,7 @@ from tracker.body.clavicles import (
 )
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
-from tracker.session.schema import Keyframe, Session
+from tracker.session.schema import Keyframe, PartKeyframe, Session
 from tracker.session.settings import TrackSettings
 
 
@@ -74,7 +75,7 @@ def _with_arms_turned(state: EditorState) -> EditorState:
     """Every upper arm turned as its clavicle is, so that it points the same way without it."""
     skeleton = Skeleton.of(state.doc.body)
 
-    def turned(keyframe: Keyframe) -> Keyframe:
+    def turned(keyframe: Posed) -> Posed:
         pose = keyframe.pose(skeleton)
         Rs = pose.Rs_parent_part.copy()
         for side in ("left", "right"):
@@ -88,6 +89,7 @@ def _with_arms_turned(state: EditorState) -> EditorState:
     doc = state.doc.model_copy(
         update={
             "keyframes": tuple(map(turned, state.doc.keyframes)),
+            "part_keyframes": tuple(map(turned, state.doc.part_keyframes)),
             "drafts": tuple(map(turned, state.doc.drafts)),
         }
     )
@@ -120,10 +122,11 @@ def with_body(state: EditorState, body: Body) -> Session:
             "body": body,
             "settings": _without_unknown(state.doc.settings, known),
             "keyframes": tuple(_fitted(k, known) for k in state.doc.keyframes),
+            "part_keyframes": tuple(_with_parts(state.doc, known)),
             "drafts": tuple(_fitted(k, known) for k in state.doc.drafts),
         }
     )
-    for keyframe in (*doc.keyframes, *doc.drafts):
+    for keyframe in (*doc.keyframes, *doc.part_keyframes, *doc.drafts):
         require_before_camera(skeleton, keyframe.pose(skeleton))
     return doc
 
@@ -140,7 +143,17 @@ def _without_unknown(settings: TrackSettings, known: set[str]) -> TrackSettings:
     return settings.model_copy(update={"left_out": left_out})
 
 
-def _fitted(keyframe: Keyframe, known: set[str]) -> Keyframe:
+def _with_parts(doc: Session, known: set[str]) -> Iterator[PartKeyframe]:
+    """The part keyframes of which any part is left."""
+    for keyframe in doc.part_keyframes:
+        parts = tuple(name for name in keyframe.parts if name in known)
+        if parts == keyframe.parts:
+            yield _fitted(keyframe, known)
+        elif parts:
+            yield _fitted(keyframe.model_copy(update={"parts": parts}), known)
+
+
+def _fitted(keyframe: Posed, known: set[str]) -> Posed:
     if set(keyframe.rotations_wxyz) <= known:
         return keyframe
     rotations = {name: q for name, q in keyframe.rotations_wxyz.items() if name in known}

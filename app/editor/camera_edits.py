@@ -62,10 +62,11 @@ def _with_lens(state: EditorState, lens: Camera, source: LensSource) -> Session:
     update = {
         "lens_source": source,
         "keyframes": tuple(at_new_focal(k, farther) for k in doc.keyframes),
+        "part_keyframes": tuple(at_new_focal(k, farther) for k in doc.part_keyframes),
         "drafts": tuple(at_new_focal(k, farther) for k in doc.drafts),
     }
     doc = doc.model_copy(update=update)
-    for posed in (*doc.keyframes, *doc.drafts):
+    for posed in (*doc.keyframes, *doc.part_keyframes, *doc.drafts):
         require_before_camera(state.skeleton, posed.pose(state.skeleton))
     return doc
 

@@ -3,21 +3,32 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import TypeVar
 
 from app.editor.refusal import Refused
 from tracker.body.pose import Pose, pose_transforms
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import Array
-from tracker.session.schema import Keyframe, Session
+from tracker.session.schema import Keyframe, PartKeyframe, Session
 from tracker.storage import changes
 
+Posed = TypeVar("Posed", bound=Keyframe)
 NEAREST_M = 0.06
 """Every joint of a pose stays this far before the camera; the session's own limit is 0.05."""
 
 
 def with_keyframes(doc: Session, keyframes: Iterable[Keyframe]) -> Session:
-    """With these keyframes, sorted by frame."""
-    return doc.model_copy(update={"keyframes": tuple(sorted(keyframes, key=_frame))})
+    """With these keyframes, sorted by frame, in the place of part keyframes of the same frames."""
+    keyed = tuple(sorted(keyframes, key=_frame))
+    doc = doc.model_copy(update={"keyframes": keyed})
+    frames = {keyframe.frame for keyframe in keyed}
+    parts = tuple(each for each in doc.part_keyframes if each.frame not in frames)
+    return doc if len(parts) == len(doc.part_keyframes) else with_part_keyframes(doc, parts)
+
+
+def with_part_keyframes(doc: Session, keyframes: Iterable[PartKeyframe]) -> Session:
+    """With these part keyframes, sorted by frame."""
+    return doc.model_copy(update={"part_keyframes": tuple(sorted(keyframes, key=_frame))})
 
 
 def with_drafts(doc: Session, drafts: Iterable[Keyframe]) -> Session:
@@ -25,7 +36,7 @@ def with_drafts(doc: Session, drafts: Iterable[Keyframe]) -> Session:
     return doc.model_copy(update={"drafts": tuple(sorted(drafts, key=_frame))})
 
 
-def without(poses: Iterable[Keyframe], frame: int) -> tuple[Keyframe, ...]:
+def without(poses: Iterable[Posed], frame: int) -> tuple[Posed, ...]:
     """All but the one at this frame."""
     return tuple(pose for pose in poses if pose.frame != frame)
 
@@ -80,7 +91,7 @@ def _frame(keyframe: Keyframe) -> int:
     return keyframe.frame
 
 
-def at_new_focal(posed: Keyframe, factor: float) -> Keyframe:
+def at_new_focal(posed: Posed, factor: float) -> Posed:
     """A lens so much longer shows the body as large as before from so much farther away."""
     x, y, z = posed.root_m
     return posed.model_copy(update={"root_m": (x, y, z * factor)})

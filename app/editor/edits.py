@@ -14,8 +14,10 @@ from app.editor import (
     floor_edits,
     keyframe_edits,
     keypoint_edits,
+    part_edits,
     pin_edits,
     posing_edits,
+    review_edits,
     surface_edits,
     tracking_edits,
 )
@@ -57,6 +59,11 @@ def _duplicate_keyframe(state: EditorState, action: do.DuplicateKey) -> Session:
     return keyframe_edits.duplicate_keyframe(state, action)
 
 
+def _key_parts(state: EditorState, action: do.KeyParts) -> Session:
+    _in_video(state, action.frame)
+    return part_edits.key_parts(state, action)
+
+
 def _in_video(state: EditorState, frame: int) -> int:
     if frame >= state.frame_count:
         raise Refused(f"The video has frames 0 to {state.frame_count - 1}.")
@@ -84,6 +91,8 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
     do.DeleteKey: EditKind(_delete_keyframe, "delete keyframe", "frame"),
     do.MoveKey: EditKind(_move_keyframe, "move keyframe", "frame"),
     do.DuplicateKey: EditKind(_duplicate_keyframe, "duplicate keyframe", "frame"),
+    do.KeyParts: EditKind(_key_parts, "add part keyframe", "frame"),
+    do.UnkeyParts: EditKind(part_edits.unkey_parts, "change part keyframe", "frame"),
     do.SoftenKey: EditKind(pin_edits.soften_key, "soften keyframe", "frame"),
     do.ExactKey: EditKind(pin_edits.soften_key, "set exact keyframe", "frame"),
     do.SetPin: EditKind(pin_edits.set_pin, "pin", "part"),
@@ -91,6 +100,8 @@ EDITS: Mapping[type[do.Edit], EditKind] = {
     do.DeletePin: EditKind(pin_edits.delete_pin, "unpin"),
     do.SplitPin: EditKind(pin_edits.split_pin, "split a pin at", "frame"),
     do.AcceptPins: EditKind(pin_edits.accept_pins, "accept proposed pins"),
+    do.AcceptPlace: EditKind(review_edits.accept_place, "accept", "part"),
+    do.CannotTell: EditKind(review_edits.cannot_tell, "leave open", "part"),
     do.Floor: EditKind(floor_edits.set_floor, "change the floor"),
     do.Shape: EditKind(body_edits.set_shape, "change the shape of", "part"),
     do.Size: EditKind(body_edits.set_size, "resize", "part"),

@@ -66,9 +66,12 @@ def with_sizes_fitted(
         for known in state.doc.keyframes
     ]
     drafts = tuple(at_new_focal(draft, nearer) for draft in state.doc.drafts)
-    for draft in drafts:
-        require_before_camera(skeleton, draft.pose(skeleton))
-    update: dict[str, Any] = {"body": body, "camera": camera, "drafts": drafts}
+    parts = tuple(at_new_focal(each, nearer) for each in state.doc.part_keyframes)
+    for posed_there in (*drafts, *parts):
+        require_before_camera(skeleton, posed_there.pose(skeleton))
+    update: dict[str, Any] = {
+        "body": body, "camera": camera, "drafts": drafts, "part_keyframes": parts
+    }  # fmt: skip
     if nearer != 1.0:
         update["lens_source"] = "fitted"
     doc = with_keyframes(state.doc.model_copy(update=update), keyframes)

@@ -1,8 +1,6 @@
-"""Edits of the keyframes: added, removed, moved, copied along the time."""
+"""Edits of the keyframes: added, removed, moved, copied along the time; part keyframes too."""
 
 from __future__ import annotations
-
-from collections.abc import Iterable
 
 from app.editor import actions as do
 from app.editor.documents import (
@@ -11,12 +9,13 @@ from app.editor.documents import (
     require_before_camera,
     with_drafts,
     with_keyframes,
+    with_part_keyframes,
     without,
 )
 from app.editor.refusal import Refused
 from app.editor.shown import find, shown_pose
 from app.editor.state import EditorState
-from tracker.session.schema import Keyframe, Session
+from tracker.session.schema import Keyframe, PartKeyframe, Session
 
 
 def add_keyframe(state: EditorState, frame: int) -> Session:
@@ -33,9 +32,8 @@ def add_keyframe(state: EditorState, frame: int) -> Session:
 
 
 def delete_keyframe(state: EditorState, frame: int) -> Session:
-    """Without the keyframe at a frame."""
-    _require(state, frame)
-    return with_keyframes(state.doc, without(state.doc.keyframes, frame))
+    """Without the keyframe at a frame, or its part keyframe."""
+    return _without(state.doc, _require(state, frame))
 
 
 def move_keyframe(state: EditorState, action: do.MoveKey) -> Session:
@@ -44,8 +42,9 @@ def move_keyframe(state: EditorState, action: do.MoveKey) -> Session:
         return state.doc
     keyframe = _require(state, action.frame)
     _require_free(state, action.to)
-    rest = without(state.doc.keyframes, action.frame)
-    doc = _keyed(state, rest, _at(state, keyframe, action.to))
+    doc = _keyed(_without(state.doc, keyframe), _at(state, keyframe, action.to))
+    if isinstance(keyframe, PartKeyframe):
+        return doc
     return doc.model_copy(update=doc.evidence.with_key_moved(action.frame, action.to))
 
 
@@ -53,13 +52,22 @@ def duplicate_keyframe(state: EditorState, action: do.DuplicateKey) -> Session:
     """The same pose as a keyframe of another frame, too."""
     keyframe = _require(state, action.frame)
     _require_free(state, action.to)
-    return _keyed(state, state.doc.keyframes, _at(state, keyframe, action.to))
+    return _keyed(state.doc, _at(state, keyframe, action.to))
 
 
-def _keyed(state: EditorState, rest: Iterable[Keyframe], keyframe: Keyframe) -> Session:
+def _keyed(doc: Session, keyframe: Keyframe) -> Session:
     """With one more keyframe, in the place of what may be drafted there: that would hide it."""
-    doc = with_keyframes(state.doc, (*rest, keyframe))
+    if isinstance(keyframe, PartKeyframe):
+        doc = with_part_keyframes(doc, (*doc.part_keyframes, keyframe))
+    else:
+        doc = with_keyframes(doc, (*doc.keyframes, keyframe))
     return with_drafts(doc, without(doc.drafts, keyframe.frame))
+
+
+def _without(doc: Session, keyframe: Keyframe) -> Session:
+    if isinstance(keyframe, PartKeyframe):
+        return with_part_keyframes(doc, without(doc.part_keyframes, keyframe.frame))
+    return with_keyframes(doc, without(doc.keyframes, keyframe.frame))
 
 
 def _at(state: EditorState, keyframe: Keyframe, frame: int) -> Keyframe:
@@ -68,12 +76,12 @@ def _at(state: EditorState, keyframe: Keyframe, frame: int) -> Keyframe:
 
 
 def _require(state: EditorState, frame: int) -> Keyframe:
-    found = find(state.doc.keyframes, frame)
+    found = find(state.doc.keyframes, frame) or find(state.doc.part_keyframes, frame)
     if found is None:
         raise Refused(f"Frame {frame} is not a keyframe.")
     return found
 
 
 def _require_free(state: EditorState, frame: int) -> None:
-    if find(state.doc.keyframes, frame) is not None:
+    if find(state.doc.keyframes, frame) or find(state.doc.part_keyframes, frame):
         raise Refused(f"Frame {frame} is already a keyframe. Delete it first.")

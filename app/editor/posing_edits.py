@@ -7,6 +7,7 @@ import numpy as np
 from app.editor import actions as do
 from app.editor.body_edits import with_body
 from app.editor.documents import posed
+from app.editor.part_edits import WHOLE_BODY, require_correctable, with_limbs_posed
 from app.editor.pinned import pinned_ends
 from app.editor.pointer_views import pointer_views, up_of
 from app.editor.refusal import Refused
@@ -38,7 +39,19 @@ def drag_part(
     result = _drag(state, before, action)
     if result.body is not None:
         return with_body(before, result.body), result.readout
+    if action.partial:
+        doc = _of_limbs(before, result.pose)
+        return doc, result.readout
     return _with_pose(before, result.pose), result.readout
+
+
+def _of_limbs(before: EditorState, pose: Pose) -> Session:
+    """A pose as a part keyframe of the limbs that it moves."""
+    require_correctable(before, before.frame)
+    doc = with_limbs_posed(before, pose)
+    if doc is None:
+        raise Refused(WHOLE_BODY)
+    return doc
 
 
 def _drag(state: EditorState, before: EditorState, action: do.Drag) -> Posed:
@@ -172,4 +185,11 @@ def _fitting(state: EditorState, copied: Keyframe) -> Keyframe:
 
 
 def _with_pose(state: EditorState, pose: Pose) -> Session:
+    """As the keyframe of the present frame, or its part keyframe, where it has one and no more than
+    limbs moved; else as a draft."""
+    is_part = find(state.doc.part_keyframes, state.frame) is not None
+    if is_part and find(state.doc.drafts, state.frame) is None:
+        doc = with_limbs_posed(state, pose)
+        if doc is not None:
+            return doc
     return posed(state.doc, state.skeleton, pose, state.frame, state.times_s)

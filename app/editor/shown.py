@@ -8,19 +8,20 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
+from app.editor.documents import Posed
 from app.editor.state import EditorState
 from tracker.body.pose import Pose
 from tracker.geometry.rotations import rotation_between
-from tracker.session.schema import Keyframe
 
-Source: TypeAlias = Literal["keyframe", "draft", "tracked", "between", "held", "rest"]
+Source: TypeAlias = Literal["keyframe", "draft", "tracked", "part", "between", "held", "rest"]
 
 
 @dataclass(frozen=True, eq=False)
 class ShownPose:
     """A pose and where it comes from.
 
-    "between" is interpolated, "held" is the nearest keyframe's, "rest" the initial pose.
+    "part" is as a part keyframe was set, "between" is interpolated, "held" is the nearest
+    keyframe's, "rest" the initial pose.
     """
 
     pose: Pose
@@ -33,9 +34,17 @@ def shown_pose(state: EditorState, frame: int | None = None) -> ShownPose:
     posed = posed_at(state, frame)
     if posed is not None:
         return posed
+    return pose_behind(state, frame)
+
+
+def pose_behind(state: EditorState, frame: int) -> ShownPose:
+    """The pose of a frame as it would be shown had nobody posed the whole body there."""
     tracked = state.tracked(frame)
     if tracked is not None:
         return ShownPose(tracked, "tracked")
+    parts = find(state.doc.part_keyframes, frame)
+    if parts is not None:
+        return ShownPose(parts.pose(state.skeleton), "part")
     return _from_neighbours(state, frame)
 
 
@@ -48,7 +57,7 @@ def posed_at(state: EditorState, frame: int) -> ShownPose | None:
     return None
 
 
-def find(poses: tuple[Keyframe, ...], frame: int) -> Keyframe | None:
+def find(poses: tuple[Posed, ...], frame: int) -> Posed | None:
     """The one at this frame."""
     return next((pose for pose in poses if pose.frame == frame), None)
 

@@ -11,7 +11,7 @@ from tracker.session.results import PinResult, SpaceFinding
 
 _SENTENCES: Final[Mapping[str, str]] = {
     "slides": "{part} slides {cm} cm, {frames}",
-    "off_floor": "{part} stands {cm} cm above the floor, {frames}",
+    "off_floor": "{part} leaves the floor by {cm} cm, {frames}",
     "below_floor": "{part} goes {cm} cm into the floor, {frames}",
     "keyframe_depth": "At keyframe {go} {part} stands {cm} cm {way} than nearby",
     "leans": "The body leans {deg}° out of balance, {frames}",

@@ -4,19 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from app.editor.judged import Judged
+from app.editor.problem_words import detail_of
+from app.editor.problems import ProblemCause, problem_of
 from app.editor.suggest import ALL_GOOD, WHERE_WRONG, Fitting, Suggestion, segments_need
-from app.editor.verdict_text import add_keyframe, named_frames, reason, reason_with_frames
-from tracker.session.verdict import Cause
+from app.editor.verdict_text import add_keyframe, named_frames, reason
 from tracker.storage.results import Span
 from tracker.tracking.result import SegmentResult
 
 _ALL_GOOD = Suggestion(None, ALL_GOOD, WHERE_WRONG, "good")
 
 
-def surface_suggestion(keys: Sequence[int], spans: Sequence[Span], fitting: Fitting) -> Suggestion:
+def surface_suggestion(
+    keys: Sequence[int], spans: Sequence[Span], fitting: Fitting, known: Judged | None = None
+) -> Suggestion:
     """The one thing that helps most. keys: frames of the keyframes, ascending.
 
     spans: the segments.  fitting: their results; unfinished ones count as none.
+    known: the same with all that tells what is wrong with them.
     """
     if not keys:
         title = "Pose the body in this surface, then press K"
@@ -24,18 +29,20 @@ def surface_suggestion(keys: Sequence[int], spans: Sequence[Span], fitting: Fitt
     if not spans:
         return Suggestion(None, "Nothing to fit", "There is only one surface", "pose")
     done = [fitting[span] for span in spans if span in fitting and fitting[span].finished]
-    off = [track for track in done if _is_off(track)]
-    lost = [track for track in done if track.kind == "lost"]
+    known = known or Judged({track.span: track for track in done}, halves=False)
+    waiting = [track for track in done if _is_open(known, track)]
+    off = [track for track in waiting if _is_off(track)]
+    lost = [track for track in waiting if track.kind == "lost"]
     if off or lost:
-        return _about(off[0] if off else max(lost, key=_doubtful), keys)
+        return _about(known, off[0] if off else max(lost, key=_doubtful), keys)
     stopped = [track for track in done if track.missing]
     if stopped:
         return _to_go_on(stopped[0])
     if len(done) < len(spans):  # first everything is fitted, then it is made better
         fitted = {track.span for track in done}
         return segments_need([span for span in spans if span not in fitted], "fitting")
-    doubtful = [track for track in done if track.kind == "check"]
-    return _about(max(doubtful, key=_doubtful), keys) if doubtful else _ALL_GOOD
+    doubtful = [track for track in waiting if track.kind == "check"]
+    return _about(known, max(doubtful, key=_doubtful), keys) if doubtful else _ALL_GOOD
 
 
 def _to_go_on(stopped: SegmentResult) -> Suggestion:
@@ -50,20 +57,25 @@ def _is_off(track: SegmentResult) -> bool:
     return track.verdict is not None and track.verdict.cause == "body_off_surface"
 
 
-def _about(track: SegmentResult, keys: Sequence[int]) -> Suggestion:
+def _is_open(known: Judged, track: SegmentResult) -> bool:
+    """Whether something is wrong with a segment to which nobody has said anything yet."""
+    found = problem_of(known, track)
+    return found is not None and found.answer is None
+
+
+def _about(known: Judged, track: SegmentResult, keys: Sequence[int]) -> Suggestion:
     """A keyframe where it was lost or is in doubt; where one stands already, a look at it."""
-    verdict, middle = track.verdict, (track.first + track.last) // 2
-    assert verdict is not None
-    frame = middle if verdict.go is None else verdict.go
-    why = _THERE.get(verdict.cause, reason_with_frames(verdict, capital=True))
+    found = problem_of(known, track)
+    assert found is not None
+    frame, why = found.frame, _THERE.get(found.cause, detail_of(found))
     if frame in keys:
-        return Suggestion(frame, f"Check keyframe {frame}", why, "look")
-    if verdict.kind == "lost":
-        return Suggestion(frame, add_keyframe(frame), why, "key")
-    return Suggestion(frame, f"Check frame {frame}", why, "look")
+        return Suggestion(frame, f"Check keyframe {frame}", why, "look", found)
+    if found.kind == "lost":
+        return Suggestion(frame, add_keyframe(frame), why, "key", found)
+    return Suggestion(frame, f"Check frame {frame}", why, "look", found)
 
 
-_THERE: Mapping[Cause, str] = {
+_THERE: Mapping[ProblemCause, str] = {
     "not_followed": "The fit is lost there",
     "body_off_surface": "The body lies off its surface there",
 }

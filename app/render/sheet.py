@@ -31,13 +31,14 @@ ASPECT = 1.5
 @dataclass(frozen=True)
 class Cell:
     """One keyframe. picture: None where there is none to show. state, interval: of the stretch to
-    the next keyframe, None for the last."""
+    the next keyframe, None for the last. limbs: what alone is keyed, where not the whole body."""
 
     picture: Picture | None
     frame: int
     time_s: float
     interval: int | None
     state: str | None
+    limbs: str = ""
 
 
 def sheet_layout(count: int, aspect: float) -> tuple[int, tuple[int, int]]:
@@ -94,6 +95,8 @@ def _cell(cell: Cell, size: tuple[int, int], foot: int, letter_px: float) -> Pic
         time = f"{cell.time_s:.2f} s"
         write(drawn, time, left, baseline, 0.85 * letter_px, TEXT)
         left += written_width(time, 0.85 * letter_px) + round(letter_px)
+    if cell.limbs and left + written_width(cell.limbs, 0.85 * letter_px) <= width:
+        write(drawn, cell.limbs, left, baseline, 0.85 * letter_px, TEXT)
     if cell.interval is not None:
         words = f"+{cell.interval}"
         at = width - written_width(words, letter_px) - 1

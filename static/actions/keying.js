@@ -4,6 +4,7 @@ import { lastFrame } from '../store/clip.js';
 import { isNewest } from '../store/edits.js';
 import { send } from '../store/link.js';
 import { toast } from '../controls/toasts.js';
+import { partKeyAt } from './limbs.js';
 import { draftFrames, frame, goTo, isKey, keyBeside, keyFrames } from './playhead.js';
 
 /** K: the pose here is this frame's keyframe. Where it is one already, nothing is lost. */
@@ -20,10 +21,10 @@ export function addKey() {
 export function deleteKey(at = frame()) {
   const n = send({ do: 'delete_key', frame: at });
   const button = { label: 'Undo', run: () => bringBack(n) };
-  toast({ kind: 'info', words: `Keyframe ${at} deleted.`, button, brief: true });
+  toast({ kind: 'info', words: `${partKeyAt(at) ? 'Part keyframe' : 'Keyframe'} ${at} deleted.`, button, brief: true });
 }
 
-export const whyNotDelete = (at = frame()) => (isKey(at) ? '' : `Frame ${at} is not a keyframe`);
+export const whyNotDelete = (at = frame()) => (isKey(at) || partKeyAt(at) ? '' : `Frame ${at} is not a keyframe`);
 
 function bringBack(n) {
   if (isNewest(n)) send({ do: 'undo' });

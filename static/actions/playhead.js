@@ -103,7 +103,9 @@ export function keyBeside(direction) {
 
 /** To the previous (-1) or next (+1) keyframe; stays where there is none. */
 export function toKey(direction) {
-  const key = keyBeside(direction);
+  const at = frame();
+  const keys = [...keyFrames(), ...(server.keys?.parts ?? []).map((key) => key.frame)].sort((a, b) => a - b);
+  const key = direction < 0 ? keys.findLast((one) => one < at) : keys.find((one) => one > at);
   stopPlaying();
   if (key !== undefined) goTo(key);
 }

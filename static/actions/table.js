@@ -17,6 +17,7 @@ import { addKey, copyKey, deleteKey, duplicateKey, whyNotDelete } from './keying
 import { ringsAreShown } from './keypoints.js';
 import { foldLanes } from './lanes.js';
 import { fitsFocal } from './lens.js';
+import { keyLimb, unkeyMessage, whyNotKeyLimb } from './limbs.js';
 import {
   acceptMessage, allPins, beginPin, dismissMessage, endPin, framesOf, isSoft, noProposals, pinHere, pinToFloor,
   proposedPins, togglePin, unpin, whyNoPinHere, whyNotPin,
@@ -28,6 +29,7 @@ import {
 import {
   atFirst, atLast, hasNoChild, isRoot, noKeyframe, noOtherSide, nothingCopied, whyNotFitPose, whyNotFitSizes, whyNotSwap,
 } from './reasons.js';
+import { answer, goal, isReviewing, places, toggleReview, turn, whyNoPlace, whyNotReview } from './review.js';
 import { chooseTheme, chosenTheme } from './theme.js';
 import {
   changedSegments, namesOf, trackSegment, whyNotTrack, whyNotTrackChanged, whyNotTracked, whyNotTrackThis,
@@ -54,8 +56,8 @@ import { isZoomed, zoomTo, zoomToInterval } from './window.js';
  * @property {(...about: any[]) => unknown} [run]
  * @property {boolean} [repeats]  while its key stays down; where it leads nowhere, nothing is said
  * @property {boolean} [always]  also while no file is open
- * @property {'drag' | 'pointer' | 'escape' | 'release'} [heard]  by whom its keys are heard, if not
- *   by the keyboard's table: by a drag, by a view, by Esc in its order, when Space is let go
+ * @property {'drag' | 'pointer' | 'escape' | 'release' | 'review'} [heard]  by whom its keys are heard, if not
+ *   by the keyboard's table: by a drag, by a view, by Esc in its order, when Space is let go, by the review
  */
 
 const REPEATS = { repeats: true };
@@ -112,6 +114,12 @@ const FRAMES = {
 /** @satisfies {Record<string, Action>} */
 const POSE = {
   addKeyframe: { label: 'Add keyframe', icon: 'key', keys: ['K'], run: addKey },
+  keyLimb: {
+    label: 'Key this limb only', icon: 'part', keys: ['Shift K'], off: whyNotKeyLimb,
+    title: 'The limb is exact at this frame, the rest of the body stays with the tracker', run: keyLimb,
+  },
+  keyWhole: { label: 'Key the whole pose', icon: 'key', message: (at = frame()) => ({ do: 'add_key', frame: at }) },
+  unkeyLimb: { label: (about) => `Leave the ${about?.label?.toLowerCase() ?? 'limb'} to the tracker`, icon: 'x', message: unkeyMessage },
   deleteKeyframe: { label: 'Delete keyframe', icon: 'key', keys: ['Delete'], off: whyNotDelete, run: deleteKey },
   duplicateKeyframe: { label: 'Duplicate to frame', icon: 'copy', run: duplicateKey },
   fitPose: {
@@ -253,6 +261,27 @@ const TRACK = {
 };
 
 /** @satisfies {Record<string, Action>} */
+const REVIEW = {
+  review: {
+    label: 'Review', icon: 'flag', keys: ['Shift R'], on: isReviewing, off: whyNotReview, run: toggleReview,
+    title: () => `Look at the places expected to be off by more than ${goal()} px, the worst first`,
+  },
+  acceptPlace: {
+    label: 'Accept', title: 'The motion is right here', keys: ['Enter'], heard: 'review', off: whyNoPlace,
+    run: () => answer('accepted'),
+  },
+  nextPlace: { label: 'Next', title: 'Look at the next place, and at this one later', keys: ['N'], heard: 'review', off: whyNoPlace, run: () => turn(1) },
+  previousPlace: { label: 'Previous', keys: ['Shift N'], heard: 'review', off: whyNoPlace, run: () => turn(-1) },
+  cannotTell: {
+    label: 'Cannot tell', title: 'The picture does not show it: leave this place open and do not ask again', keys: ['Shift Enter'],
+    heard: 'review', off: whyNoPlace, run: () => answer('unclear'),
+  },
+  continueReview: {
+    label: 'Continue', icon: 'flag', title: () => `Review: ${count(places().length, 'place')} left`, off: whyNotReview, run: toggleReview,
+  },
+};
+
+/** @satisfies {Record<string, Action>} */
 const TOOLS = {
   select: { label: 'Select', icon: 'sel', keys: ['V'], ...tool('select') },
   rotate: { label: 'Rotate', icon: 'rot', keys: ['R'], ...tool('rotate') },
@@ -368,13 +397,14 @@ export const GROUPS = [
   { title: () => 'Frames', actions: FRAMES },
   { title: () => 'Pose', actions: { ...POSE, ...PINS } },
   { title: () => words().verb, actions: TRACK },
+  { title: () => 'Review', actions: REVIEW },
   { title: () => 'Tools', actions: TOOLS },
   { title: () => 'Views', actions: VIEW },
   { title: () => 'While dragging', actions: DRAGGING },
   { title: null, actions: FILE },
 ];
 
-export const ACTIONS = { ...FRAMES, ...POSE, ...PINS, ...TRACK, ...TOOLS, ...VIEW, ...DRAGGING, ...FILE };
+export const ACTIONS = { ...FRAMES, ...POSE, ...PINS, ...TRACK, ...REVIEW, ...TOOLS, ...VIEW, ...DRAGGING, ...FILE };
 
 /** @typedef {keyof typeof ACTIONS} ActionId */
 

@@ -36,6 +36,7 @@ const SHAPES = {
   ghost: svg`<circle cx="6" cy="8" r="4" stroke-dasharray="2 1.8"/><circle cx="10" cy="8" r="4"/>`,
   trail: svg`<path d="M2 12.5C4 12 4.5 5 8 5s3.5 5 6-1"/><circle class="f" cx="2.6" cy="12.2" r="1.2"/><circle class="f" cx="8" cy="5" r="1.2"/><circle class="f" cx="13.6" cy="4.4" r="1.2"/>`,
   key: svg`<path class="f" d="M8 2.5 13.5 8 8 13.5 2.5 8z"/>`,
+  part: svg`<path d="M8 2.500 13.500 8 8 13.500 2.500 8z"/><path class="f" d="M2.500 8h11L8 13.500z"/>`,
   keyadd: svg`<path d="M7 2.5 12.5 8 7 13.5 1.5 8z"/><path d="M13 2v4M11 4h4"/>`,
   first: svg`<path class="f" d="M12.5 3.5v9L6 8z"/><path d="M4 3.5v9"/>`,
   last: svg`<path class="f" d="M3.5 3.5v9L10 8z"/><path d="M12 3.5v9"/>`,

@@ -4,11 +4,12 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { labelOf, whyNot } from '../actions/actions.js';
 import { placesWords, smallWords } from '../actions/drafting.js';
 import { keepLens } from '../actions/lens.js';
-import { goTo, placesToConfirm } from '../actions/playhead.js';
+import { placesToConfirm } from '../actions/playhead.js';
+import { isReviewing, toggleReview } from '../actions/review.js';
 import { icon } from '../controls/icons.js';
 import { sizeWords } from '../handles/box.js';
 import { draftFromBox } from '../handles/sketch.js';
-import { server, ui } from '../store/state.js';
+import { server, setUi, ui } from '../store/state.js';
 import { fan } from './fan.js';
 import { lensCard, lensKey } from './lens_step.js';
 
@@ -55,7 +56,7 @@ export const IN_FILM = [
     word: 'Review',
     title: 'Confirm the draft',
     tool: 'select',
-    text: 'Where the draft is unsure, correct the pose and press K. N leads to the next place.',
+    text: 'Review leads through the places where the draft is unsure: Enter accepts, N goes on.',
     done: () => isDrafted() && placesToConfirm().length === 0,
     again: true,
     content: reviewButton,
@@ -81,9 +82,14 @@ function draftButton() {
     @click=${draftFromBox}>${icon('wand')}${labelOf('draft')}</button>${why ? html`<p class="note">${why}.</p>` : nothing}`;
 }
 
+/** The guide is at its end: the review goes on by itself. */
+function review() {
+  setUi('guideStep', null);
+  if (!isReviewing()) toggleReview();
+}
+
 function reviewButton() {
   const places = placesToConfirm();
   if (!places.length) return nothing;
-  return html`<button type="button" class="btn pri full" @click=${() => goTo(places[0].frame)}>
-    ${placesWords()}: go to frame ${places[0].frame}</button>`;
+  return html`<button type="button" class="btn pri full" @click=${review}>${placesWords()}: review</button>`;
 }

@@ -2,6 +2,7 @@
 // Each returns the state of the press from then on.
 
 import { correction } from '../actions/keypoints.js';
+import { keysLimb } from '../actions/review.js';
 import { isFree, partNamed } from '../store/parts.js';
 import { server, setUi, ui } from '../store/state.js';
 import { beginDrag } from './drag.js';
@@ -25,7 +26,7 @@ export function beginOnTarget(view, press, target) {
   const wedge = target.kind === 'ring' ? wedgeOf(target, press.x, press.y) : null;
   const carries = movesWhole();
   const open = handle.kind === 'ring' && isFree(handle.part, handle.axis);
-  const place = view.inMessage();
+  const place = { ...view.inMessage(), ...limbOnly(handle.kind === 'root' || carries) };
   const messageAt = (at, keys) => ({
     do: 'drag', ...place, handle, from, at, ...keys, free: open || keys.free, carry: carries || keys.carry,
   });
@@ -37,6 +38,9 @@ export function beginOnTarget(view, press, target) {
   view.over.style.cursor = 'grabbing';
   return 'dragging';
 }
+
+/** In a review a drag keys the limb alone. */
+const limbOnly = (movesAll) => (keysLimb() && !movesAll ? { partial: true } : {});
 
 /** With the tool for the whole body, hands and feet go along. */
 const movesWhole = () => ui.tool === 'move';
@@ -69,8 +73,8 @@ export function beginOnSurface(view, press, part) {
   const handle = { kind: 'surface', part, tool };
   const from = view.toView([press.x, press.y]);
   select(part);
-  const place = view.inMessage();
   const carries = movesWhole();
+  const place = { ...view.inMessage(), ...limbOnly(tool === 'move' || carries) };
   const messageAt = (at, keys) => ({
     do: 'drag', ...place, handle, from, at, ...keys, carry: carries || keys.carry,
   });

@@ -18,7 +18,7 @@ export function draftbar() {
     ${icon(nobody ? 'warn' : 'check')}
     <span>${nobody ? html`<b>${nobody}</b> ${draftedWords(draft)}` : html`<b>${draftedWords(draft)}</b>`}</span>
     ${nobody ? button({ label: `Draw a box at ${at}`, title: 'Draft these frames from a box in one of them', act: () => drawBoxAt(at) }) : nothing}
-    ${placesToConfirm().length ? actionButton('suggestedFrame', undefined, { name: undefined, label: placesWords(), title: 'Go to the next of them' }) : nothing}
+    ${placesToConfirm().length ? actionButton('review', undefined, { name: undefined, label: `${placesWords()}: review`, title: 'Look at them one after another' }) : nothing}
     ${actionButton('undo', undefined, { name: undefined, label: 'Undo draft', title: 'Remove the draft', kind: 'ghost' })}
     ${iconButton({ name: 'x', label: 'Close', act: () => setUi('draftRead', server.revision) })}
   </div>`;

@@ -4,6 +4,7 @@ import { svg, nothing } from '../vendor/lit-html/lit-html.js';
 import { partNamed } from '../store/parts.js';
 import { server, ui } from '../store/state.js';
 import { interaction, isDragged, isHot } from './interaction.js';
+import { isOfPlace } from './reviewmarks.js';
 import { gripScale, isLarge } from './scale.js';
 import { add, pathOf, unit } from './space.js';
 
@@ -35,7 +36,7 @@ function drawGrip(view, grip) {
   const dragged = isDragged(grip);
   const { gesture } = server.pose;
   const far = (dragged && gesture?.out_of_reach) || gesture?.unreached.includes(grip.handle.name);
-  const state = [dragged ? 'dragged' : '', far ? 'far' : '', isHot(view, grip) ? 'hot' : ''].join(' ');
+  const state = [dragged ? 'dragged' : '', far ? 'far' : '', isHot(view, grip) ? 'hot' : '', isOfPlace(grip) ? '' : 'aside'].join(' ');
   const classes = `grip ${grip.kind} ${state}`;
   const grown = dragged ? 1.5 : isHot(view, grip) ? 1.33 : 1;
   const r = grip.radius * grown;

@@ -22,7 +22,7 @@ export function mount() {
   for (const name of ALL_VIEWS) listenTo(viewNamed(name));
   onInteraction(paint);
   onViews(paint);
-  watch([...SECTIONS, 'u:limb', 'u:mask', 'u:box', 'u:layout', 'u:dragging', 'u:tab', 'u:rings', 'u:keypointHover'], paint);
+  watch([...SECTIONS, 'u:limb', 'u:mask', 'u:box', 'u:layout', 'u:dragging', 'u:tab', 'u:rings', 'u:keypointHover', 'u:review'], paint);
   watch(['pose'], refresh);
   watch(['u:tool'], changeTool);
   watch(['u:playing', 'file'], () => ui.playing && leave());

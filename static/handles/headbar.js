@@ -2,12 +2,14 @@
 // segments are.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
+import { partNamed } from '../store/parts.js';
 import { server, setUi, ui } from '../store/state.js';
 import { keyOf, perform } from '../actions/actions.js';
+import { partKeyAt } from '../actions/limbs.js';
 import { segmentsHere } from '../actions/tracking.js';
 import { icon } from '../controls/icons.js';
 import { VERDICTS } from '../controls/verdicts.js';
-import { range } from '../controls/words.js';
+import { range, roughError } from '../controls/words.js';
 import { words as subject } from '../store/subject.js';
 import { VIEW_KEYS, VIEW_NAMES } from '../views/views.js';
 import { largeView } from './scale.js';
@@ -34,6 +36,11 @@ function poseStatus() {
     return html`<span class="row b what draft">${icon('keyadd')}<span class="word">Frame</span> ${frame}</span>
       <span class="mut say">Posed, press <kbd>${keyOf('addKeyframe')}</kbd> to keep</span>`;
   }
+  const part = partKeyAt(frame);
+  if (part) {
+    return html`<span class="row b what key">${icon('part')}<span class="word">Part keyframe</span> ${frame}</span>
+      <span class="mut say">${part.words}</span>`;
+  }
   return html`<span class="row b what"><span class="word">Frame</span> ${frame}</span><span class="mut say">${sourceWords(source)}</span>`;
 }
 
@@ -58,22 +65,23 @@ function chips() {
 
 function chip(segment, isShort) {
   const { colour, sign, word } = VERDICTS[segment.state];
-  const { say, where } = verdict(segment);
+  const { say, why = say, where } = verdict(segment);
   const frames = range(segment.first, segment.last);
-  const title = `${frames}: ${where ? `${say}. ${where}` : say}`;
+  const title = `${frames}: ${where ? `${why}. ${where}` : why}`;
   return html`<button class="chip ${colour}" title=${title} aria-label=${title}
     @click=${() => perform('goTo', target(segment))}>
     ${icon(sign)}<span class="num">${frames}</span>
     <em class="say">${isShort ? word || subject().doing : say}</em>
-    ${where ? html`<em class="num where">${isShort ? `→ ${segment.go}` : where}</em>` : nothing}
+    ${where ? html`<em class="num where">${isShort || why !== say ? `→ ${segment.go}` : where}</em>` : nothing}
   </button>`;
 }
 
 /** What is said of a segment, and what to do at which frame, where there is one. */
-function verdict({ state, words: said, short, todo, pass }) {
+function verdict({ state, words: said, short, todo, pass, part, px }) {
   if (state === 'tracking') return { say: pass == null ? subject().doing : said };
   if (state === 'waiting') return { say: VERDICTS.waiting.word };
-  return { say: short || said, where: todo };
+  const label = px === null ? '' : partNamed(part)?.label.toLowerCase();
+  return { say: label ? `${roughError(px, null)} at the ${label}` : short || said, why: short || said, where: todo };
 }
 
 /** Where a click on a chip goes: to the trouble, or to the segment's other end. */

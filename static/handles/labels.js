@@ -7,6 +7,7 @@ import { server, ui } from '../store/state.js';
 import { drawBoxSize } from './box.js';
 import { interaction } from './interaction.js';
 import { drawKeypointName } from './keypoints.js';
+import { drawPlaceName } from './reviewmarks.js';
 import { isLarge, largeView, ringRadius } from './scale.js';
 import { isReady, targetsIn } from './targets.js';
 
@@ -18,7 +19,7 @@ const hosts = new Map();
 /** Draw a view's labels. */
 export function drawLabels(view) {
   const { keypoints } = targetsIn(view);
-  render([drawValue(view), drawName(view), drawBoxSize(view), drawKeypointName(view, keypoints)], hostOf(view));
+  render([drawValue(view), drawName(view), drawBoxSize(view), drawKeypointName(view, keypoints), ui.dragging ? nothing : drawPlaceName(view)], hostOf(view));
 }
 
 function hostOf(view) {

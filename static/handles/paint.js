@@ -10,6 +10,7 @@ import { drawKeypoints } from './keypoints.js';
 import { drawLabels } from './labels.js';
 import { drawMasks } from './masks.js';
 import { drawPinMarks, drawSoles } from './pinmarks.js';
+import { drawPlace } from './reviewmarks.js';
 import { drawRings } from './rings.js';
 import { isLarge } from './scale.js';
 import { drawSizes } from './sizes.js';
@@ -40,6 +41,7 @@ function overlay(view) {
     ${drawHover(view)}
     ${drawLimb(view)}
     ${drawReach(view, targets.grips)}
+    ${drawPlace(view)}
     ${drawGrips(view, targets.grips)}
     ${drawPinMarks(view)}
     ${drawSizes(view, targets.sizes)}

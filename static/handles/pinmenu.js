@@ -66,5 +66,5 @@ export function listenForMenuKey() {
 function openFor(part, place, at = null) {
   const pins = pinEntries(part, at);
   const title = pins.length ? [] : [heading(part.label)];
-  openMenuAt(part.label, [...title, ...pins, ...(pins.length ? [line] : []), menuItem('turnInDepth', part)], place);
+  openMenuAt(part.label, [...title, ...pins, ...(pins.length ? [line] : []), menuItem('keyLimb'), menuItem('turnInDepth', part)], place);
 }

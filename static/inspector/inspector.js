@@ -15,6 +15,7 @@ import { masks } from './masks.js';
 import { method } from './method.js';
 import { partTab } from './part_tab.js';
 import { picker } from './picker.js';
+import { reviewPanel, revealRow } from './review.js';
 import { segment } from './segment.js';
 import { space } from './space.js';
 import { surfaces } from './surfaces.js';
@@ -39,7 +40,7 @@ const SHOWN = [
   'pins', 'proposed_pins', 'floor',
   'u:tab', 'u:tool', 'u:hover', 'u:figureHover', 'u:freeAxes', 'u:lens', 'u:mask', 'u:box',
   'u:rings', 'u:allKeypoints', 'u:draftRange', 'u:segmentFirst', 'u:allFreedoms', 'u:fitFocal',
-  'sizes_preview', 'u:allSizes',
+  'sizes_preview', 'u:allSizes', 'review', 'u:review', 'u:reviewGoal', 'u:reviewHeld', 'u:reviewDone',
 ];
 
 /** What was selected when it was last brought into sight. */
@@ -57,6 +58,7 @@ export function mount() {
 
 function draw(room) {
   render(server.file && server.body && server.view ? contents() : nothing, room);
+  revealRow(room);
   if (server.view?.selected === shownSelected) return;
   shownSelected = server.view?.selected;
   // With the keyboard in the figure the focus goes along.
@@ -66,6 +68,7 @@ function draw(room) {
 }
 
 function contents() {
+  if (ui.review) return reviewPanel();
   const tab = TABS[ui.tab] ? ui.tab : 'part';
   return html`${picker()}
     <div class="tabs" role="tablist" aria-label="Inspector" @keydown=${turn}>

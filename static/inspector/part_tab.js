@@ -2,6 +2,7 @@
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { actionButton, actionIcon } from '../actions/buttons.js';
+import { limbs } from './limbs.js';
 import { floor, pins, pinsComeFirst } from './pins.js';
 import { position } from './position.js';
 import { rotation } from './rotation.js';
@@ -12,14 +13,14 @@ import { isSurface } from '../store/subject.js';
 
 export function partTab() {
   const part = selectedPart();
-  if (!part) return html`${pose()}`;
+  if (!part) return html`${limbs()}${pose()}`;
   const pinned = isSurface() ? nothing : html`${pins(part)}${floor(part)}`;
   const isFirst = pinsComeFirst(part);
-  return html`${isFirst ? pinned : nothing}${part.parent ? nothing : position()}${rotation(part)}${pose()}${size(part)}${isFirst ? nothing : pinned}`;
+  return html`${limbs()}${isFirst ? pinned : nothing}${part.parent ? nothing : position()}${rotation(part)}${pose()}${size(part)}${isFirst ? nothing : pinned}`;
 }
 
 const POSES = /** @type {const} */ ([
-  'fitPose', 'useTracked', 'pasteMirrored', 'swapSides', 'turnInDepth', 'copyPrevious', 'copyNext',
+  'fitPose', 'keyLimb', 'useTracked', 'pasteMirrored', 'swapSides', 'turnInDepth', 'copyPrevious', 'copyNext',
 ]);
 
 /** Poses taken over whole: fitted, tracked, copied from the keyframes around, mirrored, at rest. */

@@ -5,6 +5,7 @@ import { mountFitCard } from './fit_card.js';
 import { mountFocus } from '../controls/focus.js';
 import { mountGuide } from '../guide/guide.js';
 import { mountKeys } from './keys.js';
+import { mountReview } from '../actions/review.js';
 import { mountSheet } from './keys_sheet.js';
 import { mountLine } from './line.js';
 import { mountMenus } from '../controls/menu.js';
@@ -23,6 +24,7 @@ export function mount() {
   mountStatus();
   mountStart();
   mountGuide();
+  mountReview();
   mountFitCard();
   mountSheet();
   mountChooser();

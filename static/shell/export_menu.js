@@ -10,8 +10,9 @@ import { actionBox, menuItem } from '../actions/buttons.js';
 import { MOTION } from '../actions/table.js';
 import { hasMotion, viewShown } from '../actions/export.js';
 import { isTracked } from '../actions/tracking.js';
+import { goal, places } from '../actions/review.js';
 import { content, heading, line, menuButton, menuHolder, note } from '../controls/menu.js';
-import { joined, range } from '../controls/words.js';
+import { count, joined, range } from '../controls/words.js';
 
 export function exportButton() {
   const face = html`${icon('exp')}Export${icon('chev')}`;
@@ -35,6 +36,7 @@ function items() {
     content(html`<div class="mtick">${actionBox('filterMotion')}</div>`),
     varying(),
     warning(),
+    ...(places().length ? [menuItem('review', undefined, { label: `Review ${count(places().length, 'place')} above ${goal()} px first` })] : []),
     line,
     menuItem('saveReport', undefined, { right: 'verdicts, charts, images' }),
   ];

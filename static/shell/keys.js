@@ -7,6 +7,7 @@ import { keepsKey, leaveControl } from '../controls/focus.js';
 import { closeMenu } from '../controls/menu.js';
 import { closeGuide } from '../guide/guide.js';
 import { discardSizes, lookBack, onPreviewKey } from '../actions/preview.js';
+import { closeReview, onReviewKey } from '../actions/review.js';
 import { closeFit } from './fit_card.js';
 import { cancelJob } from './job.js';
 
@@ -55,7 +56,7 @@ function onKeyDown(event) {
     return;
   }
   if (keepsKey(chord) || hasText(chord) || isModal(chord)) return;
-  if (onPreviewKey(chord, event)) return;
+  if (onPreviewKey(chord, event) || onReviewKey(chord, event)) return;
   if (chord === 'Space') {
     pressSpace(event);
     return;
@@ -68,7 +69,7 @@ function onKeyDown(event) {
 
 /** What Esc ends, the nearest first; whether there was anything. */
 function escape() {
-  return closeSheets() || closeMenu() || leaveControl() || discardSizes() || closeFit() || closeGuide() || cancelJob();
+  return closeSheets() || closeMenu() || leaveControl() || discardSizes() || closeFit() || closeGuide() || closeReview() || cancelJob();
 }
 
 /** A text that is marked in a message is what Ctrl C should copy. */

@@ -8,6 +8,7 @@ import { backlog } from '../store/edits.js';
 import { server, ui, watch } from '../store/state.js';
 import { selectedPart } from '../store/parts.js';
 import { pinHints } from '../timeline/edit/pin_drags.js';
+import { reviewHints } from '../actions/review.js';
 import { guideHints } from '../guide/guide.js';
 import * as tools from '../handles/tools.js';
 import { count } from '../controls/words.js';
@@ -15,7 +16,7 @@ import { count } from '../controls/words.js';
 export function mountStatus() {
   const element = document.getElementById('status');
   const draw = () => render(bar(), element);
-  watch(['file', 'tabs', 'view', 'body', 'u:timeHover', 'u:timeGrabbed', 'u:tool', 'u:layout', 'u:dragging', 'u:connected', 'u:line', 'u:guideStep', 'u:guidePath', 'u:box'], draw);
+  watch(['file', 'tabs', 'view', 'body', 'u:timeHover', 'u:timeGrabbed', 'u:tool', 'u:layout', 'u:dragging', 'u:connected', 'u:line', 'u:guideStep', 'u:guidePath', 'u:box', 'u:review'], draw);
   // How many edits wait is known to the link alone.
   setInterval(() => ui.connected || draw(), 500);
   addEventListener('beforeunload', keepWaiting);
@@ -33,7 +34,7 @@ function bar() {
 
 function hintsNow() {
   if (!server.file) return [['?', 'keys and help']];
-  const guided = ui.dragging ? null : guideHints();
+  const guided = ui.dragging ? null : guideHints() ?? reviewHints();
   if (guided ?? pinHints()) return guided ?? pinHints();
   const hints = tools.hintsFor?.(ui.tool, ui.dragging, ui.layout) ?? [];
   const canPin = !ui.dragging && isEnd(selectedPart());

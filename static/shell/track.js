@@ -6,7 +6,7 @@ import { menuItem } from '../actions/buttons.js';
 import { frame, segmentAt } from '../actions/playhead.js';
 import { changedSegments, isFirstTrack, namesOf, whyNotTrack } from '../actions/tracking.js';
 import { icon } from '../controls/icons.js';
-import { menuHolder, toggleMenu } from '../controls/menu.js';
+import { line, menuHolder, toggleMenu } from '../controls/menu.js';
 import { range } from '../controls/words.js';
 import { words } from '../store/subject.js';
 
@@ -64,6 +64,8 @@ function items() {
     menuItem('trackChanged', undefined, { label: html`${verb} changed${tail(namesOf(changedSegments()))}` }),
     menuItem('trackThis', here, { label: html`${verb} this${tail(here && range(here.first, here.last))}` }),
     menuItem('trackAll'),
+    line,
+    menuItem('review'),
   ];
 }
 

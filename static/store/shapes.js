@@ -146,7 +146,7 @@
 /**
  * @typedef {object} Pose  At the present frame.
  * @property {number} frame
- * @property {'keyframe' | 'draft' | 'tracked' | 'between' | 'held' | 'opening'} source
+ * @property {'keyframe' | 'draft' | 'tracked' | 'part' | 'between' | 'held' | 'opening'} source
  * @property {string | null} stroke
  * @property {Record<string, number[]>} T  Part to camera: three rows of four.
  * @property {Record<string, Point>} points
@@ -154,6 +154,14 @@
  * @property {Point} root
  * @property {Record<string, Axis[]>} at_limit
  * @property {Gesture | null} gesture
+ */
+
+/**
+ * @typedef {object} PartKeyframe  Of some limbs alone.
+ * @property {number} frame
+ * @property {string[]} parts
+ * @property {{ label: string, side: 'L' | 'R' | 'C', parts: string[] }[]} limbs  What they are called, and their colours.
+ * @property {string} words  "right arm only"
  */
 
 /**
@@ -168,6 +176,9 @@
  * @property {string | null} part
  * @property {Spot | null} frames
  * @property {number | null} go
+ * @property {number | null} px  Expected error there, pixels of the video.
+ * @property {number | null} cm
+ * @property {string} size  The same in words.
  * @property {number | null} percent
  * @property {number | null} pass
  * @property {number | null} of
@@ -188,6 +199,42 @@
  */
 
 /**
+ * @typedef {object} ReviewPlace  A place of the motion to look at.
+ * @property {string} id
+ * @property {'tracked' | 'draft'} kind
+ * @property {number} frame
+ * @property {string | null} part  Null where it is about the whole body.
+ * @property {string} label
+ * @property {'L' | 'R' | 'C'} side
+ * @property {string} cause
+ * @property {number} first  Of the frames it is about.
+ * @property {number} last
+ * @property {number | null} px  Expected error; null where nobody knows.
+ * @property {number | null} cm
+ * @property {string} size  The same in words.
+ * @property {string} reason
+ * @property {Point} end  The part's far end, camera frame, metres.
+ * @property {number} radius_m  The expected error, metres.
+ * @property {Spot} at  The far end in the picture.
+ * @property {number} crop  Side of what is shown of the picture around it, pixels.
+ * @property {[number, number, number, number]} box  Around its limb: left, top, right, bottom, pixels.
+ */
+
+/** @typedef {{ frame: number, part: string, answer: 'accepted' | 'unclear' }} Answered */
+
+/**
+ * @typedef {object} Review  What there is to review.
+ * @property {ReviewPlace[]} places  Without an answer, the worst first.
+ * @property {Answered[]} answered  Those that still count.
+ * @property {number} goal  One that this film allows, pixels.
+ * @property {number[]} goals  To choose from.
+ * @property {number | null} right_px  By which a joint that is right is expected to be off.
+ * @property {number | null} px  Expected error of all joints in the mean.
+ * @property {number | null} cm
+ * @property {number} untracked  Segments that need tracking.
+ */
+
+/**
  * @typedef {object} SpaceFinding  What is not plausible in space.
  * @property {string} kind
  * @property {string} words
@@ -204,6 +251,8 @@
  * @property {string} title  What to do.
  * @property {string} detail  Why.
  * @property {string} kind
+ * @property {string | null} part  That is to be looked at there.
+ * @property {string | null} cause
  */
 /** @typedef {{ part: string, x: Series, y: Series, z: Series, error: Series }} Curve */
 /** @typedef {{ part: string, points: [number, number, number, number][], keys: number[] }} Trail */
@@ -359,9 +408,10 @@
  * @property {Body | null} body
  * @property {Looks | null} view
  * @property {Pose | null} pose
- * @property {{ frames: number[], drafts: number[], soft: number[] }} keys
+ * @property {{ frames: number[], drafts: number[], soft: number[], parts: PartKeyframe[] }} keys
  * @property {Segment[]} segments
  * @property {ExpectedError[]} errors  The worst parts of every segment, the worst first.
+ * @property {Review | null} review
  * @property {SpaceFinding[]} space  The worst first.
  * @property {Suggestion | null} suggest
  * @property {Series} need  Pixels that a keyframe is expected to mend.
@@ -506,6 +556,11 @@
  * @property {{ width: number, height: number }} [timeSize]
  * @property {{ first: number, last: number }} [timeWindow]
  * @property {'shown' | 'over' | null} [zoomHint]
+ * @property {import('../actions/review_list.js').ReviewList | null} [review]  Null while nothing is reviewed.
+ * @property {number | null} [reviewGoal]  As somebody chose it, pixels.
+ * @property {boolean} [reviewLeft]  It was closed before its end.
+ * @property {boolean} [reviewDone]  The places that were answered are listed.
+ * @property {string | null} [reviewHeld]  A row that keeps its height while the pointer is on the list.
  */
 
 /** @typedef {keyof Sections | `u:${keyof Ui}`} Watched  What a room can watch. */

@@ -7,6 +7,7 @@ import { actionIcon } from '../actions/buttons.js';
 import { applySizes, isPreview, outdatedWords } from '../actions/preview.js';
 import { placesWords, reasonOf } from '../actions/drafting.js';
 import { frame, goTo, placeAhead, stopPlaying, isKey, keyFrames } from '../actions/playhead.js';
+import { isReviewing, place as placeToReview, places as placesToReview } from '../actions/review.js';
 import { proposedPins } from '../actions/pins.js';
 import { partNamed } from '../store/parts.js';
 import { count } from '../controls/words.js';
@@ -41,6 +42,8 @@ const SUGGESTION_ICONS = { good: 'check', track: 'track', look: 'warn', confirm:
  * done, how far it is. */
 function drawSuggestion() {
   if (isPreview()) return newSizes();
+  if (isReviewing()) return reviewing();
+  if (ui.reviewLeft && placesToReview().length) return interrupted();
   if (!confirmation() && proposedPins().length) return drawProposals();
   const suggest = confirmation() ?? server.suggest;
   if (!suggest) return nothing;
@@ -58,6 +61,23 @@ function newSizes() {
   return html`<div class="sug preview" role="status">${icon('size')}
     <span class="tx"><b>New sizes fit better.</b> <span class="mut">${outdatedWords()}</span></span>
     <button class="btn sm pri" @click=${applySizes}>Apply<kbd>Enter</kbd></button></div>`;
+}
+
+/** A place is looked at; the answer is given here as well. */
+function reviewing() {
+  const row = placeToReview();
+  if (!row) return nothing;
+  const title = row.kind === 'draft' ? 'Is the draft right here?' : `Is the ${row.label.toLowerCase()} right here?`;
+  return html`<div class="sug" role="status" title=${`Frame ${row.frame}: ${row.reason}`}>${icon('flag')}
+    <span class="tx"><b>${title}</b> <span class="mut">Enter accepts, drag corrects.</span></span>
+    ${primary('acceptPlace', 'Accept')}${primary('nextPlace', 'Next', labelOf('nextPlace'), 'ghost')}</div>`;
+}
+
+/** The review was closed before its end. */
+function interrupted() {
+  return html`<div class="sug" role="status">${icon('flag')}
+    <span class="tx"><b>Review: ${placesToReview().length} left</b></span>
+    <button class="btn sm pri" @click=${() => perform('continueReview')}>${labelOf('continueReview')}<kbd>${keyOf('review')}</kbd></button></div>`;
 }
 
 /** Pins wait to be accepted. */
@@ -92,8 +112,8 @@ function suggestionButton({ frame: to, kind }) {
 }
 
 /** @param {import('../actions/actions.js').ActionId} id */
-function primary(id, word, label = labelOf(id)) {
-  return html`<button class="btn sm pri" aria-label=${label} @click=${() => perform(id)}
+function primary(id, word, label = labelOf(id), kind = 'pri') {
+  return html`<button class="btn sm ${kind}" aria-label=${label} @click=${() => perform(id)}
     >${word}<kbd>${keyOf(id)}</kbd></button>`;
 }
 

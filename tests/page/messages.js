@@ -9,6 +9,6 @@ server.view = { frame: 4, selected: 'left_hand', mode: 'both' };
 server.keys = { frames: [0, 8], drafts: [] };
 ui.fitFocal = true;
 ui.box = [10, 20, 30, 80];
-const about = { openRecent: { id: 'a' }, pinCorner: { part: 'left_hand', at: [10, 20] } };
+const about = { openRecent: { id: 'a' }, pinCorner: { part: 'left_hand', at: [10, 20] }, unkeyLimb: { frame: 4, parts: ['left_hand'] } };
 const messages = Object.entries(ACTIONS).flatMap(([id, { message }]) => (message ? [[id, message(about[id])]] : []));
 process.stdout.write(JSON.stringify(Object.fromEntries(messages)));

@@ -10,7 +10,7 @@ lie within ±180, that of y within ±90.
 frames: what is known of every frame, and how far to trust it.
 
     frame, time_s
-    pose                    keyframe, tracked, or missing
+    pose                    keyframe, part_keyframe (of limbs alone), tracked, or missing
     verdict, words          good, check or lost, and why, of the segment that the frame is in; a
                             keyframe between two is in the one that begins there
     first_frame, last_frame the keyframes of that segment
@@ -100,7 +100,8 @@ def _finding(recording: Recording, i: int) -> tuple[str | int, ...]:
     if recording.segment_at[i] < 0:
         return ("tracked" if recording.tracks.tracked[i] else "missing", "", "", "", "")
     segment = recording.segments[recording.segment_at[i]]
-    pose = "keyframe" if recording.at_keyframe[i] else "tracked"
+    tracked = "part_keyframe" if recording.at_part_keyframe[i] else "tracked"
+    pose = "keyframe" if recording.at_keyframe[i] else tracked
     kind, words = segment.verdict.kind, verdict_words(segment.verdict)
     return (pose, kind, words, segment.first_frame, segment.last_frame)
 

@@ -54,6 +54,7 @@ class Recording:
                where the video has no two.
     sampled_at: (N,) which frame of the video a pose belongs to, in fractions; None: its own number.
     filter_hz: the cut-off of the low-pass filter that the poses went through; None: as tracked.
+    part_frames: frames at which limbs alone were keyed, ascending.
     """
 
     skeleton: Skeleton
@@ -66,6 +67,7 @@ class Recording:
     rate: float | None = None
     sampled_at: Array | None = None
     filter_hz: float | None = None
+    part_frames: tuple[int, ...] = ()
 
     @classmethod
     def of(
@@ -91,6 +93,7 @@ class Recording:
             frozen(up / np.linalg.norm(up)),
             tuple(sorted(_open_ends(session, segments))),
             _mean_rate(times_s),
+            part_frames=tuple(keyframe.frame for keyframe in session.part_keyframes),
         )
 
     def __len__(self) -> int:
@@ -181,8 +184,15 @@ class Recording:
     def at_keyframe(self) -> NDArray[np.bool_]:
         """(N,) True at a keyframe, whose pose is not a tracked one."""
         ends = {frame for s in self.segments for frame in (s.first_frame, s.last_frame)}
-        keyed = np.array(sorted(ends - set(self.open_ends)), dtype=float)
-        near = np.abs(self.film_frames[:, None] - keyed) <= AT_KEYFRAME
+        return self._at(sorted(ends - set(self.open_ends)))
+
+    @property
+    def at_part_keyframe(self) -> NDArray[np.bool_]:
+        """(N,) True where limbs alone were keyed."""
+        return self._at(self.part_frames)
+
+    def _at(self, frames: Sequence[int]) -> NDArray[np.bool_]:
+        near = np.abs(self.film_frames[:, None] - np.array(frames, dtype=float)) <= AT_KEYFRAME
         found = np.asarray(near.any(axis=1))
         found.setflags(write=False)
         return found

@@ -29,8 +29,10 @@ from tracker.geometry.rotations import quaternion_wxyz, rotation_from_quaternion
 from tracker.session.corrections import KeypointCorrection, require_corrections
 from tracker.session.drafted import Drafted
 from tracker.session.evidence import Evidence, evidence_of
+from tracker.session.part_keyframes import require_part_keyframes
 from tracker.session.pins import PinList, require_pins
 from tracker.session.results import Results
+from tracker.session.reviewed import ReviewedList
 from tracker.session.settings import (
     FrameIndex,
     IgnoreMask,
@@ -56,10 +58,12 @@ NEAREST_M = 0.05
 
 MOST: Mapping[str, int] = {
     "keyframes": 10_000,
+    "part_keyframes": 10_000,
     "drafts": 10_000,
     "ignore_masks": 10_000,
     "keypoint_corrections": 10_000,
     "pins": 1_000,
+    "reviewed": 10_000,
 }
 """Far above what a person sets in a session."""
 
@@ -165,6 +169,18 @@ class Keyframe(Plain):
         return Pose(rotation_from_quaternion(quaternions), np.array(self.root_m))
 
 
+class PartKeyframe(Keyframe):
+    """A keyframe of some parts alone: these are exact at its frame, the rest is tracked.
+
+    Its pose is of the whole body as it stood when it was set. Exact are its parts where that pose
+    has them in the camera frame; the rest of it is what the frame shows until it is tracked.
+    """
+
+    parts: Annotated[tuple[Name, ...], Field(min_length=1, max_length=1000)] = Field(
+        description="The parts that are exact, each once; what hangs on one belongs to it."
+    )
+
+
 class FirstMotion(Plain):
     """A motion from elsewhere, fitted to the body: a start for tracking, not its result."""
 
@@ -204,6 +220,12 @@ class Session(Plain):
     camera: Camera
     body: Body
     keyframes: tuple[Keyframe, ...] = ()
+    part_keyframes: tuple[PartKeyframe, ...] = Field(
+        default=(),
+        exclude_if=operator.not_,
+        description="Keyframes of some parts alone, at frames that are no keyframes; left out "
+        "where there are none.",
+    )
     drafts: tuple[Keyframe, ...] = Field(
         default=(), description="Poses begun at frames that are no keyframes yet; not tracked."
     )
@@ -245,6 +267,7 @@ class Session(Plain):
         exclude_if=operator.not_,
         description="What drafting the film found besides the drafts; left out where nobody did.",
     )
+    reviewed: ReviewedList = ()
     surface: Surface | None = Field(
         default=None,
         exclude_if=operator.not_,
@@ -299,14 +322,15 @@ class Session(Plain):
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
-        require_fit(self, (*self.keyframes, *self.drafts))
+        require_fit(self, (*self.keyframes, *self.part_keyframes, *self.drafts))
         return self
 
 
 def require_fit(session: Session, poses: Sequence[Keyframe]) -> None:
     """ValueError in one sentence unless the session's values, each valid by itself, fit together.
 
-    poses: the keyframes and drafts to check against body and video; the others are known to fit.
+    poses: the keyframes, of parts too, and drafts to check against body and video; the others are
+        known to fit.
     """
     require_few({name: getattr(session, name) for name in MOST})
     camera, video = session.camera, session.video
@@ -317,6 +341,8 @@ def require_fit(session: Session, poses: Sequence[Keyframe]) -> None:
         )
     _require_sorted(session.keyframes)
     _require_sorted(session.drafts)
+    _require_sorted(session.part_keyframes)
+    require_part_keyframes(session)
     _require_direction(session.up_camera)
     _require_parts(session.settings.left_out, session.body)
     require_pins(session.pins, session.body, video.frame_count)
@@ -333,7 +359,7 @@ def _quaternions(keyframe: Keyframe, names: Sequence[str]) -> list[Quaternion]:
     return [keyframe.rotations_wxyz.get(name, AT_REST) for name in names]
 
 
-def _require_sorted(keyframes: tuple[Keyframe, ...]) -> None:
+def _require_sorted(keyframes: Sequence[Keyframe]) -> None:
     for one, other in pairwise(keyframes):
         before, after = one.frame, other.frame
         if before == after:

@@ -153,19 +153,27 @@ def _with_diagonals(own: Equations, diagonals: Sequence[Diagonal]) -> Equations:
 
 @dataclass(frozen=True, eq=False)
 class PointsInSpace(RowTerm):
-    """Points of the body at positions (..., K, 3) in the camera frame, metres."""
+    """Points of the body at positions (..., K, 3) in the camera frame, metres.
+
+    sigma_m: of all, or (..., K) of each, infinite where a position is not known.
+    """
 
     points: BodyPoints
     positions: Array
-    sigma_m: float
+    sigma_m: float | Array
 
     def cost(self, posed: Posed) -> float:
-        return _half_squares((self.points.of(posed) - self.positions) / self.sigma_m)
+        return _half_squares((self.points.of(posed) - self.positions) / self._sigma)
 
     def rows(self, posed: Posed) -> Rows:
         p, J = self.points.jacobian(posed)
-        away = (p - self.positions) / self.sigma_m
-        return Rows(_flat(away), _rows_of(J / self.sigma_m), _half_squares(away))
+        away = (p - self.positions) / self._sigma
+        return Rows(_flat(away), _rows_of(J / self._sigma[..., None]), _half_squares(away))
+
+    @property
+    def _sigma(self) -> Array:
+        """(..., K, 1) or (1,)"""
+        return np.asarray(self.sigma_m, dtype=np.float64)[..., None]
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,7 @@
 """What one edit changed in a session: small plain data, with which the edit can be made again.
 
-Of keyframes and drafts only those that differ are listed. Results are not an edit: no person made
-them.
+Of keyframes, also those of parts, and of drafts only those that differ are listed. Results are not
+an edit: no person made them.
 """
 
 from __future__ import annotations
@@ -12,15 +12,20 @@ from typing import Any, TypeAlias, get_type_hints
 from pydantic import TypeAdapter, ValidationError
 
 from tracker.errors import one_sentence
-from tracker.session.schema import Keyframe, Session, require_few, require_fit
+from tracker.session.schema import Keyframe, PartKeyframe, Session, require_few, require_fit
 
 Changes: TypeAlias = dict[str, Any]
-"""New values by the session's fields; of keyframes and drafts: {"set": [...], "drop": [frames]}."""
-
-LISTED = ("keyframes", "drafts")
-FIELDS = tuple(name for name in Session.model_fields if name not in ("schema_version", "results"))
+"""New values by the session's fields; of those listed: {"set": [...], "drop": [frames]}."""
 
 _KEYFRAMES = TypeAdapter(tuple[Keyframe, ...])
+LISTED: Mapping[str, TypeAdapter[Any]] = {
+    "keyframes": _KEYFRAMES,
+    "part_keyframes": TypeAdapter(tuple[PartKeyframe, ...]),
+    "drafts": _KEYFRAMES,
+}
+"""What is listed by frame, and how it is read."""
+FIELDS = tuple(name for name in Session.model_fields if name not in ("schema_version", "results"))
+
 _VALUES: dict[str, TypeAdapter[Any]] = {
     name: TypeAdapter(get_type_hints(Session, include_extras=True)[name])
     for name in FIELDS
@@ -48,7 +53,7 @@ def apply_changes(before: Session, change: Mapping[str, Any]) -> Session:
     if unknown:
         raise ValueError(f"a change of {unknown[0]!r}, which a session does not have")
     new = {
-        name: _apply(getattr(before, name), value)
+        name: _apply(name, getattr(before, name), value)
         if name in LISTED
         else _VALUES[name].validate_python(value)
         for name, value in change.items()
@@ -66,17 +71,22 @@ def require_sound(before: Session, after: Session) -> None:
         _require_valid(name, value)
     if not change:
         return
-    posed = (*after.keyframes, *after.drafts)
+    posed = _posed(after)
     if not change.keys() & {"video", "camera", "body"}:  # what every pose is checked against
-        known = {id(pose) for pose in (*before.keyframes, *before.drafts)}
+        known = {id(pose) for pose in _posed(before)}
         posed = tuple(pose for pose in posed if id(pose) not in known)
     require_fit(after, posed)
+
+
+def _posed(session: Session) -> tuple[Keyframe, ...]:
+    """All that has a pose."""
+    return (*session.keyframes, *session.part_keyframes, *session.drafts)
 
 
 def _require_valid(name: str, value: Any) -> None:
     try:
         if name in LISTED:
-            _KEYFRAMES.validate_python(value["set"])
+            LISTED[name].validate_python(value["set"])
         else:
             _VALUES[name].validate_python(value)
     except ValidationError as error:
@@ -98,13 +108,13 @@ def _listed(was: Sequence[Keyframe], now: Sequence[Keyframe]) -> dict[str, Any]:
     }
 
 
-def _apply(was: Sequence[Keyframe], change: Any) -> tuple[Keyframe, ...]:
+def _apply(name: str, was: Sequence[Keyframe], change: Any) -> tuple[Keyframe, ...]:
     if not isinstance(change, dict) or not change.keys() <= {"set", "drop"}:
         raise ValueError("keyframes that are neither set nor dropped")
-    require_few({"keyframes": change.get("set", ())})
+    require_few({name: change.get("set", ())})
     left = {keyframe.frame: keyframe for keyframe in was}
     for frame in change.get("drop", ()):
         left.pop(frame, None)
-    for keyframe in _KEYFRAMES.validate_python(change.get("set", ())):
+    for keyframe in LISTED[name].validate_python(change.get("set", ())):
         left[keyframe.frame] = keyframe
     return tuple(left[frame] for frame in sorted(left))

@@ -65,6 +65,13 @@ def segment_key(session: Session, first: int, last: int) -> str:
     return _keys(_ById(session))[first, last]
 
 
+def without_part_keyframes(session: Session) -> Session:
+    """The session whose segments are tracked before limbs are set right in them."""
+    if not session.part_keyframes:
+        return session
+    return session.model_copy(update={"part_keyframes": ()})
+
+
 def setup_hash(session: Session) -> str:
     """SHA-256 of what a motion is tracked with besides keyframes: body, camera, ignore masks; or
     body and surfaces.
@@ -84,6 +91,10 @@ def _key(session: Session, setup: bytes, at: Mapping[int, Keyframe], span: Span)
     ends = [at[frame] for frame in span if frame in at]  # an open end has no keyframe
     segment = [span, _INPUTS.of(session).segment(session, span, ends)]
     poses = [_pose(_ById(end), names) for end in ends]
+    for keyframe in session.part_keyframes:
+        if span[0] < keyframe.frame < span[1]:
+            exact = json.dumps([keyframe.frame, sorted(keyframe.parts)]).encode()
+            poses += [exact, _pose(_ById(keyframe), names)]
     return hashlib.sha256(b"\0".join((setup, json.dumps(segment).encode(), *poses))).hexdigest()
 
 

@@ -85,6 +85,8 @@ def _reasons(session: Session, changed: Sequence[int]) -> list[str]:
     if changed:
         reasons.append(f"keyframes were set, changed or removed at {_listed(changed)}")
     other = "settings or keypoints" if session.keypoint_corrections else "settings"
+    if session.part_keyframes:
+        other = f"part keyframes, {other}" if "or" in other else f"part keyframes or {other}"
     return reasons or ([f"{other} have changed"] if keyed else [])
 
 

@@ -12,6 +12,7 @@ from tracker.geometry.rotations import Array
 from tracker.session.pins import Pin, sole_of
 from tracker.session.results import PinResult
 from tracker.session.schema import Keyframe, Session
+from tracker.storage.part_keyframes import keyed_parts
 from tracker.storage.stretches import Stretch, keyframes_within
 from tracker.tracking.space.contacts import proposed_pins
 from tracker.tracking.space.findings import Judged, space_findings
@@ -41,6 +42,7 @@ def solved(
         keyframes=[keyframe.frame for keyframe in keyframes],
         frames_per_second=_frames_per_second(keyframes),
         soft=[keyframe.frame for keyframe in keyframes if keyframe.soft],
+        keyed_parts=[k for k in keyed_parts(session, skeleton) if first < k.frame < last],
         pins=[point for _, point in _pinned_points(session, stretch.pins)],
         smooth=bool(session.settings.smooth),
         up_camera=up_of(session),

@@ -14,7 +14,8 @@ from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence, 
 from tracker.session.schema import Session
 from tracker.storage.detections import Detections
 from tracker.storage.evidence import surfaces_of
-from tracker.storage.fingerprints import segment_keys
+from tracker.storage.fingerprints import segment_keys, without_part_keyframes
+from tracker.storage.part_keyframes import keyed_parts
 from tracker.surface.fit.fitter import SurfaceFitter
 from tracker.surface.source import UnratedSteps
 from tracker.surface.steps import Steps
@@ -50,8 +51,10 @@ def tracker_of(
         skeleton = like.skeleton
     poses = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.keyframes}
     source = keypoint_source(session, video, keypoints)
+    parts = keyed_parts(session, skeleton)
+    keys = segment_keys(without_part_keyframes(session))
     if like is not None:
-        return like.renewed(skeleton, poses, first_motion, source)
+        return like.renewed(skeleton, poses, first_motion, source, parts, keys)
     return Tracker(
         video,
         session.camera,
@@ -62,6 +65,8 @@ def tracker_of(
         memory,
         first_motion,
         source,
+        parts,
+        keys,
     )
 
 

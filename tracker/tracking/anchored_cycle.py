@@ -60,14 +60,19 @@ def track_anchored(
     brightness: bool = True,
     *,
     silhouette: bool = False,
+    begun: Starts | None = None,
 ) -> Work:
     """Track one segment; yields every trajectory as it is found and returns the outcome.
 
     free: the scene with all parts that carry keypoints free to turn.  candidates: the anchors,
     two where left and right are in doubt.  brightness: whether it counts as well.
     silhouette: whether what moves counts when the best motion is chosen.
+    begun: starts from brightness, where they are known.
     """
-    begun = starts(scene, segment, replace(method, templates=False)) if brightness else Starts(())
+    if not brightness:
+        begun = Starts(())
+    elif begun is None:
+        begun = starts(scene, segment, replace(method, templates=False))
     tried: list[Pass] = []
     ends: list[_Ended] = []
     for anchors in candidates:

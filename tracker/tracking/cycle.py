@@ -14,7 +14,7 @@ from tracker.tracking.cues.joint_evidence import JointEvidence
 from tracker.tracking.cues.silhouette import SilhouetteMismatch
 from tracker.tracking.drift import Corrected, Motions, correct_drift
 from tracker.tracking.frame_pair import least_squares_pass, printed_score, robust_pass
-from tracker.tracking.initial.choose import printed_start, starts
+from tracker.tracking.initial.choose import Starts, printed_start, starts
 from tracker.tracking.method import Keypose, Method, Paper
 from tracker.tracking.scene import Scene
 from tracker.tracking.score import best_of, capped_score, keyframe_difference
@@ -68,7 +68,7 @@ def track_segment(scene: Scene, segment: Segment, method: Method) -> Work:
     """Track one segment; yields every trajectory as it is found and returns the outcome."""
     if isinstance(method, Paper):
         return _paper(scene, segment, method)
-    return _keypose(scene, segment, method)
+    return track_from(scene, segment, method, starts(scene, segment, method))
 
 
 def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
@@ -99,8 +99,8 @@ def _paper(scene: Scene, segment: Segment, method: Paper) -> Work:
     )  # fmt: skip
 
 
-def _keypose(scene: Scene, segment: Segment, method: Keypose) -> Work:
-    begun = starts(scene, segment, method)
+def track_from(scene: Scene, segment: Segment, method: Keypose, begun: Starts) -> Work:
+    """The same from these starts."""
     (first, *others), clip = begun.ways, segment.clip
     tried = others[::-1]  # the better, the later
     yield from tried

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -73,6 +73,10 @@ class Scene:
             skeleton, camera, points, _arrays(skeleton, points), lens, sight, pixel_m,
             _marks(skeleton),
         )  # fmt: skip
+
+    def of_skeleton(self, skeleton: Skeleton) -> Scene:
+        """The same of the same body with other parts tracked."""
+        return replace(self, skeleton=skeleton, arrays=_arrays(skeleton, self.points))
 
     def mark_pixels(self, trajectory: Trajectory) -> Array:
         """Where the marks of every pose are seen: (N, M, 2) pixels."""

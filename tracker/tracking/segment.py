@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from tracker.body.pose import Pose
 from tracker.body.trajectory import Trajectory, interpolate
 from tracker.geometry.rotations import Array
 
 if TYPE_CHECKING:
-    from tracker.body.pose import Pose
     from tracker.tracking.scene import Scene
     from tracker.video.pyramid import Clip
 
@@ -42,6 +42,12 @@ class Segment:
     def interpolated(self) -> Trajectory:
         """Plain interpolation of the keyframes."""
         return interpolate(self.start, self.end, self.first_frame, self.last_frame)
+
+    def expected(self, Rs: Array, ps: Array, n: int) -> Pose:
+        """The nth pose as those before it lead to expect: turned as the last one, the root going on
+        as it did. Rs (N, P, 3, 3), ps (N, 3): the interpolated motion, found up to there."""
+        velocity = ps[n - 1] - ps[n - 2] if n > 1 else np.zeros(3)
+        return Pose(Rs[n - 1], ps[n - 1] + velocity)
 
 
 def is_sound(scene: Scene, segment: Segment, trajectory: Trajectory) -> bool:

@@ -28,6 +28,9 @@ from tracker.tracking.diagnostics.observability import observe, unobserved
 from tracker.tracking.drift import closing_error
 from tracker.tracking.initial.chains import fit_to_keyframes
 from tracker.tracking.method import Keypose, Method, Paper, method_of
+from tracker.tracking.parts.correct import Evidence, corrected, expected_limb_steps
+from tracker.tracking.parts.kept import KeptOutcomes
+from tracker.tracking.parts.keyed import KeyedParts
 from tracker.tracking.result import SegmentResult
 from tracker.tracking.scene import Scene
 from tracker.tracking.segment import Segment
@@ -69,7 +72,8 @@ class Tracker:
     """A video, a camera, a body and its keyposes, made ready to be tracked.
 
     Keep it to track again after a keyframe has changed: pictures stay prepared. Raises SessionError
-    with fewer than two keyposes. `first_motion` is one to start from, wherever it reaches.
+    with fewer than two keyposes. `first_motion` is one to start from, wherever it reaches;
+    `keyed_parts` are limbs that are exact at frames between keyposes.
     """
 
     def __init__(
@@ -83,8 +87,12 @@ class Tracker:
         memory: int = MEMORY_BYTES,
         first_motion: Trajectory | None = None,
         keypoints: KeypointSource | None = None,
+        keyed_parts: Sequence[KeyedParts] = (),
+        keys: Mapping[tuple[int, int], str] | None = None,
     ) -> None:
+        """keys: of the segments without `keyed_parts`; where two are equal so are the motions."""
         self._first_motion, self._keypoints = first_motion, keypoints
+        self._keyed_parts, self._keys, self._kept = tuple(keyed_parts), keys or {}, KeptOutcomes()
         self._prepared = _Prepared(video, camera, masks, static_camera, memory)
         self._laid: dict[float, SurfacePoints] = {}
         self._pose(skeleton, keyposes)
@@ -101,6 +109,8 @@ class Tracker:
         keyposes: Mapping[int, Pose],
         first_motion: Trajectory | None = None,
         keypoints: KeypointSource | None = None,
+        keyed_parts: Sequence[KeyedParts] = (),
+        keys: Mapping[tuple[int, int], str] | None = None,
     ) -> Tracker:
         """A tracker of other keyposes, or of another body, before the same video.
 
@@ -109,6 +119,7 @@ class Tracker:
         """
         other = copy(self)
         other._first_motion, other._keypoints = first_motion, keypoints
+        other._keyed_parts, other._keys = tuple(keyed_parts), keys or {}
         if skeleton is not self.skeleton:
             other._laid = {}
         other._pose(skeleton, keyposes)
@@ -141,9 +152,13 @@ class Tracker:
 
     def expected_steps(self, span: tuple[int, int], settings: TrackSettings) -> int:
         """The expected number of trajectories from `run_segment`."""
+        whole = expected_steps(settings)
         if self._listens_to_keypoints(settings):
-            return expected_anchored_steps(method_of(settings).passes)
-        return expected_steps(settings)
+            whole = expected_anchored_steps(method_of(settings).passes)
+        kind = (self._keys.get(span, ""), settings.model_dump_json())
+        tracked = 0 if self._kept.get(kind) is not None else whole
+        inside = [each for each in self._keyed_parts if span[0] < each.frame < span[1]]
+        return tracked + expected_limb_steps(self.skeleton, inside, whole) if inside else whole
 
     def move_keyframe(self, frame: int, pose: Pose) -> None:
         """Give an existing keyframe another pose."""
@@ -170,7 +185,7 @@ class Tracker:
         segment = Segment(first, last, start, end, self.loader(span).load(first, last), imported)
         method = method_of(settings)
         scene = self.scene(span, method.density)
-        work, number = self._work(scene, segment, settings, emit), 0
+        work, number = self._corrected_work(scene, segment, settings, emit), 0
         while True:
             try:
                 step = next(work)
@@ -184,6 +199,37 @@ class Tracker:
                 return _result(scene, segment, outcome, method, enlarged)
             emit(step, number)
             number += 1
+
+    def _corrected_work(
+        self, scene: Scene, segment: Segment, settings: TrackSettings, emit: Emit
+    ) -> Work:
+        """The segment tracked, or as it was tracked before; then with limbs where they were set."""
+        first, last = segment.first_frame, segment.last_frame
+        kind = (self._keys.get((first, last), ""), settings.model_dump_json())
+        outcome = self._kept.get(kind) if kind[0] else None
+        if outcome is None:
+            outcome = yield from self._work(scene, segment, settings, emit)
+            if kind[0]:
+                self._kept.keep(kind, outcome)
+        inside = [each for each in self._keyed_parts if first < each.frame < last]
+        if not inside:
+            return outcome
+        seen = self._evidence(scene, segment, settings, emit)
+        return (yield from corrected(outcome, segment, inside, method_of(settings), seen))
+
+    def _evidence(
+        self, scene: Scene, segment: Segment, settings: TrackSettings, emit: Emit
+    ) -> Evidence:
+        """What limbs are tracked from."""
+        method, keypoints = method_of(settings), self._keypoints_of(segment, settings, emit)
+        if keypoints is None:
+            return Evidence(scene)
+        span = segment.first_frame, segment.last_frame
+        free = self.scene(span, method.density, free=True)
+        camera, weight = self.loader(span).camera, settings.weight("keypoints")
+        return Evidence(
+            scene, free, camera, keypoints, weight, brightness="brightness" in settings.cues_used
+        )
 
     def _work(self, scene: Scene, segment: Segment, settings: TrackSettings, emit: Emit) -> Work:
         """With keypoints where there are any; without, as if there never were."""

@@ -15,7 +15,7 @@ from app.export.report.labels import words_for
 from app.export.report.markup import Child, Html, element, joined
 from app.export.report.shell import html_page, logo
 from app.export.report.subject import STATE_WORDS, Subject, subject_of
-from app.export.report.tables import keyframes_table, segments_table, verdict
+from app.export.report.tables import keyframes_table, part_keyframes, segments_table, verdict
 from app.posing.labels import number_text
 from app.render.snapshots import Look
 from tracker.session.schema import Session
@@ -114,7 +114,9 @@ def keyframes_section(subject: Subject) -> Html:
     """The keyframes and the intervals between them."""
     if not subject.keys:
         return Html("")
-    return _section("Keyframes", _scrolling(keyframes_table(subject)))
+    return _section(
+        "Keyframes", _scrolling(keyframes_table(subject)), part_keyframes(subject.session)
+    )
 
 
 def pictures_section(subject: Subject, video: Video | None) -> Html:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from app.editor.part_edits import keyed_words
 from app.export.report.figures import figure
 from app.export.report.labels import words_for
 from app.export.report.markup import Child, Html, element
 from app.export.report.subject import Subject
 from app.posing.labels import number_text
+from tracker.errors import listed
+from tracker.session.schema import Session
 from tracker.storage.results import Span, State
 
 
@@ -35,6 +38,15 @@ def keyframes_table(subject: Subject) -> Html:
         foot = [element("th", words, colspan=3, scope="row"), _number(mean),
                 _number(figure(seconds / (len(keys) - 1), 2)), element("td")]  # fmt: skip
     return table(head, rows, (0, 1, 2, 3, 4), foot)
+
+
+def part_keyframes(session: Session) -> Html | None:
+    """Which limbs were keyed alone, and where; None where none were."""
+    if not session.part_keyframes:
+        return None
+    said = [f"{k.frame} ({keyed_words(session.body, k.parts)})" for k in session.part_keyframes]
+    words = f"Limbs keyed alone, the rest of the body tracked: at {listed(said)}."
+    return element("p", words, class_="note")
 
 
 def table(

@@ -20,6 +20,7 @@ from app.store.sections import (
     motion_values,
     pin_values,
     pose_values,
+    review_values,
     scene_values,
     space_values,
     surface_values,
@@ -67,7 +68,7 @@ def _both(*makers: Callable[[AppState], tuple[Any, ...]]) -> Callable[[AppState]
     return lambda app_state: tuple(part for maker in makers for part in maker(app_state))
 
 
-_POSES = _doc("body", "keyframes", "drafts")
+_POSES = _doc("body", "keyframes", "part_keyframes", "drafts")
 
 
 def _curve_poses(app_state: AppState) -> tuple[Any, ...]:
@@ -83,7 +84,8 @@ LONG_CURVE = 1500
 _TRACKED = _both(
     _settled(
         *("body", "camera", "lens_source", "keyframes", "ignore_masks", "settings", "keypoints"),
-        *("keypoint_corrections", "surface", "pins", "floor_m", "up_camera"),
+        *("part_keyframes", "keypoint_corrections", "surface", "pins", "floor_m", "up_camera"),
+        "reviewed",
     ),
     _edit("results"),
 )
@@ -116,9 +118,10 @@ SECTIONS: dict[str, _Section] = {
     "body": _Section(_doc("body"), body_values.body),
     "view": _Section(_edit("frame", "selected", "display"), scene_values.view),
     "pose": _Section(_both(_POSES, _TRACKED, _edit("frame", "stroke")), pose_values.pose),
-    "keys": _Section(_doc("keyframes", "drafts"), pose_values.keys),
+    "keys": _Section(_doc("body", "keyframes", "part_keyframes", "drafts"), pose_values.keys),
     "segments": _Section(_both(_TRACKED, lambda o: (o.running,)), motion_values.segments),
     "errors": _Section(_TRACKED, error_values.errors),
+    "review": _Section(_both(_TRACKED, _settled("drafts", "drafted")), review_values.review),
     "space": _Section(_TRACKED, space_values.space),
     "suggest": _Section(_both(_TRACKED, _edit("frame")), motion_values.suggest),
     "need": _Section(_TRACKED, motion_values.need),

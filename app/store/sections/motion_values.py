@@ -7,11 +7,12 @@ import math
 import numpy as np
 
 from app.editor.advice import next_step
-from app.editor.verdict_text import add_keyframe, sentence, short_sentence
+from app.editor.judged import Judged
+from app.editor.problem_words import sentence_of, size_of, todo_of
+from app.editor.problems import Problem, problem_of
 from app.store.sections.json_value import Json
 from app.store.state import AppState
 from tracker.session.evidence import Words
-from tracker.session.verdict import Verdict
 from tracker.storage.results import Span, State, expected_gain, listed, observability
 from tracker.tracking.result import SegmentResult
 
@@ -23,15 +24,17 @@ def segments(app_state: AppState) -> Json:
         return []
     states = edit.results.states(edit.settled)
     fitting = edit.results.fitting(edit.settled)
-    words = edit.doc.evidence.words
+    words, known = edit.doc.evidence.words, Judged.of(edit.settled, edit.results)
     return [
-        _segment(app_state, words, span, state, fitting.get(span)) for span, state in states.items()
+        _segment(app_state, known, words, span, state, fitting.get(span))
+        for span, state in states.items()
     ]
 
 
 def _segment(
-    app_state: AppState, words: Words, span: Span, state: State, track: SegmentResult | None
-) -> Json:
+    app_state: AppState, known: Judged, words: Words, span: Span, state: State,
+    track: SegmentResult | None,
+) -> Json:  # fmt: skip
     first, last = span
     running = app_state.running.get(span)
     unsaid = {"outdated": "Outdated", "none": f"Not {words.done}"}
@@ -46,6 +49,9 @@ def _segment(
         "part": None,
         "frames": None,
         "go": None,
+        "px": None,
+        "cm": None,
+        "size": "",
         "percent": None,
         "pass": None,
         "of": None,
@@ -57,7 +63,7 @@ def _segment(
     }
     if track is not None and track.verdict is not None:
         value |= {
-            **_verdict(app_state, span, track.verdict),
+            **_verdict(track, problem_of(known, track)),
             "scores": [_finite(score) for score in track.scores],
             "best": track.best_pass,
             "notes": list(track.notes),
@@ -76,25 +82,28 @@ def _segment(
     return value
 
 
-def _verdict(app_state: AppState, span: Span, verdict: Verdict) -> dict[str, Json]:
+def _verdict(track: SegmentResult, found: Problem | None) -> dict[str, Json]:
+    """What is said of a segment: its problem, which everything else that is said of it names."""
+    if found is None or found.kind == "good":
+        is_good = track.kind == "good"
+        good: dict[str, Json] = {"words": "Good", "short": "Good", "cause": "good"}
+        return good if is_good else {"state": "good", "words": "Reviewed", "short": "Reviewed"}
+    said = sentence_of(found)
+    lost = "" if said.startswith("Lost") else "Lost. "
+    check = f"Check: {said[:1].lower()}{said[1:]}"
+    words = f"{lost}{said}" if found.kind == "lost" else check
     return {
-        "words": sentence(verdict, *span),
-        "short": short_sentence(verdict, *span),
-        "todo": _todo(app_state, verdict),
-        "cause": verdict.cause,
-        "part": verdict.part,
-        "frames": None if verdict.frames is None else list(verdict.frames),
-        "go": verdict.go,
+        "words": said if found.cause == "other" else words,
+        "short": said,
+        "todo": todo_of(found),
+        "cause": found.cause,
+        "part": found.part,
+        "frames": list(found.frames),
+        "go": found.frame,
+        "px": None if found.px is None else round(found.px, 2),
+        "cm": None if found.cm is None else round(found.cm, 2),
+        "size": size_of(found.px, found.cm),
     }
-
-
-def _todo(app_state: AppState, verdict: Verdict) -> str:
-    """What to do about it; where the trouble is a keyframe itself, one only looks at it."""
-    if verdict.go is None or app_state.edit is None:
-        return ""
-    if verdict.kind == "lost" and verdict.go not in app_state.edit.keys:
-        return add_keyframe(verdict.go)
-    return f"Go to {verdict.go}"
 
 
 def suggest(app_state: AppState) -> Json:
@@ -103,12 +112,15 @@ def suggest(app_state: AppState) -> Json:
     if edit is None:
         return None
     fitting = edit.results.fitting(edit.settled)
-    found = next_step(edit.keys, edit.settled, fitting)
+    known = Judged.of(edit.settled, edit.results)
+    found = next_step(edit.keys, edit.settled, fitting, known)
     return {
         "frame": found.frame,
         "title": found.title,
         "detail": found.detail,
         "kind": found.kind,
+        "part": None if found.problem is None else found.problem.part,
+        "cause": None if found.problem is None else found.problem.cause,
     }
 
 

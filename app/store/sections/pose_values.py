@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
+from app.editor.part_edits import keyed_limbs, keyed_words
 from app.editor.posing_edits import angles_at
 from app.editor.shown import shown_pose
 from app.editor.state import EditorState
 from app.editor.trail import end_trail
 from app.posing import at_limit, part_angles_deg
+from app.store.sections.body_values import side_of
 from app.store.sections.json_value import Json, doc_of
 from app.store.state import AppState
+from tracker.body.body import Body
 from tracker.body.pose import joint_names, joint_positions, pose_transforms
 from tracker.geometry.rotations import Array, rotation_from_quaternion
+from tracker.session.schema import PartKeyframe
 from tracker.storage.results import listed, residual, rotations
 
 AT_REST = (1.0, 0.0, 0.0, 0.0)
@@ -66,11 +70,25 @@ def keys(app_state: AppState) -> Json:
     """Frames of keyframes and drafts."""
     doc = doc_of(app_state)
     if doc is None:
-        return {"frames": [], "drafts": [], "soft": []}
+        return {"frames": [], "drafts": [], "soft": [], "parts": []}
     return {
         "frames": [keyframe.frame for keyframe in doc.keyframes],
         "drafts": [draft.frame for draft in doc.drafts],
         "soft": [keyframe.frame for keyframe in doc.keyframes if keyframe.soft],
+        "parts": [_part_keyframe(doc.body, each) for each in doc.part_keyframes],
+    }
+
+
+def _part_keyframe(body: Body, keyframe: PartKeyframe) -> Json:
+    limbs = keyed_limbs(body, keyframe.parts)
+    return {
+        "frame": keyframe.frame,
+        "parts": list(keyframe.parts),
+        "limbs": [
+            {"label": label, "side": side_of(body, parts[-1]), "parts": list(parts)}
+            for label, parts in limbs
+        ],
+        "words": f"{keyed_words(body, keyframe.parts)} only",
     }
 
 

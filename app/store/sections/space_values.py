@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Final
 
+from app.editor.judged import Judged
 from app.editor.space_words import pin_sentence, space_sentence
 from app.editor.state import EditorState
 from app.store.sections.json_value import Json
@@ -30,8 +31,10 @@ def space(app_state: AppState) -> Json:
     if edit is None:
         return []
     told: list[tuple[float, Json]] = []
+    known = Judged.of(edit.settled, edit.results)
     for stretch in edit.results.space(edit.settled):
-        told += [(_weight(found), _finding(found)) for found in stretch.findings]
+        waiting = (found for found in stretch.findings if not _is_accepted(known, found))
+        told += [(_weight(found), _finding(found)) for found in waiting]
         for pin in stretch.pins:
             if pin.keyframe is not None:
                 row = {
@@ -43,6 +46,12 @@ def space(app_state: AppState) -> Json:
     rows = [row for _, row in sorted(told, key=lambda one: -one[0])]
     is_known = edit.results.space(edit.settled)
     return [*rows, _guessed_lens(edit)] if is_known and edit.settled.lens_is_guess else rows
+
+
+def _is_accepted(known: Judged, found: SpaceFinding) -> bool:
+    """Whether a person has said that the foot is right where it leaves the floor."""
+    said = known.answer(found.part, found.go) if found.kind == "off_floor" else None
+    return said is not None and said.answer == "accepted"
 
 
 def _guessed_lens(edit: EditorState) -> Json:

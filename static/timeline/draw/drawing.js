@@ -10,6 +10,8 @@ import { grabbed, hovered } from '../edit/pointer.js';
 import { drawClip, drawDamage, drawGround, drawKeyLabels, drawNothingYet, drawRuler } from './ground.js';
 import { drawCurrent, drawKeys, drawNeed, drawSuggestion } from './keymarks.js';
 import { drawDrafts, drawPlaces } from './drafts.js';
+import { drawReviewPlaces } from './places.js';
+import { drawCurrentPart, drawPartKeys } from './partmarks.js';
 import { drawSegments } from './segments.js';
 import { drawLaneLabels, drawLanes } from './lanes.js';
 import { drawPinLabels, drawPins } from './pins.js';
@@ -55,13 +57,14 @@ const LAYERS = [
   ['frames', 'drafts', () => [server.keys, server.segments, server.draft], ({ rows }) => drawDrafts(rows)],
   ['frames', 'chart', () => [isScore(), ...chartInputs()],
     ({ rows }) => (isScore() ? drawScores(rows.curve) : drawCurve(rows.curve, angleGrabbed()))],
-  ['frames', 'suggestion', () => [suggestedFrame(), server.keys, isScore()],
+  ['frames', 'suggestion', () => [suggestedFrame(), server.keys, isScore(), Boolean(ui.review)],
     ({ rows }) => drawSuggestion(rows, bottomOf(rows))],
-  ['frames', 'keys', () => [server.keys, server.segments, keyGrabbed()], ({ rows }) => drawKeys(rows, keyGrabbed())],
+  ['frames', 'keys', () => [server.keys, server.segments, keyGrabbed()], ({ rows }) => [drawKeys(rows, keyGrabbed()), drawPartKeys(rows, keyGrabbed())]],
   ['frames', 'places', () => [server.draft, isScore()], ({ rows }) => drawPlaces(rows, bottomOf(rows))],
+  ['frames', 'review', () => [server.review, ui.review, ui.reviewGoal, ui.reviewLeft], () => drawReviewPlaces()],
   ['frames', 'current', () => [frame(), keyGrabbed(), angleGrabbed(), isScore(), ...curveInputs()],
     ({ rows }) => [
-      keyGrabbed() === frame() ? null : drawCurrent(rows),
+      keyGrabbed() === frame() ? null : [drawCurrent(rows), drawCurrentPart(rows)],
       isScore() || angleGrabbed() !== null ? null : drawCurrentCurveKey(rows.curve),
     ]],
   ['frames', 'nothing', () => [server.curve, isScore()],

@@ -8,6 +8,7 @@ import { singleDrafts } from './drafts.js';
 import { GUTTER, right, visible, x } from './scale.js';
 import { draftFrames, frame, isKey, keyFrames, suggestedFrame } from '../../actions/playhead.js';
 import { isSoft } from '../../actions/pins.js';
+import { isReviewing } from '../../actions/review.js';
 import { extent, numbers } from './series.js';
 
 const RADIUS = 6.5;
@@ -69,7 +70,7 @@ export function drawKeys(rows, without = null) {
 
 /** The suggested key: a dashed diamond with a plus, and a dashed line through all rows. */
 export function drawSuggestion(rows, height) {
-  const at = suggestedFrame();
+  const at = isReviewing() ? null : suggestedFrame();
   if (at === null || isKey(at) || draftFrames().includes(at)) return nothing;
   const there = x(at);
   const middle = rows.keys.middle;

@@ -9,6 +9,7 @@ import { clamp, shortNumber, signedNumber } from '../../controls/arithmetic.js';
 import { GUTTER, right, RULER, x } from './scale.js';
 import { around, frame, isKey, placesToConfirm, segmentAt, draftFrames } from '../../actions/playhead.js';
 import { reasonOf } from '../../actions/drafting.js';
+import { partKeyAt } from '../../actions/limbs.js';
 import { diamond } from './keymarks.js';
 import { BAR, barOf } from './segments.js';
 import { grabbed, hovered } from '../edit/pointer.js';
@@ -42,7 +43,8 @@ function flag(half, top, bottom) {
 
 function spokenFrame() {
   const at = frame();
-  const what = isKey(at) ? ', keyframe' : draftFrames().includes(at) ? ', draft' : '';
+  const part = partKeyAt(at) ? `, part keyframe, ${partKeyAt(at).words}` : '';
+  const what = isKey(at) ? ', keyframe' : draftFrames().includes(at) ? ', draft' : part;
   const segment = segmentAt(at);
   return `Frame ${at} of ${lastFrame()}${what}${segment?.words ? `. ${segment.words}` : ''}`;
 }
@@ -68,7 +70,7 @@ export function drawGrabbed(rows) {
 
 function drawMovingKey({ from, to, copy, taken, refused }, rows) {
   const middle = rows.keys.middle;
-  const words = taken ? `${to} is a keyframe` : `${from} ${copy ? '+' : '→'} ${to}`;
+  const words = taken ? `${to} is a ${partKeyAt(to) ? 'part ' : ''}keyframe` : `${from} ${copy ? '+' : '→'} ${to}`;
   const home = copy ? nothing : svg`<path class="home" d=${diamond(x(from), middle, 5)} />`;
   return svg`${home}<g class=${refused ? 'shake' : ''}>
       <path class=${`moving${taken ? ' taken' : ''}`} d=${diamond(x(to), middle, 8)} /></g>
@@ -116,6 +118,7 @@ function drawHover(rows) {
   const what = hovered();
   if (what === null) return nothing;
   const middle = rows.keys.middle;
+  if (what.kind === 'key' && partKeyAt(what.frame)) return drawPartHover(what.frame, middle);
   if (what.kind === 'key') {
     return svg`<path class="hover" d=${diamond(x(what.frame), middle, 9.5)} />
       ${label(`Keyframe ${what.frame}`, x(what.frame), middle + 23)}`;
@@ -128,6 +131,13 @@ function drawHover(rows) {
   const { from, to } = barOf(segment);
   return svg`<rect class="hover" x=${from - 1.5} y=${middle - BAR.half - 1.5} rx="4"
     width=${Math.max(1, to - from) + 3} height=${2 * BAR.half + 3} />`;
+}
+
+function drawPartHover(at, middle) {
+  const here = x(at);
+  return svg`<path class="hover" d=${diamond(here, middle, 10.5)} />
+    ${label(`Part keyframe ${at}`, here, middle + 23, `  ${partKeyAt(at).words}`)}
+    ${label('', here, middle + 44, 'The other parts follow tracking here. Double-click to key the whole pose.')}`;
 }
 
 function drawPinHover(what, rows) {

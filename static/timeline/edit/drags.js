@@ -9,6 +9,7 @@ import { frameAt, x } from '../draw/scale.js';
 import {
   glideTo, goTo, isKey, keyFrames, stopPlaying, settle, suggestedFrame, draftFrames,
 } from '../../actions/playhead.js';
+import { partKeyAt, partKeys } from '../../actions/limbs.js';
 import { grabbed, setGrabbed } from './pointer.js';
 import { nearest } from '../draw/keymarks.js';
 import { partMeant } from '../draw/lanes.js';
@@ -19,7 +20,7 @@ const SNAP_PX = 4;
 /** The frame meant at a place: a key within 4 px, else the nearest frame. */
 function frameMeant(place) {
   const suggested = suggestedFrame();
-  const marks = [...keyFrames(), ...draftFrames()];
+  const marks = [...keyFrames(), ...partKeys().map((key) => key.frame), ...draftFrames()];
   if (suggested !== null) marks.push(suggested);
   const snapped = place.ctrl ? null : nearest(marks, place.x, SNAP_PX);
   return snapped ?? frameAt(place.x);
@@ -66,7 +67,7 @@ export function grabKey(from, start) {
     edits: true,
     move(place) {
       const to = clampFrame(frameAt(place.x + offset));
-      const taken = to !== from && isKey(to);
+      const taken = to !== from && (isKey(to) || Boolean(partKeyAt(to)));
       setGrabbed({ kind: 'key', from, to, copy: place.shift, taken, refused: false });
     },
     click: () => goTo(from),

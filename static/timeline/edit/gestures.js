@@ -6,8 +6,13 @@ import { isSurface } from '../../store/subject.js';
 import { GUTTER, OVERVIEW, pxPerFrame, RULER, x, zoomAt } from '../draw/scale.js';
 import { isZoomed, scrollBy } from '../../actions/window.js';
 import { BAR, barOf } from '../draw/segments.js';
+import { visitOrOpen } from '../../actions/review.js';
 import { placeNear } from '../draw/drafts.js';
+import { reviewPlaceNear } from '../draw/places.js';
 import { keyNear } from '../draw/keymarks.js';
+import { partNear } from '../draw/partmarks.js';
+import { partKeyAt } from '../../actions/limbs.js';
+import { perform } from '../../actions/actions.js';
 import { curveKeyNear } from '../draw/curve.js';
 import { laneAt } from '../draw/lanes.js';
 import { pinAt, proposalOf } from '../draw/pins.js';
@@ -41,6 +46,7 @@ export function listenOn(drawing, groundOf, scrollLanes) {
   drawing.addEventListener('dblclick', (event) => {
     const what = under(placeOf(event));
     if (what.kind === 'proposal') acceptAt(what);
+    if (what.kind === 'key' && partKeyAt(what.frame)) perform('keyWhole', what.frame);
   });
   drawing.addEventListener('wheel', (event) => wheel(event, scrollLanes), { passive: false });
   // A click takes the focus away from no view and gives it to nothing here.
@@ -65,6 +71,8 @@ function under(place) {
   if (place.x < GUTTER) return { kind: 'gutter' };
   const strip = isZoomed() && place.y > RULER - 2 && place.y < RULER + OVERVIEW + 2;
   if (strip) return { kind: 'overview' };
+  const review = reviewPlaceNear(place.x, place.y);
+  if (review !== null) return { kind: 'review', place: review };
   if (place.y >= rows.keys.y && place.y < rows.keys.y + rows.keys.h) return inKeys(place, rows);
   const pin = pinAt(rows.pins, place);
   if (pin !== null) return pin;
@@ -77,7 +85,7 @@ function under(place) {
 }
 
 function inKeys(place, rows) {
-  const key = keyNear(place.x);
+  const key = keyNear(place.x) ?? partNear(place.x);
   if (key !== null) return { kind: 'key', frame: key };
   const confirm = placeNear(place.x);
   if (confirm !== null) return { kind: 'place', frame: confirm.frame };
@@ -97,6 +105,8 @@ function begin(what, place) {
       return grabKey(what.frame, place);
     case 'place':
       return grabHead({ ...place, x: x(what.frame) });
+    case 'review':
+      return grabHead({ ...place, x: x(what.place.frame) }, () => visitOrOpen(what.place.id));
     case 'pin':
       return grabPin(what, place);
     case 'proposal':
@@ -194,7 +204,7 @@ function menu(event) {
 export function openMenuAtHead() {
   const { left, bottom } = element.querySelector('.playhead .flag').getBoundingClientRect();
   const page = [left, bottom];
-  if (isKey(frame())) openKeyMenu(frame(), page);
+  if (isKey(frame()) || partKeyAt()) openKeyMenu(frame(), page);
   else if (segmentAt(frame())) openSegmentMenu(segmentAt(frame()), page);
 }
 

@@ -3,6 +3,7 @@
 import { html, nothing } from '../../vendor/lit-html/lit-html.js';
 import { menuItem } from '../../actions/buttons.js';
 import { placeForCopy } from '../../actions/keying.js';
+import { partKeyAt } from '../../actions/limbs.js';
 import { frame, segmentAt } from '../../actions/playhead.js';
 import { allPins, framesOf } from '../../actions/pins.js';
 import { icon } from '../../controls/icons.js';
@@ -13,10 +14,26 @@ import { lastFrame } from '../../store/clip.js';
 import { words as subject } from '../../store/subject.js';
 
 export function openKeyMenu(at, page) {
+  if (partKeyAt(at)) {
+    openPartKeyMenu(partKeyAt(at), page);
+    return;
+  }
   openMenuAt(`Keyframe ${at}`, [
     menuItem('goTo', at),
     menuItem('duplicateKeyframe', at, { ask: { value: placeForCopy(at), last: lastFrame(), answer: 'Duplicate' } }),
     menuItem('softKey', at),
+    menuItem('deleteKeyframe', at, { icon: 'trash', ...elsewhere(at === frame()) }),
+  ], page);
+}
+
+function openPartKeyMenu({ frame: at, limbs, words }, page) {
+  const several = limbs.length > 1 ? limbs : [];
+  openMenuAt(`Part keyframe ${at}`, [
+    heading(`Part keyframe ${at} · ${words}`),
+    menuItem('goTo', at),
+    menuItem('keyWhole', at),
+    ...several.map((limb) => menuItem('unkeyLimb', { frame: at, ...limb })),
+    menuItem('duplicateKeyframe', at, { ask: { value: placeForCopy(at), last: lastFrame(), answer: 'Duplicate' } }),
     menuItem('deleteKeyframe', at, { icon: 'trash', ...elsewhere(at === frame()) }),
   ], page);
 }

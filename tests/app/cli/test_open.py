@@ -174,7 +174,7 @@ def test_a_video_without_a_session_begins_one_beside_it(session: Path, tmp_path:
     session.unlink()
     keypose = Keypose(str(session.with_name("person.mp4")), "--workspace", str(tmp_path / "w"))
     tab = Visitor(keypose)
-    assert tab.seen["keys"] == {"frames": [], "drafts": [], "soft": []}
+    assert tab.seen["keys"] == {"frames": [], "drafts": [], "soft": [], "parts": []}
     assert tab.seen["guide"]["first"] is True
     tab.do(do="add_key", frame=0)
     tab.until(lambda: tab.seen["saved"]["state"] == "saved" and tab.seen["saved"]["at"] > 0)

@@ -26,6 +26,7 @@ from tracker.storage.files import load_session, save_session
 from tracker.storage.results import load_results, save_results
 
 HERE = Path(__file__).parent / "version_2"
+DIFFER = ": forward and backward passes differ"
 SPANS = ((0, 6), (6, 12), (12, 18), (18, 19))
 VERDICTS = [
     GOOD,
@@ -68,12 +69,12 @@ def test_the_page_shows_them(path: Path) -> None:
     told = [(s["state"], s["words"], s["part"], s["go"]) for s in sections["segments"]]
     assert told == [
         ("good", "Good", None, None),
-        ("check", "Check: box may be wrong", "box", 9),
-        ("check", "Check: box may be wrong", "box", 15),
+        ("check", f"Check: box may be wrong{DIFFER}", "box", 9),
+        ("check", f"Check: box may be wrong{DIFFER}", "box", 15),
         ("good", "Good", None, None),
     ]
     assert sections["suggest"]["title"] == "Add a keyframe at 9"
-    assert sections["suggest"]["detail"] == "Box may be wrong, frames 7–11"
+    assert sections["suggest"]["detail"] == f"Box may be wrong, frames 7–11{DIFFER}"
 
 
 def test_the_commands_say_them(

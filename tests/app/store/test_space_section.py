@@ -28,7 +28,7 @@ def found(kind: str, amount: float, part: str = "left_foot") -> SpaceFinding:
     ("finding", "words"),
     [
         (found("slides", 0.09), "Left foot slides 9 cm, 10–20"),
-        (found("off_floor", 0.06), "Left foot stands 6 cm above the floor, 10–20"),
+        (found("off_floor", 0.06), "Left foot leaves the floor by 6 cm, 10–20"),
         (found("below_floor", 0.04), "Left foot goes 4 cm into the floor, 10–20"),
         (
             found("keyframe_depth", -0.12),

@@ -71,6 +71,13 @@ def _in_space(points: BodyPoints) -> Term:
     return PointsInSpace(points, rng.normal((0, 0, 4), 0.4, (len(POINTS), 3)), 0.005)
 
 
+def _some_in_space(points: BodyPoints) -> Term:
+    """Positions known of some points alone, some better than others."""
+    rng = np.random.default_rng(8)
+    sigma = np.where(np.arange(len(POINTS)) % 3 == 0, np.inf, rng.uniform(0.001, 0.02, len(POINTS)))
+    return PointsInSpace(points, rng.normal((0, 0, 4), 0.4, (len(POINTS), 3)), sigma)
+
+
 def _in_picture(camera: Camera, kernel: Kernel) -> Callable[[BodyPoints], Term]:
     rng = np.random.default_rng(2)
     uv, scale = rng.normal((320, 240), 90, (len(POINTS), 2)), rng.uniform(0, 0.5, len(POINTS))
@@ -137,6 +144,7 @@ def _surface(pose: Pose) -> SurfaceMesh:
 
 TERMS: dict[str, Callable[[BodyPoints], Term]] = {
     "points in space": _in_space,
+    "points in space, some of them": _some_in_space,
     "points in a picture": _in_picture(FLAT, Huber(1e9)),
     "points in a picture, far ones pulling no harder": _in_picture(FLAT, Huber()),
     "points in a picture, far ones pulling less": _in_picture(FLAT, Cauchy()),

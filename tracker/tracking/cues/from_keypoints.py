@@ -42,8 +42,7 @@ def _frame_by_frame(correction: Correction) -> Trajectory:
     segment = correction.segment
     R, t = segment.interpolated().writable()
     for n in range(1, len(t)):
-        velocity = t[n - 1] - t[n - 2] if n > 1 else np.zeros(3)
-        found = _next(correction, n, Pose(R[n - 1], t[n - 1] + velocity))
+        found = _next(correction, n, segment.expected(R, t, n))
         R[n], t[n] = found.Rs_parent_part, found.p_camera_root
     if not correction.open_end:
         R[-1], t[-1] = segment.end.Rs_parent_part, segment.end.p_camera_root

@@ -9,7 +9,7 @@ of the floor:
         + Σ ρ(|T_j p − c_i| / 1 mm) + Σ ((u · c_i − h) / 8 mm)² + Σ |Δ³x fps³ / σ|² + keyframes,
 
 with uv, m those of the tracked motion, H the body's height in the picture. Keyframes are met
-exactly, but for those that are said to be soft.
+exactly, but for those that are said to be soft; of limbs keyed alone where they are in space.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from threadpoolctl import threadpool_limits
 
 from tracker.body.body import ROTATIONS
 from tracker.body.joint_limits import Limits
-from tracker.body.pose import Pose
+from tracker.body.pose import Pose, pose_transforms
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.geometry.camera import Camera
@@ -36,7 +36,14 @@ from tracker.solver.posed import Posed, image_points
 from tracker.solver.robust import SQUARED, Huber
 from tracker.solver.smoothness import Increments, Link, Smoothness, increments
 from tracker.solver.stretch_poses import SharedTerm, Stretch, StretchPoses
-from tracker.solver.terms import JointLimits, PointsInPicture, PosePrior, RootPosition, Term
+from tracker.solver.terms import (
+    JointLimits,
+    PointsInPicture,
+    PointsInSpace,
+    PosePrior,
+    RootPosition,
+    Term,
+)
 from tracker.tracking.cues.anchors import height_px, with_free_joints
 from tracker.tracking.cues.soft_correction import (
     BEND_SHIFT_PX,
@@ -46,6 +53,7 @@ from tracker.tracking.cues.soft_correction import (
     STEP_TURN_RAD,
 )
 from tracker.tracking.drift import DOUBT_FLOOR
+from tracker.tracking.parts.keyed import BETWEEN_M, END_M, KeyedParts, placed
 from tracker.tracking.segment import NEAREST_M
 from tracker.tracking.space.jerk_sigmas import jerk_points
 
@@ -85,7 +93,8 @@ class SpaceProblem:
 
     camera: of the video, without distortion.  motion: as tracked, N frames.
     observability (N − 1, P): how far the picture decided each part's motion, NaN where unknown.
-    keyframes: frames whose pose is met exactly; soft: those met nearly.
+    keyframes: frames whose pose is met exactly; soft: those met nearly.  keyed_parts: limbs that
+        are exact at other frames.
     smooth: whether jerk counts.  up_camera: unit vector.  floor_m: the floor's height along it,
         where it is known.
     """
@@ -97,6 +106,7 @@ class SpaceProblem:
     keyframes: Collection[int]
     frames_per_second: float
     soft: Collection[int] = ()
+    keyed_parts: Sequence[KeyedParts] = ()
     pins: Sequence[PinnedPoint] = ()
     smooth: bool = True
     up_camera: Array = field(default_factory=lambda: np.array([0.0, -1.0, 0.0]))
@@ -130,7 +140,12 @@ def solve_space(
     shared = _shared(problem, np.array(places).reshape(-1, 3))
     poses = StretchPoses(
         skeleton,
-        (*_seen(problem, skeleton), *_keyframes(problem, skeleton), _limits(problem, skeleton)),
+        (
+            *_seen(problem, skeleton),
+            *_keyframes(problem, skeleton),
+            *_limbs(problem, skeleton),
+            _limits(problem, skeleton),
+        ),
         _links(problem, skeleton),
         _pinned(problem, pins, frames, shared),
     )
@@ -146,11 +161,14 @@ def _solution(
     pins: list[BodyPoints],
     frames: list[slice],
 ) -> SpaceSolution:
-    """With exact keyframes put in: what they moved by is rounding."""
+    """With exact keyframes and limbs put in: what they moved by is rounding."""
     R, t = found.motion.writable()
     for frame in set(problem.keyframes) - set(problem.soft):
         row = frame - problem.motion.first_frame
         R[row], t[row] = problem.motion.Rs_parent_part[row], problem.motion.ps_camera_root[row]
+    for keyed in problem.keyed_parts:
+        row = keyed.frame - problem.motion.first_frame
+        R[row] = placed(skeleton, keyed, Pose(R[row], t[row])).Rs_parent_part
     motion = Trajectory(problem.motion.first_frame, R, t)
     places = found.shared[: 3 * len(pins)].reshape(-1, 3)
     there = motion.transforms(skeleton)
@@ -253,8 +271,24 @@ def _keyframes(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
     )
 
 
+def _limbs(problem: SpaceProblem, skeleton: Skeleton) -> tuple[Term, ...]:
+    """The joints of limbs where they were keyed: the last ones exactly, those between about."""
+    if not problem.keyed_parts:
+        return ()
+    motion, count = problem.motion, skeleton.part_count
+    there, sigma = np.zeros((len(motion), count, 3)), np.full((len(motion), count), np.inf)
+    for keyed in problem.keyed_parts:
+        row, hangs = keyed.frame - motion.first_frame, keyed.hanging(skeleton)
+        there[row, hangs] = pose_transforms(skeleton, keyed.pose)[hangs, :3, 3]
+        sigma[row, hangs] = np.where(np.isin(hangs, skeleton.parents), BETWEEN_M, END_M)
+    known = np.flatnonzero(np.isfinite(sigma).any(axis=0))
+    points = BodyPoints(skeleton, tuple(((int(i), (0.0, 0.0, 0.0)),) for i in known))
+    return (PointsInSpace(points, there[:, known], sigma[:, known]),)
+
+
 def _limits(problem: SpaceProblem, skeleton: Skeleton) -> Term:
-    rows = [frame - problem.motion.first_frame for frame in problem.keyframes]
+    keyed = [*problem.keyframes, *(each.frame for each in problem.keyed_parts)]
+    rows = [frame - problem.motion.first_frame for frame in keyed]
     posed = [problem.motion.Rs_parent_part[row] for row in rows]
     return JointLimits(Limits.of(skeleton.body).widened(posed), LIMIT_RAD)
 

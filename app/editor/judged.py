@@ -1,0 +1,193 @@
+"""The finished segments of a session and what is needed to say what is wrong with them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import Any, Final
+
+import numpy as np
+
+from app.editor.segment_evidence import gain
+from app.posing import PointerView, lanes, parts_at
+from tracker.body.body import Body
+from tracker.body.pose import part_transforms, pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array
+from tracker.session.reviewed import Reviewed
+from tracker.session.schema import Session
+from tracker.storage.results import Results, Span
+from tracker.tracking.result import SegmentResult
+
+KEYED_FRAMES: Final = 8
+"""What is expected to be mended in intervals up to this length is mostly the keyframes' own error,
+which no keyframe more takes away."""
+STILL_M: Final = 0.01
+"""An answer counts as long as what was seen lies no farther from where it was."""
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """tracks: by their spans.  parts: names.  reviewed: what a person said of the motion.
+
+    skeleton, camera: None where only verdicts and gains are asked for.
+    guessed: whether the lens is a guess, so that nobody knows centimetres.
+    halves: whether one keyframe more divides a segment, as it does in a film.
+    """
+
+    tracks: Mapping[Span, SegmentResult]
+    parts: Sequence[str] = ()
+    skeleton: Skeleton | None = None
+    camera: Camera | None = None
+    guessed: bool = False
+    reviewed: tuple[Reviewed, ...] = ()
+    halves: bool = True
+
+    @classmethod
+    def of(cls, doc: Session, results: Results) -> Judged:
+        """Of a session; found once for as long as nothing changes."""
+        return _judged(ById(doc), ById(results))
+
+    @classmethod
+    def over(cls, doc: Session, fitting: Mapping[Span, SegmentResult]) -> Judged:
+        """Of a session whose present segments have these results, finished or not."""
+        return cls(
+            tracks={span: _keyed(doc, track) for span, track in fitting.items() if track.finished},
+            parts=doc.body.names,
+            skeleton=Skeleton.of(doc.body),
+            camera=doc.camera,
+            guessed=doc.lens_is_guess,
+            reviewed=doc.reviewed,
+            halves=not doc.evidence.has_surface,
+        )
+
+    @cached_property
+    def keyed_px(self) -> float:
+        """What seems to be gained in short intervals: the keyframes' own error."""
+        known = [t for t in self.tracks.values() if t.diagnostics.expected_gain is not None]
+        short = [gain(t) for t in known if t.last - t.first <= KEYED_FRAMES]
+        return float(np.median(short)) if short else 0.0
+
+    @cached_property
+    def lengths(self) -> tuple[int, ...]:
+        """Of all segments, in frames."""
+        return tuple(track.last - track.first for track in self.tracks.values())
+
+    @cached_property
+    def limbs(self) -> tuple[tuple[int, ...], ...]:
+        """Indices of the parts that are looked at together."""
+        if self.skeleton is None:
+            return tuple((k,) for k in range(len(self.parts)))
+        body = self.skeleton.body
+        return tuple(tuple(body.index(name) for name in names) for _, names in lanes(body))
+
+    def limb_of(self, part: str | None) -> tuple[int, ...]:
+        """The parts looked at together with one; without one, with the root."""
+        index = self.index(part)
+        return next((limb for limb in self.limbs if index in limb), (index,))
+
+    def index(self, part: str | None) -> int:
+        """Of a part, the root's where it is about the whole body, or about no part of it."""
+        return 0 if part is None or part not in self.parts else list(self.parts).index(part)
+
+    def name(self, index: int) -> str | None:
+        """Of a part; None where names are not known."""
+        return self.parts[index] if index < len(self.parts) else None
+
+    def far_end_m(self, track: SegmentResult, frame: int, part: str | None) -> Array | None:
+        """(3,) where the far end of a part lies, camera frame; None without a skeleton."""
+        if self.skeleton is None:
+            return None
+        index = self.index(part)
+        T = pose_transforms(self.skeleton, track.trajectory.pose(frame))[index]
+        return np.asarray(T[:3, :3] @ far_end(self.skeleton.body, index) + T[:3, 3])
+
+    def px_per_m(self, track: SegmentResult, frame: int, part: str | None) -> float | None:
+        """Pixels that a metre across the line of sight spans where a part is; None where nobody
+        knows."""
+        if self.skeleton is None or self.camera is None:
+            return None
+        path, row = track.trajectory, frame - track.first
+        Ts = part_transforms(self.skeleton, path.Rs_parent_part[row], path.ps_camera_root[row])
+        depth = float(self.camera.depth(Ts[self.index(part), :3, 3]))
+        return math.sqrt(self.camera.fx * self.camera.fy) / depth if depth > 0 else None
+
+    def hidden_behind(self, track: SegmentResult, frame: int, part: str) -> str | None:
+        """The part of another limb that is seen in place of a part's far end; None where there is
+        none, or nobody knows."""
+        end = self.far_end_m(track, frame, part)
+        if end is None or self.skeleton is None or self.camera is None or end[2] <= 0:
+            return None
+        view = PointerView.of(self.camera)
+        seen = parts_at(
+            self.skeleton, track.trajectory.pose(frame), view, view.project(end).tolist()
+        )
+        limb = self.limb_of(part)
+        return seen[0] if seen and self.index(seen[0]) not in limb else None
+
+    def answer(self, part: str | None, frame: int, span: Span | None = None) -> Reviewed | None:
+        """What a person said of a part at a frame, where the motion is still that; the newest.
+
+        span: of the segment that was looked at; neighbours share a keyframe.
+        """
+        limb = self.limb_of(part)
+        for said in reversed(self.reviewed):
+            is_then = said.first_frame <= frame <= said.last_frame
+            is_then = is_then and (span is None or span[0] <= said.frame <= span[1])
+            if is_then and self.index(said.part) in limb and self.counts(said):
+                return said
+        return None
+
+    def counts(self, said: Reviewed) -> bool:
+        """Whether the motion is still as it was when a person answered."""
+        return said.part in self.parts and self._is_as_seen(said)
+
+    def _is_as_seen(self, said: Reviewed) -> bool:
+        track = next((t for t in self.tracks.values() if t.first <= said.frame <= t.last), None)
+        end = None if track is None else self.far_end_m(track, said.frame, said.part)
+        return end is not None and bool(np.linalg.norm(end - said.seen_m) <= STILL_M)
+
+
+def _keyed(doc: Session, track: SegmentResult) -> SegmentResult:
+    """Without an expected error where a part was keyed by itself."""
+    keys = [key for key in doc.part_keyframes if track.first < key.frame < track.last]
+    errors = track.diagnostics.expected_error
+    if errors is None or not keys:
+        return track
+    errors = errors.copy()
+    for key in keys:
+        errors[key.frame - track.first, [doc.body.index(name) for name in key.parts]] = 0.0
+    return replace(track, diagnostics=replace(track.diagnostics, expected_error=errors))
+
+
+def far_end(body: Body, index: int) -> tuple[float, float, float]:
+    """A part's far end in its own frame, metres: where the next part begins, of several the middle
+    one; of the last part of a limb the middle of its shape."""
+    name = body.names[index]
+    joints = [part.joint_m for part in body.parts if part.parent == name]
+    if joints:
+        return min(joints, key=lambda joint: abs(joint[0]))
+    x, y, z = body.parts[index].shape.mesh().vertices.mean(axis=0)
+    return float(x), float(y), float(z)
+
+
+@lru_cache(maxsize=4)
+def _judged(doc: ById, results: ById) -> Judged:
+    session: Session = doc.it
+    return Judged.over(session, results.it.fitting(session))
+
+
+class ById:
+    """An immutable object as a cache key, by identity: quicker than by its contents."""
+
+    def __init__(self, it: Any) -> None:
+        self.it = it
+
+    def __hash__(self) -> int:
+        return id(self.it)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ById) and self.it is other.it

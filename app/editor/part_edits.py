@@ -1,0 +1,150 @@
+"""Edits of part keyframes: keyframes of some limbs alone, the rest of the body being tracked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from app.editor import actions as do
+from app.editor.documents import (
+    require_before_camera,
+    with_drafts,
+    with_part_keyframes,
+    without,
+)
+from app.editor.refusal import Refused
+from app.editor.shown import find, pose_behind, shown_pose
+from app.editor.state import EditorState
+from app.posing import lanes, part_label
+from app.posing.labels import kind_of
+from tracker.body.body import Body
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.errors import listed
+from tracker.session.schema import Keyframe, PartKeyframe, Session
+
+SAME = 1e-5
+"""Entries of a rotation, and metres, up to which a part stands as it did."""
+
+WHOLE_BODY = "The whole body was moved here. Press K to key all of it."
+
+
+def key_parts(state: EditorState, action: do.KeyParts) -> Session:
+    """The limbs of a frame's pose as its part keyframe, with those that are keyed there already.
+
+    Those that are named; else those that were posed at the frame; else the selected part's.
+    """
+    frame = action.frame
+    require_correctable(state, frame)
+    parts = action.parts or _posed_parts(state, frame)
+    if not parts:
+        if state.selected is None:
+            raise Refused("Select a limb, or move one, to key it alone.")
+        parts = (state.selected,)
+    limbs = limbs_of(state.doc.body, parts)
+    return _with_parts(state, frame, shown_pose(state, frame).pose, limbs)
+
+
+def unkey_parts(state: EditorState, action: do.UnkeyParts) -> Session:
+    """Without these parts in a part keyframe; without it where none is left."""
+    known = find(state.doc.part_keyframes, action.frame)
+    if known is None:
+        raise Refused(f"Frame {action.frame} is not a part keyframe.")
+    gone = set(limbs_of(state.doc.body, action.parts))
+    left = tuple(part for part in known.parts if part not in gone)
+    rest = without(state.doc.part_keyframes, action.frame)
+    if not left:
+        return with_part_keyframes(state.doc, rest)
+    return with_part_keyframes(state.doc, (*rest, known.model_copy(update={"parts": left})))
+
+
+def with_limbs_posed(state: EditorState, pose: Pose) -> Session | None:
+    """A pose of the present frame taken into its part keyframe, which need not be there yet; None
+    where more than limbs moved.
+
+    state: before it was posed.
+    """
+    before = shown_pose(state).pose
+    moved = moved_parts(state.skeleton, before, pose)
+    if moved is None:
+        return None
+    return _with_parts(state, state.frame, pose, limbs_of(state.doc.body, moved))
+
+
+def moved_parts(skeleton: Skeleton, before: Pose, after: Pose) -> tuple[str, ...] | None:
+    """The parts that stand otherwise on what carries them; None where the root does."""
+    turned = np.abs(after.Rs_parent_part - before.Rs_parent_part).max(axis=(1, 2)) > SAME
+    if turned[0] or np.abs(after.p_camera_root - before.p_camera_root).max() > SAME:
+        return None
+    return tuple(skeleton.body.names[part] for part in np.flatnonzero(turned))
+
+
+def limbs_of(body: Body, parts: Iterable[str]) -> tuple[str, ...]:
+    """The limbs that parts belong to, with all that hangs on them, in the body's order.
+
+    A limb are parts that follow one another without branching: an arm, a leg, neck and head. A
+    clavicle is keyed only by itself. Refused for the root, which carries everything.
+    """
+    skeleton, named = Skeleton.of(body), [body.index(part) for part in parts]
+    if 0 in named:
+        raise Refused(WHOLE_BODY)
+    clavicles = np.array([kind_of(name) == "clavicle" for name in body.names])
+    of_limb = np.isin(skeleton.limbs, skeleton.limbs[named]) & ~clavicles
+    of_limb[named] = True
+    return tuple(body.names[i] for i in np.flatnonzero(skeleton.below[:, of_limb].any(axis=1)))
+
+
+def keyed_limbs(body: Body, parts: Iterable[str]) -> list[tuple[str, tuple[str, ...]]]:
+    """The groups of parts, as lists of the body have them, of which any part is keyed: what each
+    is called, and its parts that are."""
+    keyed = set(parts)
+    found = []
+    for label, group in lanes(body):
+        own = tuple(name for name in group if name in keyed)
+        if not own:
+            continue
+        limb = len(own) > 1 and body.names[0] not in group
+        found.append((label if limb else part_label(own[0 if "chest" in own else -1]), own))
+    return found
+
+
+def keyed_words(body: Body, parts: Iterable[str]) -> str:
+    """What of the body is keyed: "right arm and left leg"."""
+    return listed([label.lower() for label, _ in keyed_limbs(body, parts)])
+
+
+def _posed_parts(state: EditorState, frame: int) -> tuple[str, ...]:
+    """What a draft of the frame moved; none without a draft, or where more than limbs moved and a
+    part is selected."""
+    if find(state.doc.drafts, frame) is None:
+        return ()
+    drafted = shown_pose(state, frame).pose
+    moved = moved_parts(state.skeleton, pose_behind(state, frame).pose, drafted)
+    if moved is None and state.selected in (None, state.doc.body.names[0]):
+        raise Refused(WHOLE_BODY)
+    return moved or ()
+
+
+def _with_parts(state: EditorState, frame: int, pose: Pose, parts: Iterable[str]) -> Session:
+    """These parts keyed as the pose has them, beside those that were."""
+    require_before_camera(state.skeleton, pose)
+    known = find(state.doc.part_keyframes, frame)
+    keyed = {*parts, *(known.parts if known is not None else ())}
+    whole = Keyframe.of(state.skeleton, pose, frame, float(state.times_s[frame]))
+    made = PartKeyframe(
+        **whole.model_dump(), parts=tuple(n for n in state.doc.body.names if n in keyed)
+    )
+    rest = without(state.doc.part_keyframes, frame)
+    doc = with_part_keyframes(state.doc, (*rest, made))
+    return with_drafts(doc, without(doc.drafts, frame))
+
+
+def require_correctable(state: EditorState, frame: int) -> None:
+    """Refused where no motion is tracked that it could correct."""
+    if state.doc.surface is not None:
+        raise Refused("A body is fitted to surfaces as a whole. Press K to key all of it.")
+    if find(state.doc.keyframes, frame) is not None:
+        raise Refused(f"Frame {frame} is already a keyframe of the whole body.")
+    if not any(first < frame < last for first, last in state.doc.spans):
+        raise Refused("A part keyframe corrects tracking: it goes between two keyframes.")

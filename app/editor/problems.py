@@ -1,0 +1,262 @@
+"""What is wrong with a tracked segment, and where: the one source of everything that is said of it.
+
+The head of the picture, the bar over the timeline, the card of the segment and the review name the
+same frame, part and reason because all of them take a `Problem` from here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Final, Literal, TypeAlias
+from weakref import WeakKeyDictionary
+
+from app.editor.judged import Judged
+from app.editor.segment_evidence import (
+    Doubt,
+    body_error_px,
+    doubts,
+    fast_about,
+    gain,
+    longest_hidden,
+    part_errors_px,
+    possible_drift_px,
+    unseen_share,
+)
+from tracker.session.reviewed import Answer
+from tracker.session.verdict import Cause, Kind, Verdict
+from tracker.storage.results import Span
+from tracker.tracking.result import SegmentResult
+
+WORTH_PX: Final = 0.6
+"""What a keyframe must be expected to mend, in the mean over a segment."""
+SHORT_FRAMES, SHORT_HIDDEN_FRAMES = 4, 6
+"""Intervals up to these lengths gain nothing from one keyframe more. What is hidden, whoever sets
+the keyframe does not see either."""
+BY_MOTION: Final = ("fast_motion", "longest_interval", "drift")
+WRONG_KEYS: Final = ("contradiction", "nothing_seen", "keyframe_off_keypoints")
+
+ProblemCause: TypeAlias = Cause | Literal["fast_motion", "longest_interval", "drift"]
+"""Beside the causes of verdicts: a part moves fast there; no interval is longer; nothing but that
+most drift had to be corrected there."""
+Remedy: TypeAlias = Literal["key", "keyframe", "look"]
+"""A keyframe there; the keyframe that is there is wrong itself; nothing but to look."""
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing that is wrong, or may be, with a segment.
+
+    kind: of the segment's verdict.  frame: where to look, and to add a keyframe.
+    frames: first and last frame it is about.  part: None where it is about all.
+    px, cm: by which the part, or the body in the mean, is expected to be off at the frame; pixels
+        of the video; None where nobody knows.
+    behind: the part that hides it.  partly: whether it is seen in most of the frames.
+    answer: what a person said of it.
+    """
+
+    span: Span
+    kind: Kind
+    cause: ProblemCause
+    frame: int
+    frames: Span
+    part: str | None
+    remedy: Remedy
+    px: float | None = None
+    cm: float | None = None
+    behind: str | None = None
+    partly: bool = False
+    text: str = ""
+    answer: Answer | None = None
+
+
+def problem_of(known: Judged, track: SegmentResult) -> Problem | None:
+    """What is to be said of a segment: the first problem that nobody has answered, else one that
+    the picture could not tell; None where nothing is wrong."""
+    found = problems_of(known, track)
+    waiting = (one for one in found if one.answer is None)
+    return next(waiting, None) or next((one for one in found if one.answer == "unclear"), None)
+
+
+def problems_of(known: Judged, track: SegmentResult) -> tuple[Problem, ...]:
+    """All of a segment: first what is wrong with it as a whole, then limbs in doubt."""
+    told = _TOLD.setdefault(known, {})
+    if track.span not in told:
+        told[track.span] = tuple(_answered(known, one) for one in _found(known, track))
+    return told[track.span]
+
+
+_TOLD: WeakKeyDictionary[Judged, dict[Span, tuple[Problem, ...]]] = WeakKeyDictionary()
+"""Found once, and asked for by everything that speaks of a segment."""
+
+
+def is_worth_a_keyframe(known: Judged, track: SegmentResult) -> bool:
+    """Whether one is expected to mend something; asked only where that is known."""
+    return track.kind == "lost" or gain(track) > known.keyed_px + WORTH_PX
+
+
+def blames_keys(track: SegmentResult) -> bool:
+    """Whether keyframes themselves are wrong, not what lies between them."""
+    verdict = track.verdict
+    wrong = verdict is not None and verdict.cause in WRONG_KEYS
+    return wrong or (track.kind == "lost" and track.last - track.first < 2)
+
+
+def is_past_mending(track: SegmentResult) -> bool:
+    """Whether the interval is too short for a keyframe to help: it would be halved for ever."""
+    hidden = track.verdict is not None and track.verdict.cause == "not_seen"
+    short = SHORT_HIDDEN_FRAMES if hidden else SHORT_FRAMES
+    return not blames_keys(track) and track.last - track.first <= short
+
+
+def _found(known: Judged, track: SegmentResult) -> Iterator[Problem]:
+    first, verdict = _first(known, track), track.verdict
+    told = [] if first is None else [first]
+    if first is not None and verdict is not None and not _says(first, verdict):
+        said = _by_verdict(known, track, verdict, _go(known, track, verdict), "look")
+        told += [] if _is_same(known, said, first) else [said]
+    for doubt in doubts(track, known.limbs):
+        one = _of_limb(known, track, doubt)
+        if not any(_is_same(known, one, other) for other in told):
+            told.append(one)
+    yield from told
+
+
+def _says(found: Problem, verdict: Verdict) -> bool:
+    """Whether a problem says what the verdict says."""
+    return verdict.kind == "good" or (
+        found.cause not in BY_MOTION and verdict.part in (None, found.part)
+    )
+
+
+def _first(known: Judged, track: SegmentResult) -> Problem | None:
+    """What is wrong with a segment as a whole."""
+    verdict, is_good = track.verdict, track.kind == "good"
+    assert verdict is not None
+    if not is_good and blames_keys(track):
+        frame = track.first if verdict.go is None else verdict.go
+        return _by_verdict(known, track, verdict, frame, "keyframe")
+    has_gain = track.diagnostics.expected_gain is not None
+    if known.halves and not is_past_mending(track):
+        if has_gain and is_worth_a_keyframe(known, track):
+            return _where_it_gains(known, track, verdict)
+        if not has_gain and not is_good:
+            return _by_verdict(known, track, verdict, _go(known, track, verdict), "key")
+    if is_good:
+        return None
+    return _by_verdict(known, track, verdict, _go(known, track, verdict), "look")
+
+
+def _go(known: Judged, track: SegmentResult, verdict: Verdict) -> int:
+    """The frame that a verdict names, of a film between its keyframes."""
+    frame = (track.first + track.last) // 2 if verdict.go is None else verdict.go
+    return _inside(track, frame) if known.halves else frame
+
+
+def _inside(track: SegmentResult, frame: int) -> int:
+    return min(max(frame, track.first + 1), max(track.last - 1, track.first))
+
+
+def _where_it_gains(known: Judged, track: SegmentResult, verdict: Verdict) -> Problem:
+    """Where the limb that is most in doubt is farthest off; without one at the frame where a
+    keyframe would mend most, by the verdict where that is about it, else by how the body moves."""
+    doubtful = next(iter(doubts(track, known.limbs)), None)
+    row = int(possible_drift_px(track).argmax()) if doubtful is None else doubtful.row
+    frame = _inside(track, track.first + row)
+    if verdict.kind != "good" and _is_about(verdict, frame):
+        limb = known.limb_of(verdict.part)
+        if verdict.part is None or doubtful is None or doubtful.part in limb:
+            return _by_verdict(known, track, verdict, frame, "key")
+    if doubtful is not None:
+        return replace(_of_limb(known, track, doubtful), remedy="key")
+    cause, frames = _how_it_moves(known, track, frame)
+    found = Problem(track.span, verdict.kind, cause, frame, frames, None, "key")
+    return _sized(known, track, found)
+
+
+def _is_about(verdict: Verdict, frame: int) -> bool:
+    """Whether a verdict says why a frame needs a keyframe; one on a part speaks of its frames."""
+    if verdict.part is None or verdict.frames is None:
+        return True
+    return verdict.frames[0] <= frame <= verdict.frames[1]
+
+
+def _how_it_moves(known: Judged, track: SegmentResult, frame: int) -> tuple[ProblemCause, Span]:
+    """What is seen of the motion that makes a keyframe needed at a frame."""
+    fast = fast_about(track, frame)
+    if fast is not None:
+        return "fast_motion", fast
+    is_longest = min(known.lengths) < track.last - track.first == max(known.lengths)
+    return ("longest_interval" if is_longest else "drift"), track.span
+
+
+def _by_verdict(
+    known: Judged, track: SegmentResult, verdict: Verdict, frame: int, remedy: Remedy
+) -> Problem:
+    """With the verdict's reason; where tracking was lost, with what made it so."""
+    frames = verdict.frames or track.span
+    cause, part = verdict.cause, verdict.part
+    if cause == "not_followed":
+        frames, hidden = track.span, longest_hidden(track)
+        name = None if hidden is None else known.name(hidden[0])
+        if hidden is not None and name is not None:
+            cause, part, frames = "not_seen", name, hidden[1]
+    found = Problem(
+        track.span, verdict.kind, cause, frame, frames, part, remedy, text=verdict.text
+    )  # fmt: skip
+    if remedy == "keyframe":
+        return found
+    return _sized(known, track, _hidden(known, track, found) if cause == "not_seen" else found)
+
+
+def _of_limb(known: Judged, track: SegmentResult, doubt: Doubt) -> Problem:
+    """A limb in doubt, with what makes it so."""
+    start = track.first
+    frame, frames = start + doubt.row, (start + doubt.first, start + doubt.last)
+    part = known.name(doubt.part)
+    found = Problem(track.span, track.kind or "good", "uncertain", frame, frames, part, "look")
+    found = _sized(known, track, found)
+    hidden = _hidden(known, track, found)
+    if hidden.behind is not None or unseen_share(track, doubt.part, frames) > 0:
+        return replace(hidden, cause="not_seen")
+    return replace(found, cause="fast_motion") if fast_about(track, frame) else found
+
+
+def _hidden(known: Judged, track: SegmentResult, found: Problem) -> Problem:
+    """With what hides the part."""
+    if found.part is None:
+        return found
+    behind = known.hidden_behind(track, found.frame, found.part)
+    share = unseen_share(track, known.index(found.part), found.frames)
+    return replace(found, behind=behind, partly=behind is None and 0 < share < 0.5)
+
+
+def _sized(known: Judged, track: SegmentResult, found: Problem) -> Problem:
+    """With how far off it is expected to be; of a body of which no part is named, the worst one
+    where that is known."""
+    row = found.frame - track.first
+    errors = part_errors_px(track)
+    if errors is not None and 0 < row < len(errors) - 1:
+        index = int(errors[row].argmax()) if found.part is None else known.index(found.part)
+        if errors[row, index] > 0:
+            found = replace(found, part=known.name(index), px=float(errors[row, index]))
+    elif track.diagnostics.expected_gain is not None:
+        found = replace(found, px=float(body_error_px(track)[row]))
+    scale = known.px_per_m(track, found.frame, found.part)
+    if found.px is None or scale is None or known.guessed:
+        return found
+    return replace(found, cm=100 * found.px / scale)
+
+
+def _is_same(known: Judged, one: Problem, other: Problem) -> bool:
+    """Whether both are about one limb at one time."""
+    if known.limb_of(one.part) != known.limb_of(other.part) or other.part is None:
+        return False
+    return one.frames[0] <= other.frame <= one.frames[1] or (
+        other.frames[0] <= one.frame <= other.frames[1]
+    )
+
+
+def _answered(known: Judged, found: Problem) -> Problem:
+    said = known.answer(found.part, found.frame, found.span)
+    return found if said is None else replace(found, answer=said.answer)

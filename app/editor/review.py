@@ -1,0 +1,240 @@
+"""The places of a motion to look at, the worst first: what tracking is least sure of, feet that
+leave the floor, drafts to confirm. Pure: from a session and its results."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Final, TypeAlias
+
+import numpy as np
+
+from app.editor.judged import ById, Judged, far_end
+from app.editor.problems import Problem, problems_of
+from app.editor.segment_evidence import LEAST_PX, part_errors_px, right_error_px
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.scaling import height
+from tracker.geometry.rotations import Array
+from tracker.session.drafted import DraftPlace
+from tracker.session.results import SpaceFinding
+from tracker.session.reviewed import Reviewed
+from tracker.session.schema import Session
+from tracker.storage.results import Results, Span
+from tracker.tracking.result import SegmentResult
+
+GOALS_PX: Final = (3, 5, 8, 12)
+USUAL_GOAL_PX: Final = 5
+
+Reason: TypeAlias = Problem | SpaceFinding | DraftPlace
+"""Why a place should be looked at."""
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """A place to look at.
+
+    part: None where it is about the whole body.  frames: first and last frame it is about.
+    px, cm: by which it is expected to be off: pixels of the video; None where nobody knows.
+    end_m: (3,) where the part's far end lies, camera frame.  px_per_m: there.
+    limb_m: (K, 3) the joints and the end of its limb.
+    """
+
+    why: Reason
+    frame: int
+    part: str | None
+    frames: Span
+    px: float | None
+    cm: float | None
+    end_m: Array
+    px_per_m: float
+    limb_m: Array
+
+    @property
+    def cause(self) -> str:
+        """The same as one word."""
+        if isinstance(self.why, Problem):
+            return self.why.cause
+        return self.why.kind if isinstance(self.why, SpaceFinding) else self.why.reason
+
+    @property
+    def id(self) -> str:
+        """Tells it from the others."""
+        return f"{self.frame}-{self.part or 'body'}"
+
+
+@dataclass(frozen=True, eq=False)
+class Review:
+    """places: those without an answer, the worst first.  answered: the answers that count.
+
+    goal_px: a goal that this film allows.  right_px: by which a joint is expected to be off that is
+    right.  px, cm: by which all joints are expected to be off in the mean.  untracked: segments.
+    body_m: the body's height.
+    """
+
+    places: tuple[Place, ...]
+    answered: tuple[Reviewed, ...]
+    goal_px: int
+    right_px: float | None
+    px: float | None
+    cm: float | None
+    untracked: tuple[Span, ...]
+    body_m: float
+
+    def above(self, goal_px: float) -> tuple[Place, ...]:
+        """The places over a goal; those whose size nobody knows are."""
+        return tuple(place for place in self.places if place.px is None or place.px > goal_px)
+
+
+def review_of(doc: Session, results: Results) -> Review:
+    """All that there is to review; found once for as long as nothing changes."""
+    return _review(ById(doc), ById(results))
+
+
+@lru_cache(maxsize=4)
+def _review(doc: ById, results: ById) -> Review:
+    session: Session = doc.it
+    known = Judged.of(session, results.it)
+    places = [*_drafts(known, session), *_worst_first(_tracked(known, session, results.it))]
+    right = _right_px(known)
+    px, cm = _mean(known)
+    return Review(
+        places=tuple(places),
+        answered=tuple(said for said in session.reviewed if known.counts(said)),
+        goal_px=_goal(right),
+        right_px=right,
+        px=px,
+        cm=cm,
+        untracked=tuple(span for span in session.spans if span not in known.tracks),
+        body_m=height(session.body),
+    )
+
+
+def _goal(right_px: float | None) -> int:
+    """The usual goal, or the least one that can be reached: a right joint is off by so much."""
+    usual = [goal for goal in GOALS_PX if goal >= USUAL_GOAL_PX]
+    return next((goal for goal in usual if right_px is None or goal > right_px), usual[-1])
+
+
+def _worst_first(places: Sequence[Place]) -> list[Place]:
+    """Those whose size nobody knows before all others: a keyframe is wrong, or all is lost."""
+
+    def rank(place: Place) -> tuple[float, float, int]:
+        return -(np.inf if place.px is None else place.px), -(place.cm or 0.0), place.frame
+
+    return sorted(places, key=rank)
+
+
+def _tracked(known: Judged, doc: Session, results: Results) -> list[Place]:
+    """Of one limb at one time only the worst."""
+    found = [*_in_segments(known), *_in_space(known, doc, results)]
+    kept: list[Place] = []
+    for place in _worst_first(found):
+        if not any(_is_same(known, place, other) for other in kept):
+            kept.append(place)
+    return kept
+
+
+def _is_same(known: Judged, one: Place, other: Place) -> bool:
+    """Whether two of different kinds are about one limb at one time."""
+    if type(one.why) is type(other.why) or known.limb_of(one.part) != known.limb_of(other.part):
+        return False
+    return one.frames[0] <= other.frames[1] and other.frames[0] <= one.frames[1]
+
+
+def _in_segments(known: Judged) -> Iterator[Place]:
+    for track in known.tracks.values():
+        for one in problems_of(known, track):
+            is_small = one.px is not None and one.px <= LEAST_PX
+            if one.answer is None and not is_small:
+                place = _tracked_place(known, track, one, one.frame, one.part, one.frames, one.px)
+                yield from [place] if place else []
+
+
+def _in_space(known: Judged, doc: Session, results: Results) -> Iterator[Place]:
+    """Feet that leave the floor: as large as it would be seen from the side."""
+    findings = [found for stretch in results.space(doc) for found in stretch.findings]
+    for found in findings:
+        if found.kind != "off_floor" or known.answer(found.part, found.go) is not None:
+            continue
+        track = next((t for t in known.tracks.values() if t.first <= found.go <= t.last), None)
+        scale = None if track is None else known.px_per_m(track, found.go, found.part)
+        frames = (found.first_frame, found.last_frame)
+        px = None if scale is None else abs(found.amount) * scale
+        if track is None or px is None or px <= LEAST_PX:
+            continue
+        place = _tracked_place(known, track, found, found.go, found.part, frames, px)
+        yield from [place] if place else []
+
+
+def _tracked_place(
+    known: Judged, track: SegmentResult, why: Reason, frame: int, part: str | None, frames: Span,
+    px: float | None,
+) -> Place | None:  # fmt: skip
+    """A place of the tracked motion; None where the body is behind the camera."""
+    return _place(known, track.trajectory.pose(frame), why, frame, part, frames, px)
+
+
+def _place(
+    known: Judged, pose: Pose, why: Reason, frame: int, part: str | None, frames: Span,
+    px: float | None,
+) -> Place | None:  # fmt: skip
+    assert known.skeleton is not None
+    assert known.camera is not None
+    body, index = known.skeleton.body, known.index(part)
+    Ts = pose_transforms(known.skeleton, pose)
+    limb = known.limb_of(part)
+    ends = [Ts[k, :3, :3] @ far_end(body, k) + Ts[k, :3, 3] for k in limb]
+    end = Ts[index, :3, :3] @ far_end(body, index) + Ts[index, :3, 3]
+    depth = float(known.camera.depth(end))
+    if depth <= 0:
+        return None
+    scale = float(np.sqrt(known.camera.fx * known.camera.fy)) / depth
+    cm = None if px is None or known.guessed else 100 * px / scale
+    joints = np.concatenate([Ts[list(limb), :3, 3], ends])
+    return Place(why, frame, part, frames, px, cm, end, scale, joints)
+
+
+def _drafts(known: Judged, doc: Session) -> Iterator[Place]:
+    """Drafts that a person should confirm, in the order of their frames."""
+    drafts = {draft.frame: draft for draft in doc.drafts}
+    for why in doc.drafted.places if doc.drafted else ():
+        draft, part = drafts.get(why.frame), why.parts[0] if why.parts else None
+        if draft is None or known.skeleton is None:
+            continue
+        pose, frames = draft.pose(known.skeleton), (why.frame, why.frame)
+        place = _place(known, pose, why, why.frame, part, frames, None)
+        if place is not None and not _is_unclear(doc, place):
+            yield place
+
+
+def _is_unclear(doc: Session, place: Place) -> bool:
+    """Whether a person could not tell of this very draft."""
+    return any(
+        said.frame == place.frame and bool(np.allclose(said.seen_m, place.end_m, atol=1e-6))
+        for said in doc.reviewed
+    )
+
+
+def _right_px(known: Judged) -> float | None:
+    found = [right_error_px(track) for track in known.tracks.values()]
+    told = [px for px in found if px is not None]
+    return float(np.median(told)) if told else None
+
+
+def _mean(known: Judged) -> tuple[float | None, float | None]:
+    """Pixels and centimetres by which joints are expected to be off between keyframes."""
+    px, cm = [], []
+    for track in known.tracks.values():
+        errors = part_errors_px(track)
+        if errors is None or len(errors) < 3:
+            continue
+        inside = errors[1:-1]
+        px.append(inside[inside > 0])
+        scale = known.px_per_m(track, (track.first + track.last) // 2, None)
+        if scale is not None:
+            cm.append(100 * px[-1] / scale)
+    if not px:
+        return None, None
+    mean_cm = float(np.concatenate(cm).mean()) if cm and not known.guessed else None
+    return float(np.concatenate(px).mean()), mean_cm

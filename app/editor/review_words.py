@@ -1,0 +1,53 @@
+"""A place to review, in the page's words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Final
+
+from app.editor.problem_words import reason_of, size_of
+from app.editor.problems import Problem
+from app.editor.review import Place, Review
+from app.posing import part_label
+from tracker.errors import spoken
+from tracker.session import drafted
+from tracker.session.results import SpaceFinding
+
+WHOLE_BODY: Final = "Whole body"
+
+_DRAFTS: Final[Mapping[drafted.Reason, Callable[[str], str]]] = {
+    "start": lambda _: "first frame of the draft",
+    "end": lambda _: "last frame of the draft",
+    "residual": lambda part: f"{part} may be off",
+    "hidden": lambda part: f"{part} hidden",
+    "flip": lambda part: f"{part} may point the other way",
+    "person": lambda _: "may be another person from here on",
+}
+
+
+def label_of_place(place: Place) -> str:
+    """The part that it is about: "Right forearm"."""
+    return WHOLE_BODY if place.part is None else part_label(place.part)
+
+
+def reason_of_place(place: Place) -> str:
+    """Why it should be looked at: "hidden behind the head, 83–92"."""
+    if isinstance(place.why, Problem):
+        return reason_of(place.why)
+    if isinstance(place.why, SpaceFinding):
+        return f"leaves the floor by {100 * abs(place.why.amount):.0f} cm"
+    return _DRAFTS[place.why.reason](spoken(place.part) if place.part else "the body")
+
+
+def left_words(count: int, goal_px: float) -> str:
+    """ "Nothing left above 5 px", "3 places left above 5 px"."""
+    if not count:
+        return f"Nothing left above {goal_px:g} px"
+    return f"{count} place{'s' if count > 1 else ''} left above {goal_px:g} px"
+
+
+def right_words(found: Review, goal_px: float) -> str:
+    """Why a goal cannot be promised, to be put after `left_words`; mostly empty."""
+    if found.right_px is None or found.right_px <= goal_px:
+        return ""
+    return f", but a joint that is right is off by {size_of(found.right_px, None)} in this video"

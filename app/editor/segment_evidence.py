@@ -1,0 +1,172 @@
+"""What a tracked segment shows of its own errors: where a keyframe would gain, what is fast, what
+is hidden, and which joints are in doubt."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Final, NamedTuple
+
+import numpy as np
+
+from tracker.geometry.rotations import Array, log_rotation, transpose
+from tracker.storage.results import Span
+from tracker.tracking.cues.joint_evidence import RIGHT_ERROR, WRONG_ERROR
+from tracker.tracking.diagnostics.expected_gain import MENDED
+from tracker.tracking.diagnostics.runs import runs
+from tracker.tracking.result import SegmentResult
+
+OWN_PX: Final = 0.2
+"""How much a motion can be expected to stray with every frame from the nearer keyframe. What seems
+to be more is a keyframe's own error, and one more beside it would not mend it."""
+FAST, FAST_DEG, FAST_SHARE = 1.5, 2.0, 0.6
+"""Motion is fast where a part turns more than so many times the segment's mean, and more than so
+many degrees a frame; and worth a word where that is less than this share of the segment."""
+ROOT_LEVER_M = 0.3
+"""The lever at which a turn of the root moves the body as far as a shift does."""
+HIDDEN, HIDDEN_FRAMES = 0.15, 3
+"""As in the verdict: a part below this observability, for so many frames, is not seen."""
+IN_DOUBT = 0.08
+"""Probability of being wrong from which a joint is worth a look; as the mean over all joints it
+makes a segment one to check."""
+LEAST_PX = 3.0
+"""Nothing that is expected to be off by less is worth a look."""
+NEAR_PEAK = 0.9
+"""Frames of nearly the largest error are as good a place: among them a keyframe gains most."""
+GAP = 4
+"""Frames in doubt that are so far apart are one place."""
+
+
+class Doubt(NamedTuple):
+    """A run of frames in which a part is in doubt: rows from the segment's first frame on."""
+
+    part: int
+    first: int
+    last: int
+    row: int
+    px: float
+
+
+def expected_gain(track: SegmentResult) -> Array:
+    """(n + 1,) pixels that a keyframe at each frame would mend; asked only where it is known."""
+    gain = track.diagnostics.expected_gain
+    assert gain is not None
+    return gain
+
+
+def gain(track: SegmentResult) -> float:
+    """Pixels that the best keyframe in a segment is expected to mend, in the mean over it."""
+    return float(expected_gain(track).max() / (track.last - track.first))
+
+
+def body_error_px(track: SegmentResult) -> Array:
+    """(n + 1,) pixels by which the whole body is expected to be off in the mean."""
+    mends = expected_gain(track)
+    whole = float(mends.sum())
+    return mends * (float(mends.max()) / MENDED / whole) if whole > 0 else np.zeros(len(mends))
+
+
+def possible_drift_px(track: SegmentResult) -> Array:
+    """(n + 1,) pixels by which the motion may be off without the keyframes' own errors."""
+    away = np.arange(track.last - track.first + 1)
+    most = OWN_PX * np.minimum(away, away[::-1])
+    if not expected_gain(track).sum() > 0:
+        return most
+    return np.minimum(body_error_px(track), most)
+
+
+def part_errors_px(track: SegmentResult) -> Array | None:
+    """(n + 1, P) as `Diagnostics.expected_error`, −inf where nothing is known; None where that is
+    so of all."""
+    expected = track.diagnostics.expected_error
+    if expected is None or not track.finished:
+        return None
+    known = track.where_tracked(expected)
+    if not np.isfinite(known).any():
+        return None
+    return np.where(np.isfinite(known), known, -np.inf)
+
+
+def right_error_px(track: SegmentResult) -> float | None:
+    """Pixels by which a joint is expected to be off that is right; None where no joint tells."""
+    errors = part_errors_px(track)
+    inside = np.zeros(0) if errors is None else errors[1:-1]
+    some = inside[inside > 0]
+    return float(some.min()) if len(some) else None
+
+
+def best_row(track: SegmentResult, part: int, first: int, last: int) -> int:
+    """Of the rows first to last that with nearly the largest error of a part where a keyframe would
+    gain most; the very largest where no gain is known."""
+    errors = part_errors_px(track)
+    assert errors is not None
+    column = errors[first : last + 1, part]
+    if track.diagnostics.expected_gain is None:
+        return first + int(column.argmax())
+    near = column >= NEAR_PEAK * column.max()
+    return first + int(np.where(near, expected_gain(track)[first : last + 1], -1.0).argmax())
+
+
+def doubts(track: SegmentResult, limbs: Sequence[Sequence[int]]) -> list[Doubt]:
+    """The runs of frames in which a limb's worst part is in doubt, the worst first.
+
+    limbs: the parts that are looked at together.
+    """
+    errors, right = part_errors_px(track), right_error_px(track)
+    if errors is None or right is None:
+        return []
+    worth = max(LEAST_PX, right + IN_DOUBT * (WRONG_ERROR / RIGHT_ERROR - 1) * right)
+    found = []
+    for limb in limbs:
+        for first, last in _runs_over(errors[:, list(limb)].max(axis=1), worth):
+            part = limb[int(errors[first : last + 1, list(limb)].max(axis=0).argmax())]
+            row = best_row(track, part, first, last)
+            found.append(Doubt(part, first, last, row, float(errors[row, part])))
+    return sorted(found, key=lambda doubt: -doubt.px)
+
+
+def _runs_over(values: Array, least: float) -> list[Span]:
+    """The runs of values over a bound; small gaps between them do not count."""
+    joined: list[Span] = []
+    for first, last in runs(values > least):
+        if joined and first - joined[-1][1] <= GAP + 1:
+            first = joined.pop()[0]
+        joined.append((first, last))
+    return joined
+
+
+def fast_about(track: SegmentResult, frame: int) -> Span | None:
+    """The run of fast frames that a frame lies in, where it stands out of its segment."""
+    path = track.trajectory
+    Rs, ps = path.Rs_parent_part, path.ps_camera_root
+    turned = np.linalg.norm(log_rotation(transpose(Rs[:-1]) @ Rs[1:]), axis=-1).max(axis=1)
+    shifted = np.linalg.norm(np.diff(ps, axis=0), axis=1) / ROOT_LEVER_M
+    speed = np.rad2deg(np.maximum(turned, shifted))
+    fast = speed > max(FAST * speed.mean(), FAST_DEG)
+    step = min(frame - track.first, len(speed) - 1)
+    if not fast[step] or fast.mean() > FAST_SHARE:
+        return None
+    slow = np.flatnonzero(~fast)
+    first = int(slow[slow < step].max(initial=-1)) + 1
+    last = int(slow[slow > step].min(initial=len(speed)))
+    return track.first + first, track.first + last
+
+
+def unseen_share(track: SegmentResult, part: int, frames: Span) -> float:
+    """The share of some frames in which the picture does not show a part; 0 where nobody knows."""
+    observability = track.diagnostics.observability
+    first = max(frames[0] - track.first - 1, 0)
+    column = observability[first : max(frames[1] - track.first, first + 1), part]
+    return float((column < HIDDEN).mean()) if len(column) else 0.0
+
+
+def longest_hidden(track: SegmentResult) -> tuple[int, Span] | None:
+    """The part that goes unseen for the longest run of frames, and that run."""
+    found = []
+    for part, column in enumerate(track.diagnostics.observability.T):
+        found += [(last - first + 1, first, part) for first, last in runs(column < HIDDEN)]
+    found = [run for run in found if run[0] >= HIDDEN_FRAMES]
+    if not found:
+        return None
+    length, start, part = max(found, key=lambda run: (run[0], run[1], run[2]))
+    first = track.first + 1 + start
+    return part, (first, min(first + length - 1, track.last - 1))

@@ -1,0 +1,216 @@
+// The review: from one place to the next where the motion is least sure. "Accept, correct, go on."
+
+import { isCaughtUp } from '../store/edits.js';
+import { send } from '../store/link.js';
+import { select } from '../store/parts.js';
+import { server, setUi, ui, watch } from '../store/state.js';
+import { view } from '../views/views.js';
+import { goTo, isKey, stopPlaying } from './playhead.js';
+import { answered, currentRow, listOf, openRows, placesAbove, turned, withUndone } from './review_list.js';
+
+/** @typedef {import('../store/shapes.js').ReviewPlace} ReviewPlace */
+
+/** Long enough to see what was corrected. */
+const PAUSE_MS = 400;
+/** The limb takes this share of the picture. */
+const LIMB_SHARE = 1 / 3;
+
+/** The window of the picture before the review, and the path of the film it was of. */
+let before = null;
+/** Where a limb was keyed already when its row became the current one. */
+let keyedBefore = '';
+let timer = 0;
+
+export const isReviewing = () => Boolean(ui.review);
+
+/** Where the error is to lie below. */
+export const goal = () => ui.reviewGoal ?? server.review?.goal ?? 5;
+
+/** The places over the goal, as they are known now. */
+export const places = () => placesAbove(server.review?.places ?? [], goal());
+
+/** The place that is looked at; undefined outside of a review and at its end. @returns {ReviewPlace | undefined} */
+export const place = () => (ui.review ? currentRow(ui.review) : undefined);
+
+export function mountReview() {
+  watch(['review', 'done'], followAnswers);
+  watch(['keys', 'u:dragging'], followKeys);
+  watch(['file'], () => server.file?.path !== before?.path && leave());
+}
+
+export const whyNotReview = () => (server.review ? '' : 'Open a video first');
+
+/** Open it where it was left, or close it. */
+export function toggleReview() {
+  if (isReviewing()) return void closeReview();
+  before = { path: server.file?.path, ...windowNow() };
+  setUi('reviewLeft', false);
+  change(listOf(places()));
+}
+
+/** Close it; tells whether it was open. The picture is seen as before. */
+export function closeReview() {
+  if (!isReviewing()) return false;
+  setUi('reviewLeft', places().length > 0);
+  putBack();
+  leave();
+  return true;
+}
+
+function leave() {
+  clearTimeout(timer);
+  setUi('review', null);
+  if (before?.path !== server.file?.path) setUi('reviewLeft', false);
+}
+
+/** Another goal: ranked anew. */
+export function setGoal(px) {
+  setUi('reviewGoal', px);
+  if (ui.review) change({ ...listOf(places()), done: ui.review.done });
+}
+
+/** What one reads when nothing is left: a lower goal that this film allows; undefined where there is none. */
+export const lowerGoal = () => (server.review?.goals ?? []).findLast((px) => px < goal());
+
+// --- answers
+
+export const whyNoPlace = () => (place() ? '' : 'Nothing is left to review');
+
+/** @type {Record<'accepted' | 'unclear', string>} */
+const WORDS = { accepted: 'accept_place', unclear: 'cannot_tell' };
+
+/** @param {'accepted' | 'unclear'} said */
+export function answer(said) {
+  const row = place();
+  if (!row) return;
+  send({ do: WORDS[said], frame: row.frame, part: row.part });
+  note(row.id, said);
+}
+
+/** To the next place (1), or back to the previous one (−1); the list is ranked anew. */
+export function turn(way) {
+  clearTimeout(timer);
+  setUi('reviewHeld', null);
+  if (ui.review) change(turned(ui.review, places(), way));
+}
+
+/** To a row that was clicked. */
+export function visit(id) {
+  clearTimeout(timer);
+  if (ui.review) change({ ...ui.review, current: id });
+}
+
+/** To a place that was clicked outside of the list. */
+export function visitOrOpen(id) {
+  if (!isReviewing()) toggleReview();
+  if (!ui.review.rows.some((row) => row.id === id)) turn(1);
+  if (ui.review.rows.some((row) => row.id === id)) visit(id);
+}
+
+function note(id, what) {
+  const list = answered(ui.review, id, what);
+  const isLast = openRows(list).length === 0;
+  change(isLast ? turned({ ...list, current: null }, places(), 1) : list);
+}
+
+function change(list) {
+  const was = place()?.id;
+  setUi('review', list);
+  const row = place();
+  if (row && row.id !== was) show(row);
+}
+
+/** Go to a place: its frame, its part, and its limb large in the picture. */
+function show(row) {
+  keyedBefore = keyedAt(row.frame);
+  stopPlaying();
+  goTo(row.frame);
+  if (row.part) select(row.part);
+  zoomTo(row);
+}
+
+// --- what happens meanwhile
+
+/** What was undone is open again. */
+function followAnswers() {
+  if (!ui.review || !isCaughtUp()) return;
+  const list = withUndone(ui.review, server.review?.places ?? []);
+  const isOver = list.current === null || !list.rows.length;
+  if (isOver && places().length) change(turned(list, places(), 1));
+  else if (list !== ui.review) change(list);
+}
+
+/** A keyframe at the place, of the limb or of all, corrects it; after a moment the list goes on. */
+function followKeys() {
+  const row = place();
+  if (ui.dragging) return clearTimeout(timer);
+  if (!row || keyedAt(row.frame) === keyedBefore) return;
+  keyedBefore = keyedAt(row.frame);
+  if (!keyedBefore) return;
+  clearTimeout(timer);
+  timer = window.setTimeout(() => place()?.id === row.id && note(row.id, 'corrected'), PAUSE_MS);
+}
+
+/** What is keyed at a frame, as one text that differs when that does. */
+function keyedAt(frame) {
+  const parts = (server.keys?.parts ?? []).find((key) => key.frame === frame)?.parts ?? [];
+  return isKey(frame) ? 'all' : parts.join(' ');
+}
+
+// --- the picture
+
+function windowNow() {
+  const { x, y, scale, chosen } = view('main').window;
+  return { x, y, scale, chosen };
+}
+
+function putBack() {
+  if (!before || before.path !== server.file?.path) return;
+  const main = view('main');
+  if (!before.chosen) return main.fit();
+  const { x, y, scale, chosen } = before;
+  Object.assign(main.window, { x, y, scale, chosen });
+  main.redraw();
+}
+
+/** The limb, or at least what its crop shows, in a third of the picture. */
+function zoomTo({ box: [left, top, right, bottom], crop }) {
+  const [x, y] = [(left + right) / 2, (top + bottom) / 2];
+  const [wide, high] = [Math.max(right - left, crop), Math.max(bottom - top, crop)].map((side) => side / LIMB_SHARE / 2);
+  const main = view('main');
+  main.window.showBox([x - wide, y - high, x + wide, y + high]);
+  main.window.chosen = true;
+  main.redraw();
+}
+
+// --- the keyboard
+
+/** The mode's own keys go before the table's. @type {Record<string, () => void>} */
+const KEYS = {
+  Enter: () => answer('accepted'),
+  'Shift Enter': () => answer('unclear'),
+  N: () => turn(1),
+  'Shift N': () => turn(-1),
+};
+
+/** Whether a drag keys only the limb: at a place to review that is no keyframe. Drafts are posed as a whole. */
+export const keysLimb = () => Boolean(place()) && place()?.kind !== 'draft' && !isKey(server.view?.frame);
+
+/** Tells whether the key was the review's. */
+export function onReviewKey(chord, event) {
+  const act = isReviewing() && !ui.sheet && !ui.chooser ? KEYS[chord] : undefined;
+  if (!act) return false;
+  event.preventDefault();
+  if (!event.repeat) act();
+  return true;
+}
+
+/** What the keys do here, for the status bar; null outside of a review. */
+export function reviewHints() {
+  if (!isReviewing() || ui.dragging) return null;
+  if (!place()) return [['Esc', 'close review']];
+  return [
+    ['Enter', 'accept'], ['Drag', 'correct, keys this limb only'], ['N', 'next'], ['Shift N', 'previous'],
+    ['Shift Enter', 'cannot tell'], ['Esc', 'close review'],
+  ];
+}

@@ -1,0 +1,98 @@
+// The list of a review, as plain values: which rows stand there, which is the current one, what was
+// answered. Rows stay where they are until the next N: nothing moves under a pointer.
+
+/** @typedef {import('../store/shapes.js').ReviewPlace} ReviewPlace */
+/** @typedef {'accepted' | 'corrected' | 'unclear'} Answer */
+
+/**
+ * @typedef {object} ReviewList
+ * @property {ReviewPlace[]} rows  As they were ranked last; answered ones stay among them until the next N.
+ * @property {string | null} current  The row's id; null where nothing is left.
+ * @property {{ id: string, frame: number, label: string, answer: Answer }[]} done  In the order of the answers.
+ */
+
+/**
+ * The places over a goal: also those of which nobody knows how far they are off.
+ * @param {ReviewPlace[]} places
+ * @param {number} goal  Pixels.
+ */
+export const placesAbove = (places, goal) => places.filter(({ px }) => px === null || px > goal);
+
+/**
+ * A new list, its worst place first.
+ * @param {ReviewPlace[]} places  Those over the goal, ranked.
+ * @returns {ReviewList}
+ */
+export const listOf = (places) => ({ rows: places, current: places[0]?.id ?? null, done: [] });
+
+/** Whether a row has been answered. @param {ReviewList} list */
+export const answerOf = (list, id) => list.done.find((one) => one.id === id)?.answer;
+
+/** The rows that wait for an answer. @param {ReviewList} list */
+export const openRows = (list) => list.rows.filter(({ id }) => !answerOf(list, id));
+
+/** @param {ReviewList} list */
+export const currentRow = (list) => list.rows.find(({ id }) => id === list.current);
+
+/**
+ * With an answer to a row, which stays in its place, and the next open row below it as the current
+ * one; null where none of these rows is open any more.
+ * @param {ReviewList} list
+ * @param {string} id
+ * @param {Answer} answer
+ * @returns {ReviewList}
+ */
+export function answered(list, id, answer) {
+  const row = list.rows.find((each) => each.id === id);
+  if (!row || answerOf(list, id)) return list;
+  const after = { ...list, done: [...list.done, { id, frame: row.frame, label: row.label, answer }] };
+  return { ...after, current: beside(openRows(after), list.rows, id, 1)?.id ?? null };
+}
+
+/**
+ * Ranked anew, with the next open place (1) or the previous one (−1) as the current one.
+ * @param {ReviewList} list
+ * @param {ReviewPlace[]} places  Those over the goal as they are known now.
+ * @param {1 | -1} way
+ * @returns {ReviewList}
+ */
+export function turned(list, places, way) {
+  const rows = places.filter(({ id }) => !answerOf(list, id));
+  const next = list.current === null ? rows[0] : beside(rows, list.rows, list.current, way);
+  return { ...list, rows, current: next?.id ?? null };
+}
+
+/** The open row that follows one in its order, or goes before it; round the end. */
+function beside(open, rows, id, way) {
+  const at = open.findIndex((row) => row.id === id);
+  if (at >= 0) return open[(at + way + open.length) % open.length];
+  // It is answered or gone: the nearest of its old neighbours that is still open.
+  const old = rows.findIndex((row) => row.id === id);
+  const order = way > 0 ? [...rows.slice(old + 1), ...rows.slice(0, old)] : [...rows.slice(0, old)].reverse();
+  const ids = new Set(open.map((row) => row.id));
+  return open.find((row) => row.id === order.find((each) => ids.has(each.id))?.id) ?? open[0];
+}
+
+/**
+ * Without the answers that were undone: their places are back.
+ * @param {ReviewList} list
+ * @param {ReviewPlace[]} places  All that are known now.
+ * @returns {ReviewList}
+ */
+export function withUndone(list, places) {
+  const back = new Set(places.map(({ id }) => id));
+  const done = list.done.filter(({ id }) => !back.has(id));
+  if (done.length === list.done.length) return list;
+  const undone = list.done.findLast(({ id }) => back.has(id));
+  return { ...list, done, current: undone && list.rows.some(({ id }) => id === undone.id) ? undone.id : list.current };
+}
+
+/** @type {[Answer, string][]} */
+const TOLD = [['accepted', 'accepted'], ['corrected', 'corrected'], ['unclear', 'left open']];
+
+/** "3 reviewed: 2 accepted, 1 corrected." @param {ReviewList} list */
+export function doneWords({ done }) {
+  const many = (answer) => done.filter((one) => one.answer === answer).length;
+  const told = TOLD.filter(([answer]) => many(answer)).map(([answer, word]) => `${many(answer)} ${word}`);
+  return `${done.length} reviewed${told.length ? `: ${told.join(', ')}` : ''}.`;
+}

@@ -1,0 +1,217 @@
+"""The places to look at, the worst first, and what a person says of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.cli.main import main
+from app.editor.judged import Judged
+from app.editor.refusal import Refused
+from app.editor.review import Review, review_of
+from app.editor.review_words import label_of_place, reason_of_place
+from app.editor.state import EditorState
+from app.store.sections import Sections
+from app.store.state import AppState
+from tests.app.editor.desk import after, desk
+from tests.app.store.test_sections import expecting
+from tracker.body.pose import pose_transforms
+from tracker.session.drafted import Drafted
+from tracker.session.verdict import Verdict
+from tracker.storage.files import save_session
+from tracker.storage.results import Results, save_results, segment_keys
+from tracker.tracking.result import Diagnostics
+
+RIGHT_PX = 3.5
+"""Of joints that are right."""
+FOREARM = {"frame": 10, "part": "right_forearm"}
+
+
+def doubting(**peaks: tuple[int, float]) -> EditorState:
+    """The sample with 0–24 tracked: parts in doubt around a frame, by so many pixels."""
+    edit = desk()
+    error = np.full((25, edit.skeleton.part_count), np.nan)
+    for part in ("chest", "head", *peaks):
+        error[:, edit.doc.body.index(part)] = RIGHT_PX
+    for part, (frame, px) in peaks.items():
+        error[frame - 1 : frame + 2, edit.doc.body.index(part)] = px - 1
+        error[frame, edit.doc.body.index(part)] = px
+    error[[0, -1]] *= 0
+    state = expecting(error).edit
+    assert state is not None
+    (found,) = state.results.by_key.values()
+    rows = Diagnostics.side_by_side((), 25, edit.skeleton.part_count, edit.skeleton.dof_count)
+    found = replace(found, diagnostics=replace(rows, expected_error=error))
+    return replace(state, results=Results({found.key: found}))
+
+
+ARM_AND_FOOT = {"right_forearm": (10, 14.0), "left_foot": (5, 8.0)}
+
+
+def reviewed(state: EditorState) -> Review:
+    return review_of(state.doc, state.results)
+
+
+def named(state: EditorState) -> list[tuple[int, str | None]]:
+    return [(place.frame, place.part) for place in reviewed(state).places]
+
+
+def test_the_worst_place_comes_first_each_at_its_worst_frame() -> None:
+    state = doubting(**ARM_AND_FOOT)
+    assert named(state) == [(10, "right_forearm"), (5, "left_foot")]
+    first, second = reviewed(state).places
+    assert (first.px, first.frames) == (14.0, (9, 11))
+    assert label_of_place(first) == "Right forearm"
+    assert second.px == 8.0
+
+
+def test_a_place_is_as_many_centimetres_off_as_its_pixels_are_at_its_depth() -> None:
+    state = doubting(**ARM_AND_FOOT)
+    place = reviewed(state).places[0]
+    assert place.cm is not None
+    p = place.end_m
+    uv = state.doc.camera.project(np.stack([p, p + np.array([place.cm / 100, 0.0, 0.0])]))
+    assert np.linalg.norm(uv[1] - uv[0]) == pytest.approx(14.0, rel=0.02)
+
+
+def test_joints_that_are_right_are_no_place_to_look_at() -> None:
+    assert named(doubting()) == []
+
+
+def test_the_goal_is_one_that_the_video_allows() -> None:
+    state = doubting(**ARM_AND_FOOT)
+    found = reviewed(state)
+    assert (found.goal_px, found.right_px) == (5, RIGHT_PX)
+    assert [place.frame for place in found.above(8)] == [10]
+    error = np.full((25, state.skeleton.part_count), 5.6)
+    error[[0, -1]] = 0
+    large = expecting(error).edit
+    assert large is not None
+    assert reviewed(large).goal_px == 8
+
+
+def test_what_is_accepted_stays_away_and_is_one_step_of_undo() -> None:
+    state = doubting(**ARM_AND_FOOT)
+    accepted = after(state, {"do": "accept_place", **FOREARM})
+    assert named(accepted) == [(5, "left_foot")]
+    assert accepted.history.past[-1].label == "accept right forearm"
+    (said,) = reviewed(accepted).answered
+    assert (said.answer, said.frame, said.first_frame, said.last_frame) == ("accepted", 10, 9, 11)
+    assert accepted.doc.keyframes == state.doc.keyframes
+    assert named(after(accepted, {"do": "undo"})) == named(state)
+
+
+def test_an_answer_about_a_part_is_one_about_its_limb() -> None:
+    state = doubting(right_forearm=(10, 14.0), right_upper_arm=(10, 9.0))
+    assert named(state) == [(10, "right_forearm")]
+    assert named(after(state, {"do": "accept_place", **FOREARM})) == []
+
+
+def test_it_comes_back_when_the_motion_there_is_another_one() -> None:
+    accepted = after(doubting(**ARM_AND_FOOT), {"do": "accept_place", **FOREARM})
+    (found,) = accepted.results.by_key.values()
+    path = found.trajectory
+    moved = replace(path, ps_camera_root=path.ps_camera_root + np.array([0.03, 0.0, 0.0]))
+    other = replace(accepted, results=Results({found.key: replace(found, trajectory=moved)}))
+    assert (10, "right_forearm") in named(other)
+    assert reviewed(other).answered == ()
+
+
+def test_what_cannot_be_told_leaves_the_list_and_its_segment_to_be_checked() -> None:
+    state = doubting(**ARM_AND_FOOT)
+    (found,) = state.results.by_key.values()
+    verdict = Verdict.check("uncertain", (9, 11), "right_forearm")
+    state = replace(state, results=Results({found.key: replace(found, verdict=verdict)}))
+    left = after(state, {"do": "cannot_tell", **FOREARM})
+    assert named(left) == [(5, "left_foot")]
+    first, *_ = Sections().changed(AppState(edit=left))["segments"]
+    assert (first["state"], first["go"]) == ("check", 5), "what is open is spoken of first"
+    both = after(left, {"do": "accept_place", "frame": 5, "part": "left_foot"})
+    first, *_ = Sections().changed(AppState(edit=both))["segments"]
+    assert (first["state"], first["go"], first["part"]) == ("check", 10, "right_forearm")
+    accepted = after(state, {"do": "accept_place", **FOREARM})
+    accepted = after(accepted, {"do": "accept_place", "frame": 5, "part": "left_foot"})
+    first, *_ = Sections().changed(AppState(edit=accepted))["segments"]
+    assert (first["state"], first["short"]) == ("good", "Reviewed")
+
+
+def test_where_nothing_is_to_be_reviewed_an_answer_is_refused() -> None:
+    with pytest.raises(Refused, match="nothing left to review at frame 3"):
+        after(doubting(**ARM_AND_FOOT), {"do": "accept_place", "frame": 3, "part": "head"})
+
+
+def test_what_hides_a_part_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Judged, "hidden_behind", lambda *_: "head")
+    place = reviewed(doubting(right_forearm=(10, 14.0))).places[0]
+    assert (place.cause, reason_of_place(place)) == ("not_seen", "hidden behind the head, 9–11")
+
+
+def test_the_reason_is_seldom_more_than_that_the_passes_differ(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(Judged, "hidden_behind", lambda *_: None)
+    place = reviewed(doubting(right_forearm=(10, 14.0))).places[0]
+    assert reason_of_place(place) == "forward and backward passes differ"
+
+
+def test_a_limb_that_was_keyed_by_itself_is_right_there() -> None:
+    state = after(doubting(**ARM_AND_FOOT), {"do": "go", "frame": 10})
+    (found,) = state.results.by_key.values()
+    keyed = after(state, {"do": "key_parts", "frame": 10, "parts": ["right_forearm"]})
+    again = replace(found, key=segment_keys(keyed.doc)[0, 24])
+    places = named(replace(keyed, results=Results({again.key: again})))
+    assert (10, "right_forearm") not in places
+
+
+def drafting() -> EditorState:
+    """Drafts at 30 and 40, the second of which is to be confirmed."""
+    edit = desk()
+    pose = edit.doc.keyframes[1]
+    drafts = tuple(
+        pose.model_copy(update={"frame": frame, "time_s": frame / 30}) for frame in (30, 40)
+    )
+    places = [{"frame": 40, "reason": "flip", "parts": ["left_forearm"]}]
+    given = {"first_frame": 30, "last_frame": 40, "places": places}
+    update = {"drafts": drafts, "drafted": Drafted.model_validate(given)}
+    return edit.with_doc(edit.doc.model_copy(update=update))
+
+
+def test_a_draft_to_confirm_is_a_place_and_becomes_a_keyframe_when_it_is_accepted() -> None:
+    state = drafting()
+    (place,) = reviewed(state).places
+    assert (place.frame, place.px) == (40, None)
+    assert reason_of_place(place) == "left forearm may point the other way"
+    Ts = pose_transforms(state.skeleton, state.doc.drafts[1].pose(state.skeleton))
+    assert np.linalg.norm(place.end_m - Ts[state.doc.body.index("left_forearm"), :3, 3]) < 0.5
+    keyed = after(state, {"do": "accept_place", "frame": 40, "part": "left_forearm"})
+    assert 40 in keyed.keys
+    assert named(keyed) == []
+    left = after(state, {"do": "cannot_tell", "frame": 40, "part": "left_forearm"})
+    assert named(left) == []
+
+
+def test_answers_are_saved_and_the_list_is_read_without_the_page(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    state = doubting(**ARM_AND_FOOT)
+    path = tmp_path / "session.json"
+    save_session(save_results(state.doc, path, state.results), path)
+    assert main(["review", str(path)]) == 0
+    told = capsys.readouterr().out.splitlines()
+    assert told[0].split() == ["frame", "part", "expected", "error", "reason"]
+    assert told[1].startswith("   10  Right forearm  ≈ 14 px")
+    assert told[-1] == "2 places left above 5 px."
+    done = after(
+        state,
+        {"do": "accept_place", **FOREARM},
+        {"do": "cannot_tell", "frame": 5, "part": "left_foot"},
+    )
+    save_session(save_results(done.doc, path, done.results), path)
+    assert main(["review", str(path)]) == 0
+    told = capsys.readouterr().out.splitlines()
+    assert told == ["2 reviewed: 1 accepted, 1 that nobody can tell.", "Nothing left above 5 px."]
+    assert main(["review", str(path), "--json"]) == 0
+    assert '"places": []' in capsys.readouterr().out

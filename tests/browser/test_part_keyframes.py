@@ -1,0 +1,106 @@
+"""A limb is keyed alone, moved on the timeline, made whole, and had back by undo."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, Page
+
+from tests.browser.hands import SCREENS, Spot, drag, section, settled, spot, until_told
+from tests.browser.shared import Desk, desk
+
+SIZE = (1440, 900)
+
+
+@pytest.fixture(scope="module")
+def shared(browser: Browser, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    with desk(browser, tmp_path_factory.mktemp("parts"), size=SIZE) as made:
+        yield made
+
+
+@pytest.fixture
+def at(shared: Desk) -> Desk:
+    """The page as if it had just been opened."""
+    shared.fresh()
+    return shared
+
+
+def _pull(page: Page, point: str, by: Spot) -> None:
+    """Drag a handle by pixels."""
+    x, y = spot(page, point)
+    drag(page, (x, y), (x + by[0], y + by[1]), steps=5)
+
+
+def _on_frame(page: Page, frame: int) -> Spot:
+    """Where a frame's keyframe stands on the timeline."""
+    last = section(page, "file.frames") - 1
+    box = page.locator("#tsvg").bounding_box()
+    assert box is not None
+    left, right = box["x"] + 138, box["x"] + box["width"] - 26
+    return left + frame * (right - left) / last, box["y"] + 22 + 17
+
+
+def _keyed_arm(page: Page) -> int:
+    """Key the right arm alone amid the first interval, a little to the side of where it was; the
+    frame."""
+    first, last = section(page, "keys.frames")[:2]
+    frame = int((first + last) // 2)
+    page.keyboard.press("Home")
+    page.keyboard.press("/")
+    until_told(page, "pose.frame", lambda now: now == frame)
+    settled(page)
+    _pull(page, "right_hand", (24, -10))
+    until_told(page, "keys.drafts", lambda drafts: drafts == [frame])
+    page.keyboard.press("Shift+K")
+    until_told(page, "keys.parts", lambda parts: [part["frame"] for part in parts] == [frame])
+    return frame
+
+
+def test_a_limb_that_was_pulled_is_keyed_alone_and_shown_half_filled(at: Desk) -> None:
+    page = at.page
+    keys = section(page, "keys.frames")
+    frame = _keyed_arm(page)
+    assert section(page, "keys.frames") == keys
+    assert section(page, "keys.drafts") == []
+    assert section(page, "keys.parts[0].words") == "right arm only"
+    page.keyboard.press("Shift+ArrowRight")
+    until_told(page, "view.frame", lambda now: now == frame + 10)
+    assert page.locator("#tsvg .partkey .fill.R").count() == 1
+    page.mouse.move(*_on_frame(page, frame))
+    page.locator("#tsvg .plate").first.wait_for()
+    settled(page)
+    words = " ".join(page.locator("#tsvg .plate text").all_text_contents())
+    assert f"Part keyframe {frame}" in words
+    assert "right arm only" in words
+    page.screenshot(path=SCREENS / "part-keyframe-tip.png")
+
+
+def test_it_is_dragged_copied_deleted_and_made_whole_like_a_keyframe(at: Desk) -> None:
+    page = at.page
+    keys = section(page, "keys.frames")
+    frame = _keyed_arm(page)
+    drag(page, _on_frame(page, frame), _on_frame(page, frame + 4), steps=5)
+    until_told(page, "keys.parts[0].frame", lambda now: now == frame + 4)
+    page.keyboard.press("Delete")
+    until_told(page, "keys.parts", lambda parts: parts == [])
+    page.keyboard.press("Control+z")
+    until_told(page, "keys.parts", lambda parts: len(parts) == 1)
+    page.mouse.dblclick(*_on_frame(page, frame + 4))
+    until_told(page, "keys.frames", lambda now: frame + 4 in now)
+    assert section(page, "keys.parts") == []
+    page.keyboard.press("Control+z")
+    until_told(page, "keys.frames", lambda now: now == keys)
+    at.agreed("keys")
+
+
+def test_a_second_limb_shares_the_diamond_and_leaves_it_from_the_inspector(at: Desk) -> None:
+    page = at.page
+    _keyed_arm(page)
+    _pull(page, "left_foot", (-12, -20))
+    until_told(page, "keys.parts[0].limbs", lambda limbs: len(limbs) == 2)
+    assert page.locator("#tsvg .partkey.current .fill.L").count() == 1
+    settled(page)
+    page.screenshot(path=SCREENS / "part-keyframe-two.png")
+    page.get_by_role("button", name="Leave the right arm to the tracker").click()
+    until_told(page, "keys.parts[0].words", lambda words: words == "left leg only")

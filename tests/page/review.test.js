@@ -1,0 +1,73 @@
+// The list of a review: what stands where, and what is next.
+
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import './browser.js';
+import {
+  answered, answerOf, currentRow, doneWords, listOf, openRows, placesAbove, turned, withUndone,
+} from '../../static/actions/review_list.js';
+
+const place = (id, px) => ({ id, frame: Number(id), px });
+const PLACES = [place('87', 14), place('34', 9), place('68', 8), place('56', 7), place('21', 6)];
+const ids = (list) => list.rows.map(({ id }) => id);
+
+test('a goal keeps what is expected to be off by more, and what nobody knows', () => {
+  const some = [place('3', null), place('4', 8), place('5', 5)];
+  assert.deepEqual(placesAbove(some, 5).map(({ id }) => id), ['3', '4']);
+});
+
+test('a review begins with the worst place', () => {
+  assert.equal(currentRow(listOf(PLACES)).id, '87');
+  assert.equal(currentRow(listOf([])), undefined);
+});
+
+test('an answer leaves every row where it is and goes on to the next open one', () => {
+  const list = answered(listOf(PLACES), '87', 'accepted');
+  assert.deepEqual(ids(list), ids(listOf(PLACES)));
+  assert.equal(answerOf(list, '87'), 'accepted');
+  assert.equal(list.current, '34');
+  const skipped = answered({ ...list, current: '56' }, '56', 'unclear');
+  assert.equal(skipped.current, '21');
+  assert.equal(answered(skipped, '21', 'accepted').current, '34', 'round the end');
+});
+
+test('an answer counts once', () => {
+  const list = answered(listOf(PLACES), '87', 'accepted');
+  assert.equal(answered(list, '87', 'corrected'), list);
+});
+
+test('with the last answer nothing is current', () => {
+  const list = answered(listOf(PLACES.slice(0, 1)), '87', 'corrected');
+  assert.equal(list.current, null);
+  assert.deepEqual(openRows(list), []);
+  assert.equal(turned(list, [], 1).current, null);
+});
+
+test('the next N shows the new order, without what was answered', () => {
+  const list = answered(listOf(PLACES), '87', 'accepted');
+  const worse = [place('40', 20), ...PLACES.slice(1).reverse()];
+  const next = turned(list, worse, 1);
+  assert.deepEqual(ids(next), ['40', '21', '56', '68', '34']);
+  assert.equal(next.current, '40', 'from 34, the last of them, round the end');
+  assert.equal(turned(next, worse, -1).current, '34');
+});
+
+test('a place that is gone gives way to its old neighbour', () => {
+  const list = { ...listOf(PLACES), current: '34' };
+  assert.equal(turned(list, PLACES.filter(({ id }) => id !== '34'), 1).current, '68');
+  assert.equal(turned(list, PLACES.filter(({ id }) => id !== '34'), -1).current, '87');
+});
+
+test('what is undone is open again and becomes the current one', () => {
+  const list = answered(answered(listOf(PLACES), '87', 'accepted'), '34', 'corrected');
+  assert.equal(withUndone(list, PLACES.slice(2)), list);
+  const back = withUndone(list, PLACES.slice(1));
+  assert.equal(back.current, '34');
+  assert.equal(answerOf(back, '34'), undefined);
+  assert.equal(answerOf(back, '87'), 'accepted');
+});
+
+test('at the end it says what was answered', () => {
+  const list = answered(answered(listOf(PLACES), '87', 'accepted'), '34', 'corrected');
+  assert.equal(doneWords(list), '2 reviewed: 1 accepted, 1 corrected.');
+});

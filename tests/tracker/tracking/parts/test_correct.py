@@ -1,0 +1,164 @@
+"""A limb set right between keyframes: it is exact there, better around, and the rest as tracked."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.tracker.tracking.cues.people import CAMERA, SKELETON, Filmed, moving
+from tests.tracker.tracking.test_tracker import same
+from tests.tracker.tracking_cases import Case, case
+from tracker.body.pose import Pose
+from tracker.body.trajectory import Pass, Trajectory
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import exp_rotation
+from tracker.session.settings import ALL_CUES, TrackSettings
+from tracker.tracking.cues.sources import GivenKeypoints
+from tracker.tracking.parts.keyed import KeyedParts
+from tracker.tracking.result import SegmentResult
+from tracker.tracking.tracker import Tracker
+from tracker.video.clip_loader import ClipLoader
+
+ARM = ("right_upper_arm", "right_forearm", "right_hand")
+SPAN, AT = (0, 12), 5
+FILM = Filmed(moving())
+WAYS: dict[str, TrackSettings] = {
+    "full": TrackSettings(),
+    "fast": TrackSettings(quality="fast"),
+    "preview": TrackSettings(quality="preview"),
+    "printed": TrackSettings(method="paper", passes=2),
+}
+
+
+@pytest.fixture(scope="module")
+def person() -> Case:
+    return case("stride", 30, 42)
+
+
+def swung(pose: Pose, names: tuple[str, ...]) -> Pose:
+    """A pose whose right arm is swung aside."""
+    R, t = pose.writable()
+    R[names.index(ARM[0])] @= exp_rotation(np.array([0.2, 0.0, 0.15]))
+    return Pose(R, t)
+
+
+def run(tracker: Tracker, settings: TrackSettings, span: tuple[int, int] = SPAN) -> SegmentResult:
+    return tracker.run_segment(span, settings, lambda *_: None)
+
+
+def hands(motion: Trajectory, shown: Any) -> np.ndarray:
+    """(N, 2, 3) where elbow and wrist are."""
+    parts = [shown.body.index(name) for name in ARM[1:]]
+    return np.asarray(motion.transforms(shown)[:, parts][..., :3, 3])
+
+
+def require_exact_there_and_as_tracked_elsewhere(
+    found: Trajectory, base: Trajectory, key: KeyedParts, skeleton: Any, camera: Camera
+) -> None:
+    rest = [i for i in range(skeleton.part_count) if i not in key.parts]
+    np.testing.assert_array_equal(found.Rs_parent_part[:, rest], base.Rs_parent_part[:, rest])
+    np.testing.assert_array_equal(found.ps_camera_root, base.ps_camera_root)
+    for end in (0, -1):
+        np.testing.assert_array_equal(found.Rs_parent_part[end], base.Rs_parent_part[end])
+    one = Trajectory(0, key.pose.Rs_parent_part[None], key.pose.p_camera_root[None])
+    there, set_there = (hands(m, skeleton) for m in (found, one))
+    there = there[key.frame - found.first_frame]
+    assert np.linalg.norm(there[-1] - set_there[0, -1]) < 5e-4
+    assert np.linalg.norm(camera.project(there[-1]) - camera.project(set_there[0, -1])) < 0.1
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_the_limb_is_exact_where_it_was_set_and_the_rest_to_the_byte_as_tracked(
+    person: Case, way: str
+) -> None:
+    base = run(person.tracker(*SPAN), WAYS[way])
+    pose = swung(base.trajectory.pose(AT), person.skeleton.body.names)
+    key = KeyedParts.of(person.skeleton, AT, ARM, pose)
+    found = run(person.tracker(*SPAN, keyed_parts=(key,)), WAYS[way])
+    require_exact_there_and_as_tracked_elsewhere(
+        found.trajectory, base.trajectory, key, person.skeleton, person.camera
+    )
+    assert found.steps[found.best_pass] == "limbs"
+
+
+def test_of_what_was_tracked_before_only_the_limb_is_tracked_anew_to_the_same_motion(
+    person: Case,
+) -> None:
+    settings, keys = TrackSettings(quality="fast"), {SPAN: "the segment without parts"}
+    plain = person.tracker(*SPAN, keys=keys)
+    base = run(plain, settings)
+    pose = swung(base.trajectory.pose(AT), person.skeleton.body.names)
+    key = KeyedParts.of(person.skeleton, AT, ARM, pose)
+    steps: list[Pass] = []
+    later = plain.renewed(person.skeleton, plain.keyposes, keyed_parts=(key,), keys=keys)
+    expected = later.expected_steps(SPAN, settings)
+    found = later.run_segment(SPAN, settings, lambda step, _: steps.append(step))
+    assert {step.what for step in steps} == {"limbs"}
+    assert len(steps) <= expected
+    assert same(found, run(person.tracker(*SPAN, keyed_parts=(key,)), settings))
+    assert same(run(plain.renewed(person.skeleton, plain.keyposes, keys=keys), settings), base)
+
+
+def test_a_limb_set_in_one_segment_changes_no_other(person: Case) -> None:
+    key = KeyedParts.of(person.skeleton, 3, ARM, person.truth.pose(3))
+    settings = TrackSettings(quality="fast")
+    with_parts = run(person.tracker(0, 6, 12, keyed_parts=(key,)), settings, (6, 12))
+    assert same(with_parts, run(person.tracker(0, 6, 12), settings, (6, 12)))
+
+
+# --- pictures that tell nothing, and keypoints
+
+
+@pytest.fixture
+def grey(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ClipLoader, "load", lambda *_: FILM.segment.clip)
+
+
+def grey_tracker(keypoints: bool, *keyed: KeyedParts) -> Tracker:
+    segment = FILM.segment
+    poses = {segment.first_frame: segment.start, segment.last_frame: segment.end}
+    source = GivenKeypoints(FILM.keypoints) if keypoints else None
+    film: Any = type("Film", (), {"clip": segment.clip})()
+    return Tracker(film, CAMERA, SKELETON, poses, keypoints=source, keyed_parts=keyed)
+
+
+def error_m(motion: Trajectory) -> float:
+    return float(
+        np.linalg.norm(hands(motion, SKELETON) - hands(FILM.truth, SKELETON), axis=-1).mean()
+    )
+
+
+@pytest.mark.usefixtures("grey")
+@pytest.mark.parametrize("cues", [("brightness",), ALL_CUES, ("keypoints",)])
+def test_a_limb_set_right_where_it_is_lost_comes_right_around_there(cues: Any) -> None:
+    segment, listens = FILM.segment, "keypoints" in cues
+    span, middle = (segment.first_frame, segment.last_frame), segment.first_frame + 6
+    settings = TrackSettings(cues=cues)
+    key = KeyedParts.of(SKELETON, middle, ARM, FILM.truth.pose(middle))
+    base = run(grey_tracker(listens), settings, span)
+    found = run(grey_tracker(listens, key), settings, span)
+    require_exact_there_and_as_tracked_elsewhere(
+        found.trajectory, base.trajectory, key, SKELETON, CAMERA
+    )
+    most = 0.5 if not listens else 1.0
+    assert error_m(found.trajectory) < most * error_m(base.trajectory)
+
+
+@pytest.mark.usefixtures("grey")
+def test_where_a_limb_was_set_right_nothing_of_it_is_in_doubt_any_more() -> None:
+    segment = FILM.segment
+    span, middle = (segment.first_frame, segment.last_frame), segment.first_frame + 6
+    settings = TrackSettings(cues=ALL_CUES)
+    key = KeyedParts.of(SKELETON, middle, ARM, FILM.truth.pose(middle))
+    before, after = (
+        run(tracker, settings, span).diagnostics.expected_error
+        for tracker in (grey_tracker(True), grey_tracker(True, key))
+    )
+    assert before is not None
+    assert after is not None
+    hand = SKELETON.body.index("right_forearm")
+    assert after[6, hand] <= before[6, hand]
+    others = [i for i in range(SKELETON.part_count) if i not in key.parts]
+    np.testing.assert_array_equal(after[:, others], before[:, others])

@@ -1,0 +1,116 @@
+"""A limb set right stays where it was put, whatever becomes of the body that carries it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from tracker.body.body import preset
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import exp_rotation
+from tracker.tracking.parts.keyed import KeyedParts, keyed_limbs, placed
+
+SKELETON = Skeleton.of(preset("adult_male"))
+CAMERA = Camera(width=640, height=480, fx=700, fy=710, cx=322, cy=235)
+ARM = ("right_upper_arm", "right_forearm", "right_hand")
+
+
+def index(*names: str) -> list[int]:
+    return [SKELETON.body.index(name) for name in names]
+
+
+def pose(seed: int = 1, turn_rad: float = 0.4) -> Pose:
+    """With the right elbow bent."""
+    R = exp_rotation(np.random.default_rng(seed).normal(0, turn_rad, (SKELETON.part_count, 3)))
+    R[index("right_forearm")] = exp_rotation(np.array([-1.2, 0.1, 0.0]))
+    return Pose(R, np.array([0.2, -0.1, 4.0]))
+
+
+def moved(of: Pose, turn_rad: float, shift_m: float, seed: int = 2) -> Pose:
+    """The rest of the body as it might be tracked later, limbs and all."""
+    rng = np.random.default_rng(seed)
+    turn = exp_rotation(rng.normal(0, turn_rad, (SKELETON.part_count, 3)))
+    shift = rng.normal(size=3)
+    return Pose(
+        of.Rs_parent_part @ turn, of.p_camera_root + shift_m * shift / np.linalg.norm(shift)
+    )
+
+
+def keyed(at: Pose, parts: tuple[str, ...] = ARM) -> KeyedParts:
+    return KeyedParts.of(SKELETON, 7, parts, at)
+
+
+def apart_m(a: Pose, b: Pose, *names: str) -> NDArray[np.float64]:
+    Ts = [pose_transforms(SKELETON, each)[index(*names), :3, 3] for each in (a, b)]
+    return np.asarray(np.linalg.norm(Ts[0] - Ts[1], axis=-1))
+
+
+def test_on_the_body_as_it_was_the_limb_is_put_back_to_the_last_digit() -> None:
+    at, rest = pose(), pose()
+    R, t = rest.writable()
+    R[index(*ARM)] = pose(seed=5).Rs_parent_part[index(*ARM)]
+    back = placed(SKELETON, keyed(at), Pose(R, t))
+    np.testing.assert_array_equal(back.Rs_parent_part, at.Rs_parent_part)
+
+
+@pytest.mark.parametrize("shift_m", [0.0, 0.01, 0.05])
+@pytest.mark.parametrize("turn_rad", [0.0, np.radians(2.0)])
+def test_the_end_of_the_limb_stays_in_its_place_and_the_rest_where_it_is_tracked(
+    turn_rad: float, shift_m: float
+) -> None:
+    at = pose()
+    rest = moved(at, turn_rad, shift_m)
+    back = placed(SKELETON, keyed(at), rest)
+    assert apart_m(back, at, "right_hand").max() < 2e-4
+    seen = [
+        CAMERA.project(pose_transforms(SKELETON, p)[index("right_hand"), :3, 3]) for p in (back, at)
+    ]
+    assert np.linalg.norm(seen[0] - seen[1]) < 0.1
+    hands = [pose_transforms(SKELETON, p)[index("right_hand")[0], :3, :3] for p in (back, at)]
+    np.testing.assert_allclose(hands[0], hands[1], atol=1e-9)
+    others = [i for i in range(SKELETON.part_count) if i not in index(*ARM)]
+    np.testing.assert_array_equal(back.Rs_parent_part[others], rest.Rs_parent_part[others])
+    np.testing.assert_array_equal(back.p_camera_root, rest.p_camera_root)
+
+
+def test_the_elbow_moves_no_farther_than_what_carries_the_arm() -> None:
+    at = pose()
+    rest = moved(at, 0.0, 0.03)
+    back = placed(SKELETON, keyed(at), rest)
+    assert apart_m(back, at, "right_forearm")[0] < 0.03
+
+
+def test_a_place_out_of_reach_is_reached_for() -> None:
+    at = pose()
+    R = at.Rs_parent_part.copy()
+    R[index("right_forearm")] = np.eye(3)
+    straight = Pose(R, at.p_camera_root)
+    shoulder = pose_transforms(SKELETON, straight)[index("right_upper_arm")[0], :3, 3]
+    wrist = pose_transforms(SKELETON, straight)[index("right_hand")[0], :3, 3]
+    away = 0.1 * (shoulder - wrist) / np.linalg.norm(shoulder - wrist)
+    back = placed(SKELETON, keyed(straight), Pose(R, at.p_camera_root + away))
+    assert apart_m(back, straight, "right_hand")[0] == pytest.approx(0.1, abs=0.01)
+
+
+def test_a_single_part_keeps_facing_its_way() -> None:
+    at = pose()
+    back = placed(SKELETON, keyed(at, ("right_hand",)), moved(at, 0.05, 0.01))
+    hands = [pose_transforms(SKELETON, p)[index("right_hand")[0], :3, :3] for p in (back, at)]
+    np.testing.assert_allclose(hands[0], hands[1], atol=1e-9)
+
+
+def test_what_hangs_on_a_part_belongs_to_it_and_limbs_are_apart() -> None:
+    frames = (
+        KeyedParts.of(SKELETON, 12, ("left_thigh", "right_forearm"), pose()),
+        KeyedParts.of(SKELETON, 5, ARM, pose()),
+    )
+    limbs = keyed_limbs(SKELETON, frames)
+    names = [{SKELETON.body.names[i] for i in limb.parts} for limb in limbs]
+    assert {*ARM} in names
+    assert {"left_thigh", "left_shin", "left_foot"} in names
+    (arm,) = (limb for limb in limbs if index("right_hand")[0] in limb.parts)
+    assert [each.frame for each in arm.keyed] == [5, 12]
+    assert index("right_upper_arm")[0] not in arm.keyed[1].parts

@@ -1,0 +1,242 @@
+"""A tracked segment corrected where a person set limbs right between its keyframes.
+
+The rest of the body stays exactly as it was tracked. Of each limb that was set right the frames
+between two at which it is known are tracked anew, as a segment of their own in which nothing but
+the limb can move: from its motion closed on both ends, and from following the body in the picture
+from both ends, of which the limb's turns are taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Pass, Trajectory, interpolate, joined
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array
+from tracker.keypoints.keypoints import Keypoints
+from tracker.tracking.anchored_cycle import track_anchored
+from tracker.tracking.cues.anchors import anchors_of
+from tracker.tracking.cues.joint_evidence import JointEvidence
+from tracker.tracking.cycle import Outcome, Work, track_from
+from tracker.tracking.initial.chains import Chain, blend_chains, follow_both
+from tracker.tracking.initial.choose import Starts
+from tracker.tracking.method import Keypose, Method
+from tracker.tracking.parts.closing import closed_on, closed_pieces, with_limb
+from tracker.tracking.parts.keyed import KeyedLimb, KeyedParts, keyed_limbs, tracking_only
+from tracker.tracking.scene import Scene
+from tracker.tracking.score import capped_score
+from tracker.tracking.segment import Segment
+
+Piece: TypeAlias = tuple[Outcome, slice]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LimbSegment(Segment):
+    """A segment in which nothing but a limb, of these parts (k,), may move otherwise than in a
+    motion that is given, which is where the limb belongs at both ends."""
+
+    given: Trajectory
+    parts: NDArray[np.int64]
+
+    def interpolated(self) -> Trajectory:
+        """The given motion, the limb's turns interpolated."""
+        even = interpolate(self.start, self.end, self.first_frame, self.last_frame)
+        return with_limb(self.given, even, self.parts, self.start, self.end)
+
+    def expected(self, Rs: Array, ps: Array, n: int) -> Pose:
+        """The nth pose of the given motion, the limb turned as in the last one."""
+        R = Rs[n].copy()
+        R[self.parts] = Rs[n - 1, self.parts]
+        return Pose(R, ps[n])
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """What a limb is tracked from: the pictures, and keypoints where there are any.
+
+    scene, free: of the whole body, as it is tracked, and with free joints where keypoints count.
+    camera: of the video, with its distortion.  weight: of the keypoints.
+    """
+
+    scene: Scene
+    free: Scene | None = None
+    camera: Camera | None = None
+    keypoints: Keypoints | None = None
+    weight: float = 1.0
+    brightness: bool = True
+
+
+def corrected(
+    base: Outcome, segment: Segment, keyed: Sequence[KeyedParts], method: Method, seen: Evidence
+) -> Work:
+    """The outcome of a segment with limbs where they were set right; yields what is found on the
+    way. `base`: without them."""
+    skeleton = seen.scene.skeleton
+    first = Pass("limbs", closed_on(skeleton, base.trajectory, tuple(keyed)), None)
+    yield first
+    if not isinstance(method, Keypose):
+        return replace(base, passes=(*base.passes, first), best=len(base.passes))
+    outcome = base
+    for limb in keyed_limbs(skeleton, keyed):
+        outcome = yield from _limb_corrected(outcome, segment, limb, method, seen)
+    return outcome
+
+
+def expected_limb_steps(skeleton: Skeleton, keyed: Sequence[KeyedParts], whole: int) -> int:
+    """How many trajectories `corrected` is expected to yield, with so many of a whole segment."""
+    limbs = keyed_limbs(skeleton, keyed)
+    return 1 + sum((len(limb.keyed) + 1) * whole + 1 for limb in limbs)
+
+
+def _limb_corrected(
+    outcome: Outcome, segment: Segment, limb: KeyedLimb, method: Keypose, seen: Evidence
+) -> Work:
+    motion = outcome.trajectory
+    pieces = closed_pieces(seen.scene.skeleton, motion, limb)
+    found: list[Trajectory] = [piece for piece, _ in pieces]
+    outcomes: list[Outcome | None] = []
+    tried: list[Pass] = []
+    for k, (piece, (start, end)) in enumerate(pieces):
+        part = LimbSegment(
+            piece.first_frame, piece.last_frame, start, end, segment.clip,
+            given=piece, parts=limb.parts,
+        )  # fmt: skip
+        own = yield from _whole(_tracked(part, method, seen), found, k, tried)
+        outcomes.append(own)
+        if own is not None:  # all but the limb as it was given, to the last digit
+            found[k] = with_limb(piece, own.trajectory, limb.parts, start, end)
+    last = Pass("limbs", joined(found), _score(segment, method, seen, joined(found)))
+    tried.append(last)
+    yield last
+    return _together(outcome, tried, limb, outcomes, pieces_rows(found), seen.scene)
+
+
+def _whole(
+    work: Generator[Pass, None, Outcome | None], found: Sequence[Trajectory], k: int,
+    tried: list[Pass],
+) -> Generator[Pass, None, Outcome | None]:  # fmt: skip
+    """What is found of the kth piece as a motion of all pieces."""
+    while True:
+        try:
+            step = next(work)
+        except StopIteration as done:
+            own: Outcome | None = done.value
+            return own
+        whole = joined([*found[:k], step.trajectory, *found[k + 1 :]])
+        tried.append(Pass("limbs", whole, None))
+        yield tried[-1]
+
+
+def _tracked(
+    segment: LimbSegment, method: Keypose, seen: Evidence
+) -> Generator[Pass, None, Outcome | None]:
+    """The limb between two frames at which it is known; None where nothing of it is tracked."""
+    parts = tuple(segment.parts.tolist())
+    scene = _only(seen.scene, parts)
+    if not scene.skeleton.dof_count or len(segment.given) < 3:
+        return None
+    begun = _starts(seen.scene, segment, method)
+    if seen.keypoints is not None and seen.free is not None and seen.camera is not None:
+        free = _only(seen.free, parts)
+        anchors = anchors_of(free, segment, seen.camera, seen.keypoints, seen.weight)
+        if anchors:
+            work = track_anchored(
+                scene, free, segment, method, anchors, seen.brightness, begun=begun
+            )
+            return (yield from work)
+    return (yield from track_from(scene, segment, method, begun))
+
+
+def _starts(scene: Scene, segment: LimbSegment, method: Keypose) -> Starts:
+    """The limb followed from both ends, with the body that carries it, and its motion closed on
+    them; the better first. scene: of the whole body."""
+    closed = Pass("limbs", segment.given, None)
+    chains = follow_both(scene, segment, method)
+    if chains is None:
+        return Starts((closed,))
+    own = tuple(_limb_of(chain, segment) for chain in chains)
+    both = Pass("both ways", _limb_of(blend_chains(scene, *chains), segment), None)
+    ways = [both, closed]
+    scored = [
+        replace(way, score=capped_score(scene, segment.clip, way.trajectory, method.stride))
+        for way in ways
+    ]
+    scored.sort(key=lambda way: way.score_or_nan)
+    return Starts(tuple(scored), (own[0], own[1]))
+
+
+def _limb_of(found: Trajectory, segment: LimbSegment) -> Chain:
+    """The given motion with the limb as it was found."""
+    R, t = segment.given.writable()
+    R[:, segment.parts] = found.Rs_parent_part[:, segment.parts]
+    whole = Trajectory(segment.first_frame, R, t)
+    if isinstance(found, Chain):
+        return Chain(segment.first_frame, R, t, found.doubt)
+    return Chain.even(whole)
+
+
+def _only(scene: Scene, parts: tuple[int, ...]) -> Scene:
+    return scene.of_skeleton(tracking_only(scene.skeleton, parts))
+
+
+def _score(segment: Segment, method: Keypose, seen: Evidence, motion: Trajectory) -> float | None:
+    if not method.judged:
+        return None
+    return capped_score(seen.scene, segment.clip, motion, method.stride)
+
+
+def pieces_rows(pieces: Sequence[Trajectory]) -> list[slice]:
+    """The rows of each in the motion that they make up."""
+    first = pieces[0].first_frame
+    return [slice(p.first_frame - first, p.last_frame - first + 1) for p in pieces]
+
+
+def _together(
+    base: Outcome, tried: Sequence[Pass], limb: KeyedLimb, own: Sequence[Outcome | None],
+    rows: Sequence[slice], scene: Scene,
+) -> Outcome:  # fmt: skip
+    """The outcome with what is known of the limb put in."""
+    marks = np.isin(scene.marks[1], limb.parts)
+    apart, drift = base.apart_px.copy(), base.drift_px.copy()
+    for outcome, piece in zip(own, rows, strict=True):
+        steps = slice(piece.start, piece.stop - 1)
+        apart[piece, marks] = 0.0 if outcome is None else outcome.apart_px[:, marks]
+        drift[steps, marks] = 0.0 if outcome is None else outcome.drift_px[:, marks]
+    return replace(
+        base,
+        passes=(*base.passes, *tried),
+        best=len(base.passes) + len(tried) - 1,
+        apart_px=apart,
+        drift_px=drift,
+        diverged=base.diverged or any(o is not None and o.diverged for o in own),
+        joints=_joints(base.joints, limb, own, rows),
+    )
+
+
+def _joints(
+    base: JointEvidence | None, limb: KeyedLimb, own: Sequence[Outcome | None],
+    rows: Sequence[slice],
+) -> JointEvidence | None:  # fmt: skip
+    """Joints that the limb carries as they are now; where it was set right nothing is in doubt."""
+    if base is None:
+        return None
+    carried = np.isin(base.parts, limb.parts)
+    distance, visibility, apart = base.distance.copy(), base.visibility.copy(), base.apart.copy()
+    for outcome, piece in zip(own, rows, strict=True):
+        if outcome is None or outcome.joints is None:
+            continue
+        found = outcome.joints
+        distance[piece, carried] = found.distance[:, carried]
+        visibility[piece, carried] = found.visibility[:, carried]
+        apart[piece, carried] = found.apart[:, carried]
+    for piece in rows[1:]:
+        distance[piece.start, carried] = apart[piece.start, carried] = 0.0
+        visibility[piece.start, carried] = 1.0
+    return replace(base, distance=distance, visibility=visibility, apart=apart)
