@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike
 from app.document.open import OpenSession, edit_state
 from app.editor import actions as do
 from app.editor.advice import next_step
+from app.editor.review import Place, review_of
 from app.editor.shown import ShownPose, shown_pose
 from app.editor.state import EditorState
 from app.editor.suggest import Suggestion
@@ -72,6 +73,7 @@ class Desk:
         self.opened = OpenSession(folder / "session.json", session, self.video, fresh=True)
         self.state: EditorState = edit_state(self.opened)[0]
         self.tracks = True
+        self._alone = False
         self._cache, self._threads = WorkerCache(), ThreadPoolExecutor(1)
 
     def close(self) -> None:
@@ -96,6 +98,20 @@ class Desk:
     def drag(self, why: str, handle: Handle, by: Array, view: str = "main", **how: Any) -> None:
         """Drag a handle by a way in its view."""
         self.act("drag", why, self.as_drag(handle, by, view, **how))
+
+    @contextmanager
+    def limbs_alone(self) -> Iterator[None]:
+        """Drags key the limbs that they move; tracked is when the last of them is let go."""
+        self._alone, tracks, self.tracks = True, self.tracks, False
+        try:
+            yield
+        finally:
+            self._alone, self.tracks = False, tracks
+            self._live()
+
+    def look(self, frame: int) -> None:
+        """The page goes to a frame by itself."""
+        self._send(do.Go(frame=frame))
 
     def turn(self, why: str, ring: Ring, deg: float) -> None:
         """Drag a ring of a part so that the part turns by so many degrees."""
@@ -122,6 +138,7 @@ class Desk:
     ) -> do.Drag:
         """A handle dragged by a way in its view, as the page sends it."""
         given = {"view": view, "handle": handle, "from": _spot(start)}
+        how |= {"partial": True} if self._alone else {}
         return do.Drag(**given, at=_spot(np.add(start, by)), **how)  # type: ignore[arg-type]
 
     # --- what a person sees
@@ -144,6 +161,12 @@ class Desk:
         """Frames of the draft that wait to be confirmed."""
         drafted, waiting = self.state.doc.drafted, {d.frame for d in self.state.doc.drafts}
         return [p.frame for p in drafted.places if p.frame in waiting] if drafted else []
+
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """What the review lists, the worst first."""
+        found = review_of(self.state.doc, self.state.results)
+        return found.above(found.goal_px)
 
     def shown(self, frame: int | None = None) -> ShownPose:
         return shown_pose(self.state, frame)
@@ -177,8 +200,12 @@ class Desk:
                 self._track()
             case _:
                 self.state = update(self.state, message)
-                if self.state.display.live and self.tracks:
-                    self._track()
+                self._live()
+
+    def _live(self) -> None:
+        """With Live on, what is posed is tracked at once."""
+        if self.state.display.live and self.tracks:
+            self._track()
 
     def _fit(self, action: do.FitHere | do.Draft) -> None:
         request = FitRequest.of(self.opened, self.state, action)

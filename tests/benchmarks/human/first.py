@@ -8,16 +8,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from app.editor import actions as do
+from tests.benchmarks.clips import place
 from tests.benchmarks.human.clips import Watched
 from tests.benchmarks.human.counting import Effort
 from tests.benchmarks.human.desk import desk
-from tests.benchmarks.human.hand import Hand
+from tests.benchmarks.human.hand import Hand, px
 from tests.benchmarks.human.strategies import Outcome, draft, key
-from tracker.body.body import preset
+from tracker.body.body import Body, preset
 from tracker.session.settings import ALL_CUES, TrackSettings
-
-ASIDE_FRAMES = 2
-"""The draft for one keyframe needs no more frames to both sides."""
+from tracker.solver.body_points import BodyPoint
 
 
 @dataclass(frozen=True)
@@ -44,20 +43,24 @@ def first_keyframe(clip: Watched, first: First, seed: int) -> FirstKeyframe:
         first.work(hand)
         (frame,) = there.keys
         at = there.project(there.shown(frame).pose)
+        measured = there.clip.true[frame].keys() - there.clip.unmeasured
         seen = there.clip.true[frame]
-        off = [float(np.linalg.norm(np.subtract(uv, at[n]))) for n, uv in seen.items() if n in at]
+        off = [px(np.subtract(seen[name], at[name])) for name in measured]
         return FirstKeyframe(there.ledger.effort(1), Outcome(float(np.median(off)), max(off)))
 
 
 def unsized(clip: Watched) -> Watched:
     """The clip as it is opened: with the body of a preset."""
     body = preset("adult_female" if clip.name == "walk" else "adult_male")
-    names = {name: i for i, name in enumerate(body.names)}
-    places = {
-        name: ((names[name], (0.0, 0.0, 0.0)),) if name in names else place
-        for name, place in clip.places.items()
-    }
+    places = {name: _place(body, name) for name in clip.places}
     return replace(clip, session=clip.session.model_copy(update={"body": body}), places=places)
+
+
+def _place(body: Body, name: str) -> BodyPoint:
+    """Where on a body a joint lies."""
+    if name in body.names:
+        return ((body.index(name), (0.0, 0.0, 0.0)),)
+    return place(body, {"head_top": "Head", "hips": "hip"}[name])
 
 
 def with_box(hand: Hand) -> None:

@@ -49,6 +49,7 @@ ROUNDS = 3
 AXES: tuple[Axis, ...] = ("x", "y", "z")
 HIPS = ("left_thigh", "right_thigh", "hips")
 SHOULDERS = ("left_upper_arm", "right_upper_arm")
+TRUNK = (*HIPS, *SHOULDERS, "head_top")
 ENDS = ("left_hand", "right_hand", "left_foot", "right_foot")
 
 
@@ -88,6 +89,15 @@ class Hand:
             self._pull("end")
             self._pull("middle")
             self._set_depth()
+            if len(self.desk.script) == before or not self.wrong():
+                return
+
+    def correct_limbs(self) -> None:
+        """The same for arms and legs alone."""
+        for _ in range(ROUNDS):
+            before = len(self.desk.script)
+            self._pull("end")
+            self._pull("middle")
             if len(self.desk.script) == before or not self.wrong():
                 return
 

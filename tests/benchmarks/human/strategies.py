@@ -16,7 +16,7 @@ from app.editor import actions as do
 from app.editor.shown import shown_pose
 from app.editor.suggest import NEXT_FRAMES
 from tests.benchmarks.human.desk import Desk
-from tests.benchmarks.human.hand import Hand
+from tests.benchmarks.human.hand import TRUNK, Hand
 from tests.benchmarks.needed import MEDIAN_PX, WORST_PX
 from tracker.body.pose import Pose
 from tracker.session.settings import ALL_CUES, TrackSettings
@@ -167,7 +167,22 @@ def before(hand: Hand) -> None:
 
 
 def now(hand: Hand) -> None:
-    """A box and a draft, its places confirmed, then wherever the page asks for a keyframe."""
+    """A box and a draft, its places confirmed, then the review, each place put right where it is
+    wrong: a limb alone, or all of the body."""
+    confirm_draft(hand)
+    live(hand.desk)
+    review(hand)
+
+
+def now_by_keyframes(hand: Hand) -> None:
+    """The same with whole keyframes, wherever the page asks for one."""
+    confirm_draft(hand)
+    live(hand.desk)
+    follow_advice(hand)
+
+
+def confirm_draft(hand: Hand) -> None:
+    """A box, a draft, and its places as keyframes."""
     desk = hand.desk
     draft(desk)
     while desk.to_confirm:
@@ -175,8 +190,40 @@ def now(hand: Hand) -> None:
         go_next(desk, (ahead or desk.to_confirm)[0])
         settle(hand, fit=False)
     ends(hand)
-    live(desk)
-    follow_advice(hand)
+
+
+def review(hand: Hand) -> None:
+    """Shift R, and place after place until all is right; then whatever else is seen to be wrong."""
+    desk, looks = hand.desk, _Looks()
+    desk.act("key", "Shift R")
+    for _ in range(MOST_PLACES):
+        if outcome(desk).right or len(desk.keys) >= desk.clip.frames / GIVE_UP_FRAMES:
+            return
+        open_ = [place for place in desk.places if place.frame not in looks.right]
+        if not open_:
+            if not _look_through(hand, looks, alone=True):
+                return
+            continue
+        place = open_[0]
+        looks.right.add(place.frame)
+        desk.look(place.frame)  # the review goes there by itself
+        _use_tracked(desk)
+        desk.judge()
+        if hand.looks_right():
+            desk.act("key", "Enter: accept", do.AcceptPlace(frame=place.frame, part=place.part))
+        else:
+            put_right(hand)
+
+
+def put_right(hand: Hand) -> None:
+    """Limbs alone where nothing else is wrong: dragged, they are keyed. Else all of the body."""
+    desk = hand.desk
+    if desk.frame in desk.keys or any(name in TRUNK for name in hand.wrong()):
+        hand.correct()
+        key(desk)
+    else:
+        with desk.limbs_alone():
+            hand.correct_limbs()
 
 
 def draft(desk: Desk) -> None:
@@ -230,7 +277,7 @@ def follow_advice(hand: Hand) -> None:
         settle(hand, fit=True)
 
 
-def _look_through(hand: Hand, looks: _Looks) -> bool:
+def _look_through(hand: Hand, looks: _Looks, alone: bool = False) -> bool:
     """Go through the clip, correct the first frame that looks wrong; whether there was one."""
     desk = hand.desk
     frames = sorted(desk.clip.seen)
@@ -241,11 +288,14 @@ def _look_through(hand: Hand, looks: _Looks) -> bool:
         if hand.looks_right():
             continue
         before = len(desk.script)
-        hand.correct()
-        if len(desk.script) == before:
-            continue  # nothing that a hand does brings it nearer
-        key(desk)
-        return True
+        if alone:
+            put_right(hand)
+        else:
+            hand.correct()
+            if len(desk.script) > before:
+                key(desk)
+        if len(desk.script) > before:  # else nothing that a hand does brings it nearer
+            return True
     return False
 
 
@@ -267,5 +317,6 @@ def _use_tracked(desk: Desk) -> None:
 LINEAR = Strategy("linear", TrackSettings(), by_intervals, tracks=False)
 PAPER = Strategy("paper", TrackSettings(method="paper"), by_intervals)
 BEFORE = Strategy("before", TrackSettings(), before)
+KEYED = Strategy("whole keyframes", TrackSettings(cues=ALL_CUES, smooth=True), now_by_keyframes)
 NOW = Strategy("now", TrackSettings(cues=ALL_CUES, smooth=True), now)
-STRATEGIES = (LINEAR, PAPER, BEFORE, NOW)
+STRATEGIES = (LINEAR, PAPER, BEFORE, KEYED, NOW)
