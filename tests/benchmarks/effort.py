@@ -6,8 +6,9 @@ Actions are clicks, keys and drags; looks are counted beside them. The times are
 keystroke-level model, see `human/counting.py`: 1.3 s a click, 0.28 s a key, 3.75 s a drag, 2 s a
 frame that is judged. What is done once a clip is told as it is; the rest for 1,800 frames.
 
-Trials run through the product's own editor and jobs, without its page; `--in-page` repeats the
-first of them in a browser, with real mouse and keys, and compares counts and poses.
+Trials run through the product's own editor and jobs, without its page. Two keyframes of one trial
+are made again in a browser, with real mouse and keys, and counts and poses are compared, unless
+`--no-page` is given.
 """
 
 from __future__ import annotations
@@ -15,19 +16,36 @@ from __future__ import annotations
 import time
 from collections import defaultdict
 from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
+from playwright.sync_api import sync_playwright
 from threadpoolctl import threadpool_limits
 
+from tests.benchmarks.human.at_page import repeated, session_for
 from tests.benchmarks.human.clips import CLIPS, Watched, noisy, watched
-from tests.benchmarks.human.counting import KINDS, Effort
+from tests.benchmarks.human.counting import KINDS, Effort, Kind
 from tests.benchmarks.human.desk import desk
 from tests.benchmarks.human.first import FIRSTS, first_keyframe
-from tests.benchmarks.human.hand import Hand
-from tests.benchmarks.human.strategies import NOW, STRATEGIES, Outcome, Strategy, outcome
+from tests.benchmarks.human.hand import Hand, px
+from tests.benchmarks.human.strategies import (
+    NOW,
+    STRATEGIES,
+    Outcome,
+    Strategy,
+    draft,
+    go_next,
+    key,
+    outcome,
+)
 from tests.benchmarks.keeping import Absent
 from tests.benchmarks.measures import Over
+from tests.benchmarks.stand import serving
 from tests.benchmarks.table import Expected, Report, Table
+from tests.browser.chromium import ARGUMENTS, find
+from tests.browser.shared import let_in, opened
+from tracker.geometry.rotations import Array
 
 SIGMA_PX = 2.0
 MOST_ACTIONS, MOST_MINUTES = 45.0, 5.0
@@ -37,6 +55,9 @@ COLUMNS = (
 )  # fmt: skip
 WIDE = ("keyframes", "clicks", "keys", "drags", "looks", "actions for 1800", "minutes for 1800")
 CAUSES = 12
+ACTIONS: tuple[Kind, ...] = ("click", "key", "drag")
+WINDOW, PAGE_KEYFRAMES, PAGE_PX = (1440, 900), 2, 3.0
+"""A pointer rests on whole pixels of the screen, which are larger than those of the film."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +78,8 @@ def effort(report: Report) -> None:
     report.note(f"counted. Median (least–most) over {len(seeds)} persons; in brackets how many got")
     report.note("every joint to 5 px in the median and 10 px at worst")
     with threadpool_limits(1):
+        if options.in_page:
+            _in_page(report)
         _first_keyframes(report, clips, options.seeds)
         for name in clips:
             try:
@@ -138,3 +161,37 @@ def _causes(report: Report, name: str, trials: list[Trial]) -> None:
     most = sorted(spent.items(), key=lambda row: -row[1][1])[:CAUSES]
     for why, (times, seconds) in most:
         table.row(f"  {why}", float(np.round(times, 1)), seconds, 100 * seconds / whole)
+
+
+def _in_page(report: Report) -> None:
+    """From a box to two keyframes, without a page and with one."""
+    path = find()
+    if path is None:
+        report.note("not compared with a browser: there is no Chromium")
+        return
+    clip = noisy(watched("balance"), SIGMA_PX, 0)
+    with desk(clip, NOW.settings) as there:
+        hand, poses = Hand.of(there, 0), dict[int, dict[str, Array]]()
+        draft(there)
+        for frame in there.to_confirm[1 : 1 + PAGE_KEYFRAMES]:
+            go_next(there, frame)
+            hand.correct_limbs()
+            key(there)
+            poses[there.frame] = there.project(there.shown().pose)
+        with TemporaryDirectory() as folder, sync_playwright() as playwright:
+            browser = playwright.chromium.launch(executable_path=path, args=list(ARGUMENTS))
+            session = session_for(clip, NOW.settings, Path(folder))
+            with serving(session) as keypose, let_in(browser, drawn=False, size=WINDOW) as context:
+                seen = repeated(opened(context, keypose), there)
+            browser.close()
+        apart = [px(seen.joints[f][n] - uv) for f, at in poses.items() for n, uv in at.items()]
+        table = report.table("the same done in a browser", "clicks", "keys", "drags", "apart, px")
+        done = there.ledger.effort(clip.frames)
+        table.row("without a page", *(done.count(kind) for kind in ACTIONS), 0.0)
+        counted = [seen.counts[kind] for kind in ACTIONS]
+        expected = [
+            Expected(f"{kind}s apart", abs(found - done.count(kind)), 0)
+            for kind, found in zip(ACTIONS, counted, strict=True)
+        ]
+        expected.append(Expected("poses apart", max(apart), PAGE_PX, "px"))
+        table.row("in a browser", *counted, max(apart), expected=expected)

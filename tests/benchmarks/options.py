@@ -21,7 +21,8 @@ class Options:
     rows: names of rows; all that are not held out where there are none.  held_out: these instead.
     jitters: how often the keyframes are disturbed.  ways: more settings to compare, by name.
     out: where figures are written as they come.  clips, strategies: of `effort`, all where there
-    are none.  seeds: how many persons.  in_page: one trial is repeated in a browser.
+    are none.  seeds: how many persons.  in_page: two keyframes are made
+    again in a browser.
     """
 
     rows: tuple[str, ...] = ()
@@ -32,7 +33,7 @@ class Options:
     clips: tuple[str, ...] = ()
     strategies: tuple[str, ...] = ()
     seeds: int = SEEDS
-    in_page: bool = False
+    in_page: bool = True
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -53,7 +54,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--strategies", type=_names, default=(), metavar="NAME,NAME", help="only these ways to work"
     )
     given.add_argument("--seeds", type=_count, default=SEEDS, metavar="N", help="so many persons")
-    given.add_argument("--in-page", action="store_true", help="one trial again in a browser")
+    given.add_argument("--no-page", action="store_true", help="nothing again in a browser")
 
 
 def options_of(given: argparse.Namespace) -> Options:
@@ -61,7 +62,7 @@ def options_of(given: argparse.Namespace) -> Options:
     jitters = min(given.jitters, 2) if given.quick else given.jitters
     return Options(
         given.rows, given.held_out, jitters, dict(given.ways), given.out,
-        given.clips, given.strategies, given.seeds, given.in_page,
+        given.clips, given.strategies, given.seeds, not given.no_page,
     )  # fmt: skip
 
 

@@ -8,13 +8,17 @@ import pytest
 from app.posing.gesture import Gesture
 from app.posing.pointer_view import PointerView
 from app.posing.turning import pointer_angle
-from tests.benchmarks.human.clips import Watched, carried, noisy
+from tests.benchmarks.human.clips import Watched, carried, noisy, of_poses
 from tests.benchmarks.human.counting import SECONDS, Effort, Ledger
-from tests.benchmarks.human.desk import ring_way
-from tests.benchmarks.human.hand import px
+from tests.benchmarks.human.desk import desk, ring_way
+from tests.benchmarks.human.hand import LOOKS_RIGHT_PX, Hand, px
 from tests.benchmarks.human.strategies import Outcome
+from tests.benchmarks.keeping import ROOT
 from tests.rendering.scenes import camera
+from tracker.body.pose import Pose
 from tracker.session import Session
+from tracker.session.settings import TrackSettings
+from tracker.storage.files import load_session
 
 
 def done(*kinds: str, setup: int = 0, frames: int = 900) -> Effort:
@@ -87,3 +91,35 @@ def test_a_ring_is_dragged_by_the_angle_that_is_meant(
     given = {"view": "main", "handle": ring, "from": start.tolist(), "at": end.tolist()}
     gesture = Gesture.model_validate(given)
     assert pointer_angle(view, centre, unit, gesture) == pytest.approx(angle, abs=1e-6)
+
+
+@pytest.fixture(scope="module")
+def posed_by_hand() -> tuple[Effort, dict[str, float], list[str]]:
+    """One frame of the rendered sample posed from nothing: what it took, how far off each joint is
+    then, and what still looks wrong."""
+    folder = ROOT / "sample_videos" / "person"
+    bare = load_session(folder / "session.json").model_copy(update={"keyframes": ()})
+    with np.load(folder / "truth.npz") as truth:
+        poses = {0: Pose(truth["Rs_parent_part"][0], truth["ps_camera_root"][0])}
+    clip = noisy(of_poses("sample", folder / "person.mp4", bare, poses), 2.0, 0)
+    with desk(clip, TrackSettings()) as there:
+        hand = Hand.of(there, 0)
+        hand.correct()
+        at = there.project(there.shown().pose)
+        off = {name: px(np.subtract(uv, at[name])) for name, uv in clip.true[0].items()}
+        return there.ledger.effort(1), off, hand.wrong()
+
+
+def test_a_hand_poses_a_person_from_nothing(
+    posed_by_hand: tuple[Effort, dict[str, float], list[str]],
+) -> None:
+    work, off, _ = posed_by_hand
+    assert work.actions <= 30
+    assert Outcome(float(np.median(list(off.values()))), max(off.values())).right
+
+
+def test_what_looks_wrong_is_told_by_what_is_seen(
+    posed_by_hand: tuple[Effort, dict[str, float], list[str]],
+) -> None:
+    _, off, wrong = posed_by_hand
+    assert set(wrong) <= {name for name, far in off.items() if far > LOOKS_RIGHT_PX - 6.0}

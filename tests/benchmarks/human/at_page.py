@@ -16,8 +16,8 @@ import numpy as np
 from playwright.sync_api import Page
 
 from app.editor import actions as do
+from app.posing.gesture import End, Middle, Root
 from app.posing.handles import handle_named
-from tests.app.serving import Keypose
 from tests.benchmarks.human.clips import Watched
 from tests.benchmarks.human.desk import Desk, Did
 from tests.browser.hands import Spot, at_rest, section, spot, until, until_told
@@ -25,8 +25,8 @@ from tracker.geometry.rotations import Array
 from tracker.session.settings import TrackSettings
 from tracker.storage.files import save_session
 
-LONGEST_S = 400
-CLICK_PX = 3.0
+LONGEST_S = 900
+"""For a draft in a browser, on a computer whose loops may have to be compiled first."""
 LISTEN = """
 () => {
   window.counted = { click: 0, drag: 0, key: 0 };
@@ -61,7 +61,7 @@ def session_for(clip: Watched, settings: TrackSettings, folder: Path) -> Path:
     return path
 
 
-def repeated(page: Page, keypose: Keypose, desk: Desk) -> Seen:
+def repeated(page: Page, desk: Desk) -> Seen:
     """The desk's script done at a page that has just been opened on the same session."""
     page.get_by_role("tab", name="Track").click()
     page.get_by_role("button", name="Draw a box").click()  # the guide has the tool in hand already
@@ -101,7 +101,9 @@ def _again(page: Page, desk: Desk, did: Did) -> None:
 
 def _drag(page: Page, desk: Desk, drag: do.Drag) -> None:
     """A handle from where the page shows it, by as many pixels of the video."""
-    name = "root" if drag.handle.kind == "root" else drag.handle.name
+    if not isinstance(drag.handle, Root | End | Middle):
+        raise NotImplementedError(f"dragging a {drag.handle.kind}")
+    name = "root" if isinstance(drag.handle, Root) else drag.handle.name
     anchor = handle_named(desk.state.doc.body, name).anchor
     start = spot(page, anchor)
     origin, one = (np.array(_on_screen(page, at)) for at in ((0.0, 0.0), (1.0, 1.0)))

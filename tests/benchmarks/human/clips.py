@@ -108,7 +108,7 @@ def _balance() -> Watched:
     poses = {keyframe.frame: keyframe.pose(skeleton) for keyframe in session.keyframes}
     bare = session.model_copy(update={"keyframes": (), "drafts": (), "results": None})
     video = folder / "balance.mp4"
-    known = _of_poses("balance", video, _as_new(bare, video), poses)
+    known = of_poses("balance", video, _as_new(bare, video), poses)
     known = replace(known, unmeasured=frozenset({"left_thigh", "right_thigh", "head_top"}))
     with suppress(Absent):  # without the rough joints, at the marked frames alone
         return _carried(known, _rough(real_clip("person"), bare.camera))
@@ -199,7 +199,7 @@ def _rendered(name: str, stretch: tuple[int, int]) -> Watched:
     with Video.open(video) as opened:
         session = _session(opened, shown.camera, shown.skeleton.body)
     poses = {frame: shown.truth.pose(frame) for frame in range(len(shown.truth))}
-    return _of_poses(name, video, session, poses)
+    return of_poses(name, video, session, poses)
 
 
 def _film(name: str, shown: Scene) -> Path:
@@ -214,7 +214,7 @@ def _film(name: str, shown: Scene) -> Path:
     return path
 
 
-def _of_poses(name: str, video: Path, session: Session, poses: Mapping[int, Pose]) -> Watched:
+def of_poses(name: str, video: Path, session: Session, poses: Mapping[int, Pose]) -> Watched:
     """All joints are seen where the poses have them."""
     skeleton, camera = Skeleton.of(session.body), session.camera.without_distortion()
     names, places = joint_names(skeleton), _places(session.body)
