@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import time
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -34,8 +34,7 @@ from tests.benchmarks.human.strategies import (
     STRATEGIES,
     Outcome,
     Strategy,
-    draft,
-    go_next,
+    go,
     key,
     outcome,
 )
@@ -45,7 +44,9 @@ from tests.benchmarks.stand import serving
 from tests.benchmarks.table import Expected, Report, Table
 from tests.browser.chromium import ARGUMENTS, find
 from tests.browser.shared import let_in, opened
+from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import Array
+from tracker.session import Keyframe
 
 SIGMA_PX = 2.0
 MOST_ACTIONS, MOST_MINUTES = 45.0, 5.0
@@ -56,7 +57,7 @@ COLUMNS = (
 WIDE = ("keyframes", "clicks", "keys", "drags", "looks", "actions for 1800", "minutes for 1800")
 CAUSES = 12
 ACTIONS: tuple[Kind, ...] = ("click", "key", "drag")
-WINDOW, PAGE_KEYFRAMES, PAGE_PX = (1440, 900), 2, 3.0
+WINDOW, PAGE_FRAMES, PAGE_PX = (1440, 900), (15, 40), 3.0
 """A pointer rests on whole pixels of the screen, which are larger than those of the film."""
 
 
@@ -164,17 +165,17 @@ def _causes(report: Report, name: str, trials: list[Trial]) -> None:
 
 
 def _in_page(report: Report) -> None:
-    """From a box to two keyframes, without a page and with one."""
+    """Two keyframes beside one that stands, without a page and with one."""
     path = find()
     if path is None:
         report.note("not compared with a browser: there is no Chromium")
         return
-    clip = noisy(watched("balance"), SIGMA_PX, 0)
+    clip = noisy(_begun(watched("balance")), SIGMA_PX, 0)
     with desk(clip, NOW.settings) as there:
         hand, poses = Hand.of(there, 0), dict[int, dict[str, Array]]()
-        draft(there)
-        for frame in there.to_confirm[1 : 1 + PAGE_KEYFRAMES]:
-            go_next(there, frame)
+        for frame in PAGE_FRAMES:
+            go(there, frame)
+            hand.carry()
             hand.correct_limbs()
             key(there)
             poses[there.frame] = there.project(there.shown().pose)
@@ -195,3 +196,10 @@ def _in_page(report: Report) -> None:
         ]
         expected.append(Expected("poses apart", max(apart), PAGE_PX, "px"))
         table.row("in a browser", *counted, max(apart), expected=expected)
+
+
+def _begun(clip: Watched) -> Watched:
+    """With its first frame posed, as the person understands it."""
+    skeleton = Skeleton.of(clip.session.body)
+    keyframe = Keyframe.of(skeleton, clip.poses[clip.first], clip.first, 0.0)
+    return replace(clip, session=clip.session.model_copy(update={"keyframes": (keyframe,)}))

@@ -1,7 +1,8 @@
 """What was done at a desk done again in a browser, with mouse and keyboard, and counted there.
 
-Presses and keys are counted by the browser itself; D, which is held while a hand is dragged nearer
-or farther, is no key of its own. Where the person goes and what they drag is read from the page.
+Presses and keys are counted by the browser itself; D and Alt, which are held while something is
+dragged, are no keys of their own. Where handles are is read from the page. Frames, handles and
+keyframes only: rings, fits and drafts are not done again.
 """
 
 from __future__ import annotations
@@ -20,13 +21,11 @@ from app.posing.gesture import End, Middle, Root
 from app.posing.handles import handle_named
 from tests.benchmarks.human.clips import Watched
 from tests.benchmarks.human.desk import Desk, Did
-from tests.browser.hands import Spot, at_rest, section, spot, until, until_told
+from tests.browser.hands import Spot, at_rest, section, spot, until_told
 from tracker.geometry.rotations import Array
 from tracker.session.settings import TrackSettings
 from tracker.storage.files import save_session
 
-LONGEST_S = 900
-"""For a draft in a browser, on a computer whose loops may have to be compiled first."""
 LISTEN = """
 () => {
   window.counted = { click: 0, drag: 0, key: 0 };
@@ -63,8 +62,6 @@ def session_for(clip: Watched, settings: TrackSettings, folder: Path) -> Path:
 
 def repeated(page: Page, desk: Desk) -> Seen:
     """The desk's script done at a page that has just been opened on the same session."""
-    page.get_by_role("tab", name="Track").click()
-    page.get_by_role("button", name="Draw a box").click()  # the guide has the tool in hand already
     page.evaluate(LISTEN)
     joints: dict[int, dict[str, Array]] = {}
     for did in desk.script:
@@ -80,20 +77,11 @@ def _again(page: Page, desk: Desk, did: Did) -> None:
         case (do.Go() as go,) if did.kind == "click":
             page.mouse.click(*_on_timeline(page, go.frame, desk.state.frame_count - 1))
             until_told(page, "view.frame", lambda frame: frame == go.frame)
-        case (do.Go() as go,):
-            page.keyboard.press("n")
-            until_told(page, "view.frame", lambda frame: frame == go.frame)
-        case (do.Draft(),):
-            page.keyboard.press("Enter")
-            until(lambda: section(page, "draft"), "the draft", LONGEST_S)
         case (do.AddKey() as add,):
             page.keyboard.press("k")
             until_told(page, "keys.frames", lambda frames: add.frame in frames)
         case (do.Drag() as drag,):
             _drag(page, desk, drag)
-        case ():
-            left, top, right, bottom = desk.clip.box[1]
-            _carry(page, _on_screen(page, (left, top)), _on_screen(page, (right, bottom)))
         case _:
             raise NotImplementedError(did.why)
     at_rest(page, "pose")

@@ -80,10 +80,10 @@ class Hand:
         for _ in range(ROUNDS):
             before = len(self.desk.script)
             self._match_size()
-            self._place()
+            self.carry()
             self._turn("waist", (*HIPS, *SHOULDERS))
             self._turn("chest", (*SHOULDERS, "head_top"))
-            self._place()
+            self.carry()
             self._turn_head()
             self._bow()
             self._pull("end")
@@ -124,7 +124,7 @@ class Hand:
             rise = farther * RISE_TO_E * desk.state.doc.camera.height
             desk.drag("match the size", Root(kind="root"), np.array([0.0, -rise]), depth=True)
 
-    def _place(self) -> None:
+    def carry(self) -> None:
         """Carry the body where the trunk is seen, or its hips while it is far from there."""
         desk, off = self.desk, self.desk.off()
         hips, trunk = ([off[n] for n in names if n in off] for names in (HIPS, (*HIPS, *SHOULDERS)))
