@@ -11,15 +11,18 @@ from pathlib import Path
 from tracker.session.settings import TrackSettings
 
 JITTERS = 8
+SEEDS = 3
 
 
 @dataclass(frozen=True)
 class Options:
-    """Only `real` asks for them.
+    """Only `real` and `effort` ask for them.
 
     rows: names of rows; all that are not held out where there are none.  held_out: these instead.
     jitters: how often the keyframes are disturbed.  ways: more settings to compare, by name.
-    out: where figures are written as they come.
+    out: where figures are written as they come.  clips, strategies: of `effort`, all where there
+    are none.  seeds: how many persons.  in_page: two keyframes are made
+    again in a browser.
     """
 
     rows: tuple[str, ...] = ()
@@ -27,6 +30,10 @@ class Options:
     jitters: int = JITTERS
     ways: Mapping[str, TrackSettings] = field(default_factory=dict)
     out: Path = Path("out/bench/real.json")
+    clips: tuple[str, ...] = ()
+    strategies: tuple[str, ...] = ()
+    seeds: int = SEEDS
+    in_page: bool = True
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -41,12 +48,22 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help='more settings to compare, such as static=\'{"static_camera": true}\'',
     )  # fmt: skip
     given.add_argument("--out", type=Path, default=Options.out, help="figures as they come")
+    given = parser.add_argument_group("of the group effort")
+    given.add_argument("--clips", type=_names, default=(), metavar="CLIP,CLIP", help="only these")
+    given.add_argument(
+        "--strategies", type=_names, default=(), metavar="NAME,NAME", help="only these ways to work"
+    )
+    given.add_argument("--seeds", type=_count, default=SEEDS, metavar="N", help="so many persons")
+    given.add_argument("--no-page", action="store_true", help="nothing again in a browser")
 
 
 def options_of(given: argparse.Namespace) -> Options:
     """What was asked for."""
     jitters = min(given.jitters, 2) if given.quick else given.jitters
-    return Options(given.rows, given.held_out, jitters, dict(given.ways), given.out)
+    return Options(
+        given.rows, given.held_out, jitters, dict(given.ways), given.out,
+        given.clips, given.strategies, given.seeds, not given.no_page,
+    )  # fmt: skip
 
 
 def way(text: str) -> tuple[str, TrackSettings]:

@@ -1,0 +1,205 @@
+"""How much a person has to do until a clip is right, and how long that takes them.
+
+A scripted person (`human/`) sees pictures and joints in them, with errors of 2 px and 2°, and works
+with what the page offers, until every joint is at most 5 px off in the median and 10 px at worst.
+Actions are clicks, keys and drags; looks are counted beside them. The times are of the
+keystroke-level model, see `human/counting.py`: 1.3 s a click, 0.28 s a key, 3.75 s a drag, 2 s a
+frame that is judged. What is done once a clip is told as it is; the rest for 1,800 frames.
+
+Trials run through the product's own editor and jobs, without its page. Two keyframes of one trial
+are made again in a browser, with real mouse and keys, and counts and poses are compared, unless
+`--no-page` is given.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import defaultdict
+from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from playwright.sync_api import sync_playwright
+from threadpoolctl import threadpool_limits
+
+from tests.benchmarks.human.at_page import repeated, session_for
+from tests.benchmarks.human.clips import CLIPS, Watched, noisy, watched
+from tests.benchmarks.human.counting import KINDS, Effort, Kind
+from tests.benchmarks.human.desk import desk
+from tests.benchmarks.human.first import FIRSTS, first_keyframe
+from tests.benchmarks.human.hand import Hand, px
+from tests.benchmarks.human.strategies import (
+    NOW,
+    STRATEGIES,
+    Outcome,
+    Strategy,
+    go,
+    key,
+    outcome,
+)
+from tests.benchmarks.keeping import Absent
+from tests.benchmarks.measures import Over
+from tests.benchmarks.stand import serving
+from tests.benchmarks.table import Expected, Report, Table
+from tests.browser.chromium import ARGUMENTS, find
+from tests.browser.shared import let_in, opened
+from tracker.body.skeleton import Skeleton
+from tracker.geometry.rotations import Array
+from tracker.session import Keyframe
+
+SIGMA_PX = 2.0
+MOST_ACTIONS, MOST_MINUTES = 45.0, 5.0
+COLUMNS = (
+    "right", "keyframes", "clicks", "keys", "drags", "looks", "actions for 1800",
+    "minutes for 1800",
+)  # fmt: skip
+WIDE = ("keyframes", "clicks", "keys", "drags", "looks", "actions for 1800", "minutes for 1800")
+CAUSES = 12
+ACTIONS: tuple[Kind, ...] = ("click", "key", "drag")
+WINDOW, PAGE_FRAMES, PAGE_PX = (1440, 900), (15, 40), 3.0
+"""A pointer rests on whole pixels of the screen, which are larger than those of the film."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One person at one clip. seconds: that the computer took."""
+
+    effort: Effort
+    outcome: Outcome
+    keyframes: int
+    seconds: float
+
+
+def effort(report: Report) -> None:
+    """The whole group."""
+    options = report.options
+    clips, seeds = options.clips or CLIPS, range(options.seeds)
+    report.note("clicks, keys and drags are actions; looks are frames judged; computing is not")
+    report.note(f"counted. Median (least–most) over {len(seeds)} persons; in brackets how many got")
+    report.note("every joint to 5 px in the median and 10 px at worst")
+    with threadpool_limits(1):
+        if options.in_page:
+            _in_page(report)
+        _first_keyframes(report, clips, options.seeds)
+        for name in clips:
+            try:
+                _clip(report, watched(name), options.seeds, options.strategies)
+            except Absent as absent:
+                report.note(f"{name} left out: {absent} is not here")
+
+
+def trial(clip: Watched, strategy: Strategy, seed: int) -> Trial:
+    """One person's work on a clip."""
+    began = time.process_time()
+    with desk(noisy(clip, SIGMA_PX, seed), strategy.settings) as there:
+        there.tracks = strategy.tracks
+        strategy.work(Hand.of(there, seed))
+        done = there.ledger.effort(clip.frames)
+        return Trial(done, outcome(there), len(there.keys), time.process_time() - began)
+
+
+def _first_keyframes(report: Report, clips: tuple[str, ...], seeds: int) -> None:
+    """From a clip that was just opened to its first keyframe, the body not known."""
+    columns = ("right", "actions", "seconds", "worst, px")
+    table = report.table("the first keyframe, from nothing", *columns, wide=columns[1:])
+    for name in clips:
+        try:
+            clip = watched(name)
+        except Absent:
+            continue
+        for first in FIRSTS:
+            found = [
+                first_keyframe(noisy(clip, SIGMA_PX, seed), first, seed) for seed in range(seeds)
+            ]
+            actions = Over(tuple(float(f.effort.actions) for f in found))
+            table.row(
+                f"{name}, {first.name}",
+                f"{sum(f.outcome.right for f in found)} of {seeds}",
+                actions,
+                Over(tuple(f.effort.seconds for f in found)),
+                Over(tuple(f.outcome.worst for f in found)),
+                expected=[Expected("actions", actions.median, first.most)],
+            )
+
+
+def _clip(report: Report, clip: Watched, seeds: int, names: tuple[str, ...]) -> None:
+    table = report.table(f"{clip.name}, {clip.frames} frames", *COLUMNS, wide=WIDE)
+    for strategy in STRATEGIES:
+        if names and strategy.name not in names:
+            continue
+        trials = [trial(clip, strategy, seed) for seed in range(seeds)]
+        _row(table, strategy, trials)
+        if strategy is NOW:
+            _causes(report, clip.name, trials)
+
+
+def _row(table: Table, strategy: Strategy, trials: list[Trial]) -> None:
+    right = sum(t.outcome.right for t in trials)
+    counts = [Over(tuple(float(t.effort.count(kind)) for t in trials)) for kind in KINDS]
+    actions = Over(tuple(t.effort.scaled_actions() for t in trials))
+    minutes = Over(tuple(t.effort.scaled_minutes() for t in trials))
+    expected = []
+    if strategy is NOW:
+        expected = [
+            Expected("actions", actions.median, MOST_ACTIONS),
+            Expected("minutes", minutes.median, MOST_MINUTES),
+        ]
+    keyframes = Over(tuple(float(t.keyframes) for t in trials))
+    cells = (f"{right} of {len(trials)}", keyframes, *counts, actions, minutes)
+    table.row(strategy.name, *cells, expected=expected)
+
+
+def _causes(report: Report, name: str, trials: list[Trial]) -> None:
+    """What the work consists of, the most time first."""
+    spent: dict[str, list[float]] = defaultdict(lambda: [0.0, 0.0])
+    for found in trials:
+        for why, count, seconds in found.effort.by_cause():
+            spent[why][0] += count / len(trials)
+            spent[why][1] += seconds / len(trials)
+    whole = sum(seconds for _, seconds in spent.values())
+    table = report.table(f"{name}: where the time goes", "times", "seconds", "share, %")
+    most = sorted(spent.items(), key=lambda row: -row[1][1])[:CAUSES]
+    for why, (times, seconds) in most:
+        table.row(f"  {why}", float(np.round(times, 1)), seconds, 100 * seconds / whole)
+
+
+def _in_page(report: Report) -> None:
+    """Two keyframes beside one that stands, without a page and with one."""
+    path = find()
+    if path is None:
+        report.note("not compared with a browser: there is no Chromium")
+        return
+    clip = noisy(_begun(watched("balance")), SIGMA_PX, 0)
+    with desk(clip, NOW.settings) as there:
+        hand, poses = Hand.of(there, 0), dict[int, dict[str, Array]]()
+        for frame in PAGE_FRAMES:
+            go(there, frame)
+            hand.carry()
+            hand.correct_limbs()
+            key(there)
+            poses[there.frame] = there.project(there.shown().pose)
+        with TemporaryDirectory() as folder, sync_playwright() as playwright:
+            browser = playwright.chromium.launch(executable_path=path, args=list(ARGUMENTS))
+            session = session_for(clip, NOW.settings, Path(folder))
+            with serving(session) as keypose, let_in(browser, drawn=False, size=WINDOW) as context:
+                seen = repeated(opened(context, keypose), there)
+            browser.close()
+        apart = [px(seen.joints[f][n] - uv) for f, at in poses.items() for n, uv in at.items()]
+        table = report.table("the same done in a browser", "clicks", "keys", "drags", "apart, px")
+        done = there.ledger.effort(clip.frames)
+        table.row("without a page", *(done.count(kind) for kind in ACTIONS), 0.0)
+        counted = [seen.counts[kind] for kind in ACTIONS]
+        expected = [
+            Expected(f"{kind}s apart", abs(found - done.count(kind)), 0)
+            for kind, found in zip(ACTIONS, counted, strict=True)
+        ]
+        expected.append(Expected("poses apart", max(apart), PAGE_PX, "px"))
+        table.row("in a browser", *counted, max(apart), expected=expected)
+
+
+def _begun(clip: Watched) -> Watched:
+    """With its first frame posed, as the person understands it."""
+    skeleton = Skeleton.of(clip.session.body)
+    keyframe = Keyframe.of(skeleton, clip.poses[clip.first], clip.first, 0.0)
+    return replace(clip, session=clip.session.model_copy(update={"keyframes": (keyframe,)}))

@@ -1,0 +1,1 @@
+"""A scripted person at the product: what they see, what their hands do, and what is counted."""

@@ -1,0 +1,99 @@
+"""What a person does, counted, and the time it takes them.
+
+Times are those of the keystroke-level model (Card, Moran and Newell, "The keystroke-level model for
+user performance time with interactive systems", CACM 23(7), 1980): K 0.28 s a key for somebody who
+types 40 words a minute, P 1.1 s to point at a target, M 1.35 s to decide what comes next; and B
+0.1 s to press or release a button (Kieras, "Using the keystroke-level model to estimate execution
+times", 2001). So a click takes P + 2 B. A drag of a handle is decided on, pointed at, pressed,
+carried and released, M + 2 P + 2 B, which agrees with the 2–4 s that animators take. A frame is
+judged in 2 s: one decision and the looks at head, hands and feet that it rests on. What the
+computer takes is not counted: tracking goes on while the person does.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Final, Literal, TypeAlias, get_args
+
+Kind: TypeAlias = Literal["click", "key", "drag", "judged"]
+KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
+KEY_S, POINT_S, BUTTON_S, DECIDE_S, JUDGE_S = 0.28, 1.1, 0.1, 1.35, 2.0
+SECONDS: Final[dict[Kind, float]] = {
+    "click": POINT_S + 2 * BUTTON_S,
+    "key": KEY_S,
+    "drag": DECIDE_S + 2 * POINT_S + 2 * BUTTON_S,
+    "judged": JUDGE_S,
+}
+LONG_FRAMES = 1800
+"""Of a minute at 30 frames a second: what efforts are told for."""
+
+
+@dataclass(frozen=True)
+class Act:
+    """One thing that a person does. why: what for, in a word, to find where effort goes."""
+
+    kind: Kind
+    why: str
+
+
+@dataclass(frozen=True)
+class Effort:
+    """What was done for so many frames of a clip; the first `setup` of it once a clip, however long
+    that is."""
+
+    acts: tuple[Act, ...]
+    frames: int
+    setup: int = 0
+
+    @property
+    def actions(self) -> int:
+        """Clicks, keys and drags; to look is none."""
+        return sum(act.kind != "judged" for act in self.acts)
+
+    @property
+    def seconds(self) -> float:
+        return seconds_of(self.acts)
+
+    def count(self, kind: Kind) -> int:
+        return sum(act.kind == kind for act in self.acts)
+
+    def scaled_actions(self) -> float:
+        """Actions for `LONG_FRAMES`: what is done once, and the rest as often as frames ask."""
+        once = Effort(self.acts[: self.setup], self.frames).actions
+        return once + (self.actions - once) * LONG_FRAMES / self.frames
+
+    def scaled_minutes(self) -> float:
+        """Minutes of work for `LONG_FRAMES`, in the same way."""
+        once = seconds_of(self.acts[: self.setup])
+        return (once + (self.seconds - once) * LONG_FRAMES / self.frames) / 60
+
+    def by_cause(self) -> list[tuple[str, int, float]]:
+        """What for, how many acts and how many seconds, the most seconds first."""
+        counts = Counter(act.why for act in self.acts)
+        spent = {why: seconds_of([a for a in self.acts if a.why == why]) for why in counts}
+        return sorted(((w, counts[w], spent[w]) for w in counts), key=lambda row: -row[2])
+
+
+def seconds_of(acts: Sequence[Act]) -> float:
+    """How long a person takes."""
+    return sum(SECONDS[act.kind] for act in acts)
+
+
+@dataclass
+class Ledger:
+    """Everything done so far."""
+
+    acts: list[Act] = field(default_factory=list)
+    setup: int = 0
+
+    def note(self, kind: Kind, why: str) -> None:
+        self.acts.append(Act(kind, why))
+
+    def end_setup(self) -> None:
+        """What was done until now is done once for a clip."""
+        self.setup = len(self.acts)
+
+    def effort(self, frames: int) -> Effort:
+        return Effort(tuple(self.acts), frames, self.setup)

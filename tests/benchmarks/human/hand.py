@@ -1,0 +1,334 @@
+"""The hand that poses: it sees pictures and marks, and errs.
+
+A joint is put right when it looks wrong by more than `LOOKS_RIGHT_PX`. The order is that of the
+guide: the body, its trunk, the head, hands and feet, then elbows and knees, then depth from the
+side. A part that is turned stops within 2° of where it should; a joint that is dragged is as right
+as it is seen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from app.editor import actions as do
+from app.editor.shown import shown_pose
+from app.posing import handles
+from app.posing.gesture import Axis, End, Middle, Ring, Root, Surface
+from app.posing.handles import BodyHandle, handle_named
+from app.posing.moving import RISE_TO_E
+from app.posing.pointer_view import PointerView
+from tests.benchmarks.human.desk import Desk
+from tracker.body.pose import Pose, pose_transforms
+from tracker.errors import KeyposeError
+from tracker.geometry.rotations import Array, log_rotation
+
+LOOKS_RIGHT_PX, PLACED_PX = 7.0, 5.0
+"""A joint that is nearer looks right: with what it may be seen wrongly by it is within 10 px. The
+whole body is carried more finely, for everything hangs on it."""
+TURN_DEG = 2.0
+SEEN_DEG, FAR_PX = 35.0, 25.0
+"""A trunk turned by less is not seen to be; a body farther from its hips is carried there."""
+TURNS_DEG = (-20.0, -10.0, -5.0, 5.0, 10.0, 20.0)
+"""How far a ring is turned until what hangs on it looks right: about that."""
+TURN_GAIN = 0.2
+"""A drag that takes a smaller share of the error of what it moves is cancelled."""
+DEEP_M, DEPTH_SIGMA_M = 0.2, 0.03
+"""A hand or foot so much too near or too far is seen to be in the side view; and how well it is put
+right there."""
+BENDS_M = (0.0, 0.05, -0.05, 0.1, -0.1, 0.15, -0.15)
+"""How much beside that it is put until elbow or knee fit."""
+SIZE_SHARE, SIZE_SIGMA = 0.04, 0.015
+"""A body that is larger or smaller by less is not seen to be; and how well it is made as large."""
+NEARER = 0.8
+"""A drag that leaves more than this share of the way is cancelled."""
+ROUNDS = 3
+AXES: tuple[Axis, ...] = ("x", "y", "z")
+HIPS = ("left_thigh", "right_thigh", "hips")
+SHOULDERS = ("left_upper_arm", "right_upper_arm")
+TRUNK = (*HIPS, *SHOULDERS, "head_top")
+ENDS = ("left_hand", "right_hand", "left_foot", "right_foot")
+
+
+@dataclass(frozen=True, eq=False)
+class Hand:
+    """One person's hand at a desk."""
+
+    desk: Desk
+    random: np.random.Generator
+
+    @classmethod
+    def of(cls, desk: Desk, seed: int) -> Hand:
+        return cls(desk, np.random.default_rng([seed, 7]))
+
+    def looks_right(self) -> bool:
+        """Whether no joint of the present frame looks wrong."""
+        return not self.wrong()
+
+    def wrong(self, least_px: float = LOOKS_RIGHT_PX) -> list[str]:
+        """The joints that look wrong, the worst first."""
+        unsure = self.desk.clip.unmeasured
+        off = {n: px(way) for n, way in self.desk.off().items() if n not in unsure}
+        return sorted((n for n in off if off[n] > least_px), key=lambda n: -off[n])
+
+    def correct(self) -> None:
+        """Pose the present frame until it looks right, or nothing more helps."""
+        self._face()
+        for _ in range(ROUNDS):
+            before = len(self.desk.script)
+            self._match_size()
+            self.carry()
+            self._turn("waist", (*HIPS, *SHOULDERS))
+            self._turn("chest", (*SHOULDERS, "head_top"))
+            self.carry()
+            self._turn_head()
+            self._bow()
+            self._pull("end")
+            self._pull("middle")
+            self._set_depth()
+            if len(self.desk.script) == before or not self.wrong():
+                return
+
+    def correct_limbs(self) -> None:
+        """The same for arms and legs alone."""
+        for _ in range(ROUNDS):
+            before = len(self.desk.script)
+            self._pull("end")
+            self._pull("middle")
+            if len(self.desk.script) == before or not self.wrong():
+                return
+
+    # --- the body
+
+    def _face(self) -> None:
+        """Before anything is posed, face it as the person does, by one of the four buttons."""
+        desk = self.desk
+        if desk.keys or desk.state.doc.drafts:
+            return
+        wanted = desk.clip.poses[desk.frame].Rs_parent_part[0]
+        ways = [do.Face(way=way) for way in ("camera", "away", "left", "right")]
+        found = [shown_pose(desk.tried(way)).pose.Rs_parent_part[0] for way in ways]
+        off = [px(log_rotation(R.T @ wanted)) for R in found]
+        desk.act("click", "face the body", ways[int(np.argmin(off))])
+
+    def _match_size(self) -> None:
+        """Farther or nearer until the body is as large as the person: with D held, one drag."""
+        desk = self.desk
+        poses = desk.clip.poses[desk.frame], desk.shown().pose
+        farther = float(np.log(np.divide(*(pose.p_camera_root[2] for pose in poses))))
+        if abs(farther) > SIZE_SHARE:
+            farther += float(self.random.normal(0.0, SIZE_SIGMA))
+            rise = farther * RISE_TO_E * desk.state.doc.camera.height
+            desk.drag("match the size", Root(kind="root"), np.array([0.0, -rise]), depth=True)
+
+    def carry(self) -> None:
+        """Carry the body where the trunk is seen, or its hips while it is far from there."""
+        desk, off = self.desk, self.desk.off()
+        hips, trunk = ([off[n] for n in names if n in off] for names in (HIPS, (*HIPS, *SHOULDERS)))
+        far = hips and px(np.mean(hips, axis=0)) > FAR_PX
+        way = np.mean(hips if far else trunk, axis=0) if trunk else np.zeros(2)
+        if px(way) <= PLACED_PX:
+            return
+        nearer = [px(off[n]) - px(off[n] - way) for n in ENDS if n in off]
+        along = bool(nearer) and float(np.mean(nearer)) > 0
+        message = desk.as_drag(Root(kind="root"), way, "main", carry=along)
+        if far or self._gain(message, (*HIPS, *SHOULDERS)) > TURN_GAIN:
+            desk.act("drag", "move the body", message)
+
+    # --- parts
+
+    def _turn(self, part: str, joints: Sequence[str]) -> None:
+        """Turn a part of the trunk by its rings as long as joints on it come nearer; where it
+        plainly faces another way than the person's, until it does not."""
+        selected = False
+        for _ in AXES:
+            turns = [turn for turn in self._turned(part) if abs(turn[1]) >= SEEN_DEG]
+            plain = bool(turns)
+            if not plain and any(self._is_off(n) for n in joints):
+                turns = [(axis, deg) for axis in AXES for deg in TURNS_DEG]
+                turns += [turn for turn in self._turned(part) if abs(turn[1]) > 2 * TURN_DEG]
+            if not turns:
+                break
+            ring, deg, gain = self._best_turn(part, turns, joints)
+            if gain < TURN_GAIN and not plain:
+                break
+            if not selected:
+                self.desk.act("click", f"select the {part}", do.Select(part=part))
+                selected = True
+            slip = float(self.random.normal(0.0, TURN_DEG))
+            self.desk.turn(f"turn the {part}", ring, deg + slip)
+
+    def _turned(self, part: str) -> list[tuple[Axis, float]]:
+        """By how many degrees a part would have to be turned about each of its own axes to lie as
+        the person's does."""
+        desk, index = self.desk, self.desk.state.doc.body.index(part)
+        poses = desk.shown().pose, desk.clip.poses[desk.frame]
+        now, wanted = (pose_transforms(desk.state.skeleton, p)[index, :3, :3] for p in poses)
+        off_deg = np.degrees(log_rotation(now.T @ wanted))
+        return list(zip(AXES, off_deg.tolist(), strict=True))
+
+    def _best_turn(
+        self, part: str, turns: Sequence[tuple[Axis, float]], joints: Sequence[str]
+    ) -> tuple[Ring, float, float]:
+        """The ring that brings joints nearest, its angle, and the share of their error it takes."""
+        tries = []
+        for axis, deg in turns:
+            ring = Ring(kind="ring", part=part, axis=axis)
+            tries.append((self._gain(self.desk.as_turn(ring, deg), joints), -abs(deg), ring, deg))
+        gain, _, ring, deg = max(tries, key=lambda t: t[:2])
+        return ring, deg, gain
+
+    def _gain(self, message: do.Drag, joints: Sequence[str]) -> float:
+        """The share that a drag takes of what these joints are off."""
+        found, before = self._pose_after(message), self._error(joints)
+        return 0.0 if found is None or not before else 1.0 - self._error(joints, found) / before
+
+    def _error(self, joints: Sequence[str], pose: Pose | None = None) -> float:
+        """Root mean square of what those of the joints that are seen are off."""
+        off = self.desk.off(pose=pose)
+        known = [px(off[n]) ** 2 for n in joints if n in off]
+        return float(np.sqrt(np.mean(known))) if known else 0.0
+
+    def _bow(self) -> None:
+        """Drag the head, and with it the trunk, where that brings head and shoulders nearer."""
+        if self._is_off("head_top") and any(map(self._is_off, SHOULDERS)):
+            message = self._onto(End(kind="end", name="head"), "head_top")
+            if self._gain(message, (*SHOULDERS, "head_top")) > TURN_GAIN:
+                self.desk.act("drag", "pull the head", message)
+
+    def _turn_head(self) -> None:
+        """Turn the head by its surface until its top is where it is seen."""
+        off = self.desk.off().get("head_top")
+        if off is not None and px(off) > LOOKS_RIGHT_PX:
+            top = self.desk.project(self.desk.shown().pose)["head_top"]
+            head = Surface(kind="surface", part="head", tool="rotate")
+            self._drag_if_it_helps("turn the head", head, "head_top", top)
+
+    def _pull(self, kind: str) -> None:
+        """Drag every handle of a kind whose joint looks wrong onto where the joint is seen. Where
+        an elbow or a knee does not get there, its hand or foot is too near or too far."""
+        for handle in handles(self.desk.state.doc.body):
+            joint, grip = handle.anchor, _grip(handle)
+            if handle.kind != kind or not self._is_off(joint):
+                continue
+            if kind == "middle" and not self._helps(self._onto(grip, joint), joint):
+                self._bend(handle)
+            if self._is_off(joint):
+                self._drag_if_it_helps(f"pull {_word(handle)}", grip, joint)
+
+    def _is_off(self, joint: str) -> bool:
+        off = self.desk.off().get(joint)
+        return off is not None and px(off) > LOOKS_RIGHT_PX
+
+    def _drag_if_it_helps(
+        self, why: str, grip: Any, joint: str, start: Array | None = None
+    ) -> None:
+        """Drag until a joint is where it is seen; where that leads nowhere a person cancels."""
+        message = self._onto(grip, joint, start)
+        if self._helps(message, joint):
+            self.desk.act("drag", why, message)
+
+    def _onto(self, grip: Any, joint: str, start: Array | None = None) -> do.Drag:
+        begin = np.zeros(2) if start is None else start
+        return self.desk.as_drag(grip, self.desk.off()[joint], "main", begin)
+
+    def _helps(self, message: do.Drag, joint: str) -> bool:
+        """Whether a drag brings a joint nearer."""
+        desk = self.desk
+        found = self._pose_after(message)
+        return found is not None and px(desk.off(pose=found)[joint]) < NEARER * px(
+            desk.off()[joint]
+        )
+
+    # --- depth
+
+    def _set_depth(self) -> None:
+        """Hands and feet that are much too near or too far, as the side view shows."""
+        for handle in handles(self.desk.state.doc.body):
+            if handle.kind == "end":
+                self._set_depth_of(handle.name, DEEP_M)
+
+    def _set_depth_of(self, name: str, least_m: float) -> None:
+        """A hand or a foot, if it is so much too near or too far."""
+        handle = handle_named(self.desk.state.doc.body, name)
+        if handle.anchor not in self.desk.clip.places or abs(self._too_near(handle)) < least_m:
+            return
+        slip = float(self.random.normal(0.0, DEPTH_SIGMA_M))
+        message = self._farther(handle, self._too_near(handle) + slip)
+        found = self._pose_after(message)
+        left = None if found is None else self._too_near(handle, found)
+        if left is not None and abs(left) < NEARER * abs(self._too_near(handle)):
+            self.desk.act("drag", "set depth", message)
+
+    def _bend(self, middle: BodyHandle) -> None:
+        """Drag a hand or foot nearer or farther until elbow or knee are where they are seen; about
+        as near or far as it is understood to be."""
+        end, joint = handle_named(self.desk.state.doc.body, middle.limb[-1]), middle.anchor
+        if end.anchor not in self.desk.clip.places:
+            return
+        tries = []
+        for beside_m in BENDS_M:
+            message = self._farther(end, self._too_near(end) + beside_m)
+            left = self._bent_by(message, middle)
+            if left is not None:
+                tries.append((left, abs(beside_m), message))
+        if tries:
+            left, _, message = min(tries, key=lambda t: t[:2])
+            if left < NEARER * px(self.desk.off()[joint]):
+                self.desk.act("drag", "set depth", message)
+
+    def _bent_by(self, message: do.Drag, middle: BodyHandle) -> float | None:
+        """How far off an elbow or a knee would be after a drag, and after it is pulled itself."""
+        desk, joint = self.desk, middle.anchor
+        try:
+            found = shown_pose(desk.tried(message)).pose
+            pull = desk.as_drag(_grip(middle), desk.off(pose=found)[joint], "main")
+            then = shown_pose(desk.tried(message, pull)).pose
+        except KeyposeError:
+            return None
+        return min(px(desk.off(pose=pose)[joint]) for pose in (found, then))
+
+    def _pose_after(self, message: do.Drag) -> Pose | None:
+        """The pose that a drag would lead to; None where it cannot be had."""
+        try:
+            return shown_pose(self.desk.tried(message)).pose
+        except KeyposeError:
+            return None
+
+    def _too_near(self, handle: BodyHandle, pose: Pose | None = None) -> float:
+        """Metres by which an end is nearer than it is understood to be, seen from the waist."""
+        desk = self.desk
+        ours = self._depth(pose or desk.shown().pose, handle.anchor)
+        return self._depth(desk.clip.poses[desk.frame], handle.anchor) - ours
+
+    def _farther(self, handle: BodyHandle, by_m: float) -> do.Drag:
+        """Dragged along its line of sight, with D held: up is farther."""
+        view = PointerView.of(self.desk.state.doc.camera)
+        p = self.desk.points(self.desk.shown().pose)[handle.anchor]
+        rise = by_m / float(view.ray_through(p)[2]) / view.metres_per_unit(p)
+        return self.desk.as_drag(_grip(handle), np.array([0.0, -rise]), "main", depth=True)
+
+    def _depth(self, pose: Pose, joint: str) -> float:
+        """How much farther than the waist a joint is, metres."""
+        Ts = pose_transforms(self.desk.state.skeleton, pose)
+        return float(self.desk.points(pose)[joint][2] - Ts[0, 2, 3])
+
+
+def px(way: Array) -> float:
+    """The length of a way."""
+    return float(np.linalg.norm(way))
+
+
+def _grip(handle: BodyHandle) -> Any:
+    if handle.kind == "middle":
+        return Middle(kind="joint", name=handle.name)
+    return End(kind="end", name=handle.name)
+
+
+def _word(handle: BodyHandle) -> str:
+    if handle.kind == "middle":
+        return "an elbow or knee"
+    return f"a {handle.name.split('_')[-1]}"
