@@ -110,6 +110,7 @@ def screens(page: Page, name: str) -> None:
     page.set_viewport_size({"width": 1280, "height": 720})
     screen(page, f"{name}-small")
     page.set_viewport_size(size)
+    settled(page)  # or the page would hear of it in the middle of what follows
 
 
 def themed(page: Page, theme: str) -> None:

@@ -131,6 +131,7 @@ def test_the_menu_of_a_part_is_about_that_part_by_mouse_and_by_key(at: Desk) -> 
     _menu(page)
     assert _focused(page) == "Pin here from this frame"
     page.keyboard.press("o")
+    assert _focused(page) == "Other side of the body"
     page.keyboard.press("Enter")
     until_told(page, "view.selected", lambda part: part == "right_foot")
 
@@ -224,6 +225,7 @@ def test_a_note_is_written_moved_gone_to_and_deleted(at: Desk) -> None:
     page.mouse.dblclick(*_on_ruler(page, 50))
     page.locator(".notecard textarea").wait_for()
     page.keyboard.type(" here")
+    assert page.locator(".notecard textarea").input_value() == "The hand is hidden here"
     screens(page, "note-card")
     page.mouse.click(200, 150)  # elsewhere: what was written is kept
     until_told(page, "notes[0].text", lambda text: text == "The hand is hidden here")
