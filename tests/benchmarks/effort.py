@@ -51,10 +51,10 @@ from tracker.session import Keyframe
 SIGMA_PX = 2.0
 MOST_ACTIONS, MOST_MINUTES = 45.0, 5.0
 COLUMNS = (
-    "right", "keyframes", "clicks", "keys", "drags", "looks", "actions for 1800",
+    "right", "keyframes", "clicks", "keys", "drags", "looks", "seconds", "actions for 1800",
     "minutes for 1800",
 )  # fmt: skip
-WIDE = ("keyframes", "clicks", "keys", "drags", "looks", "actions for 1800", "minutes for 1800")
+WIDE = COLUMNS[1:]
 CAUSES = 12
 ACTIONS: tuple[Kind, ...] = ("click", "key", "drag")
 WINDOW, PAGE_FRAMES, PAGE_PX = (1440, 900), (15, 40), 3.0
@@ -76,8 +76,13 @@ def effort(report: Report) -> None:
     options = report.options
     clips, seeds = options.clips or CLIPS, range(options.seeds)
     report.note("clicks, keys and drags are actions; looks are frames judged; computing is not")
-    report.note(f"counted. Median (least–most) over {len(seeds)} persons; in brackets how many got")
-    report.note("every joint to 5 px in the median and 10 px at worst")
+    report.note(
+        f"counted. Median (least–most) over {len(seeds)} persons. right: how many got every"
+    )
+    report.note(
+        "joint to 5 px in the median and 10 px at worst. For 1800 frames: clips are a second"
+    )
+    report.note("or two of fast motion, so that is work for a minute of nothing else")
     with threadpool_limits(1):
         if options.in_page:
             _in_page(report)
@@ -146,7 +151,8 @@ def _row(table: Table, strategy: Strategy, trials: list[Trial]) -> None:
             Expected("minutes", minutes.median, MOST_MINUTES),
         ]
     keyframes = Over(tuple(float(t.keyframes) for t in trials))
-    cells = (f"{right} of {len(trials)}", keyframes, *counts, actions, minutes)
+    seconds = Over(tuple(t.effort.seconds for t in trials))
+    cells = (f"{right} of {len(trials)}", keyframes, *counts, seconds, actions, minutes)
     table.row(strategy.name, *cells, expected=expected)
 
 
