@@ -74,7 +74,7 @@ def drafted_session(
     skeleton, keyed = Skeleton.of(body), {keyframe.frame for keyframe in doc.keyframes}
     drafts = [draft for draft in doc.drafts if not frames[0] <= draft.frame <= frames[1]]
     drafts += [
-        keyframe_of(skeleton, pose, frame, times_s)
+        keyframe_of(skeleton, pose, frame, times_s).model_copy(update={"drafted": True})
         for frame, pose in poses.items()
         if frame not in keyed
     ]

@@ -45,7 +45,7 @@ def motion_between(edit: EditorState, first: int, last: int, stride: int = 1) ->
     row_of = {frame: row for row, frame in enumerate(frames.tolist())}
     for posed in (*doc.keyframes, *doc.drafts):
         row = row_of.get(posed.frame)
-        if row is not None:
+        if row is not None and not (posed.is_found and edit.tracked(posed.frame) is not None):
             pose = posed.pose(skeleton)
             Rs[row], ps[row] = pose.Rs_parent_part, pose.p_camera_root
     return KnownMotion(frames, part_transforms(skeleton, Rs, ps))

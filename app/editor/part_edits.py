@@ -14,7 +14,7 @@ from app.editor.documents import (
     without,
 )
 from app.editor.refusal import Refused
-from app.editor.shown import find, pose_behind, shown_pose
+from app.editor.shown import draft_at, find, pose_behind, shown_pose
 from app.editor.state import EditorState
 from app.posing import lanes, part_label
 from app.posing.labels import kind_of
@@ -117,7 +117,7 @@ def keyed_words(body: Body, parts: Iterable[str]) -> str:
 def _posed_parts(state: EditorState, frame: int) -> tuple[str, ...]:
     """What a draft of the frame moved; none without a draft, or where more than limbs moved and a
     part is selected."""
-    if find(state.doc.drafts, frame) is None:
+    if draft_at(state, frame) is None:
         return ()
     drafted = shown_pose(state, frame).pose
     moved = moved_parts(state.skeleton, pose_behind(state, frame).pose, drafted)

@@ -11,7 +11,7 @@ from app.editor.part_edits import WHOLE_BODY, require_correctable, with_limbs_po
 from app.editor.pinned import pinned_ends
 from app.editor.pointer_views import pointer_views, up_of
 from app.editor.refusal import Refused
-from app.editor.shown import find, shown_pose
+from app.editor.shown import draft_at, find, shown_pose
 from app.editor.state import EditorState
 from app.posing import (
     Held,
@@ -172,7 +172,7 @@ def _with_pose(state: EditorState, pose: Pose) -> Session:
     """As the keyframe of the present frame, or its part keyframe, where it has one and no more than
     limbs moved; else as a draft."""
     is_part = find(state.doc.part_keyframes, state.frame) is not None
-    if is_part and find(state.doc.drafts, state.frame) is None:
+    if is_part and draft_at(state, state.frame) is None:
         doc = with_limbs_posed(state, pose)
         if doc is not None:
             return doc

@@ -12,6 +12,7 @@ from app.editor.documents import Posed
 from app.editor.state import EditorState
 from tracker.body.pose import Pose
 from tracker.geometry.rotations import rotation_between
+from tracker.session.schema import Keyframe
 
 Source: TypeAlias = Literal["keyframe", "draft", "tracked", "part", "between", "held", "rest"]
 
@@ -50,11 +51,19 @@ def pose_behind(state: EditorState, frame: int) -> ShownPose:
 
 def posed_at(state: EditorState, frame: int) -> ShownPose | None:
     """What a person posed at a frame: a draft before the keyframe it would replace."""
-    for poses, source in ((state.doc.drafts, "draft"), (state.doc.keyframes, "keyframe")):
-        found = find(poses, frame)
-        if found is not None:
-            return ShownPose(found.pose(state.skeleton), source)  # type: ignore[arg-type]
-    return None
+    draft, keyframe = draft_at(state, frame), find(state.doc.keyframes, frame)
+    if draft is not None:
+        return ShownPose(draft.pose(state.skeleton), "draft")
+    return None if keyframe is None else ShownPose(keyframe.pose(state.skeleton), "keyframe")
+
+
+def draft_at(state: EditorState, frame: int) -> Keyframe | None:
+    """The draft that counts at a frame: of those that were found in the film none where the frame
+    is tracked by now."""
+    draft = find(state.doc.drafts, frame)
+    if draft is not None and draft.is_found and state.tracked(frame) is not None:
+        return None
+    return draft
 
 
 def find(poses: tuple[Posed, ...], frame: int) -> Posed | None:

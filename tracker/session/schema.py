@@ -154,6 +154,18 @@ class Keyframe(Plain):
         "out otherwise.",
     )
 
+    drafted: bool = Field(
+        default=False,
+        exclude_if=operator.not_,
+        description="Of a draft: found by drafting the film, not changed by a person since. Left "
+        "out otherwise.",
+    )
+
+    @property
+    def is_found(self) -> bool:
+        """Whether a draft is as it was found in the film: what is tracked later replaces it."""
+        return self.followed or self.drafted
+
     @field_validator("rotations_wxyz")
     @classmethod
     def _are_rotations(cls, rotations: dict[str, Quaternion]) -> dict[str, Quaternion]:

@@ -6,7 +6,7 @@ import numpy as np
 
 from app.editor.part_edits import keyed_limbs, keyed_words
 from app.editor.posing_edits import angles_at
-from app.editor.shown import find, shown_pose
+from app.editor.shown import draft_at, shown_pose
 from app.editor.state import EditorState
 from app.editor.trail import end_trail
 from app.posing import at_limit, part_angles_deg
@@ -48,7 +48,7 @@ def pose(app_state: AppState) -> Json:
 
 def _is_followed(edit: EditorState) -> bool:
     """Whether the pose at the present frame was found by tracking ahead."""
-    draft = find(edit.doc.drafts, edit.frame)
+    draft = draft_at(edit, edit.frame)
     return draft is not None and draft.followed
 
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
+from app.editor.documents import with_drafts
 from app.editor.shown import find, shown_pose
 from app.editor.state import EditorState
 from tests.app.editor.desk import after, angles, desk
@@ -72,3 +74,17 @@ def test_k_keeps_the_tracked_pose() -> None:
     np.testing.assert_allclose(
         shown_pose(kept).pose.p_camera_root, tracked_pose(state).p_camera_root, atol=1e-9
     )
+
+
+@pytest.mark.parametrize("found_by", ["drafted", "followed"])
+def test_what_was_found_in_the_film_gives_way_to_what_is_tracked_later(found_by: str) -> None:
+    state = tracked_desk()
+    posed = after(state, {"do": "angles", "part": "left_forearm", "x": -50})
+    (draft,) = posed.doc.drafts
+    found = posed.with_doc(with_drafts(posed.doc, [draft.model_copy(update={found_by: True})]))
+    assert shown_pose(posed).source == "draft"
+    assert shown_pose(found).source == "tracked"
+    untracked = replace(found, results=Results())
+    assert shown_pose(untracked).source == "draft"
+    corrected = after(untracked, {"do": "angles", "part": "left_forearm", "x": -40})
+    assert shown_pose(replace(corrected, results=found.results)).source == "draft"
