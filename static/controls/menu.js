@@ -29,6 +29,8 @@ let byKeys = false;
 
 export function mountMenus() {
   place = addOnTop('tmenu', 'div'); // on the start screen, too, where the timeline is out of reach
+  place.setAttribute('role', 'region');
+  place.setAttribute('aria-label', 'Menu');
   addEventListener('pointerdown', closeFromOutside, true);
   addEventListener('pointerdown', () => (byKeys = false), true);
   addEventListener('keydown', () => (byKeys = true), true);

@@ -53,7 +53,7 @@ function sheet() {
     </div>
     ${isSearch ? nothing : way()}
     ${files.length && !isTop ? columns() : nothing}
-    <div class="filelist" role="list">
+    <div class="filelist" role="group" aria-label="Files">
       ${folders.map(folderRow)}${isTop && files.length ? html`<h3>Newest in these folders</h3>` : nothing}
       ${files.slice(0, MOST).map((file) => fileRow(file, isSearch || isTop))}
       ${folders.length + files.length ? nothing : none(isSearch)}
@@ -104,14 +104,14 @@ function columns() {
   return html`<div class="fcols">${Object.entries(COLUMNS).map(column)}</div>`;
 }
 
-const folderRow = ({ id, name }) => html`<button class="filerow folder" role="listitem" @click=${() => enterFolder(id)}>
+const folderRow = ({ id, name }) => html`<button class="filerow folder" @click=${() => enterFolder(id)}>
   <span class="th">${icon('folder')}</span><span class="cut">${name}</span><span></span><span></span>
 </button>`;
 
 function fileRow(file, hasFolder) {
   const size = file.count ? count(file.count, file.kind === 'images' ? 'image' : 'mesh').replace('meshs', 'meshes') : bytes(file.bytes);
   const address = file.kind === 'meshes' ? '' : `/file.jpg?${new URLSearchParams({ at: file.id })}`;
-  return html`<button class="filerow ${file.kind}" role="listitem" title=${`${file.folder}/${file.name}`} @click=${() => choose(file)}>
+  return html`<button class="filerow ${file.kind}" title=${`${file.folder}/${file.name}`} @click=${() => choose(file)}>
     ${smallPicture({ address, own: true, sign: SIGNS[file.kind] })}
     <span class="what cut">${file.name}<span class="kind ${file.kind}">${icon(SIGNS[file.kind])}${NOUNS[file.kind]}</span>
       ${hasFolder ? html`<span class="dim cut">${file.folder}</span>` : nothing}</span>
