@@ -5,9 +5,9 @@
 
 import { hold, onRedraw, release } from '../store/state.js';
 
-/** Where a press is a gesture of its own, which needs the newest of everything. */
+/** Where a press is a gesture of its own, or shows something while it lasts: it needs the newest of everything. */
 const PICTURES = '.view > .over';
-const GESTURES = `${PICTURES}, #tsvg`;
+const GESTURES = `${PICTURES}, #tsvg, [data-while-held]`;
 const CONTROLS = 'button, input, label, [role="slider"], [role="option"], [tabindex]';
 /** So long a control that came under the resting pointer takes no press. */
 const NEW_MS = 400;

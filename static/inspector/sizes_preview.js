@@ -86,7 +86,7 @@ function nextOf(turns) {
 function answer() {
   const { looking_back: back } = server.sizes_preview;
   return html`<div class="row answer">
-    <button class="btn sm before" aria-pressed=${back} data-keeps-focus title="Hold to see the body as it is"
+    <button class="btn sm before" aria-pressed=${back} data-keeps-focus data-while-held title="Hold to see the body as it is"
       @pointerdown=${(event) => event.button === 0 && lookBack(true)} @blur=${() => lookBack(false)}>Before<kbd>B</kbd></button>
     <span class="sp"></span>
     <button class="btn sm ghost" @click=${discardSizes}>Discard<kbd>Esc</kbd></button>

@@ -58,7 +58,7 @@ function card() {
     </div>
     <p>${keepUnits(words)}</p>
     <div class="row foot">
-      <button class="btn sm before" aria-pressed=${back} data-keeps-focus
+      <button class="btn sm before" aria-pressed=${back} data-keeps-focus data-while-held
         title="Hold to see the pose before the fit"
         @pointerdown=${(event) => event.button === 0 && lookBack(true)}
         @keydown=${(event) => holdKey(event, true)} @keyup=${(event) => holdKey(event, false)}

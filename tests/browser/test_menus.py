@@ -104,11 +104,11 @@ def test_the_picture_has_a_menu_at_the_pointer_that_keys_alone_can_use(at: Desk)
     page.mouse.click(*_corner(page), button="right")
     _menu(page)
     page.keyboard.press("ArrowDown")
-    page.keyboard.press("p")
-    assert _focused(page) == "Paste pose"
+    page.keyboard.press("u")
+    assert _focused(page) == "Use tracked pose"
     reason = page.locator("#tmenu .mi:focus")
     assert reason.get_attribute("aria-disabled") == "true"
-    assert "Copy a pose first" in (reason.text_content() or "")
+    assert "not tracked yet" in (reason.text_content() or "")
     page.keyboard.press("Enter")
     assert page.locator("#tmenu .menu").count() == 1, "what cannot be done does nothing"
     page.keyboard.press("Home")
