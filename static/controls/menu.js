@@ -11,7 +11,7 @@ import { icon } from './icons.js';
 import { ui, setUi } from '../store/state.js';
 import { reachedByKey } from './focus.js';
 import { belowOrAbove, standAt } from './popup.js';
-import { typedTo } from './typeahead.js';
+import { beginTyping, typedTo } from './typeahead.js';
 
 const LEAST_TOP = 8;
 
@@ -75,6 +75,7 @@ export function toggleMenu(name) {
     return;
   }
   setUi('menu', name);
+  beginTyping();
   // The menu is drawn with the next frame; only then can it take the keys.
   requestAnimationFrame(() => requestAnimationFrame(focusMenu));
 }
@@ -108,6 +109,7 @@ export function drawMenusIn(element) {
 
 /** Open a menu at a place of the window. */
 export function openMenuAt(label, entries, [left, top]) {
+  beginTyping();
   const active = document.activeElement;
   before = active !== null && active !== document.body ? active : null;
   render(html`<div class="menu tmenu" role="menu" aria-label=${label} tabindex="-1"
