@@ -12,7 +12,7 @@ import { icon } from './icons.js';
 import { ui, setUi } from '../store/state.js';
 import { reachedByKey } from './focus.js';
 import { belowOrAbove, standAt } from './popup.js';
-import { typedTo } from './typeahead.js';
+import { beginTyping, typedTo } from './typeahead.js';
 
 const LEAST_TOP = 8;
 
@@ -79,6 +79,7 @@ export function toggleMenu(name) {
     return;
   }
   setUi('menu', name);
+  beginTyping();
   // The menu is drawn with the next frame; only then can it take the keys.
   requestAnimationFrame(() => requestAnimationFrame(focusMenu));
 }
@@ -107,6 +108,7 @@ function holder(name) {
 
 /** Open a menu at a place of the window. */
 export function openMenuAt(label, entries, [left, top]) {
+  beginTyping();
   const active = document.activeElement;
   before = active !== null && active !== document.body ? active : null;
   render(html`<div class="menu tmenu" role="menu" aria-label=${label} tabindex="-1"

@@ -6,6 +6,11 @@ const PAUSE_MS = 700;
 let typed = '';
 let last = -Infinity;
 
+/** Another menu has opened: what was typed in the one before does not count. */
+export function beginTyping() {
+  last = -Infinity;
+}
+
 /**
  * The entry that is meant by one more letter, or -1.
  * @param {string[]} labels

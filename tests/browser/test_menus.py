@@ -78,8 +78,7 @@ def _on_ruler(page: Page, frame: int) -> Spot:
 
 
 def _noted(page: Page, frame: int, words: str) -> None:
-    page.keyboard.press("Control+k")
-    page.keyboard.type(str(frame))
+    _search(page, str(frame))
     page.keyboard.press("Enter")
     until_told(page, "view.frame", lambda now: now == frame)
     page.keyboard.press("Shift+M")

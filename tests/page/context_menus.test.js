@@ -5,7 +5,7 @@ import assert from 'node:assert/strict';
 import { beforeEach, test } from 'node:test';
 import { CONTEXTS, contextEntries, menusWith } from '../../static/actions/context_menus.js';
 import { ACTIONS } from '../../static/actions/table.js';
-import { typedTo } from '../../static/controls/typeahead.js';
+import { beginTyping, typedTo } from '../../static/controls/typeahead.js';
 import { server } from '../../static/store/state.js';
 
 beforeEach(() => {
@@ -75,4 +75,11 @@ test('a letter that does not go on with the word begins another', () => {
   const labels = ['Copy pose', 'Paste pose', 'Reset pose'];
   assert.equal(typedTo(labels, -1, 'p', 50000), 1);
   assert.equal(typedTo(labels, 1, 'c', 50100), 0);
+});
+
+test('what was typed in one menu does not count in the next', () => {
+  const labels = ['Copy pose', 'Other side'];
+  assert.equal(typedTo(labels, -1, 'c', 90000), 0);
+  beginTyping();
+  assert.equal(typedTo(labels, -1, 'o', 90100), 1);
 });
