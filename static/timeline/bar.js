@@ -85,7 +85,8 @@ function reviewing(row) {
 function interrupted() {
   return html`<div class="sug" role="status">${icon('flag')}
     <span class="tx"><b>Review: ${placesToReview().length} left</b></span>
-    <button class="btn sm pri" @click=${() => perform('continueReview')}>${labelOf('continueReview')}<kbd>${keyOf('review')}</kbd></button></div>`;
+    <button class="btn sm pri" @click=${() => perform('continueReview')}>${labelOf('continueReview')}<kbd>${keyOf('review')}</kbd></button>
+    <button class="btn sm ghost" title="Shift R opens the review again" @click=${() => setUi('reviewLeft', false)}>Dismiss</button></div>`;
 }
 
 /** Pins wait to be accepted. */
