@@ -52,7 +52,7 @@ def test_the_export_menu_says_that_motion_is_filtered(shared: Desk) -> None:
     shared.fresh()
     page = shared.page
     page.get_by_role("button", name="Export").click()
-    box = page.get_by_role("checkbox", name="Low-pass filter, 6 Hz")
+    box = page.get_by_role("menuitemcheckbox", name="Low-pass filter, 6 Hz")
     expect(box).to_have_attribute("aria-checked", "false")
     box.click()
     expect(box).to_have_attribute("aria-checked", "true")
