@@ -17,7 +17,7 @@ MOST_NAMED = 3
 def delete_keyframes(state: EditorState, action: do.DeleteKeys) -> Session:
     """Without these keyframes."""
     gone = _require(state, action.frames).keys()
-    return _with_row(state.doc, [k for k in on_row(state.doc) if k.frame not in gone])
+    return with_keyframes(state.doc, [k for k in state.doc.keyframes if k.frame not in gone])
 
 
 def retime_keyframes(state: EditorState, action: do.RetimeKeys) -> Session:
@@ -25,8 +25,8 @@ def retime_keyframes(state: EditorState, action: do.RetimeKeys) -> Session:
     if action.frames == action.to:
         return state.doc
     taken = _require(state, action.frames)
-    stay = [k for k in on_row(state.doc) if action.copy_them or k.frame not in taken]
-    require_free(stay, action.to)
+    stay = [k for k in state.doc.keyframes if action.copy_them or k.frame not in taken]
+    require_free((*stay, *state.doc.part_keyframes), action.to)
     placed = [at_frame(state, taken[a], b) for a, b in zip(action.frames, action.to, strict=True)]
     doc = with_keyframes_placed(state.doc, stay, placed)
     if action.copy_them:
@@ -36,23 +36,13 @@ def retime_keyframes(state: EditorState, action: do.RetimeKeys) -> Session:
     return doc.model_copy(update={name: value for one in fields for name, value in one.items()})
 
 
-def on_row(doc: Session) -> tuple[Keyframe, ...]:
-    """All that stands on the row of keyframes: what can be moved there and is in the way there."""
-    return doc.keyframes
-
-
-def _with_row(doc: Session, keyframes: Iterable[Keyframe]) -> Session:
-    """With these on the row of keyframes, and no others."""
-    return with_keyframes(doc, keyframes)
-
-
 def with_keyframes_placed(
     doc: Session, stay: Iterable[Keyframe], placed: Collection[Keyframe]
 ) -> Session:
     """With keyframes beside those that stay, in the place of what may be drafted there: that would
     hide them."""
     frames = {keyframe.frame for keyframe in placed}
-    doc = _with_row(doc, (*stay, *placed))
+    doc = with_keyframes(doc, (*stay, *placed))
     return with_drafts(doc, (draft for draft in doc.drafts if draft.frame not in frames))
 
 
@@ -65,7 +55,8 @@ def at_frame(state: EditorState, keyframe: Keyframe, frame: int) -> Keyframe:
 
 
 def require_free(stay: Iterable[Keyframe], frames: Iterable[int]) -> None:
-    """Refused, naming them, where keyframes stand at some of these frames."""
+    """Refused, naming them, where keyframes, of the body or of limbs, stand at some of these
+    frames."""
     known = {keyframe.frame for keyframe in stay}
     met = [frame for frame in frames if frame in known]
     if len(met) == 1:
@@ -84,7 +75,7 @@ def _listed(frames: list[int]) -> str:
 
 
 def _require(state: EditorState, frames: Iterable[int]) -> Mapping[int, Keyframe]:
-    known = {keyframe.frame: keyframe for keyframe in on_row(state.doc)}
+    known = {keyframe.frame: keyframe for keyframe in state.doc.keyframes}
     for frame in frames:
         if frame not in known:
             raise Refused(f"Frame {frame} is not a keyframe.")

@@ -12,6 +12,7 @@ from app.editor.documents import (
     with_part_keyframes,
     without,
 )
+from app.editor.key_range_edits import at_frame
 from app.editor.part_edits import require_correctable
 from app.editor.refusal import Refused
 from app.editor.shown import find, shown_pose
@@ -43,7 +44,7 @@ def move_keyframe(state: EditorState, action: do.MoveKey) -> Session:
         return state.doc
     keyframe = _require(state, action.frame)
     _require_free(state, keyframe, action.to)
-    doc = _keyed(_without(state.doc, keyframe), _at(state, keyframe, action.to))
+    doc = _keyed(_without(state.doc, keyframe), at_frame(state, keyframe, action.to))
     if isinstance(keyframe, PartKeyframe):
         return doc
     return doc.model_copy(update=doc.evidence.with_key_moved(action.frame, action.to))
@@ -53,7 +54,7 @@ def duplicate_keyframe(state: EditorState, action: do.DuplicateKey) -> Session:
     """The same pose as a keyframe of another frame, too."""
     keyframe = _require(state, action.frame)
     _require_free(state, keyframe, action.to)
-    return _keyed(state.doc, _at(state, keyframe, action.to))
+    return _keyed(state.doc, at_frame(state, keyframe, action.to))
 
 
 def _keyed(doc: Session, keyframe: Keyframe) -> Session:
@@ -69,11 +70,6 @@ def _without(doc: Session, keyframe: Keyframe) -> Session:
     if isinstance(keyframe, PartKeyframe):
         return with_part_keyframes(doc, without(doc.part_keyframes, keyframe.frame))
     return with_keyframes(doc, without(doc.keyframes, keyframe.frame))
-
-
-def _at(state: EditorState, keyframe: Keyframe, frame: int) -> Keyframe:
-    time_s = float(state.times_s[frame])
-    return keyframe.model_copy(update={"frame": frame, "time_s": time_s})
 
 
 def _require(state: EditorState, frame: int) -> Keyframe:

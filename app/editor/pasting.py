@@ -7,7 +7,7 @@ from collections.abc import Collection
 from app.editor import actions as do
 from app.editor.copied import Copied, pasted_poses
 from app.editor.documents import keyframe_of, posed, require_before_camera
-from app.editor.key_range_edits import on_row, require_free, with_keyframes_placed
+from app.editor.key_range_edits import require_free, with_keyframes_placed
 from app.editor.refusal import Refused
 from app.editor.shown import find, shown_pose
 from app.editor.state import EditorState
@@ -18,7 +18,7 @@ def copied_from(state: EditorState, frames: Collection[int]) -> Copied:
     """The keyframes at some frames; of none the pose shown at the present frame."""
     if not frames:
         return Copied.pose_of(state.skeleton, shown_pose(state).pose)
-    found = [find(on_row(state.doc), frame) for frame in sorted(set(frames))]
+    found = [find(state.doc.keyframes, frame) for frame in sorted(set(frames))]
     keyframes = [keyframe for keyframe in found if keyframe is not None]
     if len(keyframes) < len(found):
         raise Refused("One of these frames is not a keyframe any more.")
@@ -46,10 +46,11 @@ def paste(state: EditorState, action: do.PastePose) -> Session:
         return posed(state.doc, state.skeleton, poses[0], state.frame, state.times_s)
     frames = [state.frame + key.after for key in copied.keys]
     _require_room(state, frames[-1] - frames[0])
-    stay = on_row(state.doc)
+    stay = state.doc.keyframes
     if action.replace:
         stay = tuple(keyframe for keyframe in stay if keyframe.frame not in set(frames))
-    require_free(stay, frames)
+    else:
+        require_free((*stay, *state.doc.part_keyframes), frames)
     placed = []
     for key, pose, frame in zip(copied.keys, poses, frames, strict=True):
         require_before_camera(state.skeleton, pose)

@@ -80,13 +80,13 @@ def problem_of(known: Judged, track: SegmentResult) -> Problem | None:
 
 def problems_of(known: Judged, track: SegmentResult) -> tuple[Problem, ...]:
     """All of a segment: first what is wrong with it as a whole, then limbs in doubt."""
-    told = _TOLD.setdefault(known, {})
-    if track.span not in told:
-        told[track.span] = tuple(_answered(known, one) for one in _found(known, track))
-    return told[track.span]
+    listed = _PROBLEMS.setdefault(known, {})
+    if track.span not in listed:
+        listed[track.span] = tuple(_answered(known, one) for one in _found(known, track))
+    return listed[track.span]
 
 
-_TOLD: WeakKeyDictionary[Judged, dict[Span, tuple[Problem, ...]]] = WeakKeyDictionary()
+_PROBLEMS: WeakKeyDictionary[Judged, dict[Span, tuple[Problem, ...]]] = WeakKeyDictionary()
 """Found once, and asked for by everything that speaks of a segment."""
 
 
@@ -111,15 +111,15 @@ def is_past_mending(track: SegmentResult) -> bool:
 
 def _found(known: Judged, track: SegmentResult) -> Iterator[Problem]:
     first, verdict = _first(known, track), track.verdict
-    told = [] if first is None else [first]
+    listed = [] if first is None else [first]
     if first is not None and verdict is not None and not _says(first, verdict):
         said = _by_verdict(known, track, verdict, _go(known, track, verdict), "look")
-        told += [] if _is_same(known, said, first) else [said]
+        listed += [] if _is_same(known, said, first) else [said]
     for doubt in doubts(track, known.limbs):
         one = _of_limb(known, track, doubt)
-        if not any(_is_same(known, one, other) for other in told):
-            told.append(one)
-    yield from told
+        if not any(_is_same(known, one, other) for other in listed):
+            listed.append(one)
+    yield from listed
 
 
 def _says(found: Problem, verdict: Verdict) -> bool:

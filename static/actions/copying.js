@@ -8,7 +8,7 @@ import { server, setUi, ui } from '../store/state.js';
 import { readText, writeText } from './clipboard.js';
 import { listed, met } from './key_ranges.js';
 import { frame } from './playhead.js';
-import { marks, selectedKeys, selectKeys } from './selection.js';
+import { occupied, selectedKeys, selectKeys } from './selection.js';
 
 /** What the server takes in a message, and how many keyframes at a time. */
 const LARGEST_BYTES = 1_000_000;
@@ -78,7 +78,7 @@ function paste(copied, how) {
   const message = { do: 'paste_pose', ...how, copied };
   if (copied.keypose === 'pose') return send(message);
   const frames = framesFrom(copied, frame());
-  const taken = met(marks(), [], frames);
+  const taken = met(occupied(), [], frames);
   const go = (more = {}) => {
     send({ ...message, ...more });
     selectKeys(frames);

@@ -8,6 +8,7 @@ import { server, setUi, ui, watch } from '../store/state.js';
 import { count } from '../controls/words.js';
 import { between, joined, listed, met, shifted, toggled } from './key_ranges.js';
 import { deleteKey, sayDeleted, whyNotDelete } from './keying.js';
+import { partKeys } from './limbs.js';
 import { frame, keyFrames } from './playhead.js';
 
 /** @type {number[]} */
@@ -19,6 +20,9 @@ let anchor = null;
 
 /** The frames that marks stand at which can be selected, ascending. */
 export const marks = () => keyFrames();
+
+/** Frames at which nothing can be put: those of keyframes of limbs, too. */
+export const occupied = () => [...marks(), ...partKeys().map(({ frame: at }) => at)];
 
 const isMark = (at) => marks().includes(at);
 
@@ -87,7 +91,7 @@ export const selectBetween = (first, last, before = NONE) => selectKeys(joined(b
 
 /** Why they cannot stand at these frames, or ''. */
 export function whyNotAt(frames, to, isCopy = false) {
-  const taken = met(marks(), frames, to, isCopy);
+  const taken = met(occupied(), frames, to, isCopy);
   if (!taken.length) return '';
   return taken.length === 1 ? `Frame ${taken[0]} is already a keyframe` : `Frames ${listed(taken)} are already keyframes`;
 }

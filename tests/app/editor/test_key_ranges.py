@@ -53,6 +53,20 @@ def test_another_keyframe_is_never_swallowed() -> None:
         after(desk(), retime([0, 24], [24, 48], copy_them=True))
 
 
+def test_a_limb_that_is_keyed_alone_is_never_swallowed() -> None:
+    state = after(
+        desk(), {"do": "go", "frame": 12}, {"do": "key_parts", "frame": 12, "parts": ["left_hand"]}
+    )
+    with pytest.raises(Refused, match="Frame 12 is already a keyframe"):
+        after(state, retime([0, 24], [12, 30]))
+    copied = after(state, {"do": "copy_pose", "frames": [0, 24]})
+    with pytest.raises(Refused, match="Frame 12 is already a keyframe"):
+        after(copied, {"do": "paste_pose"})
+    replaced = after(copied, {"do": "go", "frame": 12}, {"do": "paste_pose", "replace": True})
+    assert replaced.keys == (0, 12, 24, 36, 48, 72)
+    assert replaced.doc.part_keyframes == ()
+
+
 def test_frames_outside_the_video_and_those_without_a_keyframe_are_refused() -> None:
     with pytest.raises(Refused, match="The video has frames 0 to 72"):
         after(desk(), retime([48, 72], [50, 74]))
