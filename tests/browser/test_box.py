@@ -180,7 +180,7 @@ def test_a_draft_is_told_of_shown_on_the_timeline_and_undone(page: Page) -> None
     page.get_by_role("region", name="Review").wait_for()
     page.keyboard.press("Escape")
     listed = page.get_by_role("group", name="Places to confirm").get_by_role("button")
-    assert listed.count() == len(frames)
+    until(lambda: listed.count() == len(frames), "the places, back in the panel the review covered")
     listed.nth(0).click()
     until_told(page, "view.frame", lambda frame: frame == frames[0])
     page.keyboard.press("n")
@@ -194,4 +194,4 @@ def test_a_draft_is_told_of_shown_on_the_timeline_and_undone(page: Page) -> None
     banner(page).get_by_role("button", name="Undo draft").click()
     until_told(page, "draft", lambda draft: draft is None)
     until_counted(page, "#tsvg .drafted", 0)
-    assert banner(page).count() == 0
+    until(lambda: banner(page).count() == 0, "the banner to go")

@@ -12,7 +12,7 @@ import pytest
 from playwright.sync_api import Browser, Page
 
 from tests.app.serving import Keypose, Visitor
-from tests.browser.hands import section, until, until_told
+from tests.browser.hands import section, until, until_counted, until_told
 from tests.browser.shared import let_in, opened, served
 
 
@@ -106,8 +106,8 @@ def test_the_motion_plays_in_it_with_its_shadow(page: Page) -> None:
     until(lambda: section(page, "view.frame") > 3, "playing")
     page.keyboard.press("Space")
     until(lambda: page.get_attribute("#free .shadow", "d") != shadow, "the body to move")
-    assert page.locator("#free .way.future").count() == 2
-    assert page.locator("#free > .under .ghost").count() == 2
+    until_counted(page, "#free .way.future", 2)
+    until_counted(page, "#free > .under .ghost", 2)
 
 
 def test_a_click_of_the_right_button_opens_the_part_s_menu_and_a_handle_can_be_pulled(

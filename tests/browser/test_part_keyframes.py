@@ -16,6 +16,7 @@ from tests.browser.hands import (
     section,
     settled,
     spot,
+    until_counted,
     until_told,
 )
 from tests.browser.shared import Desk, desk
@@ -77,7 +78,7 @@ def test_a_limb_that_was_pulled_is_keyed_alone_and_shown_half_filled(at: Desk) -
     assert section(page, "keys.parts[0].words") == "right arm only"
     page.keyboard.press("Shift+ArrowRight")
     until_told(page, "view.frame", lambda now: now == frame + 10)
-    assert page.locator("#tsvg .partkey .fill.R").count() == 1
+    until_counted(page, "#tsvg .partkey .fill.R", 1)
     page.mouse.move(*_on_frame(page, frame))
     page.locator("#tsvg .plate").first.wait_for()
     settled(page)
@@ -110,7 +111,7 @@ def test_a_second_limb_shares_the_diamond_and_leaves_it_from_the_inspector(at: D
     _keyed_arm(page)
     _pull(page, "left_foot", (-12, -20))
     until_told(page, "keys.parts[0].limbs", lambda limbs: len(limbs) == 2)
-    assert page.locator("#tsvg .partkey.current .fill.L").count() == 1
+    until_counted(page, "#tsvg .partkey.current .fill.L", 1)
     settled(page)
     page.screenshot(path=SCREENS / "part-keyframe-two.png")
     page.get_by_role("button", name="Leave the right arm to the tracker").click()

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, Locator, Page
 
-from tests.browser.hands import SCREENS, section, settled, spot, until, until_told
+from tests.browser.hands import SCREENS, section, settled, spot, until, until_counted, until_told
 from tests.browser.shared import Desk, desk
 
 SIZE = (1440, 900)
@@ -60,7 +60,7 @@ def _pinned(page: Page) -> list[int]:
 def test_a_foot_is_pinned_with_the_key_trimmed_unpinned_and_had_back(at: Desk) -> None:
     page = at.page
     first, last = _pinned(page)
-    assert page.locator("#main .pinmark").count() == 2, "heel and toe"
+    until_counted(page, "#main .pinmark", 2)  # heel and toe
     box = _bar(page).bounding_box()
     assert box is not None
     x, y = box["x"] + box["width"], box["y"] + box["height"] / 2
