@@ -133,9 +133,11 @@ def _write(
     if arguments.out is None or not found.found:
         return save_found(asked, arguments.session, found.found)
     make_folder(arguments.out, error=SessionError)
-    results = save_tracks_beside(asked, _place(arguments), found.found)
-    write_copy(session.model_copy(update={"results": results}), arguments)
-    return results
+
+    def refer(results: Results | None) -> None:
+        write_copy(session.model_copy(update={"results": results}), arguments)
+
+    return save_tracks_beside(asked, _place(arguments), found.found, refer)
 
 
 def write_copy(session: Session, arguments: argparse.Namespace) -> None:

@@ -125,11 +125,7 @@ def save_found(
     if not found:
         return None
     every = _with_earlier(tracked, session_path, found)
-    try:
-        every = _in_space(tracked, every)
-    finally:
-        results = _save(tracked, session_path, every)
-    return results
+    return _solved_and_saved(tracked, every, lambda every: _save(tracked, session_path, every))
 
 
 def _save(tracked: Session, session_path: Path, every: Results) -> saved.Results | None:
@@ -143,11 +139,34 @@ def _save(tracked: Session, session_path: Path, every: Results) -> saved.Results
 
 
 def save_tracks_beside(
-    tracked: Session, place: Path, found: Sequence[SegmentResult]
+    tracked: Session,
+    place: Path,
+    found: Sequence[SegmentResult],
+    refer: Callable[[saved.Results | None], None],
 ) -> saved.Results | None:
-    """Write the tracks beside another file, which is not written yet."""
+    """Write the tracks beside another file, which `refer` writes: it is told of them.
+
+    Where the motion cannot be solved for in space both are written as it was tracked, and the error
+    raised after that.
+    """
     blank = tracked.model_copy(update={"results": None})
-    return save_results(blank, place, _in_space(blank, _collect(found))).results
+
+    def save(every: Results) -> saved.Results | None:
+        results = save_results(blank, place, every).results
+        refer(results)
+        return results
+
+    return _solved_and_saved(blank, _collect(found), save)
+
+
+def _solved_and_saved(
+    session: Session, results: Results, save: Callable[[Results], saved.Results | None]
+) -> saved.Results | None:
+    try:
+        results = _in_space(session, results)
+    finally:
+        written = save(results)
+    return written
 
 
 def _in_space(session: Session, results: Results) -> Results:

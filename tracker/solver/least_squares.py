@@ -21,13 +21,14 @@ End: TypeAlias = Literal["settled", "no gain", "steps", "cancelled", "unsolvable
 @dataclass(frozen=True)
 class Damping:
     """How damping changes: times `harder` after a step that is rejected, divided by `easier` after
-    one that is taken, never below `least`; above `most` the descent ends."""
+    one that is taken, never below `least`. Above `most`, and where it cannot grow, the descent
+    ends."""
 
     first: float = 1e-3
     harder: float = 10.0
     easier: float = 10.0
     least: float = 0.0
-    most: float = np.inf
+    most: float = 1e16
 
 
 UNDAMPED = Damping(first=0.0, easier=1.0)
@@ -189,9 +190,10 @@ class _Descent(Generic[State, Point]):
 
     def _reject(self, end: End) -> None:
         """Damp harder, or end with the reason `end` where that is not allowed."""
-        how = self.criteria
+        how, before = self.criteria, self.damping
         self.damping *= how.damping.harder
-        if not how.rejects or self.damping > how.damping.most or self.tries >= how.most_tries:
+        harder = before < self.damping <= how.damping.most
+        if not how.rejects or not harder or self.tries >= how.most_tries:
             self.end = end
 
 

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.jobs import JobFailed, JobFinished, Report, SpaceOrder, SpaceSolved
-from app.jobs.rerun import save_found
+from app.jobs import JobFailed, JobFinished, Report, SpaceOrder, SpaceSolved, rerun
+from app.jobs.rerun import save_found, save_tracks_beside
 from app.jobs.space import solve_order
 from tests.app.jobs.test_tracking import Office, in_office
 from tests.tracker.storage.space_cases import PIN, both, cases, pinned, session, smooth
+from tracker.errors import SessionError
 from tracker.session import Session
 from tracker.storage import space
 from tracker.storage.files import load_session, save_session
@@ -144,6 +145,30 @@ def test_what_is_saved_without_pins_and_smoothing_is_not_solved(tmp_path: Path) 
     assert results is not None
     assert results.space == ()
     assert load_tracks(load_session(path), path).before_space is None
+
+
+def test_a_failed_solve_loses_nothing_of_what_was_tracked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> Any:
+        raise SessionError("It cannot be solved.")
+
+    of, path = smooth(pinned()), tmp_path / "session.json"
+    save_session(of, path)
+    beside = tmp_path / "copy" / "session.json"
+    beside.parent.mkdir()
+    monkeypatch.setattr(rerun, "solved", fail)
+    with pytest.raises(SessionError, match="cannot be solved"):
+        save_found(of, path, found(of))
+    with pytest.raises(SessionError, match="cannot be solved"):
+        save_tracks_beside(
+            of,
+            beside,
+            found(of),
+            lambda them: save_session(of.model_copy(update={"results": them}), beside),
+        )
+    for place in (path, beside):
+        assert len(load_results(load_session(place), place).fitting(of)) == 2
 
 
 def test_a_segment_tracked_anew_is_solved_from_what_was_tracked_of_the_others(

@@ -96,7 +96,8 @@ def test_the_solves_are_counted_with_those_rejected() -> None:
 def test_a_step_that_makes_things_worse_is_not_taken() -> None:
     """Only the start can be."""
     curve = Curve(lambda x: x if np.array_equal(x, START) else np.full(2, 1e3) * x)
-    for criteria in (USUAL, replace(USUAL, damping=Damping(), most_tries=5)):
+    few = replace(USUAL, damping=Damping(), most_tries=5)
+    for criteria in (USUAL, few, Criteria(), Criteria(damping=UNDAMPED)):
         found = _found(criteria, curve)
         assert np.array_equal(found.state, START)
         assert found.end == "no gain"
