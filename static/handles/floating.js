@@ -1,6 +1,6 @@
 // What floats over the pictures gives way to what is under it. Where a handle lies under a bar or a
 // message there is a hole, in which it is seen and can be grabbed; messages first look for a place
-// without one.
+// without one. Cards that ask for something else than a drag stay whole.
 
 import { onRedraw, server, ui } from '../store/state.js';
 import { ALL_VIEWS, onViews, view as viewNamed } from '../views/views.js';
@@ -12,6 +12,7 @@ import { sizesIn } from './sizes.js';
 import { isReady } from './targets.js';
 
 const FLOATING = '.bars > .glass, .toast, .banner, .coach';
+const WHOLE = '.coach.film, .coach.large';
 const HOLE = 13; // px about a handle
 const CLEAR = 20; // px that a message keeps from handles where it can
 const EDGE = 16;
@@ -30,7 +31,9 @@ export function mountFloating() {
 function giveWay() {
   const spots = ui.playing ? [] : handlesInWindow();
   placeMessages(spots);
-  for (const element of document.querySelectorAll(FLOATING)) cutHoles(/** @type {HTMLElement} */ (element), spots);
+  for (const element of document.querySelectorAll(FLOATING)) {
+    cutHoles(/** @type {HTMLElement} */ (element), element.matches(WHOLE) ? [] : spots);
+  }
 }
 
 /** Every handle that can be grabbed now, in pixels of the window. */
