@@ -22,7 +22,7 @@ from pydantic import (
 
 from app.editor.copied import Copied
 from app.posing import Gesture, Way
-from tracker.body.body import Dof, Name, Point
+from tracker.body.body import Body, Dof, Name, Point
 from tracker.session.history import MOST_STEPS
 from tracker.session.notes import LONGEST
 from tracker.session.schema import Title
@@ -505,6 +505,34 @@ class Preset(Edit):
     name: Name
 
 
+class SetBody(Edit):
+    """A body of one's own, as in its file."""
+
+    do: Literal["body"] = "body"
+    body: Body
+
+
+class AddPart(Edit):
+    """One more part, at the far end of another."""
+
+    do: Literal["add_part"] = "add_part"
+    parent: Name
+    name: Name
+
+
+class DeletePart(Edit):
+    """A part and all that hangs on it."""
+
+    do: Literal["delete_part"] = "delete_part"
+    part: Name
+
+
+class RenamePart(Edit):
+    do: Literal["rename_part"] = "rename_part"
+    part: Name
+    name: Name
+
+
 class ResetBody(Edit):
     do: Literal["reset_body"] = "reset_body"
 
@@ -855,7 +883,20 @@ Keying: TypeAlias = (
 )
 Pinning: TypeAlias = SetPin | ChangePin | DeletePin | SplitPin | AcceptPins | Floor
 Reviewing: TypeAlias = AcceptPlace | CannotTell
-Shaping: TypeAlias = Shape | Size | Joint | Height | Preset | ResetBody | Clavicles | Tracked
+Shaping: TypeAlias = (
+    Shape
+    | Size
+    | Joint
+    | Height
+    | Preset
+    | SetBody
+    | AddPart
+    | DeletePart
+    | RenamePart
+    | ResetBody
+    | Clavicles
+    | Tracked
+)
 Filming: TypeAlias = Intrinsics | FieldOfView | Lens | Distortion | Vertical | UpFromFeet | ResetUp
 Choosing: TypeAlias = AddMask | ChangeMask | DeleteMask | Settings | Observe
 Seeing: TypeAlias = CorrectKeypoint | IgnoreKeypoint | RestoreKeypoint

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from typing import TypeVar
 
 from app.editor import actions as do
 from app.editor.documents import Posed, require_before_camera
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.posing import part_label, with_height, with_joint, with_shape, with_size
+from tracker.body.assembling import with_new_part, with_renamed_part, without_part
 from tracker.body.body import PRESETS, Body, Part, preset
 from tracker.body.clavicles import (
     can_have_clavicles,
@@ -19,8 +21,12 @@ from tracker.body.clavicles import (
 )
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
+from tracker.session.pins import Pin
+from tracker.session.reviewed import Reviewed
 from tracker.session.schema import Keyframe, PartKeyframe, Session
 from tracker.session.settings import TrackSettings
+
+Named = TypeVar("Named", Pin, Reviewed)
 
 
 def set_shape(state: EditorState, action: do.Shape) -> Session:
@@ -56,6 +62,57 @@ def set_preset(state: EditorState, action: do.Preset) -> Session:
     return with_body(state, _as_jointed(state.doc.body, preset(action.name)))
 
 
+def set_body(state: EditorState, action: do.SetBody) -> Session:
+    """A body of one's own."""
+    return with_body(state, action.body)
+
+
+def add_part(state: EditorState, action: do.AddPart) -> Session:
+    """One more part at the far end of another, as long as that and thinner."""
+    return with_body(state, with_new_part(state.doc.body, action.parent, action.name))
+
+
+def delete_part(state: EditorState, action: do.DeletePart) -> Session:
+    """Without a part and all that hangs on it."""
+    body = state.doc.body
+    if body.parts[body.index(action.part)].parent is None:
+        raise Refused("The first part carries all others and stays. Choose another body instead.")
+    return with_body(state, without_part(body, action.part))
+
+
+def rename_part(state: EditorState, action: do.RenamePart) -> Session:
+    """Another name of a part, wherever the session names it."""
+    old, new = action.part, action.name
+    body = with_renamed_part(state.doc.body, old, new)
+
+    def renamed(names: Iterable[str]) -> tuple[str, ...]:
+        return tuple(new if name == old else name for name in names)
+
+    def posed(keyframe: Posed) -> Posed:
+        rotations = keyframe.rotations_wxyz
+        named = {new if name == old else name: q for name, q in rotations.items()}
+        return keyframe.model_copy(update={"rotations_wxyz": named})
+
+    doc = state.doc
+    limbs = (k.model_copy(update={"parts": renamed(k.parts)}) for k in doc.part_keyframes)
+    left_out = renamed(doc.settings.left_out)
+    return doc.model_copy(
+        update={
+            "body": body,
+            "settings": doc.settings.model_copy(update={"left_out": left_out}),
+            "keyframes": tuple(map(posed, doc.keyframes)),
+            "part_keyframes": tuple(map(posed, limbs)),
+            "drafts": tuple(map(posed, doc.drafts)),
+            "pins": tuple(_of_part(pin, old, new) for pin in doc.pins),
+            "reviewed": tuple(_of_part(one, old, new) for one in doc.reviewed),
+        }
+    )
+
+
+def _of_part(one: Named, old: str, new: str) -> Named:
+    return one.model_copy(update={"part": new}) if one.part == old else one
+
+
 def set_clavicles(state: EditorState, action: do.Clavicles) -> Session:
     """Shoulders that move, or not. Poses stay as they are; without, arms keep their directions."""
     body = state.doc.body
@@ -67,8 +124,8 @@ def set_clavicles(state: EditorState, action: do.Clavicles) -> Session:
 
 
 def _as_jointed(old: Body, body: Body) -> Body:
-    """With clavicles where the old body had them."""
-    return with_clavicles(body) if has_clavicles(old) else body
+    """With clavicles where the old body had them and this one can."""
+    return with_clavicles(body) if has_clavicles(old) and can_have_clavicles(body) else body
 
 
 def _with_arms_turned(state: EditorState) -> EditorState:

@@ -11,7 +11,7 @@ from app.editor.ahead import without_followed
 from app.editor.documents import keyframe_of, require_sound, with_drafts
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
-from tracker.body.body import PRESETS, Body, preset
+from tracker.body.body import PEOPLE, PRESETS, Body, preset
 from tracker.body.clavicles import without_clavicles
 from tracker.body.pose import Pose
 from tracker.body.skeleton import Skeleton
@@ -38,7 +38,7 @@ def require_draftable(doc: Session, frame: int, box: Box, frames: tuple[int, int
     if doc.surface is not None:
         raise Refused("Drafts are made from a video, not from surfaces.")
     if len(points_on_body(doc.body, JOINTS).indices) < len(JOINTS):
-        raise Refused(f"Drafts need a person's body: choose {listed(PRESETS)} first.")
+        raise Refused(f"Drafts need a person's body: choose {listed(PEOPLE)} first.")
     first, last = frames
     if not 0 <= first <= last < count:
         raise Refused(f"The frames to draft must lie within those of the video, 0 to {count - 1}.")

@@ -16,6 +16,7 @@ export const CONTEXTS = {
     groups: [
       ['keyLimb', 'turnInDepth', 'resetPart', 'otherSide'],
       ['addKeyframe', 'deleteKeyframe', 'fitPose', 'copyPose', 'pastePose'],
+      ['addPart', 'deletePart'],
     ],
   },
   picture: {

@@ -31,6 +31,7 @@ import {
 } from './playhead.js';
 import { clearSpan, playBack, playFaster, playSlower, setIn, setOut, stop, toggleLoop, togglePlaying, whyNotClear, whyNotPlay } from './playing.js';
 import { insertTitle, keepMessage, whyNotInsert, whyNotKeep } from './poses.js';
+import { addPart, carrier, deleteTitle, whyNotDeletePart } from './parts.js';
 import {
   atFirst, atLast, hasNoChild, isRoot, noKeyframe, noOtherSide, whyNotFitPose, whyNotFitSizes, whyNotSwap,
 } from './reasons.js';
@@ -236,6 +237,14 @@ const POSE = {
     label: 'Turn in depth', icon: 'depth',
     title: () => `${selectedPart()?.label ?? 'The whole body'} points away from the camera instead of toward it, seen where it is`,
     message: (part) => ({ do: 'turn_in_depth', part: part?.name ?? server.view.selected ?? null }),
+  },
+  addPart: {
+    label: 'Add part', icon: 'plus', run: addPart,
+    title: (part) => `Add a part at the far end of ${(part ?? carrier())?.label.toLowerCase() ?? 'the body'}`,
+  },
+  deletePart: {
+    label: 'Delete part', icon: 'trash', off: whyNotDeletePart, title: deleteTitle,
+    message: (part = selectedPart()) => ({ do: 'delete_part', part: part?.name }),
   },
   resetPart: {
     label: 'Reset part', icon: 'reset', keys: ['Backspace'], row: 'Reset part, pose',

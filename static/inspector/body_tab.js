@@ -1,12 +1,14 @@
 // The Body tab: the whole body's preset and height, and every part's sizes at a glance.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { actionButton } from '../actions/buttons.js';
+import { actionButton, actionIcon } from '../actions/buttons.js';
 import { fitsFocal } from '../actions/lens.js';
 import { server, setUi } from '../store/state.js';
 import { isSurface } from '../store/subject.js';
 import { send } from '../store/link.js';
 import { checkbox, dropdown, iconButton, numberField } from '../controls/fields.js';
+import { icon } from '../controls/icons.js';
+import { toast } from '../controls/toasts.js';
 import { line, measure, partName, section } from './section.js';
 import { partNamed } from '../store/parts.js';
 import { sizeSpec } from './size.js';
@@ -16,7 +18,7 @@ const HEIGHTS_CM = [100, 220];
 
 export function bodyTab() {
   if (server.sizes_preview) return sizesPreview();
-  return html`${whole()}${section('Sizes', table())}`;
+  return html`${whole()}${section('Parts', table(), html`${actionIcon('addPart')}${actionIcon('deletePart')}`)}`;
 }
 
 function whole() {
@@ -29,15 +31,36 @@ function whole() {
     html`${line('Preset', dropdown({
       label: 'Preset', value: body.edited ? null : body.preset,
       text: body.edited ? `${name}, edited` : name,
-      options: body.presets.map((one) => ({ id: one.name, label: one.label })),
+      options: body.presets.map((one) => ({
+        id: one.name, label: one.label, group: one.is_object ? 'Objects' : 'People',
+      })),
       act: (id) => send({ do: 'preset', name: id }),
       title: 'Use the sizes of a preset body. Keyframes are kept',
     }))}${height()}${hasPairs() ? link() : nothing}${clavicles()}${fitSizesRow()}`,
-    iconButton({
+    html`${fromFile()}${iconButton({
       name: 'reset', label: 'Reset to preset', act: () => send({ do: 'reset_body' }),
       off: preset && body.edited ? '' : unedited,
-    }),
+    })}`,
   );
+}
+
+/** A body of one's own, as a file of `keypose schema body` describes it. */
+function fromFile() {
+  const title = 'Use a body from a JSON file. Keyframes keep the parts that it has too';
+  return html`<label class="ib s filebtn" title=${title}>
+    ${icon('folder')}<input type="file" accept=".json,application/json" aria-label="Body from a file" @change=${takeBody} />
+  </label>`;
+}
+
+async function takeBody({ target }) {
+  const [file] = target.files;
+  target.value = '';
+  if (!file) return;
+  try {
+    send({ do: 'body', body: JSON.parse(await file.text()) });
+  } catch {
+    toast({ kind: 'check', words: `${file.name} is no JSON. Choose a body as keypose schema body describes it.` });
+  }
 }
 
 function height() {

@@ -4,7 +4,7 @@ import { html, nothing } from '../vendor/lit-html/lit-html.js';
 import { server } from '../store/state.js';
 import { send } from '../store/link.js';
 import { icon } from '../controls/icons.js';
-import { dropdown, numberField } from '../controls/fields.js';
+import { dropdown, numberField, textField } from '../controls/fields.js';
 import { line, measure, section } from './section.js';
 import { otherSideWord, partNamed } from '../store/parts.js';
 
@@ -16,8 +16,15 @@ export function size(part) {
   const rows = part.sizes.map((one) => measure(sizeSpec(part, one), [one.min, one.max]));
   const longest = Math.max(...part.sizes.map((one) => one.label.length));
   const where = part.parent ? joint(part) : nothing;
+  const named = server.body.is_persons ? nothing : name(part);
   const list = html`<div class="wordy" style="--label:${longest * LETTER_PX}px">${rows}</div>`;
-  return section('Size', html`${shape(part)}${list}${where}`, linkButton(part));
+  return section('Size', html`${named}${shape(part)}${list}${where}`, linkButton(part));
+}
+
+/** A person's parts keep their names, by which keypoints are told. */
+function name(part) {
+  const rename = (text) => text && send({ do: 'rename_part', part: part.name, name: text });
+  return line('Name', textField({ label: `Name of ${part.label.toLowerCase()}`, value: part.name, act: rename, most: 60 }));
 }
 
 function shape(part) {

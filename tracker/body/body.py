@@ -36,7 +36,10 @@ ROTATIONS: tuple[Dof, ...] = ("rx", "ry", "rz")
 Angle: TypeAlias = Annotated[FiniteFloat, Field(ge=-360, le=360)]
 Limits: TypeAlias = dict[Literal["x", "y", "z"], tuple[Angle, Angle]]
 
-PRESETS = ("adult_male", "adult_female", "elderly_male", "elderly_female")
+PEOPLE = ("adult_male", "adult_female", "elderly_male", "elderly_female")
+OBJECTS = ("box", "cylinder")
+"""Rigid things of one part, to which others can be added."""
+PRESETS = (*PEOPLE, *OBJECTS)
 LARGEST_BODY_BYTES = 16 * 2**20
 
 

@@ -6,7 +6,7 @@ from app.posing import axis_labels, handles, part_label, part_sizes, short_label
 from app.posing import lanes as lane_groups
 from app.store.sections.json_value import Json, doc_of
 from app.store.state import AppState
-from tracker.body.body import PRESETS, Body, Part, preset
+from tracker.body.body import OBJECTS, PRESETS, Body, Part, preset
 from tracker.body.clavicles import can_have_clavicles, has_clavicles, without_clavicles
 from tracker.body.scaling import height
 from tracker.body.shapes import KINDS
@@ -29,7 +29,10 @@ def body(app_state: AppState) -> Json:
         "is_persons": is_persons(given),
         "dof_count": sum(len(part.tracked) for part in given.parts),
         "dof_total": 3 + 3 * len(given.parts),
-        "presets": [{"name": name, "label": part_label(name)} for name in PRESETS],
+        "presets": [
+            {"name": name, "label": part_label(name), "is_object": name in OBJECTS}
+            for name in PRESETS
+        ],
         "shapes": [{"kind": kind, "label": part_label(kind)} for kind in KINDS],
         "lanes": [{"label": label, "parts": list(parts)} for label, parts in lane_groups(given)],
         "parts": [_part(given, part) for part in given.parts],

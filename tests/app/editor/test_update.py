@@ -44,6 +44,11 @@ EDITS: list[dict[str, Any]] = [
     {"do": "joint", "part": "head", "y": -12},
     {"do": "height", "cm": 150},
     {"do": "preset", "name": "adult_female"},
+    {"do": "preset", "name": "box"},
+    {"do": "body", "body": preset("cylinder").model_dump()},
+    {"do": "add_part", "parent": "right_hand", "name": "racket"},
+    {"do": "delete_part", "part": "left_forearm"},
+    {"do": "rename_part", "part": "left_forearm", "name": "arm"},
     {"do": "clavicles", "on": True},
     {"do": "tracked", "part": "neck", "dofs": ["rx"]},
     {"do": "camera", "fx": 950},
@@ -340,6 +345,27 @@ def test_a_preset_keeps_the_clavicles_that_were_asked_for() -> None:
     state = after(desk(), {"do": "clavicles", "on": True}, {"do": "preset", "name": "elderly_male"})
     assert has_clavicles(state.doc.body)
     assert without_clavicles(state.doc.body) == preset("elderly_male")
+
+
+def test_a_preset_without_arms_takes_no_clavicles() -> None:
+    state = after(desk(), {"do": "clavicles", "on": True}, {"do": "preset", "name": "box"})
+    assert state.doc.body == preset("box")
+
+
+def test_a_renamed_part_is_renamed_wherever_the_session_names_it() -> None:
+    before = desk()
+    state = after(before, {"do": "rename_part", "part": "left_forearm", "name": "arm"})
+    for old, new in zip(before.doc.keyframes, state.doc.keyframes, strict=True):
+        rotations = dict(old.rotations_wxyz)
+        if "left_forearm" in rotations:
+            rotations["arm"] = rotations.pop("left_forearm")
+        assert new.rotations_wxyz == rotations
+    assert "left_forearm" not in state.doc.model_dump_json()
+
+
+def test_the_first_part_stays() -> None:
+    with pytest.raises(Refused, match="The first part carries all others"):
+        after(desk(), {"do": "delete_part", "part": "waist"})
 
 
 def test_a_body_without_arms_has_no_clavicles() -> None:

@@ -22,7 +22,7 @@ from app.posing import (
 from app.posing.angles import rotation_of
 from app.posing.limits import box_of, is_within, nearest_within, of_angles
 from tests.app.posing.posing_cases import ARMS, PERSON, bent, difference, standing, walking
-from tracker.body.body import PRESETS, preset
+from tracker.body.body import PEOPLE, preset
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import exp_rotation, log_rotation, rotation_from_euler
 from tracker.storage.fingerprints import setup_hash
@@ -121,7 +121,7 @@ def test_a_clamped_pose_keeps_every_limit_and_is_not_clamped_again() -> None:
                 assert low - 1e-3 <= now[i, k] <= high + 1e-3
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", PEOPLE)
 def test_every_joint_of_a_person_has_limits_that_hold_the_rest_pose(name: str) -> None:
     body = preset(name)
     for part in body.parts[1:]:

@@ -9,7 +9,7 @@ from app.posing import handle_named, handles, lanes, opening_pose, up_from_verti
 from app.posing.handles import handle_at_far_end
 from tests.app.posing.posing_cases import ARMS, BOX, CAMERA, DOG, PERSON, TELEPHOTO, points, sights
 from tests.tracker.tracking_cases import deep_chain, random_body
-from tracker.body.body import PRESETS, Body, preset
+from tracker.body.body import PEOPLE, Body, preset
 from tracker.body.clavicles import with_clavicles
 from tracker.body.pose import joint_names, pose_transforms
 from tracker.body.skeleton import Skeleton
@@ -31,7 +31,7 @@ def seen(body: Body, camera: Camera, up: tuple[float, float, float]) -> np.ndarr
 
 
 @pytest.mark.parametrize("camera", [CAMERA, TALL], ids=["wide", "tall"])
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", PEOPLE)
 def test_a_person_fills_seven_tenths_of_the_height_in_the_middle_of_the_picture(
     name: str, camera: Camera
 ) -> None:

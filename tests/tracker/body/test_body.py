@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from tracker.body.body import PRESETS, Body, Part, load_body, preset
+from tracker.body.body import PEOPLE, PRESETS, Body, Part, load_body, preset
 from tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
 from tracker.body.presets.make_presets import as_json, make_body
 from tracker.body.scaling import height
@@ -52,25 +52,25 @@ def rest(body: Body) -> tuple[Skeleton, np.ndarray]:
     return skeleton, pose_transforms(skeleton, Pose.rest(skeleton, (0.0, 0.0, 0.0)))
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", PEOPLE)
 def test_a_preset_tracks_the_numbers_of_table_1_and_23_in_all(name: str) -> None:
     body = preset(name)
     assert {part.name: len(part.tracked) for part in body.parts} == TABLE_1
     assert Skeleton.of(body).dof_count == 23
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", PEOPLE)
 def test_the_four_presets_have_the_same_parts_and_parents(name: str) -> None:
     shape = [(part.name, part.parent, part.tracked) for part in preset(name).parts]
     assert shape == [(part.name, part.parent, part.tracked) for part in preset("adult_male").parts]
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", PEOPLE)
 def test_the_assembled_body_has_the_mean_stature_of_its_population(name: str) -> None:
     assert height(preset(name)) == pytest.approx(STATURE_M[name], abs=1e-3)
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", PEOPLE)
 def test_the_person_faces_the_camera_with_its_left_at_the_pictures_right(name: str) -> None:
     skeleton, Ts = rest(preset(name))
     at = dict(zip(joint_names(skeleton), joint_positions(skeleton, Ts), strict=True))
@@ -80,7 +80,7 @@ def test_the_person_faces_the_camera_with_its_left_at_the_pictures_right(name: s
     assert at["left_toe"][1] - at["head_top"][1] == pytest.approx(STATURE_M[name], abs=1e-3)
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", PEOPLE)
 def test_the_left_side_is_the_right_side_with_x_negated_exactly(name: str) -> None:
     body = preset(name)
     assert len(body.mirror_pairs) == 6
@@ -102,7 +102,7 @@ def mirrored(shape: Box | Cylinder | Frustum) -> Box | Cylinder | Frustum:
     return Box(low_m=(-x1, y0, z0), high_m=(-x0, y1, z1))
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", PEOPLE)
 def test_neighbouring_parts_overlap_so_that_no_gap_shows_at_a_joint(name: str) -> None:
     body = preset(name)
     _, Ts = rest(body)
@@ -116,7 +116,7 @@ def test_neighbouring_parts_overlap_so_that_no_gap_shows_at_a_joint(name: str) -
             assert np.all(np.maximum(low, low_p) <= np.minimum(high, high_p) + 1e-9), part.name
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", PEOPLE)
 def test_arms_hang_beside_waist_and_hips_and_not_inside_them(name: str) -> None:
     body = preset(name)
     _, Ts = rest(body)
@@ -132,14 +132,14 @@ def test_arms_hang_beside_waist_and_hips_and_not_inside_them(name: str) -> None:
             assert np.all(((beside[:, [0, 2]] / radii) ** 2).sum(1) > 1), part.name
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", PEOPLE)
 def test_a_preset_names_its_sources_and_says_what_is_estimated(name: str) -> None:
     source = preset(name).source
     assert all(word in source for word in ("Drillis", "ANSUR II", "Estimated"))
     assert ("NHANES" in source) == name.startswith("elderly")
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", PEOPLE)
 def test_the_script_reproduces_the_preset_files(name: str) -> None:
     assert (BODIES / f"{name}.json").read_text("utf-8") == as_json(make_body(name))
 

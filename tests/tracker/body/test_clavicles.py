@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tracker.body.body import PRESETS, Body, Part, preset
+from tracker.body.body import PEOPLE, Body, Part, preset
 from tracker.body.clavicles import (
     can_have_clavicles,
     has_clavicles,
@@ -35,7 +35,7 @@ def joints(body: Body, **turns: tuple[float, float, float]) -> dict[str, Array]:
     return dict(zip(joint_names(skeleton), joint_positions(skeleton, Ts), strict=True))
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", PEOPLE)
 def test_a_body_with_clavicles_is_the_same_body_in_every_pose_of_the_old_parts(name: str) -> None:
     plain, moving = preset(name), with_clavicles(preset(name))
     assert has_clavicles(moving)
@@ -47,7 +47,7 @@ def test_a_body_with_clavicles_is_the_same_body_in_every_pose_of_the_old_parts(n
     assert height(moving) == pytest.approx(height(plain))
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", PEOPLE)
 def test_without_them_again_it_is_the_body_that_it_was(name: str) -> None:
     assert without_clavicles(with_clavicles(preset(name))) == preset(name)
 

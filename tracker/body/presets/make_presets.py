@@ -1,4 +1,4 @@
-"""Write the four preset bodies: `python -m tracker.body.presets.make_presets`.
+"""Write the preset bodies: `python -m tracker.body.presets.make_presets`.
 
 Everything measured stands in the tables at the top, with its source; everything estimated is a
 named constant or a method of `Person` that says so. Tables in millimetres or as ratios, the bodies
@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeAlias
 
-from tracker.body.body import PRESETS, Body, Dof, Limits, Part, Point
+from tracker.body.body import ALL_DOFS, PEOPLE, Body, Dof, Limits, Part, Point
 from tracker.body.shapes import Box, Cylinder, Frustum, Shape
 
 Radii: TypeAlias = tuple[float, float]
@@ -315,7 +315,20 @@ def _source(who: Person) -> str:
     )
 
 
+def make_objects() -> tuple[Body, ...]:
+    """Rigid things in sizes that hands hold; the joint of the first part is its middle."""
+    box = Box(low_m=(-0.1, -0.15, -0.1), high_m=(0.1, 0.15, 0.1))
+    cylinder = Cylinder(start_m=0.15, end_m=-0.15, radius_m=0.05)
+    shapes: dict[str, Shape] = {"box": box, "cylinder": cylinder}
+    return tuple(
+        Body(
+            name=name, parts=(Part(name=name, shape=shape, tracked=ALL_DOFS),), source="Estimated."
+        )
+        for name, shape in shapes.items()
+    )
+
+
 if __name__ == "__main__":
-    for preset_name in PRESETS:
-        path = Path(__file__).with_name(f"{preset_name}.json")
-        path.write_text(as_json(make_body(preset_name)), encoding="utf-8")
+    for body in (*map(make_body, PEOPLE), *make_objects()):
+        path = Path(__file__).with_name(f"{body.name}.json")
+        path.write_text(as_json(body), encoding="utf-8")
