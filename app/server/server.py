@@ -16,7 +16,6 @@ from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import FileResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route, WebSocketRoute
-from starlette.staticfiles import StaticFiles
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 import static
@@ -31,6 +30,7 @@ from app.server.exports import Exports
 from app.server.guard import PROTOCOL, Guard, headers_for
 from app.server.library_routes import LibraryRoutes
 from app.server.outputs import Outputs
+from app.server.page_files import PageFiles
 from app.server.surfaces import Surfaces
 from app.server.tokens import NAME as LINKS
 from app.server.tokens import OneTimeTokens
@@ -86,7 +86,7 @@ class Server:
                 *self._outputs.routes(),
                 *self._exports.routes(),
                 *self._shelf.routes(),
-                Mount("/static", StaticFiles(directory=STATIC)),
+                Mount("/static", PageFiles(directory=STATIC)),
             ],
         )
 

@@ -62,7 +62,7 @@ function dropZone() {
     ${PICTURE}
     <h1>Drop a video here</h1>
     <p class="mut">
-      Pose a few keyframes over one moving person.<br />Keypose tracks the frames between them.
+      Pose a few keyframes over one moving person or thing.<br />Keypose tracks the frames between them.
     </p>
     ${ui.upload ? uploadCard() : buttons()}
     <p class="dim kinds">
