@@ -9,8 +9,12 @@ from app.editor.judged import Judged
 from app.editor.suggest import Fitting, Suggestion, suggestion
 from app.editor.suggest_ahead import followed_suggestion, with_way_ahead
 from app.editor.suggest_surfaces import surface_suggestion
+from tracker.keypoints.on_body import is_persons
 from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 from tracker.session.schema import Session
+
+
+_BOX_OR_POSE = ("Press B and draw a box around the person", "Or pose this frame and press K")
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,8 @@ def _next_of_film(keys: Sequence[int], session: Session, known: Judged) -> Sugge
     followed = followed_suggestion(session)
     if followed is not None:
         return followed
+    if not keys and not session.drafts and is_persons(session.body):
+        return Suggestion(None, *_BOX_OR_POSE, "pose")
     found = suggestion(keys, session.video.frame_count, known.tracks, known.parts, known)
     return with_way_ahead(found, keys, session)
 

@@ -5,6 +5,7 @@ import { server, setUi, ui } from '../store/state.js';
 import { clamp } from '../controls/arithmetic.js';
 import { count, joined, range } from '../controls/words.js';
 import { lastFrame } from '../store/clip.js';
+import { isSurface } from '../store/subject.js';
 import { frame, placesToConfirm } from './playhead.js';
 
 /** A person of fewer pixels has joints that are hard to tell apart. */
@@ -12,6 +13,8 @@ export const SMALL_PX = 60;
 
 /** Why this body cannot be drafted, or ''. */
 export const whyNotDraftable = () => (server.body?.is_persons ? '' : 'Needs a person’s body');
+
+export const whyNotDrawBox = () => (isSurface() ? 'Drafts are made from a video' : whyNotDraftable());
 
 export function whyNotDraft() {
   const { state, kind } = server.job ?? {};

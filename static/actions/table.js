@@ -11,7 +11,7 @@ import { count } from '../controls/words.js';
 import { alongChain, endOfChain, otherSide, outward } from './chain.js';
 import { askWhatIsMissing, usualOptions } from './exporting.js';
 import { copy, copyWords, nothingCopied, pasteWith, whyNotCopy } from './copying.js';
-import { draftCount, draftMessage, whyNotDraft } from './drafting.js';
+import { draftCount, draftMessage, whyNotDraft, whyNotDrawBox } from './drafting.js';
 import {
   FILTER_HZ, copyPath, copyPicture, hasMotion, saveMotion, savePicture, saveReport,
 } from './export.js';
@@ -244,7 +244,7 @@ const POSE = {
   },
   deletePart: {
     label: 'Delete part', icon: 'trash', off: whyNotDeletePart, title: deleteTitle,
-    message: (part = selectedPart()) => ({ do: 'delete_part', part: part?.name }),
+    message: (part) => ({ do: 'delete_part', part: part?.name ?? server.view.selected }),
   },
   resetPart: {
     label: 'Reset part', icon: 'reset', keys: ['Backspace'], row: 'Reset part, pose',
@@ -333,6 +333,10 @@ const TRACK = {
     label: 'Track back', icon: 'back', keys: ['Shift A'], row: 'Track ahead, back', off: () => whyNotAhead('backward'),
     title: 'Follow the body back from the first keyframe, as far as it is seen well',
     message: () => ({ do: 'track_ahead', direction: 'backward' }),
+  },
+  drawBox: {
+    label: 'Draw a box around the person', icon: 'crop', keys: ['B'], row: 'Draft from a box', off: whyNotDrawBox,
+    title: 'Show which person to find: poses for every frame are drafted from it', run: () => setUi('tool', 'box'),
   },
   draft: {
     label: () => `Draft ${count(draftCount(), 'frame')}`, icon: 'wand', off: whyNotDraft,
