@@ -266,7 +266,7 @@ def test_a_fault_of_the_program_is_told_in_full_with_an_exit_code_of_its_own(
 
 
 COMMANDS = ("track", "batch", "evaluate", "shot", "film", "sheet", "report", "export", "info")
-COMMANDS += ("schema", "models")
+COMMANDS += ("schema", "models", "config", "doctor", "completion")
 
 
 @pytest.mark.parametrize("command", COMMANDS)
