@@ -4,6 +4,7 @@ use a browser on one worker."""
 from __future__ import annotations
 
 import os
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -19,6 +20,9 @@ settings.register_profile("ci", deadline=None, derandomize=True, print_blob=True
 settings.load_profile("ci" if os.environ.get("CI") else "here")
 
 BROWSER = "tests/browser/"
+
+# Whatever a person has chosen for themselves, tests begin with what is built in.
+os.environ["KEYPOSE_CONFIG"] = str(Path(__file__).with_name("there_is_no_config.toml"))
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -79,8 +79,8 @@ def add(commands: Subcommands) -> None:
     command.add_argument(
         "--body",
         metavar="PRESET",
-        default="adult_male",
-        help="adult_male, adult_female, elderly_male or elderly_female; default: adult_male",
+        help="adult_male, adult_female, elderly_male or elderly_female; default: adult_male, or as "
+        "`keypose config` says",
     )
     command.add_argument(
         "--field-of-view",
@@ -106,13 +106,16 @@ def run(arguments: argparse.Namespace) -> int:
 
     if len(arguments.box) > 1:
         raise KeypointError("--box is given twice. Draft one person at a time.")
-    (box,), body = arguments.box, preset(arguments.body)
+    (box,) = arguments.box
+    body = None if arguments.body is None else preset(arguments.body)
     place = arguments.out / "session.json"
     if not arguments.overwrite:
         require_absent([place], error=SessionError)
     require_folder(arguments.out, error=SessionError)
     with Video.open(arguments.video) as video:
-        session = new_session(video, place).model_copy(update={"body": body})
+        session = new_session(video, place)
+        if body is not None:
+            session = session.model_copy(update={"body": body})
         if arguments.field_of_view is not None:
             given = {"camera": _camera(session, arguments), "lens_source": "person"}
             session = session.model_copy(update=given)

@@ -21,6 +21,9 @@ from typing import NoReturn
 
 from app.cli import (
     batch,
+    completion,
+    config,
+    doctor,
     draft,
     evaluate,
     export,
@@ -173,8 +176,12 @@ def grammar() -> tuple[_Parser, Mapping[str, _Parser]]:
         info,
         models,
         schema,
+        config,
+        doctor,
+        completion,
     ):
         command.add(commands)
+    commands.choices["completion"].set_defaults(grammar=top)
     return top, commands.choices
 
 

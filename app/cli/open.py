@@ -30,9 +30,8 @@ if TYPE_CHECKING:
     from app.server.links import Links
     from app.server.server import Server
 
-PORT = 8090
 PORTS_TRIED = 10
-"""From there on. A second Keypose is found at the same port again after a restart."""
+"""From the usual one on. A second Keypose is found at the same port again after a restart."""
 
 _EXAMPLES = """\
   keypose open jump.mp4
@@ -72,7 +71,7 @@ def add(commands: Subcommands) -> None:
         metavar="N",
         type=whole_number(0, 65535),
         default=None,
-        help=f"port to serve; default: {PORT}, or the next free one; 0: any free one",
+        help="port to serve; default: 8090, or the next free one; 0: any free one",
     )
     command.add_argument(
         "--no-browser", action="store_true", help="only print the address, do not open a browser"
@@ -87,8 +86,8 @@ def add(commands: Subcommands) -> None:
         "--workspace",
         metavar="DIR",
         type=file_name,
-        default=Path("~/Keypose").expanduser(),
-        help="where uploads, samples and the list of sessions are stored; default: ~/Keypose",
+        help="where uploads, samples and the list of sessions are stored; default: ~/Keypose, or "
+        "as `keypose config` says",
     )
     of_files = "of new meshes; default: as the files state, else guessed"
     command.add_argument("--units", choices=UNITS, help=f"unit {of_files}")
@@ -120,18 +119,23 @@ def add(commands: Subcommands) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     _require_own(arguments)
+    from app.document.defaults import read_defaults
     from app.document.library import Library
     from app.server.server import Server
+
+    defaults = read_defaults()
+    workspace = arguments.workspace or defaults.workspace
 
     path = arguments.path
     if arguments.out is not None:
         path = _copy(path, arguments.out)
-    library = Library(arguments.workspace, _roots(path))
+    library = Library(workspace, _roots(path))
     path = _with_reading(path, library, arguments)
-    listener = _listener(arguments.host, arguments.port)
+    listener = _listener(arguments.host, arguments.port, defaults.port)
     server = Server(library, _names(arguments.host), tuple(arguments.public_name))
     try:
-        return _serve(server, listener, path, arguments)
+        browser = defaults.browser and not arguments.no_browser
+        return _serve(server, listener, path, arguments, workspace if browser else None)
     finally:
         listener.close()
         server.stage.stop()
@@ -156,9 +160,16 @@ def _with_reading(
 
 
 def _serve(
-    server: Server, listener: socket.socket, path: Path | None, arguments: argparse.Namespace
+    server: Server,
+    listener: socket.socket,
+    path: Path | None,
+    arguments: argparse.Namespace,
+    shown_from: Path | None,
 ) -> int:
-    """Until a signal asks to end."""
+    """Until a signal asks to end.
+
+    shown_from: the workspace, from which a browser is led to the page; None to open none.
+    """
     hang_up = getattr(signal, "SIGHUP", signal.SIGTERM)  # the terminal was closed
     for number in (signal.SIGINT, signal.SIGTERM, hang_up):
         signal.signal(number, lambda *_: server.ask_to_stop())
@@ -172,8 +183,8 @@ def _serve(
     links = Links(server.guard, reachable(arguments.host), arguments.public_name)
     links.print_first()
     print("Ctrl+C ends it; everything is saved as you go.", flush=True)
-    if not arguments.no_browser:
-        _show(links, arguments.workspace)
+    if shown_from is not None:
+        _show(links, shown_from)
     try:
         server.wait()
     finally:
@@ -213,7 +224,9 @@ def _require_own(arguments: argparse.Namespace) -> None:
         raise KeyposeError("--public-name lets others in: add --let-others-in.")
     if _is_own(arguments.host):
         return
-    port = arguments.port or PORT
+    from app.document.defaults import read_defaults
+
+    port = arguments.port or read_defaults().port
     print(_TUNNEL.format(host=arguments.host, port=port), file=sys.stderr)
     raise KeyposeError(
         f"{arguments.host} can be reached by others, which --host alone does not allow."
@@ -236,13 +249,13 @@ def _names(host: str) -> tuple[str, ...]:
     return (socket.gethostname(),) if is_wildcard(host) else (host_in_url(host),)
 
 
-def _listener(host: str, port: int | None) -> socket.socket:
+def _listener(host: str, port: int | None, first: int) -> socket.socket:
     """A bound socket: the port asked for, or the first free one from the usual one on."""
     from app.server.listening import bind
 
     if port is not None:
         return bind(host, port)
-    for usual in range(PORT, PORT + PORTS_TRIED):
+    for usual in range(first, min(first + PORTS_TRIED, 65536)):
         with suppress(KeyposeError):  # it is taken
             return bind(host, usual)
     return bind(host, 0)

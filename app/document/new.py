@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from app.document.defaults import read_defaults
 from app.document.folder_lock import locked
 from app.editor.documents import NEAREST_M
 from tracker.body.body import Body, preset
@@ -20,7 +21,6 @@ from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, apply_transform
 from tracker.session.evidence import surface_of
 from tracker.session.schema import Session, Surface, VideoReference
-from tracker.session.settings import ALL_CUES, TrackSettings
 from tracker.storage.atomic import make_folder
 from tracker.storage.evidence import with_cameras_fingerprint
 from tracker.storage.files import load_session, save_session, video_path
@@ -31,15 +31,16 @@ from tracker.surface.source import SurfaceSteps, holds_meshes
 from tracker.video import Video, VideoInfo
 from tracker.video.still_camera import still_camera
 
-FIRST_BODY = "adult_male"
 PEOPLE_M = (0.5, 2.5)
 """Heights of surfaces that may well be a person's."""
 
 
 def new_session(video: Video, session_path: Path) -> Session:
     """An empty session of a video: the camera that the file names, or a guessed one, an adult, no
-    keyframes; and whether the camera stands still, as a few frames show it."""
+    keyframes; and whether the camera stands still, as a few frames show it. Body and settings are
+    a person's defaults."""
     _require_text(video.info.path)
+    defaults = read_defaults()
     stands_still = still_camera(video).still
     info = video.info  # only now: reading frames may have corrected it
     return Session(
@@ -52,9 +53,9 @@ def new_session(video: Video, session_path: Path) -> Session:
             stands_still=stands_still,
         ),
         camera=camera_of(info),
-        body=preset(FIRST_BODY),
+        body=preset(defaults.body),
         lens_source=None if info.lens is None else "file",
-        settings=TrackSettings(cues=ALL_CUES, smooth=True),
+        settings=defaults.track_settings,
     )
 
 
@@ -88,7 +89,7 @@ def new_surface_session(
             width=found.camera.width,
             height=found.camera.height,
         )
-    body = _as_tall(preset(FIRST_BODY), found.height_m)
+    body = _as_tall(preset(read_defaults().body), found.height_m)
     surface = found.surface if cameras is None else with_cameras_fingerprint(found.surface, cameras)
     session = Session(video=video, camera=found.camera, body=body, surface=surface)
     return session, found.guesses

@@ -12,7 +12,6 @@ its reflection through that end, R₀ Rⱼᵀ R₀, which leaves the end where i
 from __future__ import annotations
 
 import numpy as np
-from scipy.signal import butter, sosfiltfilt
 
 from tracker.geometry.rotations import (
     Array,
@@ -43,6 +42,8 @@ def low_pass_kernel(cutoff_hz: float, rate: float) -> Array:
 
     ValueError unless the cut-off lies between 0 and half the rate, where it would mean something.
     """
+    from scipy.signal import butter, sosfiltfilt  # loads longer than all the page needs to start
+
     if not 0.0 < cutoff_hz < rate / 2:
         raise ValueError("the cut-off must lie between 0 and half the rate")
     # Two passes are 3 dB down where one is 1.5; the tangent is the bilinear transform's warp.

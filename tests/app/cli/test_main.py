@@ -266,7 +266,7 @@ def test_a_fault_of_the_program_is_told_in_full_with_an_exit_code_of_its_own(
 
 
 COMMANDS = ("track", "batch", "evaluate", "shot", "film", "sheet", "report", "export", "info")
-COMMANDS += ("schema", "models")
+COMMANDS += ("schema", "models", "config", "doctor", "completion")
 
 
 @pytest.mark.parametrize("command", COMMANDS)
@@ -279,17 +279,26 @@ def test_every_command_helps_with_examples(
     assert f"examples:\n  keypose {command}" in capsys.readouterr().out
 
 
-def test_help_loads_no_heavy_library() -> None:
-    code = "import sys, app.cli.main; app.cli.main.grammar(); print(*sys.modules)"
+def loaded_by(code: str) -> set[str]:
+    """The modules that a fresh interpreter has loaded after this code."""
+    code = f"import sys, atexit; atexit.register(lambda: print(*sys.modules)); {code}"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert not {"numpy", "cv2", "av", "numba", "pydantic", "scipy"} & set(done.stdout.split())
+    return set(done.stdout.split())
+
+
+@pytest.mark.parametrize("words", [["--version"], ["--help"], ["open", "--help"]])
+def test_what_answers_at_once_loads_no_heavy_library(words: list[str]) -> None:
+    loaded = loaded_by(f"import app.cli.main; app.cli.main.main({words})")
+    assert "app.cli.open" in loaded
+    heavy = {"av", "cv2", "numba", "numpy", "pydantic", "scipy", "starlette", "uvicorn", "viser"}
+    assert not heavy & loaded
 
 
 @pytest.mark.parametrize("module", ["app.server.server", "app.store.store"])
-def test_the_page_loads_no_compiled_loops_before_they_are_wanted(module: str) -> None:
-    code = f"import sys, {module}; print(*sys.modules)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert "numba" not in done.stdout.split()
+def test_the_page_loads_no_compiled_loops_and_no_statistics_before_they_are_wanted(
+    module: str,
+) -> None:
+    assert not {"numba", "scipy.signal", "scipy.stats"} & loaded_by(f"import {module}")
 
 
 def test_the_package_runs_as_a_program(tmp_path: Path) -> None:

@@ -1,0 +1,51 @@
+"""`keypose config`: the defaults of this computer, and the file they are from."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+
+from app.cli.arguments import Subcommands, add_command, add_json
+from app.cli.json_output import print_json
+
+_EXAMPLES = """\
+  keypose config
+  keypose config --json
+"""
+
+
+def add(commands: Subcommands) -> None:
+    summary = "Show the defaults of this computer and the file to change them in"
+    details = (
+        "What is printed is TOML: write the lines that you want to change into the file that is "
+        "named first. The command line goes before a session, a session before this file, and "
+        "the file before what is built in. The variable KEYPOSE_CONFIG names another file."
+    )
+    command = add_command(commands, "config", run, summary, details, _EXAMPLES)
+    add_json(command)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from app.document.defaults import Defaults, defaults_path, read_defaults
+
+    path, defaults = defaults_path(), read_defaults()
+    values = defaults.model_dump(mode="json")
+    if arguments.json:
+        given = sorted(defaults.model_fields_set)
+        print_json({"path": str(path), "values": values, "from_file": given})
+        return 0
+    print(f"# {path}{_state(path)}")
+    for name, field in Defaults.model_fields.items():
+        source = "" if name in defaults.model_fields_set else " (built in)"
+        print(f"{name} = {_toml(values[name])}  # {field.description}{source}")
+    return 0
+
+
+def _state(path: Path) -> str:
+    return "" if path.exists() else ": not there, so everything is as built in"
+
+
+def _toml(value: object) -> str:
+    """A string, a number, true or false, or a list of strings: TOML writes them as JSON does."""
+    return json.dumps(value, ensure_ascii=False)
