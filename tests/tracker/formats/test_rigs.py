@@ -136,12 +136,26 @@ def test_names_are_those_of_the_rig(rig_name: str) -> None:
     assert set(FIRST_NAMES[rig_name]) <= set(rig.names)
 
 
+@pytest.mark.parametrize("rig_name", list(RIGS))
+def test_a_rig_can_have_all_its_bones_parallel_to_the_world_at_rest(rig_name: str) -> None:
+    made = recordings.recording("person")
+    plain, rig = (rig_of(made.skeleton, rig_name, parallel=p) for p in (True, False))
+    np.testing.assert_array_equal(
+        plain.Ts_world_bone[:, :3, :3], np.tile(np.eye(3), (len(rig), 1, 1))
+    )
+    motion = in_world(made)
+    places = [posed(each, *each.motion(motion))[..., :3, 3] for each in (plain, rig)]
+    np.testing.assert_allclose(*places, atol=1e-9)
+
+
 def test_bones_of_mixamo_point_along_their_y_and_those_of_unreal_along_their_x() -> None:
     skeleton = Skeleton.of(preset("adult_male"))
-    for rig_name, axis in (("mixamo", 1), ("ue5", 0)):
+    for rig_name, axis in (("mixamo", 1), ("ue5", 0), (OWN, 1)):
         rig = rig_of(skeleton, rig_name)
         along = np.abs(rig.ends_bone) / np.linalg.norm(rig.ends_bone, axis=1, keepdims=True)
-        np.testing.assert_allclose(along[:, axis], 1, atol=1e-9)
+        count = skeleton.part_count if rig_name == OWN else len(rig)
+        np.testing.assert_allclose(along[:count, axis], 1, atol=1e-9)
+    rig = rig_of(skeleton, "ue5")
     arm, thigh = (rig.Ts_world_bone[rig.names.index(n), :3, 0] for n in ("upperarm_r", "thigh_l"))
     assert arm[0] > 0  # the right side's x points back to the shoulder, the left thigh's up
     assert thigh[1] > 0

@@ -38,6 +38,8 @@ _DIRECTIONS = {
     "down": (0.0, -1.0, 0.0),
 }
 SHORTEST_M = 1e-3
+OWN_AXES: Axes = ("y", "z", "forward")
+"""As Blender's bones lie, whose y points along them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,12 +112,16 @@ class Rig:
         return Rs, T_part[:, :3, :3] @ p_part + T_part[:, :3, 3]
 
 
-def rig_of(skeleton: Skeleton, name: str = OWN) -> Rig:
-    """The rig of a body by its name. FormatError where there is none, or the body is no person."""
+def rig_of(skeleton: Skeleton, name: str = OWN, *, parallel: bool = False) -> Rig:
+    """The rig of a body by its name. FormatError where there is none, or the body is no person.
+
+    parallel: at rest all bones are parallel to the world, as formats without a rest pose of their
+    own have them, BVH above all.
+    """
     if name not in RIGS:
         raise FormatError(f"There is no rig {name[:40]!r}: the rigs are {listed(list(RIGS))}.")
     if name == OWN:
-        return _own(skeleton)
+        return _own(skeleton, parallel)
     _require_person(skeleton, name)
     table = table_of(name)
     Ts_world_part = rest_pose(skeleton, table.arms_below_horizontal_deg)
@@ -128,15 +134,19 @@ def rig_of(skeleton: Skeleton, name: str = OWN) -> Rig:
     ends = _ends(skeleton, heads, parents, parts, Ts_world_part)
     Rs = np.stack(
         [
-            _frame(end - head, row.axes, row.side == "right" and table.mirrored)
+            _frame(
+                end - head,
+                None if parallel else row.axes,
+                row.side == "right" and table.mirrored and not parallel,
+            )
             for row, head, end in zip(rows, heads, ends, strict=True)
         ]
     )
     return _rig(name, [row.name for row in rows], parents, parts, Rs, heads, ends, Ts_world_part)
 
 
-def _own(skeleton: Skeleton) -> Rig:
-    """A bone for every part and every landmark, all parallel to the world in the own rest pose."""
+def _own(skeleton: Skeleton, parallel: bool) -> Rig:
+    """A bone for every part, and one for every landmark, which lies on its part as that does."""
     Ts = rest_pose(skeleton, None)
     owners = [i for i, part in enumerate(skeleton.body.parts) for _ in part.landmarks]
     parts = np.array([*range(skeleton.part_count), *owners], dtype=np.int64)
@@ -148,7 +158,9 @@ def _own(skeleton: Skeleton) -> Rig:
     ]
     heads = np.array([*Ts[:, :3, 3], *marks])
     ends = _ends(skeleton, heads, parents, parts, Ts)
-    Rs = np.tile(np.eye(3), (len(parts), 1, 1))
+    is_single = skeleton.part_count == 1  # such as a box, which points nowhere
+    axes = None if parallel or is_single else OWN_AXES
+    Rs = np.stack([_frame(ends[i] - heads[i], axes, False) for i in parts])
     return _rig(OWN, column_names(skeleton), parents, parts, Rs, heads, ends, Ts)
 
 
