@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 if TYPE_CHECKING:
     from tracker.formats.recording import Recording
 
-MotionFormat: TypeAlias = Literal["bvh", "glb", "trc", "c3d", "csv", "npz"]
+MotionFormat: TypeAlias = Literal["bvh", "glb", "trc", "c3d", "csv", "npz", "camera", "chan"]
 
 
 @dataclass(frozen=True)
@@ -74,6 +74,18 @@ def _npz(recording: Recording, _rig: str) -> Sequence[bytes]:
     return (npz(recording),)
 
 
+def _camera(recording: Recording, _rig: str) -> Sequence[str]:
+    from tracker.formats.camera_files import camera_json
+
+    return (camera_json(recording),)
+
+
+def _chan(recording: Recording, _rig: str) -> Sequence[str]:
+    from tracker.formats.camera_files import chan
+
+    return (chan(recording),)
+
+
 FORMATS: Final[Mapping[MotionFormat, Format]] = {
     "bvh": Format(
         "for animation programs, centimetres and degrees; x right, y up, z toward the camera",
@@ -102,7 +114,22 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         "all of this and the camera for NumPy, metres and radians",
         _npz, ("motion.npz",), own_times=True,
     ),
+    "camera": Format(
+        "the film's camera alone, for rotomation, as JSON, metres; y up, the floor at zero",
+        _camera, ("camera.json",), "application/json", own_times=True,
+    ),
+    "chan": Format(
+        "the film's camera for Nuke, metres and degrees, rotation order ZXY; y up, the floor at "
+        "zero",
+        _chan, ("camera.chan",), "text/plain", own_times=True,
+    ),
 }  # fmt: skip
+
+
+def suffix_of(kind: Format) -> str:
+    """What follows a session's name in the name of a format's one file: .bvh, -camera.json."""
+    (name,) = kind.names
+    return name.removeprefix("motion") if name.startswith("motion.") else f"-{name}"
 
 
 def formats_of(text: str) -> tuple[MotionFormat, ...]:

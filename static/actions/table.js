@@ -458,6 +458,8 @@ export const MOTION = {
   saveC3d: motion('c3d', 'ghost', 'motion laboratories'),
   saveCsv: motion('csv', 'copy', 'joints, angles, verdicts'),
   saveNpz: motion('npz', 'quad', 'NumPy'),
+  saveCamera: { ...motion('camera', 'camcorder', 'rotomation, JSON'), label: 'Camera' },
+  saveChan: motion('chan', 'camcorder', 'the camera for Nuke'),
 };
 
 /** Why nothing can be done with a whole session: none is open, and none is meant. */

@@ -64,7 +64,8 @@ def from_page(format_name: MotionFormat, edit: EditorState) -> dict[str, bytes]:
     """What the page saves, unpacked, by the names of the command line."""
     file = motion_archive(format_name, edit)
     if file.media_type != "application/zip":
-        return {f"motion{file.suffix}": file.content}
+        name = file.suffix.removeprefix("-") if "-" in file.suffix else f"motion{file.suffix}"
+        return {name: file.content}
     with zipfile.ZipFile(io.BytesIO(file.content)) as archive:
         return {name: archive.read(name) for name in archive.namelist()}
 
@@ -79,7 +80,7 @@ def test_the_page_saves_what_the_command_line_writes(format_name: MotionFormat, 
 def test_all_formats_are_written_at_once_under_their_names(path: Path) -> None:
     opened(path, results_cases.both(load_session(path)))
     assert sorted(exported(path, EVERY)) == [
-        *("angles.csv", "frames.csv", "joints.csv"),
+        *("angles.csv", "camera.chan", "camera.json", "frames.csv", "joints.csv"),
         *("motion.bvh", "motion.c3d", "motion.glb", "motion.npz", "motion.trc"),
     ]
 
@@ -307,7 +308,7 @@ def test_a_format_that_is_none_is_refused(
     command = ["export", path, "--format", formats, "--out", path.parent / "out"]
     words = refused(capsys, path.parent, command)
     assert "invalid choice" in words
-    assert "choose from bvh, glb, trc, c3d, csv, npz" in words
+    assert f"choose from {', '.join(FORMATS)}" in words
 
 
 def test_json_lists_every_file(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
