@@ -6,18 +6,23 @@ import io
 import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from app.editor.state import EditorState
-from app.export.motion_formats import FORMATS, MotionFormat
+from app.export.motion_formats import FORMATS, MotionFormat, suffix_of
 from tracker.errors import FormatError, listed
 from tracker.formats.recording import RecordedSegment, Recording
+from tracker.formats.rigs import OWN
 from tracker.formats.sampling import at_rate, low_passed, moved_at_keyframes
 from tracker.geometry.rotations import Array
 from tracker.session.schema import Session
 from tracker.storage.results import Span
 from tracker.storage.tracks import Tracks
+
+if TYPE_CHECKING:
+    from tracker.video.timecode import Timecode
 
 
 @dataclass(frozen=True)
@@ -39,11 +44,13 @@ class Sampling:
         a constant rate get their mean.
     filter_hz: cut-off of the low-pass filter, none when None.
     frames: first and last frame of the film, all when None.
+    rig: whose bones a format has that has bones, by name (`tracker.formats.rigs`).
     """
 
     rate: float | None = None
     filter_hz: float | None = None
     frames: Span | None = None
+    rig: str = OWN
 
 
 AS_TRACKED = Sampling()
@@ -102,7 +109,7 @@ def motion_files(
 ) -> dict[str, bytes]:
     """The contents to write by file name. FormatError when the format cannot hold the motion."""
     kind = FORMATS[format_name]
-    contents = kind.write(sampled(recording, sampling, kind.own_times))
+    contents = kind.write(sampled(recording, sampling, kind.own_times), sampling.rig)
     return {name: _bytes(one) for name, one in zip(kind.names, contents, strict=True)}
 
 
@@ -116,7 +123,8 @@ def motion_archive(
     """The motion as one file: several are packed into a zip. FormatError where frames lack."""
     files = motion_files(format_name, shown_motion(edit), sampling)
     if len(files) == 1:
-        return File(next(iter(files.values())), FORMATS[format_name].media_type, f".{format_name}")
+        kind = FORMATS[format_name]
+        return File(next(iter(files.values())), kind.media_type, suffix_of(kind))
     return File(_packed(files), "application/zip", f"-{format_name}.zip")
 
 
@@ -141,15 +149,20 @@ def _packed(files: Mapping[str, bytes]) -> bytes:
     return packed.getvalue()
 
 
-def saved_motion(session: Session, tracks: Tracks, times_s: Array) -> Recording:
-    """The motion that a session's results refer to; times_s are those of all the video's frames."""
+def saved_motion(
+    session: Session, tracks: Tracks, times_s: Array, timecode: Timecode | None = None
+) -> Recording:
+    """The motion that a session's results refer to.
+
+    times_s are those of all the video's frames, timecode that of the video, where it is known.
+    """
     segments = session.results.segments if session.results else ()
     stretches = [
         RecordedSegment(first, last, s.verdict)
         for s in segments
         for first, last in _reached(s.first_frame, s.last_frame, s.unreached)
     ]
-    return Recording.of(session, tracks, stretches, times_s)
+    return Recording.of(session, tracks, stretches, times_s, timecode)
 
 
 def shown_motion(edit: EditorState) -> Recording:
@@ -163,7 +176,8 @@ def shown_motion(edit: EditorState) -> Recording:
         if t.verdict is not None
         for first, last in _reached(t.first, t.last, t.unreached)
     ]
-    return Recording.of(edit.doc, Tracks.of(found, edit.skeleton), stretches, edit.times_s)
+    tracks = Tracks.of(found, edit.skeleton)
+    return Recording.of(edit.doc, tracks, stretches, edit.times_s, edit.timecode)
 
 
 def _reached(first: int, last: int, unreached: Span | None) -> list[Span]:

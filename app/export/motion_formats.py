@@ -12,64 +12,78 @@ from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 if TYPE_CHECKING:
     from tracker.formats.recording import Recording
 
-MotionFormat: TypeAlias = Literal["bvh", "glb", "trc", "c3d", "csv", "npz"]
+MotionFormat: TypeAlias = Literal["bvh", "glb", "trc", "c3d", "csv", "npz", "camera", "chan"]
 
 
 @dataclass(frozen=True)
 class Format:
     """A file format of motion. In the page it is one entry of `static/actions/table.js` besides.
 
-    words: what it is for, and in which units and axes.  write: one recording as it.
+    words: what it is for, and in which units and axes.  write: one recording as it, with the bones
+    of a rig by its name (`tracker.formats.rigs`), which formats without bones pass over.
     names: of its files; of several the page makes one zip.  media_type: of the one file.
     own_times: whether a film of varying rate keeps its own frames and times in it; the others are
-    read at a constant rate.
+    read at a constant rate.  rigged: whether it has bones, which may be another rig's.
     """
 
     words: str
-    write: Callable[[Recording], Sequence[str | bytes]]
+    write: Callable[[Recording, str], Sequence[str | bytes]]
     names: tuple[str, ...]
     media_type: str = "application/octet-stream"
     own_times: bool = False
+    rigged: bool = False
 
 
-def _bvh(recording: Recording) -> Sequence[str]:
+def _bvh(recording: Recording, _rig: str) -> Sequence[str]:
     from tracker.formats.bvh import bvh
 
     whole = recording.whole("BVH")
     return (bvh(recording.skeleton, whole.trajectory, 1 / whole.frames_per_second),)
 
 
-def _glb(recording: Recording) -> Sequence[bytes]:
+def _glb(recording: Recording, rig: str) -> Sequence[bytes]:
     from app.render.palette import SIDE_COLOURS, part_sides
     from tracker.formats.glb import glb
 
     colours = {str(side): colour for side, colour in SIDE_COLOURS.items()}
-    return (glb(recording, part_sides(recording.skeleton.body), colours),)
+    return (glb(recording, part_sides(recording.skeleton.body), colours, rig),)
 
 
-def _csv(recording: Recording) -> Sequence[str]:
+def _csv(recording: Recording, _rig: str) -> Sequence[str]:
     from tracker.formats.csv import angles_csv, frames_csv, joints_csv
 
     motion = (recording.skeleton, recording.trajectory, recording.times_s)
     return joints_csv(*motion), angles_csv(*motion), frames_csv(recording)
 
 
-def _trc(recording: Recording) -> Sequence[str]:
+def _trc(recording: Recording, _rig: str) -> Sequence[str]:
     from tracker.formats.trc import trc
 
     return (trc(recording, "motion.trc"),)
 
 
-def _c3d(recording: Recording) -> Sequence[bytes]:
+def _c3d(recording: Recording, _rig: str) -> Sequence[bytes]:
     from tracker.formats.c3d import c3d
 
     return (c3d(recording),)
 
 
-def _npz(recording: Recording) -> Sequence[bytes]:
+def _npz(recording: Recording, _rig: str) -> Sequence[bytes]:
     from tracker.formats.npz import npz
 
     return (npz(recording),)
+
+
+def _camera(recording: Recording, _rig: str) -> Sequence[str]:
+    from tracker.formats.camera_files import camera_json
+
+    return (camera_json(recording),)
+
+
+def _chan(recording: Recording, _rig: str) -> Sequence[str]:
+    from tracker.formats.camera_files import chan
+
+    return (chan(recording),)
 
 
 FORMATS: Final[Mapping[MotionFormat, Format]] = {
@@ -78,8 +92,9 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         _bvh, ("motion.bvh",), "text/plain",
     ),
     "glb": Format(
-        "the moving body for any 3D viewer, metres; x right, y up, z toward the camera",
-        _glb, ("motion.glb",), "model/gltf-binary",
+        "a rig with skin, motion and camera for Blender, game engines and any 3D viewer, metres; "
+        "y up, the floor at zero",
+        _glb, ("motion.glb",), "model/gltf-binary", rigged=True,
     ),
     "trc": Format(
         "joints as markers for OpenSim, millimetres; x right, y up, z toward the camera",
@@ -99,7 +114,22 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         "all of this and the camera for NumPy, metres and radians",
         _npz, ("motion.npz",), own_times=True,
     ),
+    "camera": Format(
+        "the film's camera alone, for rotomation, as JSON, metres; y up, the floor at zero",
+        _camera, ("camera.json",), "application/json", own_times=True,
+    ),
+    "chan": Format(
+        "the film's camera for Nuke, metres and degrees, rotation order ZXY; y up, the floor at "
+        "zero",
+        _chan, ("camera.chan",), "text/plain", own_times=True,
+    ),
 }  # fmt: skip
+
+
+def suffix_of(kind: Format) -> str:
+    """What follows a session's name in the name of a format's one file: .bvh, -camera.json."""
+    (name,) = kind.names
+    return name.removeprefix("motion") if name.startswith("motion.") else f"-{name}"
 
 
 def formats_of(text: str) -> tuple[MotionFormat, ...]:
