@@ -17,7 +17,7 @@ from app.cli.arguments import (
 from app.cli.json_output import print_written
 from app.cli.views import cutoff_hz, frame_range, rate, video_if_there
 from app.export.motion_formats import FORMATS
-from tracker.errors import FormatError
+from tracker.errors import FormatError, listed
 
 if TYPE_CHECKING:
     from app.export.motion_files import Sampling
@@ -33,10 +33,14 @@ _EXAMPLES = """\
 
 def add(commands: Subcommands) -> None:
     kinds = (f"{name}: {', '.join(kind.names)}, {kind.words}." for name, kind in FORMATS.items())
+    gaps, no_gaps = (
+        [name for name, kind in FORMATS.items() if kind.gaps is g] for g in (True, False)
+    )
+    own_times = listed([name for name, kind in FORMATS.items() if kind.own_times])
     details = (
-        f"{' '.join(kinds)} Frames that are not tracked stay empty in csv, npz, trc and c3d; bvh "
-        "and glb cannot have gaps. If the video's frame rate varies, csv and npz keep the time of "
-        "every frame and the others use the mean rate."
+        f"{' '.join(kinds)} Frames that are not tracked stay empty in {gaps}; "
+        f"{no_gaps} cannot have gaps. If the video's frame rate varies, {own_times} keep "
+        "the time of every frame and the others use the mean rate."
     )
     command = add_command(
         commands, "export", run, "Write the tracked motion for other programs", details, _EXAMPLES

@@ -116,7 +116,8 @@ def motion_archive(
     """The motion as one file: several are packed into a zip. FormatError where frames lack."""
     files = motion_files(format_name, shown_motion(edit), sampling)
     if len(files) == 1:
-        return File(next(iter(files.values())), FORMATS[format_name].media_type, f".{format_name}")
+        ((name, content),) = files.items()
+        return File(content, FORMATS[format_name].media_type, name.removeprefix("motion"))
     return File(_packed(files), "application/zip", f"-{format_name}.zip")
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 if TYPE_CHECKING:
     from tracker.formats.recording import Recording
 
-MotionFormat: TypeAlias = Literal["bvh", "glb", "trc", "c3d", "csv", "npz"]
+MotionFormat: TypeAlias = Literal["bvh", "glb", "trc", "c3d", "csv", "npz", "amass"]
 
 
 @dataclass(frozen=True)
@@ -20,9 +20,11 @@ class Format:
     """A file format of motion. In the page it is one entry of `static/actions/table.js` besides.
 
     words: what it is for, and in which units and axes.  write: one recording as it.
-    names: of its files; of several the page makes one zip.  media_type: of the one file.
+    names: of its files, "motion" and what follows the session's name where the page saves one of
+    them; of several it makes one zip.  media_type: of the one file.
     own_times: whether a film of varying rate keeps its own frames and times in it; the others are
     read at a constant rate.
+    gaps: whether frames that are not tracked may lie between others.
     """
 
     words: str
@@ -30,6 +32,7 @@ class Format:
     names: tuple[str, ...]
     media_type: str = "application/octet-stream"
     own_times: bool = False
+    gaps: bool = True
 
 
 def _bvh(recording: Recording) -> Sequence[str]:
@@ -72,14 +75,20 @@ def _npz(recording: Recording) -> Sequence[bytes]:
     return (npz(recording),)
 
 
+def _amass(recording: Recording) -> Sequence[bytes]:
+    from tracker.formats.amass import amass
+
+    return (amass(recording),)
+
+
 FORMATS: Final[Mapping[MotionFormat, Format]] = {
     "bvh": Format(
         "for animation programs, centimetres and degrees; x right, y up, z toward the camera",
-        _bvh, ("motion.bvh",), "text/plain",
+        _bvh, ("motion.bvh",), "text/plain", gaps=False,
     ),
     "glb": Format(
         "the moving body for any 3D viewer, metres; x right, y up, z toward the camera",
-        _glb, ("motion.glb",), "model/gltf-binary",
+        _glb, ("motion.glb",), "model/gltf-binary", gaps=False,
     ),
     "trc": Format(
         "joints as markers for OpenSim, millimetres; x right, y up, z toward the camera",
@@ -98,6 +107,11 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
     "npz": Format(
         "all of this and the camera for NumPy, metres and radians",
         _npz, ("motion.npz",), own_times=True,
+    ),
+    "amass": Format(
+        "a person's poses of the SMPL-H body for motion research, as in AMASS, metres and radians; "
+        "z up, on the floor",
+        _amass, ("motion_poses.npz",), gaps=False,
     ),
 }  # fmt: skip
 

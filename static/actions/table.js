@@ -458,6 +458,7 @@ export const MOTION = {
   saveC3d: motion('c3d', 'ghost', 'motion laboratories'),
   saveCsv: motion('csv', 'copy', 'joints, angles, verdicts'),
   saveNpz: motion('npz', 'quad', 'NumPy'),
+  saveAmass: motion('amass', 'ghost', 'SMPL, motion research'),
 };
 
 /** Why nothing can be done with a whole session: none is open, and none is meant. */

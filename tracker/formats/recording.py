@@ -57,6 +57,7 @@ class Recording:
     filter_hz: the cut-off of the low-pass filter that the poses went through; None: as tracked.
     notes:     what a person wrote at frames of the video.
     part_frames: frames at which limbs alone were keyed, ascending.
+    floor_m:   the floor's height along up, from the camera's centre; None where nobody set it.
     """
 
     skeleton: Skeleton
@@ -71,6 +72,7 @@ class Recording:
     filter_hz: float | None = None
     notes: tuple[Note, ...] = ()
     part_frames: tuple[int, ...] = ()
+    floor_m: float | None = None
 
     @classmethod
     def of(
@@ -98,6 +100,7 @@ class Recording:
             _mean_rate(times_s),
             notes=session.notes,
             part_frames=tuple(keyframe.frame for keyframe in session.part_keyframes),
+            floor_m=session.floor_m,
         )
 
     def __len__(self) -> int:

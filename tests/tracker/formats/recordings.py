@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -114,3 +115,9 @@ def _tracks(made: Session, motion: Trajectory, rows: np.ndarray) -> Tracks:  # t
 def joints_in_file(made: Recording) -> np.ndarray:  # type: ignore[type-arg]
     """Where joints and landmarks are by our own forward kinematics (N, J, 3), y up, metres."""
     return made.trajectory.joints(made.skeleton) @ TO_FILE.T
+
+
+def at_rest(made: Recording) -> Recording:
+    """The recording with every part as the rest pose has it."""
+    Rs = np.broadcast_to(np.eye(3), made.tracks.Rs_parent_part.shape).copy()
+    return replace(made, tracks=replace(made.tracks, Rs_parent_part=Rs))
