@@ -18,6 +18,7 @@ from app.cli.json_output import print_written
 from app.cli.views import cutoff_hz, frame_range, rate, video_if_there
 from app.export.motion_formats import FORMATS
 from tracker.errors import FormatError, listed
+from tracker.formats.rigs import OWN, RIGS
 
 if TYPE_CHECKING:
     from app.export.motion_files import Sampling
@@ -27,15 +28,15 @@ if TYPE_CHECKING:
 _EXAMPLES = """\
   keypose export session.json --format bvh --out motion
   keypose export session.json --format csv,npz --out tables --overwrite
+  keypose export session.json --format glb --rig mixamo --out rig
   keypose export session.json --format trc --filter 6Hz --fps 30 --frames 10-60 --out walk
 """
 
 
 def add(commands: Subcommands) -> None:
     kinds = (f"{name}: {', '.join(kind.names)}, {kind.words}." for name, kind in FORMATS.items())
-    gaps, no_gaps = (
-        [name for name, kind in FORMATS.items() if kind.gaps is g] for g in (True, False)
-    )
+    gaps = listed([name for name, kind in FORMATS.items() if kind.gaps])
+    no_gaps = listed([name for name, kind in FORMATS.items() if not kind.gaps])
     own_times = listed([name for name, kind in FORMATS.items() if kind.own_times])
     details = (
         f"{' '.join(kinds)} Frames that are not tracked stay empty in {gaps}; "
@@ -72,6 +73,14 @@ def add(commands: Subcommands) -> None:
         type=frame_range,
         help="first and last frame of the video; default: all",
     )
+    rigged = [name for name, kind in FORMATS.items() if kind.rigged]
+    rigs = "; ".join(f"{name}: {words}" for name, words in RIGS.items())
+    command.add_argument(
+        "--rig",
+        metavar="NAME",
+        choices=tuple(RIGS),
+        help=f"names and rest pose of the bones in {listed(rigged)}: {rigs}; default: {OWN}",
+    )
     add_output(command, "DIR", "folder; created if missing")
 
 
@@ -82,6 +91,7 @@ def run(arguments: argparse.Namespace) -> int:
     from tracker.storage.outdated import outdated_words
     from tracker.storage.tracks import load_tracks
 
+    _require_bones(arguments)
     session = load_session(arguments.session)
     tracks = load_tracks(session, arguments.session)
     recording = saved_motion(session, tracks, _times_s(session, arguments.session))
@@ -108,7 +118,14 @@ def _sampling(arguments: argparse.Namespace) -> Sampling:
     from app.export.motion_files import Sampling
 
     fps = None if arguments.fps is None else float(arguments.fps)
-    return Sampling(fps, arguments.filter, arguments.frames)
+    return Sampling(fps, arguments.filter, arguments.frames, arguments.rig or OWN)
+
+
+def _require_bones(arguments: argparse.Namespace) -> None:
+    """A rig for formats without bones would be ignored in silence."""
+    rigged = [name for name, kind in FORMATS.items() if kind.rigged]
+    if arguments.rig is not None and not set(rigged) & set(arguments.format):
+        raise FormatError(f"--rig is for formats with bones: {listed(rigged)}.")
 
 
 def _times_s(session: Session, session_path: Path) -> Array:

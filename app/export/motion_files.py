@@ -13,6 +13,7 @@ from app.editor.state import EditorState
 from app.export.motion_formats import FORMATS, MotionFormat
 from tracker.errors import FormatError, listed
 from tracker.formats.recording import RecordedSegment, Recording
+from tracker.formats.rigs import OWN
 from tracker.formats.sampling import at_rate, low_passed, moved_at_keyframes
 from tracker.geometry.rotations import Array
 from tracker.session.schema import Session
@@ -39,11 +40,13 @@ class Sampling:
         a constant rate get their mean.
     filter_hz: cut-off of the low-pass filter, none when None.
     frames: first and last frame of the film, all when None.
+    rig: whose bones a format has that has bones, by name (`tracker.formats.rigs`).
     """
 
     rate: float | None = None
     filter_hz: float | None = None
     frames: Span | None = None
+    rig: str = OWN
 
 
 AS_TRACKED = Sampling()
@@ -102,7 +105,7 @@ def motion_files(
 ) -> dict[str, bytes]:
     """The contents to write by file name. FormatError when the format cannot hold the motion."""
     kind = FORMATS[format_name]
-    contents = kind.write(sampled(recording, sampling, kind.own_times))
+    contents = kind.write(sampled(recording, sampling, kind.own_times), sampling.rig)
     return {name: _bytes(one) for name, one in zip(kind.names, contents, strict=True)}
 
 

@@ -19,63 +19,65 @@ MotionFormat: TypeAlias = Literal["bvh", "glb", "trc", "c3d", "csv", "npz", "ama
 class Format:
     """A file format of motion. In the page it is one entry of `static/actions/table.js` besides.
 
-    words: what it is for, and in which units and axes.  write: one recording as it.
+    words: what it is for, and in which units and axes.  write: one recording as it, with bones as
+    they are asked for, which formats without bones pass over.
     names: of its files, "motion" and what follows the session's name where the page saves one of
     them; of several it makes one zip.  media_type: of the one file.
     own_times: whether a film of varying rate keeps its own frames and times in it; the others are
-    read at a constant rate.
-    gaps: whether frames that are not tracked may lie between others.
+    read at a constant rate.  gaps: whether frames that are not tracked may lie between others.
+    rigged: whether it has bones, which may be another rig's.
     """
 
     words: str
-    write: Callable[[Recording], Sequence[str | bytes]]
+    write: Callable[[Recording, str], Sequence[str | bytes]]
     names: tuple[str, ...]
     media_type: str = "application/octet-stream"
     own_times: bool = False
     gaps: bool = True
+    rigged: bool = False
 
 
-def _bvh(recording: Recording) -> Sequence[str]:
+def _bvh(recording: Recording, _rig: str) -> Sequence[str]:
     from tracker.formats.bvh import bvh
 
     whole = recording.whole("BVH")
     return (bvh(recording.skeleton, whole.trajectory, 1 / whole.frames_per_second),)
 
 
-def _glb(recording: Recording) -> Sequence[bytes]:
+def _glb(recording: Recording, rig: str) -> Sequence[bytes]:
     from app.render.palette import SIDE_COLOURS, part_sides
     from tracker.formats.glb import glb
 
     colours = {str(side): colour for side, colour in SIDE_COLOURS.items()}
-    return (glb(recording, part_sides(recording.skeleton.body), colours),)
+    return (glb(recording, part_sides(recording.skeleton.body), colours, rig),)
 
 
-def _csv(recording: Recording) -> Sequence[str]:
+def _csv(recording: Recording, _rig: str) -> Sequence[str]:
     from tracker.formats.csv import angles_csv, frames_csv, joints_csv
 
     motion = (recording.skeleton, recording.trajectory, recording.times_s)
     return joints_csv(*motion), angles_csv(*motion), frames_csv(recording)
 
 
-def _trc(recording: Recording) -> Sequence[str]:
+def _trc(recording: Recording, _rig: str) -> Sequence[str]:
     from tracker.formats.trc import trc
 
     return (trc(recording, "motion.trc"),)
 
 
-def _c3d(recording: Recording) -> Sequence[bytes]:
+def _c3d(recording: Recording, _rig: str) -> Sequence[bytes]:
     from tracker.formats.c3d import c3d
 
     return (c3d(recording),)
 
 
-def _npz(recording: Recording) -> Sequence[bytes]:
+def _npz(recording: Recording, _rig: str) -> Sequence[bytes]:
     from tracker.formats.npz import npz
 
     return (npz(recording),)
 
 
-def _amass(recording: Recording) -> Sequence[bytes]:
+def _amass(recording: Recording, _rig: str) -> Sequence[bytes]:
     from tracker.formats.amass import amass
 
     return (amass(recording),)
@@ -87,8 +89,9 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         _bvh, ("motion.bvh",), "text/plain", gaps=False,
     ),
     "glb": Format(
-        "the moving body for any 3D viewer, metres; x right, y up, z toward the camera",
-        _glb, ("motion.glb",), "model/gltf-binary", gaps=False,
+        "a rig with skin, motion and camera for Blender, game engines and any 3D viewer, metres; "
+        "y up, the floor at zero",
+        _glb, ("motion.glb",), "model/gltf-binary", gaps=False, rigged=True,
     ),
     "trc": Format(
         "joints as markers for OpenSim, millimetres; x right, y up, z toward the camera",

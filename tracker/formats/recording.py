@@ -57,7 +57,7 @@ class Recording:
     filter_hz: the cut-off of the low-pass filter that the poses went through; None: as tracked.
     notes:     what a person wrote at frames of the video.
     part_frames: frames at which limbs alone were keyed, ascending.
-    floor_m:   the floor's height along up, from the camera's centre; None where nobody set it.
+    floor_m:   the floor's height along up, from the camera's centre, metres; None: nobody set it.
     """
 
     skeleton: Skeleton
