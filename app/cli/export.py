@@ -19,6 +19,7 @@ from app.cli.views import cutoff_hz, frame_range, rate, video_if_there
 from app.export.motion_formats import FORMATS
 from tracker.errors import FormatError, listed
 from tracker.formats.rigs import OWN, RIGS
+from tracker.formats.units import FILE_UNITS
 
 if TYPE_CHECKING:
     from app.export.motion_files import Sampling
@@ -81,6 +82,12 @@ def add(commands: Subcommands) -> None:
         choices=tuple(RIGS),
         help=f"names and rest pose of the bones in {listed(rigged)}: {rigs}; default: {OWN}",
     )
+    units = "; ".join(f"{name}: {words}" for name, words in FILE_UNITS.items())
+    command.add_argument(
+        "--unit",
+        choices=tuple(FILE_UNITS),
+        help=f"of lengths in bvh, which cannot name its own: {units}; default: m",
+    )
     add_output(command, "DIR", "folder; created if missing")
 
 
@@ -118,14 +125,18 @@ def _sampling(arguments: argparse.Namespace) -> Sampling:
     from app.export.motion_files import Sampling
 
     fps = None if arguments.fps is None else float(arguments.fps)
-    return Sampling(fps, arguments.filter, arguments.frames, arguments.rig or OWN)
+    return Sampling(
+        fps, arguments.filter, arguments.frames, arguments.rig or OWN, arguments.unit or "m"
+    )
 
 
 def _require_bones(arguments: argparse.Namespace) -> None:
-    """A rig for formats without bones would be ignored in silence."""
+    """A rig or a unit for formats that have none would be ignored in silence."""
     rigged = [name for name, kind in FORMATS.items() if kind.rigged]
     if arguments.rig is not None and not set(rigged) & set(arguments.format):
         raise FormatError(f"--rig is for formats with bones: {listed(rigged)}.")
+    if arguments.unit is not None and "bvh" not in arguments.format:
+        raise FormatError("--unit is for bvh: all other formats name their unit.")
 
 
 def _times_s(session: Session, session_path: Path) -> Array:

@@ -9,10 +9,22 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 
+from tracker.formats.rigs import OWN
+from tracker.formats.units import FileUnit
+
 if TYPE_CHECKING:
     from tracker.formats.recording import Recording
 
 MotionFormat: TypeAlias = Literal["bvh", "glb", "trc", "c3d", "csv", "npz", "amass"]
+
+
+@dataclass(frozen=True)
+class Bones:
+    """How bones are written: of which rig, by its name (`tracker.formats.rigs`), and in which unit
+    where the format names none."""
+
+    rig: str = OWN
+    unit: FileUnit = "m"
 
 
 @dataclass(frozen=True)
@@ -29,7 +41,7 @@ class Format:
     """
 
     words: str
-    write: Callable[[Recording, str], Sequence[str | bytes]]
+    write: Callable[[Recording, Bones], Sequence[str | bytes]]
     names: tuple[str, ...]
     media_type: str = "application/octet-stream"
     own_times: bool = False
@@ -37,47 +49,51 @@ class Format:
     rigged: bool = False
 
 
-def _bvh(recording: Recording, _rig: str) -> Sequence[str]:
+def _bvh(recording: Recording, bones: Bones) -> Sequence[str]:
     from tracker.formats.bvh import bvh
+    from tracker.formats.floor_world import floor_from_camera, parts_in_world
+    from tracker.formats.rigs.rig import rig_of
 
     whole = recording.whole("BVH")
-    return (bvh(recording.skeleton, whole.trajectory, 1 / whole.frames_per_second),)
+    rig = rig_of(whole.skeleton, bones.rig, parallel=True)
+    Ts_world_part = parts_in_world(whole, floor_from_camera(whole))
+    return (bvh(rig, Ts_world_part, 1 / whole.frames_per_second, bones.unit),)
 
 
-def _glb(recording: Recording, rig: str) -> Sequence[bytes]:
+def _glb(recording: Recording, bones: Bones) -> Sequence[bytes]:
     from app.render.palette import SIDE_COLOURS, part_sides
     from tracker.formats.glb import glb
 
     colours = {str(side): colour for side, colour in SIDE_COLOURS.items()}
-    return (glb(recording, part_sides(recording.skeleton.body), colours, rig),)
+    return (glb(recording, part_sides(recording.skeleton.body), colours, bones.rig),)
 
 
-def _csv(recording: Recording, _rig: str) -> Sequence[str]:
+def _csv(recording: Recording, _bones: Bones) -> Sequence[str]:
     from tracker.formats.csv import angles_csv, frames_csv, joints_csv
 
     motion = (recording.skeleton, recording.trajectory, recording.times_s)
     return joints_csv(*motion), angles_csv(*motion), frames_csv(recording)
 
 
-def _trc(recording: Recording, _rig: str) -> Sequence[str]:
+def _trc(recording: Recording, _bones: Bones) -> Sequence[str]:
     from tracker.formats.trc import trc
 
     return (trc(recording, "motion.trc"),)
 
 
-def _c3d(recording: Recording, _rig: str) -> Sequence[bytes]:
+def _c3d(recording: Recording, _bones: Bones) -> Sequence[bytes]:
     from tracker.formats.c3d import c3d
 
     return (c3d(recording),)
 
 
-def _npz(recording: Recording, _rig: str) -> Sequence[bytes]:
+def _npz(recording: Recording, _bones: Bones) -> Sequence[bytes]:
     from tracker.formats.npz import npz
 
     return (npz(recording),)
 
 
-def _amass(recording: Recording, _rig: str) -> Sequence[bytes]:
+def _amass(recording: Recording, _bones: Bones) -> Sequence[bytes]:
     from tracker.formats.amass import amass
 
     return (amass(recording),)
@@ -85,8 +101,9 @@ def _amass(recording: Recording, _rig: str) -> Sequence[bytes]:
 
 FORMATS: Final[Mapping[MotionFormat, Format]] = {
     "bvh": Format(
-        "for animation programs, centimetres and degrees; x right, y up, z toward the camera",
-        _bvh, ("motion.bvh",), "text/plain", gaps=False,
+        "bones in motion for animation programs, metres unless --unit says another, degrees; y up, "
+        "the floor at zero",
+        _bvh, ("motion.bvh",), "text/plain", gaps=False, rigged=True,
     ),
     "glb": Format(
         "a rig with skin, motion and camera for Blender, game engines and any 3D viewer, metres; "
