@@ -24,7 +24,13 @@ const PATIENCE = 20; // looks in a row without an answer, before it is given up
  * @property {string} columns  Empty: as it fits.
  * @property {string} format
  * @property {string} filter  Hertz; empty: none.
+ * @property {string} rig  Whose bones formats have that have bones; a key of RIGS.
  */
+
+/** The rigs as of `tracker/formats/rigs`. */
+export const RIGS = {
+  keypose: 'Own names', mixamo: 'Mixamo', ue5: 'Unreal Engine 5', metahuman: 'MetaHuman', vrm: 'VRM humanoid', cmu: 'CMU',
+};
 
 /** What the dialog starts with. @returns {Options} */
 export function usualOptions() {
@@ -32,7 +38,7 @@ export function usualOptions() {
   return {
     what: 'film', view: 'main', size: 'own', style: /** @type {Options['style']} */ (server.view?.mode ?? 'both'),
     first: String(keys[0] ?? 0), last: String(keys.at(-1) ?? 0), fps: '', frames: 'keyframes', background: 'video',
-    columns: '', format: 'all', filter: ui.filterMotion ? String(FILTER_HZ) : '',
+    columns: '', format: 'all', filter: ui.filterMotion ? String(FILTER_HZ) : '', rig: 'keypose',
   };
 }
 
@@ -55,10 +61,11 @@ export function orderOf(options, { opacity = 0.5, tint = 'clay', frame: now, eye
 }
 
 /** The address of the motion that is chosen. @param {Options} options */
-export function motionAddress({ format, filter, fps, first, last }) {
+export function motionAddress({ format, filter, fps, first, last, rig }) {
   const query = new URLSearchParams({ format });
   if (filter !== '') query.set('filter_hz', filter);
   if (fps !== '') query.set('fps', fps);
+  if (rig !== 'keypose') query.set('rig', rig);
   query.set('first', first);
   query.set('last', last);
   return `/motion?${query}`;

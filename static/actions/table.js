@@ -450,10 +450,10 @@ const DRAGGING = {
   cancelDrag: { label: 'Cancel', keys: ['Escape'], heard: 'drag' },
 };
 
-/** The file formats of motion; what writes them is in `app/export/motion_formats.py`. */
+/** The file formats of motion; what writes them is in `app/export/motion_formats.py`. Those that are rigged have bones. */
 export const MOTION = {
   saveBvh: motion('bvh', 'bone', 'Blender, Maya'),
-  saveGlb: motion('glb', 'both', 'any 3D viewer'),
+  saveGlb: { ...motion('glb', 'both', 'Blender, Unreal, Unity, web'), rigged: true },
   saveTrc: motion('trc', 'trail', 'OpenSim'),
   saveC3d: motion('c3d', 'ghost', 'motion laboratories'),
   saveCsv: motion('csv', 'copy', 'joints, angles, verdicts'),

@@ -1,13 +1,13 @@
 // The dialog of exports: what, with which options, how far it is.
 
 import { html, nothing } from '../vendor/lit-html/lit-html.js';
-import { beginExport, cancelExport, whyNotExport } from '../actions/exporting.js';
+import { RIGS, beginExport, cancelExport, whyNotExport } from '../actions/exporting.js';
 import { whyNot } from '../actions/actions.js';
 import { MOTION } from '../actions/table.js';
 import { mountDialog } from '../controls/dialogs.js';
 import { dropdown, segmented, textField } from '../controls/fields.js';
 import { icon } from '../controls/icons.js';
-import { count } from '../controls/words.js';
+import { count, joined } from '../controls/words.js';
 import { server, setUi, ui, watch } from '../store/state.js';
 import { frameCount } from '../store/clip.js';
 import { frame } from '../actions/playhead.js';
@@ -130,7 +130,18 @@ function motion(options) {
   }))];
   const left = options.format === 'all' && c3d ? `Without C3D, which needs ezc3d: ${c3d}` : '';
   return html`${field('Format', segmented({ label: 'Format', value: options.format, options: formats, act: (format) => change({ format }) }), left)}
-    ${range()}${rate()}${field('Low-pass filter', text('Cut-off', 'filter', 'None', 'Hz'))}`;
+    ${rigs(options)}${range()}${rate()}${field('Low-pass filter', text('Cut-off', 'filter', 'None', 'Hz'))}`;
+}
+
+/** Whose bones there are to be, where the format has bones. */
+function rigs({ format, rig }) {
+  const rigged = Object.values(MOTION).filter((kind) => 'rigged' in kind && kind.rigged).map(({ label }) => String(label));
+  if (format !== 'all' && !rigged.includes(format.toUpperCase())) return nothing;
+  const off = server.body?.is_persons ? '' : 'Only a person has these bones';
+  return field('Rig', dropdown({
+    label: 'Rig', value: rig, text: RIGS[rig], kind: 'field', act: (id) => change({ rig: id }),
+    options: Object.entries(RIGS).map(([id, label]) => ({ id, label, off: id === 'keypose' ? '' : off })),
+  }), format === 'all' ? `of ${joined(rigged)}` : '');
 }
 
 // --- below the fields

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import zipfile
 from fractions import Fraction
 from pathlib import Path
@@ -23,6 +24,7 @@ from tests.tracker import session_cases as cases
 from tests.tracker.formats.glb_reading import Player
 from tests.tracker.video_cases import write_numbered
 from tracker.errors import FormatError
+from tracker.formats.rigs import RIGS
 from tracker.storage.files import load_session, open_video_of, save_session
 from tracker.storage.results import Results, save_results
 from tracker.storage.tracks import save_result
@@ -339,3 +341,34 @@ def test_nothing_is_written_where_one_of_several_is_there_already(
     (out / "motion.trc").write_text("mine")
     command = ["export", path, "--format", EVERY, "--out", out]
     assert "motion.trc" in refused(capsys, path.parent, command)
+
+
+def test_a_rig_has_the_same_bones_by_both_doors(path: Path) -> None:
+    state = opened(path, results_cases.both(load_session(path)))
+    given = exported(path, "glb", "--rig", "keypose")["motion.glb"]
+    assert (
+        motion_archive("glb", state, MOTION.validate_strings({"format": "glb"}).sampling).content
+        == given
+    )
+
+
+@pytest.mark.parametrize(
+    ("formats", "rig", "words"),
+    [
+        ("glb", "mixamo", "The rig mixamo is for a person"),
+        ("csv,npz", "vrm", "--rig is for formats with bones: glb"),
+        ("glb", "biped", "invalid choice: 'biped'"),
+    ],
+)
+def test_a_rig_that_cannot_be_is_told(
+    formats: str, rig: str, words: str, path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    opened(path, results_cases.both(load_session(path)))
+    command = ["export", path, "--format", formats, "--rig", rig, "--out", path.parent / "out"]
+    assert words in refused(capsys, path.parent, command)
+
+
+def test_the_page_offers_the_rigs_that_there_are() -> None:
+    script = (Path(__file__).parents[3] / "static/actions/exporting.js").read_text("utf-8")
+    table = script.partition("export const RIGS = {")[2].partition("};")[0]
+    assert tuple(re.findall(r"(\w+):", table)) == tuple(RIGS)
