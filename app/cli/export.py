@@ -19,6 +19,7 @@ from app.cli.views import cutoff_hz, frame_range, rate, video_if_there
 from app.export.motion_formats import FORMATS
 from tracker.errors import FormatError, listed
 from tracker.formats.rigs import OWN, RIGS
+from tracker.formats.units import FILE_UNITS
 
 if TYPE_CHECKING:
     from app.export.motion_files import Sampling
@@ -36,10 +37,13 @@ _EXAMPLES = """\
 
 def add(commands: Subcommands) -> None:
     kinds = (f"{name}: {', '.join(kind.names)}, {kind.words}." for name, kind in FORMATS.items())
+    gaps = listed([name for name, kind in FORMATS.items() if kind.gaps])
+    no_gaps = listed([name for name, kind in FORMATS.items() if not kind.gaps])
+    own_times = listed([name for name, kind in FORMATS.items() if kind.own_times])
     details = (
-        f"{' '.join(kinds)} Frames that are not tracked stay empty in csv, npz, trc and c3d; bvh "
-        "and glb cannot have gaps. If the video's frame rate varies, csv and npz keep the time of "
-        "every frame and the others use the mean rate."
+        f"{' '.join(kinds)} Frames that are not tracked stay empty in {gaps}; "
+        f"{no_gaps} cannot have gaps. If the video's frame rate varies, {own_times} keep "
+        "the time of every frame and the others use the mean rate."
     )
     command = add_command(
         commands, "export", run, "Write the tracked motion for other programs", details, _EXAMPLES
@@ -79,6 +83,12 @@ def add(commands: Subcommands) -> None:
         choices=tuple(RIGS),
         help=f"names and rest pose of the bones in {listed(rigged)}: {rigs}; default: {OWN}",
     )
+    units = "; ".join(f"{name}: {words}" for name, words in FILE_UNITS.items())
+    command.add_argument(
+        "--unit",
+        choices=tuple(FILE_UNITS),
+        help=f"of lengths in bvh, which cannot name its own: {units}; default: m",
+    )
     add_output(command, "DIR", "folder; created if missing")
 
 
@@ -116,14 +126,18 @@ def _sampling(arguments: argparse.Namespace) -> Sampling:
     from app.export.motion_files import Sampling
 
     fps = None if arguments.fps is None else float(arguments.fps)
-    return Sampling(fps, arguments.filter, arguments.frames, arguments.rig or OWN)
+    return Sampling(
+        fps, arguments.filter, arguments.frames, arguments.rig or OWN, arguments.unit or "m"
+    )
 
 
 def _require_bones(arguments: argparse.Namespace) -> None:
-    """A rig for formats without bones would be ignored in silence."""
+    """A rig or a unit for formats that have none would be ignored in silence."""
     rigged = [name for name, kind in FORMATS.items() if kind.rigged]
     if arguments.rig is not None and not set(rigged) & set(arguments.format):
         raise FormatError(f"--rig is for formats with bones: {listed(rigged)}.")
+    if arguments.unit is not None and "bvh" not in arguments.format:
+        raise FormatError("--unit is for bvh: all other formats name their unit.")
 
 
 def _clock(session: Session, session_path: Path) -> tuple[Array, Timecode | None]:

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from app.editor.state import EditorState
-from app.export.motion_formats import FORMATS, MotionFormat, suffix_of
+from app.export.motion_formats import FORMATS, Bones, MotionFormat
 from tracker.errors import FormatError, listed
 from tracker.formats.recording import RecordedSegment, Recording
 from tracker.formats.rigs import OWN
 from tracker.formats.sampling import at_rate, low_passed, moved_at_keyframes
+from tracker.formats.units import FileUnit
 from tracker.geometry.rotations import Array
 from tracker.session.schema import Session
 from tracker.storage.results import Span
@@ -45,12 +46,14 @@ class Sampling:
     filter_hz: cut-off of the low-pass filter, none when None.
     frames: first and last frame of the film, all when None.
     rig: whose bones a format has that has bones, by name (`tracker.formats.rigs`).
+    unit: of lengths in a format that names none.
     """
 
     rate: float | None = None
     filter_hz: float | None = None
     frames: Span | None = None
     rig: str = OWN
+    unit: FileUnit = "m"
 
 
 AS_TRACKED = Sampling()
@@ -109,7 +112,8 @@ def motion_files(
 ) -> dict[str, bytes]:
     """The contents to write by file name. FormatError when the format cannot hold the motion."""
     kind = FORMATS[format_name]
-    contents = kind.write(sampled(recording, sampling, kind.own_times), sampling.rig)
+    bones = Bones(sampling.rig, sampling.unit)
+    contents = kind.write(sampled(recording, sampling, kind.own_times), bones)
     return {name: _bytes(one) for name, one in zip(kind.names, contents, strict=True)}
 
 
@@ -123,8 +127,8 @@ def motion_archive(
     """The motion as one file: several are packed into a zip. FormatError where frames lack."""
     files = motion_files(format_name, shown_motion(edit), sampling)
     if len(files) == 1:
-        kind = FORMATS[format_name]
-        return File(next(iter(files.values())), kind.media_type, suffix_of(kind))
+        ((name, content),) = files.items()
+        return File(content, FORMATS[format_name].media_type, name.removeprefix("motion"))
     return File(_packed(files), "application/zip", f"-{format_name}.zip")
 
 

@@ -30,6 +30,7 @@ from app.server.surfaces import Surfaces
 from app.store.store import Store
 from tracker.errors import KeyposeError, one_sentence
 from tracker.formats.rigs import OWN
+from tracker.formats.units import FileUnit
 from tracker.session.settings import FrameIndex
 from tracker.storage.files import load_session
 from tracker.video import Video
@@ -81,11 +82,12 @@ class Motion(Message):
     filter_hz: Annotated[FiniteFloat, Field(gt=0, le=1000)] | None = None
     fps: Annotated[FiniteFloat, Field(ge=0.1, le=1000)] | None = None
     rig: str = OWN
+    unit: FileUnit = "m"
 
     @property
     def sampling(self) -> Sampling:
         ends = None if self.first is None or self.last is None else (self.first, self.last)
-        return Sampling(self.fps, self.filter_hz, ends, self.rig)
+        return Sampling(self.fps, self.filter_hz, ends, self.rig, self.unit)
 
 
 QUESTION: TypeAdapter[Pick | CopiedText] = TypeAdapter(

@@ -471,6 +471,7 @@ export const MOTION = {
   saveC3d: motion('c3d', 'ghost', 'motion laboratories'),
   saveCsv: motion('csv', 'copy', 'joints, angles, verdicts'),
   saveNpz: motion('npz', 'quad', 'NumPy'),
+  saveAmass: motion('amass', 'ghost', 'SMPL, motion research'),
   saveCamera: { ...motion('camera', 'camcorder', 'rotomation, JSON'), label: 'Camera' },
   saveChan: motion('chan', 'camcorder', 'the camera for Nuke'),
 };

@@ -13,6 +13,7 @@ import pytest
 from playwright.sync_api import Browser, Locator, Page
 
 from app.cli.main import main
+from app.export.motion_formats import FORMATS, MotionFormat
 from tests.browser.hands import section, until
 from tests.browser.shared import Desk, desk
 
@@ -141,13 +142,16 @@ def _pixels(content: bytes) -> np.ndarray:  # type: ignore[type-arg]
     return cv2.imdecode(np.frombuffer(content, np.uint8), cv2.IMREAD_COLOR)
 
 
-@pytest.mark.parametrize("kind", ["bvh", "glb", "trc", "c3d", "npz"])
-def test_the_motion_is_that_of_the_command_line(at: Desk, tmp_path: Path, kind: str) -> None:
+@pytest.mark.parametrize("kind", ["bvh", "glb", "trc", "c3d", "npz", "amass"])
+def test_the_motion_is_that_of_the_command_line(
+    at: Desk, tmp_path: Path, kind: MotionFormat
+) -> None:
     saved = downloaded(at.page, tmp_path, item(at.page, kind.upper()))
-    assert saved.suffix == f".{kind}"
+    (name,) = FORMATS[kind].names
+    assert saved.name == name.replace("motion", "person")
     out = tmp_path / "out"
     assert main(["export", str(at.session), "--format", kind, "--out", str(out)]) == 0
-    assert saved.read_bytes() == (out / f"motion.{kind}").read_bytes()
+    assert saved.read_bytes() == (out / name).read_bytes()
 
 
 def test_the_tables_are_those_of_the_command_line(at: Desk, tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ from tracker.body.body import Body, Point
 from tracker.body.skeleton import Skeleton
 from tracker.errors import FormatError
 from tracker.files import TooLarge, read_regular
-from tracker.formats.bvh import end_site
+from tracker.formats.end_sites import end_site
 from tracker.formats.marker_names import places_of
 from tracker.solver.body_points import BodyPoint
 
@@ -54,6 +54,13 @@ CONVENTIONS: dict[str, dict[str, str]] = {
     | {"neck": _SHOULDERS, "midhip": _HIPS, "hip": _HIPS}
     | {"upperneck": "head", "headtop": "head_top"}
     | _both(**{"{}footindex": "toe"}),
+    "SMPL": _both(
+        **{
+            "{}collar": "clavicle", "{}shoulder": "upper_arm", "{}elbow": "forearm",
+            "{}wrist": "hand", "{}hip": "thigh", "{}knee": "shin", "{}ankle": "foot",
+        }
+    )
+    | {"pelvis": "waist", "spine1": "chest", "neck": "neck", "head": "head"},
     "BVH with elbows and knees": _LIMBS
     | {"neck": "neck", "head": "head", "headend": "head_top"}
     | _both(**{"{}ankle": "foot", "{}toeend": "toe"}),

@@ -1,7 +1,8 @@
 """Recorded motion in: joint positions over time, whatever program wrote them.
 
 One module per format reads its own files into a `JointMotion`: `reading_bvh`, `reading_trc`,
-`reading_c3d`, `reading_csv`. Whatever is wrong with a file is reported in one sentence.
+`reading_c3d`, `reading_csv`, `reading_amass`. Whatever is wrong with a file is reported in one
+sentence.
 """
 
 from __future__ import annotations
@@ -25,7 +26,9 @@ def load_motion(path: Path) -> JointMotion:
         raise FormatError(f"{str(path)!r} is a folder; name the motion file in it.")
     read = _readers().get(path.suffix.lower())
     if read is None:
-        raise FormatError(f"{path.name} is no motion file: .bvh, .trc, .c3d or .csv is expected.")
+        raise FormatError(
+            f"{path.name} is no motion file: .bvh, .trc, .c3d, .csv or AMASS's .npz is expected."
+        )
     try:
         return read(path.name, read_regular(path, LARGEST_MOTION_BYTES))
     except TooLarge:
@@ -41,9 +44,12 @@ def load_motion(path: Path) -> JointMotion:
 
 def _readers() -> dict[str, Callable[[str, bytes], JointMotion]]:
     """By the ending of a name, what makes a motion of a file's name and content."""
+    from tracker.formats.reading_amass import read_amass
     from tracker.formats.reading_bvh import read_bvh
     from tracker.formats.reading_c3d import read_c3d
     from tracker.formats.reading_csv import read_csv
     from tracker.formats.reading_trc import read_trc
 
-    return {".bvh": read_bvh, ".trc": read_trc, ".c3d": read_c3d, ".csv": read_csv}
+    return {
+        ".bvh": read_bvh, ".trc": read_trc, ".c3d": read_c3d, ".csv": read_csv, ".npz": read_amass,
+    }  # fmt: skip

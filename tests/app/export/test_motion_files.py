@@ -31,7 +31,9 @@ from tracker.storage.tracks import save_result
 from tracker.video.fingerprint import fingerprint_of_file
 
 LAST = 8
-EVERY = ",".join(FORMATS)
+ANY_BODY = [name for name in FORMATS if name != "amass"]
+"""Formats that do not ask for a person."""
+EVERY = ",".join(ANY_BODY)
 
 
 @pytest.fixture
@@ -70,11 +72,21 @@ def from_page(format_name: MotionFormat, edit: EditorState) -> dict[str, bytes]:
         return {name: archive.read(name) for name in archive.namelist()}
 
 
-@pytest.mark.parametrize("format_name", FORMATS)
+@pytest.mark.parametrize("format_name", ANY_BODY)
 def test_the_page_saves_what_the_command_line_writes(format_name: MotionFormat, path: Path) -> None:
     edit = opened(path, results_cases.both(load_session(path)))
     assert from_page(format_name, edit) == exported(path, format_name)
     assert MOTION.validate_strings({"format": format_name}).format == format_name
+
+
+def test_poses_of_a_person_are_refused_for_another_body_by_both_doors(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    edit = opened(path, results_cases.both(load_session(path)))
+    with pytest.raises(FormatError, match="The rig smpl is for a person") as told:
+        motion_archive("amass", edit)
+    command = ["export", path, "--format", "amass", "--out", path.parent / "out"]
+    assert refused(capsys, path.parent, command) == f"{told.value}\n"
 
 
 def test_all_formats_are_written_at_once_under_their_names(path: Path) -> None:

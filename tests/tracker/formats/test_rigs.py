@@ -25,6 +25,7 @@ FIRST_NAMES = {
     "metahuman": ("root", "pelvis", "spine_05", "neck_02", "lowerarm_l", "ball_r"),
     "vrm": ("hips", "upperChest", "leftUpperArm", "rightToes"),
     "cmu": ("root", "lfemur", "thorax", "rhumerus", "ltoes"),
+    "smpl": ("pelvis", "left_knee", "spine3", "right_collar", "left_wrist"),
 }
 ELBOWS = {
     "mixamo": "mixamorig:LeftForeArm",
@@ -32,6 +33,7 @@ ELBOWS = {
     "metahuman": "lowerarm_l",
     "vrm": "leftLowerArm",
     "cmu": "lradius",
+    "smpl": "left_elbow",
 }
 
 

@@ -6,12 +6,13 @@ import numpy as np
 import trimesh
 
 from tests.tracker.formats.glb_reading import Player
+from tests.tracker.formats.recordings import bvh_of
 from tests.tracker.shape_cases import every_shape, pair_of, solid_of
 from tests.tracker.tracking_cases import CAMERA, random_trajectory
 from tracker.body.body import Body, Part
 from tracker.body.shapes import Capsule, Frustum, Solid
 from tracker.body.skeleton import Skeleton
-from tracker.formats.bvh import bvh, end_site
+from tracker.formats.end_sites import end_site
 from tracker.formats.glb import glb
 from tracker.formats.glb_mesh import lit_mesh
 from tracker.formats.joint_names import matched
@@ -58,10 +59,10 @@ def test_a_bvh_ends_a_limb_without_landmarks_in_its_far_end(shape: Solid) -> Non
     bare = Part(name="one", shape=shape)
     assert end_site(bare) == shape.far_end
     skeleton = Skeleton.of(Body(name="one", parts=(bare,)))
-    text = bvh(skeleton, random_trajectory(skeleton, 1, 2), 0.04)
+    text = bvh_of(skeleton, random_trajectory(skeleton, 1, 2), 0.04)
     x, y, z = shape.far_end
     offset = text.partition("End Site")[2].split("OFFSET")[1].split()[:3]
-    np.testing.assert_allclose([float(v) for v in offset], [100 * x, -100 * y, -100 * z])
+    np.testing.assert_allclose([float(v) for v in offset], [x, -y, -z], atol=1e-6)
 
 
 @every_shape

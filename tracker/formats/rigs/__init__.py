@@ -22,5 +22,6 @@ RIGS: Final[dict[str, str]] = {
     "metahuman": "MetaHuman, A-pose",
     "vrm": "VRM humanoid, T-pose",
     "cmu": "CMU motion capture, T-pose",
+    "smpl": "SMPL, T-pose",
 }
 """The rigs by name, with what they are."""

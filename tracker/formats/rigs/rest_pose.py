@@ -10,7 +10,7 @@ import numpy as np
 
 from tracker.body.skeleton import Skeleton
 from tracker.formats.axes import flipped
-from tracker.formats.bvh import end_site
+from tracker.formats.end_sites import end_site
 from tracker.formats.rigs.table import SIDES
 from tracker.geometry.rotations import Array, exp_rotation, transform
 

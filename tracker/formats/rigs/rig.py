@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from tracker.body.skeleton import Skeleton
 from tracker.errors import FormatError, listed
 from tracker.formats.axes import flipped
-from tracker.formats.bvh import end_site
+from tracker.formats.end_sites import end_site
 from tracker.formats.names import column_names
 from tracker.formats.rigs import OWN, RIGS
 from tracker.formats.rigs.rest_pose import rest_pose
