@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from app.cli.arguments import (
     Subcommands,
@@ -24,7 +24,7 @@ from tracker.keypoints.layouts import LAYOUTS
 
 if TYPE_CHECKING:
     from app.export.import_motion import Draft, ImportedMotion
-    from tracker.formats.joint_motion import JointMotion
+    from tracker.formats.joint_motion import JointMotion, World
     from tracker.formats.joint_names import Matched
     from tracker.geometry.rotations import Array
     from tracker.keypoints.keypoints import Keypoints
@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
 EVERY = 24
 """Frames from one draft to the next, when none are named."""
+
+WORLDS: Final[dict[str, World]] = {"camera": "camera", "y-up": "y up", "z-up": "z up"}
 
 UNLIKE = 0.05
 """Share by which bodies differ in size before it is reported."""
@@ -50,10 +52,11 @@ _EXAMPLES = """\
 def add(commands: Subcommands) -> None:
     summary = "Import a motion recorded elsewhere, or 2D keypoints"
     details = (
-        "BVH, TRC, C3D or CSV: the motion is fitted to the session's body, aligned with its "
-        "keyframes and saved as an initial guess, which tracking uses where it scores better "
-        "than its own. With --keypoints, COCO, AlphaPose, OpenPose, MediaPipe, SLEAP or "
-        "DeepLabCut: drafts poses at some frames. Keyframes are never changed."
+        "BVH, TRC, C3D, CSV, or SMPL poses of AMASS, GVHMR, GEM or WHAM (.npz, .pt): the motion "
+        "is fitted to the session's body, aligned with its keyframes and saved as an initial "
+        "guess, which tracking uses where it scores better than its own. With --keypoints, COCO, "
+        "AlphaPose, OpenPose, MediaPipe, SLEAP or DeepLabCut: drafts poses at some frames. "
+        "Keyframes are never changed."
     )
     command = add_command(commands, "import", run, summary, details, _EXAMPLES)
     add_session(command)
@@ -77,6 +80,12 @@ def add(commands: Subcommands) -> None:
         choices=("m", "cm", "mm", "auto"),
         help="unit of the file's lengths; auto scales them to the body; default: the file's "
         "unit, else auto",
+    )
+    motion.add_argument(
+        "--world",
+        choices=tuple(WORLDS),
+        help="the file's frame, where no keyframe overlaps and it does not say: the camera's, or "
+        "a world with y or z up",
     )
     motion.add_argument("--fps", metavar="X", type=_rate, help="frames per second of the file")
     points = command.add_argument_group("keypoints")
@@ -127,7 +136,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-_MOTION = ("names", "offset_frames", "offset_s", "unit", "fps")
+_MOTION = ("names", "offset_frames", "offset_s", "unit", "world", "fps")
 _KEYPOINTS = ("layout", "map", "individual", "exchange", "frames", "every")
 
 
@@ -155,6 +164,8 @@ def _motion(arguments: argparse.Namespace) -> JointMotion:
     motion = load_motion(arguments.file)
     if arguments.fps is not None:
         motion = motion.at_rate(arguments.fps)
+    if arguments.world is not None:
+        motion = replace(motion, world=WORLDS[arguments.world])
     if arguments.unit == "auto":
         return replace(motion, unit=None)
     return motion if arguments.unit is None else motion.in_unit(arguments.unit)

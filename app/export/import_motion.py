@@ -87,6 +87,7 @@ def fit_to_session(
     FormatError in one sentence where the motion does not suit the session.
     """
     skeleton = Skeleton.of(session.body)
+    motion = motion.on_video(file, times_s)
     known = matched(skeleton, motion.names, file, names)
     _require_joints(known, motion, file)
     first, ps = _within(motion.at(times_s - offset_s)[:, known.indices], file)
@@ -99,6 +100,10 @@ def fit_to_session(
     ps = ps * scale
     if reached:
         ps = _on_keyframes(points, ps, first, reached)
+    elif motion.world is None:
+        raise FormatError(
+            f"{file} does not say in which frame it is: choose with --world, or set a keyframe."
+        )
     elif motion.world != "camera":
         ps = _before_camera(session, ps, motion)
     fit = fit_motion(session.body, known.places, ps, first, _pose_per_frame(posed, first, len(ps)))

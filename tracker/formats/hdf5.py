@@ -134,5 +134,5 @@ class _Literals(pickle.Unpickler):
 def _literal(file: str, value: Any) -> Any:
     try:
         return _Literals(io.BytesIO(bytes(value))).load()
-    except Exception:  # noqa: BLE001 - whatever foreign bytes bring about
+    except Exception:  # noqa: BLE001 — whatever foreign bytes bring about
         raise FormatError(f"{file} names its columns in no way known: use its CSV.") from None
