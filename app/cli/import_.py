@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from app.cli.arguments import (
     Subcommands,
@@ -24,7 +25,8 @@ from tracker.keypoints.layouts import LAYOUTS
 
 if TYPE_CHECKING:
     from app.export.import_motion import Draft, ImportedMotion
-    from tracker.formats.joint_motion import JointMotion
+    from tracker.formats.joint_motion import JointMotion, World
+    from tracker.formats.joint_names import Matched
     from tracker.geometry.rotations import Array
     from tracker.keypoints.keypoints import Keypoints
     from tracker.session import Session
@@ -32,6 +34,8 @@ if TYPE_CHECKING:
 
 EVERY = 24
 """Frames from one draft to the next, when none are named."""
+
+WORLDS: Final[dict[str, World]] = {"camera": "camera", "y-up": "y up", "z-up": "z up"}
 
 UNLIKE = 0.05
 """Share by which bodies differ in size before it is reported."""
@@ -43,20 +47,22 @@ _EXAMPLES = """\
   keypose import session.json walk.trc --offset-frames 12 --names names.json
   keypose import session.json openpose/ --keypoints --frames 0,24,48
   keypose import session.json shot.chan --camera
+  keypose import dog.json dogDLC.h5 --keypoints --map withers=neck --map tailtip=tail.end
 """
 
 
 def add(commands: Subcommands) -> None:
     summary = "Import a motion recorded elsewhere, 2D keypoints, or a camera"
     details = (
-        "BVH, TRC, C3D or CSV: the motion is fitted to the session's body, aligned with its "
-        "keyframes and saved as an initial guess, which tracking uses where it scores better "
-        "than its own. With --keypoints, COCO, AlphaPose, OpenPose or MediaPipe: drafts poses "
-        "at some frames. Keyframes are never changed."
+        "BVH, TRC, C3D, CSV, or SMPL poses of AMASS, GVHMR, GEM or WHAM (.npz, .pt): the motion "
+        "is fitted to the session's body, aligned with its keyframes and saved as an initial "
+        "guess, which tracking uses where it scores better than its own. With --keypoints, COCO, "
+        "AlphaPose, OpenPose, MediaPipe, SLEAP or DeepLabCut: drafts poses at some frames. "
+        "Keyframes are never changed."
     )
     command = add_command(commands, "import", run, summary, details, _EXAMPLES)
     add_session(command)
-    what = "motion file; with --keypoints a JSON file or a folder of OpenPose files"
+    what = "motion file; with --keypoints a JSON, CSV or HDF5 file, or OpenPose's folder"
     command.add_argument("file", metavar="FILE", type=file_name, help=what)
     motion = command.add_argument_group("motion")
     motion.add_argument(
@@ -77,6 +83,12 @@ def add(commands: Subcommands) -> None:
         help="unit of the file's lengths; auto scales them to the body; default: the file's "
         "unit, else auto",
     )
+    motion.add_argument(
+        "--world",
+        choices=tuple(WORLDS),
+        help="the file's frame, where no keyframe overlaps and it does not say: the camera's, or "
+        "a world with y or z up",
+    )
     motion.add_argument("--fps", metavar="X", type=_rate, help="frames per second of the file")
     points = command.add_argument_group("keypoints")
     points.add_argument("--keypoints", action="store_true", help="the file holds 2D keypoints")
@@ -87,6 +99,15 @@ def add(commands: Subcommands) -> None:
         choices=tuple(LAYOUTS),
         help=f"order of the keypoints if the file does not state it: {', '.join(LAYOUTS)}",
     )
+    points.add_argument(
+        "--map",
+        metavar="NAME=PLACE",
+        type=_pair,
+        action="append",
+        help="where on the body a keypoint is, if its name does not say: a part, PART.end or a "
+        "landmark; may be repeated",
+    )
+    points.add_argument("--individual", metavar="NAME", help="which of several animals to read")
     points.add_argument("--exchange", action="store_true", help="swap left and right keypoints")
     points.add_argument("--frames", metavar="N,N,…", type=_frames, help="frames to draft")
     points.add_argument(
@@ -124,8 +145,8 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-_MOTION = ("names", "offset_frames", "offset_s", "unit", "fps")
-_KEYPOINTS = ("layout", "exchange", "frames", "every")
+_MOTION = ("names", "offset_frames", "offset_s", "unit", "world", "fps")
+_KEYPOINTS = ("layout", "map", "individual", "exchange", "frames", "every")
 
 
 def _require_of_a_kind(arguments: argparse.Namespace) -> None:
@@ -152,6 +173,8 @@ def _motion(arguments: argparse.Namespace) -> JointMotion:
     motion = load_motion(arguments.file)
     if arguments.fps is not None:
         motion = motion.at_rate(arguments.fps)
+    if arguments.world is not None:
+        motion = replace(motion, world=WORLDS[arguments.world])
     if arguments.unit == "auto":
         return replace(motion, unit=None)
     return motion if arguments.unit is None else motion.in_unit(arguments.unit)
@@ -174,7 +197,7 @@ def _import_motion(
     save_session(saved, arguments.session)
     assert saved.first_motion is not None
     written = arguments.session.parent / saved.first_motion.file
-    _print_motion(_facts(found, theirs, written), arguments.json)
+    _print_motion(_facts(found, motion.names, written), arguments.json)
     if found.scale == 1.0 and abs(found.size - 1.0) > UNLIKE:
         percent, word = 100 * abs(1 / found.size - 1), "larger" if found.size < 1 else "smaller"
         note(f"its body is {percent:.0f} % {word} than the session's; --unit auto would scale it.")
@@ -192,7 +215,7 @@ def _offset_s(arguments: argparse.Namespace, times_s: Array) -> float:
     return float(frame * (times_s[-1] - times_s[0]) / max(last, 1))
 
 
-def _facts(found: ImportedMotion, theirs: dict[str, str], written: Path) -> dict[str, Any]:
+def _facts(found: ImportedMotion, motion_names: Sequence[str], written: Path) -> dict[str, Any]:
     import numpy as np
 
     fit, rms = found.fit, found.fit.rms_m
@@ -201,9 +224,7 @@ def _facts(found: ImportedMotion, theirs: dict[str, str], written: Path) -> dict
         "written": str(written),
         "first_frame": fit.trajectory.first_frame,
         "last_frame": fit.trajectory.last_frame,
-        "convention": found.matched.convention,
-        "matched": theirs,
-        "left_out": list(found.matched.left_out),
+        **_names(found.matched, motion_names),
         "size": found.size,
         "scale": found.scale,
         "rms_cm": float(100 * np.sqrt(np.nanmean(rms**2))),
@@ -221,12 +242,8 @@ def _print_motion(facts: dict[str, Any], as_json: bool) -> None:
     if as_json:
         print_json(facts)
         return
-    pairs = ", ".join(f"{theirs} = {ours}" for theirs, ours in facts["matched"].items())
     print(f"Frames {facts['first_frame']}–{facts['last_frame']}.")
-    print(f"Matched {len(facts['matched'])} joints ({facts['convention']}): {pairs}")
-    if facts["left_out"]:
-        count, more = len(facts["left_out"]), ", …" if len(facts["left_out"]) > MOST_NAMES else ""
-        print(f"Left out {count}: {', '.join(facts['left_out'][:MOST_NAMES])}{more}")
+    _print_names(facts, "joints")
     if facts["scale"] != 1.0:
         print(f"Scaled to the body's size: × {facts['scale']:.4g}")
     print(
@@ -247,17 +264,21 @@ def _print_motion(facts: dict[str, Any], as_json: bool) -> None:
 
 
 def _import_keypoints(session: Session, arguments: argparse.Namespace, info: VideoInfo) -> None:
-    from app.export.import_motion import drafts_of
+    from app.export.import_motion import drafts_of, match_keypoints
     from tracker.storage.files import save_session
 
     keypoints = _keypoints(session, arguments, info)
+    said = dict(arguments.map or ())
+    if len(said) < len(arguments.map or ()):
+        raise FormatError("--map names a keypoint twice.")
+    known = match_keypoints(session, keypoints, arguments.file.name, said)
     frames = _wanted_frames(session, keypoints, arguments)
-    drafts = drafts_of(session, keypoints, arguments.file.name, frames, info.times_s)
+    drafts = drafts_of(session, keypoints, known, frames, info.times_s)
     if drafts:
         every = (*session.drafts, *(draft.keyframe for draft in drafts))
         ordered = tuple(sorted(every, key=lambda draft: draft.frame))
         save_session(session.model_copy(update={"drafts": ordered}), arguments.session)
-    _print_drafts(session, drafts, frames, arguments)
+    _print_drafts(session, drafts, frames, _names(known, keypoints.names), arguments)
 
 
 def _keypoints(session: Session, arguments: argparse.Namespace, info: VideoInfo) -> Keypoints:
@@ -266,7 +287,7 @@ def _keypoints(session: Session, arguments: argparse.Namespace, info: VideoInfo)
     video = session.video
     told = info.container != "images" and not info.variable_rate  # images have no rate of their own
     facts = VideoFacts(video.frame_count, video.width, video.height, info.fps if told else None)
-    keypoints = load_keypoints(arguments.file, arguments.layout, facts)
+    keypoints = load_keypoints(arguments.file, arguments.layout, facts, arguments.individual)
     return keypoints.exchanged() if arguments.exchange else keypoints
 
 
@@ -290,6 +311,7 @@ def _print_drafts(
     session: Session,
     drafts: tuple[Draft, ...],
     frames: list[int],
+    names: dict[str, Any],
     arguments: argparse.Namespace,
 ) -> None:
     made = {draft.keyframe.frame for draft in drafts}
@@ -307,8 +329,9 @@ def _print_drafts(
             }
             for draft in drafts
         ]
-        print_json({"drafts": drafts_json, "kept": kept, "without_keypoints": empty})
+        print_json({**names, "drafts": drafts_json, "kept": kept, "without_keypoints": empty})
         return
+    _print_names(names, "keypoints")
     for draft in drafts:
         doubt = "; look at it closely" if draft.doubtful or not draft.converged else ""
         print(
@@ -323,7 +346,34 @@ def _print_drafts(
         print(f"Written: {arguments.session}")
 
 
+# --- names
+
+
+def _names(known: Matched, names: Sequence[str]) -> dict[str, Any]:
+    """Which of a file's names are known, for JSON."""
+    return {
+        "convention": known.convention,
+        "matched": {names[i]: ours for i, ours, _ in known.known},
+        "left_out": list(known.left_out),
+    }
+
+
+def _print_names(facts: dict[str, Any], what: str) -> None:
+    pairs = ", ".join(f"{theirs} = {ours}" for theirs, ours in facts["matched"].items())
+    print(f"Matched {len(facts['matched'])} {what} ({facts['convention']}): {pairs}")
+    if facts["left_out"]:
+        count, more = len(facts["left_out"]), ", …" if len(facts["left_out"]) > MOST_NAMES else ""
+        print(f"Left out {count}: {', '.join(facts['left_out'][:MOST_NAMES])}{more}")
+
+
 # --- arguments
+
+
+def _pair(text: str) -> tuple[str, str]:
+    name, sign, place = text.rpartition("=")
+    if not (name and sign and place):
+        raise argparse.ArgumentTypeError(f"{text!r} is not NAME=PLACE, such as tailtip=tail.end")
+    return name, place
 
 
 def _seconds(text: str) -> float:

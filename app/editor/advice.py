@@ -13,7 +13,6 @@ from tracker.keypoints.on_body import is_persons
 from tracker.session.evidence import ByEvidence, FilmEvidence, SurfaceEvidence
 from tracker.session.schema import Session
 
-
 _BOX_OR_POSE = ("Press B and draw a box around the person", "Or pose this frame and press K")
 
 

@@ -19,10 +19,11 @@ from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import interpolate
 from tracker.errors import FormatError
 from tracker.formats.joint_motion import JointMotion
-from tracker.formats.joint_names import Matched, matched
+from tracker.formats.joint_names import Matched, match_also, matched
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array, exp_rotation
 from tracker.keypoints.keypoints import Keypoints
+from tracker.keypoints.layouts import keypoint_name
 from tracker.session import Keyframe, Session
 from tracker.solver.body_points import BodyPoints
 from tracker.solver.fit_joints import Fit, fit_motion, fit_picture, rigid
@@ -30,6 +31,8 @@ from tracker.solver.fit_joints import Fit, fit_motion, fit_picture, rigid
 LEAST_JOINTS = 3
 """Fewer do not say how a body is turned."""
 LEAST_KEYPOINTS = 5
+SHOWN = 6
+"""Names of a file in a sentence."""
 NEAREST_M = 0.06
 FILLED = 0.8
 """Share of the picture that a body put before the camera fills."""
@@ -84,6 +87,7 @@ def fit_to_session(
     FormatError in one sentence where the motion does not suit the session.
     """
     skeleton = Skeleton.of(session.body)
+    motion = motion.on_video(file, times_s)
     known = matched(skeleton, motion.names, file, names)
     _require_joints(known, motion, file)
     first, ps = _within(motion.at(times_s - offset_s)[:, known.indices], file)
@@ -96,6 +100,10 @@ def fit_to_session(
     ps = ps * scale
     if reached:
         ps = _on_keyframes(points, ps, first, reached)
+    elif motion.world is None:
+        raise FormatError(
+            f"{file} does not say in which frame it is: choose with --world, or set a keyframe."
+        )
     elif motion.world != "camera":
         ps = _before_camera(session, ps, motion)
     fit = fit_motion(session.body, known.places, ps, first, _pose_per_frame(posed, first, len(ps)))
@@ -105,14 +113,33 @@ def fit_to_session(
     )
 
 
+def match_keypoints(
+    session: Session, keypoints: Keypoints, file: str, also: Mapping[str, str] | None = None
+) -> Matched:
+    """Which keypoints are where on the session's body, by their names.
+
+    also: places of the body by names in the file, said by a person, beside what is known.
+    FormatError in one sentence where too few are known to pose the body.
+    """
+    skeleton, names = Skeleton.of(session.body), keypoints.names
+    known = matched(skeleton, names, file)
+    if also:
+        said = {keypoint_name(name): place for name, place in also.items()}
+        known = match_also(skeleton, known, names, file, said)
+    if len(known.known) < LEAST_KEYPOINTS:
+        few = ", ".join(known.left_out[:SHOWN])
+        raise FormatError(
+            f"{file} names {len(known.known)} places of the session's body, {LEAST_KEYPOINTS} are "
+            f"needed to pose it: say with --map NAME=PART.end where others are, such as {few}."
+        )
+    return known
+
+
 def drafts_of(
-    session: Session, keypoints: Keypoints, file: str, frames: Sequence[int], times_s: Array
+    session: Session, keypoints: Keypoints, known: Matched, frames: Sequence[int], times_s: Array
 ) -> tuple[Draft, ...]:
     """A draft at each of these frames that has keypoints and is neither a keyframe nor a draft."""
     skeleton = Skeleton.of(session.body)
-    known = matched(skeleton, keypoints.names, file)
-    if len(known.known) < LEAST_KEYPOINTS:
-        raise FormatError(f"{file} names too few places of the session's body to pose it.")
     posed = {k.frame: k.pose(skeleton) for k in (*session.keyframes, *session.drafts)}
     drafts = []
     for frame in frames:
@@ -135,7 +162,7 @@ def drafts_of(
 
 def _require_joints(known: Matched, motion: JointMotion, file: str) -> None:
     if len(known.known) < LEAST_JOINTS:
-        few = ", ".join(motion.names[:6])
+        few = ", ".join(motion.names[:SHOWN])
         raise FormatError(
             f"{file} has {len(motion.names)} joints, such as {few}, of which {len(known.known)} "
             "are known: name their counterparts with --names."

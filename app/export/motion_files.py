@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from app.editor.state import EditorState
-from app.export.motion_formats import FORMATS, Bones, MotionFormat
+from app.export.motion_formats import FORMATS, Bones, MotionFormat, suffix_of
 from tracker.errors import FormatError, listed
 from tracker.formats.recording import RecordedSegment, Recording
 from tracker.formats.rigs import OWN
@@ -127,8 +127,8 @@ def motion_archive(
     """The motion as one file: several are packed into a zip. FormatError where frames lack."""
     files = motion_files(format_name, shown_motion(edit), sampling)
     if len(files) == 1:
-        ((name, content),) = files.items()
-        return File(content, FORMATS[format_name].media_type, name.removeprefix("motion"))
+        (content,), kind = files.values(), FORMATS[format_name]
+        return File(content, kind.media_type, suffix_of(kind))
     return File(_packed(files), "application/zip", f"-{format_name}.zip")
 
 

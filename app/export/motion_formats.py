@@ -160,9 +160,9 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
 
 
 def suffix_of(kind: Format) -> str:
-    """What follows a session's name in the name of a format's one file: .bvh, -camera.json."""
+    """What follows a session's name in that of a format's one file: .bvh, _poses.npz, -camera.json."""
     (name,) = kind.names
-    return name.removeprefix("motion") if name.startswith("motion.") else f"-{name}"
+    return name.removeprefix("motion") if name.startswith("motion") else f"-{name}"
 
 
 def formats_of(text: str) -> tuple[MotionFormat, ...]:

@@ -28,17 +28,20 @@ class JointMotion:
     names:          (J,), each once.
     ps_world_joint: (N, J, 3) metres in the file's own world, NaN where missing.
     times_s:        (N,) ascending; the file's own clock.
-    world:          which way is up there, or that it is this program's camera frame.
+    world:          which way is up there, or that it is this program's camera frame; None where
+                    the file does not say.
     unit:           the unit of length the file names; None where it names none, and `assumed` is
                     then the one that its positions were read with.
+    is_per_frame:   it has a row for each frame of a video and no clock: times_s count frames.
     """
 
     names: tuple[str, ...]
     ps_world_joint: Array
     times_s: Array
-    world: World
+    world: World | None
     unit: Unit | None
     assumed: Unit = "m"
+    is_per_frame: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "ps_world_joint", frozen(self.ps_world_joint))
@@ -50,7 +53,7 @@ class JointMotion:
     @classmethod
     def of(
         cls, file: str, names: list[str], positions: Array, times_s: Array,
-        world: World, unit: Unit | None, assumed: Unit = "m",
+        world: World | None, unit: Unit | None, assumed: Unit = "m",
     ) -> JointMotion:  # fmt: skip
         """The motion of a file whose positions (N, J, 3) are in `unit`, or else in `assumed`.
 
@@ -77,7 +80,24 @@ class JointMotion:
 
     def at_rate(self, fps: float) -> JointMotion:
         """The motion with its frames evenly spaced at another rate, from the same first time."""
-        return replace(self, times_s=self.times_s[0] + np.arange(len(self)) / fps)
+        first_s = 0.0 if self.is_per_frame else self.times_s[0]
+        return replace(self, times_s=first_s + np.arange(len(self)) / fps, is_per_frame=False)
+
+    def per_frame(self) -> JointMotion:
+        """The motion as one that has no clock, its times numbers of frames."""
+        return replace(self, times_s=np.arange(len(self), dtype=np.float64), is_per_frame=True)
+
+    def on_video(self, file: str, times_s: Array) -> JointMotion:
+        """With the times of a video's frames, where it has none of its own; FormatError where
+        there are not as many."""
+        if not self.is_per_frame:
+            return self
+        if len(self) > len(times_s):
+            raise FormatError(
+                f"{file} has {len(self)} poses, one for each frame, and the video {len(times_s)} "
+                "frames: give the poses' rate with --fps."
+            )
+        return replace(self, times_s=times_s[: len(self)], is_per_frame=False)
 
     def at(self, times_s: Array) -> Array:
         """Positions (M, J, 3) at times of the file's clock, NaN outside and next to missing frames.

@@ -3,7 +3,9 @@
 A convention is taken as a whole: the same name is another joint in another one, as LeftShoulder is
 the collar bone's joint here and the upper arm's there. The one that knows most of a file's names
 counts; the body's own names come first. Case, blanks, dots, dashes, underscores and what stands
-before a colon, as in `mixamorig:`, do not matter.
+before a colon, as in `mixamorig:`, do not matter. Of the body's own names the order of the words
+does not matter either, nor whether a side is a word or a letter: paw_front_L is left_front_paw.
+What a name does not say is never guessed: a person says it, name by name.
 """
 
 from __future__ import annotations
@@ -14,19 +16,27 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from tracker.body.body import Body, Point
 from tracker.body.skeleton import Skeleton
-from tracker.errors import FormatError
+from tracker.errors import FormatError, listed
 from tracker.files import TooLarge, read_regular
 from tracker.formats.end_sites import end_site
 from tracker.formats.marker_names import places_of
+from tracker.keypoints.layouts import snake
 from tracker.solver.body_points import BodyPoint
 
 LARGEST_NAMES_BYTES = 2**20
+MOST_LISTED = 24
+"""Names in a sentence."""
 
 _SHOULDERS = "left_upper_arm+right_upper_arm"
 _HIPS = "left_thigh+right_thigh"
 _SIDES = {"left": ("left", "l"), "right": ("right", "r")}
+_WORDS = {"l": "left", "r": "right", "fore": "front", "back": "hind", "rear": "hind"}
+END = "end"
+"""`part.end` is where a part ends: at the joint of its one child, or at the end of its shape."""
 
 
 def _both(**joints: str) -> dict[str, str]:
@@ -141,6 +151,28 @@ def matched(
     return max(found.values(), key=lambda m: len(m.known))  # the first of those alike
 
 
+def match_also(
+    skeleton: Skeleton, known: Matched, names: Sequence[str], file: str, also: Mapping[str, str]
+) -> Matched:
+    """With what a person said of some names, by places such as left_shin, left_shin.end or
+    head.nose: it counts before what was matched, and a name or place it takes is free of others.
+
+    FormatError names what the file or the body does not have.
+    """
+    missing = [name for name in also if name not in names]
+    if missing:
+        raise FormatError(
+            f"{file} has no keypoint {missing[0]!r}; it has {listed(list(names[:MOST_LISTED]))}."
+        )
+    said = {names.index(n): (ours, _told_place(skeleton, ours)) for n, ours in also.items()}
+    taken = {place for _, place in said.values()}
+    kept = (one for one in known.known if one[0] not in said and one[2] not in taken)
+    every = sorted([*kept, *((i, *told) for i, told in said.items())])
+    indices = {index for index, _, _ in every}
+    left_out = tuple(name for i, name in enumerate(names) if i not in indices)
+    return Matched(f"{known.convention}, --map", tuple(every), left_out)
+
+
 def load_names(path: Path) -> dict[str, str]:
     """A file {"their name": "our joint"}; FormatError in one sentence when it is not one."""
     try:
@@ -166,7 +198,7 @@ def _match(
 ) -> Matched:
     known, left_out, taken = [], [], set()
     for index, name in enumerate(names):
-        ours, place = table.get(plain(name), ("", ()))
+        ours, place = table.get(plain(name)) or table.get(_words(name)) or ("", ())
         if not place or place in taken:
             left_out.append(name)
             continue
@@ -197,7 +229,47 @@ def _own_names(skeleton: Skeleton) -> dict[str, tuple[str, BodyPoint]]:
         for name, p in part.landmarks.items():
             table.setdefault(plain(name), (name, ((i, p),)))
             table.setdefault(plain(f"{part.name}.{name}"), (name, ((i, p),)))
-    return table
+    return _in_any_order([ours for ours, _ in table.values()], table) | table
+
+
+def _in_any_order(
+    names: Sequence[str], table: Mapping[str, tuple[str, BodyPoint]]
+) -> dict[str, tuple[str, BodyPoint]]:
+    """By their words in order of the alphabet, but for those that several names have."""
+    places = {name: table[plain(name)] for name in names}
+    words = [_words(name) for name in places]
+    return {w: p for w, p in zip(words, places.values(), strict=True) if words.count(w) == 1}
+
+
+def _words(name: str) -> str:
+    """The words of a name in order of the alphabet, with a blank before: no plain name has one."""
+    parts = snake(name.rsplit(":", 1)[-1]).split("_")
+    return " " + " ".join(sorted(_WORDS.get(part, part) for part in parts))
+
+
+def _told_place(skeleton: Skeleton, ours: str) -> BodyPoint:
+    """A part's joint, its end, or a landmark; FormatError lists the parts where it is none."""
+    part, _, what = ours.partition(".")
+    body = skeleton.body
+    if part in body.names and what == END:
+        return ((body.index(part), _end(skeleton, body.index(part))),)
+    if part in body.names and what in body.parts[body.index(part)].landmarks:
+        return ((body.index(part), body.parts[body.index(part)].landmarks[what]),)
+    place = None if what else _place(body, part)
+    if place is None:
+        raise FormatError(
+            f"The body has no place {ours!r}: say PART, PART.end or a landmark; its parts are "
+            f"{listed(body.names)}."
+        )
+    return place
+
+
+def _end(skeleton: Skeleton, part: int) -> Point:
+    children = np.flatnonzero(skeleton.parents == part)
+    if len(children) != 1:
+        return end_site(skeleton.body.parts[part])
+    x, y, z = skeleton.joints[children[0]]
+    return float(x), float(y), float(z)
 
 
 def _place(body: Body, ours: str) -> BodyPoint | None:

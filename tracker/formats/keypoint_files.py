@@ -9,6 +9,8 @@ MediaPipe: its results under their own names, `pose_landmarks` in Python and `la
 33 of one person, or a list of people. A landmark is an object with x, y and visibility, or a list
 of x, y, z and visibility; one that says nothing of its visibility is seen.
 
+SLEAP, DeepLabCut: see `sleap` and `deeplabcut`; one individual of a file that tells them apart.
+
 Width, height and fps of the video count where they are given: at the top, under `metadata`, `info`
 or `video`, and the size in COCO's `images`.
 """
@@ -16,8 +18,7 @@ or `video`, and the size in COCO's `images`.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Final
 
@@ -25,6 +26,9 @@ from pydantic_core import from_json
 
 from tracker.errors import FormatError
 from tracker.files import TooLarge, read_regular
+from tracker.formats import deeplabcut, hdf5, sleap
+from tracker.formats.people import People
+from tracker.formats.reading_csv import rows_of
 
 LARGEST_KEYPOINT_BYTES: Final = 256 * 2**20
 LARGEST_PERSON_BYTES: Final = 16 * 2**20
@@ -36,37 +40,35 @@ _ABOUT: Final = ("metadata", "info", "video")
 """Under which a file may tell of its video, beside the top."""
 
 
-@dataclass(frozen=True)
-class People:
-    """What a file says, not yet checked.
+def read_people(path: Path, individual: str | None = None) -> People:
+    """The people in a file, or in a folder of files; FormatError in one sentence.
 
-    frames: by frame the numbers of each person, u, v and confidence in turn.
-    names:  of the keypoints, where the file gives them.
-    layout: the one layout that this kind of file has, or None.
-    sizes:  width and height of the pictures, where the file gives them.
-    fps:    the video's, where the file gives it.
+    individual: which one to read, in files that tell individuals apart.
     """
-
-    frames: Mapping[int, Sequence[Any]]
-    names: tuple[str, ...] | None = None
-    layout: str | None = None
-    sizes: frozenset[tuple[float, float]] = frozenset()
-    fps: float | None = None
-
-
-def read_people(path: Path) -> People:
-    """The people in a file, or in a folder of files; FormatError in one sentence."""
     try:
         if path.is_dir():
-            return _openpose(path)
+            return _single(path.name, individual, _openpose(path))
+        read = _TABLES.get(path.suffix.lower())
+        if read is not None:
+            return read(path.name, read_regular(path, LARGEST_KEYPOINT_BYTES), individual)
         data = _json(path, LARGEST_KEYPOINT_BYTES)
     except FileNotFoundError:
         raise FormatError(f"There is no file of keypoints {str(path)!r}.") from None
+    except TooLarge:
+        raise FormatError(f"{path.name} is too large for keypoints.") from None
     except OSError as error:
         raise FormatError(f"{path.name} cannot be read: {error.strerror or error}.") from None
     if isinstance(data, dict) and ("people" in data or path.name.endswith("_keypoints.json")):
-        return People({_number(path.name, 0): _openpose_people(path.name, data)})
-    return _mediapipe(path.name, data) if _has_landmarks(data) else _coco(path.name, data)
+        people = People({_number(path.name, 0): _openpose_people(path.name, data)})
+    else:
+        people = (_mediapipe if _has_landmarks(data) else _coco)(path.name, data)
+    return _single(path.name, individual, people)
+
+
+def _single(file: str, individual: str | None, people: People) -> People:
+    if individual is not None:
+        raise FormatError(f"{file} does not tell individuals apart: leave out --individual.")
+    return people
 
 
 def _json(path: Path, largest: int) -> Any:
@@ -84,6 +86,47 @@ def _number(name: str, otherwise: int) -> int:
     stem = stem.rsplit(".", 1)[0] if re.search(r"\.\D\w*$", stem) else stem
     digits = re.findall(r"\d+", stem)
     return int(digits[-1][-9:]) if digits else otherwise
+
+
+# --- SLEAP, DeepLabCut
+
+
+def _table(file: str, content: bytes, individual: str | None) -> People:
+    try:
+        rows = rows_of(file, content.decode("utf-8-sig"))
+    except UnicodeDecodeError:
+        raise FormatError(f"{file} is not text, as a table has to be.") from None
+    if deeplabcut.is_table(rows[0]):
+        return deeplabcut.read_table(file, rows, individual)
+    if sleap.is_table([head.strip() for head in rows[0]]):
+        return sleap.read_table(file, rows, individual)
+    raise FormatError(
+        f"{file} is no table of keypoints as SLEAP (frame_idx, NAME.x, NAME.y) or DeepLabCut "
+        "(scorer, bodyparts, coords) writes it."
+    )
+
+
+def _hdf5(file: str, content: bytes, individual: str | None) -> People:
+    with hdf5.opened(file, content) as root:
+        if sleap.is_analysis(root):
+            return sleap.read_analysis(root, individual)
+        if deeplabcut.table_name(root) is not None:
+            return deeplabcut.read_hdf(root, individual)
+    raise FormatError(f"{file} is neither SLEAP's analysis nor a table of DeepLabCut.")
+
+
+def _sleap_project(file: str, content: bytes, individual: str | None) -> People:
+    raise FormatError(f"{file} is a SLEAP project: export it as analysis HDF5 or CSV.")
+
+
+def _pickled(file: str, content: bytes, individual: str | None) -> People:
+    raise FormatError(f"{file} may run code when it is read: use DeepLabCut's CSV or .h5.")
+
+
+_TABLES: Final[Mapping[str, Callable[[str, bytes, str | None], People]]] = {
+    ".csv": _table, ".h5": _hdf5, ".hdf5": _hdf5, ".slp": _sleap_project,
+    ".pickle": _pickled, ".pkl": _pickled,
+}  # fmt: skip
 
 
 # --- OpenPose

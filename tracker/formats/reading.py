@@ -1,7 +1,7 @@
 """Recorded motion in: joint positions over time, whatever program wrote them.
 
 One module per format reads its own files into a `JointMotion`: `reading_bvh`, `reading_trc`,
-`reading_c3d`, `reading_csv`, `reading_amass`. Whatever is wrong with a file is reported in one
+`reading_c3d`, `reading_csv`, `reading_smpl`. Whatever is wrong with a file is reported in one
 sentence.
 """
 
@@ -27,7 +27,8 @@ def load_motion(path: Path) -> JointMotion:
     read = _readers().get(path.suffix.lower())
     if read is None:
         raise FormatError(
-            f"{path.name} is no motion file: .bvh, .trc, .c3d, .csv or AMASS's .npz is expected."
+            f"{path.name} is no motion file: .bvh, .trc, .c3d, .csv, or SMPL poses as "
+            ".npz or .pt are expected."
         )
     try:
         return read(path.name, read_regular(path, LARGEST_MOTION_BYTES))
@@ -44,12 +45,14 @@ def load_motion(path: Path) -> JointMotion:
 
 def _readers() -> dict[str, Callable[[str, bytes], JointMotion]]:
     """By the ending of a name, what makes a motion of a file's name and content."""
-    from tracker.formats.reading_amass import read_amass
     from tracker.formats.reading_bvh import read_bvh
     from tracker.formats.reading_c3d import read_c3d
     from tracker.formats.reading_csv import read_csv
+    from tracker.formats.reading_smpl import read_smpl, read_torch, refuse_pickle
     from tracker.formats.reading_trc import read_trc
 
     return {
-        ".bvh": read_bvh, ".trc": read_trc, ".c3d": read_c3d, ".csv": read_csv, ".npz": read_amass,
+        ".bvh": read_bvh, ".trc": read_trc, ".c3d": read_c3d, ".csv": read_csv,
+        ".npz": read_smpl, ".pt": read_torch, ".pth": read_torch,
+        ".pkl": refuse_pickle, ".pickle": refuse_pickle,
     }  # fmt: skip

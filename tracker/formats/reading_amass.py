@@ -20,7 +20,6 @@ from tracker.errors import FormatError
 from tracker.formats.joint_motion import JointMotion, Unit, require_size
 from tracker.formats.smpl import JOINTS, joints_of, rest_joints, smpl_of
 from tracker.geometry.rotations import Array, exp_rotation
-from tracker.storage.archive import archive_arrays
 
 RATES = ("mocap_framerate", "mocap_frame_rate")
 """What older and newer files call frames a second."""
@@ -29,12 +28,8 @@ BODY = "adult_male"
 COUNT = len(JOINTS)
 
 
-def read_amass(file: str, content: bytes) -> JointMotion:
-    """The motion in an archive's content; FormatError in one sentence."""
-    try:
-        arrays = archive_arrays(content, packed=True)
-    except ValueError as error:
-        raise FormatError(f"{file} is no NumPy archive of plain arrays: {error}.") from None
+def read_amass(file: str, arrays: Mapping[str, NDArray[Any]]) -> JointMotion:
+    """The motion in an archive's arrays; FormatError in one sentence."""
     rate_name = next((name for name in RATES if name in arrays), None)
     if rate_name is None or not {"poses", "trans"} <= arrays.keys():
         raise FormatError(

@@ -23,7 +23,7 @@ _TIMES = ("time_s", "time", "t")
 
 def read_csv(file: str, content: bytes) -> JointMotion:
     """The motion in a table; FormatError in one sentence."""
-    rows = _rows(file, content.decode("utf-8-sig"))
+    rows = rows_of(file, content.decode("utf-8-sig"))
     heads = [head.strip() for head in rows[0]]
     time = next((heads.index(head) for head in _TIMES if head in heads), None)
     if time is None:
@@ -38,14 +38,15 @@ def read_csv(file: str, content: bytes) -> JointMotion:
                 f"{file}: row {row + 2} has {len(cells)} columns where {len(heads)} are due."
             )
         for i in wanted:
-            table[row, i] = _number(file, cells[i])
+            table[row, i] = number(file, cells[i])
     positions = table[:, list(columns.values())]
     ours = unit == "m" and heads[:2] == ["frame", "time_s"]
     world: World = "camera" if ours else "y up"
     return JointMotion.of(file, list(columns), positions, table[:, time], world, unit)
 
 
-def _rows(file: str, text: str) -> list[list[str]]:
+def rows_of(file: str, text: str) -> list[list[str]]:
+    """The rows of a table that hold anything; FormatError in one sentence."""
     rows: list[list[str]] = []
     try:
         for row in csv.reader(io.StringIO(text, newline="")):
@@ -83,7 +84,8 @@ def _columns(file: str, heads: list[str]) -> tuple[dict[str, list[int]], Unit | 
     return columns, known.get(unit)
 
 
-def _number(file: str, word: str) -> float:
+def number(file: str, word: str) -> float:
+    """A cell of a table, NaN where it is empty."""
     try:
         return float(word) if word.strip() else np.nan
     except ValueError:

@@ -1,4 +1,4 @@
-"""2D keypoints in: COCO, AlphaPose and MediaPipe files, or a folder of OpenPose's.
+"""2D keypoints in: COCO, AlphaPose, MediaPipe, SLEAP and DeepLabCut files, or OpenPose's folder.
 
 What each kind of file looks like is in `keypoint_files`, the orders of keypoints in
 `tracker.keypoints.layouts`. Names in the file count; without them the number of keypoints says
@@ -17,7 +17,8 @@ from typing import Any, Final
 import numpy as np
 
 from tracker.errors import FormatError, listed
-from tracker.formats.keypoint_files import People, read_people
+from tracker.formats.keypoint_files import read_people
+from tracker.formats.people import People
 from tracker.geometry.rotations import Array
 from tracker.keypoints.keypoints import Keypoints
 from tracker.keypoints.layouts import LAYOUTS, keypoint_name, layouts_of
@@ -43,15 +44,19 @@ class VideoFacts:
 
 
 def load_keypoints(
-    path: Path, layout: str | None = None, video: VideoFacts | None = None
+    path: Path,
+    layout: str | None = None,
+    video: VideoFacts | None = None,
+    individual: str | None = None,
 ) -> Keypoints:
     """The keypoints in a file or a folder, of the first to the last frame that has any.
 
     layout: a name in `LAYOUTS`, for files that do not name their keypoints.
     video:  what they are of: keypoints of another size, rate or number of frames are refused.
+    individual: which one, in files that tell individuals apart.
     FormatError in one sentence.
     """
-    people, file = read_people(path), path.name
+    people, file = read_people(path, individual), path.name
     tables = _surest_person_by_frame(file, people)
     _require_frames(file, sorted(tables), video)
     _require_rate(file, people.fps, video)

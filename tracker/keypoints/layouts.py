@@ -76,14 +76,15 @@ def keypoint_name(given: str) -> str:
     What stands before a colon, as in `mixamorig:`, goes.
     """
     given = given.rsplit(":", 1)[-1]
-    return _KNOWN.get(_plain(given)) or _snake(given) or given
+    return _KNOWN.get(_plain(given)) or snake(given) or given
 
 
 def _plain(name: str) -> str:
     return re.sub(r"[\W_]", "", name).lower()
 
 
-def _snake(name: str) -> str:
+def snake(name: str) -> str:
+    """Words apart by underscores, in lower case: LKnee is l_knee."""
     apart = re.sub(r"(?<=[a-z0-9])(?=[A-Z])|(?<=[A-Z])(?=[A-Z][a-z])", "_", name)
     return re.sub(r"[\W_]+", "_", apart).strip("_").lower()
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from app.cli.main import main
 from app.document.folder_lock import SessionLock
 from app.document.open import copy_session
-from app.export.import_motion import drafts_of, fit_to_session
+from app.export.import_motion import Draft, drafts_of, fit_to_session, match_keypoints
 from tests.app.cli_cases import everything_in, refused
 from tests.tracker.formats import recordings
 from tests.tracker.formats.recordings import bvh_of
@@ -361,11 +361,16 @@ def _judged(draft: Any) -> tuple[float, float]:
     return float(away), float(np.degrees(np.linalg.norm(turn)))
 
 
+def _drafts(session: Session, keypoints: Keypoints, frames: list[int]) -> tuple[Draft, ...]:
+    known = match_keypoints(session, keypoints, "a.json")
+    return drafts_of(session, keypoints, known, frames, TIMES_S)
+
+
 @pytest.mark.parametrize("layout", LAYOUTS)
 @pytest.mark.parametrize("keyed", [False, True])
 def test_exact_keypoints_give_the_right_pose_facing_the_right_way(layout: str, keyed: bool) -> None:
     session = SESSION if keyed else SESSION.model_copy(update={"keyframes": ()})
-    drafts = drafts_of(session, _keypoints(layout), "a.json", [6, 36, 66], TIMES_S)
+    drafts = _drafts(session, _keypoints(layout), [6, 36, 66])
     assert [draft.keyframe.frame for draft in drafts] == [6, 36, 66]
     for draft in drafts:
         away, turn = _judged(draft)
@@ -377,7 +382,7 @@ def test_exact_keypoints_give_the_right_pose_facing_the_right_way(layout: str, k
 
 def test_keypoints_as_a_detector_sees_them_still_give_the_right_side() -> None:
     session = SESSION.model_copy(update={"keyframes": SESSION.keyframes[:1]})
-    for draft in drafts_of(session, _keypoints("COCO_17", noise=2.0), "a.json", [12, 36], TIMES_S):
+    for draft in _drafts(session, _keypoints("COCO_17", noise=2.0), [12, 36]):
         away, turn = _judged(draft)
         assert away < 6.0
         assert turn < 30.0
@@ -450,16 +455,16 @@ def test_keypoints_of_another_video_leave_the_session_as_it_was(
 def test_exchanged_keypoints_give_the_body_its_sides_back() -> None:
     session = SESSION.model_copy(update={"keyframes": ()})
     wrong = _keypoints("BODY_25").exchanged()
-    for draft in drafts_of(session, wrong.exchanged(), "a.json", [36], TIMES_S):
+    for draft in _drafts(session, wrong.exchanged(), [36]):
         assert _judged(draft)[0] < 1.0
-    for draft in drafts_of(session, wrong, "a.json", [36], TIMES_S):
+    for draft in _drafts(session, wrong, [36]):
         assert _judged(draft)[0] > 3.0
 
 
 def test_a_body_without_such_joints_is_told(tmp_path: Path) -> None:
     box = recordings.session("box")
-    with pytest.raises(FormatError, match="too few places"):
-        drafts_of(box, _keypoints("COCO_17"), "a.json", [3], TIMES_S)
+    with pytest.raises(FormatError, match=r"names 0 places of the session's body.*--map"):
+        _drafts(box, _keypoints("COCO_17"), [3])
     motion = JointMotion(("a", "b", "c"), np.zeros((5, 3, 3)), np.arange(5.0), "y up", "m")
     with pytest.raises(FormatError, match="--names"):
         fit_to_session(box, motion, "a.bvh", TIMES_S)

@@ -1,0 +1,69 @@
+"""People, or animals, as files of keypoints list them: frame by frame, not yet checked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from tracker.errors import FormatError, listed
+from tracker.geometry.rotations import Array
+
+MOST_NUMBERS = 10_000_000
+"""Keypoints over all frames and individuals of a table."""
+MOST_LISTED = 12
+"""Names of individuals in a sentence."""
+
+
+@dataclass(frozen=True)
+class People:
+    """What a file says, not yet checked.
+
+    frames: by frame the numbers of each person, u, v and confidence in turn.
+    names:  of the keypoints, where the file gives them.
+    layout: the one layout that this kind of file has, or None.
+    sizes:  width and height of the pictures, where the file gives them.
+    fps:    the video's, where the file gives it.
+    """
+
+    frames: Mapping[int, Sequence[Any]]
+    names: tuple[str, ...] | None = None
+    layout: str | None = None
+    sizes: frozenset[tuple[float, float]] = frozenset()
+    fps: float | None = None
+
+
+def chosen_individual(file: str, individuals: Sequence[str], wanted: str | None) -> str:
+    """The individual to read; FormatError where that is not said or not there.
+
+    Of several animals none is taken unasked: the surest one changes from frame to frame.
+    """
+    shown = listed(list(individuals[:MOST_LISTED]))
+    if wanted is None:
+        if len(individuals) == 1:
+            return individuals[0]
+        raise FormatError(
+            f"{file} has {len(individuals)} individuals, {shown}: choose with --individual."
+        )
+    if wanted not in individuals:
+        raise FormatError(f"{file} has no individual {wanted!r}; it has {shown}.")
+    return wanted
+
+
+def person_numbers(file: str, uv: Array, confidence: Array) -> list[list[float]]:
+    """By frame the numbers of one person, u, v and confidence in turn, as `People` has them.
+
+    uv (N, L, 2), NaN where not found.  confidence (N, L), NaN where the file gives none: what a
+    person labelled has a place and no score, and is seen.
+    """
+    if uv.shape[0] * uv.shape[1] > MOST_NUMBERS:
+        raise FormatError(f"{file} has {len(uv)} frames of {uv.shape[1]} keypoints: too many.")
+    if np.isinf(uv).any() or np.isinf(confidence).any():
+        raise FormatError(f"{file} has a keypoint that is not a finite number.")
+    found = np.asarray(np.isfinite(uv).all(-1))
+    sure = np.where(found, np.where(np.isnan(confidence), 1.0, confidence), 0.0)
+    place = np.where(found[..., None], uv, 0.0)
+    rows = np.concatenate([place, sure[..., None]], axis=-1).reshape(len(uv), -1)
+    return [[float(x) for x in row] for row in rows]

@@ -1,0 +1,39 @@
+"""Poses of SMPL in: archives of NumPy and of PyTorch, told apart by the names of their arrays."""
+
+from __future__ import annotations
+
+from tracker.errors import FormatError
+from tracker.formats.joint_motion import JointMotion
+from tracker.formats.reading_amass import read_amass
+from tracker.formats.reading_recovered import is_recovered, read_recovered
+from tracker.formats.torch_archive import torch_arrays
+from tracker.storage.archive import archive_arrays
+
+
+def read_smpl(file: str, content: bytes) -> JointMotion:
+    """The motion in an archive of NumPy; FormatError in one sentence."""
+    try:
+        arrays = archive_arrays(content, packed=True)
+    except ValueError as error:
+        raise FormatError(f"{file} is no NumPy archive of plain arrays: {error}.") from None
+    return (read_recovered if is_recovered(arrays) else read_amass)(file, arrays)
+
+
+def read_torch(file: str, content: bytes) -> JointMotion:
+    """The motion in a file of PyTorch; FormatError in one sentence."""
+    try:
+        arrays = torch_arrays(content)
+    except ValueError as error:
+        raise FormatError(
+            f"{file} is no file of tensors alone: {error}; in Python with PyTorch, save each "
+            "tensor's .numpy() with numpy.savez, under names such as smpl_params_incam.transl."
+        ) from None
+    return read_recovered(file, arrays)
+
+
+def refuse_pickle(file: str, content: bytes) -> JointMotion:
+    """FormatError."""
+    raise FormatError(
+        f"{file} may run code when it is read: in Python, load it yourself and save its arrays "
+        "with numpy.savez, under the same names."
+    )
