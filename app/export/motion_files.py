@@ -5,14 +5,14 @@ from __future__ import annotations
 import io
 import zipfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from app.editor.state import EditorState
 from app.export.motion_formats import FORMATS, MotionFormat
 from tracker.errors import FormatError, listed
-from tracker.formats.recording import RecordedSegment, Recording
+from tracker.formats.recording import MarkerSetName, RecordedSegment, Recording
 from tracker.formats.sampling import at_rate, low_passed, moved_at_keyframes
 from tracker.geometry.rotations import Array
 from tracker.session.schema import Session
@@ -39,11 +39,13 @@ class Sampling:
         a constant rate get their mean.
     filter_hz: cut-off of the low-pass filter, none when None.
     frames: first and last frame of the film, all when None.
+    marker_set: which markers files of markers have.
     """
 
     rate: float | None = None
     filter_hz: float | None = None
     frames: Span | None = None
+    marker_set: MarkerSetName = "keypose"
 
 
 AS_TRACKED = Sampling()
@@ -54,7 +56,7 @@ def sampled(recording: Recording, sampling: Sampling, own_times: bool) -> Record
 
     It is filtered before frames are left out, and at the film's rate, whatever rate it gets.
     """
-    made = recording
+    made = replace(recording, marker_set=sampling.marker_set)
     if sampling.filter_hz is not None:
         made = low_passed(made, sampling.filter_hz)
     if sampling.rate is not None:

@@ -12,7 +12,10 @@ from typing import TYPE_CHECKING, Final, Literal, TypeAlias
 if TYPE_CHECKING:
     from tracker.formats.recording import Recording
 
-MotionFormat: TypeAlias = Literal["bvh", "glb", "trc", "c3d", "csv", "npz"]
+MotionFormat: TypeAlias = Literal["bvh", "glb", "trc", "mot", "c3d", "csv", "npz"]
+
+MARKER_SETS: Final = ("keypose", "halpe26")
+"""As in tracker.formats.recording, which would load more than help needs."""
 
 
 @dataclass(frozen=True)
@@ -51,13 +54,20 @@ def _csv(recording: Recording) -> Sequence[str]:
     from tracker.formats.csv import angles_csv, frames_csv, joints_csv
 
     motion = (recording.skeleton, recording.trajectory, recording.times_s)
-    return joints_csv(*motion), angles_csv(*motion), frames_csv(recording)
+    angles = angles_csv(*motion, recording.joint_angles)
+    return joints_csv(*motion), angles, frames_csv(recording)
 
 
 def _trc(recording: Recording) -> Sequence[str]:
     from tracker.formats.trc import trc
 
     return (trc(recording, "motion.trc"),)
+
+
+def _mot(recording: Recording) -> Sequence[str]:
+    from tracker.formats.opensim.mot import mot
+
+    return (mot(recording),)
 
 
 def _c3d(recording: Recording) -> Sequence[bytes]:
@@ -85,14 +95,19 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         "joints as markers for OpenSim, millimetres; x right, y up, z toward the camera",
         _trc, ("motion.trc",), "text/plain",
     ),
+    "mot": Format(
+        "joint angles for OpenSim, in degrees, of its full-body models after Rajagopal; x ahead, y "
+        "up, z right, on the floor",
+        _mot, ("motion.mot",), "text/plain",
+    ),
     "c3d": Format(
         "joints as markers for motion laboratories, millimetres; x right, y up, z toward the "
         "camera",
         _c3d, ("motion.c3d",),
     ),
     "csv": Format(
-        "joints in metres in the camera frame (x right, y down, z forward), angles in degrees, and "
-        "how far to trust every frame",
+        "joints in metres in the camera frame (x right, y down, z forward), angles in degrees, a "
+        "person's by clinical names too, and how far to trust every frame",
         _csv, ("joints.csv", "angles.csv", "frames.csv"), own_times=True,
     ),
     "npz": Format(

@@ -31,7 +31,7 @@ R_ANATOMICAL_PART: Final = frozen([[0.0, 0.0, -1.0], [0.0, -1.0, 0.0], [-1.0, 0.
 """A part's frame to x forward, y up, z right; the same for every part at rest."""
 
 _MIRRORED = np.diag([1.0, 1.0, -1.0])
-_HAND = np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
+R_PALM_FORWARD: Final = frozen([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
 """Thumbs forward to palms forward, as the right hand's axes are meant: x out of the palm."""
 
 ROOT = ""
@@ -57,12 +57,15 @@ class Joint:
     """A joint of a person: where the rotation of `part` in `carrier` is read.
 
     angles: about z, x and y, in this order.
+    usual_deg: near which angles are chosen, of a right limb, signs as of the axes: every rotation
+        has two triples, and an arm raised beyond the horizontal needs to be told which.
     """
 
     name: str
     part: str
     carrier: str
     angles: tuple[Angle, Angle, Angle]
+    usual_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @property
     def left(self) -> bool:
@@ -71,7 +74,7 @@ class Joint:
     @property
     def axes_turned(self) -> Array:
         """(3, 3) From the axes of this file's top to those that the joint's angles are about."""
-        turned = _HAND if self.name.endswith("wrist") else np.eye(3)
+        turned = R_PALM_FORWARD if self.name.endswith("wrist") else np.eye(3)
         return np.asarray(turned @ _MIRRORED) if self.left else turned
 
 
@@ -99,13 +102,19 @@ _LIMBS: Final[dict[str, tuple[str, str, tuple[Angle, Angle, Angle]]]] = {
     "knee": ("shin", "thigh", (_FLEXION_BACK, _ADDUCTION, _TURN)),
     "ankle": ("foot", "shin", _ANKLE),
 }
+_USUAL_SHOULDER_DEG = (60.0, -60.0, 0.0)
+"""Half of how far an arm is raised, forward and sideways."""
+UNUSUAL: Final = 0.05
+"""What a degree away from the usual costs at every frame, of what a degree of change costs."""
+
 _TRUNK = ("waist", "chest", "head")
 
 
 def _on(side: str, joint: str) -> Joint:
     part, carrier, angles = _LIMBS[joint]
     on = carrier if carrier in _TRUNK else f"{side}_{carrier}"
-    return Joint(f"{side}_{joint}", f"{side}_{part}", on, angles)
+    usual = _USUAL_SHOULDER_DEG if joint == "shoulder" else (0.0, 0.0, 0.0)
+    return Joint(f"{side}_{joint}", f"{side}_{part}", on, angles, usual)
 
 
 JOINTS: Final[tuple[Joint, ...]] = (
@@ -186,21 +195,37 @@ def cardan_zxy(rotations: Array) -> Array:
 
 def _angles_deg(joint: Joint, rotations: Array) -> Array:
     signs = np.array([angle.sign for angle in joint.angles])
-    return np.asarray(np.degrees(_continuous(cardan_zxy(rotations))) * signs + 0.0)
+    known = np.isfinite(rotations).all(axis=(1, 2))
+    made = np.full((len(rotations), 3), np.nan)
+    if known.any():
+        made[known] = _steady(np.degrees(cardan_zxy(rotations[known])), np.array(joint.usual_deg))
+        if joint.carrier == ROOT:
+            made[known] = np.unwrap(made[known], period=360.0, axis=0)
+    return np.asarray(made * signs + 0.0)
 
 
-def _continuous(angles: Array) -> Array:
-    """Of the two triples of every rotation the one nearer to the frame before, without jumps of a
-    whole turn; at the beginning the one of smaller angles."""
-    made, before = np.full(angles.shape, np.nan), np.zeros(3)
-    for i, one in enumerate(angles):
-        if not np.isfinite(one).all():
-            continue
-        z, x, y = one
-        both = np.array([one, [z + np.pi, np.pi - x, y + np.pi]])
-        both -= 2 * np.pi * np.round((both - before) / (2 * np.pi))
-        made[i] = before = both[int(np.argmin(np.abs(both - before).sum(axis=1)))]
+def _steady(angles: Array, usual: Array) -> Array:
+    """Of the two triples [z, x, y] (N, 3) of every rotation, degrees, those that together change
+    least from frame to frame and, over time, stay near the usual ones (3,)."""
+    both = np.stack([angles, [180.0, 180.0, 180.0] + angles * [1.0, -1.0, 1.0]], axis=1)
+    both = usual + _within_half_turn(both - usual)
+    cost = UNUSUAL * np.abs(both - usual).sum(axis=2)  # (N, 2), then of the best way there
+    came_from = np.zeros((len(both), 2), dtype=np.int64)
+    for i in range(1, len(both)):
+        steps = np.abs(_within_half_turn(both[i, :, None] - both[i - 1, None, :])).sum(axis=2)
+        ways = steps + cost[i - 1]
+        came_from[i] = ways.argmin(axis=1)
+        cost[i] += ways.min(axis=1)
+    chosen = int(cost[-1].argmin())
+    made = np.empty_like(angles)
+    for i in reversed(range(len(both))):
+        made[i] = both[i, chosen]
+        chosen = int(came_from[i, chosen])
     return made
+
+
+def _within_half_turn(degrees: Array) -> Array:
+    return np.asarray(degrees - 360.0 * np.round(degrees / 360.0))
 
 
 def _stands_as_a_person(body: Body) -> bool:

@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Final, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tracker.body.ground import Ground, ground_of
+from tracker.body.joint_angles import JointAngles, joint_angles, joints_of
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.errors import FormatError
@@ -18,6 +21,10 @@ from tracker.session.notes import Note
 from tracker.session.schema import Session
 from tracker.session.verdict import Verdict
 from tracker.storage.tracks import Tracks
+
+MarkerSetName: TypeAlias = Literal["keypose", "halpe26"]
+MARKER_SETS: Final[tuple[MarkerSetName, ...]] = get_args(MarkerSetName)
+"""What markers files of markers have, as `tracker.formats.marker_sets` says."""
 
 CAMERA_UP = (0.0, -1.0, 0.0)
 """Up where no other direction is known: the camera's own."""
@@ -57,6 +64,10 @@ class Recording:
     filter_hz: the cut-off of the low-pass filter that the poses went through; None: as tracked.
     notes:     what a person wrote at frames of the video.
     part_frames: frames at which limbs alone were keyed, ascending.
+    floor_m:   where the floor is, metres along up from the camera's centre; None: as low as the
+               body stands.
+    marker_set: the markers of files of markers.
+    on_ground: whether these files are on the ground, whatever their markers.
     """
 
     skeleton: Skeleton
@@ -71,6 +82,9 @@ class Recording:
     filter_hz: float | None = None
     notes: tuple[Note, ...] = ()
     part_frames: tuple[int, ...] = ()
+    floor_m: float | None = None
+    marker_set: MarkerSetName = "keypose"
+    on_ground: bool = False
 
     @classmethod
     def of(
@@ -98,6 +112,7 @@ class Recording:
             _mean_rate(times_s),
             notes=session.notes,
             part_frames=tuple(keyframe.frame for keyframe in session.part_keyframes),
+            floor_m=session.floor_m,
         )
 
     def __len__(self) -> int:
@@ -145,6 +160,21 @@ class Recording:
     def ps_camera_joint(self) -> Array:
         """Joints and landmarks (N, J, 3) in the camera frame, metres, NaN where not tracked."""
         return frozen(self.trajectory.joints(self.skeleton))
+
+    @cached_property
+    def ground(self) -> Ground:
+        """What is ahead, up and the floor. FormatError where no frame is tracked."""
+        if not self.tracks.tracked.any():
+            raise FormatError("No frame is tracked.")
+        return ground_of(self.skeleton, self.trajectory, self.up_camera, self.floor_m)
+
+    @cached_property
+    def joint_angles(self) -> tuple[JointAngles, ...]:
+        """The angles of a person's joints by their clinical names; none of another body."""
+        if not joints_of(self.skeleton.body) or not self.tracks.tracked.any():
+            return ()
+        R_ground_camera = self.ground.R_ground_camera
+        return joint_angles(self.skeleton.body, self.tracks.Rs_parent_part, R_ground_camera)
 
     def whole(self, name: str) -> Recording:
         """From the first tracked frame to the last, for a format of this name that holds no gaps.

@@ -29,7 +29,8 @@ from tracker.storage.tracks import save_result
 from tracker.video.fingerprint import fingerprint_of_file
 
 LAST = 8
-EVERY = ",".join(FORMATS)
+OF_ANY_BODY = tuple(name for name in FORMATS if name != "mot")
+EVERY = ",".join(OF_ANY_BODY)
 
 
 @pytest.fixture
@@ -67,11 +68,25 @@ def from_page(format_name: MotionFormat, edit: EditorState) -> dict[str, bytes]:
         return {name: archive.read(name) for name in archive.namelist()}
 
 
-@pytest.mark.parametrize("format_name", FORMATS)
+@pytest.mark.parametrize("format_name", OF_ANY_BODY)
 def test_the_page_saves_what_the_command_line_writes(format_name: MotionFormat, path: Path) -> None:
     edit = opened(path, results_cases.both(load_session(path)))
     assert from_page(format_name, edit) == exported(path, format_name)
     assert MOTION.validate_strings({"format": format_name}).format == format_name
+
+
+def test_both_doors_refuse_angles_of_a_body_that_is_no_person(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    edit = opened(path, results_cases.both(load_session(path)))
+    with pytest.raises(FormatError, match="this body is no person's") as told:
+        from_page("mot", edit)
+    out = path.parent / "out"
+    command = ["export", path, "--format", "mot", "--out", out]
+    assert str(told.value) in refused(capsys, path.parent, command)
+    command = ["export", path, "--format", "trc", "--markers", "halpe26", "--out", out]
+    words = refused(capsys, path.parent, command)
+    assert "this body has no Nose: choose the markers keypose" in words
 
 
 def test_all_formats_are_written_at_once_under_their_names(path: Path) -> None:
@@ -305,7 +320,7 @@ def test_a_format_that_is_none_is_refused(
     command = ["export", path, "--format", formats, "--out", path.parent / "out"]
     words = refused(capsys, path.parent, command)
     assert "invalid choice" in words
-    assert "choose from bvh, glb, trc, c3d, csv, npz" in words
+    assert "choose from bvh, glb, trc, mot, c3d, csv, npz" in words
 
 
 def test_json_lists_every_file(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
