@@ -29,8 +29,9 @@ from tracker.formats.trc import trc
 SCALING_S = 120.0
 """After which the Scale Tool is given up; a model without muscles takes a second."""
 
-_SCALING = "import sys, opensim; sys.exit(not opensim.ScaleTool(sys.argv[1]).run())"
-"""In a process of its own: the library logs into the present folder, and a fault ends Python."""
+_SCALING = "import sys, opensim; opensim.ScaleTool(sys.argv[1]).run()"
+"""In a process of its own: the library logs into the present folder, and a fault ends Python.
+Whether there is a model then tells whether it worked."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +96,7 @@ def _scaled_model(markers: str, setup: str) -> bytes | None:
         (place / SCALE_FILE).write_text(setup, encoding="utf-8")
         command = [sys.executable, "-c", _SCALING, SCALE_FILE]
         try:
-            subprocess.run(command, cwd=place, capture_output=True, timeout=SCALING_S, check=True)
+            subprocess.run(command, cwd=place, capture_output=True, timeout=SCALING_S, check=False)
         except (OSError, subprocess.SubprocessError):
             return None
         found = list(place.glob("*.osim"))

@@ -1,7 +1,7 @@
 """What OpenSim's tools are told: how to scale a model to our body, and to follow our markers.
 
 markers.xml   our markers on the model as it is, before it is scaled
-scale.xml     for the Scale Tool: factors of every body, nothing measured and no marker moved
+scale.xml     for the Scale Tool: factors of every body, nothing measured
 ik.xml        for the Inverse Kinematics Tool: the scaled model follows motion.trc
 """
 
@@ -48,7 +48,6 @@ def scale_xml(sizes: Scaled, model_path: str, scaled_path: str) -> str:
         _text(scale, "apply", "true")
     _text(scaler, "preserve_mass_distribution", "true")
     _text(scaler, "output_model_file", scaled_path)
-    _text(SubElement(tool, "MarkerPlacer"), "apply", "false")
     return _written(root)
 
 
