@@ -16,7 +16,7 @@ from app.cli.arguments import (
 )
 from app.cli.json_output import print_written
 from app.cli.views import cutoff_hz, frame_range, rate, video_if_there
-from app.export.motion_formats import FORMATS
+from app.export.motion_formats import FORMATS, MARKER_SETS
 from tracker.errors import FormatError, listed
 from tracker.formats.rigs import OWN, RIGS
 from tracker.formats.units import FILE_UNITS
@@ -32,6 +32,8 @@ _EXAMPLES = """\
   keypose export session.json --format csv,npz --out tables --overwrite
   keypose export session.json --format glb --rig mixamo --out rig
   keypose export session.json --format trc --filter 6Hz --fps 30 --frames 10-60 --out walk
+  keypose export session.json --format trc,mot --markers halpe26 --out walk
+  keypose export session.json --format mot --model Model_Pose2Sim_simple.osim --out walk
 """
 
 
@@ -89,11 +91,28 @@ def add(commands: Subcommands) -> None:
         choices=tuple(FILE_UNITS),
         help=f"of lengths in bvh, which cannot name its own: {units}; default: m",
     )
+    command.add_argument(
+        "--markers",
+        choices=MARKER_SETS,
+        default="keypose",
+        help="of trc and c3d: keypose, the body's joints and landmarks; halpe26, a person's by the "
+        "names of Pose2Sim, x ahead, y up, z right, on the floor; default: keypose",
+    )
+    command.add_argument(
+        "--model",
+        metavar="FILE.osim",
+        type=Path,
+        help="a full-body model of OpenSim 4 after Rajagopal: adds motion.trc and motion.mot for "
+        "it, what OpenSim's tools need to scale it to the body and to follow the markers "
+        "(markers.xml, scale.xml, ik.xml), and the scaled model where OpenSim is installed "
+        "(pip install 'keypose[opensim]')",
+    )
     add_output(command, "DIR", "folder; created if missing")
 
 
 def run(arguments: argparse.Namespace) -> int:
     from app.export.motion_files import motion_files, sampling_words, saved_motion
+    from app.export.opensim_files import files_for_model
     from tracker.storage.atomic import make_folder, require_absent, require_folder, write_file
     from tracker.storage.files import load_session
     from tracker.storage.outdated import outdated_words
@@ -109,6 +128,10 @@ def run(arguments: argparse.Namespace) -> int:
         for format_name in arguments.format
         for name, content in motion_files(format_name, recording, sampling).items()
     }
+    for_model = None
+    if arguments.model is not None:
+        for_model = files_for_model(recording, sampling, arguments.model, arguments.out)
+        files |= for_model.files
     places = {arguments.out / name: content for name, content in files.items()}
     if not arguments.overwrite:
         require_absent(places)
@@ -117,6 +140,7 @@ def run(arguments: argparse.Namespace) -> int:
     for place, content in places.items():
         write_file(place, content, overwrite=arguments.overwrite)
     print_written(places, arguments.json)
+    note(for_model.words if for_model else None)
     note(sampling_words(recording, sampling, arguments.format))
     note(outdated_words(session, tracks))
     return 0
@@ -127,7 +151,12 @@ def _sampling(arguments: argparse.Namespace) -> Sampling:
 
     fps = None if arguments.fps is None else float(arguments.fps)
     return Sampling(
-        fps, arguments.filter, arguments.frames, arguments.rig or OWN, arguments.unit or "m"
+        fps,
+        arguments.filter,
+        arguments.frames,
+        arguments.rig or OWN,
+        arguments.unit or "m",
+        arguments.markers,
     )
 
 

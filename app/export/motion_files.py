@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import zipfile
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +13,7 @@ import numpy as np
 from app.editor.state import EditorState
 from app.export.motion_formats import FORMATS, Bones, MotionFormat, suffix_of
 from tracker.errors import FormatError, listed
-from tracker.formats.recording import RecordedSegment, Recording
+from tracker.formats.recording import MarkerSetName, RecordedSegment, Recording
 from tracker.formats.rigs import OWN
 from tracker.formats.sampling import at_rate, low_passed, moved_at_keyframes
 from tracker.formats.units import FileUnit
@@ -47,6 +47,7 @@ class Sampling:
     frames: first and last frame of the film, all when None.
     rig: whose bones a format has that has bones, by name (`tracker.formats.rigs`).
     unit: of lengths in a format that names none.
+    marker_set: which markers files of markers have.
     """
 
     rate: float | None = None
@@ -54,6 +55,7 @@ class Sampling:
     frames: Span | None = None
     rig: str = OWN
     unit: FileUnit = "m"
+    marker_set: MarkerSetName = "keypose"
 
 
 AS_TRACKED = Sampling()
@@ -64,7 +66,7 @@ def sampled(recording: Recording, sampling: Sampling, own_times: bool) -> Record
 
     It is filtered before frames are left out, and at the film's rate, whatever rate it gets.
     """
-    made = recording
+    made = replace(recording, marker_set=sampling.marker_set)
     if sampling.filter_hz is not None:
         made = low_passed(made, sampling.filter_hz)
     if sampling.rate is not None:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from tracker.formats.recording import Recording
 
 MotionFormat: TypeAlias = Literal[
-    "bvh", "glb", "trc", "c3d", "csv", "npz", "amass", "camera", "chan"
+    "bvh", "glb", "trc", "mot", "c3d", "csv", "npz", "amass", "camera", "chan"
 ]
 
 
@@ -27,6 +27,10 @@ class Bones:
 
     rig: str = OWN
     unit: FileUnit = "m"
+
+
+MARKER_SETS: Final = ("keypose", "halpe26")
+"""As in tracker.formats.recording, which would load more than help needs."""
 
 
 @dataclass(frozen=True)
@@ -74,13 +78,20 @@ def _csv(recording: Recording, _bones: Bones) -> Sequence[str]:
     from tracker.formats.csv import angles_csv, frames_csv, joints_csv
 
     motion = (recording.skeleton, recording.trajectory, recording.times_s)
-    return joints_csv(*motion), angles_csv(*motion), frames_csv(recording)
+    angles = angles_csv(*motion, recording.joint_angles)
+    return joints_csv(*motion), angles, frames_csv(recording)
 
 
 def _trc(recording: Recording, _bones: Bones) -> Sequence[str]:
     from tracker.formats.trc import trc
 
     return (trc(recording, "motion.trc"),)
+
+
+def _mot(recording: Recording, _bones: Bones) -> Sequence[str]:
+    from tracker.formats.opensim.mot import mot
+
+    return (mot(recording),)
 
 
 def _c3d(recording: Recording, _bones: Bones) -> Sequence[bytes]:
@@ -128,14 +139,19 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         "joints as markers for OpenSim, millimetres; x right, y up, z toward the camera",
         _trc, ("motion.trc",), "text/plain",
     ),
+    "mot": Format(
+        "joint angles for OpenSim, in degrees, of its full-body models after Rajagopal; x ahead, y "
+        "up, z right, on the floor",
+        _mot, ("motion.mot",), "text/plain",
+    ),
     "c3d": Format(
         "joints as markers for motion laboratories, millimetres; x right, y up, z toward the "
         "camera",
         _c3d, ("motion.c3d",),
     ),
     "csv": Format(
-        "joints in metres in the camera frame (x right, y down, z forward), angles in degrees, and "
-        "how far to trust every frame",
+        "joints in metres in the camera frame (x right, y down, z forward), angles in degrees, a "
+        "person's by clinical names too, and how far to trust every frame",
         _csv, ("joints.csv", "angles.csv", "frames.csv"), own_times=True,
     ),
     "npz": Format(
@@ -160,7 +176,7 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
 
 
 def suffix_of(kind: Format) -> str:
-    """What follows a session's name in that of a format's one file: .bvh, _poses.npz, -camera.json."""
+    """What follows a session's name in that of a format's one file: .bvh, -camera.json."""
     (name,) = kind.names
     return name.removeprefix("motion") if name.startswith("motion") else f"-{name}"
 

@@ -150,6 +150,7 @@ export const TITLES = {
   saveBvh: 'Export BVH',
   saveGlb: 'Export GLB',
   saveTrc: 'Export TRC',
+  saveMot: 'Export joint angles as MOT',
   saveC3d: 'Export C3D',
   saveCsv: 'Export CSV tables',
   saveNpz: 'Export NPZ',

@@ -468,6 +468,7 @@ export const MOTION = {
   saveBvh: motion('bvh', 'bone', 'Blender, Maya'),
   saveGlb: { ...motion('glb', 'both', 'Blender, Unreal, Unity, web'), rigged: true },
   saveTrc: motion('trc', 'trail', 'OpenSim'),
+  saveMot: motion('mot', 'rot', 'OpenSim joint angles'),
   saveC3d: motion('c3d', 'ghost', 'motion laboratories'),
   saveCsv: motion('csv', 'copy', 'joints, angles, verdicts'),
   saveNpz: motion('npz', 'quad', 'NumPy'),

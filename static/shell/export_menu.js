@@ -80,7 +80,7 @@ function varying() {
   return note(
     ui.filterMotion
       ? `The film’s rate varies: filtered motion has ${rate}.`
-      : `The film’s rate varies: BVH, GLB, TRC and C3D have ${rate}. CSV and NPZ keep every frame’s time.`,
+      : `The film’s rate varies: BVH, GLB, TRC, MOT and C3D have ${rate}. CSV and NPZ keep every frame’s time.`,
   );
 }
 
@@ -94,13 +94,13 @@ function spans(state) {
   return found;
 }
 
-/** What BVH and GLB, which hold no gaps, make of segments that are not tracked. */
+/** What BVH, GLB and MOT, which hold no gaps, make of segments that are not tracked. */
 function withoutGaps() {
   const tracked = (server.segments ?? []).filter(isTracked);
   if (!tracked.length || tracked.length === server.segments.length) return nothing;
   const gap = tracked.some((s, i) => i && tracked[i - 1].last !== s.first);
   const frames = range(tracked[0].first, tracked.at(-1).last);
-  return gap ? ' BVH and GLB need all of them.' : ` BVH and GLB hold ${frames} alone.`;
+  return gap ? ' BVH, GLB and MOT need all of them.' : ` BVH, GLB and MOT hold ${frames} alone.`;
 }
 
 /** "Frames 75–99 are lost and 50–61 are outdated. CSV and NPZ say so per frame." */

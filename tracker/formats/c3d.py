@@ -1,7 +1,8 @@
 """The motion as C3D, the file of motion laboratories, written by ezc3d.
 
-Joints and landmarks are the points. Millimetres, as POINT:UNITS says; axes as in
-`tracker.formats.axes`: x right, y up, z toward the camera, which is the origin. Points are single
+Points and axes are those of the recording's markers (`tracker.formats.marker_sets`): joints and
+landmarks, x right, y up, z toward the camera, which is the origin; those of halpe26 on the ground,
+where +X is ahead. Millimetres, as POINT:UNITS says. Points are single
 precision, good to a thousandth of a millimetre. Where a frame is not tracked its points have the
 residual −1, "invalid" in C3D. There are no analog channels. Frames are evenly spaced, as C3D allows
 nothing else; they are numbered from 1: frame 0 of the video is frame 1 here. Where the motion was
@@ -17,8 +18,7 @@ from typing import Any
 import numpy as np
 
 from tracker.errors import FormatError
-from tracker.formats.axes import flipped
-from tracker.formats.names import column_names
+from tracker.formats.marker_sets import marked
 from tracker.formats.recording import Recording
 
 MM_PER_M = 1000.0
@@ -36,7 +36,7 @@ def c3d(recording: Recording) -> bytes:
 
     FormatError where ezc3d is not installed, where the format has no room, or without two times.
     """
-    labels = column_names(recording.skeleton)
+    labels, places = marked(recording)
     _require_room(recording, labels)
     file = _library().c3d()
     file["header"]["points"]["first_frame"] = recording.frames[0]
@@ -49,7 +49,7 @@ def c3d(recording: Recording) -> bytes:
     file.add_parameter("POINT", "Y_SCREEN", ["+Y"])
     if recording.filter_hz is not None:
         file.add_parameter("KEYPOSE", "LOW_PASS_HZ", [recording.filter_hz])
-    ps = np.moveaxis(flipped(recording.ps_camera_joint) * MM_PER_M, -1, 0).swapaxes(1, 2)
+    ps = np.moveaxis(places * MM_PER_M, -1, 0).swapaxes(1, 2)
     missing = np.isnan(ps).any(axis=0)
     file["data"]["points"] = np.concatenate([ps, np.ones((1, *missing.shape))])
     marks = file["data"]["meta_points"]

@@ -5,7 +5,8 @@ landmark: metres in the camera frame, x right, y down, z away from the camera.
 
 angles: `frame`, `time_s`, then `<part>_rz_deg`, `<part>_ry_deg`, `<part>_rx_deg` for every part:
 degrees of its rotation in its parent's frame (the root's: the camera frame), R = Rz·Ry·Rx. Angles
-lie within ±180, that of y within ±90.
+lie within ±180, that of y within ±90. For a person then `<joint>_<angle>_deg` by the clinical names
+and signs of `tracker.body.joint_angles`, such as `left_knee_flexion_deg`.
 
 frames: what is known of every frame, and how far to trust it.
 
@@ -42,6 +43,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from tracker.body.joint_angles import JointAngles
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.errors import FormatError
@@ -61,11 +63,21 @@ def joints_csv(skeleton: Skeleton, trajectory: Trajectory, times_s: Sequence[flo
     return _table(trajectory, times_s, columns, trajectory.joints(skeleton))
 
 
-def angles_csv(skeleton: Skeleton, trajectory: Trajectory, times_s: Sequence[float] | Array) -> str:
+def angles_csv(
+    skeleton: Skeleton,
+    trajectory: Trajectory,
+    times_s: Sequence[float] | Array,
+    clinical: Sequence[JointAngles] = (),
+) -> str:
     """The table of joint angles; `times_s` (N,) are the times of the trajectory's frames."""
     columns = [f"{name}_r{axis}_deg" for name in skeleton.body.names for axis in "zyx"]
-    angles = np.rad2deg(euler_from_rotation(trajectory.Rs_parent_part))
-    return _table(trajectory, times_s, columns, angles)
+    columns += [
+        f"{one.joint.name}_{angle.name}_deg" for one in clinical for angle in one.joint.angles
+    ]
+    angles = np.rad2deg(euler_from_rotation(trajectory.Rs_parent_part)).reshape(len(trajectory), -1)
+    return _table(
+        trajectory, times_s, columns, np.hstack([angles, *(one.angles_deg for one in clinical)])
+    )
 
 
 def frames_csv(recording: Recording) -> str:

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final, Literal, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tracker.body.ground import Ground, ground_of
+from tracker.body.joint_angles import JointAngles, joint_angles, joints_of
 from tracker.body.skeleton import Skeleton
 from tracker.body.trajectory import Trajectory
 from tracker.errors import FormatError
@@ -22,6 +24,9 @@ from tracker.storage.tracks import Tracks
 
 if TYPE_CHECKING:
     from tracker.video.timecode import Timecode
+MarkerSetName: TypeAlias = Literal["keypose", "halpe26"]
+MARKER_SETS: Final[tuple[MarkerSetName, ...]] = get_args(MarkerSetName)
+"""What markers files of markers have, as `tracker.formats.marker_sets` says."""
 
 CAMERA_UP = (0.0, -1.0, 0.0)
 """Up where no other direction is known: the camera's own."""
@@ -62,7 +67,10 @@ class Recording:
     notes:     what a person wrote at frames of the video.
     part_frames: frames at which limbs alone were keyed, ascending.
     timecode:  the video's; None: its file tells none.
-    floor_m:   the floor's height along up, from the camera's centre, metres; None: nobody set it.
+    floor_m:   where the floor is, metres along up from the camera's centre; None: as low as the
+               body stands.
+    marker_set: the markers of files of markers.
+    on_ground: whether these files are on the ground, whatever their markers.
     """
 
     skeleton: Skeleton
@@ -79,6 +87,8 @@ class Recording:
     part_frames: tuple[int, ...] = ()
     floor_m: float | None = None
     timecode: Timecode | None = None
+    marker_set: MarkerSetName = "keypose"
+    on_ground: bool = False
 
     @classmethod
     def of(
@@ -161,6 +171,21 @@ class Recording:
     def ps_camera_joint(self) -> Array:
         """Joints and landmarks (N, J, 3) in the camera frame, metres, NaN where not tracked."""
         return frozen(self.trajectory.joints(self.skeleton))
+
+    @cached_property
+    def ground(self) -> Ground:
+        """What is ahead, up and the floor. FormatError where no frame is tracked."""
+        if not self.tracks.tracked.any():
+            raise FormatError("No frame is tracked.")
+        return ground_of(self.skeleton, self.trajectory, self.up_camera, self.floor_m)
+
+    @cached_property
+    def joint_angles(self) -> tuple[JointAngles, ...]:
+        """The angles of a person's joints by their clinical names; none of another body."""
+        if not joints_of(self.skeleton.body) or not self.tracks.tracked.any():
+            return ()
+        R_ground_camera = self.ground.R_ground_camera
+        return joint_angles(self.skeleton.body, self.tracks.Rs_parent_part, R_ground_camera)
 
     def whole(self, name: str) -> Recording:
         """From the first tracked frame to the last, for a format of this name that holds no gaps.

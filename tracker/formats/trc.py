@@ -1,9 +1,10 @@
 """The motion as TRC, the table of markers that OpenSim and motion capture programs read.
 
-Joints and landmarks are the markers. Millimetres, as `Units` says; axes as in
-`tracker.formats.axes`: x right, y up, z toward the camera, which is the origin. Columns are parted
-by tabs. Frames that are not tracked have no positions, and a tab ends every row, without which
-OpenSim would miss a last marker left empty. `Time` counts in seconds from the video's first frame
+Markers and axes are those of the recording's markers (`tracker.formats.marker_sets`): joints and
+landmarks, x right, y up, z toward the camera, which is the origin; those of halpe26 on the ground.
+Millimetres, as `Units` says. Columns are parted by tabs. Frames that are not tracked have no
+positions, and a tab ends every row, without which OpenSim would miss a last marker left empty.
+`Time` counts in seconds from the video's first frame
 and `Frame#` from 0; the rates in the header are the mean where times are uneven.
 """
 
@@ -11,9 +12,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from tracker.formats.axes import flipped
 from tracker.formats.decimals import fixed_decimals
-from tracker.formats.names import column_names, single_words
+from tracker.formats.marker_sets import marked
+from tracker.formats.names import single_words
 from tracker.formats.recording import Recording
 
 MM_PER_M = 1000.0
@@ -28,7 +29,8 @@ _HEADER = (
 
 def trc(recording: Recording, file_name: str) -> str:
     """The text of the file, which says its own name. FormatError without two times."""
-    names = single_words(column_names(recording.skeleton))
+    labels, places = marked(recording)
+    names = single_words(labels)
     rate, count = f"{recording.frames_per_second:.6f}", str(len(recording))
     first = str(recording.frames[0])
     axes = (f"{axis}{i + 1}" for i in range(len(names)) for axis in "XYZ")
@@ -40,7 +42,7 @@ def trc(recording: Recording, file_name: str) -> str:
         _row(("", "", *axes)),
         "",
     ]
-    ps = flipped(recording.ps_camera_joint) * MM_PER_M
+    ps = places * MM_PER_M
     for frame, time_s, positions in zip(recording.frames, recording.times_s, ps, strict=True):
         lines.append(
             _row((str(frame), f"{time_s:.6f}", *fixed_decimals(positions.ravel(), DECIMALS)))

@@ -31,7 +31,7 @@ from tracker.storage.tracks import save_result
 from tracker.video.fingerprint import fingerprint_of_file
 
 LAST = 8
-ANY_BODY = [name for name in FORMATS if name != "amass"]
+ANY_BODY = [name for name in FORMATS if name not in ("amass", "mot")]
 """Formats that do not ask for a person."""
 EVERY = ",".join(ANY_BODY)
 
@@ -87,6 +87,20 @@ def test_poses_of_a_person_are_refused_for_another_body_by_both_doors(
         motion_archive("amass", edit)
     command = ["export", path, "--format", "amass", "--out", path.parent / "out"]
     assert refused(capsys, path.parent, command) == f"{told.value}\n"
+
+
+def test_both_doors_refuse_angles_of_a_body_that_is_no_person(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    edit = opened(path, results_cases.both(load_session(path)))
+    with pytest.raises(FormatError, match="this body is no person's") as told:
+        from_page("mot", edit)
+    out = path.parent / "out"
+    command = ["export", path, "--format", "mot", "--out", out]
+    assert str(told.value) in refused(capsys, path.parent, command)
+    command = ["export", path, "--format", "trc", "--markers", "halpe26", "--out", out]
+    words = refused(capsys, path.parent, command)
+    assert "this body has no Nose: choose the markers keypose" in words
 
 
 def test_all_formats_are_written_at_once_under_their_names(path: Path) -> None:

@@ -90,6 +90,18 @@ def recording(name: str, *, without: tuple[int, ...] = (), first_key: int = 0) -
     return Recording.of(made, tracks, segments, uneven_times(made.video.frame_count))
 
 
+def recorded(skeleton: Skeleton, motion: Trajectory, fps: float) -> Recording:
+    """Any motion as it is written, all of it tracked, the camera's own up."""
+    n, parts, dofs = len(motion), skeleton.part_count, skeleton.dof_count
+    nothing = Diagnostics(
+        np.full(n - 1, -1), np.zeros((n - 1, dofs)), *(np.zeros((n - 1, parts)) for _ in range(2))
+    )
+    tracks = Tracks(0, skeleton.body.names, motion.Rs_parent_part, motion.ps_camera_root, nothing)
+    camera = session("person").camera
+    times_s, up = np.arange(n) / fps, np.array([0.0, -1.0, 0.0])
+    return Recording(skeleton, camera, tracks, (), times_s, up, rate=fps)
+
+
 def _tracks(made: Session, motion: Trajectory, rows: np.ndarray) -> Tracks:  # type: ignore[type-arg]
     """Of the frames from the first tracked one to the last, with evidence where both ends are."""
     skeleton = Skeleton.of(made.body)

@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from app.export.import_motion import fit_to_session
 from tests.tracker.formats import recordings
-from tracker.body.body import PRESETS, Body, preset
+from tracker.body.body import PEOPLE, Body, preset
 from tracker.body.clavicles import with_clavicles
 from tracker.body.skeleton import Skeleton
 from tracker.errors import FormatError
@@ -122,7 +122,7 @@ def test_at_rest_no_joint_turns_but_the_arms() -> None:
     np.testing.assert_allclose(down, np.array([[0, 0, -1], [0, 0, 1]]) * np.pi / 2, atol=1e-9)
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", PEOPLE)
 def test_every_preset_rests_as_a_t_that_looks_along_z(name: str) -> None:
     rest = dict(zip(JOINTS, rest_joints(smpl_of(Skeleton.of(preset(name)))), strict=True))
     for side, sign in (("left", 1.0), ("right", -1.0)):

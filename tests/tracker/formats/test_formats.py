@@ -13,7 +13,7 @@ import pytest
 
 from tests.tracker import session_cases as cases
 from tests.tracker.formats.recordings import bvh_of
-from tracker.body.body import PRESETS, Body, Part, preset
+from tracker.body.body import PEOPLE, Body, Part, preset
 from tracker.body.pose import joint_names
 from tracker.body.shapes import Cylinder
 from tracker.body.skeleton import Skeleton
@@ -100,7 +100,7 @@ def _turn(axis: int, angle: float) -> Array:
     return R
 
 
-@pytest.mark.parametrize("name", ["small", *PRESETS])
+@pytest.mark.parametrize("name", ["small", *PEOPLE])
 def test_a_bvh_reader_finds_the_joints_where_they_are(name: str) -> None:
     body = cases.body() if name == "small" else preset(name)
     skeleton = Skeleton.of(body)

@@ -20,7 +20,7 @@ from tracker.body.skeleton import Skeleton
 from tracker.errors import FormatError
 from tracker.formats.axes import FLIP
 from tracker.formats.reading import load_motion
-from tracker.formats.smpl import RestBody, rotations_of
+from tracker.formats.smpl import JOINTS, smpl_of
 from tracker.geometry.rotations import Array, log_rotation
 
 SESSION, TRUTH = recordings.session("person"), recordings.trajectory("person")
@@ -30,10 +30,17 @@ ORIGIN = np.array([0.0, 0.25, -0.03])
 """From the pelvis to the model's own origin, which is what `transl` tells."""
 
 
+def _rotations() -> Array:
+    """Rs_parent_joint (N, 22, 3, 3) of the person's true motion, the pelvis' in the camera."""
+    Ts_camera_part = TRUTH.transforms(SKELETON)
+    Ts_camera_part[..., :3, :3] *= FLIP
+    Rs_parent_bone, _ = smpl_of(SKELETON).motion(Ts_camera_part)
+    return Rs_parent_bone[:, : len(JOINTS)]
+
+
 def _params() -> dict[str, Array]:
-    """The person's true motion as GVHMR gives it, in the camera's frame."""
-    Rs = TRUTH.transforms(SKELETON)[..., :3, :3] * FLIP
-    turns = log_rotation(rotations_of(RestBody.of(SKELETON), Rs))
+    """That motion as GVHMR gives it, in the camera's frame."""
+    turns = log_rotation(_rotations())
     return {
         "global_orient": turns[:, 0],
         "body_pose": turns[:, 1:].reshape(len(turns), -1),
@@ -167,7 +174,7 @@ def test_wham_tells_which_frames_its_poses_are_of(tmp_path: Path) -> None:
 
 
 def test_poses_may_be_matrices_and_have_a_batch_of_one(tmp_path: Path) -> None:
-    Rs = rotations_of(RestBody.of(SKELETON), TRUTH.transforms(SKELETON)[..., :3, :3] * FLIP)
+    Rs = _rotations()
     given = {
         "global_orient": Rs[None, :, :1],
         "body_pose": Rs[None, :, 1:],

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.tracker.formats import recordings
-from tracker.body.body import PRESETS, Part, preset
+from tracker.body.body import PEOPLE, Part, preset
 from tracker.body.clavicles import with_clavicles
 from tracker.body.shapes import Cylinder
 from tracker.body.skeleton import Skeleton
@@ -96,7 +96,7 @@ def test_a_bone_stays_on_its_part_as_it_lies_on_it_at_rest(rig_name: str) -> Non
             np.testing.assert_allclose(T[:, i], expected, atol=1e-9)
 
 
-@pytest.mark.parametrize("body", PRESETS)
+@pytest.mark.parametrize("body", PEOPLE)
 @pytest.mark.parametrize("rig_name", list(RIGS))
 def test_at_rest_the_body_stands_on_the_floor_and_faces_along_z(rig_name: str, body: str) -> None:
     rig = rig_of(Skeleton.of(preset(body)), rig_name)

@@ -1,0 +1,103 @@
+"""What OpenSim needs to follow the motion with a model that a person has."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass, replace
+from importlib.util import find_spec
+from pathlib import Path
+
+from app.export.motion_files import Sampling, sampled
+from tracker.formats.marker_sets import markers_of
+from tracker.formats.opensim.model import read_model
+from tracker.formats.opensim.mot import mot
+from tracker.formats.opensim.scaling import scaled
+from tracker.formats.opensim.setups import (
+    IK_FILE,
+    MARKERS_FILE,
+    SCALE_FILE,
+    ik_xml,
+    markers_xml,
+    scale_xml,
+)
+from tracker.formats.recording import Recording
+from tracker.formats.trc import trc
+
+SCALING_S = 120.0
+"""After which the Scale Tool is given up; a model without muscles takes a second."""
+
+_SCALING = "import sys, opensim; opensim.ScaleTool(sys.argv[1]).run()"
+"""In a process of its own: the library logs into the present folder, and a fault ends Python.
+Whether there is a model then tells whether it worked."""
+
+
+@dataclass(frozen=True)
+class ForModel:
+    """files: by name, for one folder.  words: what a person should know of them."""
+
+    files: dict[str, bytes]
+    words: str
+
+
+def files_for_model(
+    recording: Recording, sampling: Sampling, model_path: Path, out: Path
+) -> ForModel:
+    """The motion as markers and coordinates, the model's scaling and inverse kinematics.
+
+    out: the folder that the files will be in. FormatError where the model or the body is not a
+    person's, or where the motion has gaps.
+    """
+    model = read_model(model_path)
+    made = replace(sampled(recording, sampling, own_times=False), on_ground=True).whole("MOT")
+    body = made.skeleton.body
+    markers = markers_of(body, made.marker_set)
+    sizes = scaled(model, body, markers)
+    larger = f"{model_path.stem}-scaled.osim"
+    times_s = (float(made.times_s[0]), float(made.times_s[-1]))
+    texts = {
+        "motion.trc": trc(made, "motion.trc"),
+        "motion.mot": mot(made, model),
+        MARKERS_FILE: markers_xml(sizes),
+        SCALE_FILE: scale_xml(sizes, _from(out, model_path), larger),
+        IK_FILE: ik_xml([marker.name for marker in markers], larger, times_s),
+    }
+    files = {name: text.encode() for name, text in texts.items()}
+    done = _scaled_model(texts[MARKERS_FILE], scale_xml(sizes, str(model_path.absolute()), larger))
+    if done is not None:
+        return ForModel(files | {larger: done}, _words(larger, "is the model at the body's size"))
+    return ForModel(files, _words(larger, f"is made by OpenSim's Scale Tool from {SCALE_FILE}"))
+
+
+def _words(larger: str, how: str) -> str:
+    return (
+        f"{larger} {how}; {IK_FILE} lets it follow motion.trc, and motion.mot moves it as Keypose "
+        "found. Mass stays the model's own: set it where forces count."
+    )
+
+
+def _from(folder: Path, path: Path) -> str:
+    """The path from a folder on; absolute on another drive."""
+    try:
+        return Path(os.path.relpath(path.absolute(), folder.absolute())).as_posix()
+    except ValueError:
+        return path.absolute().as_posix()
+
+
+def _scaled_model(markers: str, setup: str) -> bytes | None:
+    """The scaled model by OpenSim itself; None where it is not installed, or cannot do it."""
+    if find_spec("opensim") is None:
+        return None
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder)
+        (place / MARKERS_FILE).write_text(markers, encoding="utf-8")
+        (place / SCALE_FILE).write_text(setup, encoding="utf-8")
+        command = [sys.executable, "-c", _SCALING, SCALE_FILE]
+        try:
+            subprocess.run(command, cwd=place, capture_output=True, timeout=SCALING_S, check=False)
+        except (OSError, subprocess.SubprocessError):
+            return None
+        found = list(place.glob("*.osim"))
+        return found[0].read_bytes() if found else None

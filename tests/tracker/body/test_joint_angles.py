@@ -1,0 +1,183 @@
+"""Joint angles by their clinical names: a right angle is 90, and both sides have the same signs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.tracker import session_cases
+from tracker.body.body import PRESETS, preset
+from tracker.body.clavicles import with_clavicles
+from tracker.body.joint_angles import (
+    JOINTS,
+    JointAngles,
+    cardan_zxy,
+    joint_angles,
+    joints_of,
+)
+from tracker.geometry.rotations import Array, exp_rotation
+
+BODY = preset("adult_female")
+FACING = np.array([[0.0, 0.0, -1.0], [0.0, -1.0, 0.0], [-1.0, 0.0, 0.0]])
+"""The ground of a person who faces an upright camera: x from her toward it."""
+
+
+def angles_of(*poses: dict[str, Array], body: str = "adult_female") -> dict[str, JointAngles]:
+    """The angles of poses whose parts have these rotations, by the joint's name."""
+    made = preset(body)
+    Rs = np.tile(np.eye(3), (len(poses), len(made.parts), 1, 1))
+    for i, pose in enumerate(poses):
+        for part, R in pose.items():
+            Rs[i, made.index(part)] = R
+    return {found.joint.name: found for found in joint_angles(made, Rs, FACING)}
+
+
+def turned(axis: str, degrees: float) -> Array:
+    """About one of a part's own axes: x left, y down, z back."""
+    return exp_rotation(np.radians(degrees) * np.eye(3)["xyz".index(axis)])
+
+
+@pytest.mark.parametrize("body", PRESETS)
+def test_at_rest_every_angle_of_a_person_is_zero(body: str) -> None:
+    found = angles_of({}, body=body)
+    assert list(found) == [joint.name for joint in JOINTS]
+    for one in found.values():
+        np.testing.assert_allclose(one.angles_deg, 0.0, atol=1e-9)
+
+
+ON_BOTH_SIDES = [
+    ("forearm", "x", -90, "elbow", "flexion", 90),
+    ("shin", "x", 60, "knee", "flexion", 60),
+    ("thigh", "x", -40, "hip", "flexion", 40),
+    ("thigh", "x", 20, "hip", "flexion", -20),
+    ("upper_arm", "x", -120, "shoulder", "flexion", 120),
+    ("foot", "x", -15, "ankle", "dorsiflexion", 15),
+    ("foot", "x", 30, "ankle", "dorsiflexion", -30),
+    ("hand", "x", -15, "wrist", "ulnar_deviation", -15),
+]
+"""Forward and back: a turn of a part's x means the same on both sides."""
+
+ON_THE_RIGHT = [
+    ("thigh", "z", 30, "hip", "adduction", -30),
+    ("thigh", "y", 25, "hip", "internal_rotation", -25),
+    ("upper_arm", "z", 80, "shoulder", "adduction", -80),
+    ("upper_arm", "y", -35, "shoulder", "internal_rotation", 35),
+    ("forearm", "y", -50, "elbow", "pronation", 50),
+    ("hand", "z", -40, "wrist", "flexion", 40),
+    ("shin", "z", 8, "knee", "adduction", -8),
+    ("shin", "y", 9, "knee", "internal_rotation", -9),
+    ("foot", "z", -12, "ankle", "inversion", 12),
+    ("foot", "y", 10, "ankle", "internal_rotation", -10),
+]
+"""Sideways: a right limb that leaves the body turns about its z; a left one turns back."""
+
+
+@pytest.mark.parametrize(("part", "axis", "turn", "joint", "angle", "expected"), ON_BOTH_SIDES)
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_limbs_that_bend_alike_have_the_same_angle_on_both_sides(
+    side: str, part: str, axis: str, turn: float, joint: str, angle: str, expected: float
+) -> None:
+    found = angles_of({f"{side}_{part}": turned(axis, turn)})
+    _is_all_there_is(found, f"{side}_{joint}", angle, expected)
+
+
+@pytest.mark.parametrize(("part", "axis", "turn", "joint", "angle", "expected"), ON_THE_RIGHT)
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_limbs_that_mirror_each_other_have_the_same_angles(
+    side: str, part: str, axis: str, turn: float, joint: str, angle: str, expected: float
+) -> None:
+    given = turn if side == "right" else -turn
+    found = angles_of({f"{side}_{part}": turned(axis, given)})
+    _is_all_there_is(found, f"{side}_{joint}", angle, expected)
+
+
+def _is_all_there_is(
+    found: dict[str, JointAngles], joint: str, angle: str, expected: float
+) -> None:
+    assert found[joint][angle] == pytest.approx([expected])
+    for one in found.values():
+        rest = one.angles_deg - (0.0 if one.joint.name != joint else one[angle][:, None])
+        assert np.abs(rest).min(axis=1) == pytest.approx(0.0, abs=1e-9)
+    assert np.abs(found[joint].angles_deg).sum() == pytest.approx(abs(expected))
+
+
+@pytest.mark.parametrize(
+    ("part", "axis", "turn", "joint", "angle"),
+    [
+        ("chest", "x", 30, "trunk", "flexion"),
+        ("chest", "z", -20, "trunk", "bending"),
+        ("chest", "y", -40, "trunk", "rotation"),
+        ("head", "x", 25, "neck", "flexion"),
+        ("head", "z", -15, "neck", "bending"),
+        ("head", "y", -50, "neck", "rotation"),
+        ("waist", "x", 12, "pelvis", "anterior_tilt"),
+        ("waist", "z", 7, "pelvis", "obliquity"),
+        ("waist", "y", -60, "pelvis", "rotation"),
+    ],
+)
+def test_the_trunk_bends_forward_and_to_the_right_and_turns_to_the_left(
+    part: str, axis: str, turn: float, joint: str, angle: str
+) -> None:
+    R = turned(axis, turn)
+    _is_all_there_is(angles_of({part: R}), joint, angle, abs(turn))
+    top = R @ np.array([0.0, -1.0, 0.0])  # what points up at rest; the camera sees her from front
+    toes = R @ np.array([0.0, 0.0, -1.0])
+    if axis == "x":
+        assert top[2] < 0  # toward the camera, forward
+    if axis == "z":
+        assert top[0] < 0 if part != "waist" else top[0] > 0  # her right; its right side up
+    if axis == "y":
+        assert toes[0] > 0  # her left
+
+
+def test_neck_and_head_are_one_joint_and_so_are_clavicle_and_upper_arm() -> None:
+    half = turned("x", 20)
+    assert angles_of({"neck": half, "head": half})["neck"]["flexion"] == pytest.approx([40])
+    body = with_clavicles(BODY)
+    Rs = np.tile(np.eye(3), (1, len(body.parts), 1, 1))
+    Rs[0, body.index("right_clavicle")] = turned("z", 10)
+    Rs[0, body.index("right_upper_arm")] = turned("z", 50)
+    found = {one.joint.name: one for one in joint_angles(body, Rs, FACING)}
+    assert found["right_shoulder"]["adduction"] == pytest.approx([-60])
+
+
+def test_flexion_is_about_the_carrier_and_rotation_about_the_part_that_moves() -> None:
+    raised = turned("x", -70) @ turned("z", 10) @ turned("y", 20)  # the right thigh
+    found = angles_of({"right_thigh": raised})["right_hip"]
+    np.testing.assert_allclose(found.angles_deg, [[70, -10, -20]], atol=1e-9)
+
+
+def test_an_arm_swung_up_sideways_has_no_jump_beyond_a_right_angle() -> None:
+    sweep = [10.0 * i for i in range(18)]
+    found = angles_of(*({"left_upper_arm": turned("z", -a)} for a in sweep))["left_shoulder"]
+    np.testing.assert_allclose(found["adduction"], np.negative(sweep), atol=1e-6)
+    np.testing.assert_allclose(found["flexion"], 0.0, atol=1e-6)
+
+
+def test_somebody_who_turns_twice_round_has_no_jump_of_a_whole_turn() -> None:
+    sweep = np.arange(0.0, 720.0, 15.0)
+    found = angles_of(*({"waist": turned("y", -a)} for a in sweep))["pelvis"]
+    np.testing.assert_allclose(found["rotation"], sweep, atol=1e-6)
+
+
+def test_frames_that_are_not_known_have_no_angle_and_change_no_other() -> None:
+    known = {"left_shin": turned("x", 30)}
+    found = angles_of(known, {"left_shin": np.full((3, 3), np.nan)}, known)
+    assert found["left_knee"]["flexion"] == pytest.approx([30, np.nan, 30], nan_ok=True)
+    assert found["right_knee"]["flexion"] == pytest.approx([0, 0, 0])
+
+
+def test_a_body_that_is_no_person_has_no_clinical_angles() -> None:
+    assert joints_of(session_cases.body()) == ()
+
+
+def test_cardan_angles_make_their_rotation_again() -> None:
+    rng = np.random.default_rng(3)
+    R = exp_rotation(rng.normal(size=(200, 3)))
+    z, x, y = np.moveaxis(cardan_zxy(R), -1, 0)
+    e = np.eye(3)
+    again = (
+        exp_rotation(z[:, None] * e[2]) @ exp_rotation(x[:, None] * e[0])
+        @ exp_rotation(y[:, None] * e[1])
+    )  # fmt: skip
+    np.testing.assert_allclose(again, R, atol=1e-12)

@@ -1,0 +1,66 @@
+"""The ground that movement science tells a motion in: x ahead, y up, z to the right, on the floor.
+
+x is where the person faces over the motion, on average, as the laboratory axes of the International
+Society of Biomechanics point along the progression (Wu et al. 2002); the origin lies on the floor
+under the root's first place.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tracker.body.floor import floor_height, lowest_heights
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
+from tracker.geometry.rotations import Array, frozen
+
+AHEAD_PART = (0.0, 0.0, -1.0)
+"""Where a body faces at rest, in its root's frame."""
+
+LEAST_AHEAD = 0.1
+"""Of a mean of unit vectors; a person who turned all the way round faced nowhere on average."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """R_ground_camera: (3, 3).  p_ground_camera: (3,) the camera's centre, metres."""
+
+    R_ground_camera: Array
+    p_ground_camera: Array
+
+    def points(self, ps_camera: Array) -> Array:
+        """Points (..., 3) of the camera frame on the ground."""
+        return np.asarray(ps_camera @ self.R_ground_camera.T + self.p_ground_camera)
+
+
+def ground_of(
+    skeleton: Skeleton, motion: Trajectory, up_camera: ArrayLike, floor_m: float | None
+) -> Ground:
+    """The ground of a motion, some of whose poses may be NaN, but not all.
+
+    floor_m: metres along up from the camera's centre; None: as low as the body stands.
+    """
+    up = np.asarray(up_camera, dtype=np.float64)
+    up = up / np.linalg.norm(up)
+    known = np.isfinite(motion.ps_camera_root).all(axis=1)
+    Ts = motion.transforms(skeleton)[known]
+    ahead = _ahead(Ts[:, 0, :3, :3], up)
+    R = np.stack([ahead, up, np.cross(ahead, up)])
+    floor = floor_height(floor_m, lowest_heights(skeleton, Ts, up))
+    x, _, z = R @ Ts[0, 0, :3, 3]
+    return Ground(frozen(R), frozen([-x, -floor, -z]))
+
+
+def _ahead(Rs_camera_root: Array, up: Array) -> Array:
+    """The level unit vector (3,) that the root faces along; on average, else at first."""
+    faced = Rs_camera_root @ np.array(AHEAD_PART)
+    level = faced - (faced @ up)[:, None] * up
+    mean = level.mean(axis=0)
+    for one in (mean, level[0], np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])):
+        one = one - (one @ up) * up
+        if np.linalg.norm(one) > LEAST_AHEAD:
+            return np.asarray(one / np.linalg.norm(one))
+    raise AssertionError("one of two axes is not along up")

@@ -1,0 +1,144 @@
+"""Which markers files of markers (TRC, C3D) have, by the name of the set.
+
+keypose:  every joint and landmark of the body, under its own name; x right, y up, z toward
+          the camera, as in `tracker.formats.axes`, or, for a model, on the ground.
+halpe26:  the markers of HALPE_26 by the names of Pose2Sim (Pagnon et al. 2021) and its marker file
+          for full-body models after Rajagopal et al. (2016), eyes and ears left out as there; on
+          the ground.
+
+On the ground x is ahead, y up and z right, as `tracker.body.ground` says.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from tracker.body.body import Body, Point
+from tracker.body.skeleton import Skeleton
+from tracker.errors import FormatError
+from tracker.formats.axes import flipped
+from tracker.formats.names import column_names
+from tracker.formats.recording import MarkerSetName, Recording
+from tracker.geometry.rotations import Array
+from tracker.keypoints.on_body import points_on_body
+from tracker.solver.body_points import BodyPoints
+
+_HALPE_26: Final[Mapping[str, str]] = {
+    "Nose": "nose",
+    "Head": "head_top",
+    "Neck": "neck",
+    "LShoulder": "left_shoulder",
+    "RShoulder": "right_shoulder",
+    "LElbow": "left_elbow",
+    "RElbow": "right_elbow",
+    "LWrist": "left_wrist",
+    "RWrist": "right_wrist",
+    "Hip": "mid_hip",
+    "LHip": "left_hip",
+    "RHip": "right_hip",
+    "LKnee": "left_knee",
+    "RKnee": "right_knee",
+    "LAnkle": "left_ankle",
+    "RAnkle": "right_ankle",
+    "LBigToe": "left_big_toe",
+    "LSmallToe": "left_small_toe",
+    "LHeel": "left_heel",
+    "RBigToe": "right_big_toe",
+    "RSmallToe": "right_small_toe",
+    "RHeel": "right_heel",
+}
+"""Markers, in the order of Pose2Sim's file, by the keypoint each is."""
+
+BIG_TOE, SMALL_TOE = (0.35, 1.0), (-0.65, 0.8)
+"""Estimates: shares of half the foot's width inward, and of its length before the ankle."""
+
+
+@dataclass(frozen=True)
+class Marker:
+    """A point that moves with a part; p_part in metres."""
+
+    name: str
+    part: str
+    p_part: Point
+
+
+def markers_of(body: Body, marker_set: MarkerSetName) -> tuple[Marker, ...]:
+    """The markers of a set on a body. FormatError where the body has no place for one.
+
+    A joint is on the part nearer to the root, as it is between both.
+    """
+    if marker_set == "keypose":
+        return _own_markers(body)
+    places = {name: _halpe_place(body, keypoint) for name, keypoint in _HALPE_26.items()}
+    missing = [name for name, place in places.items() if place is None]
+    if missing:
+        raise FormatError(
+            f"The markers of {marker_set} are those of a person, and this body has no "
+            f"{missing[0]}: choose the markers keypose."
+        )
+    return tuple(Marker(name, *place) for name, place in places.items() if place is not None)
+
+
+def marked(recording: Recording) -> tuple[tuple[str, ...], Array]:
+    """The markers' names and where they are (N, M, 3) in the file's axes, metres, of the set that
+    the recording is to be written with."""
+    if recording.marker_set == "keypose":
+        ps, names = recording.ps_camera_joint, column_names(recording.skeleton)
+        return names, recording.ground.points(ps) if recording.on_ground else flipped(ps)
+    body = recording.skeleton.body
+    markers = markers_of(body, recording.marker_set)
+    points = tuple(((body.index(one.part), one.p_part),) for one in markers)
+    places = BodyPoints(recording.skeleton, points)
+    ps_camera = places.at(recording.trajectory.transforms(recording.skeleton))
+    return tuple(one.name for one in markers), recording.ground.points(ps_camera)
+
+
+def _own_markers(body: Body) -> tuple[Marker, ...]:
+    names = iter(column_names(Skeleton.of(body)))
+    places = [
+        (part.name, (0.0, 0.0, 0.0)) if part.parent is None else (part.parent, part.joint_m)
+        for part in body.parts
+    ]
+    places += [(part.name, point) for part in body.parts for point in part.landmarks.values()]
+    return tuple(Marker(next(names), part, point) for part, point in places)
+
+
+def _halpe_place(body: Body, keypoint: str) -> tuple[str, Point] | None:
+    """The part and the point in its frame; None where the body has not what it takes."""
+    found = points_on_body(body, (keypoint,))
+    if len(found.indices):
+        x, y, z = found.point[0].tolist()
+        return body.names[int(found.part[0])], (x, y, z)
+    side, _, joint = keypoint.partition("_")
+    foot = f"{side}_foot"
+    if joint in ("big_toe", "small_toe", "heel") and foot in body.names:
+        return _on_foot(body, side, joint)
+    if keypoint == "mid_hip" and {"left_thigh", "right_thigh"} <= set(body.names):
+        thighs = [body.parts[body.index(f"{s}_thigh")] for s in ("left", "right")]
+        x, y, z = np.mean([thigh.joint_m for thigh in thighs], axis=0).tolist()
+        return (thighs[0].parent or "", (x, y, z))
+    if keypoint == "neck" and "neck" in body.names:
+        neck = body.parts[body.index("neck")]
+        return (neck.parent or "", neck.joint_m)
+    head = next((p for p in body.parts if "head_top" in p.landmarks), None)
+    if keypoint == "head_top" and head is not None:
+        return head.name, head.landmarks["head_top"]
+    return None
+
+
+def _on_foot(body: Body, side: str, joint: str) -> tuple[str, Point] | None:
+    """Heel and toes; forward is −z, and the middle lies at +x of a right foot."""
+    foot = body.parts[body.index(f"{side}_foot")]
+    heel, toe = (foot.landmarks.get(f"{side}_{end}") for end in ("heel", "toe"))
+    if heel is None or toe is None:
+        return None
+    if joint == "heel":
+        return foot.name, heel
+    inward, along = BIG_TOE if joint == "big_toe" else SMALL_TOE
+    vertices = foot.shape.mesh().vertices
+    half = float(np.ptp(vertices[:, 0])) / 2 * (-1.0 if side == "left" else 1.0)
+    return foot.name, (toe[0] + inward * half, toe[1], along * toe[2])
