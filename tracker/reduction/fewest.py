@@ -22,10 +22,6 @@ AT_A_TIME = 256
 """Frames compared between two looks at whether the work was cancelled."""
 
 
-class Cancelled(Exception):
-    """Raised when the work was cancelled."""
-
-
 def fewest_frames(
     comparison: Comparison,
     frames: Frames,
@@ -33,7 +29,7 @@ def fewest_frames(
 ) -> list[int]:
     """The frames of the path, of these ascending ones, from the first of them to the last.
 
-    progress: is given the number of frames that are reached; may raise Cancelled.
+    progress: is given the number of frames that are reached; what it raises ends the work.
     """
     layers = [frames[:1]]
     left = frames[1:]

@@ -67,7 +67,7 @@ def reduce_motion(
 
     camera: for tolerances in the picture.  required: frames of the video that are keyframes anyway.
     parts: those that are interpolated and compared, all where None; the others move as they do.
-    progress: is given how many frames are reached, of how many; may raise `fewest.Cancelled`.
+    progress: is given how many frames are reached, of how many; what it raises ends the work.
     ReductionError in one sentence where fewer than two frames have a pose, or a required one has
     none.
     """
