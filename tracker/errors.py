@@ -7,6 +7,7 @@ KeyposeError
 ├── SessionError    a session file, its keyframes or its video do not fit together
 ├── KeypointError   keypoints that cannot be found, or a file of them that cannot be used
 ├── SurfaceError    observed surfaces, or one step of them, that cannot be used
+├── ReductionError  a motion that cannot be reduced to keyframes
 └── FormatError     a reference or motion file that cannot be read or written
 """
 
@@ -45,6 +46,10 @@ class KeypointError(KeyposeError):
 
 class SurfaceError(KeyposeError):
     """Observed surfaces, or the surface of one step, cannot be used."""
+
+
+class ReductionError(KeyposeError):
+    """A motion cannot be reduced to keyframes as asked."""
 
 
 class FormatError(KeyposeError):

@@ -783,6 +783,42 @@ class DiscardSizes(Message):
     do: Literal["discard_sizes"] = "discard_sizes"
 
 
+class Reduce(Message):
+    """The motion as the fewest keyframes, as a preview.
+
+    first, last: of the frames to reduce, those of the video where left out.  cm, px: the tolerance,
+    at least one of them.  limbs: names of parts whose limbs are keyed alone.  replacing: whether
+    keyframes that are there may go.  stroke: of the slider that is dragged, which changes nothing.
+    """
+
+    do: Literal["reduce"] = "reduce"
+    first: FrameIndex | None = None
+    last: FrameIndex | None = None
+    cm: Annotated[FiniteFloat, Field(ge=0.01, le=10_000)] | None = None
+    px: Annotated[FiniteFloat, Field(ge=0.01, le=100_000)] | None = None
+    limbs: Annotated[tuple[Name, ...], Field(max_length=1000)] = ()
+    replacing: bool = False
+    stroke: Stroke | None = None
+
+    @model_validator(mode="after")
+    def _has_a_tolerance(self) -> Self:
+        if self.cm is None and self.px is None:
+            raise ValueError("a tolerance is needed, in cm or in px")
+        return self
+
+
+class ApplyReduction(Message):
+    """The previewed keyframes are taken over."""
+
+    do: Literal["apply_reduction"] = "apply_reduction"
+
+
+class DiscardReduction(Message):
+    """The previewed keyframes are forgotten."""
+
+    do: Literal["discard_reduction"] = "discard_reduction"
+
+
 class CloseFit(Message):
     """What the last fit did has been read."""
 
@@ -918,9 +954,10 @@ Editing: TypeAlias = (
 """What `app.editor.update` knows to apply."""
 
 Previewing: TypeAlias = PreviewPoses | ApplySizes | DiscardSizes
+Reducing: TypeAlias = Reduce | ApplyReduction | DiscardReduction
 Shelving: TypeAlias = RenameSession | DuplicateSession | DeleteSession | RestoreSession
 Fitting: TypeAlias = FitHere | FitSizes | Draft | TrackAhead | LookBefore | CloseFit | Previewing
-Running: TypeAlias = Track | Fitting | Cancel | SaveAgain | Close | Open | Shelving
+Running: TypeAlias = Track | Fitting | Reducing | Cancel | SaveAgain | Close | Open | Shelving
 """What the store does: jobs and files."""
 
 PoseKeeping: TypeAlias = KeepPose | RenamePose | DeletePose | RestorePose

@@ -1,5 +1,5 @@
 """One order to fit: a pose, or the sizes, to what the pictures show, drafts of a whole clip,
-or the body followed ahead."""
+the body followed ahead, or a motion reduced to keyframes."""
 
 from __future__ import annotations
 
@@ -26,6 +26,9 @@ from app.jobs.messages import (
     PoseFitted,
     PoseFitting,
     PoseOrder,
+    Reduced,
+    ReduceOrder,
+    Reducing,
     Report,
     SizesFitted,
     SizesOrder,
@@ -79,6 +82,8 @@ class Fit:
         """A pose or the sizes fitted to pictures, or a clip drafted."""
         if isinstance(order, AheadOrder):
             return self._ahead(order, session, worker_cache)
+        if isinstance(order, ReduceOrder):
+            return self._reduce(order, session)
         video = worker_cache.video(session, order.video_path)
         if isinstance(order, PoseOrder):
             return self._pose(order, session, video)
@@ -92,6 +97,8 @@ class Fit:
             raise SurfaceError("Drafts are made from a video, not from surfaces.")
         if isinstance(order, AheadOrder):
             raise SurfaceError("Surfaces are fitted from one keyframe on: press Fit.")
+        if isinstance(order, ReduceOrder):
+            raise SurfaceError("Only the motion of a video is reduced, not that of surfaces.")
         if isinstance(order, SizesOrder):
             raise SurfaceError(
                 "Sizes are fitted to pictures, not to surfaces: set them in Body, by what you see."
@@ -151,6 +158,23 @@ class Fit:
 
         found = follow_ahead(tracker, order.frame, order.direction, session.settings, emit)
         return FollowedAhead(order.job, found)
+
+    def _reduce(self, order: ReduceOrder, session: Session) -> Reduced:
+        from tracker.reduction import reduce_motion  # loads what only this needs
+
+        told = -1
+
+        def tell(done: int, expected: int) -> None:
+            nonlocal told
+            if self._cancelled.is_set():
+                raise DraftLeft
+            if 100 * done // expected != told:
+                told = 100 * done // expected
+                self._send(Reducing(order.job, done, expected))
+
+        found, skeleton = order.found, Skeleton.of(session.body)
+        given = (found.motion, order.tolerance, found.required, found.parts)
+        return Reduced(order.job, reduce_motion(skeleton, session.camera, *given, tell))
 
     def _draft(self, order: DraftOrder, session: Session, video: Video) -> Drafted:
         def tell(progress: DraftProgress) -> None:

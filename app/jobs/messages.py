@@ -19,8 +19,10 @@ from tracker.tracking.result import SegmentResult
 from tracker.tracking.space.result import SpaceResult
 
 if TYPE_CHECKING:
+    from app.editor.reduced import Reducible
     from tracker.fitting.draft import Proposal
     from tracker.fitting.sizes import Proposal as SizesProposal
+    from tracker.reduction import Reduction, Tolerance
     from tracker.tracking.ahead.follow import FoundAhead
 
 Wanted: TypeAlias = tuple[int, int, str]
@@ -110,6 +112,20 @@ class AheadOrder:
 
 
 @dataclass(frozen=True, eq=False)
+class ReduceOrder:
+    """Reduce a motion to keyframes.
+
+    session: JSON of a session with the body and the camera.
+    """
+
+    session: bytes
+    video_path: str
+    found: Reducible
+    tolerance: Tolerance
+    job: int = 0
+
+
+@dataclass(frozen=True, eq=False)
 class SpaceOrder:
     """Solve for the motion in space of these stretches, which were tracked before.
 
@@ -121,7 +137,7 @@ class SpaceOrder:
     job: int = 0
 
 
-FitOrder: TypeAlias = PoseOrder | SizesOrder | DraftOrder | AheadOrder
+FitOrder: TypeAlias = PoseOrder | SizesOrder | DraftOrder | AheadOrder | ReduceOrder
 AnyOrder: TypeAlias = Order | FitOrder | SpaceOrder
 
 
@@ -299,7 +315,24 @@ class FollowedAhead:
     found: FoundAhead
 
 
-Fitted: TypeAlias = PoseFitted | SizesFitted | Drafted | FollowedAhead
+@dataclass(frozen=True)
+class Reducing:
+    """How far a reduction is: frames that are reached."""
+
+    job: int
+    done: int
+    expected: int
+
+
+@dataclass(frozen=True, eq=False)
+class Reduced:
+    """The frames to keep as keyframes."""
+
+    job: int
+    reduction: Reduction
+
+
+Fitted: TypeAlias = PoseFitted | SizesFitted | Drafted | FollowedAhead | Reduced
 """What ends an order to fit, unless it was cancelled or failed."""
 
 Report: TypeAlias = (
@@ -312,6 +345,7 @@ Report: TypeAlias = (
     | Drafting
     | PoseFitting
     | FollowingAhead
+    | Reducing
     | JobFinished
     | JobFailed
     | Fitted

@@ -33,11 +33,14 @@ from app.jobs import (
     JobFinished,
     PoseFitted,
     PoseOrder,
+    Reduced,
+    ReduceOrder,
     SizesFitted,
     SizesOrder,
 )
 from app.store.identity import unchanged
 from app.store.preview import SizesPreview
+from app.store.reduction import reducible_as_asked, tolerance_of
 from app.store.runner import Runner
 from app.store.state import AppState, FitOutcome
 from tracker.body.pose import Pose
@@ -49,6 +52,7 @@ from tracker.storage.keypoints import of_session, save_keypoints
 from tracker.storage.results import pose_at
 
 if TYPE_CHECKING:
+    from tracker.reduction import Reduction
     from tracker.tracking.ahead.follow import FoundAhead
 
 SAME = 1e-9
@@ -57,7 +61,7 @@ NEAR_FRAMES = 8
 """So many frames to both sides the tracked poses are handed over."""
 
 
-Asking: TypeAlias = do.FitHere | do.FitSizes | do.Draft | do.TrackAhead
+Asking: TypeAlias = do.FitHere | do.FitSizes | do.Draft | do.TrackAhead | do.Reduce
 """What a person asks to be fitted."""
 
 
@@ -81,6 +85,8 @@ class FitRequest:
             return cls(_draft_order(path, edit, action), None, edit)
         if isinstance(action, do.TrackAhead):
             return cls(_ahead_order(path, opened, edit, action), None, edit)
+        if isinstance(action, do.Reduce):
+            return cls(_reduce_order(path, opened, edit, action), None, edit)
         if isinstance(action, do.FitSizes):
             require_sizes_to_fit(edit)
             return cls(SizesOrder(_content(edit.doc), path, action.focal), None, edit)
@@ -95,6 +101,8 @@ class FitRequest:
         if isinstance(self.order, AheadOrder):
             way = "ahead" if self.order.direction == "forward" else "back"
             return f"Tracking {way} from {self.order.frame}"
+        if isinstance(self.order, ReduceOrder):
+            return "Reducing to keyframes"
         return "Fitting the sizes" if self.frame is None else f"Fitting frame {self.frame}"
 
     @property
@@ -104,6 +112,8 @@ class FitRequest:
             return "Draft cancelled because the body, the camera or a keyframe changed."
         if isinstance(self.order, AheadOrder):
             return "Tracking ahead cancelled because the body, the camera or a keyframe changed."
+        if isinstance(self.order, ReduceOrder):
+            return "Reduction cancelled because the motion changed."
         what = "sizes" if self.frame is None else "pose"
         return f"Fit cancelled because the {what} changed."
 
@@ -127,7 +137,7 @@ class FitRequest:
 
     def is_like(self, other: FitRequest) -> bool:
         """Whether the other asks for the same of what still stands."""
-        whole = DraftOrder | AheadOrder
+        whole = DraftOrder | AheadOrder | ReduceOrder
         if isinstance(self.order, whole) or isinstance(other.order, whole):
             return self.order == other.order
         focal = (getattr(request.order, "focal", None) for request in (self, other))
@@ -143,6 +153,8 @@ class FitRequest:
         if isinstance(self.order, AheadOrder):
             cues = doc.settings, doc.keypoint_corrections
             return doc.body, doc.camera, doc.ignore_masks, doc.keyframes, *cues
+        if isinstance(self.order, ReduceOrder):
+            return doc.body, doc.keyframes, doc.part_keyframes, doc.drafts, doc.first_motion
         what = (doc.body, doc.camera, doc.ignore_masks, doc.surface)
         if self.frame is None:
             return *what, doc.keyframes, doc.drafts
@@ -170,6 +182,8 @@ class Host(Protocol):
 
     def show_preview(self, preview: SizesPreview) -> None: ...
 
+    def show_reduction(self, reduction: Reduction | None) -> None: ...
+
     def note(self, kind: str, words: str) -> None: ...
 
 
@@ -183,13 +197,14 @@ class Fitter:
         self._request: FitRequest | None = None
         self._found: Fitted | None = None
 
-    def ask(self, action: Asking) -> None:
+    def ask(self, action: Asking) -> FitRequest:
         """Begin; a fit that is asked for twice is done once."""
         opened, edit = self._current()
         request = FitRequest.of(opened, edit, action)
         if self._request is None or not self._request.is_like(request):
             self._request, self._found = request, None
             self._runner.fit(request.order, request.title, self._on_fit_end)
+        return request
 
     def changed(self) -> None:
         """The state is another one."""
@@ -215,7 +230,12 @@ class Fitter:
 
     def _drop(self) -> None:
         self._runner.drop_fit()
+        self._leave_reduction()
         self._resume_tracking()
+
+    def _leave_reduction(self) -> None:
+        if self._request is not None and isinstance(self._request.order, ReduceOrder):
+            self._host.show_reduction(None)
 
     def closed(self) -> None:
         """No session is open any more."""
@@ -227,6 +247,7 @@ class Fitter:
         if isinstance(report, JobFailed | JobFinished):
             if isinstance(report, JobFailed):
                 self._host.note("lost", report.words)
+            self._leave_reduction()
             self._resume_tracking()
             return
         self._found = report
@@ -241,6 +262,9 @@ class Fitter:
                 return
             if isinstance(found, SizesFitted):
                 self._preview(found, edit)
+                return
+            if isinstance(found, Reduced):
+                self._host.show_reduction(found.reduction)
                 return
             if isinstance(found, FollowedAhead):
                 self._take_ahead(found.found, edit)
@@ -333,6 +357,14 @@ def _ahead_order(
     frame = start_frame(edit.doc, action.direction)
     folder = str(opened.session_path.absolute().parent)
     return AheadOrder(_content(edit.doc), path, frame, action.direction, folder)
+
+
+def _reduce_order(
+    path: str, opened: OpenSession, edit: EditorState, action: do.Reduce
+) -> ReduceOrder:
+    found = reducible_as_asked(edit, action, opened.session_path.absolute().parent)
+    bare = edit.doc.model_copy(update={"keyframes": (), "part_keyframes": ()})
+    return ReduceOrder(_content(bare), path, found, tolerance_of(action))
 
 
 def _content(doc: Session) -> bytes:

@@ -29,6 +29,9 @@ from app.jobs import (
     PoseFitting,
     Progress,
     Ready,
+    Reduced,
+    ReduceOrder,
+    Reducing,
     Report,
     SegmentFinished,
     SizesFitted,
@@ -50,9 +53,11 @@ Ending: TypeAlias = Literal["done", "cancelled", "failed"]
 OnFitEnd: TypeAlias = Callable[[Fitted | JobFailed | JobFinished], None]
 
 
-FitKind: TypeAlias = Literal["fit", "draft", "ahead"]
+FitKind: TypeAlias = Literal["fit", "draft", "ahead", "reduce"]
 
-_FIT_KINDS: Mapping[type[FitOrder], FitKind] = {DraftOrder: "draft", AheadOrder: "ahead"}
+_FIT_KINDS: Mapping[type[FitOrder], FitKind] = {
+    DraftOrder: "draft", AheadOrder: "ahead", ReduceOrder: "reduce",
+}  # fmt: skip
 """Those that know how far they are."""
 NETWORK_SHARE = 0.9
 """Of the time that a draft takes."""
@@ -256,7 +261,10 @@ class Runner:
                 self.fitting = report
             case FollowingAhead():
                 self._on_following(report)
-            case PoseFitted() | SizesFitted() | Drafted() | FollowedAhead():
+            case Reducing():
+                percent = 100 * report.done / report.expected
+                self.job = replace(self.job, percent=percent)
+            case PoseFitted() | SizesFitted() | Drafted() | FollowedAhead() | Reduced():
                 self._on_fit_end(report)
             case JobFailed() | JobFinished() if self._fit_done is not None:
                 self._on_fit_end(report)

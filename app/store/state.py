@@ -13,6 +13,7 @@ from app.editor.documents import posed
 from app.editor.state import EditorState
 from app.jobs import FollowingAhead, PoseFitting
 from app.store.preview import SizesPreview
+from app.store.reduction import ReductionPreview
 from tracker.keypoints.keypoints import Keypoints
 from tracker.session.schema import Session
 from tracker.video import VideoInfo
@@ -30,7 +31,7 @@ class Job:
     words: str = ""
     percent: float = 0.0
     seconds_left: float | None = None
-    kind: Literal["track", "fit", "draft", "ahead", "space"] = "track"
+    kind: Literal["track", "fit", "draft", "ahead", "reduce", "space"] = "track"
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +134,8 @@ class AppState:
     draft: the document as the last draft of the clip left it.
     unusable: which observed surfaces cannot be used, a sentence as far as is known, or empty.
     fitting: how far a pose is fitted.  following: how far the body is tracked ahead.
-    preview: new sizes that wait to be applied.  poses: those that were kept.
+    preview: new sizes that wait to be applied.  reduction: keyframes that do.
+    poses: those that were kept.
     """
 
     server: str = ""
@@ -151,6 +153,7 @@ class AppState:
     fitting: PoseFitting | None = None
     following: FollowingAhead | None = None
     preview: SizesPreview | None = None
+    reduction: ReductionPreview | None = None
     surface: SurfaceSeen = SurfaceSeen()
     unusable: str = ""
     poses: tuple[KeptPose, ...] = ()

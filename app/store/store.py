@@ -25,6 +25,7 @@ from app.editor import actions
 from app.editor.refusal import Refused
 from app.editor.state import EditorState
 from app.editor.update import end_stroke, update
+from app.jobs import ReduceOrder
 from app.jobs.failure import failure_message
 from app.render.video_frames import Frames
 from app.store.clients import Clients
@@ -34,6 +35,8 @@ from app.store.guide import guide_after
 from app.store.keypoint_finder import KeypointFinder
 from app.store.pose_library import PoseLibrary
 from app.store.preview import WAITING, SizesPreview
+from app.store.reduction import WAITING as REDUCTION_WAITING
+from app.store.reduction import ReductionPreview
 from app.store.runner import Runner
 from app.store.saving import SessionWriter
 from app.store.sections import Sections
@@ -50,6 +53,7 @@ from app.store.state import (
 )
 from app.store.tabs import Tab, Tabs
 from tracker.errors import KeyposeError, SessionError, SurfaceError, VideoError, one_sentence
+from tracker.reduction import Reduction
 from tracker.storage.chronicle import mark_of
 from tracker.video import VideoInfo
 
@@ -291,10 +295,15 @@ class Store:
             self._set(fit=None)
         elif isinstance(action, actions.Previewing):
             self._answer_preview(action)
+        elif isinstance(action, actions.ApplyReduction | actions.DiscardReduction):
+            self._answer_reduction(action)
         elif self._app_state.edit is None or self._opened is None:
             raise Refused("Open a video first.")
         else:
             self._writer.lock.require_writable()
+            if isinstance(action, actions.Reduce):
+                self._reduce(action)
+                return
             self._require_no_preview()
             self._edit_to(end_stroke(self._app_state.edit))
             if isinstance(action, actions.Track):
@@ -330,6 +339,35 @@ class Store:
     def _require_no_preview(self) -> None:
         if self._app_state.preview is not None:
             raise Refused(WAITING)
+        if self._app_state.reduction is not None:
+            raise Refused(REDUCTION_WAITING)
+
+    def _reduce(self, action: actions.Reduce) -> None:
+        """Find the keyframes of a motion; asked again, with another tolerance, find those."""
+        known = self._app_state.reduction
+        if known is None:
+            self._require_no_preview()
+        order = self._fitter.ask(action).order
+        assert isinstance(order, ReduceOrder)
+        asked = known.asking(action, order.found) if known else None
+        self._set(reduction=asked or ReductionPreview(action, order.found), fit=None)
+
+    def show_reduction(self, reduction: Reduction | None) -> None:
+        """Show the keyframes that were found, and wait for an answer; None: there are none."""
+        known = self._app_state.reduction
+        self._set(reduction=None if known is None or reduction is None else known.done(reduction))
+
+    def _answer_reduction(self, action: actions.ApplyReduction | actions.DiscardReduction) -> None:
+        known, edit, opened = self._app_state.reduction, self._app_state.edit, self._opened
+        if known is None or edit is None or opened is None:
+            raise Refused("There are no keyframes of a reduction to answer.")
+        if isinstance(action, actions.ApplyReduction):
+            self._writer.lock.require_writable()
+            edit = known.applied_to(edit, opened.session_path)
+        elif known.busy:
+            self._fitter.cancel()
+        self._set(reduction=None)
+        self._edit_to(edit)
 
     def show_draft(self, edit: EditorState) -> None:
         """Go on from the drafts of the clip."""
@@ -473,7 +511,12 @@ class Store:
         self._clients = Clients()
         self._set(opened=None, edit=None, running={}, job=Job(), saved=Saved(), fit=None)
         self._set(
-            draft=None, preview=None, fitting=None, following=None, keypoints=KnownKeypoints()
+            draft=None,
+            preview=None,
+            reduction=None,
+            fitting=None,
+            following=None,
+            keypoints=KnownKeypoints(),
         )
         self._set(surface=SurfaceSeen(), unusable="", revision="")
         if examiner is not None:

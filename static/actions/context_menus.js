@@ -34,8 +34,8 @@ export const CONTEXTS = {
   eye: { title: 'the free view', groups: [['fitView']] },
   keyframe: { title: 'a keyframe', groups: [['copyKeyHere', 'note']] },
   partKeyframe: { title: 'a part keyframe', groups: [['note']] },
-  segment: { title: 'a segment', groups: [['trackChanged', 'nextProblem', 'review'], ['note']] },
-  frames: { title: 'the timeline', groups: [['goTo', 'note'], ['zoomToInterval', 'lanes', 'trackChanged']] },
+  segment: { title: 'a segment', groups: [['trackChanged', 'reduce', 'nextProblem', 'review'], ['note']] },
+  frames: { title: 'the timeline', groups: [['goTo', 'note'], ['zoomToInterval', 'lanes', 'trackChanged', 'reduce']] },
   note: { title: 'a note', groups: [['goTo', 'note', 'deleteNote']] },
 };
 

@@ -53,6 +53,7 @@ export const SYNONYMS = {
   trackChanged: 'solve run compute process calculate outdated update',
   trackThis: 'solve segment current run',
   trackAll: 'solve everything whole run recompute',
+  reduce: 'unbake bake keyframe reduction decimate simplify sparse fewer thin key reducer optimise optimize curve',
   draft: 'automatic auto detect pose estimation markerless ai',
   cancel: 'stop abort tracking',
   review: 'worst errors problems check correct verify quality inspect',

@@ -35,6 +35,7 @@ import { addPart, carrier, deleteTitle, whyNotDeletePart } from './parts.js';
 import {
   atFirst, atLast, hasNoChild, isRoot, noKeyframe, noOtherSide, whyNotFitPose, whyNotFitSizes, whyNotSwap,
 } from './reasons.js';
+import { beginReduction, whyNotReduce } from './reducing.js';
 import { answer, goal, isReviewing, places, toggleReview, turn, whyNoPlace, whyNotReview } from './review.js';
 import { deleteAny, deleteLabel, nudge, selectAll, selectHere, whyNotDeleteAny, whyNotNudge, whyNotSelect, whyNotSelectAll } from './selection.js';
 import { chooseTheme, chosenTheme } from './theme.js';
@@ -341,6 +342,11 @@ const TRACK = {
   draft: {
     label: () => `Draft ${count(draftCount(), 'frame')}`, icon: 'wand', off: whyNotDraft,
     title: 'Find the person in every frame and pose the body there', message: draftMessage,
+  },
+  reduce: {
+    label: 'Reduce to keyframes…', icon: 'mid', off: whyNotReduce,
+    title: 'The fewest keyframes that give the motion back to a tolerance, between the in and the out point',
+    run: beginReduction,
   },
   cancel: {
     label: 'Cancel', icon: 'x', keys: ['Escape'], heard: 'escape',

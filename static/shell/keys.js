@@ -9,6 +9,7 @@ import { awaitPaste, mountPaste } from '../actions/copying.js';
 import { clearSelection } from '../actions/selection.js';
 import { closeGuide } from '../guide/guide.js';
 import { discardSizes, lookBack, onPreviewKey } from '../actions/preview.js';
+import { discardReduction, onReductionKey } from '../actions/reducing.js';
 import { closeReview, onReviewKey } from '../actions/review.js';
 import { closeFit } from './fit_card.js';
 import { cancelJob } from './job.js';
@@ -59,7 +60,7 @@ function onKeyDown(event) {
     return;
   }
   if (keepsKey(chord) || hasText(chord) || isModal(chord)) return;
-  if (onPreviewKey(chord, event) || onReviewKey(chord, event)) return;
+  if (onPreviewKey(chord, event) || onReductionKey(chord, event) || onReviewKey(chord, event)) return;
   if (chord === 'Space') {
     pressSpace(event);
     return;
@@ -81,7 +82,7 @@ function onKeyDown(event) {
 
 /** What Esc ends, the nearest first; whether there was anything. */
 function escape() {
-  return closeSheets() || closeMenu() || leaveControl() || discardSizes() || clearSelection() || closeFit() || closeGuide() || closeReview() || cancelJob();
+  return closeSheets() || closeMenu() || leaveControl() || discardSizes() || discardReduction() || clearSelection() || closeFit() || closeGuide() || closeReview() || cancelJob();
 }
 
 /** A text that is marked in a message is what Ctrl C should copy. */

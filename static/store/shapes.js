@@ -373,6 +373,26 @@
  */
 
 /**
+ * @typedef {object} Reduction  Keyframes of a reduction that wait to be applied or discarded.
+ * @property {number} first  Of the frames with a motion.
+ * @property {number} last
+ * @property {number | null} from  Of the frames that were asked for; null for those of the video.
+ * @property {number | null} to
+ * @property {number | null} cm  The tolerance, in space or in the picture.
+ * @property {number | null} px
+ * @property {string[]} limbs  Names of parts whose limbs are keyed alone; none for the whole body.
+ * @property {boolean} replacing  Whether keyframes that are there may go.
+ * @property {'tracked' | 'drafts' | 'imported'} source
+ * @property {boolean} busy  Whether what follows is of what was asked for before.
+ * @property {number[]} frames  None while nothing is known.
+ * @property {number} kept  How many of them are keyframes already.
+ * @property {number} every  Frames from one to the next, on average.
+ * @property {number | null} off_cm  How far a point of the body is off at most.
+ * @property {number | null} off_px
+ * @property {number} gaps  Frames without a pose.
+ */
+
+/**
  * @typedef {object} DraftPlace  A frame whose draft should be confirmed.
  * @property {number} frame
  * @property {string} reason
@@ -396,7 +416,7 @@
  * @property {string} words
  * @property {number} percent
  * @property {number | null} seconds_left
- * @property {'track' | 'fit' | 'draft' | 'ahead' | 'space'} kind
+ * @property {'track' | 'fit' | 'draft' | 'ahead' | 'reduce' | 'space'} kind
  */
 
 /** @typedef {{ state: 'saved' | 'saving' | 'failed' | 'readonly', at: number, words: string }} Saved */
@@ -456,6 +476,7 @@
  * @property {Keypoints | null} keypoints  Of the present frame; null where none are known.
  * @property {Fit | null} fit
  * @property {SizesPreview | null} sizes_preview
+ * @property {Reduction | null} reduction
  * @property {Drafted | null} draft
  * @property {Job} job
  * @property {Saved} saved

@@ -16,6 +16,7 @@ import { mountPlaying } from '../actions/playing.js';
 import { mountSelection } from '../actions/selection.js';
 import { followPins, listenForPinKeys, watchPointer } from './edit/pin_drags.js';
 import { mountNoteCard } from './note_card.js';
+import { mountReduceCard } from './reduce_card.js';
 import { clearNumbers, PATTERNS } from './draw/ground.js';
 import { GUTTER, isCramped, rowsFor, setWidth } from './draw/scale.js';
 import { isZoomed, reveal } from '../actions/window.js';
@@ -25,7 +26,7 @@ import { memoize } from './draw/series.js';
 
 /** @type {import('../store/shapes.js').Watched[]} */
 const WATCHED = [
-  'file', 'damage', 'view', 'keys', 'segments', 'draft', 'suggest', 'need', 'lanes', 'curve', 'body', 'job',
+  'file', 'damage', 'view', 'keys', 'segments', 'draft', 'reduction', 'suggest', 'need', 'lanes', 'curve', 'body', 'job',
   'pins', 'proposed_pins', 'notes', 'u:timePin', 'review', 'u:review', 'u:reviewGoal', 'u:reviewLeft',
   'u:timeKeys', 'u:span', 'u:loop', 'u:speed', 'u:shuttle',
   'u:playing', 'u:chart', 'u:lanes', 'u:curveAxis', 'u:timeWindow', 'u:timeSize', 'u:timeHead',
@@ -47,6 +48,7 @@ export function mount() {
   watchPointer();
   listenForPinKeys();
   mountNoteCard(time.querySelector('#tnote'), drawing);
+  mountReduceCard(time.querySelector('#treduce'), drawing);
   mountSelection();
   mountPlaying();
   const bar = time.querySelector('#tr');
@@ -61,7 +63,7 @@ function frameOf() {
     <svg id="tsvg" role="group" aria-label="Frames, keyframes and segments">${PATTERNS}
       <clipPath id="tl-frames"><rect x=${GUTTER + 1} y="-4" width="100000" height="10000" /></clipPath>
     </svg>
-    <div id="tnote"></div>`;
+    <div id="tnote"></div><div id="treduce"></div>`;
 }
 
 /** A press on the bar leaves the focus where keys reach the views; the frame box is typed into. */

@@ -64,3 +64,56 @@ class Prior(NamedTuple):
 
     precision: NDArray[np.float64]
     information: float
+
+
+class ComparedBody(NamedTuple):
+    """A body and the points by which two of its motions are compared, sorted by part.
+
+    parents (P,) int64 · joints (P, 3) · points (M, 3) in their parts' frames · starts (P + 1,)
+    int64: part i's points are starts[i] to starts[i + 1] · interpolated (P,) bool: the parts whose
+    rotation is interpolated, the root with its position; the others move as they do.
+    """
+
+    parents: NDArray[np.int64]
+    joints: NDArray[np.float64]
+    points: NDArray[np.float64]
+    starts: NDArray[np.int64]
+    interpolated: NDArray[np.bool_]
+
+
+class DenseMotion(NamedTuple):
+    """A pose for every frame, and where it has the points of a `ComparedBody`.
+
+    Rs (N, P, 3, 3) in the parents' frames · ps (N, 3) of the root · points (N, M, 3), all metres in
+    the camera frame · known (N,) bool: where there is a pose.
+    """
+
+    Rs: NDArray[np.float64]
+    ps: NDArray[np.float64]
+    points: NDArray[np.float64]
+    known: NDArray[np.bool_]
+
+
+class Limits(NamedTuple):
+    """How far a point may be off: metres in space, pixels in the picture; infinite where that does
+    not count."""
+
+    metres: float
+    pixels: float
+
+
+class IntervalWork(NamedTuple):
+    """What comparing intervals of a motion writes to.
+
+    turns (P, 3) · HR (P, 3, 3), Ho (P, 3): parts as placed · scratch (2, 3, 3) · vector (3,) ·
+    way (P,) int64 · witness (2,) int64: frame and part that were off last · give_up (1,) bool.
+    """
+
+    turns: NDArray[np.float64]
+    HR: NDArray[np.float64]
+    Ho: NDArray[np.float64]
+    scratch: NDArray[np.float64]
+    vector: NDArray[np.float64]
+    way: NDArray[np.int64]
+    witness: NDArray[np.int64]
+    give_up: NDArray[np.bool_]

@@ -204,8 +204,19 @@ class PartKeyframe(Keyframe):
     )
 
 
+class OwnRun(Plain):
+    """Frames of a first motion that are the session's own motion, from before it was reduced."""
+
+    first_frame: FrameIndex
+    last_frame: FrameIndex
+    digest: Annotated[str, Field(pattern=r"^[0-9a-f]{12}$")] = Field(
+        description="Of these poses: what starts from them is outdated when they change."
+    )
+
+
 class FirstMotion(Plain):
-    """A motion from elsewhere, fitted to the body: a start for tracking, not its result."""
+    """A motion from elsewhere, fitted to the body: a start for tracking, not its result. Or the
+    session's own motion, from before it was reduced to keyframes."""
 
     file: Annotated[str, Field(pattern=r"^first-[0-9a-f]{12}\.npz$")] = Field(
         description="File of the motion, beside the session file."
@@ -214,6 +225,18 @@ class FirstMotion(Plain):
     matched: dict[str, str] = Field(
         default_factory=dict, description="The joints of that file with the body's own."
     )
+    own: tuple[OwnRun, ...] = Field(
+        default=(),
+        exclude_if=operator.not_,
+        description="Where it is the session's own motion, which segments there start from, as it "
+        "is, unless another start is asked for. It has no other frames. Left out where it was "
+        "imported.",
+    )
+
+    def own_run(self, first: int, last: int) -> OwnRun | None:
+        """The run that reaches over these frames, of the session's own motion."""
+        runs = (run for run in self.own if run.first_frame <= first and last <= run.last_frame)
+        return next(runs, None)
 
 
 class KeypointFile(Plain):

@@ -105,7 +105,20 @@ def _key(session: Session, setup: bytes, at: Mapping[int, Keyframe], span: Span)
     return hashlib.sha256(b"\0".join((setup, json.dumps(segment).encode(), *poses))).hexdigest()
 
 
-def _masks_and_corrections(session: Session, span: Span, ends: Sequence[Keyframe]) -> list[Any]:
+def _film_segment(session: Session, span: Span, ends: Sequence[Keyframe]) -> list[Any]:
+    """What counts within a segment: masks, corrected keypoints, and an own motion."""
+    return [*_masks_and_corrections(session, span), *_own_start(session, span)]
+
+
+def _own_start(session: Session, span: Span) -> list[Any]:
+    first_motion = session.first_motion
+    run = None if first_motion is None else first_motion.own_run(*span)
+    if run is None or session.settings.initial not in ("auto", "import"):
+        return []
+    return [{"own": [run.first_frame, run.last_frame, run.digest]}]
+
+
+def _masks_and_corrections(session: Session, span: Span) -> list[Any]:
     """The masks clipped to the segment; their other frames do not count. Where keypoints count,
     also what a person said of them there."""
     first, last = span
@@ -203,7 +216,7 @@ class _Inputs:
 
 _INPUTS = ByEvidence(
     {
-        FilmEvidence: _Inputs(_film_setup, _masks_and_corrections, _film_hash),
+        FilmEvidence: _Inputs(_film_setup, _film_segment, _film_hash),
         SurfaceEvidence: _Inputs(_surface_setup, _keyframe_ends, _surface_hash),
     }
 )
@@ -245,7 +258,8 @@ def _start(session: Session) -> list[Any]:
     left_out = sorted(set(session.settings.left_out))
     if initial == "templates":
         return [initial, left_out]
-    start: list[Any] = [] if first_motion is None else [initial, first_motion.file]
+    imported = first_motion is not None and not first_motion.own
+    start: list[Any] = [initial, first_motion.file] if first_motion and imported else []
     return [*start, left_out] if left_out and initial == "auto" else start
 
 

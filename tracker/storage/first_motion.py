@@ -6,6 +6,9 @@ The file is a plain NumPy archive, as a tracks file is:
     part_names      (P,)           text
     Rs_parent_part  (N, P, 3, 3)   rotations in the parents' frames
     ps_camera_root  (N, 3)         metres
+
+Of a session's own motion, reduced to keyframes, it holds the poses of the runs that the session
+names; frames between these have none, NaN.
 """
 
 from __future__ import annotations
@@ -23,9 +26,12 @@ from tracker.body.trajectory import Trajectory
 from tracker.errors import SessionError
 from tracker.files import read_regular
 from tracker.geometry.rotations import transpose
-from tracker.session.schema import FirstMotion, Session
+from tracker.session.schema import FirstMotion, OwnRun, Session
 from tracker.storage.archive import LARGEST_PACKED_BYTES, archive_arrays, archive_bytes
 from tracker.storage.atomic import write_file
+
+REDUCED = "reduced motion"
+"""What a session's own motion is said to be from."""
 
 
 def save_first_motion(
@@ -36,18 +42,59 @@ def save_first_motion(
     matched: Mapping[str, str],
 ) -> Session:
     """Write the motion beside the session file; the session that refers to it, not yet saved."""
+    name = _write(session.body, session_path, motion)
+    reference = FirstMotion(file=name, source=source, matched=dict(matched))
+    return session.model_copy(update={"first_motion": reference})
+
+
+def save_own_motion(session: Session, session_path: Path, motion: Trajectory) -> FirstMotion:
+    """Write the motion that a session has, before it is reduced to keyframes; what refers to it.
+
+    motion: every run of frames with poses is kept, in place of what was kept of these frames
+        before; NaN frames are in no run. What was kept of other frames stays.
+    """
+    before = session.first_motion
+    if before is not None and before.own:
+        known = load_first_motion(session_path.parent / before.file, session.body)
+        motion = _overlaid(known, motion)
+    ends = np.flatnonzero(np.diff(np.r_[0, np.isfinite(motion.ps_camera_root[:, 0]), 0]))
+    runs = [_own_run(motion, int(a), int(b)) for a, b in ends.reshape(-1, 2)]
+    name = _write(session.body, session_path, motion)
+    return FirstMotion(file=name, source=REDUCED, own=tuple(runs))
+
+
+def _overlaid(known: Trajectory, motion: Trajectory) -> Trajectory:
+    """A motion over another one: together as long as both need, NaN where neither has a pose."""
+    first = min(known.first_frame, motion.first_frame)
+    frames = max(known.last_frame, motion.last_frame) - first + 1
+    Rs = np.full((frames, *motion.Rs_parent_part.shape[1:]), np.nan)
+    ps = np.full((frames, 3), np.nan)
+    for one in (known, motion):
+        there = np.isfinite(one.ps_camera_root).all(axis=1)
+        rows = one.first_frame - first + np.flatnonzero(there)
+        Rs[rows], ps[rows] = one.Rs_parent_part[there], one.ps_camera_root[there]
+    return Trajectory(first, Rs, ps)
+
+
+def _own_run(motion: Trajectory, start: int, stop: int) -> OwnRun:
+    poses = motion.Rs_parent_part[start:stop], motion.ps_camera_root[start:stop]
+    digest = hashlib.sha256(b"".join(one.tobytes() for one in poses)).hexdigest()[:12]
+    first = motion.first_frame
+    return OwnRun(first_frame=first + start, last_frame=first + stop - 1, digest=digest)
+
+
+def _write(body: Body, session_path: Path, motion: Trajectory) -> str:
     content = archive_bytes(
         {
             "first_frame": np.array(motion.first_frame, dtype="<i8"),
-            "part_names": np.array(session.body.names, dtype=np.str_),
+            "part_names": np.array(body.names, dtype=np.str_),
             "Rs_parent_part": motion.Rs_parent_part.astype("<f8"),
             "ps_camera_root": motion.ps_camera_root.astype("<f8"),
         }
     )
     name = _name(content)
     write_file(session_path.parent / name, content, overwrite=True, error=SessionError)
-    reference = FirstMotion(file=name, source=source, matched=dict(matched))
-    return session.model_copy(update={"first_motion": reference})
+    return name
 
 
 def of_session(session: Session, folder: Path) -> Trajectory | None:
@@ -59,6 +106,13 @@ def of_session(session: Session, folder: Path) -> Trajectory | None:
     if session.first_motion is None or session.settings.initial == "linear":
         return None
     return load_first_motion(folder / session.first_motion.file, session.body)
+
+
+def kept_beside(session: Session, folder: Path) -> Trajectory | None:
+    """The first motion of a session, wherever tracking starts from; None where it has none.
+    SessionError as `of_session`."""
+    reference = session.first_motion
+    return None if reference is None else load_first_motion(folder / reference.file, session.body)
 
 
 def load_first_motion(path: Path, body: Body) -> Trajectory:
@@ -94,7 +148,10 @@ def _motion(arrays: dict[str, NDArray[Any]]) -> tuple[tuple[str, ...], Trajector
     frames = len(t)
     if t.shape != (frames, 3) or R.shape != (frames, len(names), 3, 3) or frames < 1 or first < 0:
         raise ValueError("its entries do not fit together")
-    if not (np.isfinite(t).all() and np.allclose(R @ transpose(R), np.eye(3), atol=1e-6)):
+    known = ~np.isnan(t).any(axis=1)
+    R_known, t_known = R[known], t[known]
+    are_poses = np.isfinite(t_known).all() and known[[0, -1]].all()
+    if not (are_poses and np.allclose(R_known @ transpose(R_known), np.eye(3), atol=1e-6)):
         raise ValueError("it holds poses that are none")
     return names, Trajectory(first, R, t)
 

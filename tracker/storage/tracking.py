@@ -56,8 +56,12 @@ def tracker_of(
     source = keypoint_source(session, video, keypoints)
     parts = keyed_parts(session, skeleton)
     keys = segment_keys(without_part_keyframes(session))
+    imported = session.first_motion
+    own = [(run.first_frame, run.last_frame) for run in imported.own] if imported else []
     if like is not None:
-        return like.renewed(skeleton, poses, first_motion, source, parts, keys, fewest=fewest)
+        return like.renewed(
+            skeleton, poses, first_motion, source, parts, keys, fewest=fewest, own=own
+        )
     return Tracker(
         video,
         session.camera,
@@ -71,6 +75,7 @@ def tracker_of(
         parts,
         keys,
         fewest=fewest,
+        own=own,
     )
 
 

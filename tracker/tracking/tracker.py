@@ -78,8 +78,9 @@ class Tracker:
 
     Keep it to track again after a keyframe has changed: pictures stay prepared. Raises SessionError
     with fewer than two keyposes, or than `fewest`: one is enough to follow the body ahead.
-    `first_motion` is one to start from, wherever it reaches; `keyed_parts` are limbs that are exact
-    at frames between keyposes.
+    `first_motion` is one to start from, wherever it reaches; before all others within the runs of
+    frames `own`, where it is the film's own motion of before. `keyed_parts` are limbs that are
+    exact at frames between keyposes.
     """
 
     def __init__(
@@ -97,9 +98,10 @@ class Tracker:
         keys: Mapping[tuple[int, int], str] | None = None,
         *,
         fewest: int = 2,
+        own: Sequence[tuple[int, int]] = (),
     ) -> None:
         """keys: of the segments without `keyed_parts`; where two are equal so are the motions."""
-        self._first_motion, self._keypoints = first_motion, keypoints
+        self._first_motion, self._own, self._keypoints = first_motion, tuple(own), keypoints
         self._keyed_parts, self._keys, self._kept = tuple(keyed_parts), keys or {}, KeptOutcomes()
         self._prepared = _Prepared(video, camera, masks, static_camera, memory)
         self._laid: dict[float, SurfacePoints] = {}
@@ -122,6 +124,7 @@ class Tracker:
         keys: Mapping[tuple[int, int], str] | None = None,
         *,
         fewest: int = 2,
+        own: Sequence[tuple[int, int]] = (),
     ) -> Tracker:
         """A tracker of other keyposes, or of another body, before the same video.
 
@@ -129,7 +132,7 @@ class Tracker:
         the same object. Both may be in use at the same time.
         """
         other = copy(self)
-        other._first_motion, other._keypoints = first_motion, keypoints
+        other._first_motion, other._own, other._keypoints = first_motion, tuple(own), keypoints
         other._keyed_parts, other._keys = tuple(keyed_parts), keys or {}
         if skeleton is not self.skeleton:
             other._laid = {}
@@ -205,9 +208,11 @@ class Tracker:
             if frame not in self.keyposes:
                 raise SessionError(f"Frame {frame} has no keyframe; pose it first.")
         start, end = self.keyposes[first], self.keyposes[last]
-        imported = None
+        imported, own = None, any(a <= first and last <= b for a, b in self._own)
         if self._first_motion is not None:
-            imported = fit_to_keyframes(self._first_motion, start, end, first, last)
+            imported = fit_to_keyframes(self._first_motion, start, end, first, last, not own)
+        if own and settings.initial == "auto":
+            settings = settings.model_copy(update={"initial": "import"})
         segment = Segment(first, last, start, end, self.loader(span).load(first, last), imported)
         method = method_of(settings)
         scene = self.scene(span, method.density)

@@ -167,6 +167,10 @@ SECTIONS: dict[str, _Section] = {
     "sizes_preview": _Section(
         _both(lambda o: (o.preview,), _edit("results")), work_values.sizes_preview
     ),
+    "reduction": _Section(
+        _both(lambda o: (o.reduction,), _doc("keyframes", "part_keyframes")),
+        work_values.reduction,
+    ),
     "draft": _Section(
         _both(_doc("drafts", "keyframes", "drafted"), lambda o: (work_values.is_latest_draft(o),)),
         work_values.draft,

@@ -103,6 +103,36 @@ def sizes_preview(app_state: AppState) -> Json:
     }
 
 
+def reduction(app_state: AppState) -> Json:
+    """Keyframes of a reduction that wait to be applied or discarded."""
+    given, edit = app_state.reduction, app_state.edit
+    if given is None or edit is None:
+        return None
+    asked, motion, known = given.asked, given.found.motion, given.reduction
+    posed = edit.doc.keyframes if given.found.parts is None else edit.doc.part_keyframes
+    frames = () if known is None else known.frames
+    own = {keyframe.frame for keyframe in posed}
+    worst = 0.0 if known is None else known.worst
+    return {
+        "first": motion.first_frame,
+        "last": motion.last_frame,
+        "from": asked.first,
+        "to": asked.last,
+        "cm": asked.cm,
+        "px": asked.px,
+        "limbs": list(asked.limbs),
+        "replacing": asked.replacing,
+        "source": given.found.source,
+        "busy": given.busy,
+        "frames": list(frames),
+        "kept": len(own.intersection(frames)),
+        "every": 0.0 if known is None else known.frames_per_keyframe,
+        "off_cm": None if known is None or asked.cm is None else asked.cm * worst,
+        "off_px": None if known is None or asked.px is None else asked.px * worst,
+        "gaps": 0 if known is None else len(known.misses) - known.known_count,
+    }
+
+
 def _has_sides(doc: Session, part: str) -> bool:
     """Whether a kind of part is there on both sides."""
     return part not in doc.body.names

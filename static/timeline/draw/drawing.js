@@ -11,6 +11,7 @@ import { grabbed, hovered } from '../edit/pointer.js';
 import { drawClip, drawDamage, drawGround, drawKeyLabels, drawNothingYet, drawRuler } from './ground.js';
 import { drawCurrent, drawKeys, drawNeed, drawSuggestion } from './keymarks.js';
 import { drawDrafts, drawPlaces } from './drafts.js';
+import { drawReduced } from './reduced.js';
 import { drawReviewPlaces } from './places.js';
 import { drawCurrentPart, drawPartKeys } from './partmarks.js';
 import { drawSegments } from './segments.js';
@@ -76,6 +77,7 @@ const LAYERS = [
   ['frames', 'grips', () => [chosenKeys()], ({ rows }) => drawGrips(rows, chosenKeys())],
   ['frames', 'keys', () => [server.keys, server.segments, String(onTheWay()), chosenKeys()],
     ({ rows }) => [drawKeys(rows, onTheWay(), chosenKeys()), drawPartKeys(rows, onTheWay())]],
+  ['frames', 'reduced', () => [server.reduction, server.keys], ({ rows }) => drawReduced(rows)],
   ['frames', 'places', () => [server.draft, isScore()], ({ rows }) => drawPlaces(rows, bottomOf(rows))],
   ['frames', 'review-places', () => [server.review, ui.review, ui.reviewGoal, ui.reviewLeft], () => drawReviewPlaces()],
   ['frames', 'current', () => [frame(), String(onTheWay()), chosenKeys(), angleGrabbed(), isScore(), ...curveInputs()],

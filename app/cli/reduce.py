@@ -1,0 +1,229 @@
+"""`keypose reduce`: a dense motion as the fewest keyframes that interpolation needs for it."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from typing import TYPE_CHECKING, Any
+
+from app.cli.arguments import Subcommands, add_command, add_json, add_session, whole_number
+from app.cli.json_output import print_json
+
+if TYPE_CHECKING:
+    from app.editor.reduced import Reducible
+    from tracker.reduction import Reduction, Tolerance
+    from tracker.session import Session
+
+_METRES = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+_SOURCES = ("tracked", "drafts", "imported")
+"""As in app.editor.reduced, which would load more than help needs."""
+
+_EXAMPLES = """\
+  keypose reduce jump.keypose
+  keypose reduce jump.keypose --tolerance 5cm --frames 40-120
+  keypose reduce jump.keypose --tolerance 4px --from drafts
+  keypose reduce jump.keypose --limb left_forearm --dry-run
+"""
+
+
+def add(commands: Subcommands) -> None:
+    summary = "Reduce a dense motion to the fewest keyframes"
+    details = (
+        "The motion that was tracked, drafted or imported becomes keyframes: no fewer of its poses "
+        "lead, interpolated, to every joint and side of the body within the tolerance. Your own "
+        "keyframes stay. What lay between is kept beside the session, and tracking starts from it: "
+        "with a large tolerance there are few keyframes, and the film tells the rest again."
+    )
+    command = add_command(commands, "reduce", run, summary, details, _EXAMPLES)
+    add_session(command)
+    command.add_argument(
+        "--tolerance",
+        metavar="DISTANCE",
+        type=_tolerance,
+        default="2cm",
+        help="in space, such as 2cm, in the picture, such as 5px, or both, 2cm,5px; default: 2cm",
+    )
+    command.add_argument(
+        "--frames", metavar="A-B", type=_frames, help="first and last frame to reduce; default: all"
+    )
+    command.add_argument(
+        "--limb",
+        metavar="PART",
+        action="append",
+        default=[],
+        help="key the limb of this part alone, as part keyframes; may be repeated",
+    )
+    command.add_argument(
+        "--from",
+        dest="source",
+        choices=_SOURCES,
+        help="the motion to reduce; default: the first of these that there is",
+    )
+    command.add_argument(
+        "--replace-keyframes",
+        action="store_true",
+        help="let your own keyframes in these frames go where the motion does not need them",
+    )
+    command.add_argument(
+        "--dry-run", action="store_true", help="print what would be, write nothing"
+    )
+    add_json(command)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    from app.document.folder_lock import locked
+    from tracker.storage.files import load_session
+
+    path = arguments.session
+    # Reading it reports one that is not there.
+    held = path.is_file() and not arguments.dry_run
+    with locked(path, "close it there first") if held else nullcontext():
+        session = load_session(path)
+        found, reduction = _reduced(session, arguments)
+        if not arguments.dry_run:
+            _save(session, found, reduction, arguments)
+    _print(session, found, reduction, arguments)
+    return 0
+
+
+def _reduced(session: Session, arguments: argparse.Namespace) -> tuple[Reducible, Reduction]:
+    from app.editor.reduced import reducible
+    from tracker.body.skeleton import Skeleton
+    from tracker.reduction import reduce_motion
+    from tracker.storage.first_motion import kept_beside
+    from tracker.storage.results import load_results
+
+    found = reducible(
+        session,
+        load_results(session, arguments.session).fitting(session),
+        kept_beside(session, arguments.session.parent),
+        frames=arguments.frames,
+        source=arguments.source,
+        limbs=arguments.limb,
+        replacing=arguments.replace_keyframes,
+    )
+    skeleton, camera = Skeleton.of(session.body), session.camera
+    with _progress() as progress:
+        reduction = reduce_motion(
+            skeleton, camera, found.motion, arguments.tolerance, found.required, found.parts,
+            progress,
+        )  # fmt: skip
+    return found, reduction
+
+
+def _save(
+    session: Session, found: Reducible, reduction: Reduction, arguments: argparse.Namespace
+) -> None:
+    from app.editor.reduced import reduced_session
+    from tracker.storage.files import open_video_of, save_session
+    from tracker.storage.first_motion import save_own_motion
+
+    path = arguments.session
+    with open_video_of(session, path) as video:
+        times_s = video.info.times_s
+    own = None if found.parts is not None else save_own_motion(session, path, found.motion)
+    given = (found, reduction.frames, times_s, own)
+    save_session(reduced_session(session, *given, replacing=arguments.replace_keyframes), path)
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[int, int], None]]:
+    """A bar at a terminal; a log needs none."""
+    if not sys.stderr.isatty():
+        yield lambda done, expected: None
+        return
+    from tqdm import tqdm
+
+    with tqdm(unit="frame", file=sys.stderr, dynamic_ncols=True, leave=False) as bar:
+
+        def tell(done: int, expected: int) -> None:
+            bar.n, bar.total = done, expected
+            bar.refresh()
+
+        yield tell
+
+
+# --- what is printed
+
+
+def _print(
+    session: Session, found: Reducible, reduction: Reduction, arguments: argparse.Namespace
+) -> None:
+    facts = _facts(session, found, reduction, arguments.tolerance)
+    if arguments.json:
+        print_json({**facts, "written": None if arguments.dry_run else str(arguments.session)})
+        return
+    what = "part keyframes" if found.parts is not None else "keyframes"
+    yours = f", {facts['kept']} of them yours" if facts["kept"] else ""
+    print(
+        f"{len(reduction.frames)} {what} for {reduction.known_count} {found.source} frames"
+        f"{yours}: one in {reduction.frames_per_keyframe:.1f} frames."
+    )
+    print(f"Frames: {', '.join(map(str, reduction.frames))}")
+    print(f"Interpolated, no point of the body is off by more than {_off(facts)}.")
+    if facts["frames_without_a_pose"]:
+        print(f"{facts['frames_without_a_pose']} frames have no pose; keyframes lead over them.")
+    if not arguments.dry_run:
+        print(f"Written: {arguments.session}")
+
+
+def _off(facts: dict[str, Any]) -> str:
+    said = {"cm": facts["tolerance_cm"], "px": facts["tolerance_px"]}
+    return " and ".join(
+        f"{facts['worst_share'] * value:.2g} {unit}" for unit, value in said.items() if value
+    )
+
+
+def _facts(
+    session: Session, found: Reducible, reduction: Reduction, tolerance: Tolerance
+) -> dict[str, Any]:
+    posed = session.keyframes if found.parts is None else session.part_keyframes
+    own = {keyframe.frame for keyframe in posed}
+    return {
+        "source": found.source,
+        "frames": list(reduction.frames),
+        "kept": sum(frame in own for frame in reduction.frames),
+        "frames_per_keyframe": reduction.frames_per_keyframe,
+        "tolerance_cm": None if math.isinf(tolerance.metres) else 100 * tolerance.metres,
+        "tolerance_px": None if math.isinf(tolerance.pixels) else tolerance.pixels,
+        "worst_share": reduction.worst,
+        "frames_without_a_pose": len(reduction.misses) - reduction.known_count,
+    }
+
+
+# --- arguments
+
+
+def _tolerance(text: str) -> Tolerance:
+    """ "2cm", "5px", or both with a comma between."""
+    from tracker.errors import ReductionError
+    from tracker.reduction.compare import Tolerance
+
+    given = {"metres": math.inf, "pixels": math.inf}
+    for word in text.split(","):
+        match = re.fullmatch(r"\s*(\d+(?:\.\d*)?|\.\d+)\s*(m|cm|mm|px)\s*", word)
+        if match is None:
+            raise argparse.ArgumentTypeError(
+                f"{text!r} is not a distance such as 2cm, 15mm, 5px or 2cm,5px"
+            )
+        number, unit = float(match[1]), match[2]
+        if unit == "px":
+            given["pixels"] = number
+        else:
+            given["metres"] = number * _METRES[unit]
+    try:
+        return Tolerance(**given)
+    except ReductionError as error:
+        raise argparse.ArgumentTypeError(str(error).rstrip(".")) from None
+
+
+def _frames(text: str) -> tuple[int, int]:
+    parse = whole_number(0)
+    first, dash, last = text.partition("-")
+    if not dash:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a range of frames such as 0-90")
+    return parse(first), parse(last)

@@ -1,0 +1,264 @@
+"""Keyframe reduction of a document: the motion it has, and the document with the keyframes alone.
+
+The motion is reduced where it is known: as it was tracked, drafted or imported. Keyframes that a
+person posed stay, and so do the limbs they keyed. What lay between the new keyframes is kept beside
+the session: tracking starts from it, so that what was found in the film is not lost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from app.editor.ahead import up_to_date
+from app.editor.documents import (
+    keyframe_of,
+    require_sound,
+    with_drafts,
+    with_keyframes,
+    with_part_keyframes,
+)
+from app.editor.part_edits import limbs_of
+from app.editor.refusal import Refused
+from app.editor.state import EditorState
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
+from tracker.errors import ReductionError
+from tracker.geometry.rotations import Array
+from tracker.reduction.reduce import require_range
+from tracker.session.schema import MOST, FirstMotion, Keyframe, PartKeyframe, Session
+from tracker.storage.results import Fitting
+
+Source: TypeAlias = Literal["tracked", "drafts", "imported"]
+Range: TypeAlias = tuple[int, int]
+
+LABEL = "reduce to keyframes"
+"""What undo calls it."""
+SOURCES: tuple[Source, ...] = ("tracked", "drafts", "imported")
+"""The one that is reduced first, where it is there."""
+_NONE = {
+    "tracked": "Nothing is tracked as the keyframes are posed now: track first.",
+    "drafts": "There are no drafts at two frames: draft the film first.",
+    "imported": "No motion has been imported: import one first.",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Reducible:
+    """The motion that is to be reduced.
+
+    motion:   its poses, NaN at frames without one; at keyframes that stay it has theirs.
+    source:   where it is from.
+    required: the frames that have to be keyframes, ascending.
+    parts:    indices of the parts that are to be keyed alone, None for the whole body.
+    """
+
+    motion: Trajectory
+    source: Source
+    required: tuple[int, ...]
+    parts: frozenset[int] | None
+
+
+def reducible(
+    doc: Session,
+    fitting: Fitting,
+    imported: Trajectory | None,
+    *,
+    frames: Range | None = None,
+    source: Source | None = None,
+    limbs: Sequence[str] = (),
+    replacing: bool = False,
+) -> Reducible:
+    """The motion of a document, or of a range of its frames; Refused where there is none.
+
+    fitting: its tracked segments.  imported: the motion in the file of its `first_motion`, from
+    elsewhere or from before an earlier reduction.
+    source: which motion, the first of SOURCES that is there where None.
+    limbs: names of parts whose limbs are to be keyed alone.
+    replacing: whether keyframes that are there may go.
+    """
+    if doc.surface is not None:
+        raise Refused("Only the motion of a video is reduced: surfaces are fitted frame by frame.")
+    first, last = _require_range(doc, frames)
+    parts = limbs_of(doc.body, limbs) if limbs else ()
+    if parts and not doc.spans:
+        raise Refused("A limb is keyed alone between two keyframes: add them first.")
+    if parts:
+        first, last = max(first, doc.spans[0][0]), min(last, doc.spans[-1][1])
+    chosen, motion = _motion(doc, fitting, imported, source, first, last)
+    first, last = motion.first_frame, motion.last_frame
+    stay = [k for k in doc.keyframes if first <= k.frame <= last]
+    motion = _through(doc, motion, stay, always=not replacing or bool(parts))
+    required = [] if replacing and not parts else [keyframe.frame for keyframe in stay]
+    required += [k.frame for k in doc.part_keyframes if parts and first <= k.frame <= last]
+    indices = frozenset(map(doc.body.index, parts)) if parts else None
+    return Reducible(motion, chosen, tuple(sorted(required)), indices)
+
+
+def reduced_session(
+    doc: Session,
+    found: Reducible,
+    frames: Sequence[int],
+    times_s: Array,
+    first_motion: FirstMotion | None,
+    *,
+    replacing: bool = False,
+) -> Session:
+    """The document with keyframes at these frames of the motion that was reduced.
+
+    first_motion: the motion as `save_own_motion` wrote it; None leaves what there is.
+    """
+    if found.parts is not None:
+        return _with_limbs_keyed(doc, found, frames, times_s)
+    first, last = found.motion.first_frame, found.motion.last_frame
+    skeleton = Skeleton.of(doc.body)
+    kept = [k for k in doc.keyframes if not (replacing and first <= k.frame <= last)]
+    known = {keyframe.frame for keyframe in kept}
+    made = [
+        keyframe_of(skeleton, found.motion.pose(frame), frame, times_s)
+        for frame in frames
+        if frame not in known
+    ]
+    _require_few("keyframes", len(kept) + len(made))
+    drafts = [d for d in doc.drafts if not (d.is_found and first <= d.frame <= last)]
+    doc = with_drafts(with_keyframes(doc, [*kept, *made]), drafts)
+    if first_motion is not None:
+        doc = doc.model_copy(update={"first_motion": first_motion})
+    return up_to_date(doc)
+
+
+def with_reduction(
+    state: EditorState,
+    found: Reducible,
+    frames: Sequence[int],
+    first_motion: FirstMotion | None,
+    *,
+    replacing: bool,
+) -> EditorState:
+    """With the motion reduced, as one step."""
+    given = (found, frames, state.times_s, first_motion)
+    doc = reduced_session(state.doc, *given, replacing=replacing)
+    require_sound(state.doc, doc, LABEL)
+    history = state.history.after(state.doc, LABEL, state.frame)
+    return replace(state.with_doc(doc), history=history)
+
+
+# --- the motion
+
+
+def _require_range(doc: Session, frames: Range | None) -> Range:
+    last = doc.video.frame_count - 1
+    if frames is None:
+        return 0, last
+    if not 0 <= frames[0] < frames[1] <= last:
+        raise Refused(
+            f"The video has frames 0 to {last}: choose two of them, the first before the last."
+        )
+    return frames
+
+
+def _motion(
+    doc: Session,
+    fitting: Fitting,
+    imported: Trajectory | None,
+    source: Source | None,
+    first: int,
+    last: int,
+) -> tuple[Source, Trajectory]:
+    """The motion between two frames, from a source that has poses at two of them at least."""
+    makers = {
+        "tracked": lambda: [found.trajectory for found in fitting.values() if found.finished],
+        "drafts": lambda: _posed(doc, doc.drafts),
+        "imported": lambda: [] if imported is None else _on_keyframes(doc, imported),
+    }
+    for one in SOURCES if source is None else (source,):
+        motion = _gathered(doc, makers[one](), first, last)
+        known = np.flatnonzero(np.isfinite(motion.ps_camera_root[:, 0]))
+        if len(known) > 1:
+            return one, require_range(motion, first + int(known[0]), first + int(known[-1]))
+    if source is None:
+        where = "" if (first, last) == (0, doc.video.frame_count - 1) else " in these frames"
+        raise Refused(f"There is no motion to reduce{where}: track, draft or import one first.")
+    raise Refused(_NONE[source])
+
+
+def _gathered(doc: Session, motions: Iterable[Trajectory], first: int, last: int) -> Trajectory:
+    """Poses of these frames as one motion, NaN where none has any."""
+    count = last - first + 1
+    Rs, ps = np.full((count, len(doc.body.parts), 3, 3), np.nan), np.full((count, 3), np.nan)
+    for motion in motions:
+        a, b = max(first, motion.first_frame), min(last, motion.last_frame) + 1
+        if a < b:
+            rows, part = slice(a - first, b - first), require_range(motion, a, b - 1)
+            Rs[rows], ps[rows] = part.Rs_parent_part, part.ps_camera_root
+    return Trajectory(first, Rs, ps)
+
+
+def _posed(doc: Session, keyframes: Iterable[Keyframe]) -> list[Trajectory]:
+    """Poses as motions of one frame."""
+    skeleton = Skeleton.of(doc.body)
+    poses = [(keyframe.frame, keyframe.pose(skeleton)) for keyframe in keyframes]
+    return [Trajectory(n, p.Rs_parent_part[None], p.p_camera_root[None]) for n, p in poses]
+
+
+def _on_keyframes(doc: Session, imported: Trajectory) -> list[Trajectory]:
+    """An imported motion made to meet the keyframes between each two of them."""
+    from tracker.tracking.initial.chains import fit_to_keyframes  # loads the loops
+
+    skeleton, motions = Skeleton.of(doc.body), [imported]
+    for a, b in pairwise(doc.keyframes):
+        given = a.pose(skeleton), b.pose(skeleton), a.frame, b.frame
+        met = fit_to_keyframes(imported, *given, smoothed=False)
+        motions += [] if met is None else [met]
+    return motions
+
+
+def _through(
+    doc: Session, motion: Trajectory, keyframes: Iterable[Keyframe], *, always: bool
+) -> Trajectory:
+    """The motion with the poses of keyframes at their frames: of all, or where it has none."""
+    Rs, ps = motion.writable()
+    skeleton = Skeleton.of(doc.body)
+    for keyframe in keyframes:
+        row = keyframe.frame - motion.first_frame
+        if always or not np.isfinite(ps[row]).all():
+            pose = keyframe.pose(skeleton)
+            Rs[row], ps[row] = pose.Rs_parent_part, pose.p_camera_root
+    return Trajectory(motion.first_frame, Rs, ps)
+
+
+# --- limbs alone
+
+
+def _with_limbs_keyed(
+    doc: Session, found: Reducible, frames: Sequence[int], times_s: Array
+) -> Session:
+    """With part keyframes at these frames, but for those that are keyframes."""
+    skeleton = Skeleton.of(doc.body)
+    keyed = {keyframe.frame for keyframe in doc.keyframes}
+    known = {each.frame: each for each in doc.part_keyframes}
+    limbs = {doc.body.names[i] for i in found.parts or ()}
+    for frame in frames:
+        if frame in keyed:
+            continue
+        if frame in known:
+            parts = limbs | set(known[frame].parts)
+            base: Keyframe = known[frame]
+        else:
+            parts, base = limbs, keyframe_of(skeleton, found.motion.pose(frame), frame, times_s)
+        ordered = tuple(name for name in doc.body.names if name in parts)
+        known[frame] = PartKeyframe(**{**base.model_dump(), "parts": ordered})
+    _require_few("part_keyframes", len(known))
+    return with_part_keyframes(doc, known.values())
+
+
+def _require_few(what: str, count: int) -> None:
+    if count > MOST[what]:
+        raise ReductionError(
+            f"That would be {count} keyframes, and a session holds at most {MOST[what]}: allow a "
+            "larger tolerance, or reduce fewer frames at a time."
+        )

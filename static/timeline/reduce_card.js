@@ -1,0 +1,110 @@
+// The card of a reduction, over the timeline that shows its keyframes: how far they may be off, what
+// there would be, and the answer.
+
+import { html, nothing, render } from '../vendor/lit-html/lit-html.js';
+import {
+  applyReduction, discardReduction, isReducing, limbToReduce, reductionMessage, USUAL,
+} from '../actions/reducing.js';
+import { checkbox, numberField, segmented, slider } from '../controls/fields.js';
+import { icon } from '../controls/icons.js';
+import { standAt } from '../controls/popup.js';
+import { count, range } from '../controls/words.js';
+import { partNamed } from '../store/parts.js';
+import { send } from '../store/link.js';
+import { server, watch } from '../store/state.js';
+
+const ABOVE_PX = 8;
+const SOURCES = { tracked: 'Tracked', drafts: 'Drafted', imported: 'Imported' };
+const UNITS = {
+  cm: { id: 'cm', label: 'cm', title: 'In space', least: 0.5, most: 50 },
+  px: { id: 'px', label: 'px', title: 'In the picture', least: 0.5, most: 200 },
+};
+
+let place = null;
+let drawing = null;
+
+/** Draw the card in this element, over the timeline's drawing. */
+export function mountReduceCard(element, timeline) {
+  [place, drawing] = [element, timeline];
+  watch(['reduction', 'view', 'body', 'keys', 'u:timeSize'], draw);
+  addEventListener('resize', () => requestAnimationFrame(put));
+}
+
+function draw() {
+  render(isReducing() ? card() : nothing, place);
+  put();
+}
+
+/** Over the middle of the timeline. */
+function put() {
+  const shown = place.firstElementChild;
+  if (!shown) return;
+  const box = drawing.getBoundingClientRect();
+  const { width, height } = shown.getBoundingClientRect();
+  standAt(shown, box.left + (box.width - width) / 2, Math.max(ABOVE_PX, box.top - height - ABOVE_PX));
+}
+
+function card() {
+  const { first, last, source, busy } = server.reduction;
+  return html`<div class="menu reducecard" role="dialog" aria-label="Reduce to keyframes">
+    <div class="row"><span class="i14">${icon('mid')}</span><b>Reduce to keyframes</b><span class="sp"></span>
+      <span class="dim num">${SOURCES[source]} ${range(first, last)}</span></div>
+    ${tolerance()}
+    <p class="found" aria-live="polite">${found()}</p>
+    ${limb()}${replacing()}
+    <div class="row"><span class="dim hint">What lies between is kept: tracking starts from it.</span><span class="sp"></span>
+      <button class="btn sm ghost" @click=${discardReduction}>Cancel<kbd>Esc</kbd></button>
+      <button class="btn sm pri ${busy ? 'off' : ''}" aria-disabled=${busy ? 'true' : nothing} @click=${applyReduction}>Reduce<kbd>Enter</kbd></button></div>
+  </div>`;
+}
+
+/** The unit that counts: both are possible from the command line alone. */
+const unit = () => (server.reduction.cm === null ? UNITS.px : UNITS.cm);
+
+function tolerance() {
+  const { id, least, most } = unit();
+  const spec = {
+    key: `reduce.${id}`, label: 'Tolerance', value: server.reduction[id], unit: id, decimals: 1,
+    step: 0.1, coarse: 1, perPixel: 0.1, min: least, max: most,
+    edit: (value) => reductionMessage({ [id]: value }),
+  };
+  return html`<div class="row tolerance"><label>Tolerance</label>
+    ${slider({ ...spec, zero: least, tick: false, log: true, title: 'How far any point of the body may be off' })}
+    ${numberField(spec)}
+    ${segmented({
+      label: 'Tolerance in', value: id, options: Object.values(UNITS),
+      act: (other) => send(reductionMessage({ cm: null, px: null, [other]: USUAL[other] })),
+    })}</div>`;
+}
+
+function found() {
+  const { frames, kept, every, busy, off_cm: cm, off_px: px, gaps } = server.reduction;
+  if (!frames.length) return 'Working…';
+  const yours = kept ? ` (${kept} yours)` : '';
+  const off = cm === null ? `${px?.toFixed(1)} px` : `${cm.toFixed(1)} cm`;
+  const bridged = gaps ? ` ${count(gaps, 'frame')} without a pose.` : '';
+  return html`<b class="num">${count(frames.length, 'keyframe')}</b>${yours}, one in ${every.toFixed(1)} frames, off by ${off} at most.${bridged}${busy ? ' …' : ''}`;
+}
+
+/** The selected limb by itself, as part keyframes between the keyframes. */
+function limb() {
+  const { limbs } = server.reduction;
+  const part = limbs.length ? partNamed(limbs[0]) : limbToReduce();
+  if (!part || server.keys.frames.length < 2) return nothing;
+  return checkbox({
+    label: `Only the limb of the ${part.label.toLowerCase()}`, on: limbs.length > 0,
+    title: 'Part keyframes of this limb; the rest of the body stays as it is',
+    act: (on) => send(reductionMessage({ limbs: on ? [part.name] : [] })),
+  });
+}
+
+function replacing() {
+  const { first, last, limbs, replacing: on } = server.reduction;
+  const own = server.keys.frames.filter((frame) => first < frame && frame < last);
+  if (!own.length || limbs.length) return nothing;
+  return checkbox({
+    label: 'May remove keyframes that are there', on,
+    title: `${count(own.length, 'keyframe')} of yours may go where the motion does not need it`,
+    act: (value) => send(reductionMessage({ replacing: value })),
+  });
+}

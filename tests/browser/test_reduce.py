@@ -1,0 +1,88 @@
+"""A drafted motion is reduced to keyframes on the timeline: shown first, applied as one step."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from playwright.sync_api import Page
+
+from tests.browser.conftest import ROOT
+from tests.browser.hands import screen, section, until, until_counted, until_told
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.session import Keyframe
+from tracker.storage.files import load_session, save_session
+
+PERSON = ROOT / "sample_videos" / "person"
+SECONDS_TO_REDUCE = 240
+"""The loops may have to be compiled first."""
+
+
+@pytest.fixture
+def sample(tmp_path: Path) -> Path:
+    """The sample with a draft at every frame but its first and last, which are keyframes."""
+    path = tmp_path / "person" / "session.json"
+    path.parent.mkdir()
+    (path.parent / "person.mp4").write_bytes((PERSON / "person.mp4").read_bytes())
+    session = load_session(PERSON / "session.json")
+    skeleton, truth = Skeleton.of(session.body), np.load(PERSON / "truth.npz")
+    poses = zip(truth["Rs_parent_part"], truth["ps_camera_root"], strict=True)
+    dense = [Keyframe.of(skeleton, Pose(*pose), n, n / 30) for n, pose in enumerate(poses)]
+    drafts = [draft.model_copy(update={"drafted": True}) for draft in dense[1:-1]]
+    given = {"keyframes": (dense[0], dense[-1]), "drafts": tuple(drafts), "part_keyframes": ()}
+    save_session(session.model_copy(update=given), path)
+    return path
+
+
+def is_found(told: Any) -> bool:
+    """Whether the keyframes are those of what was asked for last."""
+    return told is not None and not told["busy"]
+
+
+def ghosts(page: Page) -> int:
+    """Diamonds of the reduction on the timeline."""
+    return (page.locator("#tsvg path.reduced").get_attribute("d") or "").count("M")
+
+
+def test_drafts_are_reduced_with_a_preview_and_one_step_of_undo(page: Page) -> None:
+    drafted = len(section(page, "keys.drafts"))
+    page.keyboard.press("Control+k")
+    page.keyboard.type("unbake")
+    until_counted(page, "#search [role=option]", 1)
+    page.keyboard.press("Enter")
+    until_told(page, "reduction", is_found, SECONDS_TO_REDUCE)
+    until_counted(page, ".reducecard", 1)
+    fine = section(page, "reduction.frames")
+    until(lambda: ghosts(page) == len(fine) - 2)
+    screen(page, "reduce")
+
+    page.locator(".reducecard .rng").focus()
+    for _ in range(30):
+        page.keyboard.press("ArrowRight")
+    until_told(page, "reduction", lambda told: told["cm"] > 2.5 and is_found(told))
+    coarse = section(page, "reduction.frames")
+    assert 2 <= len(coarse) < len(fine)
+    until(lambda: ghosts(page) == len(coarse) - 2)
+    assert len(section(page, "keys.drafts")) == drafted
+    assert len(section(page, "keys.frames")) == 2
+
+    page.get_by_role("button", name="Reduce", exact=False).last.click()
+    until_told(page, "keys.frames", lambda frames: frames == coarse)
+    until_counted(page, ".reducecard", 0)
+    assert section(page, "keys.drafts") == []
+    page.keyboard.press("Control+z")
+    until_told(page, "keys.drafts", lambda drafts: len(drafts) == drafted)
+    assert len(section(page, "keys.frames")) == 2
+
+
+def test_esc_discards_the_preview_and_nothing_changed(page: Page) -> None:
+    revision = section(page, "revision")
+    page.evaluate("() => import('/static/actions/actions.js').then((m) => m.perform('reduce'))")
+    until_told(page, "reduction", is_found, SECONDS_TO_REDUCE)
+    page.keyboard.press("Escape")
+    until_told(page, "reduction", lambda told: told is None)
+    until_counted(page, ".reducecard", 0)
+    assert section(page, "revision") == revision

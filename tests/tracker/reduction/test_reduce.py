@@ -1,0 +1,209 @@
+"""A dense motion becomes the fewest keyframes between which interpolation gives it back."""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations, pairwise
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from tests.rendering import mocap
+from tests.rendering.mocap import needs_mocap
+from tests.tracker.tracking_cases import CAMERA, CAMERAS, deep_chain, random_body
+from tracker.body.body import preset
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory, interpolate
+from tracker.errors import ReductionError
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import exp_rotation
+from tracker.reduction import Reduction, Tolerance, reduce_motion
+from tracker.reduction.compare import _compared_body
+from tracker.reduction.reduce import require_range
+
+Floats = NDArray[np.float64]
+
+
+def wandering(skeleton: Skeleton, frames: int, seed: int, turn: float = 0.25) -> Trajectory:
+    """Every part turns, and the root moves, by random steps: nothing like a smooth motion."""
+    rng = np.random.default_rng(seed)
+    Rs = np.tile(np.eye(3), (frames, skeleton.part_count, 1, 1))
+    for n in range(1, frames):
+        Rs[n] = Rs[n - 1] @ exp_rotation(rng.normal(0, turn, (skeleton.part_count, 3)))
+    ps = np.cumsum(rng.normal(0, 0.05, (frames, 3)), axis=0) + np.array([0.0, 0.0, 3.0])
+    return Trajectory(4, Rs, ps)
+
+
+def misses(
+    skeleton: Skeleton, camera: Camera, motion: Trajectory, tolerance: Tolerance, a: int, b: int
+) -> Floats:
+    """The misses of the frames between a and b, in plain numpy: the loops' twin."""
+    body = _compared_body(skeleton, None)
+    of = np.repeat(np.arange(skeleton.part_count), np.diff(body.starts))
+
+    def points(shown: Trajectory) -> Floats:
+        T = shown.transforms(skeleton)[:, of]
+        return np.asarray((T[..., :3, :3] @ body.points[..., None])[..., 0] + T[..., :3, 3])
+
+    between = interpolate(motion.pose(a), motion.pose(b), a, b)
+    ours = points(between)[1:-1]
+    theirs = points(motion)[a + 1 - motion.first_frame : b - motion.first_frame]
+    away = np.linalg.norm(ours - theirs, axis=-1) / tolerance.metres
+    if math.isfinite(tolerance.pixels):
+        uv = camera.project(ours) - camera.project(theirs)
+        away = np.maximum(away, np.linalg.norm(uv, axis=-1) / tolerance.pixels)
+    return np.asarray(away.max(axis=-1)) if len(away) else np.zeros(0)
+
+
+def brute_force(
+    skeleton: Skeleton, camera: Camera, motion: Trajectory, tolerance: Tolerance
+) -> tuple[int, ...]:
+    """The best of all sets of frames."""
+    first, last = motion.first_frame, motion.last_frame
+    cost = {
+        (a, b): misses(skeleton, camera, motion, tolerance, a, b)
+        for a, b in combinations(range(first, last + 1), 2)
+    }
+    for count in range(last - first):
+        sets = []
+        for inner in combinations(range(first + 1, last), count):
+            found = [cost[pair] for pair in pairwise((first, *inner, last))]
+            if all((one <= 1).all() for one in found):
+                sets.append((sum(float((one**2).sum()) for one in found), (first, *inner, last)))
+        if sets:
+            return min(sets)[1]
+    raise AssertionError
+
+
+def require_reproduced(
+    skeleton: Skeleton, camera: Camera, motion: Trajectory, found: Reduction
+) -> None:
+    for a, b in pairwise(found.frames):
+        expected = misses(skeleton, camera, motion, found.tolerance, a, b)
+        assert (expected <= 1 + 1e-9).all()
+        rows = slice(a + 1 - motion.first_frame, b - motion.first_frame)
+        np.testing.assert_allclose(found.misses[rows], expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_no_other_frames_are_fewer_or_as_few_and_nearer(seed: int) -> None:
+    skeleton, motion = random_body(seed), wandering(random_body(seed), 10, seed)
+    camera = CAMERAS["telephoto" if seed % 2 else "perspective"]
+    for tolerance in (
+        Tolerance(0.15),
+        Tolerance(0.4),
+        Tolerance(math.inf, 12.0),
+        Tolerance(0.5, 20),
+    ):
+        found = reduce_motion(skeleton, camera, motion, tolerance)
+        assert found.frames == brute_force(skeleton, camera, motion, tolerance)
+        require_reproduced(skeleton, camera, motion, found)
+
+
+def test_a_still_body_and_an_even_motion_need_two_keyframes() -> None:
+    skeleton = deep_chain()
+    start = wandering(skeleton, 2, 1)
+    even = interpolate(start.pose(4), start.pose(5), 10, 300)
+    still = interpolate(start.pose(4), start.pose(4), 10, 300)
+    for motion in (even, still):
+        assert reduce_motion(skeleton, CAMERA, motion, Tolerance(1e-4)).frames == (10, 300)
+
+
+def test_a_full_turn_has_keyframes_less_than_half_a_turn_apart() -> None:
+    skeleton, frames = random_body(3, parts=1), 73
+    turns = exp_rotation(np.linspace(0, 2 * np.pi, frames)[:, None, None] * np.array([0, 1.0, 0]))
+    motion = Trajectory(0, turns, np.tile((0.0, 0.0, 3.0), (frames, 1)))
+    found = reduce_motion(skeleton, CAMERA, motion, Tolerance(1e-4))
+    assert len(found.frames) in (3, 4)  # a half turn may be led through either way
+    assert max(b - a for a, b in pairwise(found.frames)) <= 36
+    require_reproduced(skeleton, CAMERA, motion, found)
+
+
+def test_required_frames_are_keyframes_and_the_rest_is_as_good_as_can_be() -> None:
+    skeleton, motion = random_body(2), wandering(random_body(2), 12, 2)
+    free = reduce_motion(skeleton, CAMERA, motion, Tolerance(0.3))
+    bound = reduce_motion(skeleton, CAMERA, motion, Tolerance(0.3), required=[7, 9])
+    assert {7, 9} <= set(bound.frames)
+    assert len(free.frames) <= len(bound.frames)
+    require_reproduced(skeleton, CAMERA, motion, bound)
+
+
+def test_frames_without_a_pose_are_no_keyframes_and_are_bridged() -> None:
+    skeleton, motion = random_body(4), wandering(random_body(4), 12, 4, turn=0.05)
+    Rs, ps = motion.writable()
+    Rs[0], ps[0], ps[5:8] = np.nan, np.nan, np.nan
+    gappy = Trajectory(4, Rs, ps)
+    found = reduce_motion(skeleton, CAMERA, gappy, Tolerance(0.02))
+    assert found.frames[0] == 5
+    assert not {4, 9, 10, 11} & set(found.frames)
+    assert np.isnan(found.misses[[0, 5, 6, 7]]).all()
+    assert found.worst <= 1
+    assert found.known_count == 8
+    with pytest.raises(ReductionError, match="Frame 10 is a keyframe, but the motion has no pose"):
+        reduce_motion(skeleton, CAMERA, gappy, Tolerance(0.02), required=[10])
+
+
+def test_parts_by_themselves_need_no_more_keyframes_than_the_body() -> None:
+    skeleton, motion = deep_chain(), wandering(deep_chain(), 20, 5, turn=0.1)
+    whole = reduce_motion(skeleton, CAMERA, motion, Tolerance(0.1))
+    tip = reduce_motion(skeleton, CAMERA, motion, Tolerance(0.1), parts=[6, 7])
+    assert len(tip.frames) < len(whole.frames)
+
+
+@pytest.mark.parametrize(
+    ("metres", "pixels", "words"),
+    [
+        (0.0, math.inf, "at least 0.1 mm"),
+        (-1.0, 3.0, "at least 0.1 mm"),
+        (0.02, 0.0, "0.01 pixels"),
+        (math.nan, math.inf, "at least"),
+        (math.inf, math.inf, "in space or in the picture"),
+    ],
+)
+def test_a_tolerance_that_is_none_is_refused(metres: float, pixels: float, words: str) -> None:
+    with pytest.raises(ReductionError, match=words):
+        Tolerance(metres, pixels)
+
+
+def test_a_motion_needs_two_poses_and_a_range_lies_within_it() -> None:
+    skeleton, motion = random_body(1), wandering(random_body(1), 5, 1)
+    one = Trajectory(0, motion.Rs_parent_part[:1], motion.ps_camera_root[:1])
+    with pytest.raises(ReductionError, match="this one has one"):
+        reduce_motion(skeleton, CAMERA, one, Tolerance())
+    for first, last in ((3, 6), (5, 9), (7, 5)):
+        with pytest.raises(ReductionError, match="The motion has frames 4 to 8"):
+            require_range(motion, first, last)
+    assert len(require_range(motion, 5, 7)) == 3
+
+
+def test_work_can_be_cancelled_from_its_progress() -> None:
+    skeleton, motion = random_body(1), wandering(random_body(1), 30, 1)
+    told = []
+
+    def stop(done: int, expected: int) -> None:
+        told.append((done, expected))
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        reduce_motion(skeleton, CAMERA, motion, Tolerance(0.02), progress=stop)
+    assert told[0][1] == 30
+    assert told[0][0] <= 30
+
+
+@needs_mocap
+@pytest.mark.parametrize(
+    ("name", "in_space", "in_picture"),
+    [("walk", 46, 34), ("jump", 32, 20), ("wash", 32, 26), ("pirouette", 58, 40),
+     ("jumping_jacks", 60, 41)],
+)  # fmt: skip
+def test_recorded_motions_come_back_within_2_cm_or_5_px(
+    name: str, in_space: int, in_picture: int
+) -> None:
+    skeleton = Skeleton.of(preset("adult_male"))
+    motion = getattr(mocap, name)(skeleton, constrained=False)
+    camera = Camera(width=640, height=360, fx=700, fy=700, cx=319.5, cy=179.5)
+    for tolerance, most in ((Tolerance(0.02), in_space), (Tolerance(math.inf, 5.0), in_picture)):
+        found = reduce_motion(skeleton, camera, motion, tolerance)
+        assert len(found.frames) <= most
+        require_reproduced(skeleton, camera, motion, found)

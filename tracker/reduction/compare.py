@@ -1,0 +1,138 @@
+"""A motion and what interpolation between some of its frames makes of it, point by point."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.body.body import Part
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
+from tracker.errors import ReductionError
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array
+from tracker.kernels.intervals import interval_costs, interval_misses, reached_from
+from tracker.kernels.layout import ComparedBody, DenseMotion, IntervalWork, Lens, Limits
+
+Frames = NDArray[np.int64]
+
+LEAST_M, LEAST_PX = 1e-4, 0.01
+"""The smallest tolerances: below, rounding of a file's numbers would ask for every frame."""
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """How far interpolation may lead any point of the body away from the motion.
+
+    metres: in space.  pixels: in the picture, of an ideal lens. Infinite where one does not count.
+    """
+
+    metres: float = 0.02
+    pixels: float = math.inf
+
+    def __post_init__(self) -> None:
+        if not (self.metres >= LEAST_M and self.pixels >= LEAST_PX):
+            raise ReductionError(
+                f"The tolerance must be at least {1000 * LEAST_M:g} mm, or {LEAST_PX:g} pixels."
+            )
+        if math.isinf(self.metres) and math.isinf(self.pixels):
+            raise ReductionError("The tolerance must be given in space or in the picture.")
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """Intervals of a motion, each compared with interpolation between its ends.
+
+    Frames here count from the motion's first. parts: those that are interpolated and compared, all
+    where None; the others move as they do.
+    """
+
+    skeleton: Skeleton
+    camera: Camera
+    motion: Trajectory
+    tolerance: Tolerance
+    parts: frozenset[int] | None = None
+
+    @cached_property
+    def known(self) -> NDArray[np.bool_]:
+        """(N,) the frames with a pose: all of it finite."""
+        Rs, ps = self.motion.Rs_parent_part, self.motion.ps_camera_root
+        return np.asarray(np.isfinite(Rs).all(axis=(1, 2, 3)) & np.isfinite(ps).all(axis=1))
+
+    def reached(self, froms: Frames, tos: Frames) -> NDArray[np.bool_]:
+        """(len(tos),) whether interpolation from any of the frames leads there within limits."""
+        found = np.zeros(len(tos), dtype=np.bool_)
+        reached_from(*self._arrays, froms, tos, self._work(), found)
+        return found
+
+    def costs(self, froms: Frames, tos: Frames) -> Array:
+        """(len(froms), len(tos)) the sum over the frames between of the squared miss, as a share of
+        the tolerance; infinite where a frame is off by more than that."""
+        found = np.empty((len(froms), len(tos)))
+        interval_costs(*self._arrays, froms, tos, self._work(), found)
+        return found
+
+    def misses(self, first: int, last: int) -> Array:
+        """(last − first − 1,) the miss of each frame between two, as a share of the tolerance."""
+        found = np.zeros(max(last - first - 1, 0))
+        interval_misses(*self._arrays, first, last, self._work(give_up=False), found)
+        return np.sqrt(found)
+
+    def _work(self, give_up: bool = True) -> IntervalWork:
+        P = self.skeleton.part_count
+        return IntervalWork(
+            np.empty((P, 3)), np.empty((P, 3, 3)), np.empty((P, 3)), np.empty((2, 3, 3)),
+            np.empty(3), np.empty(P, np.int64), np.array([-1, 0]), np.array([give_up]),
+        )  # fmt: skip
+
+    @cached_property
+    def _arrays(self) -> tuple[DenseMotion, ComparedBody, Limits, Lens]:
+        body = _compared_body(self.skeleton, self.parts)
+        of = np.repeat(np.arange(self.skeleton.part_count), np.diff(body.starts))
+        Rs, ps = self.motion.writable()
+        T = self.motion.transforms(self.skeleton)[:, of]
+        points = (T[..., :3, :3] @ body.points[..., None])[..., 0] + T[..., :3, 3]
+        camera, tolerance = self.camera, self.tolerance
+        lens = Lens(
+            camera.fx, camera.fy, camera.cx, camera.cy,
+            int(camera.projection == "perspective"), camera.telephoto_distance_m or 1.0,
+        )  # fmt: skip
+        return (
+            DenseMotion(Rs, ps, np.ascontiguousarray(points), self.known),
+            body,
+            Limits(tolerance.metres, tolerance.pixels),
+            lens,
+        )
+
+
+def _compared_body(skeleton: Skeleton, parts: Collection[int] | None) -> ComparedBody:
+    chosen = range(skeleton.part_count) if parts is None else parts
+    points: list[tuple[float, ...]] = []
+    starts = [0]
+    for i, part in enumerate(skeleton.body.parts):
+        points += _points_of(part) if i in chosen else []
+        starts.append(len(points))
+    return ComparedBody(
+        np.array(skeleton.parents),
+        np.array(skeleton.joints),
+        np.array(points, dtype=np.float64).reshape(-1, 3),
+        np.array(starts, dtype=np.int64),
+        np.array([i in chosen for i in range(skeleton.part_count)]),
+    )
+
+
+def _points_of(part: Part) -> list[tuple[float, ...]]:
+    """A part's joint, its landmarks and marks, and its sides in the middle.
+
+    Not all of them lie on one line, so that a turn about any axis moves some, about a limb's own
+    length those on its sides.
+    """
+    x, y, z = part.shape.centre
+    a, b = part.shape.half_widths(y)
+    sides = [(x + a, y, z), (x - a, y, z), (x, y, z + b), (x, y, z - b)]
+    return [(0.0, 0.0, 0.0), *part.landmarks.values(), *map(tuple, part.shape.marks()), *sides]
