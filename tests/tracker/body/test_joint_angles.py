@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.tracker import session_cases
-from tracker.body.body import PRESETS, preset
+from tracker.body.body import PEOPLE, preset
 from tracker.body.clavicles import with_clavicles
 from tracker.body.joint_angles import (
     JOINTS,
@@ -37,7 +37,7 @@ def turned(axis: str, degrees: float) -> Array:
     return exp_rotation(np.radians(degrees) * np.eye(3)["xyz".index(axis)])
 
 
-@pytest.mark.parametrize("body", PRESETS)
+@pytest.mark.parametrize("body", PEOPLE)
 def test_at_rest_every_angle_of_a_person_is_zero(body: str) -> None:
     found = angles_of({}, body=body)
     assert list(found) == [joint.name for joint in JOINTS]

@@ -24,7 +24,7 @@ from tracker.formats.recording import Recording
 from tracker.formats.smpl import JOINTS, PARENTS, rest_joints, smpl_of
 from tracker.geometry.rotations import Array
 
-PEOPLE = ("person", "balance", "twirl")
+SAMPLES = ("person", "balance", "twirl")
 OURS = {
     "pelvis": "waist", "neck": "neck", "head": "head", "spine1": "chest",
     **{f"{side}_{theirs}": f"{side}_{ours}" for side in ("left", "right") for theirs, ours in (
@@ -57,7 +57,7 @@ def distances(ps: Array) -> Array:
     return np.asarray(np.linalg.norm(ps[:, :, None] - ps[:, None], axis=-1))
 
 
-@pytest.mark.parametrize("name", PEOPLE)
+@pytest.mark.parametrize("name", SAMPLES)
 def test_the_tree_puts_every_joint_where_the_body_has_it(name: str) -> None:
     made = recordings.recording(name)
     ps = played(loaded(made))[:, [JOINTS.index(theirs) for theirs in OURS]]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.tracker.formats import recordings
-from tracker.body.body import PRESETS, Body, preset
+from tracker.body.body import PEOPLE, Body, preset
 from tracker.body.pose import Pose, joint_names, joint_positions, pose_transforms
 from tracker.body.skeleton import Skeleton
 from tracker.geometry.rotations import exp_rotation
@@ -30,7 +30,7 @@ def _random_pose(skeleton: Skeleton, rng: np.random.Generator) -> Pose:
     return Pose(turns, np.array([0.1, 0.2, 4.0]))
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", PEOPLE)
 def test_every_joint_of_a_preset_is_where_its_parts_meet_in_any_pose(name: str) -> None:
     body = preset(name)
     skeleton = Skeleton.of(body)
