@@ -121,7 +121,23 @@ class SpaceOrder:
     job: int = 0
 
 
-FitOrder: TypeAlias = PoseOrder | SizesOrder | DraftOrder | AheadOrder
+@dataclass(frozen=True)
+class LearnOrder:
+    """Solve anew for drafts near keyframes that are new, with what these tell.
+
+    session: JSON of a session with its keyframes and drafts, as far as they are near.
+    around: frames of the new keyframes.
+    folder: of the session's file, where the keypoints lie.
+    """
+
+    session: bytes
+    video_path: str
+    around: tuple[int, ...]
+    folder: str
+    job: int = 0
+
+
+FitOrder: TypeAlias = PoseOrder | SizesOrder | DraftOrder | AheadOrder | LearnOrder
 AnyOrder: TypeAlias = Order | FitOrder | SpaceOrder
 
 
@@ -299,8 +315,16 @@ class FollowedAhead:
     found: FoundAhead
 
 
+@dataclass(frozen=True, eq=False)
+class Learned:
+    """Drafts with what keyframes tell, by frame."""
+
+    job: int
+    poses: Mapping[int, Pose]
+
+
 Fitted: TypeAlias = PoseFitted | SizesFitted | Drafted | FollowedAhead
-"""What ends an order to fit, unless it was cancelled or failed."""
+"""What ends a fit that a person asked for, unless it was cancelled or failed."""
 
 Report: TypeAlias = (
     Warming
@@ -315,4 +339,5 @@ Report: TypeAlias = (
     | JobFinished
     | JobFailed
     | Fitted
+    | Learned
 )

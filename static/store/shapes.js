@@ -396,7 +396,7 @@
  * @property {string} words
  * @property {number} percent
  * @property {number | null} seconds_left
- * @property {'track' | 'fit' | 'draft' | 'ahead' | 'space'} kind
+ * @property {'track' | 'fit' | 'draft' | 'ahead' | 'space' | 'drafts'} kind
  */
 
 /** @typedef {{ state: 'saved' | 'saving' | 'failed' | 'readonly', at: number, words: string }} Saved */

@@ -23,13 +23,12 @@ from tracker.fitting.draft.whole import Whole
 from tracker.geometry.camera import Camera
 from tracker.geometry.rotations import Array
 from tracker.keypoints.keypoints import JOINTS, Keypoints
+from tracker.session.drafted import LEARN_FRAMES
 from tracker.solver.body_points import BodyPoints
 from tracker.solver.posed import image_jacobian, image_points
 from tracker.tracking.cues.anchors import height_px, with_free_joints
 from tracker.tracking.scene import Scene
 
-REACH = 60
-"""Frames to both sides of a posed one that learn from it: of ones farther away it tells little."""
 TELLS = 0.2
 """Visibility from which a keypoint of a posed frame tells anything."""
 HELD_TURN_RAD, HELD_SHIFT_PX = np.radians(0.3), 0.3
@@ -85,7 +84,7 @@ def _stretches(
         own = range(observed.first_frame + run.start, observed.first_frame + run.stop)
         new = [frame for frame in around if frame in own]
         if new:
-            near = range(min(new) - REACH, max(new) + REACH + 1)
+            near = range(min(new) - LEARN_FRAMES, max(new) + LEARN_FRAMES + 1)
             frames = [frame for frame in own if frame in near and frame in known]
             if len(frames) > 1:
                 yield range(frames[0], frames[-1] + 1)

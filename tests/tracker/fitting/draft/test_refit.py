@@ -69,7 +69,7 @@ def test_posed_frames_are_never_among_what_is_found(clip: Clip, drafts: dict[int
 def test_frames_beyond_reach_stay_and_the_seam_does_not_jump(
     clip: Clip, drafts: dict[int, Pose], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("tracker.fitting.draft.refit.REACH", 8)
+    monkeypatch.setattr("tracker.fitting.draft.refit.LEARN_FRAMES", 8)
     found = refitted(clip, drafts, POSED)
     assert set(found) <= set(range(POSED - 8, POSED + 9)) - {POSED}
     edge = POSED + 8
