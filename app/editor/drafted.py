@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import groupby
 from typing import TYPE_CHECKING
@@ -21,6 +21,7 @@ from tracker.keypoints.keypoints import JOINTS
 from tracker.keypoints.on_body import points_on_body
 from tracker.keypoints.region import Box, Region
 from tracker.session import drafted as record
+from tracker.session.drafted import LEARN_FRAMES
 from tracker.session.schema import MOST, KeypointFile, Session
 
 if TYPE_CHECKING:
@@ -112,6 +113,60 @@ def frame_runs(frames: Iterable[int]) -> Iterator[record.FrameRun]:
     for _, run in groupby(enumerate(sorted(frames)), key=lambda each: each[1] - each[0]):
         inside = [frame for _, frame in run]
         yield record.FrameRun(first_frame=inside[0], last_frame=inside[-1])
+
+
+def newly_posed(before: EditorState, after: EditorState) -> frozenset[int]:
+    """Frames of the keyframes that an edit has posed, where drafts of the film can learn from them;
+    none where it was undone or done again: drafts are then as they were."""
+    was, doc = before.settled, after.settled
+    history = (*before.history.past, *before.history.future)
+    if was.keyframes is doc.keyframes or any(step.doc is doc for step in history):
+        return frozenset()
+    if doc.body is not was.body or not _can_learn(doc):
+        return frozenset()
+    known = {id(keyframe) for keyframe in was.keyframes}
+    return frozenset(k.frame for k in doc.keyframes if id(k) not in known)
+
+
+def _can_learn(doc: Session) -> bool:
+    """Whether there are drafts whose keypoints are known."""
+    found = doc.keypoints is not None and doc.given_keypoints is None
+    return found and any(draft.drafted for draft in doc.drafts)
+
+
+def near_frames(doc: Session, around: Collection[int]) -> Session:
+    """With the poses alone that tell what drafts near some frames learn."""
+    first, last = min(around) - LEARN_FRAMES - 1, max(around) + LEARN_FRAMES + 1
+    near = {
+        name: tuple(pose for pose in poses if first <= pose.frame <= last)
+        for name, poses in (("drafts", doc.drafts), ("keyframes", doc.keyframes))
+    }
+    return doc.model_copy(update={**near, "part_keyframes": (), "results": None})
+
+
+def with_learned(state: EditorState, used: Session, poses: Mapping[int, Pose]) -> EditorState:
+    """With drafts as they are with what keyframes told, as part of the newest step: what undoes
+    that step brings the drafts back.
+
+    used: the document that they were found from. What has changed since stays as it is; all of it
+    where a keyframe that told is gone.
+    """
+    doc, first, last = state.doc, min(poses, default=0), max(poses, default=-1)
+    told = [k for k in used.keyframes if first - 1 <= k.frame <= last + 1]
+    if doc.body is not used.body or not {id(k) for k in told} <= {id(k) for k in doc.keyframes}:
+        return state
+    own = {id(draft) for draft in used.drafts}
+    drafts = [
+        keyframe_of(state.skeleton, poses[draft.frame], draft.frame, state.times_s).model_copy(
+            update={"drafted": True}
+        )
+        if draft.frame in poses and draft.drafted and id(draft) in own
+        else draft
+        for draft in doc.drafts
+    ]
+    after = with_drafts(doc, drafts)
+    require_sound(doc, after, LABEL)
+    return state.with_doc(after)
 
 
 def with_clip_drafted(

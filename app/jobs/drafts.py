@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
 from tracker.keypoints.region import Box
 from tracker.session import Session
 from tracker.video import Video
@@ -67,3 +70,18 @@ def drafted(
         proportions=proportions, report=report, film=session.video.fingerprint, kept=Detections(),
     )  # fmt: skip
     return found, network.fingerprint
+
+
+def learned(session: Session, folder: Path, around: Collection[int]) -> Mapping[int, Pose]:
+    """The drafts near some keyframes with what all keyframes there tell of the keypoints; none
+    where the keypoints are not beside the session any more. folder: of the session's file."""
+    from tracker.fitting.draft import refit_drafts  # loads what only this needs
+    from tracker.storage.keypoints import of_session
+
+    skeleton, keypoints = Skeleton.of(session.body), of_session(session, folder)
+    if keypoints is None:
+        return {}
+    keypoints = keypoints.corrected(session.keypoint_corrections)
+    drafts = {d.frame: d.pose(skeleton) for d in session.drafts if d.drafted}
+    posed = {k.frame: k.pose(skeleton) for k in session.keyframes}
+    return refit_drafts(keypoints, session.camera, session.body, drafts, posed, around)

@@ -6,11 +6,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 from threading import Event
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 from pydantic import ValidationError
 
-from app.jobs.drafts import DraftLeft, Telling, drafted
+from app.jobs.drafts import DraftLeft, Telling, drafted, learned
 from app.jobs.failure import failure_message
 from app.jobs.messages import (
     AheadOrder,
@@ -23,6 +23,8 @@ from app.jobs.messages import (
     FollowingAhead,
     JobFailed,
     JobFinished,
+    Learned,
+    LearnOrder,
     PoseFitted,
     PoseFitting,
     PoseOrder,
@@ -46,6 +48,7 @@ if TYPE_CHECKING:
     from tracker.fitting.draft import DraftProgress
 
 Send = Callable[[Report], None]
+Found: TypeAlias = Fitted | Learned
 
 _FAULT = "Fitting failed with an internal error ({}). Nothing was changed."
 
@@ -74,12 +77,15 @@ class Fit:
             cancelled = self._cancelled.is_set() and not keeps
             self._send(JobFinished(job, cancelled=True) if cancelled else fitted)
 
-    def _fit(self, worker_cache: WorkerCache) -> Fitted:
+    def _fit(self, worker_cache: WorkerCache) -> Found:
         session = Session.model_validate_json(self.order.session)
         return _FITS.of(session)(self, self.order, session, worker_cache)
 
-    def on_film(self, order: FitOrder, session: Session, worker_cache: WorkerCache) -> Fitted:
+    def on_film(self, order: FitOrder, session: Session, worker_cache: WorkerCache) -> Found:
         """A pose or the sizes fitted to pictures, or a clip drafted."""
+        if isinstance(order, LearnOrder):
+            found = learned(session, Path(order.folder), order.around)
+            return Learned(order.job, found)
         if isinstance(order, AheadOrder):
             return self._ahead(order, session, worker_cache)
         if isinstance(order, ReduceOrder):
@@ -91,9 +97,9 @@ class Fit:
             return self._draft(order, session, video)
         return self._sizes(order, session, video)
 
-    def on_surfaces(self, order: FitOrder, session: Session, worker_cache: WorkerCache) -> Fitted:
+    def on_surfaces(self, order: FitOrder, session: Session, worker_cache: WorkerCache) -> Found:
         """A pose fitted to the surface of its frame; SurfaceError where sizes are asked for."""
-        if isinstance(order, DraftOrder):
+        if isinstance(order, DraftOrder | LearnOrder):
             raise SurfaceError("Drafts are made from a video, not from surfaces.")
         if isinstance(order, AheadOrder):
             raise SurfaceError("Surfaces are fitted from one keyframe on: press Fit.")

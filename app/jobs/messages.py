@@ -137,7 +137,23 @@ class SpaceOrder:
     job: int = 0
 
 
-FitOrder: TypeAlias = PoseOrder | SizesOrder | DraftOrder | AheadOrder | ReduceOrder
+@dataclass(frozen=True)
+class LearnOrder:
+    """Solve anew for drafts near keyframes that are new, with what these tell.
+
+    session: JSON of a session with its keyframes and drafts, as far as they are near.
+    around: frames of the new keyframes.
+    folder: of the session's file, where the keypoints lie.
+    """
+
+    session: bytes
+    video_path: str
+    around: tuple[int, ...]
+    folder: str
+    job: int = 0
+
+
+FitOrder: TypeAlias = PoseOrder | SizesOrder | DraftOrder | AheadOrder | ReduceOrder | LearnOrder
 AnyOrder: TypeAlias = Order | FitOrder | SpaceOrder
 
 
@@ -332,8 +348,16 @@ class Reduced:
     reduction: Reduction
 
 
+@dataclass(frozen=True, eq=False)
+class Learned:
+    """Drafts with what keyframes tell, by frame."""
+
+    job: int
+    poses: Mapping[int, Pose]
+
+
 Fitted: TypeAlias = PoseFitted | SizesFitted | Drafted | FollowedAhead | Reduced
-"""What ends an order to fit, unless it was cancelled or failed."""
+"""What ends a fit that a person asked for, unless it was cancelled or failed."""
 
 Report: TypeAlias = (
     Warming
@@ -349,4 +373,5 @@ Report: TypeAlias = (
     | JobFinished
     | JobFailed
     | Fitted
+    | Learned
 )

@@ -16,6 +16,7 @@ from app.jobs.messages import (
     Fitted,
     JobFailed,
     JobFinished,
+    Learned,
     Order,
     Pause,
     Ready,
@@ -152,7 +153,7 @@ class Tracking:
     def _on_message(self, worker: WorkerProcess, report: Report) -> None:
         if worker is not self._worker:
             return
-        if isinstance(report, JobFinished | JobFailed | Fitted):
+        if isinstance(report, JobFinished | JobFailed | Fitted | Learned):
             self._open.pop(report.job, None)
         if isinstance(report, Warming | Ready):
             report = replace(report, job=self.job)

@@ -24,6 +24,8 @@ from app.jobs import (
     FollowingAhead,
     JobFailed,
     JobFinished,
+    Learned,
+    LearnOrder,
     PassFinished,
     PoseFitted,
     PoseFitting,
@@ -88,6 +90,7 @@ class Runner:
         self._waiting: frozenset[Span] = frozenset()
         self._unsolvable: frozenset[str] = frozenset()
         self._ended = Job()
+        self._learned: Callable[[Learned | None], None] = lambda found: None
         self._progress: Progress | None = None
         self.results: Results | None = None
         self.running: dict[Span, Running] = {}
@@ -179,6 +182,17 @@ class Runner:
         self.job = Job("running", f"Smoothing {spans}", kind="space")
         self._notify(self, False)
 
+    def learn(self, order: LearnOrder, on_end: Callable[[Learned | None], None]) -> None:
+        """Where nothing is at work: solve for drafts anew. `on_end` receives the outcome, None
+        where there is none, unless other work is asked for before."""
+        if self.job.state == "running":
+            return
+        self._ended, self._learned = self.job, on_end
+        self._progress = None
+        self._number = self._newest = self._tracking.fit(order)
+        self.job = Job("running", "Drafts learn from keyframes", kind="drafts")
+        self._notify(self, False)
+
     def pause(self, on: bool) -> None:
         """Pause while something is dragged."""
         self._tracking.pause(on)
@@ -261,6 +275,9 @@ class Runner:
                 self.fitting = report
             case FollowingAhead():
                 self._on_following(report)
+            case Learned():
+                self.job = self._ended
+                self._learned(report)
             case Reducing():
                 percent = 100 * report.done / report.expected
                 self.job = replace(self.job, percent=percent)
@@ -268,6 +285,9 @@ class Runner:
                 self._on_fit_end(report)
             case JobFailed() | JobFinished() if self._fit_done is not None:
                 self._on_fit_end(report)
+            case JobFinished() | JobFailed() if self.job.kind == "drafts":
+                self.job = self._ended
+                self._learned(None)
             case JobFinished() if self.job.kind == "space":
                 self.job = self._ended
             case JobFailed() if self.job.kind == "space":

@@ -23,7 +23,7 @@ from tracker.video import VideoInfo
 class Job:
     """What the tracker is doing, in words; seconds_left is None when nobody can know.
 
-    kind: a "fit", or a solve in "space", does not know how far it is.
+    kind: a "fit", a solve in "space", or one of "drafts" does not know how far it is.
     """
 
     state: Literal["idle", "running", "done", "cancelled", "failed"] = "idle"
@@ -31,7 +31,7 @@ class Job:
     words: str = ""
     percent: float = 0.0
     seconds_left: float | None = None
-    kind: Literal["track", "fit", "draft", "ahead", "reduce", "space"] = "track"
+    kind: Literal["track", "fit", "draft", "ahead", "reduce", "space", "drafts"] = "track"
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,6 +29,7 @@ from app.jobs import ReduceOrder
 from app.jobs.failure import failure_message
 from app.render.video_frames import Frames
 from app.store.clients import Clients
+from app.store.draft_learner import DraftLearner
 from app.store.examiner import Examiner
 from app.store.fitter import Fitter
 from app.store.guide import guide_after
@@ -87,6 +88,7 @@ class Store:
         self._opened: OpenSession | None = None
         self._runner = Runner(loop, self._on_progress)
         self._fitter = Fitter(self._runner, self)
+        self._learner = DraftLearner(self._runner, self)
         self._keypoints = KeypointFinder(loop, lambda known: self._set(keypoints=known))
         self._turn_asked = False
         self._dragging: Tab | None = None
@@ -203,8 +205,10 @@ class Store:
             return
         if edit.stroke is None and edit.doc is not before.settled:
             self._runner.changed(self._opened, edit)
+            self._learner.edited(before, edit)
             self._solve_space()
         self._fitter.changed()
+        self._learner.go_on()
 
     def _set(self, **changes: Any) -> None:
         self._app_state = replace(self._app_state, **changes)
@@ -255,6 +259,7 @@ class Store:
                 self._writer.save_soon()
             else:
                 self._writer.save()
+                self._learner.go_on()
                 self._solve_space()
 
     def _solve_space(self) -> None:
@@ -373,6 +378,10 @@ class Store:
         """Go on from the drafts of the clip."""
         self._edit_to(edit)
         self._set(draft=edit.doc)
+
+    def show_learned(self, edit: EditorState) -> None:
+        """Go on from drafts that learned from keyframes."""
+        self._edit_to(edit)
 
     def show_ahead(self, edit: EditorState) -> None:
         """Go on from what was tracked ahead."""
@@ -505,6 +514,7 @@ class Store:
         opened, frames, examiner = self._opened, self.frames, self._examiner
         self._opened = self.frames = self._warned = self._examiner = None
         self._fitter.closed()
+        self._learner.closed()
         self._keypoints.closed()
         self._runner.closed()
         self._writer.close()

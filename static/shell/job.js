@@ -65,7 +65,7 @@ const isWorkedOn = (s) => s.state === 'tracking' || s.state === 'waiting';
 const nameOf = (s) => range(s.first, s.last);
 
 function runningJob(job) {
-  const isFit = job.kind === 'fit' || job.kind === 'space'; // which do not know how far they are
+  const isFit = ['fit', 'space', 'drafts'].includes(job.kind); // which do not know how far they are
   const percent = Math.round(job.percent ?? 0);
   const left = timeLeft(job.seconds_left);
   const now = job.words ?? '';

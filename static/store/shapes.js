@@ -416,7 +416,7 @@
  * @property {string} words
  * @property {number} percent
  * @property {number | null} seconds_left
- * @property {'track' | 'fit' | 'draft' | 'ahead' | 'reduce' | 'space'} kind
+ * @property {'track' | 'fit' | 'draft' | 'ahead' | 'reduce' | 'space' | 'drafts'} kind
  */
 
 /** @typedef {{ state: 'saved' | 'saving' | 'failed' | 'readonly', at: number, words: string }} Saved */

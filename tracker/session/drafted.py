@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self, TypeAlias
+from typing import Final, Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
@@ -13,6 +13,11 @@ Reason: TypeAlias = Literal["start", "end", "residual", "hidden", "flip", "perso
 """Why a draft should be confirmed: the first or the last one of a stretch; joints lie far from
 their keypoints; joints are hidden; a limb may point toward the camera or away from it; the person
 may be another one from here on."""
+
+
+LEARN_FRAMES: Final = 60
+"""Before and after a keyframe, in which drafts learn from it: of frames farther away it tells
+little."""
 
 
 class FrameRun(Plain):

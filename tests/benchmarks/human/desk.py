@@ -21,11 +21,13 @@ from numpy.typing import ArrayLike
 from app.document.open import OpenSession, edit_state
 from app.editor import actions as do
 from app.editor.advice import next_step
+from app.editor.drafted import near_frames, newly_posed, with_learned
 from app.editor.review import Place, review_of
 from app.editor.shown import ShownPose, shown_pose
 from app.editor.state import EditorState
 from app.editor.suggest import Suggestion
 from app.editor.update import update
+from app.jobs.drafts import learned
 from app.jobs.fits import Fit
 from app.jobs.messages import (
     Drafted,
@@ -199,13 +201,22 @@ class Desk:
             case do.Track():
                 self._track()
             case _:
-                self.state = update(self.state, message)
+                before, self.state = self.state, update(self.state, message)
                 self._live()
+                self._learn(before)
 
     def _live(self) -> None:
         """With Live on, what is posed is tracked at once."""
         if self.state.display.live and self.tracks:
             self._track()
+
+    def _learn(self, before: EditorState) -> None:
+        """Drafts learn from a keyframe that is new."""
+        around = newly_posed(before, self.state)
+        if around:
+            used = self.state.doc
+            found = learned(near_frames(used, around), self.opened.session_path.parent, around)
+            self.state = with_learned(self.state, used, found)
 
     def _fit(self, action: do.FitHere | do.Draft) -> None:
         request = FitRequest.of(self.opened, self.state, action)

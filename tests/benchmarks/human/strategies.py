@@ -217,10 +217,11 @@ def review(hand: Hand) -> None:
 
 def put_right(hand: Hand) -> None:
     """Limbs alone where nothing else is wrong: dragged, they are keyed. Else all of the body."""
-    desk = hand.desk
+    desk, before = hand.desk, len(hand.desk.script)
     if desk.frame in desk.keys or any(name in TRUNK for name in hand.wrong()):
         hand.correct()
-        key(desk)
+        if len(desk.script) > before:  # else there is nothing new to key
+            key(desk)
     else:
         with desk.limbs_alone():
             hand.correct_limbs()

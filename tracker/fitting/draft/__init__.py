@@ -2,6 +2,7 @@
 
 from tracker.fitting.draft.clip import ClipDraft, DraftProgress, draft_clip, draft_from_keypoints
 from tracker.fitting.draft.proposals import Proposal
+from tracker.fitting.draft.refit import refit_drafts
 
 __all__ = [
     "ClipDraft",
@@ -9,4 +10,5 @@ __all__ = [
     "Proposal",
     "draft_clip",
     "draft_from_keypoints",
+    "refit_drafts",
 ]

@@ -154,7 +154,7 @@ class _Work:
         """The poses of a stretch of frames, and what they were found from: left and right as told,
         or as consistent over time, whichever all terms together agree with better."""
         found = self._solved(seen)
-        pixels = height_px(self.skeleton, self.camera, _middle(found.motion))
+        pixels = height_px(self.skeleton, self.camera, middle(found.motion))
         other = consistent_sides(seen, pixels, height(self.skeleton.body))
         if other is not None:
             found = min(found, self._solved(other), key=lambda one: one.cost)
@@ -179,7 +179,7 @@ class _Work:
         return problem.solve(lambda done: self._tell(int(found.seen.usable.sum())))
 
     def _scene(self, skeleton: Skeleton, motion: Trajectory) -> Scene:
-        return Scene.of(skeleton, self.camera, [_middle(motion)], FEW_POINTS)
+        return Scene.of(skeleton, self.camera, [middle(motion)], FEW_POINTS)
 
     def _first(self, joints: Joints, seen: Observed) -> Trajectory:
         poses: list[Pose | None] = []
@@ -188,7 +188,7 @@ class _Work:
             self._tell(0)
             given = (seen.uv[n, joint], seen.visibility[n, joint], p_hips[n])
             poses.append(first_pose(joints, self.camera, *given) if seen.usable[n] else None)
-        return _filled(seen.first_frame, poses)
+        return filled(seen.first_frame, poses)
 
     def _tell(self, more: int) -> None:
         """That so many more frames are done; a stretch solved a second time does not go back."""
@@ -209,11 +209,12 @@ class _Solved:
         return self.problem.cost(self.motion)
 
 
-def _middle(motion: Trajectory) -> Pose:
+def middle(motion: Trajectory) -> Pose:
+    """The pose in its middle."""
     return motion.pose(motion.first_frame + len(motion) // 2)
 
 
-def _filled(first_frame: int, poses: list[Pose | None]) -> Trajectory:
+def filled(first_frame: int, poses: list[Pose | None]) -> Trajectory:
     """With the pose before it at a frame without one. The first has one."""
     every: list[Pose] = []
     for pose in poses:

@@ -36,7 +36,7 @@ def flip_doubts(joints: Joints, camera: Camera, told_m: Array, motion: Trajector
     told_m (N, 12): how much farther than the root the network sees each joint of the N frames.
     camera: without distortion.
     """
-    p = joints.points.at(motion.transforms(joints.skeleton))
+    p = joints.seen.at(motion.transforms(joints.skeleton))
     doubts = [
         np.maximum(
             _mirrored(joints, limb.upper, camera, p, told_m, is_leg=k > 1),
@@ -52,7 +52,7 @@ def _mirrored(
     joints: Joints, bone: Bone, camera: Camera, p: Array, told_m: Array, *, is_leg: bool
 ) -> Array:
     """(N,) probability that a bone is mirrored; 0 where it is in the picture's plane."""
-    length = joints.length_m(bone)
+    length = joints.seen_length_m(bone)
     drafted = _into_picture(camera, p[:, bone.near], p[:, bone.far])
     told = np.clip(told_m[:, bone.far] - told_m[:, bone.near], -length, length)
     along = _near_mean(np.sign(drafted) * told, drafted)

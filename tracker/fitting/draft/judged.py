@@ -85,7 +85,7 @@ def judged(skeleton: Skeleton, camera: Camera, pieces: Sequence[Piece]) -> Judge
 def _piece(joints: Joints, camera: Camera, piece: Piece) -> Judged:
     skeleton, (seen, motion, depth_m) = joints.skeleton, piece
     Ts = motion.transforms(skeleton)
-    uv = image_points(camera, joints.points.at(Ts))
+    uv = image_points(camera, joints.seen.at(Ts))
     frames = range(motion.first_frame, motion.last_frame + 1)
     heights = np.array([height_px(skeleton, camera, motion.pose(frame)) for frame in frames])
     joint = slice(len(JOINTS))

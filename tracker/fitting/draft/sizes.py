@@ -76,7 +76,7 @@ def _ratios(joints: Joints, observed: Observed) -> dict[str, float | None]:
     for left, right in zip(joints.limbs[::2], joints.limbs[1::2], strict=True):
         for one, other in ((left.upper, right.upper), (left.lower, right.lower)):
             seen = [_lengths(observed, bone.near, bone.far) for bone in (one, other)]
-            ratios[names[one.part]] = _median(np.concatenate(seen), joints.length_m(one))
+            ratios[names[one.part]] = _median(np.concatenate(seen), joints.seen_length_m(one))
     ratios[_TRUNK] = _trunk(joints, observed)
     a, b = (place_of(side, "shoulder") for side in SIDES)
     ours = float(np.linalg.norm(joints.rest[a] - joints.rest[b]))

@@ -61,7 +61,7 @@ class Whole:
 
     points: K on the body, seen at `uv` (N, K, 2).  scale (N, K): 1/σ in 1/px, 0 where unknown.
     depth (N, K): metres farther than the root; depth_scale (N, K): 1/σ, 0 where unknown.
-    first: where it starts from.  keep (D,): 1/σ² of how poses stay near it.
+    first: where it starts from.  keep (D,) or (N, D): 1/σ² of how poses stay near it.
     """
 
     scene: Scene
@@ -84,9 +84,9 @@ class Whole:
         """
         columns = np.arange(len(JOINTS))
         told, sigma, wider = _sigmas(scene, observed, first, columns)
-        z = joints.points.at(first.transforms(scene.skeleton))[..., 2]
+        z = joints.seen.at(first.transforms(scene.skeleton))[..., 2]
         return cls(
-            scene, joints.points, observed.uv[:, columns], np.where(told, 1 / sigma, 0.0),
+            scene, joints.seen, observed.uv[:, columns], np.where(told, 1 / sigma, 0.0),
             z - first.ps_camera_root[:, 2:], np.where(told, 1 / (DEPTH_M * wider), 0.0),
             first, scene.precision(KEEP_TURN_RAD, KEEP_SHIFT_PX * scene.pixel_m),
         )  # fmt: skip
@@ -169,7 +169,7 @@ class Whole:
         terms: list[Term] = [
             PointsInPicture(self.points, camera, uv, scale, NEAREST_M, kernel),
             JointLimits(Limits.of(scene.skeleton.body), LIMIT_RAD),
-            PosePrior(R, t, self.keep),
+            PosePrior(R, t, self.keep if self.keep.ndim == 1 else self.keep[rows]),
         ]
         if self.depth_scale.any():
             terms.append(DepthFromRoot(self.points, depth, self.depth_scale[rows], Huber()))

@@ -1,4 +1,5 @@
-"""Clips of a person whose every joint is known, as a perfect network would tell it."""
+"""Clips of a person whose every joint is known, as a network would tell it that is always right
+about where it is used to put joints."""
 
 from __future__ import annotations
 
@@ -85,7 +86,7 @@ def seen(body: Body, poses: list[Pose], camera: Camera, scale: float = 0.9) -> C
     p = []
     for pose in poses:
         T = pose_transforms(joints.skeleton, pose)
-        p.append(np.concatenate([joints.points.at(T), ends.at(T)]))
+        p.append(np.concatenate([joints.seen.at(T), ends.at(T)]))
     places = np.stack(p)
     middle = places[:, [place_of(side, "hip") for side in SIDES]].mean(1, keepdims=True)
     p_hips = scale * np.stack(

@@ -1,0 +1,104 @@
+"""Drafts learn from keyframes at the page's server: by themselves, as part of a keyframe's step."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.jobs import Learned, LearnOrder
+from app.store import runner
+from tests.app.store.test_drafting import BODY, DRAFT, Desk, path, try_at
+from tests.app.store.test_fitter import Worker
+from tracker.body.pose import Pose
+from tracker.body.skeleton import Skeleton
+from tracker.session import Session
+
+__all__ = ["path"]
+FRAMES = (3, 4, 5, 6)
+ELSEWHERE = Pose.rest(Skeleton.of(BODY), (0.1, 0.0, 4.0))
+
+
+@pytest.fixture(autouse=True)
+def _no_worker(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(runner, "Tracking", Worker)
+
+
+def ordered() -> LearnOrder:
+    order = Worker.newest.fits[-1]
+    assert isinstance(order, LearnOrder)
+    return order
+
+
+def learn(*frames: int) -> None:
+    Worker.newest.report(Learned(ordered().job, dict.fromkeys(frames, ELSEWHERE)))
+
+
+def moved(doc: Session) -> list[int]:
+    """The drafts that stand elsewhere."""
+    return [d.frame for d in doc.drafts if np.isclose(d.root_m[0], 0.1)]
+
+
+async def begin(desk: Desk) -> None:
+    """A draft, and one of its frames confirmed."""
+    desk.do(DRAFT)
+    desk.find(*FRAMES)
+    desk.do({"do": "go", "frame": 4}, {"do": "add_key", "frame": 4})
+
+
+def test_drafts_that_learned_from_a_keyframe_are_undone_and_done_again_with_it(path: Path) -> None:
+    async def act(desk: Desk) -> None:
+        await begin(desk)
+        assert ordered().around == (4,)
+        sent = Session.model_validate_json(ordered().session)
+        assert [k.frame for k in sent.keyframes] == [4]
+        learn(3, 5, 6)
+        assert moved(desk.doc) == [3, 5, 6]
+        assert all(draft.drafted for draft in desk.doc.drafts)
+        learned = desk.doc
+        desk.do({"do": "undo"})
+        assert not desk.doc.keyframes
+        assert moved(desk.doc) == []
+        count = len(Worker.newest.fits)
+        desk.do({"do": "redo"})
+        assert desk.doc == learned
+        assert len(Worker.newest.fits) == count  # they have learned it already
+
+    try_at(path, act)
+
+
+def test_what_a_person_posed_meanwhile_stays(path: Path) -> None:
+    async def act(desk: Desk) -> None:
+        await begin(desk)
+        desk.do({"do": "go", "frame": 5}, {"do": "root", "y": 0.2})
+        posed = next(d for d in desk.doc.drafts if d.frame == 5)
+        assert not posed.drafted
+        learn(3, 5, 6)
+        assert moved(desk.doc) == [3, 6]
+        assert next(d for d in desk.doc.drafts if d.frame == 5) == posed
+
+    try_at(path, act)
+
+
+def test_nothing_is_learned_from_a_keyframe_that_was_undone_meanwhile(path: Path) -> None:
+    async def act(desk: Desk) -> None:
+        await begin(desk)
+        desk.do({"do": "undo"})
+        learn(3, 5, 6)
+        assert moved(desk.doc) == []
+
+    try_at(path, act)
+
+
+def test_drafts_wait_while_something_is_dragged(path: Path) -> None:
+    async def act(desk: Desk) -> None:
+        await begin(desk)
+        desk.do({"do": "go", "frame": 6})
+        desk.do({"do": "root", "y": 0.1, "stroke": "a"})
+        learn(3, 5, 6)
+        assert moved(desk.doc) == []
+        desk.do({"do": "end_stroke", "stroke": "a"})
+        assert moved(desk.doc) == [3, 5]
+
+    try_at(path, act)

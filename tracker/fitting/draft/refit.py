@@ -1,0 +1,205 @@
+"""Drafts solved for anew with what posed frames tell of their keypoints."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tracker.body.body import Body
+from tracker.body.pose import Pose, pose_transforms
+from tracker.body.scaling import height
+from tracker.body.skeleton import Skeleton
+from tracker.body.trajectory import Trajectory
+from tracker.fitting.draft.clip import FEW_POINTS, filled, middle
+from tracker.fitting.draft.judged import NEAREST_M
+from tracker.fitting.draft.limbs import Joints, turning_ends
+from tracker.fitting.draft.observed import Observed
+from tracker.fitting.draft.offsets import learned_depths, learned_places
+from tracker.fitting.draft.sides import consistent_sides
+from tracker.fitting.draft.whole import Whole
+from tracker.geometry.camera import Camera
+from tracker.geometry.rotations import Array
+from tracker.keypoints.keypoints import JOINTS, Keypoints
+from tracker.session.drafted import LEARN_FRAMES
+from tracker.solver.body_points import BodyPoints
+from tracker.solver.posed import image_jacobian, image_points
+from tracker.tracking.cues.anchors import height_px, with_free_joints
+from tracker.tracking.scene import Scene
+
+TELLS = 0.2
+"""Visibility from which a keypoint of a posed frame tells anything."""
+HELD_TURN_RAD, HELD_SHIFT_PX = np.radians(0.3), 0.3
+"""Standard deviations of poses that stay."""
+
+
+def refit_drafts(
+    keypoints: Keypoints,
+    camera: Camera,
+    body: Body,
+    drafts: Mapping[int, Pose],
+    posed: Mapping[int, Pose],
+    around: Collection[int],
+) -> dict[int, Pose]:
+    """The drafts of the frames near some, solved for anew; those that cannot be are left out.
+
+    keypoints: those that the drafts were found from.  camera: of the video, with its distortion.
+    drafts, posed: by frame, of this body; posed ones stay, and tell where the network puts joints
+    and what their depths lack.  around: the posed frames that are new.
+    KeypointError for keypoints without depth and for a body that is no person's.
+    """
+    observed, known = Observed.of(keypoints, camera), {**drafts, **posed}
+    skeleton = _free(Skeleton.of(body))
+    found: dict[int, Pose] = {}
+    for frames in _stretches(observed, known, around):
+        if any(frame in drafts for frame in frames) and any(frame in posed for frame in frames):
+            rows = slice(frames.start - observed.first_frame, frames.stop - observed.first_frame)
+            work = _Stretch(skeleton, camera.without_distortion(), observed.rows(rows), known)
+            motion = work.solved([frame for frame in frames if frame in posed])
+            found |= {frame: motion.pose(frame) for frame in frames if frame in drafts}
+    return {
+        frame: pose
+        for frame, pose in found.items()
+        if frame not in posed and _is_before_camera(skeleton, pose)
+    }
+
+
+def _free(skeleton: Skeleton) -> Skeleton:
+    """With the joints free that keypoints tell; clavicles stay as they are, as in every draft."""
+    body = with_free_joints(skeleton).body
+    some = (
+        part.model_copy(update={"tracked": ()}) if part.name.endswith("_clavicle") else part
+        for part in body.parts
+    )
+    return Skeleton.of(body.replaced(some))
+
+
+def _stretches(
+    observed: Observed, known: Mapping[int, Pose], around: Collection[int]
+) -> Iterator[range]:
+    """Frames that show one person, from one with a pose to another, around those that are new."""
+    for run in observed.runs():
+        own = range(observed.first_frame + run.start, observed.first_frame + run.stop)
+        new = [frame for frame in around if frame in own]
+        if new:
+            near = range(min(new) - LEARN_FRAMES, max(new) + LEARN_FRAMES + 1)
+            frames = [frame for frame in own if frame in near and frame in known]
+            if len(frames) > 1:
+                yield range(frames[0], frames[-1] + 1)
+
+
+def _is_before_camera(skeleton: Skeleton, pose: Pose) -> bool:
+    return bool(pose_transforms(skeleton, pose)[:, 2, 3].min() > NEAREST_M)
+
+
+@dataclass(frozen=True, eq=False)
+class _Stretch:
+    """N frames that show one person, and the poses that they have."""
+
+    skeleton: Skeleton
+    camera: Camera
+    seen: Observed
+    known: Mapping[int, Pose]
+
+    def solved(self, posed: Sequence[int]) -> Trajectory:
+        """All poses but the posed ones, and the first and the last where the film goes on there."""
+        frames = range(self.seen.first_frame, self.seen.first_frame + len(self.seen))
+        first = filled(frames.start, [self.known.get(frame) for frame in frames])
+        told = [frame - frames.start for frame in posed]
+        ends = {0: frames.start - 1, len(frames) - 1: frames.stop}
+        stay = {*told, *(row for row, beyond in ends.items() if beyond in self.known)}
+        joints = Joints.of(self.skeleton)
+        seen = self._with_sides(joints, first)
+        motion = self._limbs(joints, seen, first, told, stay).solve(_unheard)
+        turning = Joints.of(turning_ends(joints))
+        if not len(turning.ends[0]):
+            return motion
+        return self._ends(turning, seen, first, motion, told, stay).solve(_unheard)
+
+    def _with_sides(self, joints: Joints, first: Trajectory) -> Observed:
+        """Left and right as the poses have them."""
+        pixels = height_px(self.skeleton, self.camera, middle(first))
+        other = consistent_sides(self.seen, pixels, height(self.skeleton.body))
+        if other is None:
+            return self.seen
+        scene = self._scene(self.skeleton, first)
+        ways = (self.seen, other)
+        return min(ways, key=lambda seen: Whole.of_joints(scene, joints, seen, first).cost(first))
+
+    def _limbs(
+        self, joints: Joints, seen: Observed, first: Trajectory, told: list[int], stay: set[int]
+    ) -> Whole:
+        columns = np.arange(len(JOINTS))
+        seen = self._corrected(seen, columns, joints.seen, first, told)
+        scene = self._scene(joints.skeleton, first)
+        depth = self._depth(seen, joints.seen, first, told)
+        plain = Whole.of_joints(scene, joints, seen, first)
+        depth_scale = np.where(np.isfinite(depth), plain.depth_scale, 0.0)
+        return replace(
+            plain, depth=np.nan_to_num(depth), depth_scale=depth_scale,
+            keep=_held(scene, plain.keep, len(first), stay),
+        )  # fmt: skip
+
+    def _ends(
+        self, joints: Joints, seen: Observed, first: Trajectory, motion: Trajectory,
+        told: list[int], stay: set[int],
+    ) -> Whole:  # fmt: skip
+        """Head and feet; what was posed says where on them the network sees points."""
+        columns, points = joints.ends
+        seen = self._corrected(seen, columns, points, first, told)
+        scene = self._scene(joints.skeleton, motion)
+        plain = Whole.of_ends(scene, joints, seen, motion)
+        return replace(plain, keep=_held(scene, plain.keep, len(motion), stay))
+
+    def _scene(self, skeleton: Skeleton, motion: Trajectory) -> Scene:
+        return Scene.of(skeleton, self.camera, [middle(motion)], FEW_POINTS)
+
+    def _corrected(
+        self, seen: Observed, columns: NDArray[np.int64], points: BodyPoints, first: Trajectory,
+        told: list[int],
+    ) -> Observed:  # fmt: skip
+        """With these keypoints where they would be without what was learned that they are off."""
+        Ts, frames = first.transforms(self.skeleton), np.arange(len(first), dtype=np.float64)
+        p, uv = points.at(Ts), seen.uv.copy()
+        at = image_points(self.camera, p)
+        for k, column in enumerate(columns.tolist()):
+            rows = [n for n in told if seen.known[n, column]]
+            rows = [n for n in rows if seen.visibility[n, column] > TELLS]
+            if not rows:
+                continue
+            ((part, _),) = points.points[k]
+            axes = np.swapaxes(Ts[:, part, :3, :3], -1, -2)
+            slopes = np.swapaxes(image_jacobian(self.camera, p[:, k], axes), -1, -2)
+            pixel_m = self.camera.depth(p[rows, k]) / self.camera.fy
+            missed = seen.uv[rows, column] - at[rows, k]
+            beside_m = learned_places(frames, rows, slopes[rows], missed, pixel_m)
+            uv[:, column] -= np.einsum("nij,nj->ni", slopes, beside_m)
+        return replace(seen, uv=uv)
+
+    def _depth(
+        self, seen: Observed, points: BodyPoints, first: Trajectory, told: list[int]
+    ) -> Array:
+        """(N, 12) metres farther than the root; NaN where nothing tells it."""
+        own = points.at(first.transforms(self.skeleton))[..., 2] - first.ps_camera_root[:, 2:]
+        depth, frames = seen.p_hips[:, : len(JOINTS), 2].copy(), np.arange(len(first), dtype=float)
+        for k in range(len(JOINTS)):
+            rows = [n for n in told if np.isfinite(depth[n, k]) and seen.visibility[n, k] > TELLS]
+            if rows:
+                lacks = own[rows, k] - depth[rows, k]
+                depth[:, k] += learned_depths(frames, rows, lacks)
+            else:
+                depth[:, k] = own[:, k]
+        return depth
+
+
+def _held(scene: Scene, keep: Array, count: int, stay: set[int]) -> Array:
+    """(N, D) 1/σ² by which poses are kept, some of them as they are."""
+    every = np.tile(keep, (count, 1))
+    every[sorted(stay)] = scene.precision(HELD_TURN_RAD, HELD_SHIFT_PX * scene.pixel_m)
+    return every
+
+
+def _unheard(done: int) -> None:
+    """Nobody waits for it."""
