@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from app.editor.state import EditorState
-from app.export.motion_formats import FORMATS, MotionFormat, suffix_of
+from app.export.motion_formats import FORMATS, MotionFormat
 from tracker.errors import FormatError, listed
 from tracker.formats.recording import RecordedSegment, Recording
 from tracker.formats.rigs import OWN
@@ -123,8 +123,8 @@ def motion_archive(
     """The motion as one file: several are packed into a zip. FormatError where frames lack."""
     files = motion_files(format_name, shown_motion(edit), sampling)
     if len(files) == 1:
-        kind = FORMATS[format_name]
-        return File(next(iter(files.values())), kind.media_type, suffix_of(kind))
+        ((name, content),) = files.items()
+        return File(content, FORMATS[format_name].media_type, name.removeprefix("motion"))
     return File(_packed(files), "application/zip", f"-{format_name}.zip")
 
 

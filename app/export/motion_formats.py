@@ -21,7 +21,8 @@ class Format:
 
     words: what it is for, and in which units and axes.  write: one recording as it, with the bones
     of a rig by its name (`tracker.formats.rigs`), which formats without bones pass over.
-    names: of its files; of several the page makes one zip.  media_type: of the one file.
+    names: of its files, "motion" and what follows the session's name where the page saves one of
+    them; of several it makes one zip.  media_type: of the one file.
     own_times: whether a film of varying rate keeps its own frames and times in it; the others are
     read at a constant rate.  rigged: whether it has bones, which may be another rig's.
     """
@@ -116,20 +117,14 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
     ),
     "camera": Format(
         "the film's camera alone, for rotomation, as JSON, metres; y up, the floor at zero",
-        _camera, ("camera.json",), "application/json", own_times=True,
+        _camera, ("motion_camera.json",), "application/json", own_times=True,
     ),
     "chan": Format(
         "the film's camera for Nuke, metres and degrees, rotation order ZXY; y up, the floor at "
         "zero",
-        _chan, ("camera.chan",), "text/plain", own_times=True,
+        _chan, ("motion_camera.chan",), "text/plain", own_times=True,
     ),
 }  # fmt: skip
-
-
-def suffix_of(kind: Format) -> str:
-    """What follows a session's name in the name of a format's one file: .bvh, -camera.json."""
-    (name,) = kind.names
-    return name.removeprefix("motion") if name.startswith("motion.") else f"-{name}"
 
 
 def formats_of(text: str) -> tuple[MotionFormat, ...]:

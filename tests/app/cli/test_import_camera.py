@@ -72,7 +72,7 @@ def test_the_camera_that_was_exported_changes_nothing(path: Path, tmp_path: Path
     command = ["export", str(path), "--format", "camera,chan,glb", "--out", str(out)]
     assert main(command) == 0
     before = load_session(path)
-    for name in ("camera.json", "motion.glb"):
+    for name in ("motion_camera.json", "motion.glb"):
         assert main(["import", str(path), str(out / name), "--camera"]) == 0
         made = load_session(path)
         assert made.camera.model_dump(exclude={"origin"}) == before.camera.model_dump(

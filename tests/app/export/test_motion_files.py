@@ -64,8 +64,7 @@ def from_page(format_name: MotionFormat, edit: EditorState) -> dict[str, bytes]:
     """What the page saves, unpacked, by the names of the command line."""
     file = motion_archive(format_name, edit)
     if file.media_type != "application/zip":
-        name = file.suffix.removeprefix("-") if "-" in file.suffix else f"motion{file.suffix}"
-        return {name: file.content}
+        return {f"motion{file.suffix}": file.content}
     with zipfile.ZipFile(io.BytesIO(file.content)) as archive:
         return {name: archive.read(name) for name in archive.namelist()}
 
@@ -80,8 +79,9 @@ def test_the_page_saves_what_the_command_line_writes(format_name: MotionFormat, 
 def test_all_formats_are_written_at_once_under_their_names(path: Path) -> None:
     opened(path, results_cases.both(load_session(path)))
     assert sorted(exported(path, EVERY)) == [
-        *("angles.csv", "camera.chan", "camera.json", "frames.csv", "joints.csv"),
+        *("angles.csv", "frames.csv", "joints.csv"),
         *("motion.bvh", "motion.c3d", "motion.glb", "motion.npz", "motion.trc"),
+        *("motion_camera.chan", "motion_camera.json"),
     ]
 
 
