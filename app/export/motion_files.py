@@ -13,6 +13,7 @@ import numpy as np
 from app.editor.state import EditorState
 from app.export.motion_formats import FORMATS, MotionFormat
 from tracker.errors import FormatError, listed
+from tracker.formats.floor_world import with_floor
 from tracker.formats.recording import RecordedSegment, Recording
 from tracker.formats.rigs import OWN
 from tracker.formats.sampling import at_rate, low_passed, moved_at_keyframes
@@ -109,7 +110,8 @@ def motion_files(
 ) -> dict[str, bytes]:
     """The contents to write by file name. FormatError when the format cannot hold the motion."""
     kind = FORMATS[format_name]
-    contents = kind.write(sampled(recording, sampling, kind.own_times), sampling.rig)
+    made = sampled(with_floor(recording), sampling, kind.own_times)
+    contents = kind.write(made, sampling.rig)
     return {name: _bytes(one) for name, one in zip(kind.names, contents, strict=True)}
 
 

@@ -361,3 +361,15 @@ def test_the_page_offers_the_rigs_that_there_are() -> None:
     script = (Path(__file__).parents[3] / "static/actions/exporting.js").read_text("utf-8")
     table = script.partition("export const RIGS = {")[2].partition("};")[0]
     assert tuple(re.findall(r"(\w+):", table)) == tuple(RIGS)
+
+
+def test_a_part_of_the_motion_stands_on_the_floor_of_the_whole(path: Path) -> None:
+    opened(path, results_cases.both(load_session(path)))
+    whole, part = (
+        exported(path, "glb,camera", *more)
+        for more in ((), ("--frames", "4-6", "--filter", "10Hz", "--fps", "50"))
+    )
+    cameras = [json.loads(f["motion_camera.json"])["T_world_camera"] for f in (whole, part)]
+    assert cameras[0] == cameras[1]
+    stand = [Player.of(f["motion.glb"]).transforms(None)["camera"] for f in (whole, part)]
+    np.testing.assert_array_equal(*stand)
