@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from app.editor.state import EditorState
-from app.export.motion_formats import FORMATS, Bones, MotionFormat, suffix_of
+from app.export.motion_formats import FORMATS, Bones, MotionFormat
 from tracker.errors import FormatError, listed
+from tracker.formats.floor_world import with_floor
 from tracker.formats.recording import MarkerSetName, RecordedSegment, Recording
 from tracker.formats.rigs import OWN
 from tracker.formats.sampling import at_rate, low_passed, moved_at_keyframes
@@ -115,7 +116,7 @@ def motion_files(
     """The contents to write by file name. FormatError when the format cannot hold the motion."""
     kind = FORMATS[format_name]
     bones = Bones(sampling.rig, sampling.unit)
-    contents = kind.write(sampled(recording, sampling, kind.own_times), bones)
+    contents = kind.write(sampled(with_floor(recording), sampling, kind.own_times), bones)
     return {name: _bytes(one) for name, one in zip(kind.names, contents, strict=True)}
 
 
@@ -129,8 +130,8 @@ def motion_archive(
     """The motion as one file: several are packed into a zip. FormatError where frames lack."""
     files = motion_files(format_name, shown_motion(edit), sampling)
     if len(files) == 1:
-        (content,), kind = files.values(), FORMATS[format_name]
-        return File(content, kind.media_type, suffix_of(kind))
+        ((name, content),) = files.items()
+        return File(content, FORMATS[format_name].media_type, name.removeprefix("motion"))
     return File(_packed(files), "application/zip", f"-{format_name}.zip")
 
 

@@ -165,20 +165,14 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
     ),
     "camera": Format(
         "the film's camera alone, for rotomation, as JSON, metres; y up, the floor at zero",
-        _camera, ("camera.json",), "application/json", own_times=True,
+        _camera, ("motion_camera.json",), "application/json", own_times=True,
     ),
     "chan": Format(
         "the film's camera for Nuke, metres and degrees, rotation order ZXY; y up, the floor at "
         "zero",
-        _chan, ("camera.chan",), "text/plain", own_times=True,
+        _chan, ("motion_camera.chan",), "text/plain", own_times=True,
     ),
 }  # fmt: skip
-
-
-def suffix_of(kind: Format) -> str:
-    """What follows a session's name in that of a format's one file: .bvh, -camera.json."""
-    (name,) = kind.names
-    return name.removeprefix("motion") if name.startswith("motion") else f"-{name}"
 
 
 def formats_of(text: str) -> tuple[MotionFormat, ...]:

@@ -124,13 +124,16 @@ const keyframeSheet = (options) => html`${field('Columns', text('Columns', 'colu
 
 function motion(options) {
   const c3d = ui.exportMissing?.c3d;
-  const names = Object.values(MOTION).map(({ label }) => String(label));
-  const formats = [{ id: 'all', label: 'All, ZIP' }, ...names.map((label) => ({
-    id: label.toLowerCase(), label, off: label === 'C3D' && c3d ? `This needs ezc3d: ${c3d}` : '',
-  }))];
   const left = options.format === 'all' && c3d ? `Without C3D, which needs ezc3d: ${c3d}` : '';
-  return html`${field('Format', segmented({ label: 'Format', value: options.format, options: formats, act: (format) => change({ format }) }), left)}
+  return html`${field('Format', formats(options.format, c3d), left)}
     ${rigs(options)}${range()}${rate()}${field('Low-pass filter', text('Cut-off', 'filter', 'None', 'Hz'))}`;
+}
+
+function formats(format, c3d) {
+  const options = [{ id: 'all', label: 'All, ZIP' }, ...Object.values(MOTION).map(({ label, reader }) => ({
+    id: String(label).toLowerCase(), label: String(label), note: reader, off: label === 'C3D' && c3d ? `This needs ezc3d: ${c3d}` : '',
+  }))];
+  return dropdown({ label: 'Format', value: format, kind: 'field', options, act: (id) => change({ format: id }) });
 }
 
 /** Whose bones there are to be, where the format has bones. */

@@ -66,8 +66,7 @@ def from_page(format_name: MotionFormat, edit: EditorState) -> dict[str, bytes]:
     """What the page saves, unpacked, by the names of the command line."""
     file = motion_archive(format_name, edit)
     if file.media_type != "application/zip":
-        name = file.suffix.removeprefix("-") if "-" in file.suffix else f"motion{file.suffix}"
-        return {name: file.content}
+        return {f"motion{file.suffix}": file.content}
     with zipfile.ZipFile(io.BytesIO(file.content)) as archive:
         return {name: archive.read(name) for name in archive.namelist()}
 
@@ -106,8 +105,9 @@ def test_both_doors_refuse_angles_of_a_body_that_is_no_person(
 def test_all_formats_are_written_at_once_under_their_names(path: Path) -> None:
     opened(path, results_cases.both(load_session(path)))
     assert sorted(exported(path, EVERY)) == [
-        *("angles.csv", "camera.chan", "camera.json", "frames.csv", "joints.csv"),
+        *("angles.csv", "frames.csv", "joints.csv"),
         *("motion.bvh", "motion.c3d", "motion.glb", "motion.npz", "motion.trc"),
+        *("motion_camera.chan", "motion_camera.json"),
     ]
 
 
@@ -387,3 +387,15 @@ def test_the_page_offers_the_rigs_that_there_are() -> None:
     script = (Path(__file__).parents[3] / "static/actions/exporting.js").read_text("utf-8")
     table = script.partition("export const RIGS = {")[2].partition("};")[0]
     assert tuple(re.findall(r"(\w+):", table)) == tuple(RIGS)
+
+
+def test_a_part_of_the_motion_stands_on_the_floor_of_the_whole(path: Path) -> None:
+    opened(path, results_cases.both(load_session(path)))
+    whole, part = (
+        exported(path, "glb,camera", *more)
+        for more in ((), ("--frames", "4-6", "--filter", "10Hz", "--fps", "50"))
+    )
+    cameras = [json.loads(f["motion_camera.json"])["T_world_camera"] for f in (whole, part)]
+    assert cameras[0] == cameras[1]
+    stand = [Player.of(f["motion.glb"]).transforms(None)["camera"] for f in (whole, part)]
+    np.testing.assert_array_equal(*stand)
