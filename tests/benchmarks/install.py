@@ -1,28 +1,46 @@
 """From the wheel to the open page on a computer that has never seen Keypose, part by part.
 
 The wheel is built, installed into an environment of its own and used outside the checkout, with an
-empty cache. `--python` names other interpreters. What the registry delivers counts, unless the
-installer still has it: that is told.
+empty cache. `--python` names other interpreters. Each part is told in seconds by the clock and of
+processors: beside other work the clock says little.
 """
 
 from __future__ import annotations
 
 import os
+import resource
 import shutil
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from urllib.request import ProxyHandler, build_opener
+from urllib.parse import urljoin
+from urllib.request import HTTPCookieProcessor, ProxyHandler, build_opener
 
 from tests.benchmarks.keeping import ROOT
-from tests.benchmarks.table import Report, Table
+from tests.benchmarks.table import Pair, Report, Table
 
 TO_THE_PAGE_S, ANSWERS_S, AGAIN_S = 60.0, 0.3, 2.0
 LONGEST_S = 600.0
+
+
+class Stopwatch:
+    """What child processes take within its block: by the clock, and of processors."""
+
+    def __enter__(self) -> Stopwatch:
+        self._clock, self._processors = time.perf_counter(), _children_s()
+        return self
+
+    def lap(self) -> float:
+        """Seconds by the clock until now."""
+        return time.perf_counter() - self._clock
+
+    def __exit__(self, *_: object) -> None:
+        self.spent = Pair(self.lap(), _children_s() - self._processors, ("clock", "processors"))
 
 
 @dataclass(frozen=True)
@@ -39,23 +57,21 @@ class Place:
     def keypose(self, *words: str) -> list[str]:
         return [str(self.python.with_name("keypose")), *words]
 
-    def seconds(self, command: list[str]) -> float:
+    def seconds(self, command: list[str]) -> Pair:
         """How long a command takes; CalledProcessError when it fails."""
-        began = time.perf_counter()
-        subprocess.run(
-            command, cwd=self.folder, env=self.environ, check=True, capture_output=True,
-            timeout=LONGEST_S,
-        )  # fmt: skip
-        return time.perf_counter() - began
+        with Stopwatch() as watch:
+            subprocess.run(
+                command, cwd=self.folder, env=self.environ, check=True, capture_output=True,
+                timeout=LONGEST_S,
+            )  # fmt: skip
+        return watch.spent
 
 
 def install(report: Report) -> None:
     """The whole group."""
     report.note(f"load when this began: {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
     uv = shutil.which("uv")
-    report.note(
-        f"installed by {'uv, with what it has kept' if uv else 'pip, with what it has kept'}"
-    )
+    report.note(f"installed by {'uv' if uv else 'pip'}, with the wheels that it has kept")
     with tempfile.TemporaryDirectory() as kept:
         wheel = _built(Path(kept))
         report.note(f"{wheel.name}: {wheel.stat().st_size / 1e6:.1f} MB")
@@ -67,7 +83,7 @@ def install(report: Report) -> None:
 def _measure(report: Report, place: Place, wheel: Path, python: str, uv: str | None) -> None:
     asked = [python, "-c", "import platform; print(platform.python_version())"]
     name = subprocess.run(asked, check=True, capture_output=True, text=True).stdout.strip()
-    table = report.table(f"Python {name}, seconds", "first", "again")
+    table = report.table(f"Python {name}: seconds by the clock/of processors", "first", "again")
     installed = _install(place, wheel, python, uv)
     table.row("install", installed, "")
     clip = shutil.copy(ROOT / "sample_videos" / "box" / "box.mp4", place.folder)
@@ -79,9 +95,11 @@ def _measure(report: Report, place: Place, wheel: Path, python: str, uv: str | N
     session = ROOT / "sample_videos" / "box" / "session.json"
     track = place.keypose("track", str(session), "--out", "tracked", "--overwrite")
     _twice(table, place, "track the box", track)
-    report.expect(f"{name}: install and open", installed + first, TO_THE_PAGE_S, "s")
-    report.expect(f"{name}: open again", again, AGAIN_S, "s")
-    report.expect(f"{name}: --version", place.seconds(place.keypose("--version")), ANSWERS_S, "s")
+    whole = installed.first + first.first
+    answers = place.seconds(place.keypose("--version"))
+    report.expect(f"{name}: install and open", whole, TO_THE_PAGE_S, "s")
+    report.expect(f"{name}: open again, of processors", again.second, AGAIN_S, "s")
+    report.expect(f"{name}: --version, of processors", answers.second, ANSWERS_S, "s")
 
 
 def _twice(table: Table, place: Place, name: str, command: list[str]) -> None:
@@ -104,8 +122,12 @@ def _place(folder: Path) -> Place:
     return Place(folder, environ)
 
 
-def _install(place: Place, wheel: Path, python: str, uv: str | None) -> float:
-    began = time.perf_counter()
+def _children_s() -> float:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def _install(place: Place, wheel: Path, python: str, uv: str | None) -> Pair:
     own = dict(os.environ)  # the installer keeps its own cache
     venv = place.folder / "venv"
     if uv:
@@ -115,15 +137,28 @@ def _install(place: Place, wheel: Path, python: str, uv: str | None) -> float:
     else:
         made = [python, "-m", "venv", str(venv)]
         filled = [str(place.python), "-m", "pip", "install", "--quiet", str(wheel)]
-    for command in (made, filled):
-        subprocess.run(command, cwd=place.folder, env=own, check=True, capture_output=True)
-    return time.perf_counter() - began
+    with Stopwatch() as watch:
+        for command in (made, filled):
+            subprocess.run(command, cwd=place.folder, env=own, check=True, capture_output=True)
+    return watch.spent
 
 
-def _until_the_page(place: Place, clip: str | Path) -> float:
-    """Seconds from the command until the link that it prints is answered."""
+def _until_the_page(place: Place, clip: str | Path) -> Pair:
+    """Until the page is had by the link that the command prints; of processors, until the server
+    ended."""
+    with Stopwatch() as watch, _served(place, clip) as link:
+        browser = build_opener(ProxyHandler({}), HTTPCookieProcessor())
+        browser.open(link, timeout=LONGEST_S).close()  # lets it in
+        with browser.open(urljoin(link, "/"), timeout=LONGEST_S) as answer:
+            assert b"page.js" in answer.read()
+        clock = watch.lap()
+    return Pair(clock, watch.spent.second, watch.spent.names)
+
+
+@contextmanager
+def _served(place: Place, clip: str | Path) -> Iterator[str]:
+    """The link to the page of a server, which ends with the block."""
     command = place.keypose("open", str(clip), "--port", "0", "--no-browser", "--workspace", "w")
-    began = time.perf_counter()
     with subprocess.Popen(
         command, cwd=place.folder, env={**place.environ, "PYTHONUNBUFFERED": "1"},
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
@@ -135,10 +170,7 @@ def _until_the_page(place: Place, clip: str | Path) -> float:
                 line = keypose.stdout.readline()
                 assert line, printed
                 printed += line
-            address = next(word for word in printed.split() if word.startswith("http://"))
-            with build_opener(ProxyHandler({})).open(address, timeout=LONGEST_S) as answer:
-                assert b"<html" in answer.read()
-            return time.perf_counter() - began
+            yield next(word for word in printed.split() if word.startswith("http://"))
         finally:
             keypose.terminate()
             keypose.communicate()
