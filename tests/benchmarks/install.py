@@ -25,7 +25,7 @@ from tests.benchmarks.keeping import ROOT
 from tests.benchmarks.table import Pair, Report, Table
 
 TO_THE_PAGE_S, ANSWERS_S, AGAIN_S = 60.0, 0.3, 2.0
-LONGEST_S = 600.0
+LONGEST_S = 3600.0
 
 
 class Stopwatch:
