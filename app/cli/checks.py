@@ -25,7 +25,7 @@ FEW_GB: Final = 4.0
 """Of memory: two films' clips and what decodes them."""
 LITTLE_GB: Final = 1.0
 """Of disk space."""
-REINSTALL: Final = "Install Keypose again: pip install --force-reinstall keypose"
+REINSTALL: Final = "Install Keypose again, as its README says."
 LIBRARIES: Final = (
     ("numpy", "numpy"),
     ("scipy", "scipy"),
@@ -37,9 +37,9 @@ LIBRARIES: Final = (
     ("uvicorn", "uvicorn"),
 )
 EXTRAS: Final = (
-    ("c3d", "ezc3d", "motion in C3D files"),
-    ("fast-pose", "ai_edge_litert", "keypoints two to four times as fast"),
-    ("cluster", "distributed", "`keypose batch` on many computers"),
+    ("ezc3d", "ezc3d", "motion in C3D files"),
+    ("ai_edge_litert", "ai-edge-litert", "keypoints two to four times as fast"),
+    ("distributed", "distributed", "`keypose batch` on many computers"),
 )
 
 
@@ -98,7 +98,7 @@ def libraries() -> Iterator[Finding]:
             import_module(module)
         except (ImportError, OSError, RuntimeError) as error:
             words = f"{package} cannot be loaded: {error}"
-            yield Finding("libraries", "error", words, f"pip install --force-reinstall {package}")
+            yield Finding("libraries", "error", words, REINSTALL)
         else:
             here.append(f"{package} {version(package)}")
     if here:
@@ -128,7 +128,7 @@ def films() -> Iterator[Finding]:
 
     if not can_write_films():
         words = "films cannot be written, for PyAV has no H.264 encoder; reading is not affected"
-        yield Finding("video", "warning", words, "pip install --force-reinstall av")
+        yield Finding("video", "warning", words, REINSTALL)
         return
     with tempfile.TemporaryDirectory() as folder:
         place = Path(folder) / "film.mp4"
@@ -141,7 +141,7 @@ def films() -> Iterator[Finding]:
         yield Finding("video", "ok", "H.264 is written and read")
     else:
         words = "H.264 that was written is read with other colours"
-        yield Finding("video", "error", words, "pip install --force-reinstall av")
+        yield Finding("video", "error", words, REINSTALL)
 
 
 def cores_and_memory() -> Iterator[Finding]:
@@ -264,9 +264,17 @@ def browser() -> Iterator[Finding]:
 
 
 def extras() -> Iterator[Finding]:
-    for name, module, what in EXTRAS:
+    for module, package, what in EXTRAS:
         if find_spec(module) is not None:
-            yield Finding(name, "ok", f"installed: {what}")
+            yield Finding(package, "ok", f"installed: {what}")
         else:
-            remedy = f"{sys.executable} -m pip install 'keypose[{name}]'"
-            yield Finding(name, "note", f"not installed: {what}", remedy)
+            yield Finding(package, "note", f"not installed: {what}", _adding(package))
+
+
+def _adding(package: str) -> str:
+    """The command that adds a package to where Keypose is installed."""
+    if Path(sys.prefix, "pipx_metadata.json").is_file():
+        return f"pipx inject keypose {package}"
+    if Path(sys.prefix, "uv-receipt.toml").is_file():
+        return f"Install Keypose again by uv tool install, with --with {package}"
+    return f"{sys.executable} -m pip install {package}"

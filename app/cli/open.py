@@ -120,22 +120,33 @@ def add(commands: Subcommands) -> None:
 def run(arguments: argparse.Namespace) -> int:
     _require_own(arguments)
     from app.document.defaults import read_defaults
-    from app.document.library import Library
-    from app.server.server import Server
 
     defaults = read_defaults()
     workspace = arguments.workspace or defaults.workspace
+    # Before the rest is loaded: a tab that looks for its server waits instead of asking again.
+    with _listener(arguments.host, arguments.port, defaults.port) as listener:
+        shown_from = workspace if defaults.browser and not arguments.no_browser else None
+        return _open(listener, arguments, workspace, shown_from)
+
+
+def _open(
+    listener: socket.socket,
+    arguments: argparse.Namespace,
+    workspace: Path,
+    shown_from: Path | None,
+) -> int:
+    """Serve what was asked for until a signal asks to end."""
+    from app.document.library import Library
+    from app.server.server import Server
 
     path = arguments.path
     if arguments.out is not None:
         path = _copy(path, arguments.out)
     library = Library(workspace, _roots(path))
     path = _with_reading(path, library, arguments)
-    listener = _listener(arguments.host, arguments.port, defaults.port)
     server = Server(library, _names(arguments.host), tuple(arguments.public_name))
     try:
-        browser = defaults.browser and not arguments.no_browser
-        return _serve(server, listener, path, arguments, workspace if browser else None)
+        return _serve(server, listener, path, arguments, shown_from)
     finally:
         listener.close()
         server.stage.stop()

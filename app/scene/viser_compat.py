@@ -1,4 +1,4 @@
-"""Every private touch with viser, and nothing else. Written for viser 1.1.1.
+"""Every private touch with viser, and nothing else. Known to hold for viser 1.1.0 and 1.1.1.
 
 viser wants a port of its own. Here it has none: while its server is constructed, the function that
 would bind a socket is replaced by one that keeps viser's connection handler. Our server accepts the
@@ -25,11 +25,11 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from viser import ClientHandle, ViserServer
 from websockets.exceptions import ConnectionClosedOK
 
-VERSION = "1.1.1"
-"""The one version this module knows; pyproject.toml pins it."""
+KNOWN = ("1.1.0", "1.1.1")
+"""The versions that the tests passed with; pyproject.toml allows these."""
 
-SUBPROTOCOL = f"viser-v{VERSION}"
-"""What viser's page calls its protocol."""
+SUBPROTOCOL = f"viser-v{viser.__version__}"
+"""What viser's page calls its protocol: page and server are of one version."""
 
 PAGE = Path(viser.__file__).parent / "client" / "build" / "index.html"
 """viser's page, one file with everything in it."""

@@ -16,13 +16,13 @@ SEEDS = 3
 
 @dataclass(frozen=True)
 class Options:
-    """Only `real` and `effort` ask for them.
+    """Only `real`, `effort` and `install` ask for them.
 
     rows: names of rows; all that are not held out where there are none.  held_out: these instead.
     jitters: how often the keyframes are disturbed.  ways: more settings to compare, by name.
     out: where figures are written as they come.  clips, strategies: of `effort`, all where there
     are none.  seeds: how many persons.  in_page: two keyframes are made
-    again in a browser.
+    again in a browser.  pythons: interpreters to install for; this one where there are none.
     """
 
     rows: tuple[str, ...] = ()
@@ -34,6 +34,7 @@ class Options:
     strategies: tuple[str, ...] = ()
     seeds: int = SEEDS
     in_page: bool = True
+    pythons: tuple[str, ...] = ()
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -55,6 +56,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     )
     given.add_argument("--seeds", type=_count, default=SEEDS, metavar="N", help="so many persons")
     given.add_argument("--no-page", action="store_true", help="nothing again in a browser")
+    given = parser.add_argument_group("of the group install")
+    given.add_argument("--python", action="append", default=[], metavar="PATH", dest="pythons")
 
 
 def options_of(given: argparse.Namespace) -> Options:
@@ -63,6 +66,7 @@ def options_of(given: argparse.Namespace) -> Options:
     return Options(
         given.rows, given.held_out, jitters, dict(given.ways), given.out,
         given.clips, given.strategies, given.seeds, not given.no_page,
+        tuple(given.pythons),
     )  # fmt: skip
 
 

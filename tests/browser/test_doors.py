@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page
 
+from app.scene.viser_compat import SUBPROTOCOL
 from tests.app.serving import ROOT, Keypose, Visitor
 from tests.browser.cable import Cable, cable
 from tests.browser.foreigner import Foreigner, foreigner
@@ -41,7 +42,7 @@ async ([origin, key]) => {
   const film = { method: 'POST', body: 'x'.repeat(100) };
   return {
     events: await line('/events', ['keypose', `keypose-key.${key || 'guess'}`]),
-    view: await line('/view/main', 'viser-v1.1.1'),
+    view: await line('/view/main', 'VISER'),
     frame: await asked('/frame/0.jpg'),
     blind: await asked('/frame/0.jpg', { mode: 'no-cors', headers: {} }),
     picture: await asked('/picture.png'),
@@ -52,7 +53,7 @@ async ([origin, key]) => {
     style: await element('link', { rel: 'stylesheet', href: `${origin}/static/style/base.css` }),
   };
 }
-"""
+""".replace("VISER", SUBPROTOCOL)
 """What a hostile page can try, by name: "let in" or "refused", with the words it can read."""
 
 FRAMED = """
@@ -329,8 +330,8 @@ def test_what_is_no_message_ends_its_own_line_at_most(doors: Doors, what: str) -
 def test_nothing_that_is_said_to_a_view_reaches_viser(doors: Doors) -> None:
     heard = doors.page.evaluate(
         """
-        (address) => new Promise((done) => {
-          const socket = new WebSocket(address, 'viser-v1.1.1');
+        ([address, viser]) => new Promise((done) => {
+          const socket = new WebSocket(address, viser);
           let heard = 0;
           socket.onopen = () => {
             for (const size of [0, 1, 1000, 900000]) socket.send(new Uint8Array(size).fill(0x93));
@@ -341,11 +342,11 @@ def test_nothing_that_is_said_to_a_view_reaches_viser(doors: Doors) -> None:
           socket.onclose = ({ code }) => done(`closed ${code}`);
         })
         """,
-        f"ws://{doors.keypose.host}/view/main",
+        [f"ws://{doors.keypose.host}/view/main", SUBPROTOCOL],
     )
     assert isinstance(heard, int)
     assert heard > 0
-    for path, kinds in (("/view/tail", ["viser-v1.1.1"]), ("/view/main", ["viser-v0.2"])):
+    for path, kinds in (("/view/tail", [SUBPROTOCOL]), ("/view/main", ["viser-v0.2"])):
         refused = doors.page.evaluate(
             """
             ([address, kinds]) => new Promise((done) => {

@@ -76,7 +76,7 @@ def test_without_an_encoder_films_are_limited_and_nothing_else(
 ) -> None:
     monkeypatch.setattr(encode, "can_write_films", lambda: False)
     (found,) = films()
-    assert (found.state, found.remedy) == ("warning", "pip install --force-reinstall av")
+    assert (found.state, found.remedy) == ("warning", checks.REINSTALL)
 
 
 def test_a_damaged_network_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -87,6 +87,18 @@ def test_a_damaged_network_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     found = [finding for finding in examine(tmp_path) if finding.name == "networks"]
     assert [finding.state for finding in found] == ["error"]
     assert "is damaged" in found[0].words
+
+
+def test_an_optional_part_comes_with_the_command_of_this_kind_of_installation(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(checks, "EXTRAS", (("no_such_module", "nothing", "nothing at all"),))
+    (found,) = checks.extras()
+    assert found.remedy.endswith(" -m pip install nothing")
+    monkeypatch.setattr(checks.sys, "prefix", str(tmp_path))
+    (tmp_path / "pipx_metadata.json").touch()
+    (found,) = checks.extras()
+    assert (found.state, found.remedy) == ("note", "pipx inject keypose nothing")
 
 
 def test_a_port_that_is_taken_is_noted(config: Path) -> None:

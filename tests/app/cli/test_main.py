@@ -288,7 +288,7 @@ def loaded_by(code: str) -> set[str]:
 
 @pytest.mark.parametrize("words", [["--version"], ["--help"], ["open", "--help"]])
 def test_what_answers_at_once_loads_no_heavy_library(words: list[str]) -> None:
-    loaded = loaded_by(f"import app.cli.main; app.cli.main.main({words})")
+    loaded = loaded_by(f"from app.cli.main import main; main({words})")
     assert "app.cli.open" in loaded
     heavy = {"av", "cv2", "numba", "numpy", "pydantic", "scipy", "starlette", "uvicorn", "viser"}
     assert not heavy & loaded

@@ -1,0 +1,68 @@
+"""The wheel holds all that the program reads, and nothing else."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import tomllib
+import zipfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("setuptools", minversion="77")
+
+ROOT = Path(__file__).parents[1]
+FOLDERS = ("app", "sample_videos", "static", "tracker")
+SHOWN = {"arms_page.jpg", "walk/page.jpg", "walk/film.webp"}
+"""Pictures of READMEs, which the wheel leaves out."""
+MOST_BYTES = 12e6
+
+
+def sources() -> set[str]:
+    """The files of the folders that ship, but for what the interpreter keeps beside them."""
+    return {
+        path.relative_to(ROOT).as_posix()
+        for folder in FOLDERS
+        for path in (ROOT / folder).rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory: pytest.TempPathFactory) -> Iterator[zipfile.ZipFile]:
+    source, out = tmp_path_factory.mktemp("source"), tmp_path_factory.mktemp("wheel")
+    for folder in FOLDERS:
+        ignored = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(ROOT / folder, source / folder, ignore=ignored)
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copyfile(ROOT / name, source / name)
+    build = "import sys; from setuptools.build_meta import build_wheel; build_wheel(sys.argv[1])"
+    command = [sys.executable, "-W", "error", "-c", build, str(out)]
+    subprocess.run(command, cwd=source, check=True, capture_output=True)
+    (path,) = out.glob("*.whl")
+    assert path.stat().st_size < MOST_BYTES
+    with zipfile.ZipFile(path) as file:
+        yield file
+
+
+def test_it_holds_every_file_but_the_pictures_of_readmes(wheel: zipfile.ZipFile) -> None:
+    names = {name.removeprefix("keypose/") for name in wheel.namelist()}
+    shown = {f"sample_videos/{name}" for name in SHOWN}
+    assert {name for name in names if ".dist-info/" not in name} == sources() - shown
+
+
+def test_it_takes_no_name_that_it_does_not_say(wheel: zipfile.ZipFile) -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))
+    named = {name.split(".")[0] for name in project["tool"]["setuptools"]["packages"]}
+    tops = {name.split("/")[0] for name in wheel.namelist() if ".dist-info/" not in name}
+    assert tops == named
+
+
+def test_it_brings_the_command_and_the_licences(wheel: zipfile.ZipFile) -> None:
+    (info,) = {name.split("/")[0] for name in wheel.namelist() if ".dist-info/" in name}
+    assert "keypose = " in wheel.read(f"{info}/entry_points.txt").decode()
+    licences = {Path(name).name for name in wheel.namelist() if f"{info}/licenses/" in name}
+    assert licences == {"LICENSE", "NOTICE"}
