@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from app.export.motion_files import Sampling
     from tracker.geometry.rotations import Array
     from tracker.session import Session
+    from tracker.video.timecode import Timecode
 
 _EXAMPLES = """\
   keypose export session.json --format bvh --out motion
@@ -102,7 +103,7 @@ def run(arguments: argparse.Namespace) -> int:
     _require_bones(arguments)
     session = load_session(arguments.session)
     tracks = load_tracks(session, arguments.session)
-    recording = saved_motion(session, tracks, _times_s(session, arguments.session))
+    recording = saved_motion(session, tracks, *_clock(session, arguments.session))
     sampling = _sampling(arguments)
     files = {
         name: content
@@ -140,18 +141,19 @@ def _require_bones(arguments: argparse.Namespace) -> None:
         raise FormatError("--unit is for bvh: all other formats name their unit.")
 
 
-def _times_s(session: Session, session_path: Path) -> Array:
-    """The time of every frame; from the keyframes, with a word on it, when the video is gone."""
+def _clock(session: Session, session_path: Path) -> tuple[Array, Timecode | None]:
+    """The time of every frame, and the timecode; from the keyframes, with a word on it, when the
+    video is gone."""
     import numpy as np
 
     with video_if_there(session, session_path, "times are those between keyframes") as video:
         if video is not None:
-            return np.asarray(video.info.times_s)
+            return np.asarray(video.info.times_s), video.info.timecode
     stated = session.evidence.times_s()
     if stated is not None:
-        return stated
+        return stated, None
     frames = [keyframe.frame for keyframe in session.keyframes]
     times_s = [keyframe.time_s for keyframe in session.keyframes]
     if len(frames) < 2 or min(np.diff(times_s)) <= 0:
         raise FormatError("Without the video, two keyframes with ascending times are needed.")
-    return np.interp(np.arange(session.video.frame_count), frames, times_s)
+    return np.interp(np.arange(session.video.frame_count), frames, times_s), None

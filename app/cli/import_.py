@@ -17,6 +17,7 @@ from app.cli.arguments import (
     note,
     whole_number,
 )
+from app.cli.import_camera import add_camera, import_camera, require_no_other
 from app.cli.json_output import print_json
 from tracker.errors import FormatError
 from tracker.keypoints.layouts import LAYOUTS
@@ -41,11 +42,12 @@ _EXAMPLES = """\
   keypose import session.json walk.bvh
   keypose import session.json walk.trc --offset-frames 12 --names names.json
   keypose import session.json openpose/ --keypoints --frames 0,24,48
+  keypose import session.json shot.chan --camera
 """
 
 
 def add(commands: Subcommands) -> None:
-    summary = "Import a motion recorded elsewhere, or 2D keypoints"
+    summary = "Import a motion recorded elsewhere, 2D keypoints, or a camera"
     details = (
         "BVH, TRC, C3D or CSV: the motion is fitted to the session's body, aligned with its "
         "keyframes and saved as an initial guess, which tracking uses where it scores better "
@@ -93,6 +95,7 @@ def add(commands: Subcommands) -> None:
         type=whole_number(1),
         help=f"frames from one draft to the next; default: {EVERY}",
     )
+    add_camera(command)
     add_json(command)
 
 
@@ -100,11 +103,17 @@ def run(arguments: argparse.Namespace) -> int:
     from app.document.folder_lock import locked
     from tracker.storage.files import load_session, open_video_of
 
-    _require_of_a_kind(arguments)
-    motion = None if arguments.keypoints else _motion(arguments)
     path: Path = arguments.session
     # Reading it reports one that is not there.
-    with locked(path, "close it there first") if path.is_file() else nullcontext():
+    alone = locked(path, "close it there first") if path.is_file() else nullcontext()
+    if arguments.camera:
+        require_no_other(arguments, ("keypoints", *_MOTION, *_KEYPOINTS))
+        with alone:
+            import_camera(arguments)
+        return 0
+    _require_of_a_kind(arguments)
+    motion = None if arguments.keypoints else _motion(arguments)
+    with alone:
         session = load_session(arguments.session)
         with open_video_of(session, arguments.session) as video:
             info = video.info

@@ -16,7 +16,9 @@ from tracker.formats.units import FileUnit
 if TYPE_CHECKING:
     from tracker.formats.recording import Recording
 
-MotionFormat: TypeAlias = Literal["bvh", "glb", "usd", "trc", "c3d", "csv", "npz", "amass"]
+MotionFormat: TypeAlias = Literal[
+    "bvh", "glb", "usd", "trc", "c3d", "csv", "npz", "amass", "camera", "chan"
+]  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -116,6 +118,18 @@ def _amass(recording: Recording, _bones: Bones) -> Sequence[bytes]:
     return (amass(recording),)
 
 
+def _camera(recording: Recording, _bones: Bones) -> Sequence[str]:
+    from tracker.formats.camera_files import camera_json
+
+    return (camera_json(recording),)
+
+
+def _chan(recording: Recording, _bones: Bones) -> Sequence[str]:
+    from tracker.formats.camera_files import chan
+
+    return (chan(recording),)
+
+
 FORMATS: Final[Mapping[MotionFormat, Format]] = {
     "bvh": Format(
         "bones in motion for animation programs, metres unless --unit says another, degrees; y up, "
@@ -154,6 +168,15 @@ FORMATS: Final[Mapping[MotionFormat, Format]] = {
         "a person's poses of the SMPL-H body for motion research, as in AMASS, metres and radians; "
         "z up, on the floor",
         _amass, ("motion_poses.npz",), gaps=False,
+    ),
+    "camera": Format(
+        "the film's camera alone, for rotomation, as JSON, metres; y up, the floor at zero",
+        _camera, ("motion_camera.json",), "application/json", own_times=True,
+    ),
+    "chan": Format(
+        "the film's camera for Nuke, metres and degrees, rotation order ZXY; y up, the floor at "
+        "zero",
+        _chan, ("motion_camera.chan",), "text/plain", own_times=True,
     ),
 }  # fmt: skip
 

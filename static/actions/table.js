@@ -461,6 +461,8 @@ export const MOTION = {
   saveCsv: motion('csv', 'copy', 'joints, angles, verdicts'),
   saveNpz: motion('npz', 'quad', 'NumPy'),
   saveAmass: motion('amass', 'ghost', 'SMPL, motion research'),
+  saveCamera: { ...motion('camera', 'camcorder', 'rotomation, JSON'), label: 'Camera' },
+  saveChan: motion('chan', 'camcorder', 'the camera for Nuke'),
 };
 
 /** Why nothing can be done with a whole session: none is open, and none is meant. */

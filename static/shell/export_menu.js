@@ -52,7 +52,7 @@ function items() {
       menuItem(/** @type {keyof MOTION} */ (id), undefined, { right: reader, ...lacking(id) }),
     ),
     menuItem('saveAllMotion'),
-    menuItem('exportMotion', undefined, { right: 'frames, rate, filter' }),
+    menuItem('exportMotion', undefined, { right: 'rig, frames, rate' }),
     content(html`<div class="mtick">${actionBox('filterMotion', undefined, { role: 'menuitemcheckbox' })}</div>`),
     varying(),
     warning(),

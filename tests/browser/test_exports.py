@@ -67,6 +67,7 @@ def test_motion_with_options_waits_for_a_track_and_says_so(work: Desk) -> None:
     rig.click()
     work.page.get_by_role("option", name="Mixamo").click()
     until(lambda: "Mixamo" in rig.inner_text(), "the rig that was chosen")
-    sheet.get_by_role("button", name="CSV").click()
+    sheet.get_by_label("Format:").click()
+    work.page.get_by_role("option", name="CSV").click()
     until(lambda: rig.count() == 0, "a format without bones")
     work.page.keyboard.press("Escape")

@@ -6,6 +6,8 @@ Part frames are those of files whose y points up (`tracker.formats.axes`).
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from tracker.body.floor import floor_height, lowest_heights
@@ -29,6 +31,14 @@ def floor_from_camera(recording: Recording) -> Array:
     back = -_level(up)
     R = np.stack([np.cross(up, back), up, back])
     return transform(R, np.array([0.0, -_floor_m(recording), 0.0]))
+
+
+def with_floor(recording: Recording) -> Recording:
+    """The recording with its floor's height told, so that parts of it stand on the same floor;
+    itself where no frame is tracked."""
+    if recording.floor_m is not None or not recording.tracks.tracked.any():
+        return recording
+    return replace(recording, floor_m=_floor_m(recording))
 
 
 def parts_in_world(recording: Recording, T_world_camera: Array) -> Array:

@@ -5,8 +5,8 @@ origin below the camera. The bones (`tracker.formats.rigs`) are nodes below the 
 their rest pose; the body's solids are one mesh, each vertex on one bone. One animation turns every
 bone and moves the body. Its times count from the video's first frame; between two of them
 programs turn
-each bone about one axis, the shorter way. The animation's `extras` say its rate and frames and,
-where the motion was low-pass filtered, the cut-off.
+each bone about one axis, the shorter way. The animation's `extras` say its rate, its frames,
+the film's timecode and, where the motion was low-pass filtered, the cut-off.
 
 The film's camera is the node "camera". glTF knows the angle it sees, but no principal point beside
 the middle and no distortion: the exact numbers are in the camera's `extras`. A telephoto lens is an
@@ -152,6 +152,8 @@ def _facts(recording: Recording) -> dict[str, Any]:
     facts: dict[str, Any] = {"first_frame": recording.frames[0], "frame_count": len(recording)}
     if recording.is_even and recording.rate is not None:
         facts["frames_per_second"] = round(recording.rate, 9)
+    if recording.timecode is not None:
+        facts["timecode_of_frame_0"] = str(recording.timecode)
     if recording.filter_hz is not None:
         facts["low_pass_filter_hz"] = recording.filter_hz
     return facts
