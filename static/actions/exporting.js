@@ -34,7 +34,9 @@ export const RIGS = {
 };
 
 /** The units as of `tracker/formats/units.py`. */
-export const UNITS = { m: 'Metres, for Blender', cm: 'Centimetres, for MotionBuilder, Maya, Daz', in: 'Inches' };
+export const UNITS = {
+  m: { label: 'Metres', note: 'Blender' }, cm: { label: 'Centimetres', note: 'MotionBuilder, Maya, Daz' }, in: { label: 'Inches', note: '' },
+};
 
 /** What the dialog starts with. @returns {Options} */
 export function usualOptions() {

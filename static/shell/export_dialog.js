@@ -153,7 +153,7 @@ function units({ format, unit }) {
   if (format !== 'all' && format !== 'bvh') return nothing;
   return field('Unit', dropdown({
     label: 'Unit', value: unit, kind: 'field', act: (id) => change({ unit: id }),
-    options: Object.entries(UNITS).map(([id, label]) => ({ id, label })),
+    options: Object.entries(UNITS).map(([id, words]) => ({ id, ...words })),
   }), format === 'all' ? 'of BVH' : '');
 }
 

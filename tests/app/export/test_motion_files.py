@@ -93,7 +93,7 @@ def test_poses_of_a_person_are_refused_for_another_body_by_both_doors(
 def test_the_page_offers_every_format_and_unit() -> None:
     offered = (STATIC / "actions" / "exporting.js").read_text("utf-8")
     for name in FILE_UNITS:
-        assert re.search(rf"\b{name}: '", offered)
+        assert re.search(rf"\b{name}: {{ label: ", offered)
     table = (STATIC / "actions" / "table.js").read_text("utf-8")
     assert re.findall(r"\bmotion\('(\w+)'", table) == list(FORMATS)
     rigged = re.findall(r"motion\('(\w+)'.*rigged: true", table)
