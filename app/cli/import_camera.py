@@ -29,8 +29,9 @@ def require_no_other(arguments: argparse.Namespace, names: tuple[str, ...]) -> N
 
 def import_camera(arguments: argparse.Namespace) -> None:
     """Read the file into the session, which nobody else has open, and say what changed."""
-    from app.export.import_camera import turned_deg, with_camera_file
+    from app.export.import_camera import SAME_DEG, turned_deg, with_camera_file
     from tracker.formats.reading_camera import load_camera
+    from tracker.formats.recording import CAMERA_UP
     from tracker.storage.files import load_session, save_session
 
     path: Path = arguments.session
@@ -38,15 +39,15 @@ def import_camera(arguments: argparse.Namespace) -> None:
     found = load_camera(arguments.file, (session.camera.width, session.camera.height))
     made = with_camera_file(session, found)
     save_session(made, path)
-    camera, up = made.camera, turned_deg(session, made)
+    camera, turned = made.camera, turned_deg(session, made)
     across = 2 * math.degrees(math.atan(camera.width / 2 / camera.fx))
     if arguments.json:
         facts = {"fx": camera.fx, "fy": camera.fy, "cx": camera.cx, "cy": camera.cy}
-        up_camera, floor = list(made.up_camera or ()), made.floor_m
-        print_json({"written": str(path), **facts, "up_camera": up_camera, "floor_m": floor})
+        up = list(made.up_camera or CAMERA_UP)
+        print_json({"written": str(path), **facts, "up_camera": up, "floor_m": made.floor_m})
         return
     print(f"Lens: {camera.focal_mm:.1f} mm on 35 mm film, {across:.1f}° across.")
-    print(f"Up: turned by {up:.1f}°." if up > 0.01 else "Up: as it was.")
+    print(f"Up: turned by {turned:.1f}°." if turned > SAME_DEG else "Up: as it was.")
     if found.floor_m is not None and made.floor_m is not None:
         print(f"Floor: {-made.floor_m:.2f} m below the camera.")
     print(f"Written: {path}")

@@ -7,9 +7,12 @@ import numpy as np
 from app.editor.documents import moved_away, require_sound
 from tracker.body.skeleton import Skeleton
 from tracker.formats.reading_camera import CameraFile
+from tracker.formats.recording import CAMERA_UP
 from tracker.session.schema import Session
 
 DECIMALS = 6
+SAME_DEG, SAME_M = 1e-3, 1e-4
+"""What a file's rounding may change: the session then keeps its own, and tracked motion its key."""
 LEAST_FLOOR_M = 0.05
 """The floor lies at least this far above or below the camera."""
 
@@ -18,17 +21,22 @@ def with_camera_file(session: Session, found: CameraFile) -> Session:
     """The session with that camera.
 
     What was posed keeps its place in the picture as far as the focal length goes: a longer lens
-    shows it as large as before from farther away. Refused where that cannot be.
+    shows it as large as before from farther away. What is as it was stays, so that a camera that
+    comes back unchanged outdates no motion. Refused where that cannot be.
     """
     old, new = session.camera, found.camera
     telephoto = {old.projection, new.projection} != {"perspective"}
     farther = 1.0 if telephoto else new.fx / old.fx
     x, y, z = (round(float(v), DECIMALS) + 0.0 for v in found.up_camera)
-    update = {"camera": new, "lens_source": "calibration", "up_camera": (x, y, z)}
-    if found.floor_m is not None and abs(found.floor_m) >= LEAST_FLOOR_M:
-        update["floor_m"] = round(found.floor_m, DECIMALS)
-    update["up_from_feet"] = False
-    seen = session.model_copy(update=update)
+    seen = session.model_copy(update={"lens_source": "calibration", "camera": new})
+    if new.model_copy(update={"origin": old.origin}) == old:
+        seen = seen.model_copy(update={"camera": old})
+    turned = seen.model_copy(update={"up_camera": (x, y, z), "up_from_feet": False})
+    if turned_deg(session, turned) > SAME_DEG:
+        seen = turned
+    floor_m = found.floor_m
+    if floor_m is not None and abs(floor_m) >= LEAST_FLOOR_M and not _is_near(floor_m, session):
+        seen = seen.model_copy(update={"floor_m": round(floor_m, DECIMALS)})
     made = moved_away(seen, Skeleton.of(session.body), farther)
     require_sound(session, made, "import the camera")
     return made
@@ -36,6 +44,10 @@ def with_camera_file(session: Session, found: CameraFile) -> Session:
 
 def turned_deg(session: Session, made: Session) -> float:
     """By how much what is up has changed, degrees."""
-    before, after = (np.array(s.up_camera or (0.0, -1.0, 0.0)) for s in (session, made))
+    before, after = (np.array(s.up_camera or CAMERA_UP) for s in (session, made))
     cosine = before @ after / np.linalg.norm(before) / np.linalg.norm(after)
     return float(np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0))))
+
+
+def _is_near(floor_m: float, session: Session) -> bool:
+    return session.floor_m is not None and abs(session.floor_m - floor_m) < SAME_M

@@ -15,7 +15,10 @@ JSON:
     focal_35mm              of the lens that shows as much on 35 mm film, millimetres
     T_world_camera          4×4, rows; its camera looks along +z, x right, y down
     floor_m                 height of the floor in that world: 0
-    first_frame, last_frame, frames_per_second   of the motion that was exported with it
+    first_frame, last_frame of the motion that was exported with it, by frames_per_second, from
+                            the film's first frame, which is 0
+    film_frames             the same as frames of the film: others where the motion was given a rate
+                            of its own
     timecode_of_frame_0     where the film tells it
 
 .chan: a line for every frame, with numbers between tabs: the frame's number in the film, from 0;
@@ -59,6 +62,7 @@ def camera_json(recording: Recording) -> str:
         "floor_m": 0.0,
         "first_frame": recording.frames[0],
         "last_frame": recording.frames[-1],
+        "film_frames": recording.film_frames[[0, -1]].round(4).tolist(),
     }
     if camera.telephoto_distance_m is not None:
         said["telephoto_distance_m"] = camera.telephoto_distance_m

@@ -41,6 +41,10 @@ from tracker.geometry.rotations import Array, quaternion_wxyz
 NEAR_M, FAR_M = 0.01, 1000.0
 """Programs draw nothing that is nearer to the camera, or farther where it must be said."""
 
+TURN = np.append(FLIP, 1.0)
+"""From the camera frame to glTF's, which looks along −z with y up: the same columns, two reversed.
+"""
+
 Node = dict[str, Any]
 
 
@@ -80,11 +84,6 @@ def glb(
         "animations": [_animation(recording, rig, T_world_camera, numbers)],
     }
     return numbers.file(document | _vrm_animation(rig))
-
-
-TURN = np.append(FLIP, 1.0)
-"""From the camera frame to glTF's, which looks along −z with y up: the same columns, two reversed.
-"""
 
 
 def _bone_nodes(rig: Rig) -> list[Node]:
@@ -149,7 +148,10 @@ def _animation(
 
 def _facts(recording: Recording) -> dict[str, Any]:
     """What the animation says of itself."""
-    facts: dict[str, Any] = {"first_frame": recording.frames[0], "frame_count": len(recording)}
+    film = recording.film_frames[[0, -1]].round(4).tolist()
+    facts: dict[str, Any] = {
+        "first_frame": recording.frames[0], "frame_count": len(recording), "film_frames": film
+    }  # fmt: skip
     if recording.is_even and recording.rate is not None:
         facts["frames_per_second"] = round(recording.rate, 9)
     if recording.timecode is not None:

@@ -61,7 +61,7 @@ def test_what_was_posed_is_seen_as_large_as_before(path: Path) -> None:
         np.testing.assert_allclose(*places, atol=1e-6)
 
 
-def test_the_camera_that_was_exported_changes_nothing(path: Path, tmp_path: Path) -> None:
+def test_the_camera_that_was_exported_outdates_nothing(path: Path, tmp_path: Path) -> None:
     from tests.app import results_cases
     from tracker.storage.results import save_results
 
@@ -75,12 +75,7 @@ def test_the_camera_that_was_exported_changes_nothing(path: Path, tmp_path: Path
     for name in ("motion_camera.json", "motion.glb"):
         assert main(["import", str(path), str(out / name), "--camera"]) == 0
         made = load_session(path)
-        assert made.camera.model_dump(exclude={"origin"}) == before.camera.model_dump(
-            exclude={"origin"}
-        )
-        assert made.keyframes == before.keyframes
-        assert made.floor_m == pytest.approx(-1.0, abs=1e-5)
-        np.testing.assert_allclose(made.up_camera, [0, -1, 0], atol=1e-6)
+        assert made.model_copy(update={"lens_source": before.lens_source}) == before
 
 
 def test_json_tells_what_was_set(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
