@@ -1,5 +1,6 @@
-"""The motion as USD (Universal Scene Description), written by usd-core, which
-whoever imports this module has installed.
+"""The motion as USD (Universal Scene Description), written by usd-core.
+
+That is an extra: who imports this module has it installed.
 
 A stage in metres, y up, in the world of the floor (`tracker.formats.floor_world`). A time code is a
 frame of the video, `timeCodesPerSecond` its rate; between two of them programs turn each bone about
@@ -14,7 +15,8 @@ one axis, the shorter way. The default prim, called as the body, holds
 
 and beside it stands Camera, the film's, with its principal point and without its distortion; its
 film back is 36 mm wide. A telephoto lens is an orthographic camera. Names that USD cannot have in a
-path are bent there, and whole in the skeleton's `jointNames`.
+path are bent there, and whole in the skeleton's `jointNames`. The layer's custom data name the rig
+and, where the motion was low-pass filtered, the cut-off.
 """
 
 from __future__ import annotations
@@ -72,6 +74,7 @@ def usd(
     stage.SetFramesPerSecond(rate)
     stage.SetStartTimeCode(whole.frames[0])
     stage.SetEndTimeCode(whole.frames[-1])
+    stage.GetRootLayer().customLayerData = _facts(whole, rig)
     (body,) = _identifiers([whole.skeleton.body.name])
     _put_body(stage, f"/{body}", whole, rig, T_world_camera, (sides, colours))
     _put_camera(stage, "/Camera" if body != "Camera" else "/Camera_", whole.camera, T_world_camera)
@@ -80,6 +83,14 @@ def usd(
         path = Path(folder) / "motion.usd"
         stage.GetRootLayer().Export(str(path))
         return path.read_bytes()
+
+
+def _facts(recording: Recording, rig: Rig) -> dict[str, Any]:
+    """What the file says of itself."""
+    filtered = recording.filter_hz
+    return {"generator": "Keypose", "rig": rig.name} | (
+        {} if filtered is None else {"low_pass_filter_hz": filtered}
+    )
 
 
 def _identifiers(names: Sequence[str]) -> tuple[str, ...]:
